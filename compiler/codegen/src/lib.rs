@@ -1,0 +1,1 @@
+//! SSA IR to machine code, in an object file or in memory; the only crate that names Cranelift.

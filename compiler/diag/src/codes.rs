@@ -1,0 +1,106 @@
+//! The table of diagnostic codes. A code is never used again for something else.
+//!
+//! `P01xx` reading and tokens, `P02xx` syntax, `P03xx` names and blocks, `P04xx` types and addresses, `P05xx` statements,
+//! `P06xx` project and station, `P07xx` tests. Each has a page in `pages/`, printed by `plcc explain`.
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Severity {
+    Warning,
+    Error,
+}
+
+macro_rules! codes {
+    ($( $variant:ident = $code:literal $severity:ident $title:literal ; )*) => {
+        /// A diagnostic code.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Code { $( #[doc = $title] $variant ),* }
+
+        impl Code {
+            pub const ALL: &'static [Code] = &[ $(Code::$variant),* ];
+
+            /// `P0203`.
+            pub const fn name(self) -> &'static str {
+                match self { $(Code::$variant => $code),* }
+            }
+
+            /// Short name of the problem, the heading of its page.
+            pub const fn title(self) -> &'static str {
+                match self { $(Code::$variant => $title),* }
+            }
+
+            pub const fn severity(self) -> Severity {
+                match self { $(Code::$variant => Severity::$severity),* }
+            }
+
+            pub fn from_name(name: &str) -> Option<Code> {
+                Code::ALL.iter().copied().find(|code| code.name().eq_ignore_ascii_case(name))
+            }
+        }
+    };
+}
+
+codes! {
+    UnexpectedCharacter = "P0101" Error "a character that no statement can hold";
+    UnterminatedText = "P0102" Error "a text or symbol that is not closed on its line";
+    BadLiteral = "P0103" Error "a constant that is not written as STEP 7 writes it";
+    LiteralRange = "P0104" Error "a constant outside the range of its type";
+    BlockComment = "P0105" Warning "a comment in (* *), which STL does not have";
+    BlanksInLiteral = "P0106" Warning "blanks inside a constant";
+    TemplateMarker = "P0107" Error "a marker of a template that was never filled in";
+    MixedMnemonics = "P0108" Error "mnemonics of both sets in one file";
+    Syntax = "P0201" Error "a statement that is not built as STL is";
+    UnknownInstruction = "P0202" Error "an instruction that STL does not have";
+    OperandKind = "P0203" Error "an operand that does not fit its instruction";
+    MissingOperand = "P0204" Error "an instruction without its operand";
+    SurplusOperand = "P0205" Error "an operand at an instruction that takes none";
+    BlockFrame = "P0206" Error "a block that is not framed correctly";
+    ForeignLanguage = "P0207" Error "statements of another language in a statement list";
+    AssignSign = "P0208" Error "`=` where a parameter is assigned with `:=`";
+    DeclarationSyntax = "P0209" Error "a declaration that is not built as STEP 7 wants it";
+    NotASource = "P0210" Error "a file that holds no PLC source";
+    UnknownSymbol = "P0301" Error "a symbol that no table and no block defines";
+    UnknownBlock = "P0302" Error "a block that is called and not defined";
+    NotShipped = "P0303" Error "a system block that plcc does not have";
+    DuplicateBlock = "P0304" Error "a block that is defined twice";
+    DuplicateName = "P0305" Error "a name that is declared twice";
+    UnknownLocal = "P0306" Error "a local name that the block does not declare";
+    UnknownMember = "P0307" Error "a component that the structure does not have";
+    UnknownLabel = "P0308" Error "a jump to a label that the block does not have";
+    DuplicateLabel = "P0309" Error "a label that stands twice in a block";
+    SymbolTable = "P0310" Error "a line of a symbol table that cannot be read";
+    UnknownParameter = "P0311" Error "a parameter that the block does not have";
+    MissingParameter = "P0312" Error "a parameter that the call leaves out";
+    DuplicateParameter = "P0313" Error "a parameter that the call gives twice";
+    NoMainBlock = "P0314" Error "a program without OB 1";
+    UnknownType = "P0315" Error "a data type that nothing defines";
+    DbMissing = "P0316" Warning "a data block that the program does not define";
+    NoBlockFits = "P0317" Error "an instance data block of another function block";
+    RecursiveType = "P0318" Error "a data type that contains itself";
+    TypeMismatch = "P0401" Error "an actual parameter of another type";
+    ConstantRequired = "P0402" Error "a place where a constant must stand";
+    ArrayIndex = "P0403" Error "an index outside the bounds of its array";
+    InitialValue = "P0404" Error "an initial value that the declaration cannot have";
+    AddressRange = "P0405" Error "an address outside its area";
+    CpuLimit = "P0406" Warning "more than the CPU has";
+    DbRange = "P0407" Warning "an address behind the end of its data block";
+    WidthMismatch = "P0408" Error "an access of another width than the variable";
+    LayoutTooLarge = "P0409" Error "a structure that is too large";
+    SectionNotAllowed = "P0410" Error "a declaration section that the block kind cannot have";
+    Protected = "P0411" Error "a place that cannot be written";
+    MissingPointer = "P0412" Warning "a parameter that must point somewhere is never supplied";
+    Nesting = "P0501" Error "parentheses that do not match";
+    JumpIntoNesting = "P0502" Error "a jump into or out of parentheses";
+    JumpList = "P0503" Error "a jump list that is not built as `JL` wants it";
+    ShiftCount = "P0504" Error "a shift count that the instruction does not have";
+    CpuInstruction = "P0505" Error "an instruction that this CPU does not have";
+    LabelWithoutStatement = "P0506" Error "a label with no instruction behind it";
+    EdgeBitLocal = "P0507" Warning "an edge memory bit in local data";
+    CallInMcrZone = "P0508" Warning "a call with parameters inside an MCR zone";
+    OverlappingActuals = "P0509" Warning "actual parameters that overlap";
+    Project = "P0601" Error "a project file that cannot be used";
+    UnknownCpu = "P0602" Error "a CPU that plcc does not know";
+    Unreadable = "P0603" Error "a file that cannot be read";
+    Pragma = "P0701" Error "an assertion pragma that cannot be understood";
+    AssertionNotReached = "P0702" Error "an assertion that was never executed";
+}

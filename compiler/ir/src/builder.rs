@@ -1,0 +1,596 @@
+//! Builds a function in SSA form.
+//!
+//! The caller declares variables and writes and reads them; the builder turns them into values and block parameters
+//! (Braun et al., "Simple and efficient construction of static single assignment form", 2013): a read in a block
+//! with several predecessors makes a parameter, which is removed again if all predecessors bring the same value.
+//! A block is *sealed* when all its predecessors are known.
+//!
+//! Operations on constants are folded as they are built: most of the virtual CPU's state is known at compile time,
+//! and instructions that need not exist need not be removed.
+
+use plcc_abi::functions::Effect;
+use plcc_abi::{RuntimeFn, Type};
+
+use crate::entities::{Block, Entity, EntityVec, FuncId, Inst, Loc, Value, Var};
+use crate::eval;
+use crate::function::{Function, ValueDef};
+use crate::instructions::{Address, BinaryOp, BlockCall, ConvertOp, FloatCc, InstData, IntCc, Region, UnaryOp};
+
+/// State of a block while the function is built.
+#[derive(Default)]
+struct BlockState {
+    predecessors: Vec<Block>,
+    sealed: bool,
+    /// Current value of each variable at the end of the block as built so far.
+    current: Vec<Option<Value>>,
+    /// Parameters made by reads before the block was sealed.
+    incomplete: Vec<(Var, Value)>,
+}
+
+/// Builds one function; see the module comment.
+pub struct FunctionBuilder {
+    function: Function,
+    vars: EntityVec<Var, Type>,
+    states: EntityVec<Block, BlockState>,
+    block: Option<Block>,
+    loc: Loc,
+}
+
+impl FunctionBuilder {
+    /// A builder for a function with parameters `params`; the current block is its sealed entry.
+    pub fn new(name: impl Into<String>, params: &[Type], returns: &[Type]) -> FunctionBuilder {
+        let mut function = Function::new(name);
+        function.returns = returns.to_vec();
+        let mut builder =
+            FunctionBuilder { function, vars: EntityVec::new(), states: EntityVec::new(), block: None, loc: Loc(0) };
+        let entry = builder.create_block();
+        for &ty in params {
+            builder.function.add_param(entry, ty);
+        }
+        builder.seal_block(entry);
+        builder.block = Some(entry);
+        builder
+    }
+
+    /// Ends building. Every block is sealed and ends with a terminator.
+    pub fn finish(mut self) -> Function {
+        for block in self.function.layout.clone() {
+            debug_assert!(self.states[block].sealed, "{block} of {} is not sealed", self.function.name);
+            debug_assert!(self.function.terminator(block).is_some(), "{block} of {} has no end", self.function.name);
+        }
+        self.function.resolve_aliases();
+        self.function
+    }
+
+    pub fn function(&self) -> &Function {
+        &self.function
+    }
+
+    pub fn set_frame_bytes(&mut self, bytes: u32) {
+        self.function.frame_bytes = bytes;
+    }
+
+    /// Parameter `index` of the function.
+    pub fn param(&self, index: usize) -> Value {
+        self.function.blocks[self.function.entry()].params[index]
+    }
+
+    /// Source place of the instructions built from now on.
+    pub fn set_loc(&mut self, loc: Loc) {
+        self.loc = loc;
+    }
+
+    // Blocks.
+
+    pub fn create_block(&mut self) -> Block {
+        let block = self.function.add_block();
+        self.states.push(BlockState::default());
+        block
+    }
+
+    /// A block for faults and other rare paths; it is laid out at the end.
+    pub fn create_cold_block(&mut self) -> Block {
+        let block = self.create_block();
+        self.function.blocks[block].cold = true;
+        block
+    }
+
+    /// Appends a parameter that every jump to `block` must supply.
+    pub fn append_param(&mut self, block: Block, ty: Type) -> Value {
+        self.function.add_param(block, ty)
+    }
+
+    /// Instructions built from now on go to the end of `block`.
+    pub fn switch_to(&mut self, block: Block) {
+        self.block = Some(block);
+    }
+
+    /// The block that is being filled; none after a terminator.
+    pub fn current_block(&self) -> Option<Block> {
+        self.block
+    }
+
+    /// True if code built now can be reached: there is a current block.
+    pub fn is_reachable(&self) -> bool {
+        self.block.is_some()
+    }
+
+    /// Says that all jumps to `block` have been built.
+    pub fn seal_block(&mut self, block: Block) {
+        if self.states[block].sealed {
+            return;
+        }
+        for (var, param) in std::mem::take(&mut self.states[block].incomplete) {
+            self.add_param_operands(var, block, param);
+        }
+        self.states[block].sealed = true;
+    }
+
+    // Variables.
+
+    pub fn declare_var(&mut self, ty: Type) -> Var {
+        self.vars.push(ty)
+    }
+
+    pub fn def_var(&mut self, var: Var, value: Value) {
+        let block = self.block.expect("a variable is written inside a block");
+        debug_assert_eq!(self.vars[var], self.function.ty(value), "type of {var}");
+        self.write_var(var, block, value);
+    }
+
+    pub fn use_var(&mut self, var: Var) -> Value {
+        let block = self.block.expect("a variable is read inside a block");
+        self.read_var(var, block)
+    }
+
+    fn write_var(&mut self, var: Var, block: Block, value: Value) {
+        let current = &mut self.states[block].current;
+        if current.len() <= var.index() {
+            current.resize(var.index() + 1, None);
+        }
+        current[var.index()] = Some(value);
+    }
+
+    fn known_var(&self, var: Var, block: Block) -> Option<Value> {
+        self.states[block].current.get(var.index()).copied().flatten().map(|value| self.function.resolve(value))
+    }
+
+    /// Value of `var` at the end of `block`. Chains of single predecessors are walked in a loop, since blocks can
+    /// have thousands of them in a row.
+    fn read_var(&mut self, var: Var, block: Block) -> Value {
+        let mut chain = Vec::new();
+        let mut at = block;
+        let value = loop {
+            if let Some(value) = self.known_var(var, at) {
+                break value;
+            }
+            let state = &self.states[at];
+            if !state.sealed {
+                let param = self.function.add_param(at, self.vars[var]);
+                self.states[at].incomplete.push((var, param));
+                break param;
+            }
+            match state.predecessors[..] {
+                // Never written, or unreachable: 0.
+                [] => break self.zero_at_start(var, at),
+                [only] => {
+                    chain.push(at);
+                    at = only;
+                }
+                _ => {
+                    let param = self.function.add_param(at, self.vars[var]);
+                    // Before the operands are read, so that a loop finds it.
+                    self.write_var(var, at, param);
+                    break self.add_param_operands(var, at, param);
+                }
+            }
+        };
+        self.write_var(var, at, value);
+        for block in chain {
+            self.write_var(var, block, value);
+        }
+        value
+    }
+
+    fn zero_at_start(&mut self, var: Var, block: Block) -> Value {
+        let inst = self.function.make_inst(InstData::Const { bits: 0 }, &[self.vars[var]], Loc(0));
+        self.function.blocks[block].insts.insert(0, inst);
+        self.function.result(inst)
+    }
+
+    /// Gives every jump to `block` the value of `var` for `param`; returns `param` or the one value it stands for.
+    fn add_param_operands(&mut self, var: Var, block: Block, param: Value) -> Value {
+        let predecessors = self.states[block].predecessors.clone();
+        let operands: Vec<Value> = predecessors.iter().map(|&pred| self.read_var(var, pred)).collect();
+        let mut same = None;
+        for &operand in &operands {
+            let operand = self.function.resolve(operand);
+            if operand == param || Some(operand) == same {
+                continue;
+            }
+            // Equal constants need no parameter.
+            if let (Some(known), Some(bits)) = (same, self.function.constant(operand))
+                && self.function.constant(known) == Some(bits)
+            {
+                continue;
+            }
+            if same.is_some() {
+                self.append_operands(block, param, &predecessors, &operands);
+                return param;
+            }
+            same = Some(operand);
+        }
+        let replacement = match same {
+            Some(value) => match self.function.constant(value) {
+                // A constant of one predecessor does not dominate this block.
+                Some(bits) => self.constant_at_start(block, self.vars[var], bits),
+                None => value,
+            },
+            None => self.zero_at_start(var, block),
+        };
+        let params = &mut self.function.blocks[block].params;
+        let position = params.iter().position(|&p| p == param).expect("the parameter is the block's");
+        params.remove(position);
+        self.renumber_params(block);
+        self.function.replace_value(param, replacement);
+        replacement
+    }
+
+    fn constant_at_start(&mut self, block: Block, ty: Type, bits: u64) -> Value {
+        let inst = self.function.make_inst(InstData::Const { bits }, &[ty], Loc(0));
+        self.function.blocks[block].insts.insert(0, inst);
+        self.function.result(inst)
+    }
+
+    fn renumber_params(&mut self, block: Block) {
+        for (index, param) in self.function.blocks[block].params.clone().into_iter().enumerate() {
+            self.function.values[param].def = ValueDef::Param(block, index as u32);
+        }
+    }
+
+    /// Appends the operand of `param` to the jumps of `predecessors`. A predecessor that jumps to `block` twice stands
+    /// twice in the list; each of its jumps gets one operand.
+    fn append_operands(&mut self, block: Block, param: Value, predecessors: &[Block], operands: &[Value]) {
+        // Operands are in the order of the parameters; this one's place is where it stands now, and parameters whose
+        // operands are still missing stand behind it or have none yet.
+        let position = self.function.blocks[block].params.iter().position(|&p| p == param).expect("own parameter");
+        for (&pred, &operand) in predecessors.iter().zip(operands) {
+            let inst = self.function.terminator(pred).expect("a predecessor ends with a jump");
+            let mut targets = self.function.insts[inst].targets_mut();
+            let call = targets
+                .iter_mut()
+                .find(|call| call.block == block && call.args.len() <= position)
+                .expect("a predecessor jumps here");
+            debug_assert_eq!(call.args.len(), position, "operands are added in the order of the parameters");
+            call.args.push(operand);
+        }
+    }
+}
+
+/// Instructions. Each method appends one to the current block unless it folds to a known value.
+impl FunctionBuilder {
+    fn push(&mut self, data: InstData, results: &[Type]) -> Inst {
+        let block = self.block.expect("an instruction is built inside a block");
+        let inst = self.function.make_inst(data, results, self.loc);
+        self.function.blocks[block].insts.push(inst);
+        inst
+    }
+
+    fn push_value(&mut self, data: InstData, ty: Type) -> Value {
+        let inst = self.push(data, &[ty]);
+        self.function.result(inst)
+    }
+
+    fn terminate(&mut self, data: InstData) {
+        let block = self.block.expect("a terminator is built inside a block");
+        for target in data.targets() {
+            debug_assert!(!self.states[target.block].sealed, "{} is sealed, no jump can be added", target.block);
+            self.states[target.block].predecessors.push(block);
+        }
+        self.push(data, &[]);
+        self.block = None;
+    }
+
+    pub fn ty(&self, value: Value) -> Type {
+        self.function.ty(value)
+    }
+
+    /// The bits of `value` if it is a constant.
+    pub fn constant_bits(&self, value: Value) -> Option<u64> {
+        self.function.constant(value)
+    }
+
+    /// An integer constant; `value` is cut to the width of `ty`.
+    pub fn iconst(&mut self, ty: Type, value: i64) -> Value {
+        self.push_value(InstData::Const { bits: eval::mask(ty, value as u64) }, ty)
+    }
+
+    /// An i1 constant.
+    pub fn bool_const(&mut self, value: bool) -> Value {
+        self.iconst(Type::I1, i64::from(value))
+    }
+
+    pub fn i32_const(&mut self, value: u32) -> Value {
+        self.iconst(Type::I32, i64::from(value))
+    }
+
+    pub fn f32_const(&mut self, value: f32) -> Value {
+        self.push_value(InstData::Const { bits: u64::from(value.to_bits()) }, Type::F32)
+    }
+
+    pub fn unary(&mut self, op: UnaryOp, arg: Value) -> Value {
+        let ty = self.ty(arg);
+        match self.constant_bits(arg) {
+            Some(bits) => self.push_value(InstData::Const { bits: eval::mask(ty, eval::unary(op, ty, bits)) }, ty),
+            None => self.push_value(InstData::Unary { op, arg }, ty),
+        }
+    }
+
+    pub fn binary(&mut self, op: BinaryOp, a: Value, b: Value) -> Value {
+        let ty = self.ty(a);
+        debug_assert_eq!(ty, self.ty(b), "operands of {}", op.name());
+        let (ca, cb) = (self.constant_bits(a), self.constant_bits(b));
+        if let (Some(ca), Some(cb)) = (ca, cb)
+            && let Some(bits) = eval::binary(op, ty, ca, cb)
+        {
+            return self.push_value(InstData::Const { bits }, ty);
+        }
+        if let Some(value) = self.binary_identity(op, ty, (a, ca), (b, cb)) {
+            return value;
+        }
+        self.push_value(InstData::Binary { op, args: [a, b] }, ty)
+    }
+
+    /// `a op b` where it is one of the two or a constant.
+    fn binary_identity(
+        &mut self,
+        op: BinaryOp,
+        ty: Type,
+        (a, ca): (Value, Option<u64>),
+        (b, cb): (Value, Option<u64>),
+    ) -> Option<Value> {
+        let all = eval::mask(ty, u64::MAX);
+        match op {
+            BinaryOp::And => match (ca, cb) {
+                (Some(bits), _) if bits == all => Some(b),
+                (_, Some(bits)) if bits == all => Some(a),
+                (Some(0), _) => Some(a),
+                (_, Some(0)) => Some(b),
+                _ => (a == b).then_some(a),
+            },
+            BinaryOp::Or => match (ca, cb) {
+                (Some(0), _) => Some(b),
+                (_, Some(0)) => Some(a),
+                (Some(bits), _) if bits == all => Some(a),
+                (_, Some(bits)) if bits == all => Some(b),
+                _ => (a == b).then_some(a),
+            },
+            BinaryOp::Xor => match (ca, cb) {
+                (Some(0), _) => Some(b),
+                (_, Some(0)) => Some(a),
+                _ if a == b => Some(self.iconst(ty, 0)),
+                _ => None,
+            },
+            BinaryOp::Iadd => match (ca, cb) {
+                (Some(0), _) => Some(b),
+                (_, Some(0)) => Some(a),
+                _ => None,
+            },
+            BinaryOp::Isub | BinaryOp::Shl | BinaryOp::Lshr | BinaryOp::Ashr | BinaryOp::Rotl | BinaryOp::Rotr => {
+                (cb == Some(0)).then_some(a)
+            }
+            BinaryOp::Imul
+            | BinaryOp::Sdiv
+            | BinaryOp::Srem
+            | BinaryOp::Fadd
+            | BinaryOp::Fsub
+            | BinaryOp::Fmul
+            | BinaryOp::Fdiv => None,
+        }
+    }
+
+    pub fn iadd(&mut self, a: Value, b: Value) -> Value {
+        self.binary(BinaryOp::Iadd, a, b)
+    }
+
+    pub fn isub(&mut self, a: Value, b: Value) -> Value {
+        self.binary(BinaryOp::Isub, a, b)
+    }
+
+    pub fn and(&mut self, a: Value, b: Value) -> Value {
+        self.binary(BinaryOp::And, a, b)
+    }
+
+    pub fn or(&mut self, a: Value, b: Value) -> Value {
+        self.binary(BinaryOp::Or, a, b)
+    }
+
+    pub fn xor(&mut self, a: Value, b: Value) -> Value {
+        self.binary(BinaryOp::Xor, a, b)
+    }
+
+    /// One's complement; of an i1 its negation.
+    pub fn not(&mut self, a: Value) -> Value {
+        let ones = self.iconst(self.ty(a), -1);
+        self.xor(a, ones)
+    }
+
+    /// `a op imm`.
+    pub fn binary_imm(&mut self, op: BinaryOp, a: Value, imm: i64) -> Value {
+        let b = self.iconst(self.ty(a), imm);
+        self.binary(op, a, b)
+    }
+
+    pub fn icmp(&mut self, cc: IntCc, a: Value, b: Value) -> Value {
+        let ty = self.ty(a);
+        debug_assert_eq!(ty, self.ty(b), "operands of a comparison");
+        if let (Some(ca), Some(cb)) = (self.constant_bits(a), self.constant_bits(b)) {
+            return self.bool_const(eval::int_compare(cc, ty, ca, cb));
+        }
+        self.push_value(InstData::IntCompare { cc, args: [a, b] }, Type::I1)
+    }
+
+    pub fn icmp_imm(&mut self, cc: IntCc, a: Value, imm: i64) -> Value {
+        let b = self.iconst(self.ty(a), imm);
+        self.icmp(cc, a, b)
+    }
+
+    pub fn fcmp(&mut self, cc: FloatCc, a: Value, b: Value) -> Value {
+        let ty = self.ty(a);
+        if let (Some(ca), Some(cb)) = (self.constant_bits(a), self.constant_bits(b)) {
+            return self.bool_const(eval::float_compare(cc, ty, ca, cb));
+        }
+        self.push_value(InstData::FloatCompare { cc, args: [a, b] }, Type::I1)
+    }
+
+    /// Converts `arg` to `to`; the value itself if it has that type.
+    pub fn convert(&mut self, op: ConvertOp, to: Type, arg: Value) -> Value {
+        let from = self.ty(arg);
+        if from == to {
+            return arg;
+        }
+        match self.constant_bits(arg) {
+            Some(bits) => self.push_value(InstData::Const { bits: eval::convert(op, from, to, bits) }, to),
+            None => self.push_value(InstData::Convert { op, arg }, to),
+        }
+    }
+
+    pub fn zext(&mut self, to: Type, arg: Value) -> Value {
+        self.convert(ConvertOp::Zext, to, arg)
+    }
+
+    pub fn sext(&mut self, to: Type, arg: Value) -> Value {
+        self.convert(ConvertOp::Sext, to, arg)
+    }
+
+    pub fn trunc(&mut self, to: Type, arg: Value) -> Value {
+        self.convert(ConvertOp::Trunc, to, arg)
+    }
+
+    pub fn bitcast(&mut self, to: Type, arg: Value) -> Value {
+        self.convert(ConvertOp::Bitcast, to, arg)
+    }
+
+    pub fn select(&mut self, cond: Value, if_true: Value, if_false: Value) -> Value {
+        match self.constant_bits(cond) {
+            Some(0) => if_false,
+            Some(_) => if_true,
+            None if if_true == if_false => if_true,
+            None => {
+                let ty = self.ty(if_true);
+                self.push_value(InstData::Select { cond, if_true, if_false }, ty)
+            }
+        }
+    }
+
+    /// Reads a value of type `ty`, not i1.
+    pub fn load(&mut self, ty: Type, addr: Address) -> Value {
+        self.push_value(InstData::Load { addr }, ty)
+    }
+
+    pub fn store(&mut self, addr: Address, value: Value) {
+        self.push(InstData::Store { addr, value }, &[]);
+    }
+
+    pub fn load_bit(&mut self, addr: Address, bit: u8) -> Value {
+        self.push_value(InstData::LoadBit { addr, bit }, Type::I1)
+    }
+
+    pub fn store_bit(&mut self, addr: Address, bit: u8, value: Value) {
+        self.push(InstData::StoreBit { addr, bit, value }, &[]);
+    }
+
+    pub fn load_state(&mut self, field: u32) -> Value {
+        self.load(Type::I32, Address::direct(Region::State, field))
+    }
+
+    pub fn store_state(&mut self, field: u32, value: Value) {
+        self.store(Address::direct(Region::State, field), value);
+    }
+
+    /// Offset of `addr` from the memory base.
+    pub fn address_of(&mut self, addr: Address) -> Value {
+        self.push_value(InstData::AddressOf { addr }, Type::I32)
+    }
+
+    pub fn clear(&mut self, addr: Address, len: u32) {
+        if len > 0 {
+            self.push(InstData::Clear { addr, len }, &[]);
+        }
+    }
+
+    pub fn copy(&mut self, to: Address, from: Address, len: u32) {
+        if len > 0 {
+            self.push(InstData::Copy { to, from, len }, &[]);
+        }
+    }
+
+    pub fn db_base(&mut self, number: Value) -> Value {
+        self.push_value(InstData::DbBase { number }, Type::I32)
+    }
+
+    pub fn db_length(&mut self, number: Value) -> Value {
+        self.push_value(InstData::DbLength { number }, Type::I32)
+    }
+
+    pub fn frame_base(&mut self, callee: bool) -> Value {
+        self.push_value(InstData::FrameBase { callee }, Type::I32)
+    }
+
+    /// Calls `callee`, which returns values of types `returns`.
+    pub fn call(&mut self, callee: FuncId, args: Vec<Value>, returns: &[Type]) -> Vec<Value> {
+        let inst = self.push(InstData::Call { callee, args }, returns);
+        self.function.results[inst].clone()
+    }
+
+    /// Calls a runtime function; its result, if it has one.
+    pub fn call_runtime(&mut self, function: RuntimeFn, args: &[Value]) -> Option<Value> {
+        debug_assert_eq!(function.params().len(), args.len(), "arguments of {}", function.name());
+        let inst = self.push(InstData::CallRuntime { function, args: args.to_vec() }, function.result().as_slice());
+        self.function.results[inst].first().copied()
+    }
+
+    /// Calls a pure runtime function.
+    pub fn call_pure(&mut self, function: RuntimeFn, args: &[Value]) -> Value {
+        debug_assert_eq!(function.effect(), Effect::Pure);
+        self.call_runtime(function, args).expect("pure functions have a result")
+    }
+
+    // Terminators.
+
+    pub fn jump(&mut self, block: Block, args: &[Value]) {
+        self.terminate(InstData::Jump { target: BlockCall { block, args: args.to_vec() } });
+    }
+
+    /// Goes to `then_block` if `cond`, an i1, is 1. A constant condition makes a jump.
+    pub fn branch(&mut self, cond: Value, then_block: Block, else_block: Block) {
+        match self.constant_bits(cond) {
+            Some(0) => self.jump(else_block, &[]),
+            Some(_) => self.jump(then_block, &[]),
+            None => self.terminate(InstData::Branch {
+                cond,
+                then_to: BlockCall::new(then_block),
+                else_to: BlockCall::new(else_block),
+            }),
+        }
+    }
+
+    /// Goes to `targets[value]`, to `default` if there are fewer.
+    pub fn switch(&mut self, value: Value, targets: &[Block], default: Block) {
+        let calls = targets.iter().map(|&block| BlockCall::new(block)).collect();
+        self.terminate(InstData::Switch { value, targets: calls, default: BlockCall::new(default) });
+    }
+
+    pub fn ret(&mut self, values: &[Value]) {
+        debug_assert_eq!(values.len(), self.function.returns.len(), "values returned");
+        self.terminate(InstData::Return { values: values.to_vec() });
+    }
+
+    /// Reads every variable in the current block, so that later reads need not look further back. Long chains of joins call
+    /// for it now and then: reads walk back join by join, and each takes a stack frame.
+    pub fn settle_vars(&mut self) {
+        for var in self.vars.keys() {
+            self.use_var(var);
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! A function of the IR: blocks, instructions, values.
+
+use plcc_abi::Type;
+
+use crate::entities::{Block, EntityVec, Inst, Loc, Value};
+use crate::instructions::{BlockCall, InstData};
+
+/// Where a value comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ValueDef {
+    /// Result number of an instruction.
+    Result(Inst, u32),
+    /// Parameter number of a block.
+    Param(Block, u32),
+    /// Another name of that value, left behind by a rewrite; see [`Function::resolve`].
+    Alias(Value),
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ValueData {
+    pub ty: Type,
+    pub def: ValueDef,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct BlockData {
+    pub params: Vec<Value>,
+    pub insts: Vec<Inst>,
+    /// Rarely runs: faults and safepoints.
+    pub cold: bool,
+}
+
+/// A function. The entry block is the first one; its parameters are the function's.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Function {
+    /// `FC12`, `OB1`; unique in the module.
+    pub name: String,
+    /// Types of the values that it returns.
+    pub returns: Vec<Type>,
+    /// Bytes of L stack that a call takes, a multiple of [`plcc_abi::layout::FRAME_ALIGN`].
+    pub frame_bytes: u32,
+    pub blocks: EntityVec<Block, BlockData>,
+    /// Blocks in the order in which they are printed and laid out; the entry is the first.
+    pub layout: Vec<Block>,
+    pub insts: EntityVec<Inst, InstData>,
+    pub values: EntityVec<Value, ValueData>,
+    /// Results of each instruction.
+    pub results: EntityVec<Inst, Vec<Value>>,
+    pub locs: EntityVec<Inst, Loc>,
+}
+
+impl Function {
+    /// A function without blocks.
+    pub fn new(name: impl Into<String>) -> Function {
+        Function {
+            name: name.into(),
+            returns: Vec::new(),
+            frame_bytes: 0,
+            blocks: EntityVec::new(),
+            layout: Vec::new(),
+            insts: EntityVec::new(),
+            values: EntityVec::new(),
+            results: EntityVec::new(),
+            locs: EntityVec::new(),
+        }
+    }
+
+    pub fn entry(&self) -> Block {
+        self.layout[0]
+    }
+
+    /// Types of the parameters.
+    pub fn params(&self) -> impl Iterator<Item = Type> + '_ {
+        self.blocks[self.entry()].params.iter().map(|&param| self.values[param].ty)
+    }
+
+    pub fn add_block(&mut self) -> Block {
+        let block = self.blocks.push(BlockData::default());
+        self.layout.push(block);
+        block
+    }
+
+    pub fn add_param(&mut self, block: Block, ty: Type) -> Value {
+        let index = self.blocks[block].params.len() as u32;
+        let value = self.values.push(ValueData { ty, def: ValueDef::Param(block, index) });
+        self.blocks[block].params.push(value);
+        value
+    }
+
+    /// Makes an instruction that stands in no block yet.
+    pub fn make_inst(&mut self, data: InstData, result_types: &[Type], loc: Loc) -> Inst {
+        let inst = self.insts.push(data);
+        let results = (0u32..)
+            .zip(result_types)
+            .map(|(index, &ty)| self.values.push(ValueData { ty, def: ValueDef::Result(inst, index) }))
+            .collect();
+        self.results.push(results);
+        self.locs.push(loc);
+        inst
+    }
+
+    /// The only result of `inst`.
+    pub fn result(&self, inst: Inst) -> Value {
+        self.results[inst][0]
+    }
+
+    pub fn ty(&self, value: Value) -> Type {
+        self.values[value].ty
+    }
+
+    /// The value that `value` is an alias of, or itself.
+    pub fn resolve(&self, mut value: Value) -> Value {
+        while let ValueDef::Alias(other) = self.values[value].def {
+            value = other;
+        }
+        value
+    }
+
+    /// Makes `value` another name of `other`.
+    pub fn replace_value(&mut self, value: Value, other: Value) {
+        let other = self.resolve(other);
+        debug_assert_ne!(value, other);
+        self.values[value].def = ValueDef::Alias(other);
+    }
+
+    /// Replaces aliases by what they stand for, in all instructions of all blocks.
+    pub fn resolve_aliases(&mut self) {
+        let values = &self.values;
+        let resolve = |mut value: Value| {
+            while let ValueDef::Alias(other) = values[value].def {
+                value = other;
+            }
+            value
+        };
+        for block in &self.layout {
+            for &inst in &self.blocks[*block].insts {
+                self.insts[inst].map_uses(resolve);
+            }
+        }
+    }
+
+    /// The instruction that gives `value`, unless it is a block parameter.
+    pub fn defining(&self, value: Value) -> Option<&InstData> {
+        match self.values[self.resolve(value)].def {
+            ValueDef::Result(inst, _) => Some(&self.insts[inst]),
+            ValueDef::Param(..) | ValueDef::Alias(_) => None,
+        }
+    }
+
+    /// The bits of `value` if it is a constant.
+    pub fn constant(&self, value: Value) -> Option<u64> {
+        match self.defining(value) {
+            Some(InstData::Const { bits }) => Some(*bits),
+            _ => None,
+        }
+    }
+
+    pub fn terminator(&self, block: Block) -> Option<Inst> {
+        self.blocks[block].insts.last().copied().filter(|&inst| self.insts[inst].is_terminator())
+    }
+
+    /// Jump targets of `block`, in order, with repeats.
+    pub fn successors(&self, block: Block) -> Vec<Block> {
+        self.terminator(block)
+            .map(|inst| self.insts[inst].targets().into_iter().map(|call: &BlockCall| call.block).collect())
+            .unwrap_or_default()
+    }
+}

@@ -1,0 +1,20 @@
+//! The SSA intermediate representation: types, builder, text form, verifier, interpreter.
+//!
+//! A [`Module`] holds one [`Function`] a block of the PLC program. Blocks have parameters, as in Cranelift and MLIR.
+//! Memory operations name a [`Region`] and an offset, so aliasing between regions is known.
+//!
+//! **Invariant**: this crate knows no source language and does no I/O.
+
+pub mod builder;
+pub mod entities;
+pub mod eval;
+pub mod function;
+pub mod instructions;
+pub mod module;
+
+pub use builder::FunctionBuilder;
+pub use entities::{Block, FuncId, Inst, Loc, Value, Var};
+pub use function::Function;
+pub use instructions::{Address, BinaryOp, BlockCall, ConvertOp, FloatCc, InstData, IntCc, Region, UnaryOp};
+pub use module::{Module, StaticDb};
+pub use plcc_abi::{RuntimeFn, Type};

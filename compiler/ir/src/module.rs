@@ -1,0 +1,40 @@
+//! A module of the IR: the functions of one PLC program.
+
+use plcc_abi::image::Site;
+
+use crate::entities::{EntityVec, FuncId};
+use crate::function::Function;
+
+/// A DB that exists before the first cycle and is never deleted: its address is a constant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StaticDb {
+    pub number: u16,
+    /// Offset from the memory base.
+    pub address: u32,
+    /// Length in bytes.
+    pub length: u32,
+}
+
+/// The functions of one PLC program with what they refer to.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Module {
+    pub functions: EntityVec<FuncId, Function>,
+    /// Functions that the runtime calls, in the order of their entry numbers. They take and return nothing; CPU registers travel in
+    /// the CPU state.
+    pub entries: Vec<FuncId>,
+    /// Sorted by number.
+    pub dbs: Vec<StaticDb>,
+    /// What [`Loc`](crate::Loc) n points at is `sites[n - 1]`.
+    pub sites: Vec<Site>,
+    pub files: Vec<String>,
+}
+
+impl Module {
+    pub fn db(&self, number: u16) -> Option<&StaticDb> {
+        self.dbs.binary_search_by_key(&number, |db| db.number).ok().map(|index| &self.dbs[index])
+    }
+
+    pub fn function_named(&self, name: &str) -> Option<FuncId> {
+        self.functions.iter().find(|(_, function)| function.name == name).map(|(id, _)| id)
+    }
+}

@@ -1,0 +1,373 @@
+//! The bound program: every name, type and address is settled.
+//!
+//! All languages bind to these blocks and interfaces; bodies differ by language until they are lowered.
+
+use plcc_abi::image::{AssertOp, BlockKind, Config, Profile, SymbolEntry};
+use plcc_diag::Span;
+pub use plcc_syntax::ast::{AddressRegister, AssertRegister, CellKind, SpecialRegister, StatusOperand, Width};
+use plcc_syntax::stl::StlInsn;
+
+use crate::types::{DataType, Member};
+
+/// A whole program.
+#[derive(Clone, Debug)]
+pub struct Program {
+    pub name: String,
+    pub profile: Profile,
+    pub config: Config,
+    /// Blocks with code, those of the standard library that are used included; sorted by kind and number.
+    pub blocks: Vec<CodeBlock>,
+    /// Sorted by number.
+    pub dbs: Vec<DataBlock>,
+    /// Named addresses, for the flags of the executable.
+    pub symbols: Vec<SymbolEntry>,
+    /// `//@ test cycles=N`, `//@ test expect=fail` and `//@ cpu`, found in the sources.
+    pub test: TestSettings,
+}
+
+impl Program {
+    pub fn block(&self, key: BlockKey) -> Option<&CodeBlock> {
+        self.blocks.binary_search_by_key(&key, CodeBlock::key).ok().map(|index| &self.blocks[index])
+    }
+
+    pub fn db(&self, number: u16) -> Option<&DataBlock> {
+        self.dbs.binary_search_by_key(&number, |db| db.number).ok().map(|index| &self.dbs[index])
+    }
+}
+
+/// What the pragmas of a test file ask for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TestSettings {
+    pub cycles: Option<u32>,
+    pub expect_fail: bool,
+}
+
+/// Names a block with code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct BlockKey {
+    pub kind: BlockKind,
+    pub number: u16,
+}
+
+impl std::fmt::Display for BlockKey {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {}", self.kind.prefix(), self.number)
+    }
+}
+
+/// A block with code.
+#[derive(Clone, Debug)]
+pub struct CodeBlock {
+    pub kind: BlockKind,
+    pub number: u16,
+    /// Symbol without quotes; empty if none.
+    pub name: String,
+    /// The block's header.
+    pub span: Span,
+    pub interface: Interface,
+    /// Declared TEMP variables, in bytes, even.
+    pub temp_bytes: u32,
+    pub body: Body,
+}
+
+impl CodeBlock {
+    pub fn key(&self) -> BlockKey {
+        BlockKey { kind: self.kind, number: self.number }
+    }
+}
+
+/// Parameters and static data of a block.
+#[derive(Clone, Debug, Default)]
+pub struct Interface {
+    /// IN, OUT, IN_OUT in this order, each as declared; the result of an FC is the OUT parameter RET_VAL behind the other
+    /// OUTs (before them for system functions, as they are documented).
+    pub parameters: Vec<Parameter>,
+    /// FB, SFB: whole instance memory, rounded up to even. FC, SFC: the parameters laid out like a structure (the form in
+    /// which system functions get them).
+    pub bytes: u32,
+    /// FB, SFB: parameters and STAT with their places in the instance.
+    pub instance: Vec<Member>,
+    /// FB: `CODE_VERSION1`, not for multi-instances.
+    pub code_version1: bool,
+}
+
+/// Direction of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Direction {
+    Input,
+    Output,
+    InOut,
+}
+
+/// A formal parameter.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    pub name: String,
+    pub direction: Direction,
+    pub ty: DataType,
+    /// FB, SFB: place in the instance. FC, SFC: place in the structure of parameters.
+    pub byte: u32,
+    pub bit: u8,
+    pub passing: Passing,
+}
+
+/// How a parameter travels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Passing {
+    /// Elementary. FC: reference to the actual. FB: copy in the instance. SFC: copy in the structure of parameters.
+    Elementary(Width),
+    /// Complex. FC: a POINTER in the caller's frame. FB IN, OUT: copy of so many bytes. FB IN_OUT: a POINTER in the instance.
+    Complex {
+        bytes: u32,
+    },
+    /// TIMER, COUNTER, BLOCK_x: the number.
+    Number,
+    Pointer,
+    Any,
+}
+
+/// Code of a block.
+#[derive(Clone, Debug)]
+pub enum Body {
+    Stl(Vec<StlStatement>),
+    /// A system function that the runtime implements, under its own number.
+    Runtime,
+}
+
+/// A data block.
+#[derive(Clone, Debug)]
+pub struct DataBlock {
+    pub number: u16,
+    pub name: String,
+    pub span: Span,
+    /// Current values as loaded; its length is the DB's, even.
+    pub data: Vec<u8>,
+    /// Components, for names at run time and in messages.
+    pub members: Vec<Member>,
+    /// The FB or SFB whose instance it is.
+    pub instance_of: Option<BlockKey>,
+    pub read_only: bool,
+    pub unlinked: bool,
+    pub non_retain: bool,
+}
+
+/// A statement of an STL block.
+#[derive(Clone, Debug)]
+pub struct StlStatement {
+    pub span: Span,
+    /// 1-based; 0 before the first network.
+    pub network: u16,
+    pub kind: StlStatementKind,
+}
+
+/// Names a label of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LabelId(pub u32);
+
+#[derive(Clone, Debug)]
+pub enum StlStatementKind {
+    /// The next statement can be jumped to.
+    Label(LabelId),
+    Instruction {
+        insn: StlInsn,
+        operand: Operand,
+    },
+    /// `JL`: `targets` are the labels of the list; the JU statements of the list are not statements of their own any more.
+    JumpList {
+        targets: Vec<LabelId>,
+        default: LabelId,
+    },
+    Call(Call),
+    Assert(Assert),
+    /// `//@ sleep N`, in milliseconds.
+    Sleep(u32),
+}
+
+/// An operand that is settled.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Operand {
+    None,
+    /// Value as `L` loads it; also counts, pointer constants and the operands of `+`. `+ -5` is 16#0000_FFFB with `wide` false.
+    Const {
+        value: u32,
+        wide: bool,
+    },
+    /// A place in memory, with the width of the access.
+    Memory {
+        place: Place,
+        width: Width,
+    },
+    /// A timer or counter.
+    Cell {
+        kind: CellKind,
+        number: Number,
+    },
+    /// A block to call: FC, FB, SFC, SFB. `kind` tells which table `number` names.
+    Block {
+        kind: BlockKind,
+        number: Number,
+    },
+    /// A data block to open; `di`: in the DI register.
+    Db {
+        di: bool,
+        number: Number,
+    },
+    Status(StatusOperand),
+    Special(SpecialRegister),
+    Register(AddressRegister),
+    Label(LabelId),
+    /// `L P##p` of a complex, POINTER or ANY parameter of an FC: a V pointer to what the caller hands over.
+    ParameterPointer {
+        parameter: usize,
+    },
+}
+
+/// A number that is known, or found at run time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Number {
+    Known(u16),
+    /// The word at a place: `T [MW 2]`.
+    Word(Box<Place>),
+    /// The parameter `parameter` of this FC, passed as a number.
+    Parameter(usize),
+}
+
+/// A place in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Place {
+    I {
+        byte: u32,
+        bit: u8,
+    },
+    Q {
+        byte: u32,
+        bit: u8,
+    },
+    M {
+        byte: u32,
+        bit: u8,
+    },
+    /// Peripheral input and output: no bits.
+    Pi {
+        byte: u32,
+    },
+    Pq {
+        byte: u32,
+    },
+    /// Local data; declared TEMP variables too.
+    L {
+        byte: u32,
+        bit: u8,
+    },
+    /// In the open DB.
+    OpenDb {
+        byte: u32,
+        bit: u8,
+    },
+    /// In the open DI.
+    OpenDi {
+        byte: u32,
+        bit: u8,
+    },
+    /// Fully qualified: the access opens the DB first.
+    Db {
+        number: u16,
+        byte: u32,
+        bit: u8,
+    },
+    /// FB: in the instance, at AR2 + byte.bit of the DI.
+    Instance {
+        byte: u32,
+        bit: u8,
+    },
+    /// FC: `byte`.`bit` behind the start of what the parameter refers to; both 0 for an elementary one.
+    Parameter {
+        parameter: usize,
+        byte: u32,
+        bit: u8,
+    },
+    /// FB: complex IN_OUT parameter, reached through the POINTER at `pointer` of the instance.
+    ThroughPointer {
+        pointer: u32,
+        byte: u32,
+        bit: u8,
+    },
+    /// `MW [MD 4]`: `area` with the address in the double word at `pointer`.
+    Indirect {
+        area: PlaceArea,
+        pointer: Box<Place>,
+    },
+    /// `MW [AR1,P#4.3]`; without area the register names it. `offset` in bits.
+    Register {
+        area: Option<PlaceArea>,
+        register: AddressRegister,
+        offset: u32,
+    },
+}
+
+pub use plcc_syntax::ast::Area as PlaceArea;
+
+/// A call with parameters.
+#[derive(Clone, Debug)]
+pub struct Call {
+    pub target: BlockKey,
+    pub instance: Option<Instance>,
+    /// One for each parameter that is supplied, in the order of the interface.
+    pub arguments: Vec<Argument>,
+}
+
+/// Instance memory of an FB call.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Instance {
+    /// `CALL FB 1, DB 1`.
+    Db(u16),
+    /// `CALL #mi`: at `byte` of this FB's instance.
+    Multi { byte: u32 },
+}
+
+/// An actual parameter.
+#[derive(Clone, Debug)]
+pub struct Argument {
+    /// Index into the parameters of the callee.
+    pub parameter: usize,
+    pub actual: Actual,
+    pub span: Span,
+}
+
+/// What is handed over.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Actual {
+    /// A constant: its bytes as they lie in memory; a BOOL is one byte, 0 or 1.
+    Const(Vec<u8>),
+    /// A variable of the width (elementary) or size (complex) of the formal.
+    Place(Place),
+    /// TIMER, COUNTER, BLOCK_x.
+    Number(Number),
+    /// POINTER and ANY formals: the bytes are known.
+    PointerBytes(Vec<u8>),
+    /// POINTER and ANY formals: points at `place`. For an ANY, `type_code` and `count` are its bytes 1 to 3.
+    PointerTo { place: Place, type_code: u8, count: u16 },
+    /// POINTER and ANY formals: the structure itself lies at `place` (a TEMP variable of type ANY, a formal of the same type).
+    PointerCopy(Place),
+}
+
+/// An assertion pragma.
+#[derive(Clone, Debug)]
+pub struct Assert {
+    pub left: AssertSide,
+    pub op: AssertOp,
+    pub right: AssertSide,
+    /// Compare in order as REAL.
+    pub real: bool,
+    /// Both sides are different constants.
+    pub trap: bool,
+    /// The source line, trimmed.
+    pub text: String,
+}
+
+#[derive(Clone, Debug)]
+pub enum AssertSide {
+    /// Value zero-extended to 32 bits.
+    Operand(Operand),
+    Register(AssertRegister),
+}

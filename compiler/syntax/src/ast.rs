@@ -1,0 +1,506 @@
+//! Syntax tree of block-framed sources (STL now; the frames, declarations and data blocks serve every textual language).
+//!
+//! Names are kept as written; nothing is looked up here. What could not be parsed is left out or is an `Error` node,
+//! and a diagnostic tells of it.
+
+use plcc_diag::Span;
+
+use crate::literal::Literal;
+use crate::stl::{Mnemonics, StlInsn};
+
+/// A source file.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct SourceUnit {
+    pub mnemonics: Mnemonics,
+    /// Statements without a block header are an OB 1.
+    pub blocks: Vec<Block>,
+    /// `//@ cpu`, `//@ test` and other pragmas that hold for the file.
+    pub pragmas: Vec<Pragma>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Block {
+    Code(CodeBlock),
+    Data(DataBlock),
+    Type(TypeBlock),
+}
+
+/// Kind of a block with code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum CodeKind {
+    Ob,
+    Fc,
+    Fb,
+    /// Only in sources of the standard library.
+    Sfc,
+    /// Only in sources of the standard library.
+    Sfb,
+}
+
+/// How a source names a block: `FC 7`, `"Tank control"`, `TankControl`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BlockName {
+    /// Letters in international spelling and upper case: `FC`, `DB`, `UDT`.
+    Numbered { prefix: BlockPrefix, number: u32, span: Span },
+    /// Symbol without quotes.
+    Symbol { name: String, span: Span },
+}
+
+impl BlockName {
+    pub fn span(&self) -> Span {
+        match self {
+            BlockName::Numbered { span, .. } | BlockName::Symbol { span, .. } => *span,
+        }
+    }
+}
+
+/// Letters before a block number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BlockPrefix {
+    Ob,
+    Fc,
+    Fb,
+    Sfc,
+    Sfb,
+    Db,
+    Di,
+    Udt,
+    Vat,
+}
+
+/// Title, attributes and author data of a block.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Header {
+    pub title: Option<String>,
+    /// Comment lines behind the header, without `//`.
+    pub comment: Vec<String>,
+    /// `{ name := 'value' }`.
+    pub attributes: Vec<(String, String)>,
+    pub author: Option<String>,
+    pub family: Option<String>,
+    pub name: Option<String>,
+    pub version: Option<String>,
+    pub know_how_protect: bool,
+    pub standard: bool,
+    pub code_version1: bool,
+    pub unlinked: bool,
+    pub read_only: bool,
+    pub non_retain: bool,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct CodeBlock {
+    pub kind: CodeKind,
+    pub name: BlockName,
+    /// FC only; `None` for VOID or left out.
+    pub return_type: Option<TypeRef>,
+    pub header: Header,
+    pub sections: Vec<Section>,
+    pub networks: Vec<Network>,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct DataBlock {
+    pub name: BlockName,
+    pub header: Header,
+    pub content: DataContent,
+    /// Assignments after BEGIN.
+    pub values: Vec<ValueAssignment>,
+    pub span: Span,
+}
+
+/// What a data block is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DataContent {
+    Struct(Vec<Variable>),
+    /// A UDT, FB or SFB.
+    OfType(TypeRef),
+    /// Nothing was declared.
+    Empty,
+}
+
+/// `s.f[2] := TRUE`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ValueAssignment {
+    pub target: Path,
+    pub value: InitialValue,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct TypeBlock {
+    pub name: BlockName,
+    pub header: Header,
+    pub members: Vec<Variable>,
+    pub span: Span,
+}
+
+/// Which declarations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SectionKind {
+    Input,
+    Output,
+    InOut,
+    Static,
+    Temp,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    pub kind: SectionKind,
+    pub variables: Vec<Variable>,
+    pub span: Span,
+}
+
+/// A declared variable or component; `a, b : BOOL` makes two.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    pub name: String,
+    pub name_span: Span,
+    pub attributes: Vec<(String, String)>,
+    /// `b AT a : TYPE`: the name of the variable that this one overlays.
+    pub at: Option<(String, Span)>,
+    pub ty: TypeRef,
+    pub initial: Option<InitialValue>,
+    pub comment: Option<String>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct TypeRef {
+    pub kind: TypeKind,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum TypeKind {
+    /// A type name that is a word: `INT`, `Date_And_Time`, `ANY`, `TIMER`, `BLOCK_DB`, `TON`; upper case.
+    Named(String),
+    /// `STRING [20]`; 254 without length.
+    String(Option<Bound>),
+    /// Low and high bound of each dimension.
+    Array {
+        bounds: Vec<(Bound, Bound)>,
+        element: Box<TypeRef>,
+    },
+    Struct(Vec<Variable>),
+    /// `UDT 5`, `FB 10`, `SFB 4`, `"MotorType"`.
+    Block(BlockName),
+}
+
+/// A bound or length: a number, or a name of a constant in languages that have them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Bound {
+    Number(i64, Span),
+    Name(String, Span),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct InitialValue {
+    pub kind: InitialKind,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum InitialKind {
+    Literal(Literal),
+    /// `1, 2, 6 (0), 3`: values of an array.
+    List(Vec<InitialValue>),
+    /// `6 (0)`, `3 (1, 2)`.
+    Repeat {
+        count: u32,
+        values: Vec<InitialValue>,
+    },
+}
+
+/// `NETWORK` with its statements. Statements before the first NETWORK are a network of their own.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Network {
+    pub title: Option<String>,
+    pub comment: Vec<String>,
+    pub statements: Vec<Statement>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statement {
+    pub label: Option<Label>,
+    pub kind: StatementKind,
+    pub span: Span,
+}
+
+/// A jump label, in its own letter case.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Label {
+    pub name: String,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum StatementKind {
+    /// A label alone, or `;`.
+    Empty,
+    Instruction {
+        insn: StlInsn,
+        mnemonic_span: Span,
+        operand: Option<Operand>,
+    },
+    Call(Call),
+    Pragma(Pragma),
+    /// Could not be parsed; reported.
+    Error,
+}
+
+/// `CALL target , instance ( name := actual, ... )`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Call {
+    pub target: Operand,
+    pub instance: Option<Operand>,
+    pub parameters: Vec<Parameter>,
+}
+
+/// `name := actual`; `None`: left empty.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    pub name: String,
+    pub name_span: Span,
+    pub actual: Option<Operand>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Operand {
+    pub kind: OperandKind,
+    pub span: Span,
+}
+
+/// Memory areas that operands name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Area {
+    I,
+    Q,
+    M,
+    /// Peripheral input.
+    Pi,
+    /// Peripheral output.
+    Pq,
+    L,
+    /// Open shared DB.
+    Db,
+    /// Open instance DB.
+    Di,
+}
+
+/// Width of an access.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Width {
+    Bit,
+    Byte,
+    Word,
+    Dword,
+}
+
+impl Width {
+    /// In bits.
+    pub const fn bits(self) -> u32 {
+        match self {
+            Width::Bit => 1,
+            Width::Byte => 8,
+            Width::Word => 16,
+            Width::Dword => 32,
+        }
+    }
+
+    /// In memory, in bytes.
+    pub const fn bytes(self) -> u32 {
+        self.bits().div_ceil(8)
+    }
+}
+
+/// `T n`, `C n`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum CellKind {
+    Timer,
+    Counter,
+}
+
+/// The address registers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AddressRegister {
+    Ar1,
+    Ar2,
+}
+
+/// Status bits and results as bit operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StatusOperand {
+    Br,
+    Ov,
+    Os,
+    /// CC1 and CC0 both 1.
+    Uo,
+    Eq0,
+    Ne0,
+    Gt0,
+    Lt0,
+    Ge0,
+    Le0,
+}
+
+/// Registers that `L` and `T` name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SpecialRegister {
+    Stw,
+    DbLength,
+    DbNumber,
+    DiLength,
+    DiNumber,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum OperandKind {
+    /// `I 0.0`, `MW 10`, `DBX 1.2`, `PIW 272`; `bit` only with width Bit.
+    Absolute {
+        area: Area,
+        width: Width,
+        byte: u32,
+        bit: u8,
+    },
+    /// `T 5`, `C 5`.
+    Cell {
+        kind: CellKind,
+        number: u32,
+    },
+    /// `DB5.DBW 2`, `"db".DBX 0.0`.
+    DbAbsolute {
+        db: BlockName,
+        width: Width,
+        byte: u32,
+        bit: u8,
+    },
+    /// `MW [LD 10]`, `I [MD 4]`.
+    MemoryIndirect {
+        area: Area,
+        width: Width,
+        pointer: Box<Operand>,
+    },
+    /// `T [MW 2]`, `C [#n]`.
+    CellIndirect {
+        kind: CellKind,
+        pointer: Box<Operand>,
+    },
+    /// `DB [MW 0]`, `FC [LW 10]`.
+    BlockIndirect {
+        prefix: BlockPrefix,
+        pointer: Box<Operand>,
+    },
+    /// `MW [AR1,P#4.3]`, and area-crossing `W [AR1,P#0.0]` with no area; `offset` in bits.
+    RegisterIndirect {
+        area: Option<Area>,
+        width: Width,
+        register: AddressRegister,
+        offset: u32,
+    },
+    /// `FC 7`, `DB 10`, `DI 3`, `SFB 4`.
+    Block(BlockName),
+    /// `"sym"`, `"db".a.b[3]`, `#loc.x`, a bare name, `DB10.member` (root is then the block).
+    Path(Path),
+    /// `P##loc.x`.
+    AddressOf(Path),
+    Literal(Literal),
+    Status(StatusOperand),
+    Special(SpecialRegister),
+    /// `LAR1 AR2`, `TAR1 AR2`.
+    Register(AddressRegister),
+    /// Target of a jump.
+    Label(String),
+    /// Could not be parsed; reported.
+    Error,
+}
+
+/// A name with components.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    pub root: PathRoot,
+    pub parts: Vec<PathPart>,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum PathRoot {
+    /// `#name` or a component in a DB's value part.
+    Local { name: String, span: Span },
+    /// `"name"`: a symbol.
+    Quoted { name: String, span: Span },
+    /// A bare name: local if declared, else a symbol.
+    Bare { name: String, span: Span },
+    /// `DB10` in `DB10.member`.
+    Block(BlockName),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum PathPart {
+    Member {
+        name: String,
+        span: Span,
+    },
+    /// `[1,-2]`.
+    Index {
+        values: Vec<Bound>,
+        span: Span,
+    },
+}
+
+/// A comment line `//@ ...`, as text; what it means is found out where names are known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pragma {
+    /// Without `//@` and outer blanks.
+    pub text: String,
+    /// Of the whole line's pragma, `//@` included.
+    pub span: Span,
+    /// For `assert`: its two sides as operands and the comparison, parsed with the grammar of operands.
+    pub assert: Option<Box<AssertPragma>>,
+}
+
+/// `assert LHS OP RHS`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AssertPragma {
+    pub left: AssertSide,
+    pub op: AssertOp,
+    pub right: AssertSide,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AssertOp {
+    Eq,
+    Ne,
+    Lt,
+    Le,
+    Gt,
+    Ge,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum AssertSide {
+    Operand(Operand),
+    Register(AssertRegister),
+}
+
+/// CPU registers that an assertion can look at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AssertRegister {
+    /// ACCU1..ACCU4 as 1..=4.
+    Accu(u8),
+    Ar1,
+    Ar2,
+    Stw,
+    Br,
+    Cc1,
+    Cc0,
+    Ov,
+    Os,
+    Or,
+    Sta,
+    Rlo,
+    Fc,
+    DbNumber,
+    DiNumber,
+}

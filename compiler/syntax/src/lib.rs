@@ -1,0 +1,5 @@
+//! Lexers, parsers, syntax trees and instruction tables; knows no symbols.
+
+pub mod ast;
+pub mod literal;
+pub mod stl;

@@ -1,0 +1,191 @@
+//! The table of runtime functions that generated code calls.
+//!
+//! One row gives the name, the parameters and the result; the linker symbol is `plcc_rt_` + name. The runtime defines
+//! each as `extern "C"`; unless a row is `pure`, a pointer to the memory base stands before the listed parameters.
+//! `i1`, `i8` and `i16` never cross this border: bits and bytes travel as `i32`, 0 or 1 for a bit.
+
+/// Types of the IR and of this border.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Type {
+    I1,
+    I8,
+    I16,
+    I32,
+    I64,
+    F32,
+    F64,
+}
+
+impl Type {
+    /// Width in bits.
+    pub const fn bits(self) -> u32 {
+        match self {
+            Type::I1 => 1,
+            Type::I8 => 8,
+            Type::I16 => 16,
+            Type::I32 | Type::F32 => 32,
+            Type::I64 | Type::F64 => 64,
+        }
+    }
+
+    /// Width in memory, in bytes.
+    pub const fn bytes(self) -> u32 {
+        self.bits().div_ceil(8)
+    }
+
+    pub const fn is_int(self) -> bool {
+        !matches!(self, Type::F32 | Type::F64)
+    }
+
+    /// Name in the text form of the IR.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Type::I1 => "i1",
+            Type::I8 => "i8",
+            Type::I16 => "i16",
+            Type::I32 => "i32",
+            Type::I64 => "i64",
+            Type::F32 => "f32",
+            Type::F64 => "f64",
+        }
+    }
+}
+
+/// What a runtime function may do to PLC memory, for the optimiser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Effect {
+    /// No memory at all; the same arguments give the same result. No memory pointer is passed.
+    Pure,
+    /// Touches timer or counter cells and the clock only.
+    Cells,
+    /// Touches the I/O driver and the process image of outputs.
+    Io,
+    /// May run organization blocks, so it may read and write everything.
+    All,
+}
+
+macro_rules! runtime_functions {
+    ($( $(#[$doc:meta])* $variant:ident = $name:literal ( $($param:ident : $pty:ident),* ) $(-> $rty:ident)? , $effect:ident ; )*) => {
+        /// A runtime function; see the module comment.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum RuntimeFn { $( $(#[$doc])* $variant ),* }
+
+        impl RuntimeFn {
+            pub const ALL: &'static [RuntimeFn] = &[ $(RuntimeFn::$variant),* ];
+
+            /// Name in the text form of the IR; the linker symbol is `plcc_rt_` before it.
+            pub const fn name(self) -> &'static str {
+                match self { $(RuntimeFn::$variant => $name),* }
+            }
+
+            /// The linker symbol.
+            pub const fn symbol(self) -> &'static str {
+                match self { $(RuntimeFn::$variant => concat!("plcc_rt_", $name)),* }
+            }
+
+            /// Types of the parameters, without the memory pointer.
+            pub const fn params(self) -> &'static [Type] {
+                match self { $(RuntimeFn::$variant => &[ $(Type::$pty),* ]),* }
+            }
+
+            pub const fn result(self) -> Option<Type> {
+                match self { $(RuntimeFn::$variant => runtime_functions!(@result $($rty)?)),* }
+            }
+
+            pub const fn effect(self) -> Effect {
+                match self { $(RuntimeFn::$variant => Effect::$effect),* }
+            }
+        }
+    };
+    (@result) => { None };
+    (@result $rty:ident) => { Some(Type::$rty) };
+}
+
+runtime_functions! {
+    /// Something is due (interrupt, STOP, end of the test): runs it. Result not 0: the CPU goes to STOP, leave the block at once.
+    Safepoint = "safepoint"() -> I32, All;
+    /// Synchronous error `code` (see `codes::sync`) at `site`; `access` is the access byte, `info` the fault register
+    /// (address or number). Runs OB 121 or OB 122, else STOP. Result as `Safepoint`; afterwards SUBSTITUTE holds what a
+    /// read gives.
+    SyncError = "sync_error"(site: I32, code: I32, access: I32, info: I32) -> I32, All;
+    /// STOP with event `code` (see `codes::stop`) at `site`. The block must be left at once.
+    Stop = "stop"(site: I32, code: I32), All;
+    /// Calls a block whose number is known at run time only. `kind` is a [`BlockKind`](crate::image::BlockKind) as
+    /// number. Registers travel in the CPU state. `lbase` is where the callee's frame begins, `vbase` where the
+    /// caller's does. A missing block is a synchronous error. Result as `Safepoint`.
+    CallBlock = "call_block"(site: I32, kind: I32, number: I32, lbase: I32, vbase: I32) -> I32, All;
+    /// Calls system function `number`; its parameters lie at `block`, laid out like a structure (IN, OUT, IN_OUT).
+    /// `lbase` is the caller's frame, to which L and V pointers among them refer. Result: bit 0 BR, bit 1 as `Safepoint`.
+    SystemFunction = "system_function"(site: I32, number: I32, block: I32, lbase: I32) -> I32, All;
+
+    /// Starts timer `number` (already checked) in `mode` (a [`TimerMode`]) with the S5TIME in `value`, by the edge of `rlo`.
+    /// Result: bit 0 an invalid BCD value (synchronous error to be raised by the caller), bit 1 OV := bit 2 (only SD).
+    TimerStart = "timer_start"(number: I32, mode: I32, value: I32, rlo: I32) -> I32, Cells;
+    TimerReset = "timer_reset"(number: I32), Cells;
+    /// FR: enables the start again on a rising edge of `rlo`.
+    TimerEnable = "timer_enable"(number: I32, rlo: I32), Cells;
+    /// Status of the timer, 0 or 1.
+    TimerScan = "timer_scan"(number: I32) -> I32, Cells;
+    /// Remaining time in units of its base, 0..=999.
+    TimerValue = "timer_value"(number: I32) -> I32, Cells;
+    /// Remaining time as S5TIME.
+    TimerValueBcd = "timer_value_bcd"(number: I32) -> I32, Cells;
+
+    CounterUp = "counter_up"(number: I32, rlo: I32), Cells;
+    CounterDown = "counter_down"(number: I32, rlo: I32), Cells;
+    /// S C: presets to the BCD value on a rising edge of `rlo`. Result 1: an invalid digit, nothing done.
+    CounterSet = "counter_set"(number: I32, value: I32, rlo: I32) -> I32, Cells;
+    CounterReset = "counter_reset"(number: I32), Cells;
+    CounterEnable = "counter_enable"(number: I32, rlo: I32), Cells;
+    /// Count, 0..=999; the status of a counter is "not 0".
+    CounterValue = "counter_value"(number: I32) -> I32, Cells;
+
+    /// Reads `bytes` (1, 2, 4) at peripheral address `address`. Result: value in the low half; bit 32 set: no module there.
+    PeripheralRead = "peripheral_read"(address: I32, bytes: I32) -> I64, Io;
+    /// Writes `bytes` at peripheral address `address`, and the output image where it covers it. Result not 0: no module there.
+    PeripheralWrite = "peripheral_write"(address: I32, bytes: I32, value: I32) -> I32, Io;
+
+    /// Checks assertion `id` of a test: `left` and `right` as 32-bit patterns. `as_real` not 0: ordered as REAL.
+    Assert = "assert"(id: I32, left: I32, right: I32), Cells;
+    /// Lets `ms` milliseconds pass on the clock, due interrupts included. Result as `Safepoint`.
+    Sleep = "sleep"(ms: I32) -> I32, All;
+
+    Sin = "sin"(x: F32) -> F32, Pure;
+    Cos = "cos"(x: F32) -> F32, Pure;
+    Tan = "tan"(x: F32) -> F32, Pure;
+    Asin = "asin"(x: F32) -> F32, Pure;
+    Acos = "acos"(x: F32) -> F32, Pure;
+    Atan = "atan"(x: F32) -> F32, Pure;
+    Exp = "exp"(x: F32) -> F32, Pure;
+    Ln = "ln"(x: F32) -> F32, Pure;
+    /// BTI, BTD: magnitude of `digits` BCD digits in `value`; bit 31 of the result set: a digit above 9.
+    BcdToInt = "bcd_to_int"(value: I32, digits: I32) -> I32, Pure;
+    /// ITB, DTB: `digits` BCD digits of the magnitude `value`, which fits.
+    IntToBcd = "int_to_bcd"(value: I32, digits: I32) -> I32, Pure;
+}
+
+/// The five S5 timers, as passed to [`RuntimeFn::TimerStart`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum TimerMode {
+    /// SP, German SI.
+    Pulse,
+    /// SE, German SV.
+    ExtendedPulse,
+    /// SD, German SE.
+    OnDelay,
+    /// SS.
+    RetentiveOnDelay,
+    /// SF, German SA.
+    OffDelay,
+}
+
+impl TimerMode {
+    pub const ALL: [TimerMode; 5] = [
+        TimerMode::Pulse,
+        TimerMode::ExtendedPulse,
+        TimerMode::OnDelay,
+        TimerMode::RetentiveOnDelay,
+        TimerMode::OffDelay,
+    ];
+}

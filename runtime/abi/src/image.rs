@@ -1,0 +1,214 @@
+//! What the compiler tells the runtime about a program.
+//!
+//! An executable carries a [`ProgramImage`] beside its code, encoded with `postcard` under the symbol `plcc_image`,
+//! and the addresses of its entry functions under `plcc_entries`; `plcc run` and `plcc test` hand the value over.
+
+use serde::{Deserialize, Serialize};
+
+/// Kinds of blocks, as passed to [`RuntimeFn::CallBlock`](crate::RuntimeFn::CallBlock).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum BlockKind {
+    Ob,
+    Fc,
+    Fb,
+    Sfc,
+    Sfb,
+    Db,
+}
+
+impl BlockKind {
+    /// Letters before the number: `FC`.
+    pub const fn prefix(self) -> &'static str {
+        match self {
+            BlockKind::Ob => "OB",
+            BlockKind::Fc => "FC",
+            BlockKind::Fb => "FB",
+            BlockKind::Sfc => "SFC",
+            BlockKind::Sfb => "SFB",
+            BlockKind::Db => "DB",
+        }
+    }
+}
+
+/// Families of CPUs, which differ in more than limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Family {
+    S7300,
+    S7400,
+    S7200,
+    S71200,
+}
+
+/// Limits and properties of a CPU. Sizes in bytes.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Profile {
+    /// Name as given to `--cpu`: `s7-300`, `315-2DP`.
+    pub name: String,
+    pub family: Family,
+    /// 2 or 4.
+    pub accumulators: u8,
+    pub inputs: u32,
+    pub outputs: u32,
+    pub bit_memory: u32,
+    pub timers: u32,
+    pub counters: u32,
+    /// L stack of one priority class, at most `layout::L_CLASS_BYTES`.
+    pub local_data: u32,
+    pub db_bytes_max: u32,
+    pub block_depth: u32,
+    /// What error OBs may add to the depth.
+    pub error_depth: u32,
+    /// Limits come from a checked source: passing them is an error, else a warning.
+    pub limits_checked: bool,
+}
+
+/// A place in the source, for messages at run time.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Site {
+    /// Index into [`ProgramImage::files`].
+    pub file: u32,
+    /// 1-based.
+    pub line: u32,
+    pub block: BlockKind,
+    pub block_number: u16,
+    /// 1-based; 0 before the first network.
+    pub network: u16,
+}
+
+/// A block that the runtime can call.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BlockEntry {
+    pub kind: BlockKind,
+    pub number: u16,
+    /// Symbolic name, empty if none.
+    pub name: String,
+    /// Index into the table of entry functions.
+    pub entry: u32,
+    /// L stack bytes of the block itself, rounded to frames.
+    pub frame: u32,
+}
+
+/// A data block that exists before the first cycle.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DbEntry {
+    pub number: u16,
+    pub name: String,
+    /// Offset from the memory base.
+    pub address: u32,
+    /// Current values as loaded; its length is the DB's.
+    pub data: Vec<u8>,
+    /// Load memory values that a cold restart brings back, if they differ from `data`.
+    pub read_only: bool,
+    pub non_retain: bool,
+    /// In load memory only: not accessible to the program.
+    pub unlinked: bool,
+}
+
+/// Comparison of an assertion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum AssertOp {
+    Eq,
+    Ne,
+    Lt,
+    Le,
+    Gt,
+    Ge,
+}
+
+/// An assertion pragma that was compiled.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AssertEntry {
+    pub file: u32,
+    pub line: u32,
+    /// The source line, trimmed.
+    pub text: String,
+    pub op: AssertOp,
+    /// Compare in order as REAL.
+    pub real: bool,
+    /// Both sides are different constants: it must never be reached.
+    pub trap: bool,
+}
+
+/// A named address, for `--print` and scenarios.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SymbolEntry {
+    pub name: String,
+    /// Absolute address in international spelling: `Q4.0`, `DB10.DBD4`.
+    pub address: String,
+}
+
+/// Settings of the CPU, from plc.toml.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Config {
+    /// Cycle-time monitoring; 150 by default.
+    pub cycle_time_max_ms: u32,
+    /// Clock memory byte, if one is configured.
+    pub clock_memory_byte: Option<u16>,
+    /// Period of OB 30-38 by OB number, where it differs from the default.
+    pub cyclic_period_ms: Vec<(u16, u32)>,
+    /// Phase offset of OB 30-38.
+    pub cyclic_phase_ms: Vec<(u16, u32)>,
+    /// Priority by OB number, where it differs from the default (S7-400 only).
+    pub priorities: Vec<(u16, u8)>,
+    /// Time-of-day interrupts that are active from the start.
+    pub time_of_day: Vec<TimeOfDay>,
+    /// Byte ranges of inputs and outputs that modules cover; `None`: every address exists.
+    pub modules: Option<Vec<Module>>,
+    /// First startup OB: 100, 101 or 102.
+    pub startup: u16,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Config {
+            cycle_time_max_ms: 150,
+            clock_memory_byte: None,
+            cyclic_period_ms: Vec::new(),
+            cyclic_phase_ms: Vec::new(),
+            priorities: Vec::new(),
+            time_of_day: Vec::new(),
+            modules: None,
+            startup: 100,
+        }
+    }
+}
+
+/// A time-of-day interrupt set in plc.toml.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TimeOfDay {
+    /// 10..=17.
+    pub ob: u16,
+    /// First start, `2026-01-31T06:00:00`.
+    pub start: String,
+    /// Code of SFC 28: 0 once, 16#0201 every minute, ...
+    pub period: u16,
+}
+
+/// An I/O module: the peripheral bytes it answers for.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Module {
+    pub name: String,
+    pub input_start: u32,
+    pub input_bytes: u32,
+    pub output_start: u32,
+    pub output_bytes: u32,
+}
+
+/// Everything the runtime must know about a program besides its code.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ProgramImage {
+    pub name: String,
+    pub profile: Profile,
+    pub config: Config,
+    pub blocks: Vec<BlockEntry>,
+    pub dbs: Vec<DbEntry>,
+    /// First byte after the DBs of the program, where the pool begins.
+    pub db_end: u32,
+    pub sites: Vec<Site>,
+    pub files: Vec<String>,
+    pub asserts: Vec<AssertEntry>,
+    pub symbols: Vec<SymbolEntry>,
+    /// The program may end itself (SFC 46, STP): `plcc test` runs it until then.
+    pub stops_itself: bool,
+}

@@ -1,0 +1,141 @@
+//! Layout of PLC memory.
+//!
+//! All areas of a CPU lie in one allocation. Generated code reaches each of them as `base + offset`; the offsets
+//! below are bytes from that base and hold for every profile, so that a profile changes limits only, never addresses.
+//! PLC areas are big-endian, as on the CPU; the CPU state is in host byte order.
+
+/// CPU state: the fields of [`state`], host byte order.
+pub const STATE: u32 = 0;
+/// Process image of inputs.
+pub const I: u32 = 0x0001_0000;
+/// Process image of outputs.
+pub const Q: u32 = 0x0002_0000;
+/// Bit memory.
+pub const M: u32 = 0x0003_0000;
+/// Timer cells, [`TIMER_CELL_BYTES`] each; only the runtime looks inside.
+pub const T: u32 = 0x0004_0000;
+/// Counter cells, [`COUNTER_CELL_BYTES`] each; only the runtime looks inside.
+pub const C: u32 = 0x0005_0000;
+/// Local data: one stack of [`L_CLASS_BYTES`] for each priority class.
+pub const L: u32 = 0x0010_0000;
+/// DB table: for each number 0..=65535 the offset of its data and its length, two host-order `u32`. Length 0: not loaded.
+pub const DB_TABLE: u32 = 0x0030_0000;
+/// Bytes that reads of a faulty address see and writes to one end in.
+pub const SCRATCH: u32 = 0x0038_0000;
+/// Data of the DBs, then the pool for DBs made at run time.
+pub const DB_DATA: u32 = 0x0040_0000;
+
+/// Distance between the fixed areas I, Q, M.
+pub const AREA_BYTES: u32 = 0x0001_0000;
+/// Largest number of timers and of counters.
+pub const TIMERS_MAX: u32 = 2048;
+pub const TIMER_CELL_BYTES: u32 = 32;
+pub const COUNTER_CELL_BYTES: u32 = 8;
+/// Priority classes 0..32 have a local data stack each; 29 (OB 90) is 0.
+pub const L_CLASSES: u32 = 32;
+pub const L_CLASS_BYTES: u32 = 0x0001_0000;
+/// Frames on the L stack begin at multiples of this.
+pub const FRAME_ALIGN: u32 = 8;
+pub const DB_TABLE_ENTRY_BYTES: u32 = 8;
+/// DBs begin at multiples of this.
+pub const DB_ALIGN: u32 = 16;
+/// Size of the pool for DBs made at run time (SFC 22).
+pub const DB_POOL_BYTES: u32 = 4 << 20;
+
+/// Offsets of the CPU state, from the memory base. Fields are `u32` unless said otherwise.
+pub mod state {
+    /// Not 0: the next safepoint must call [`RuntimeFn::Safepoint`](crate::RuntimeFn::Safepoint).
+    pub const ATTENTION: u32 = 0x00;
+    /// What a read that faulted gives (SFC 44 sets it); 0 otherwise.
+    pub const SUBSTITUTE: u32 = 0x04;
+    /// `u64`: the runtime's own pointer to its `Cpu`.
+    pub const CPU: u32 = 0x08;
+    /// Block nesting depth of the running priority class.
+    pub const DEPTH: u32 = 0x10;
+    /// Largest allowed depth of the running priority class.
+    pub const DEPTH_MAX: u32 = 0x14;
+    /// End of the running priority class' L stack, as offset from the memory base.
+    pub const L_END: u32 = 0x18;
+    /// CPU registers at the border between generated code and the runtime, one `u32` each, in the order of
+    /// [`CpuRegister`](super::CpuRegister).
+    pub const REGISTERS: u32 = 0x40;
+    /// Further return values of block functions that do not fit machine registers, one `u64` each.
+    pub const RETURN_VALUES: u32 = 0x100;
+}
+
+/// The CPU registers that a block call hands over and brings back, in the order of their slots in
+/// [`state::REGISTERS`]. /FC, OR, STA, OS have fixed values at block borders and are not among them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum CpuRegister {
+    Accu1,
+    Accu2,
+    Accu3,
+    Accu4,
+    Ar1,
+    Ar2,
+    /// Number in the DB register, 0: none open.
+    Db,
+    /// Number in the DI register, 0: none open.
+    Di,
+    Br,
+    Cc1,
+    Cc0,
+    Ov,
+    Rlo,
+}
+
+impl CpuRegister {
+    pub const ALL: [CpuRegister; 13] = [
+        CpuRegister::Accu1,
+        CpuRegister::Accu2,
+        CpuRegister::Accu3,
+        CpuRegister::Accu4,
+        CpuRegister::Ar1,
+        CpuRegister::Ar2,
+        CpuRegister::Db,
+        CpuRegister::Di,
+        CpuRegister::Br,
+        CpuRegister::Cc1,
+        CpuRegister::Cc0,
+        CpuRegister::Ov,
+        CpuRegister::Rlo,
+    ];
+
+    /// Offset of the register's slot from the memory base.
+    pub const fn slot(self) -> u32 {
+        state::REGISTERS + 4 * self as u32
+    }
+
+    /// True for the status bits, which are one bit wide.
+    pub const fn is_bit(self) -> bool {
+        self as u8 >= CpuRegister::Br as u8
+    }
+}
+
+/// Offset of the DB table entry of DB `number`.
+pub const fn db_table_entry(number: u16) -> u32 {
+    DB_TABLE + DB_TABLE_ENTRY_BYTES * number as u32
+}
+
+/// Offset of the L stack of priority class `class`, 0..[`L_CLASSES`].
+pub const fn l_stack(class: u32) -> u32 {
+    L + L_CLASS_BYTES * class
+}
+
+/// `size` bytes of a frame rounded up to [`FRAME_ALIGN`].
+pub const fn frame_bytes(size: u32) -> u32 {
+    (size + FRAME_ALIGN - 1) & !(FRAME_ALIGN - 1)
+}
+
+/// Area codes of pointers (bits 24-31). Source: STL reference, area pointer.
+pub mod area {
+    pub const P: u8 = 0x80;
+    pub const I: u8 = 0x81;
+    pub const Q: u8 = 0x82;
+    pub const M: u8 = 0x83;
+    pub const DB: u8 = 0x84;
+    pub const DI: u8 = 0x85;
+    pub const L: u8 = 0x86;
+    pub const V: u8 = 0x87;
+}

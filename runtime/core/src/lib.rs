@@ -1,0 +1,1 @@
+//! The runtime: process images, organization blocks, timers, counters, system functions.

@@ -1,0 +1,1 @@
+//! System functions and function blocks, as PLC source where possible.

@@ -1,0 +1,1 @@
+//! The file tests of the project and their one runner.
