@@ -33,6 +33,12 @@ macro_rules! codes {
                 match self { $(Code::$variant => Severity::$severity),* }
             }
 
+            /// The page that `plcc explain` prints, in Markdown.
+            pub const fn page(self) -> &'static str {
+                match self { $(Code::$variant => include_str!(concat!("../pages/", $code, ".md"))),* }
+            }
+
+            /// The code that is called `name`, in either letter case.
             pub fn from_name(name: &str) -> Option<Code> {
                 Code::ALL.iter().copied().find(|code| code.name().eq_ignore_ascii_case(name))
             }

@@ -64,9 +64,13 @@ impl SourceFile {
 
     /// Text of 1-based line `line`, without its end.
     pub fn line_text(&self, line: u32) -> &str {
+        self.text[self.line_range(line)].trim_end_matches(['\n', '\r'])
+    }
+
+    /// Byte range of 1-based line `line`, its end of line included.
+    pub fn line_range(&self, line: u32) -> Range<usize> {
         let start = self.line_starts[line as usize - 1] as usize;
-        let end = self.line_starts.get(line as usize).map_or(self.text.len(), |&next| next as usize);
-        self.text[start..end].trim_end_matches(['\n', '\r'])
+        start..self.line_starts.get(line as usize).map_or(self.text.len(), |&next| next as usize)
     }
 
     pub fn line_count(&self) -> u32 {

@@ -1,0 +1,224 @@
+//! Messages as text for people, drawn by `codespan-reporting`.
+//!
+//! The first line of each message begins with `error[CODE]:` or `warning[CODE]:`; no other line begins with `error`.
+
+use std::ops::Range;
+
+use codespan_reporting::diagnostic as drawn;
+use codespan_reporting::files::{Error, Files};
+use codespan_reporting::term::{self, Chars, Config, DisplayStyle, Styles, StylesWriter, termcolor};
+
+use crate::codes::{Code, Severity};
+use crate::diagnostic::{Diagnostic, Label};
+use crate::source::{FileId, SourceMap};
+
+/// A source line longer than this is not drawn, in bytes: the place stands in the message then.
+const DRAWN_LINE_MAX: usize = 400;
+
+/// Draws `diagnostics` one after the other, and behind them the list of missing symbols if there are several.
+pub fn draw(diagnostics: &[Diagnostic], sources: &SourceMap, color: bool) -> String {
+    let mut text = String::new();
+    for diagnostic in diagnostics {
+        text.push_str(&draw_one(diagnostic, sources, color));
+    }
+    text.push_str(&missing_symbols(diagnostics, sources));
+    text
+}
+
+fn draw_one(diagnostic: &Diagnostic, sources: &SourceMap, color: bool) -> String {
+    let adapter = Adapter(sources);
+    let message = translate(diagnostic, sources);
+    let mut config = Config { tab_width: 8, chars: Chars::box_drawing(), ..Config::default() };
+    if !is_drawable(diagnostic, sources) {
+        return draw_short(diagnostic, sources);
+    }
+    config.display_style = DisplayStyle::Rich;
+    if !color {
+        return term::emit_into_string(&config, &adapter, &message).unwrap_or_else(|_| draw_short(diagnostic, sources));
+    }
+    let mut writer = termcolor::Ansi::new(Vec::new());
+    let styles = Styles::default();
+    match term::emit_to_write_style(&mut StylesWriter::new(&mut writer, &styles), &config, &adapter, &message) {
+        Ok(()) => String::from_utf8_lossy(&writer.into_inner()).into_owned(),
+        Err(_) => draw_short(diagnostic, sources),
+    }
+}
+
+/// Title, place and help without the source line.
+fn draw_short(diagnostic: &Diagnostic, sources: &SourceMap) -> String {
+    let file = sources.file(diagnostic.primary.span.file);
+    let (line, column) = file.line_column(diagnostic.primary.span.start);
+    let mut text = format!(
+        "{}[{}]: {}\n  = {}:{line}:{column}\n",
+        severity_word(diagnostic.severity),
+        diagnostic.code.name(),
+        one_line(&diagnostic.title),
+        file.name
+    );
+    for note in [&diagnostic.primary.text].into_iter().chain(&diagnostic.help).filter(|note| !note.is_empty()) {
+        text.push_str(&format!("  = {}\n", one_line(note)));
+    }
+    text.push('\n');
+    text
+}
+
+/// `error` or `warning`.
+pub(crate) fn severity_word(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+    }
+}
+
+/// An empty file has no line to draw; a very long line would drown the message.
+fn is_drawable(diagnostic: &Diagnostic, sources: &SourceMap) -> bool {
+    let labels = || std::iter::once(&diagnostic.primary).chain(&diagnostic.secondary);
+    !sources.file(diagnostic.primary.span.file).text.is_empty()
+        && labels().all(|label| {
+            let file = sources.file(label.span.file);
+            [label.span.start, label.span.end]
+                .iter()
+                .all(|&at| file.line_text(file.line(at.min(file.text.len() as u32))).len() <= DRAWN_LINE_MAX)
+        })
+}
+
+fn translate(diagnostic: &Diagnostic, sources: &SourceMap) -> drawn::Diagnostic<FileId> {
+    let severity = match diagnostic.severity {
+        Severity::Error => drawn::Severity::Error,
+        Severity::Warning => drawn::Severity::Warning,
+    };
+    let secondary =
+        diagnostic.secondary.iter().map(|label| translate_label(drawn::LabelStyle::Secondary, label, sources));
+    drawn::Diagnostic::new(severity)
+        .with_code(diagnostic.code.name())
+        .with_message(one_line(&diagnostic.title))
+        .with_label(translate_label(drawn::LabelStyle::Primary, &diagnostic.primary, sources))
+        .with_labels_iter(secondary)
+        .with_notes_iter(diagnostic.help.iter().map(|help| format!("help: {}", one_line(help))))
+}
+
+fn translate_label(style: drawn::LabelStyle, label: &Label, sources: &SourceMap) -> drawn::Label<FileId> {
+    let range = drawable_range(label.span.range(), &sources.file(label.span.file).text);
+    drawn::Label::new(style, label.span.file, range).with_message(one_line(&label.text))
+}
+
+/// `range` cut to `text`, at borders of characters.
+fn drawable_range(range: Range<usize>, text: &str) -> Range<usize> {
+    let border = |at: usize| (0..=at.min(text.len())).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0);
+    let start = border(range.start);
+    start..border(range.end).max(start)
+}
+
+/// A message is one line, whatever the source put into it.
+pub(crate) fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+/// All symbols that nothing defines, as one list: what to look for in the symbol table that is missing.
+fn missing_symbols(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
+    let mut symbols: Vec<(String, u32, String)> = Vec::new();
+    for diagnostic in diagnostics.iter().filter(|d| d.code == Code::UnknownSymbol) {
+        let span = diagnostic.primary.span;
+        let file = sources.file(span.file);
+        let name = one_line(file.text.get(span.range()).unwrap_or_default());
+        match symbols.iter_mut().find(|(known, ..)| known.eq_ignore_ascii_case(&name)) {
+            Some((_, count, _)) => *count += 1,
+            None => symbols.push((name, 1, format!("{}:{}", file.name, file.line(span.start)))),
+        }
+    }
+    if symbols.len() < 2 {
+        return String::new();
+    }
+    let mut text = format!("{} symbols that no table and no block defines:\n", symbols.len());
+    for (name, count, place) in symbols {
+        let more = if count > 1 { format!(" and {} more", count - 1) } else { String::new() };
+        text.push_str(&format!("    {name}    {place}{more}\n"));
+    }
+    text.push('\n');
+    text
+}
+
+/// Our sources as the drawing library wants them.
+struct Adapter<'a>(&'a SourceMap);
+
+impl<'a> Files<'a> for Adapter<'_> {
+    type FileId = FileId;
+    type Name = &'a str;
+    type Source = &'a str;
+
+    fn name(&'a self, id: FileId) -> Result<&'a str, Error> {
+        Ok(&self.0.file(id).name)
+    }
+
+    fn source(&'a self, id: FileId) -> Result<&'a str, Error> {
+        Ok(&self.0.file(id).text)
+    }
+
+    fn line_index(&'a self, id: FileId, byte_index: usize) -> Result<usize, Error> {
+        Ok(self.0.file(id).line(byte_index as u32) as usize - 1)
+    }
+
+    fn line_range(&'a self, id: FileId, line_index: usize) -> Result<Range<usize>, Error> {
+        let file = self.0.file(id);
+        let max = file.line_count() as usize;
+        if line_index >= max {
+            return Err(Error::LineTooLarge { given: line_index, max });
+        }
+        Ok(file.line_range(line_index as u32 + 1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::{SourceFile, Span};
+
+    fn sample(text: &str, range: Range<usize>) -> (SourceMap, Diagnostic) {
+        let mut sources = SourceMap::default();
+        let file = sources.add(SourceFile::new("FC12.stl", text));
+        let message = Diagnostic::new(
+            Code::OperandKind,
+            Span::new(file, range),
+            "`A` combines one bit, but `MW 10` is a 16-bit memory word",
+        );
+        (sources, message.label("memory word: MB 10 and MB 11").help("name one bit, e.g. `M 10.0`"))
+    }
+
+    #[test]
+    fn draws_title_place_and_help() {
+        let (sources, message) = sample("      A     MW 10\n", 12..17);
+        assert_eq!(
+            draw(&[message], &sources, false),
+            "error[P0203]: `A` combines one bit, but `MW 10` is a 16-bit memory word
+  ┌─ FC12.stl:1:13
+  │
+1 │       A     MW 10
+  │             ^^^^^ memory word: MB 10 and MB 11
+  │
+  = help: name one bit, e.g. `M 10.0`
+
+"
+        );
+    }
+
+    #[test]
+    fn odd_spans_and_sources_are_drawn_too() {
+        for (text, range) in [("", 0..0), ("ä", 1..9), ("A\n", 2..2), ("A\nB\nC", 0..5)] {
+            let (sources, message) = sample(text, range);
+            assert!(draw(std::slice::from_ref(&message), &sources, false).starts_with("error[P0203]: "));
+            assert!(draw(&[message], &sources, true).contains("P0203"));
+        }
+        let (sources, message) = sample(&"A ".repeat(500), 12..17);
+        let text = draw(&[message], &sources, false);
+        assert!(text.contains("FC12.stl:1:13") && text.len() < 300);
+    }
+
+    #[test]
+    fn only_first_lines_begin_with_error() {
+        let (sources, mut message) = sample("error one\nerror two\n", 0..19);
+        message.title = "title\nerror inside".into();
+        message.help = Some("first\nerror second".into());
+        let text = draw(&[message], &sources, false);
+        assert_eq!(text.lines().filter(|line| line.starts_with("error")).count(), 1);
+    }
+}
