@@ -1,0 +1,130 @@
+//! `plcc build`.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::cli::{BuildArgs, Emit};
+use crate::command::exit;
+use crate::inputs::{self, Read};
+use crate::pipeline::{self, Bound, Compiled, Settings};
+use crate::report::{self, MessageFormat};
+use crate::{emit, link};
+
+/// Compiles and links, or writes an intermediate form.
+pub fn build(args: &BuildArgs) -> u8 {
+    let read = inputs::read(&args.inputs);
+    let name = read.name.clone();
+    match build_read(args, read, &name) {
+        Ok(()) => exit::OK,
+        Err(code) => code,
+    }
+}
+
+fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
+    if let Some(pass) = args.print_after.as_deref().filter(|pass| !plcc_opt::PASSES.contains(pass)) {
+        report::say(&format!("there is no pass `{pass}`; the passes are {}", plcc_opt::PASSES.join(", ")));
+        return Err(exit::USAGE);
+    }
+    let unreadable = read.is_unreadable();
+    let settings = Settings { require_main: true, ..Settings::new(&args.compile) };
+    if args.emit == Some(Emit::Tokens) && !unreadable {
+        return write_text(args.output.as_deref(), &emit::tokens(&read, &settings));
+    }
+    let parsed = pipeline::parse(read, &settings);
+    if args.emit == Some(Emit::Ast) && !unreadable {
+        let text = emit::ast(&parsed);
+        let mut diagnostics = parsed.diagnostics;
+        report::messages(&mut diagnostics, &parsed.sources, MessageFormat::Human);
+        write_text(args.output.as_deref(), &text)?;
+        return if diagnostics.iter().any(|d| d.is_error()) { Err(exit::COMPILE) } else { Ok(()) };
+    }
+    let bound = accepted(pipeline::bind(parsed, &settings), unreadable)?;
+    if let Some(pass) = &args.print_after {
+        return write_text(args.output.as_deref(), &emit::ir_after(pipeline::lower(&bound, args.level.level), pass));
+    }
+    let compiled = pipeline::back(&bound, args.level.level);
+    let options = compiled.codegen_options();
+    match args.emit {
+        None => link_executable(&compiled, args, name),
+        Some(Emit::Obj) => {
+            let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.o")));
+            write_bytes(&output, &object(&compiled)?)
+        }
+        Some(Emit::Ir) => write_text(args.output.as_deref(), &plcc_ir::print::module_text(&compiled.module)),
+        Some(Emit::Clif) => {
+            let text = plcc_codegen::clif_text(&compiled.module, &options).map_err(|error| internal(&error))?;
+            write_text(args.output.as_deref(), &text)
+        }
+        Some(Emit::Asm) => {
+            let text = plcc_codegen::asm_text(&compiled.module, &options).map_err(|error| internal(&error))?;
+            write_text(args.output.as_deref(), &text)
+        }
+        Some(Emit::Tokens | Emit::Ast) => unreachable!("written before binding"),
+    }
+}
+
+/// Reports the messages of a program; an error ends the command.
+pub fn accepted(mut bound: Bound, unreadable: bool) -> Result<Bound, u8> {
+    report::messages(&mut bound.diagnostics, &bound.sources, MessageFormat::Human);
+    if bound.has_errors() {
+        report::say(&report::summary(&bound.diagnostics));
+        return Err(if unreadable { exit::USAGE } else { exit::COMPILE });
+    }
+    Ok(bound)
+}
+
+fn object(compiled: &Compiled) -> Result<Vec<u8>, u8> {
+    plcc_codegen::compile_object(&compiled.module, &compiled.image_bytes(), &compiled.codegen_options())
+        .map_err(|error| internal(&error))
+}
+
+/// What fails behind binding is a fault of plcc, not of the program.
+pub fn internal(error: &dyn std::error::Error) -> u8 {
+    report::say(&format!("internal fault, please report it: {error}"));
+    exit::COMPILE
+}
+
+fn link_executable(compiled: &Compiled, args: &BuildArgs, name: &str) -> Result<(), u8> {
+    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(name));
+    if output.is_dir() {
+        report::say(&format!("`{}` is a folder; name the executable with -o", output.display()));
+        return Err(exit::USAGE);
+    }
+    if args.inputs.iter().any(|input| is_same_file(input, &output)) {
+        report::say(&format!("`{}` is a source; name the executable with -o", output.display()));
+        return Err(exit::USAGE);
+    }
+    let folder = tempfile::tempdir().map_err(|error| cannot_write(&std::env::temp_dir(), &error))?;
+    let object_path = folder.path().join("program.o");
+    write_bytes(&object_path, &object(compiled)?)?;
+    link::link(&[object_path], &output, args.linker.as_deref()).map_err(|error| {
+        report::say(&error.to_string());
+        exit::USAGE
+    })
+}
+
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
+}
+
+/// Writes to `output`, or to standard output.
+fn write_text(output: Option<&Path>, text: &str) -> Result<(), u8> {
+    match output {
+        Some(path) => write_bytes(path, text.as_bytes()),
+        // A closed pipe (`| head`) is no fault.
+        None => {
+            let _ = std::io::stdout().write_all(text.as_bytes());
+            Ok(())
+        }
+    }
+}
+
+fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), u8> {
+    fs::write(path, bytes).map_err(|error| cannot_write(path, &error))
+}
+
+fn cannot_write(path: &Path, error: &std::io::Error) -> u8 {
+    report::say(&format!("cannot write `{}`: {error}", path.display()));
+    exit::USAGE
+}

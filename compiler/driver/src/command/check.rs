@@ -1,0 +1,25 @@
+//! `plcc check`.
+
+use crate::cli::CheckArgs;
+use crate::command::exit;
+use crate::report::{self, MessageFormat};
+use crate::{inputs, pipeline};
+
+/// Reports all messages; 0 with or without warnings, 3 with an error.
+pub fn check(args: &CheckArgs) -> u8 {
+    let read = inputs::read(&args.inputs);
+    let unreadable = read.is_unreadable();
+    // A file alone may be a part of a program, a project is a whole one.
+    let require_main = read.project.is_some() && !args.partial;
+    let settings = pipeline::Settings { partial: args.partial, require_main, ..pipeline::Settings::new(&args.compile) };
+    let mut bound = pipeline::front(read, &settings);
+    report::messages(&mut bound.diagnostics, &bound.sources, args.message_format);
+    if args.message_format == MessageFormat::Human && !bound.diagnostics.is_empty() {
+        report::say(&report::summary(&bound.diagnostics));
+    }
+    match (unreadable, bound.has_errors()) {
+        (true, _) => exit::USAGE,
+        (false, true) => exit::COMPILE,
+        (false, false) => exit::OK,
+    }
+}

@@ -1,0 +1,24 @@
+//! `plcc explain`.
+
+use plcc_diag::Code;
+
+use crate::command::exit;
+use crate::report;
+
+/// Prints the page of `code`.
+pub fn explain(code: &str) -> u8 {
+    match Code::from_name(code.trim()) {
+        Some(code) => {
+            print!("{}", code.page());
+            exit::OK
+        }
+        None => {
+            report::say(&format!(
+                "there is no code `{code}`; codes go from {} to {}",
+                Code::ALL.first().map_or("", |code| code.name()),
+                Code::ALL.last().map_or("", |code| code.name())
+            ));
+            exit::USAGE
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! The commands, one file each. Each gives the exit code of the process.
+
+pub mod build;
+pub mod check;
+pub mod explain;
+pub mod run;
+pub mod test;
+
+/// Exit codes. A command that runs a PLC program gives those of the runtime, which are the same.
+pub mod exit {
+    pub const OK: u8 = 0;
+    /// A test failed; the program went to STOP on a fault.
+    pub const FAILED: u8 = 1;
+    /// Usage, or a file that cannot be read or written.
+    pub const USAGE: u8 = 2;
+    /// The sources have errors.
+    pub const COMPILE: u8 = 3;
+}

@@ -1,0 +1,102 @@
+//! What a file is. Its content tells, never its name.
+
+use plcc_program::symbols;
+use plcc_syntax::stl::{Mnemonics, StlInsn};
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    Stl,
+    SymbolTable,
+    /// Not for us; what it seems to be instead.
+    Other(&'static str),
+}
+
+/// Words that begin a line of an STL source and are no mnemonics.
+const FRAME_WORDS: [&str; 17] = [
+    "ORGANIZATION_BLOCK",
+    "FUNCTION",
+    "FUNCTION_BLOCK",
+    "DATA_BLOCK",
+    "TYPE",
+    "NETWORK",
+    "TITLE",
+    "VAR",
+    "VAR_INPUT",
+    "VAR_OUTPUT",
+    "VAR_IN_OUT",
+    "VAR_TEMP",
+    "STRUCT",
+    "BEGIN",
+    "CALL",
+    "SYSTEM_FUNCTION",
+    "SYSTEM_FUNCTION_BLOCK",
+];
+
+/// Tells what `text` is.
+pub fn of(text: &str) -> Content {
+    if text.chars().take(4096).any(|c| c.is_control() && !matches!(c, '\t' | '\n' | '\r' | '\x0c' | '\x1a')) {
+        return Content::Other("binary data");
+    }
+    if symbols::is_symbol_table(text) {
+        return Content::SymbolTable;
+    }
+    let lines = || text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//"));
+    match lines().next() {
+        None => return Content::Stl,
+        Some(line) if line.starts_with('<') => return Content::Other("XML"),
+        Some(line) if line.starts_with("%PDF") => return Content::Other("a PDF document"),
+        Some(_) => {}
+    }
+    if lines().any(begins_like_stl) || lines().all(|line| line.split_whitespace().count() <= 4) {
+        Content::Stl
+    } else {
+        Content::Other("text in another language")
+    }
+}
+
+/// The line begins with a mnemonic, with a label and a mnemonic, or with a word of a block frame.
+fn begins_like_stl(line: &str) -> bool {
+    let line = match line.split_once(':') {
+        Some((label, rest)) if !rest.starts_with('=') && label.chars().all(|c| c.is_alphanumeric() || c == '_') => rest,
+        _ => line,
+    };
+    let word = line.trim_start().split([' ', '\t', ';', ',']).next().unwrap_or_default();
+    let words = line.split_whitespace().count();
+    FRAME_WORDS.iter().any(|frame| frame.eq_ignore_ascii_case(word))
+        // Prose can begin with `A` or `O`, so that a statement must be short too.
+        || words <= 4 && is_mnemonic(word)
+}
+
+fn is_mnemonic(word: &str) -> bool {
+    let is = |set| move |insn: &&StlInsn| insn.mnemonic(set).eq_ignore_ascii_case(word);
+    StlInsn::ALL.iter().any(|insn| is(Mnemonics::En)(&insn) || is(Mnemonics::De)(&insn))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tells_sources_from_other_files() {
+        for text in [
+            "",
+            "// nothing yet\n",
+            "A I 0.0\n= Q 4.0",
+            "      U     E 0.0;\n",
+            "m1:   NOP 0\n",
+            "FUNCTION FC 1 : VOID\nBEGIN\nEND_FUNCTION\n",
+            "\n\nDATA_BLOCK \"Tank data\"\n",
+            "LD I0.0\n",
+        ] {
+            assert_eq!(of(text), Content::Stl, "{text:?}");
+        }
+        assert_eq!(of("%PDF-1.4\n1 0 obj\n"), Content::Other("a PDF document"));
+        assert_eq!(of("<?xml version=\"1.0\"?>\n<Document/>"), Content::Other("XML"));
+        assert_eq!(of("A\0B"), Content::Other("binary data"));
+        assert_eq!(
+            of("# Tank\n\nA program that fills a tank when the level is low.\n"),
+            Content::Other("text in another language")
+        );
+    }
+}

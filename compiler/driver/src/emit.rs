@@ -1,0 +1,41 @@
+//! Text of the intermediate forms that are made of several files.
+
+use plcc_syntax::{ParseOptions, stl};
+
+use crate::inputs::Read;
+use crate::pipeline::{Compiled, Parsed, Settings};
+
+/// Tokens of each source.
+pub fn tokens(read: &Read, settings: &Settings) -> String {
+    let options = ParseOptions { mnemonics: settings.mnemonics, pragmas: settings.pragmas };
+    let texts = read.units.iter().map(|&unit| {
+        let file = read.sources.file(unit);
+        (file.name.as_str(), stl::tokens_text(&file.text, &options))
+    });
+    join(texts)
+}
+
+/// Syntax tree of each source.
+pub fn ast(parsed: &Parsed) -> String {
+    join(parsed.units.iter().map(|(file, unit)| (parsed.sources.file(*file).name.as_str(), plcc_syntax::ast_text(unit))))
+}
+
+/// One text alone, several with the name of their file before each.
+fn join<'a>(texts: impl ExactSizeIterator<Item = (&'a str, String)>) -> String {
+    if texts.len() == 1 {
+        texts.map(|(_, text)| text).collect()
+    } else {
+        texts.map(|(name, text)| format!("// {name}\n{text}")).collect()
+    }
+}
+
+/// The IR behind each run of `pass`.
+pub fn ir_after(mut compiled: Compiled, pass: &str) -> String {
+    let mut text = String::new();
+    plcc_opt::optimize_with(&mut compiled.module, &mut |name, module| {
+        if name == pass {
+            text.push_str(&format!("; after {name}\n{}", plcc_ir::print::module_text(module)));
+        }
+    });
+    text
+}

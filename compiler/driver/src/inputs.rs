@@ -1,0 +1,287 @@
+//! FILE|DIR arguments to files that were read: the first arrow of the pipeline, and the only one that reads.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
+
+use crate::content::{self, Content};
+use crate::project::{self, Project};
+
+/// A program as it was read.
+#[derive(Default)]
+pub struct Read {
+    /// Name of the program: of the project, or of the first source without its suffix.
+    pub name: String,
+    pub sources: SourceMap,
+    /// Statement lists, in the order in which they were given or found.
+    pub units: Vec<FileId>,
+    /// Symbol tables.
+    pub tables: Vec<FileId>,
+    pub project: Option<Project>,
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl Read {
+    /// True if a file could not be read at all.
+    pub fn is_unreadable(&self) -> bool {
+        self.diagnostics.iter().any(|d| d.code == Code::Unreadable)
+    }
+
+    /// Reports `code` at a place of which nothing can be shown.
+    fn report(&mut self, code: Code, file: &Path, title: String, help: &str) {
+        let file = self.sources.add(SourceFile::new(file.display().to_string(), ""));
+        self.diagnostics.push(Diagnostic::new(code, Span::new(file, 0..0), title).help(help));
+    }
+}
+
+/// Reads `paths` as one program: files, folders and at most one project.
+pub fn read(paths: &[PathBuf]) -> Read {
+    let mut read = Read::default();
+    for path in paths {
+        if !path.is_dir() {
+            add_file(&mut read, path, Wanted::Yes);
+        } else if path.join(project::FILE_NAME).is_file() {
+            add_project(&mut read, path);
+        } else {
+            add_folder(&mut read, path);
+        }
+    }
+    if read.name.is_empty() {
+        read.name = paths.first().map(|path| stem(path)).unwrap_or_default();
+    }
+    read
+}
+
+/// What `plcc test` runs.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum TestInput {
+    /// A source alone.
+    File(PathBuf),
+    /// A folder with a plc.toml.
+    Project(PathBuf),
+}
+
+/// The tests that `paths` name: a file is one, a project is one, another folder is each source and project below it.
+pub fn find_tests(paths: &[PathBuf]) -> Vec<TestInput> {
+    let mut tests = Vec::new();
+    for path in paths {
+        if path.is_dir() {
+            find_tests_below(path, &mut tests);
+        } else {
+            tests.push(TestInput::File(path.clone()));
+        }
+    }
+    tests
+}
+
+fn find_tests_below(folder: &Path, tests: &mut Vec<TestInput>) {
+    if folder.join(project::FILE_NAME).is_file() {
+        return tests.push(TestInput::Project(folder.to_path_buf()));
+    }
+    for path in entries(folder) {
+        if path.is_dir() {
+            find_tests_below(&path, tests);
+        } else if read_text(&path).is_ok_and(|text| !text.is_empty() && content::of(&text) == Content::Stl) {
+            tests.push(TestInput::File(path));
+        }
+    }
+}
+
+/// Scenarios of a project: the `.toml` files below its `tests` folder.
+pub fn project_scenarios(folder: &Path) -> Vec<PathBuf> {
+    let mut scenarios = files_below(&folder.join("tests"));
+    scenarios.retain(|path| path.extension().is_some_and(|suffix| suffix == "toml"));
+    scenarios
+}
+
+/// The scenario of a single test file, if it has one: `x.scenario.toml` beside `x.stl`.
+pub fn file_scenario(file: &Path) -> Option<PathBuf> {
+    Some(file.with_extension("scenario.toml")).filter(|path| path.is_file())
+}
+
+/// Whether a file that holds no source is a mistake.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Wanted {
+    /// The user named it.
+    Yes,
+    /// It only lies in a folder.
+    No,
+}
+
+fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
+    let text = match read_text(path) {
+        Ok(text) => text,
+        Err(error) => {
+            let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
+            return read.report(Code::Unreadable, path, title, "check the name of the file and who may read it");
+        }
+    };
+    let content = content::of(&text);
+    if wanted == Wanted::No && matches!(content, Content::Other(_)) {
+        return;
+    }
+    let file = read.sources.add(SourceFile::new(path.display().to_string(), text));
+    match content {
+        Content::Stl => {
+            if read.name.is_empty() {
+                read.name = stem(path);
+            }
+            read.units.push(file);
+        }
+        Content::SymbolTable => read.tables.push(file),
+        Content::Other(what) => {
+            let title = format!("`{}` holds no PLC source but {what}", path.display());
+            let message = Diagnostic::new(Code::NotASource, Span::new(file, 0..0), title);
+            read.diagnostics.push(message.help("give a statement list (STL), or a symbol table"));
+        }
+    }
+}
+
+/// The operating system's words without its number.
+fn reason(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or(&text).to_lowercase()
+}
+
+fn add_folder(read: &mut Read, folder: &Path) {
+    let before = read.units.len();
+    for path in files_below(folder) {
+        add_file(read, &path, Wanted::No);
+    }
+    if read.units.len() == before {
+        let title = format!("the folder `{}` holds no PLC source", folder.display());
+        read.report(Code::NotASource, folder, title, "give a file, a folder of sources, or a folder with a plc.toml");
+    }
+}
+
+fn add_project(read: &mut Read, folder: &Path) {
+    let path = folder.join(project::FILE_NAME);
+    if read.project.is_some() {
+        let title = format!("`{}` is a second project", folder.display());
+        return read.report(Code::Project, &path, title, "give one project at a time");
+    }
+    let text = match read_text(&path) {
+        Ok(text) => text,
+        Err(error) => {
+            let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
+            return read.report(Code::Unreadable, &path, title, "check who may read the file");
+        }
+    };
+    let source = SourceFile::new(path.display().to_string(), text);
+    let file = read.sources.add(source.clone());
+    let (project, diagnostics) = project::parse(file, &source);
+    read.diagnostics.extend(diagnostics);
+    read.name = project.name.clone().unwrap_or_else(|| stem(folder));
+    match &project.sources {
+        None => {
+            for path in files_below(folder) {
+                if !path.starts_with(folder.join("tests")) && path.file_name() != Some(project::FILE_NAME.as_ref()) {
+                    add_file(read, &path, Wanted::No);
+                }
+            }
+        }
+        Some(sources) => sources.iter().for_each(|source| add_named(read, folder, source)),
+    }
+    project.symbols.iter().for_each(|table| add_named(read, folder, table));
+    read.project = Some(project);
+}
+
+/// A file or folder that plc.toml names.
+fn add_named(read: &mut Read, folder: &Path, (name, span): &(String, Span)) {
+    let path = folder.join(name);
+    if path.is_dir() {
+        files_below(&path).iter().for_each(|path| add_file(read, path, Wanted::No));
+    } else if path.is_file() {
+        add_file(read, &path, Wanted::Yes);
+    } else {
+        let message = Diagnostic::new(Code::Project, *span, format!("`{name}` is no file or folder of the project"));
+        read.diagnostics.push(message.help("names are relative to the folder of plc.toml"));
+    }
+}
+
+/// Text of a file, decoded.
+pub fn read_text(path: &Path) -> std::io::Result<String> {
+    Ok(plcc_syntax::decode(&fs::read(path)?))
+}
+
+/// All files below `folder` in the order of their names; hidden ones left out, links to folders not followed.
+fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for path in entries(folder) {
+        if path.is_dir() {
+            files.extend(files_below(&path));
+        } else {
+            files.push(path);
+        }
+    }
+    files
+}
+
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let mut entries: Vec<PathBuf> = fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| !path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.')))
+        .filter(|path| !(path.is_symlink() && path.is_dir()))
+        .collect();
+    entries.sort();
+    entries
+}
+
+/// Last part of a path without its suffix; of a folder, its whole name.
+fn stem(path: &Path) -> String {
+    let full = if path.file_name().is_none() { fs::canonicalize(path).unwrap_or_default() } else { path.to_path_buf() };
+    let name = if full.is_dir() { full.file_name() } else { full.file_stem() };
+    name.map_or_else(|| "program".to_string(), |name| name.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        }
+        folder
+    }
+
+    #[test]
+    fn a_folder_gives_its_sources_and_tables() {
+        let folder = folder(&[
+            ("main.awl", "A I 0.0\n"),
+            ("sub/valve", "FUNCTION FC 1 : VOID\nBEGIN\nEND_FUNCTION\n"),
+            ("symbols.txt", "\"Start\",\"I 0.0\",\"BOOL\",\"\"\n"),
+            ("notes.md", "# Notes\n\nThis is prose that explains the program.\n"),
+        ]);
+        let read = read(&[folder.path().to_path_buf()]);
+        assert_eq!((read.units.len(), read.tables.len(), read.diagnostics.len()), (2, 1, 0));
+        assert_eq!(read.name, "main");
+    }
+
+    #[test]
+    fn a_named_file_must_be_a_source() {
+        let folder = folder(&[("notes.md", "# Notes\n\nThis is prose that explains the program.\n")]);
+        let code = |path: &str| read(&[folder.path().join(path)]).diagnostics[0].code;
+        assert_eq!(code("notes.md"), Code::NotASource);
+        assert_eq!(code("missing.stl"), Code::Unreadable);
+    }
+
+    #[test]
+    fn a_project_names_its_sources() {
+        let folder = folder(&[
+            ("plc.toml", "name = \"tank\"\nsources = [\"a.stl\", \"gone.stl\"]\n"),
+            ("a.stl", "A I 0.0\n"),
+            ("b.stl", "A I 0.0\n"),
+        ]);
+        let read = read(&[folder.path().to_path_buf()]);
+        assert_eq!((read.name.as_str(), read.units.len()), ("tank", 1));
+        assert_eq!(read.diagnostics[0].code, Code::Project);
+    }
+}

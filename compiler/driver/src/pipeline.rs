@@ -1,0 +1,172 @@
+//! The way of a program: read, parse, bind, lower, optimise, generate code. Each arrow is one function, from one type to one type.
+
+use plcc_abi::image::{Family, Profile, ProgramImage};
+use plcc_codegen::CodegenOptions;
+use plcc_diag::{Code, Diagnostic, SourceFile, SourceMap, Span};
+use plcc_ir::Module;
+use plcc_program::model::Program;
+use plcc_program::symbols::{self, SymbolTable};
+use plcc_program::{BindInput, profile};
+use plcc_syntax::ParseOptions;
+use plcc_syntax::ast::SourceUnit;
+use plcc_syntax::stl::Mnemonics;
+
+use crate::cli::{CompileArgs, Level};
+use crate::inputs::Read;
+use crate::project::Project;
+
+/// What the arrows up to the bound program must know.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    pub cpu: Option<String>,
+    pub mnemonics: Option<Mnemonics>,
+    /// `//@` lines are obeyed.
+    pub pragmas: bool,
+    /// What is defined nowhere is a warning.
+    pub partial: bool,
+    /// A program without OB 1 is an error.
+    pub require_main: bool,
+}
+
+impl Settings {
+    /// As the command line says.
+    pub fn new(args: &CompileArgs) -> Settings {
+        Settings { cpu: args.cpu.clone(), mnemonics: args.mnemonics.map(Mnemonics::from), ..Settings::default() }
+    }
+
+    fn parse_options(&self, project: Option<&Project>) -> ParseOptions {
+        let mnemonics = self.mnemonics.or_else(|| project.and_then(|project| project.mnemonics));
+        ParseOptions { mnemonics, pragmas: self.pragmas }
+    }
+}
+
+/// A program whose sources are parsed.
+pub struct Parsed {
+    pub name: String,
+    pub sources: SourceMap,
+    pub units: Vec<(plcc_diag::FileId, SourceUnit)>,
+    pub tables: Vec<SymbolTable>,
+    pub project: Option<Project>,
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// A program whose names, types and addresses are settled.
+pub struct Bound {
+    pub sources: SourceMap,
+    pub program: Program,
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl Bound {
+    /// True if the program cannot be compiled.
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(Diagnostic::is_error)
+    }
+}
+
+/// A program as IR, with what the runtime must know about it.
+#[derive(Clone)]
+pub struct Compiled {
+    pub module: Module,
+    pub image: ProgramImage,
+    pub level: Level,
+}
+
+/// Parses all sources and symbol tables.
+pub fn parse(read: Read, settings: &Settings) -> Parsed {
+    let Read { name, sources, units, tables, project, mut diagnostics } = read;
+    let options = settings.parse_options(project.as_ref());
+    let mut parse_unit = |file| {
+        let (unit, messages) = plcc_syntax::parse(file, &sources.file(file).text, &options);
+        diagnostics.extend(messages);
+        (file, unit)
+    };
+    let units = units.into_iter().map(&mut parse_unit).collect();
+    let mut parse_table = |file| {
+        let (table, messages) = symbols::parse(file, sources.file(file));
+        diagnostics.extend(messages);
+        table
+    };
+    let tables = tables.into_iter().map(&mut parse_table).collect();
+    Parsed { name, sources, units, tables, project, diagnostics }
+}
+
+/// Settles names, types and addresses.
+pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
+    let Parsed { name, mut sources, units, tables, project, mut diagnostics } = parsed;
+    let profile = profile_of(settings, project.as_ref(), &mut sources, &mut diagnostics);
+    let (program, messages) = plcc_program::bind(&BindInput {
+        name,
+        sources: &sources,
+        units: &units,
+        tables: &tables,
+        profile,
+        config: project.map(|project| project.config).unwrap_or_default(),
+        partial: settings.partial,
+        pragmas: settings.pragmas,
+        require_main: settings.require_main,
+    });
+    diagnostics.extend(messages);
+    plcc_diag::sort(&mut diagnostics);
+    Bound { sources, program, diagnostics }
+}
+
+/// The CPU: of the command line, else of plc.toml, else the generic one of the family of the sources.
+fn profile_of(
+    settings: &Settings,
+    project: Option<&Project>,
+    sources: &mut SourceMap,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Profile {
+    let generic = profile::generic(Family::S7300);
+    let (name, span) = match (&settings.cpu, project.and_then(|project| project.cpu.clone())) {
+        (Some(name), _) => (name.clone(), None),
+        (None, Some((name, span))) => (name, Some(span)),
+        (None, None) => return generic,
+    };
+    let title = match profile::lookup(&name) {
+        Some(profile) if matches!(profile.family, Family::S7300 | Family::S7400) => return profile,
+        Some(profile) => format!("`{}` does not run S7-300/400 programs", profile.name),
+        None => format!("plcc does not know the CPU `{name}`"),
+    };
+    let span = span.unwrap_or_else(|| Span::new(sources.add(SourceFile::new("--cpu", name.clone())), 0..name.len()));
+    let help = format!("one of {}", profile::names().join(", "));
+    diagnostics.push(Diagnostic::new(Code::UnknownCpu, span, title).help(help));
+    generic
+}
+
+/// Parses and binds.
+pub fn front(read: Read, settings: &Settings) -> Bound {
+    bind(parse(read, settings), settings)
+}
+
+/// The IR of a program without errors.
+pub fn lower(bound: &Bound, level: Level) -> Compiled {
+    let lowered = plcc_lower::lower(&bound.program, &bound.sources);
+    Compiled { module: lowered.module, image: lowered.image, level }
+}
+
+/// Runs our passes, at -O2.
+pub fn optimize(mut compiled: Compiled) -> Compiled {
+    match compiled.level {
+        Level::O0 => {}
+        Level::O2 => plcc_opt::optimize(&mut compiled.module),
+    }
+    compiled
+}
+
+/// Lowers and optimises.
+pub fn back(bound: &Bound, level: Level) -> Compiled {
+    optimize(lower(bound, level))
+}
+
+impl Compiled {
+    pub fn codegen_options(&self) -> CodegenOptions {
+        CodegenOptions { optimize: self.level == Level::O2, ..CodegenOptions::default() }
+    }
+
+    /// The image as it lies in an executable.
+    pub fn image_bytes(&self) -> Vec<u8> {
+        postcard::to_stdvec(&self.image).expect("an image is plain data, which postcard can hold")
+    }
+}

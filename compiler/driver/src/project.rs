@@ -1,0 +1,358 @@
+//! `plc.toml`: what a project is made of and how its CPU is set. Every key is described in docs/plc-toml.md.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use plcc_abi::image::{Config, Module, TimeOfDay};
+use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
+use plcc_syntax::stl::Mnemonics;
+use serde::Deserialize;
+use toml::Spanned;
+
+/// Name of the file that makes a folder a project.
+pub const FILE_NAME: &str = "plc.toml";
+
+/// A project as its `plc.toml` describes it. Paths are relative to its folder.
+#[derive(Clone, Debug, Default)]
+pub struct Project {
+    /// Name of the program and its executable; the folder's name if left out.
+    pub name: Option<String>,
+    pub cpu: Option<(String, Span)>,
+    pub mnemonics: Option<Mnemonics>,
+    /// Files and folders; `None`: every source below the project's folder, `tests` left out.
+    pub sources: Option<Vec<(String, Span)>>,
+    pub symbols: Vec<(String, Span)>,
+    pub config: Config,
+}
+
+/// Reads the text of a `plc.toml`. What is wrong is left out and reported as P0601.
+pub fn parse(file: FileId, source: &SourceFile) -> (Project, Vec<Diagnostic>) {
+    let mut context = Context { file, diagnostics: Vec::new() };
+    let project = match toml::from_str::<Keys>(&source.text) {
+        Ok(keys) => context.project(keys),
+        Err(error) => {
+            let range = error.span().unwrap_or(0..0);
+            context.report(range, first_line(error.message()), "docs/plc-toml.md lists the keys and their values");
+            Project::default()
+        }
+    };
+    (project, context.diagnostics)
+}
+
+/// The library's message without the drawing that it may carry.
+fn first_line(message: &str) -> String {
+    message.lines().next().unwrap_or("not a TOML file").to_string()
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    name: Option<Spanned<String>>,
+    cpu: Option<Spanned<String>>,
+    mnemonics: Option<MnemonicsKey>,
+    sources: Option<Vec<Spanned<String>>>,
+    #[serde(default)]
+    symbols: Vec<Spanned<String>>,
+    startup: Option<StartupKey>,
+    cycle_time_max: Option<Spanned<String>>,
+    clock_memory: Option<Spanned<i64>>,
+    #[serde(default)]
+    ob: BTreeMap<Spanned<String>, ObKeys>,
+    #[serde(default)]
+    module: Vec<ModuleKeys>,
+}
+
+#[derive(Deserialize)]
+enum MnemonicsKey {
+    #[serde(rename = "en")]
+    En,
+    #[serde(rename = "de")]
+    De,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum StartupKey {
+    Warm,
+    Hot,
+    Cold,
+}
+
+/// `[ob.N]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ObKeys {
+    period: Option<Spanned<String>>,
+    phase: Option<Spanned<String>>,
+    priority: Option<Spanned<i64>>,
+    start: Option<Spanned<String>>,
+    every: Option<Spanned<String>>,
+}
+
+/// `[[module]]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModuleKeys {
+    name: Spanned<String>,
+    inputs: Option<AddressKeys>,
+    outputs: Option<AddressKeys>,
+}
+
+/// `{ start = 0, bytes = 4 }`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AddressKeys {
+    start: Spanned<i64>,
+    bytes: Spanned<i64>,
+}
+
+/// Codes of SFC 28 by the words of `every`. Source: SFC reference, SET_TINT.
+const TIME_OF_DAY_PERIODS: [(&str, u16); 8] = [
+    ("once", 0x0000),
+    ("minute", 0x0201),
+    ("hour", 0x0401),
+    ("day", 0x1001),
+    ("week", 0x1201),
+    ("month", 0x1401),
+    ("month end", 0x2001),
+    ("year", 0x1801),
+];
+
+/// Peripheral addresses are 16 bits wide.
+const PERIPHERAL_BYTES: i64 = 65536;
+
+struct Context {
+    file: FileId,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Context {
+    fn report(&mut self, range: Range<usize>, title: impl Into<String>, help: &str) {
+        self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, range), title).help(help));
+    }
+
+    fn project(&mut self, keys: Keys) -> Project {
+        let mut config = Config::default();
+        if let Some(time) = &keys.cycle_time_max {
+            config.cycle_time_max_ms = self.duration(time, 1..=6000).unwrap_or(config.cycle_time_max_ms);
+        }
+        config.clock_memory_byte = keys.clock_memory.and_then(|byte| self.number(&byte, 0..=65535, "a memory byte"));
+        config.startup = match keys.startup {
+            None | Some(StartupKey::Warm) => 100,
+            Some(StartupKey::Hot) => 101,
+            Some(StartupKey::Cold) => 102,
+        };
+        for (number, ob) in &keys.ob {
+            self.organization_block(number, ob, &mut config);
+        }
+        if !keys.module.is_empty() {
+            config.modules = Some(self.modules(&keys.module));
+        }
+        let place = |text: Spanned<String>| (text.get_ref().clone(), Span::new(self.file, text.span()));
+        Project {
+            name: keys.name.map(Spanned::into_inner),
+            cpu: keys.cpu.map(place),
+            mnemonics: keys.mnemonics.map(|key| match key {
+                MnemonicsKey::En => Mnemonics::En,
+                MnemonicsKey::De => Mnemonics::De,
+            }),
+            sources: keys.sources.map(|sources| sources.into_iter().map(place).collect()),
+            symbols: keys.symbols.into_iter().map(place).collect(),
+            config,
+        }
+    }
+
+    fn organization_block(&mut self, number: &Spanned<String>, keys: &ObKeys, config: &mut Config) {
+        let cyclic = number.get_ref().parse::<u16>().ok().filter(|ob| (30..=38).contains(ob));
+        let time_of_day = number.get_ref().parse::<u16>().ok().filter(|ob| (10..=17).contains(ob));
+        let Ok(ob @ 1..=122) = number.get_ref().parse::<u16>() else {
+            let title = format!("`{}` is no number of an organization block", number.get_ref());
+            return self.report(number.span(), title, "write `[ob.35]`");
+        };
+        for (key, is_phase) in [(&keys.period, false), (&keys.phase, true)] {
+            let Some(time) = key else { continue };
+            if cyclic.is_none() {
+                self.report(time.span(), format!("OB {ob} is not cyclic"), "OB 30 to OB 38 have a period and a phase");
+            } else if let Some(ms) = self.duration(time, if is_phase { 0..=60_000 } else { 1..=60_000 }) {
+                let list = if is_phase { &mut config.cyclic_phase_ms } else { &mut config.cyclic_period_ms };
+                list.push((ob, ms));
+            }
+        }
+        if let Some(priority) = &keys.priority {
+            config.priorities.extend(self.number(priority, 2..=24, "a priority").map(|priority| (ob, priority)));
+        }
+        match (&keys.start, &keys.every) {
+            (None, None) => {}
+            (Some(start), every) if time_of_day.is_some() => {
+                let period = self.time_of_day_period(every.as_ref());
+                if !is_date_and_time(start.get_ref()) {
+                    let title = format!("`{}` is no date and time", start.get_ref());
+                    return self.report(start.span(), title, "write `2026-01-31T06:00:00`");
+                }
+                config.time_of_day.push(TimeOfDay { ob, start: start.get_ref().clone(), period });
+            }
+            (Some(key), _) | (None, Some(key)) if time_of_day.is_none() => {
+                self.report(key.span(), format!("OB {ob} is no time-of-day interrupt"), "OB 10 to OB 17 start at a time of day");
+            }
+            (_, Some(key)) => self.report(key.span(), "`every` without `start`", "write `start = \"2026-01-31T06:00:00\"`"),
+            (Some(_), None) => {}
+        }
+    }
+
+    fn time_of_day_period(&mut self, every: Option<&Spanned<String>>) -> u16 {
+        let Some(every) = every else { return 0 };
+        match TIME_OF_DAY_PERIODS.iter().find(|(word, _)| word == every.get_ref()) {
+            Some((_, code)) => *code,
+            None => {
+                let words = TIME_OF_DAY_PERIODS.map(|(word, _)| word).join(", ");
+                let title = format!("`{}` is no period of a time-of-day interrupt", every.get_ref());
+                self.report(every.span(), title, &format!("one of {words}"));
+                0
+            }
+        }
+    }
+
+    fn modules(&mut self, keys: &[ModuleKeys]) -> Vec<Module> {
+        let mut modules: Vec<Module> = Vec::new();
+        for module in keys {
+            let (input_start, input_bytes) = self.addresses(module.inputs.as_ref());
+            let (output_start, output_bytes) = self.addresses(module.outputs.as_ref());
+            let name = module.name.get_ref().clone();
+            let new = Module { name, input_start, input_bytes, output_start, output_bytes };
+            if let Some(other) = modules.iter().find(|other| overlap(other, &new)) {
+                let title = format!("modules `{}` and `{}` have addresses in common", other.name, new.name);
+                self.report(module.name.span(), title, "give each module addresses of its own");
+            }
+            modules.push(new);
+        }
+        modules
+    }
+
+    /// Start byte and number of bytes; both 0 if the module has none.
+    fn addresses(&mut self, keys: Option<&AddressKeys>) -> (u32, u32) {
+        let Some(keys) = keys else { return (0, 0) };
+        let start = self.number::<u32>(&keys.start, 0..=PERIPHERAL_BYTES - 1, "a start address");
+        let most = PERIPHERAL_BYTES - i64::from(start.unwrap_or_default());
+        let bytes = self.number::<u32>(&keys.bytes, 1..=most, "a number of bytes");
+        (start.unwrap_or_default(), bytes.unwrap_or_default())
+    }
+
+    fn number<T: TryFrom<i64>>(
+        &mut self,
+        key: &Spanned<i64>,
+        range: std::ops::RangeInclusive<i64>,
+        what: &str,
+    ) -> Option<T> {
+        if !range.contains(key.get_ref()) {
+            let title = format!("{} is not {what} from {} to {}", key.get_ref(), range.start(), range.end());
+            self.report(key.span(), title, "docs/plc-toml.md lists the keys and their values");
+            return None;
+        }
+        T::try_from(*key.get_ref()).ok()
+    }
+
+    /// A duration in milliseconds.
+    fn duration(&mut self, key: &Spanned<String>, range: std::ops::RangeInclusive<u32>) -> Option<u32> {
+        let ms = duration_ms(key.get_ref()).filter(|ms| range.contains(ms));
+        if ms.is_none() {
+            let title = format!("`{}` is no time from {} to {} ms", key.get_ref(), range.start(), range.end());
+            self.report(key.span(), title, "write `200ms` or `2s`");
+        }
+        ms
+    }
+}
+
+/// `200ms`, `2s`, `1m`.
+fn duration_ms(text: &str) -> Option<u32> {
+    let digits = text.find(|c: char| !c.is_ascii_digit())?;
+    let factor = match text[digits..].trim() {
+        "ms" => 1,
+        "s" => 1000,
+        "m" => 60_000,
+        _ => return None,
+    };
+    text[..digits].parse::<u32>().ok()?.checked_mul(factor)
+}
+
+/// `2026-01-31T06:00:00`, of the years that an S7 clock knows.
+fn is_date_and_time(text: &str) -> bool {
+    match text.parse::<toml::value::Datetime>() {
+        Ok(toml::value::Datetime { date: Some(date), time: Some(_), offset: None }) => (1990..=2089).contains(&date.year),
+        Ok(_) | Err(_) => false,
+    }
+}
+
+fn overlap(a: &Module, b: &Module) -> bool {
+    let ranges_overlap = |a_start: u32, a_bytes: u32, b_start: u32, b_bytes: u32| {
+        a_bytes > 0 && b_bytes > 0 && a_start < b_start + b_bytes && b_start < a_start + a_bytes
+    };
+    ranges_overlap(a.input_start, a.input_bytes, b.input_start, b.input_bytes)
+        || ranges_overlap(a.output_start, a.output_bytes, b.output_start, b.output_bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> (Project, Vec<(u32, String)>) {
+        let source = SourceFile::new(FILE_NAME, text);
+        let (project, diagnostics) = parse(FileId(0), &source);
+        (project, diagnostics.into_iter().map(|d| (source.line(d.primary.span.start), d.title)).collect())
+    }
+
+    #[test]
+    fn reads_every_key() {
+        let (project, messages) = read(
+            r#"
+name = "tank"
+cpu = "315-2DP"
+mnemonics = "de"
+sources = ["main.stl", "blocks"]
+symbols = ["symbols.sdf"]
+startup = "cold"
+cycle_time_max = "200ms"
+clock_memory = 100
+
+[ob.35]
+period = "50ms"
+phase = "5ms"
+priority = 12
+
+[ob.10]
+start = "2026-01-31T06:00:00"
+every = "day"
+
+[[module]]
+name = "DI8/DO8"
+inputs = { start = 0, bytes = 1 }
+outputs = { start = 0, bytes = 1 }
+"#,
+        );
+        assert_eq!(messages, []);
+        assert_eq!(project.name.as_deref(), Some("tank"));
+        assert_eq!(project.mnemonics, Some(Mnemonics::De));
+        assert_eq!(project.sources.map(|sources| sources.len()), Some(2));
+        let config = project.config;
+        assert_eq!((config.cycle_time_max_ms, config.clock_memory_byte, config.startup), (200, Some(100), 102));
+        assert_eq!((config.cyclic_period_ms, config.cyclic_phase_ms), (vec![(35, 50)], vec![(35, 5)]));
+        assert_eq!(config.priorities, [(35, 12)]);
+        assert_eq!((config.time_of_day[0].ob, config.time_of_day[0].period), (10, 0x1001));
+        assert_eq!(config.modules.map(|modules| modules[0].output_bytes), Some(1));
+    }
+
+    #[test]
+    fn tells_the_line_of_what_is_wrong() {
+        let line = |text: &str| read(text).1.first().map(|(line, _)| *line);
+        assert_eq!(line("name = \"a\"\ncylce_time_max = \"1s\"\n"), Some(2));
+        assert_eq!(line("\ncycle_time_max = \"7s\"\n"), Some(2));
+        assert_eq!(line("[ob.35]\n\nperiod = \"fast\"\n"), Some(3));
+        assert_eq!(line("[ob.1]\nperiod = \"1s\"\n"), Some(2));
+        assert_eq!(line("[ob.main]\npriority = 3\n"), Some(1));
+        assert_eq!(line("[ob.10]\nstart = \"soon\"\n"), Some(2));
+        assert_eq!(line("[ob.35]\nevery = \"day\"\n"), Some(2));
+        assert_eq!(line("name = \n"), Some(1));
+        let two = "[[module]]\nname = \"a\"\ninputs = { start = 0, bytes = 4 }\n";
+        assert_eq!(line(&format!("{two}{}", two.replace("= 0", "= 3"))), Some(5));
+        assert_eq!(line(&format!("{two}{}", two.replace("= 0", "= 4"))), None);
+    }
+}

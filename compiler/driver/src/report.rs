@@ -1,0 +1,52 @@
+//! Messages to standard error.
+
+use std::io::{IsTerminal, Write};
+
+use clap::ValueEnum;
+use plcc_diag::{Diagnostic, Severity, SourceMap, drawing, json, sarif};
+
+/// How messages are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum MessageFormat {
+    /// Drawn, for people.
+    #[default]
+    Human,
+    /// One JSON object a line.
+    Json,
+    /// One SARIF 2.1.0 document.
+    Sarif,
+}
+
+/// Writes all messages, sorted by file and place.
+pub fn messages(diagnostics: &mut [Diagnostic], sources: &SourceMap, format: MessageFormat) {
+    plcc_diag::sort(diagnostics);
+    let color = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let text = match format {
+        MessageFormat::Human => drawing::draw(diagnostics, sources, color),
+        MessageFormat::Json => json::lines(diagnostics, sources),
+        MessageFormat::Sarif => sarif::document(diagnostics, sources),
+    };
+    line_free(&text);
+}
+
+/// `2 errors, 1 warning`; empty if there is nothing to tell. The line does not begin with the word error.
+pub fn summary(diagnostics: &[Diagnostic]) -> String {
+    let count = |severity| diagnostics.iter().filter(|d| d.severity == severity).count();
+    let plural = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
+    match (count(Severity::Error), count(Severity::Warning)) {
+        (0, 0) => String::new(),
+        (0, warnings) => plural(warnings, "warning"),
+        (errors, 0) => plural(errors, "error"),
+        (errors, warnings) => format!("{}, {}", plural(errors, "error"), plural(warnings, "warning")),
+    }
+}
+
+/// Says something else on standard error, with the name of the program before it.
+pub fn say(text: &str) {
+    line_free(&format!("plcc: {text}\n"));
+}
+
+/// Writes to standard error; nobody can be told if that fails.
+fn line_free(text: &str) {
+    let _ = std::io::stderr().write_all(text.as_bytes());
+}
