@@ -349,6 +349,32 @@ impl InstData {
         }
     }
 
+    /// Calls `f` with each jump target, in the order of [`InstData::targets`].
+    pub fn for_each_target(&self, mut f: impl FnMut(&BlockCall)) {
+        match self {
+            InstData::Jump { target } => f(target),
+            InstData::Branch { then_to, else_to, .. } => {
+                f(then_to);
+                f(else_to);
+            }
+            InstData::Switch { targets, default, .. } => targets.iter().chain([default]).for_each(f),
+            _ => {}
+        }
+    }
+
+    /// Calls `f` with each jump target, in the order of [`InstData::targets`].
+    pub fn for_each_target_mut(&mut self, mut f: impl FnMut(&mut BlockCall)) {
+        match self {
+            InstData::Jump { target } => f(target),
+            InstData::Branch { then_to, else_to, .. } => {
+                f(then_to);
+                f(else_to);
+            }
+            InstData::Switch { targets, default, .. } => targets.iter_mut().chain([default]).for_each(f),
+            _ => {}
+        }
+    }
+
     pub fn targets_mut(&mut self) -> Vec<&mut BlockCall> {
         match self {
             InstData::Jump { target } => vec![target],

@@ -5,12 +5,17 @@
 //!
 //! **Invariant**: this crate knows no source language and does no I/O.
 
+pub mod analysis;
 pub mod builder;
 pub mod entities;
 pub mod eval;
 pub mod function;
 pub mod instructions;
 pub mod module;
+pub mod parse;
+pub mod print;
+mod renumber;
+pub mod verify;
 
 pub use builder::FunctionBuilder;
 pub use entities::{Block, FuncId, Inst, Loc, Value, Var};

@@ -1,0 +1,255 @@
+//! Control flow and dominance of a function, for the verifier and the optimiser.
+//!
+//! Both are computed in time that is near linear in the number of blocks, without recursion: a PLC block can have tens
+//! of thousands of basic blocks in a row.
+
+use crate::entities::{Block, Entity, EntityVec};
+use crate::function::Function;
+
+/// Predecessors, successors and reverse postorder.
+#[derive(Clone, Debug)]
+pub struct ControlFlow {
+    /// Reachable blocks; each stands before the blocks that it dominates.
+    pub rpo: Vec<Block>,
+    /// Place in `rpo`, or `UNREACHABLE`.
+    position: EntityVec<Block, u32>,
+    successors: Lists,
+    predecessors: Lists,
+}
+
+const UNREACHABLE: u32 = u32::MAX;
+
+/// One list of blocks for each block, stored end to end.
+#[derive(Clone, Debug)]
+struct Lists {
+    start: Vec<u32>,
+    items: Vec<Block>,
+}
+
+impl Lists {
+    fn of(&self, block: Block) -> &[Block] {
+        let index = block.index();
+        &self.items[self.start[index] as usize..self.start[index + 1] as usize]
+    }
+}
+
+impl ControlFlow {
+    pub fn new(function: &Function) -> ControlFlow {
+        let successors = successor_lists(function);
+        let rpo = reverse_postorder(function, &successors);
+        let mut position = EntityVec::new();
+        for _ in function.blocks.keys() {
+            position.push(UNREACHABLE);
+        }
+        for (index, &block) in (0u32..).zip(&rpo) {
+            position[block] = index;
+        }
+        let predecessors = predecessor_lists(function, &successors, &rpo);
+        ControlFlow { rpo, position, successors, predecessors }
+    }
+
+    pub fn is_reachable(&self, block: Block) -> bool {
+        self.position[block] != UNREACHABLE
+    }
+
+    /// Place of a reachable block in `rpo`.
+    pub fn rpo_index(&self, block: Block) -> Option<usize> {
+        self.is_reachable(block).then(|| self.position[block] as usize)
+    }
+
+    /// Jump targets of `block`, in order, with repeats.
+    pub fn successors(&self, block: Block) -> &[Block] {
+        self.successors.of(block)
+    }
+
+    /// Reachable blocks that jump to `block`, once for each jump.
+    pub fn predecessors(&self, block: Block) -> &[Block] {
+        self.predecessors.of(block)
+    }
+}
+
+fn successor_lists(function: &Function) -> Lists {
+    let mut lists = Lists { start: vec![0], items: Vec::new() };
+    for block in function.blocks.keys() {
+        if let Some(inst) = function.terminator(block) {
+            function.insts[inst].for_each_target(|call| lists.items.push(call.block));
+        }
+        lists.start.push(lists.items.len() as u32);
+    }
+    lists
+}
+
+fn reverse_postorder(function: &Function, successors: &Lists) -> Vec<Block> {
+    let mut order = Vec::with_capacity(function.layout.len());
+    let Some(&entry) = function.layout.first() else { return order };
+    let mut seen = vec![false; function.blocks.len()];
+    seen[entry.index()] = true;
+    let mut stack = vec![(entry, 0usize)];
+    while let Some((block, next)) = stack.last_mut() {
+        // Last target first, so that the first one comes next in reverse postorder.
+        let targets = successors.of(*block);
+        if *next == targets.len() {
+            order.push(*block);
+            stack.pop();
+            continue;
+        }
+        let target = targets[targets.len() - 1 - *next];
+        *next += 1;
+        if !std::mem::replace(&mut seen[target.index()], true) {
+            stack.push((target, 0));
+        }
+    }
+    order.reverse();
+    order
+}
+
+fn predecessor_lists(function: &Function, successors: &Lists, rpo: &[Block]) -> Lists {
+    let mut start = vec![0u32; function.blocks.len() + 1];
+    for &block in rpo {
+        for target in successors.of(block) {
+            start[target.index() + 1] += 1;
+        }
+    }
+    for index in 1..start.len() {
+        start[index] += start[index - 1];
+    }
+    let mut next = start.clone();
+    let total = start.last().copied().unwrap_or(0) as usize;
+    let mut items = vec![Block::new(0); total];
+    for &block in rpo {
+        for target in successors.of(block) {
+            let slot = &mut next[target.index()];
+            items[*slot as usize] = block;
+            *slot += 1;
+        }
+    }
+    Lists { start, items }
+}
+
+/// The dominator tree of the reachable blocks (Cooper, Harvey, Kennedy, "A simple, fast dominance algorithm").
+#[derive(Clone, Debug)]
+pub struct Dominators {
+    idom: EntityVec<Block, Option<Block>>,
+    /// Times of entering and leaving a block on a walk of the tree: one dominates another if it encloses it.
+    enter: Vec<u32>,
+    leave: Vec<u32>,
+    /// Reachable blocks in the order of that walk.
+    pub preorder: Vec<Block>,
+}
+
+impl Dominators {
+    pub fn new(function: &Function, cfg: &ControlFlow) -> Dominators {
+        let immediate = immediate_dominators(cfg);
+        let mut idom = EntityVec::new();
+        for _ in function.blocks.keys() {
+            idom.push(None);
+        }
+        for (index, &block) in cfg.rpo.iter().enumerate().skip(1) {
+            idom[block] = Some(cfg.rpo[immediate[index] as usize]);
+        }
+
+        let mut children = vec![Vec::new(); cfg.rpo.len()];
+        for index in (1..cfg.rpo.len()).rev() {
+            children[immediate[index] as usize].push(index as u32);
+        }
+        let mut enter = vec![0; function.blocks.len()];
+        let mut leave = vec![0; function.blocks.len()];
+        let mut preorder = Vec::with_capacity(cfg.rpo.len());
+        let mut clock = 0;
+        let mut stack = Vec::new();
+        if let Some(&entry) = cfg.rpo.first() {
+            stack.push(0);
+            enter[entry.index()] = clock;
+            preorder.push(entry);
+        }
+        while let Some(&index) = stack.last() {
+            clock += 1;
+            match children[index as usize].pop() {
+                Some(child) => {
+                    let block = cfg.rpo[child as usize];
+                    enter[block.index()] = clock;
+                    preorder.push(block);
+                    stack.push(child);
+                }
+                None => {
+                    leave[cfg.rpo[index as usize].index()] = clock;
+                    stack.pop();
+                }
+            }
+        }
+        Dominators { idom, enter, leave, preorder }
+    }
+
+    /// The closest block that every path to `block` passes; none for the entry and for unreachable blocks.
+    pub fn immediate(&self, block: Block) -> Option<Block> {
+        self.idom[block]
+    }
+
+    /// True if every path to `b` passes `a`; a block dominates itself. Both are reachable.
+    pub fn dominates(&self, a: Block, b: Block) -> bool {
+        self.enter[a.index()] <= self.enter[b.index()] && self.leave[b.index()] <= self.leave[a.index()]
+    }
+}
+
+/// Immediate dominators as places in the reverse postorder; the entry's is itself.
+fn immediate_dominators(cfg: &ControlFlow) -> Vec<u32> {
+    const NONE: u32 = u32::MAX;
+    let mut idom = vec![NONE; cfg.rpo.len()];
+    if let Some(first) = idom.first_mut() {
+        *first = 0;
+    }
+    let mut changed = true;
+    while changed {
+        changed = false;
+        for index in 1..cfg.rpo.len() {
+            let mut new = NONE;
+            for &pred in cfg.predecessors(cfg.rpo[index]) {
+                let pred = cfg.position[pred];
+                if idom[pred as usize] == NONE {
+                    continue;
+                }
+                new = if new == NONE { pred } else { common_dominator(&idom, new, pred) };
+            }
+            if idom[index] != new {
+                idom[index] = new;
+                changed = true;
+            }
+        }
+    }
+    idom
+}
+
+fn common_dominator(idom: &[u32], mut a: u32, mut b: u32) -> u32 {
+    while a != b {
+        while a > b {
+            a = idom[a as usize];
+        }
+        while b > a {
+            b = idom[b as usize];
+        }
+    }
+    a
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parse::parse_module;
+
+    #[test]
+    fn dominators_of_a_loop_with_two_exits() {
+        let text = "func @F {\nb0:\n v0 = const.i1 0\n jump b1\nb1:\n branch v0, b2, b3\nb2:\n branch v0, b1, b4\nb3:\n jump \
+                    b4\nb4:\n ret\nb5:\n jump b4\n}\n";
+        let module = parse_module(text).expect("text is well formed");
+        let function = module.functions.values().next().expect("one function");
+        let cfg = ControlFlow::new(function);
+        let dominators = Dominators::new(function, &cfg);
+        let b = |index: usize| function.layout[index];
+        assert_eq!(dominators.immediate(b(4)), Some(b(1)));
+        assert_eq!(dominators.immediate(b(0)), None);
+        assert!(dominators.dominates(b(1), b(2)) && !dominators.dominates(b(2), b(4)));
+        assert!(dominators.dominates(b(3), b(3)));
+        assert!(!cfg.is_reachable(b(5)));
+        assert_eq!(cfg.predecessors(b(4)), [b(2), b(3)]);
+    }
+}

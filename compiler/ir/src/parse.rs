@@ -1,0 +1,803 @@
+//! Reads the text form of a module; see [`print`](crate::print) for its shape.
+//!
+//! Values and blocks may have any number in the text; they are numbered anew in the order of their definitions, so
+//! that the result is canonical. The parser checks what it needs to build the module (names, result types); whether
+//! the module is valid is for the [verifier](crate::verify).
+
+use std::fmt;
+
+use plcc_abi::image::{BlockKind, Site};
+use plcc_abi::{RuntimeFn, Type};
+use rustc_hash::FxHashMap;
+
+use crate::entities::{Block, Entity, FuncId, Inst, Loc, Value};
+use crate::function::{Function, ValueDef};
+use crate::instructions::{Address, BinaryOp, BlockCall, ConvertOp, FloatCc, InstData, IntCc, Region, UnaryOp};
+use crate::module::{Module, StaticDb};
+
+/// What is wrong with a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ParseError {
+    /// 1-based.
+    pub line: u32,
+    pub message: String,
+}
+
+impl fmt::Display for ParseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}: {}", self.line, self.message)
+    }
+}
+
+impl std::error::Error for ParseError {}
+
+/// What is wrong with a line; the line number is added outside.
+type LineResult<T> = Result<T, String>;
+
+/// Reads a module. Errors: the first line that cannot be read.
+pub fn parse_module(text: &str) -> Result<Module, ParseError> {
+    let mut module = Module::default();
+    let mut signatures = Signatures::default();
+    // Function headers first: calls name functions that come later.
+    for (number, line) in lines(text) {
+        if line.starts_with("func ") {
+            let function = located(number, parse_header(&mut Cursor::new(line)))?;
+            let id = FuncId::new(signatures.returns.len());
+            signatures.returns.push(function.returns);
+            if signatures.ids.insert(function.name.clone(), id).is_some() {
+                return Err(ParseError { line: number, message: format!("function @{} is defined twice", function.name) });
+            }
+        }
+    }
+    let mut open: Option<FunctionParser> = None;
+    let mut last = 1;
+    for (number, line) in lines(text) {
+        last = number;
+        let cursor = &mut Cursor::new(line);
+        open = match open {
+            None if line.starts_with("func ") => {
+                Some(FunctionParser::new(located(number, parse_header(cursor))?, &signatures))
+            }
+            None => {
+                located(number, parse_item(cursor, &mut module, &signatures))?;
+                None
+            }
+            Some(parser) if line == "}" => {
+                module.functions.push(parser.finish(number)?);
+                None
+            }
+            Some(mut parser) => {
+                parser.line = number;
+                located(number, parser.parse_line(cursor))?;
+                Some(parser)
+            }
+        };
+    }
+    match open {
+        Some(parser) => {
+            Err(ParseError { line: last, message: format!("function @{} has no end `}}`", parser.function.name) })
+        }
+        None => Ok(module),
+    }
+}
+
+/// Numbered lines without comments and surrounding space; empty ones are left out.
+fn lines(text: &str) -> impl Iterator<Item = (u32, &str)> {
+    (1u32..).zip(text.lines()).filter_map(|(number, line)| {
+        let line = without_comment(line).trim();
+        (!line.is_empty()).then_some((number, line))
+    })
+}
+
+fn without_comment(line: &str) -> &str {
+    let mut quoted = false;
+    let mut escaped = false;
+    for (index, byte) in line.bytes().enumerate() {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' if quoted => escaped = true,
+            b'"' => quoted = !quoted,
+            b';' if !quoted => return &line[..index],
+            _ => {}
+        }
+    }
+    line
+}
+
+fn located<T>(line: u32, result: LineResult<T>) -> Result<T, ParseError> {
+    result.map_err(|message| ParseError { line, message })
+}
+
+/// Functions of the module by name.
+#[derive(Default)]
+struct Signatures {
+    ids: FxHashMap<String, FuncId>,
+    returns: Vec<Vec<Type>>,
+}
+
+impl Signatures {
+    fn find(&self, name: &str) -> LineResult<FuncId> {
+        self.ids.get(name).copied().ok_or_else(|| format!("there is no function @{name}"))
+    }
+}
+
+/// `func @NAME -> TYPE, TYPE frame N {`
+fn parse_header(cursor: &mut Cursor) -> LineResult<Function> {
+    cursor.word_is("func")?;
+    let mut function = Function::new(cursor.function_name()?);
+    if cursor.take("->") {
+        function.returns.push(cursor.ty()?);
+        while cursor.take(",") {
+            function.returns.push(cursor.ty()?);
+        }
+    }
+    if cursor.take_word("frame") {
+        function.frame_bytes = cursor.number()?;
+    }
+    cursor.expect("{")?;
+    cursor.end()?;
+    Ok(function)
+}
+
+/// A line outside a function.
+fn parse_item(cursor: &mut Cursor, module: &mut Module, signatures: &Signatures) -> LineResult<()> {
+    match cursor.word()? {
+        "file" => module.files.push(cursor.string()?),
+        "site" => {
+            let number: usize = cursor.number()?;
+            if number != module.sites.len() + 1 {
+                return Err(format!("site {} is expected here", module.sites.len() + 1));
+            }
+            cursor.expect(":")?;
+            module.sites.push(parse_site(cursor)?);
+        }
+        "db" => {
+            let number = cursor.number()?;
+            cursor.word_is("at")?;
+            let address = cursor.number()?;
+            cursor.word_is("length")?;
+            let length = cursor.number()?;
+            module.dbs.push(StaticDb { number, address, length });
+        }
+        "entry" => module.entries.push(signatures.find(cursor.function_name()?)?),
+        word => return Err(format!("`file`, `site`, `db`, `entry` or `func` is expected, not `{word}`")),
+    }
+    cursor.end()
+}
+
+fn parse_site(cursor: &mut Cursor) -> LineResult<Site> {
+    cursor.word_is("file")?;
+    let file = cursor.number()?;
+    cursor.word_is("line")?;
+    let line = cursor.number()?;
+    let name = cursor.word()?;
+    let digits = name.find(|c: char| c.is_ascii_digit()).unwrap_or(name.len());
+    let kinds =
+        [BlockKind::Ob, BlockKind::Fc, BlockKind::Fb, BlockKind::Sfc, BlockKind::Sfb, BlockKind::Db].into_iter();
+    let block = kinds.into_iter().find(|kind| kind.prefix() == &name[..digits]);
+    let (Some(block), Ok(block_number)) = (block, name[digits..].parse()) else {
+        return Err(format!("`{name}` is no block, e.g. `FC12`"));
+    };
+    cursor.word_is("network")?;
+    Ok(Site { file, line, block, block_number, network: cursor.number()? })
+}
+
+/// Type of a result: known at once, or that of a value that may be defined further down.
+#[derive(Clone, Copy)]
+enum ResultType {
+    Known(Type),
+    As(Value),
+}
+
+/// An instruction as read; values still have the numbers of their first mention.
+struct Operation {
+    data: InstData,
+    results: Vec<ResultType>,
+    /// Type that the text gives for the stored value.
+    stored: Option<(Value, Type)>,
+}
+
+/// Reads the body of one function.
+struct FunctionParser<'a> {
+    signatures: &'a Signatures,
+    function: Function,
+    line: u32,
+    /// Values and blocks by their number in the text, in the order of their first mention.
+    values: FxHashMap<u32, Mentioned>,
+    value_count: usize,
+    blocks: FxHashMap<u32, Mentioned>,
+    block_count: usize,
+    /// By first mention: the defined entity.
+    defined_values: Vec<Option<Value>>,
+    defined_blocks: Vec<Option<Block>>,
+    /// Types of results that wait for another value's: (result, other by first mention, line).
+    waiting: Vec<(Value, Value, u32)>,
+    stores: Vec<(Value, Type, u32)>,
+}
+
+#[derive(Clone, Copy)]
+struct Mentioned {
+    index: usize,
+    line: u32,
+}
+
+impl<'a> FunctionParser<'a> {
+    fn new(function: Function, signatures: &'a Signatures) -> Self {
+        FunctionParser {
+            signatures,
+            function,
+            line: 0,
+            values: FxHashMap::default(),
+            value_count: 0,
+            blocks: FxHashMap::default(),
+            block_count: 0,
+            defined_values: Vec::new(),
+            defined_blocks: Vec::new(),
+            waiting: Vec::new(),
+            stores: Vec::new(),
+        }
+    }
+
+    fn parse_line(&mut self, cursor: &mut Cursor) -> LineResult<()> {
+        if cursor.starts_entity('b') { self.parse_block_header(cursor) } else { self.parse_inst(cursor) }
+    }
+
+    /// `b1(v3: i32) cold:`
+    fn parse_block_header(&mut self, cursor: &mut Cursor) -> LineResult<()> {
+        let mention = self.block(cursor)?;
+        let block = self.function.add_block();
+        if self.defined_blocks[mention.index()].replace(block).is_some() {
+            return Err("the block is defined twice".into());
+        }
+        if cursor.take("(") {
+            loop {
+                let name = self.value(cursor)?;
+                cursor.expect(":")?;
+                let ty = cursor.ty()?;
+                let param = self.function.add_param(block, ty);
+                self.define(name, param)?;
+                if !cursor.take(",") {
+                    break;
+                }
+            }
+            cursor.expect(")")?;
+        }
+        self.function.blocks[block].cold = cursor.take_word("cold");
+        cursor.expect(":")?;
+        cursor.end()
+    }
+
+    fn define(&mut self, mention: Value, value: Value) -> LineResult<()> {
+        match self.defined_values[mention.index()].replace(value) {
+            Some(_) => Err("a value is defined twice".into()),
+            None => Ok(()),
+        }
+    }
+
+    /// `v1, v2 = OPERATION !3`
+    fn parse_inst(&mut self, cursor: &mut Cursor) -> LineResult<()> {
+        let Some(&block) = self.function.layout.last() else {
+            return Err("a block header, e.g. `b0:`, is expected before instructions".into());
+        };
+        let mut names = Vec::new();
+        if cursor.starts_entity('v') {
+            names.push(self.value(cursor)?);
+            while cursor.take(",") {
+                names.push(self.value(cursor)?);
+            }
+            cursor.expect("=")?;
+        }
+        let operation = self.parse_operation(cursor)?;
+        let loc = if cursor.take("!") { Loc(cursor.number()?) } else { Loc(0) };
+        cursor.end()?;
+        if names.len() != operation.results.len() {
+            return Err(format!("the instruction has {} results, not {}", operation.results.len(), names.len()));
+        }
+        // Types that are not known yet are set at the end.
+        let types: Vec<Type> = operation
+            .results
+            .iter()
+            .map(|result| match result {
+                ResultType::Known(ty) => *ty,
+                ResultType::As(_) => Type::I1,
+            })
+            .collect();
+        let inst: Inst = self.function.make_inst(operation.data, &types, loc);
+        self.function.blocks[block].insts.push(inst);
+        for (index, (name, ty)) in names.into_iter().zip(operation.results).enumerate() {
+            let value = self.function.results[inst][index];
+            self.define(name, value)?;
+            if let ResultType::As(other) = ty {
+                self.waiting.push((value, other, self.line));
+            }
+        }
+        if let Some((value, ty)) = operation.stored {
+            self.stores.push((value, ty, self.line));
+        }
+        Ok(())
+    }
+
+    fn parse_operation(&mut self, cursor: &mut Cursor) -> LineResult<Operation> {
+        let opcode = cursor.word()?;
+        let (name, suffix) = match opcode.split_once('.') {
+            Some((name, suffix)) => (name, Some(suffix)),
+            None => (opcode, None),
+        };
+        let plain = |data, results: &[ResultType]| Ok(Operation { data, results: results.to_vec(), stored: None });
+        if let Some(suffix) = suffix {
+            if suffix == "bit" {
+                let (addr, bit) = match name {
+                    "load" | "store" => self.bit_address(cursor)?,
+                    _ => return Err(format!("`{opcode}` is no instruction")),
+                };
+                if name == "load" {
+                    return plain(InstData::LoadBit { addr, bit }, &[ResultType::Known(Type::I1)]);
+                }
+                cursor.expect(",")?;
+                let value = self.value(cursor)?;
+                return plain(InstData::StoreBit { addr, bit, value }, &[]);
+            }
+            let ty = type_named(suffix)?;
+            if let Some(op) = ConvertOp::from_name(name) {
+                let arg = self.value(cursor)?;
+                return plain(InstData::Convert { op, arg }, &[ResultType::Known(ty)]);
+            }
+            return match name {
+                "const" => {
+                    let bits = cursor.number()?;
+                    plain(InstData::Const { bits }, &[ResultType::Known(ty)])
+                }
+                "load" => {
+                    let addr = self.address(cursor)?;
+                    plain(InstData::Load { addr }, &[ResultType::Known(ty)])
+                }
+                "store" => {
+                    let addr = self.address(cursor)?;
+                    cursor.expect(",")?;
+                    let value = self.value(cursor)?;
+                    let stored = Some((value, ty));
+                    Ok(Operation { data: InstData::Store { addr, value }, results: Vec::new(), stored })
+                }
+                _ => Err(format!("`{opcode}` is no instruction")),
+            };
+        }
+        if let Some(op) = UnaryOp::from_name(name) {
+            let arg = self.value(cursor)?;
+            return plain(InstData::Unary { op, arg }, &[ResultType::As(arg)]);
+        }
+        if let Some(op) = BinaryOp::from_name(name) {
+            let args = self.pair(cursor)?;
+            return plain(InstData::Binary { op, args }, &[ResultType::As(args[0])]);
+        }
+        if let Some(cc) = IntCc::from_name(name) {
+            let args = self.pair(cursor)?;
+            return plain(InstData::IntCompare { cc, args }, &[ResultType::Known(Type::I1)]);
+        }
+        if let Some(cc) = FloatCc::from_name(name) {
+            let args = self.pair(cursor)?;
+            return plain(InstData::FloatCompare { cc, args }, &[ResultType::Known(Type::I1)]);
+        }
+        let i32_result = [ResultType::Known(Type::I32)];
+        match name {
+            "select" => {
+                let cond = self.value(cursor)?;
+                cursor.expect(",")?;
+                let [if_true, if_false] = self.pair(cursor)?;
+                plain(InstData::Select { cond, if_true, if_false }, &[ResultType::As(if_true)])
+            }
+            "address" => {
+                let addr = self.address(cursor)?;
+                plain(InstData::AddressOf { addr }, &i32_result)
+            }
+            "clear" => {
+                let addr = self.address(cursor)?;
+                cursor.expect(",")?;
+                plain(InstData::Clear { addr, len: cursor.number()? }, &[])
+            }
+            "copy" => {
+                let to = self.address(cursor)?;
+                cursor.expect(",")?;
+                let from = self.address(cursor)?;
+                cursor.expect(",")?;
+                plain(InstData::Copy { to, from, len: cursor.number()? }, &[])
+            }
+            "db_base" => {
+                let number = self.value(cursor)?;
+                plain(InstData::DbBase { number }, &i32_result)
+            }
+            "db_length" => {
+                let number = self.value(cursor)?;
+                plain(InstData::DbLength { number }, &i32_result)
+            }
+            "call" => {
+                let callee = self.signatures.find(cursor.function_name()?)?;
+                let args = self.arguments(cursor)?;
+                let returns = &self.signatures.returns[callee.index()];
+                let results: Vec<ResultType> = returns.iter().map(|&ty| ResultType::Known(ty)).collect();
+                plain(InstData::Call { callee, args }, &results)
+            }
+            "rt" => {
+                let name = cursor.function_name()?;
+                let function = RuntimeFn::ALL.iter().copied().find(|function| function.name() == name);
+                let function = function.ok_or_else(|| format!("there is no runtime function @{name}"))?;
+                let args = self.arguments(cursor)?;
+                let results: Vec<ResultType> = function.result().map(ResultType::Known).into_iter().collect();
+                plain(InstData::CallRuntime { function, args }, &results)
+            }
+            "frame_base" => plain(InstData::FrameBase { callee: false }, &i32_result),
+            "callee_frame_base" => plain(InstData::FrameBase { callee: true }, &i32_result),
+            "jump" => {
+                let target = self.target(cursor)?;
+                plain(InstData::Jump { target }, &[])
+            }
+            "branch" => {
+                let cond = self.value(cursor)?;
+                cursor.expect(",")?;
+                let then_to = self.target(cursor)?;
+                cursor.expect(",")?;
+                let else_to = self.target(cursor)?;
+                plain(InstData::Branch { cond, then_to, else_to }, &[])
+            }
+            "switch" => {
+                let value = self.value(cursor)?;
+                cursor.expect("[")?;
+                let mut targets = Vec::new();
+                if !cursor.take("]") {
+                    targets.push(self.target(cursor)?);
+                    while cursor.take(",") {
+                        targets.push(self.target(cursor)?);
+                    }
+                    cursor.expect("]")?;
+                }
+                cursor.expect(",")?;
+                let default = self.target(cursor)?;
+                plain(InstData::Switch { value, targets, default }, &[])
+            }
+            "ret" => {
+                let mut values = Vec::new();
+                if cursor.starts_entity('v') {
+                    values.push(self.value(cursor)?);
+                    while cursor.take(",") {
+                        values.push(self.value(cursor)?);
+                    }
+                }
+                plain(InstData::Return { values }, &[])
+            }
+            _ => Err(format!("`{opcode}` is no instruction")),
+        }
+    }
+
+    /// A value by its number in the text; the result counts first mentions.
+    fn value(&mut self, cursor: &mut Cursor) -> LineResult<Value> {
+        let number = cursor.entity('v')?;
+        let fresh = Mentioned { index: self.value_count, line: self.line };
+        let mention = *self.values.entry(number).or_insert(fresh);
+        if mention.index == self.value_count {
+            self.value_count += 1;
+            self.defined_values.push(None);
+        }
+        Ok(Value::new(mention.index))
+    }
+
+    fn block(&mut self, cursor: &mut Cursor) -> LineResult<Block> {
+        let number = cursor.entity('b')?;
+        let fresh = Mentioned { index: self.block_count, line: self.line };
+        let mention = *self.blocks.entry(number).or_insert(fresh);
+        if mention.index == self.block_count {
+            self.block_count += 1;
+            self.defined_blocks.push(None);
+        }
+        Ok(Block::new(mention.index))
+    }
+
+    fn pair(&mut self, cursor: &mut Cursor) -> LineResult<[Value; 2]> {
+        let first = self.value(cursor)?;
+        cursor.expect(",")?;
+        Ok([first, self.value(cursor)?])
+    }
+
+    /// `(v1, v2)`
+    fn arguments(&mut self, cursor: &mut Cursor) -> LineResult<Vec<Value>> {
+        let mut args = Vec::new();
+        cursor.expect("(")?;
+        if cursor.take(")") {
+            return Ok(args);
+        }
+        args.push(self.value(cursor)?);
+        while cursor.take(",") {
+            args.push(self.value(cursor)?);
+        }
+        cursor.expect(")")?;
+        Ok(args)
+    }
+
+    /// `b1(v2)`
+    fn target(&mut self, cursor: &mut Cursor) -> LineResult<BlockCall> {
+        let block = self.block(cursor)?;
+        let args = if cursor.peek("(") { self.arguments(cursor)? } else { Vec::new() };
+        Ok(BlockCall { block, args })
+    }
+
+    /// `M 20` or `M[v4]+8`
+    fn address(&mut self, cursor: &mut Cursor) -> LineResult<Address> {
+        let name = cursor.word()?;
+        let region = region_named(name).ok_or_else(|| format!("`{name}` is no memory region"))?;
+        let base = if cursor.take("[") {
+            let base = self.value(cursor)?;
+            cursor.expect("]")?;
+            cursor.expect("+")?;
+            Some(base)
+        } else {
+            None
+        };
+        Ok(Address { region, base, offset: cursor.number()? })
+    }
+
+    /// `Q 4.0`
+    fn bit_address(&mut self, cursor: &mut Cursor) -> LineResult<(Address, u8)> {
+        let addr = self.address(cursor)?;
+        cursor.expect(".")?;
+        Ok((addr, cursor.number()?))
+    }
+
+    /// Replaces first mentions by what they name, and settles the types that waited for others.
+    fn finish(mut self, line: u32) -> Result<Function, ParseError> {
+        if self.function.layout.is_empty() {
+            return Err(ParseError { line, message: format!("function @{} has no block", self.function.name) });
+        }
+        let undefined = |prefix: char, names: &FxHashMap<u32, Mentioned>, defined: &dyn Fn(usize) -> bool| {
+            let missing = names.iter().filter(|(_, mention)| !defined(mention.index));
+            missing.min_by_key(|(_, mention)| mention.index).map_or(Ok(()), |(number, mention)| {
+                Err(ParseError { line: mention.line, message: format!("{prefix}{number} is defined nowhere") })
+            })
+        };
+        undefined('v', &self.values, &|index| self.defined_values[index].is_some())?;
+        undefined('b', &self.blocks, &|index| self.defined_blocks[index].is_some())?;
+        let value = |mention: Value| self.defined_values[mention.index()].expect("all values are defined");
+        let block = |mention: Block| self.defined_blocks[mention.index()].expect("all blocks are defined");
+        for data in self.function.insts.values_mut() {
+            data.map_uses(value);
+            data.for_each_target_mut(|call| call.block = block(call.block));
+        }
+        let mut waiting: Vec<_> = self.waiting.iter().map(|&(result, other, line)| (result, value(other), line)).collect();
+        settle_types(&mut self.function, &mut waiting)?;
+        for (stored, ty, line) in self.stores {
+            let actual = self.function.ty(value(stored));
+            if actual != ty {
+                let message = format!("the stored value is of type {}, not {}", actual.name(), ty.name());
+                return Err(ParseError { line, message });
+            }
+        }
+        Ok(self.function)
+    }
+}
+
+/// Gives each waiting result the type of the other value. Values are mostly defined before they are used, so that one
+/// round does it.
+fn settle_types(function: &mut Function, waiting: &mut Vec<(Value, Value, u32)>) -> Result<(), ParseError> {
+    let mut unknown = vec![false; function.values.len()];
+    for &(result, _, _) in waiting.iter() {
+        unknown[result.index()] = true;
+    }
+    while let Some(&(_, _, line)) = waiting.first() {
+        let before = waiting.len();
+        waiting.retain(|&(result, other, _)| {
+            let wait = unknown[other.index()];
+            if !wait {
+                function.values[result].ty = function.values[other].ty;
+                unknown[result.index()] = false;
+                debug_assert!(matches!(function.values[result].def, ValueDef::Result(..)));
+            }
+            wait
+        });
+        if waiting.len() == before {
+            return Err(ParseError { line, message: "the value is defined by itself".into() });
+        }
+    }
+    Ok(())
+}
+
+fn type_named(name: &str) -> LineResult<Type> {
+    const TYPES: [Type; 7] = [Type::I1, Type::I8, Type::I16, Type::I32, Type::I64, Type::F32, Type::F64];
+    TYPES.into_iter().find(|ty| ty.name() == name).ok_or_else(|| format!("`{name}` is no type"))
+}
+
+fn region_named(name: &str) -> Option<Region> {
+    Some(match name {
+        "state" => Region::State,
+        "I" => Region::I,
+        "Q" => Region::Q,
+        "M" => Region::M,
+        "L" => Region::L,
+        "V" => Region::V,
+        "anydb" => Region::AnyDb,
+        "any" => Region::Any,
+        _ => Region::Db(name.strip_prefix("DB")?.parse().ok()?),
+    })
+}
+
+/// A place in a line.
+struct Cursor<'a> {
+    rest: &'a str,
+}
+
+impl<'a> Cursor<'a> {
+    fn new(line: &'a str) -> Self {
+        Cursor { rest: line.trim_start() }
+    }
+
+    fn advance(&mut self, bytes: usize) -> &'a str {
+        let (taken, rest) = self.rest.split_at(bytes);
+        self.rest = rest.trim_start();
+        taken
+    }
+
+    fn peek(&self, text: &str) -> bool {
+        self.rest.starts_with(text)
+    }
+
+    fn take(&mut self, text: &str) -> bool {
+        let found = self.peek(text);
+        if found {
+            self.advance(text.len());
+        }
+        found
+    }
+
+    fn expect(&mut self, text: &str) -> LineResult<()> {
+        if self.take(text) { Ok(()) } else { Err(format!("`{text}` is expected before `{}`", self.rest)) }
+    }
+
+    fn end(&self) -> LineResult<()> {
+        if self.rest.is_empty() { Ok(()) } else { Err(format!("`{}` is too much", self.rest)) }
+    }
+
+    /// Letters, digits, `_`, and points that are followed by a letter, so that a word may be `load.bit`, but not `Q.0`.
+    fn word_len(&self) -> usize {
+        let bytes = self.rest.as_bytes();
+        let mut len = 0;
+        while let Some(&byte) = bytes.get(len) {
+            let point = byte == b'.' && bytes.get(len + 1).is_some_and(u8::is_ascii_alphabetic);
+            if !(byte.is_ascii_alphanumeric() || byte == b'_' || point) {
+                break;
+            }
+            len += 1;
+        }
+        len
+    }
+
+    fn word(&mut self) -> LineResult<&'a str> {
+        match self.word_len() {
+            0 => Err(format!("a word is expected before `{}`", self.rest)),
+            len => Ok(self.advance(len)),
+        }
+    }
+
+    fn take_word(&mut self, word: &str) -> bool {
+        let found = &self.rest[..self.word_len()] == word;
+        if found {
+            self.advance(word.len());
+        }
+        found
+    }
+
+    fn word_is(&mut self, word: &str) -> LineResult<()> {
+        if self.take_word(word) { Ok(()) } else { Err(format!("`{word}` is expected before `{}`", self.rest)) }
+    }
+
+    fn ty(&mut self) -> LineResult<Type> {
+        type_named(self.word()?)
+    }
+
+    /// True if the line goes on with `v` or `b` and a number.
+    fn starts_entity(&self, prefix: char) -> bool {
+        let word = &self.rest[..self.word_len()];
+        word.strip_prefix(prefix).is_some_and(|digits| digits.bytes().all(|b| b.is_ascii_digit()) && !digits.is_empty())
+    }
+
+    fn entity(&mut self, prefix: char) -> LineResult<u32> {
+        if !self.starts_entity(prefix) {
+            let what = if prefix == 'v' { "a value" } else { "a block" };
+            return Err(format!("{what} (`{prefix}` and a number) is expected before `{}`", self.rest));
+        }
+        let word = self.word()?;
+        word[1..].parse().map_err(|_| format!("the number of `{word}` is too large"))
+    }
+
+    /// `@NAME`; a name goes up to a space, `(` or `{`.
+    fn function_name(&mut self) -> LineResult<&'a str> {
+        self.expect("@")?;
+        let len = self.rest.find([' ', '(', '{', '\t']).unwrap_or(self.rest.len());
+        if len == 0 {
+            return Err("a function name is expected behind `@`".into());
+        }
+        Ok(self.advance(len))
+    }
+
+    /// A number without sign, decimal or with `0x`, that fits `T`.
+    fn number<T: TryFrom<u64>>(&mut self) -> LineResult<T> {
+        let len = self.rest.bytes().take_while(u8::is_ascii_alphanumeric).count();
+        let text = &self.rest[..len];
+        let number = match text.strip_prefix("0x") {
+            Some(digits) => u64::from_str_radix(digits, 16),
+            None => text.parse(),
+        };
+        let number = number.map_err(|_| format!("a number is expected before `{}`", self.rest))?;
+        let number = T::try_from(number).map_err(|_| format!("{text} is too large"))?;
+        self.advance(len);
+        Ok(number)
+    }
+
+    /// Text between quotes, with the escapes that the printer writes.
+    fn string(&mut self) -> LineResult<String> {
+        self.expect("\"")?;
+        let mut out = String::new();
+        let mut chars = self.rest.char_indices();
+        while let Some((index, c)) = chars.next() {
+            match c {
+                '"' => {
+                    self.advance(index + 1);
+                    return Ok(out);
+                }
+                '\\' => match chars.next() {
+                    Some((_, 'u')) => {
+                        let digits: String = chars.by_ref().map(|(_, c)| c).skip(1).take_while(|&c| c != '}').collect();
+                        let code = u32::from_str_radix(&digits, 16).ok().and_then(char::from_u32);
+                        out.push(code.ok_or_else(|| format!("`\\u{{{digits}}}` is no character"))?);
+                    }
+                    Some((_, c)) => out.push(c),
+                    None => break,
+                },
+                c => out.push(c),
+            }
+        }
+        Err("the closing `\"` is missing".into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::print::module_text;
+
+    #[test]
+    fn every_form_of_line_round_trips() {
+        let text = include_str!("../tests/every_line.ir");
+        let module = parse_module(text).expect("text is well formed");
+        let printed = module_text(&module);
+        assert_eq!(printed, text);
+        assert_eq!(parse_module(&printed), Ok(module));
+    }
+
+    #[test]
+    fn numbers_in_the_text_are_free() {
+        let module = parse_module("func @F {\nb7:\njump b3\nb3:\nv9 = const.i32 1\nv2 = iadd v9, v9\nret\n}\n");
+        let printed = module_text(&module.expect("text is well formed"));
+        assert_eq!(printed, "func @F {\nb0:\n    jump b1\nb1:\n    v0 = const.i32 1\n    v1 = iadd v0, v0\n    ret\n}\n");
+    }
+
+    #[test]
+    fn types_come_from_values_further_down() {
+        let text = "func @F {\nb0:\njump b2\nb1:\nv1 = bswap v0\nret\nb2:\nv0 = const.i16 1\njump b1\n}\n";
+        let module = parse_module(text).expect("text is well formed");
+        let function = module.functions.values().next().expect("one function");
+        assert_eq!(function.ty(Value::new(0)), Type::I16);
+    }
+
+    #[test]
+    fn errors_name_their_line() {
+        let line_of = |text: &str| {
+            let error = parse_module(text).expect_err("text is wrong");
+            (error.line, error.message)
+        };
+        assert_eq!(line_of("func @F {\nb0:\n\n v1 = nop\n}").0, 4);
+        assert_eq!(line_of("func @F {\nb0:\n ret v1\n}"), (3, "v1 is defined nowhere".into()));
+        assert_eq!(line_of("func @F {\nb0:\n jump b2\n}"), (3, "b2 is defined nowhere".into()));
+        assert_eq!(line_of("func @F {\nb0:\n v1 = fneg v1\n}"), (3, "the value is defined by itself".into()));
+        assert_eq!(line_of("func @F {\nb0:\n call @G()\n}"), (3, "there is no function @G".into()));
+        assert_eq!(line_of("func @F {\n}"), (2, "function @F has no block".into()));
+        assert_eq!(line_of("func @F {\nb0:\n ret\n"), (3, "function @F has no end `}`".into()));
+        assert_eq!(line_of("func @F {\nb0:\n v1 = const.i32 1\n store.i16 M 0, v1\n}").0, 4);
+        assert_eq!(line_of("entry @F").0, 1);
+    }
+}

@@ -1,0 +1,82 @@
+//! The canonical form of a function.
+//!
+//! Canonical: blocks are numbered as laid out, values and instructions in the order in which they are printed, and
+//! nothing else is stored: no aliases, no instruction outside a block, no block outside the layout. A canonical
+//! function equals what the parser makes of its text.
+
+use rustc_hash::FxHashMap;
+
+use crate::analysis::ControlFlow;
+use crate::entities::{Block, Entity, EntityVec, Value};
+use crate::function::{BlockData, Function, ValueData, ValueDef};
+
+impl Function {
+    /// Makes the function canonical: drops instructions that stand in no block, aliases, and blocks that are not laid out.
+    /// Values that are used but defined nowhere, which the verifier would reject, are kept behind the others.
+    pub fn renumber(&mut self) {
+        self.resolve_aliases();
+        let mut blocks = FxHashMap::default();
+        for (index, &block) in self.layout.iter().enumerate() {
+            blocks.insert(block, Block::new(index));
+        }
+        let mut new = Function::new(std::mem::take(&mut self.name));
+        new.returns = std::mem::take(&mut self.returns);
+        new.frame_bytes = self.frame_bytes;
+        let mut values: EntityVec<Value, Option<Value>> = EntityVec::new();
+        for _ in self.values.keys() {
+            values.push(None);
+        }
+        for &block in &self.layout {
+            let data = std::mem::take(&mut self.blocks[block]);
+            let target = new.blocks.push(BlockData { cold: data.cold, ..BlockData::default() });
+            new.layout.push(target);
+            for param in data.params {
+                values[param] = Some(new.add_param(target, self.values[param].ty));
+            }
+            for inst in data.insts {
+                // Results first, so that their numbers are those of the printed order.
+                let mut results = Vec::with_capacity(self.results[inst].len());
+                for (index, &result) in (0u32..).zip(&self.results[inst]) {
+                    let def = ValueDef::Result(crate::Inst::new(new.insts.len()), index);
+                    let value = new.values.push(ValueData { ty: self.values[result].ty, def });
+                    values[result] = Some(value);
+                    results.push(value);
+                }
+                let data = std::mem::replace(&mut self.insts[inst], crate::InstData::Const { bits: 0 });
+                let moved = new.insts.push(data);
+                new.results.push(results);
+                new.locs.push(self.locs[inst]);
+                new.blocks[target].insts.push(moved);
+            }
+        }
+        let known = new.values.len();
+        let mut lost = Vec::new();
+        for data in new.insts.values_mut() {
+            data.map_uses(|value| {
+                *values[value].get_or_insert_with(|| {
+                    lost.push(value);
+                    Value::new(known + lost.len() - 1)
+                })
+            });
+            data.for_each_target_mut(|call| call.block = blocks.get(&call.block).copied().unwrap_or(call.block));
+        }
+        for value in lost {
+            new.values.push(self.values[value].clone());
+        }
+        *self = new;
+    }
+
+    /// Drops blocks that cannot be reached, and makes the function canonical.
+    pub fn compact(&mut self) {
+        self.remove_unreachable_blocks();
+        self.renumber();
+    }
+
+    /// Takes blocks that cannot be reached out of the layout; returns how many.
+    pub fn remove_unreachable_blocks(&mut self) -> usize {
+        let cfg = ControlFlow::new(self);
+        let before = self.layout.len();
+        self.layout.retain(|&block| cfg.is_reachable(block));
+        before - self.layout.len()
+    }
+}

@@ -1,0 +1,620 @@
+//! Checks that a module is well formed. These are the rules:
+//!
+//! Module
+//! - Function names are unique; entries exist and take and return nothing.
+//! - DBs are sorted by number, each number once; their data lies behind `layout::DB_DATA`, at most 64 KiB each.
+//! - A frame is a multiple of `layout::FRAME_ALIGN` and at most `layout::L_CLASS_BYTES`.
+//!
+//! Blocks
+//! - A function has an entry block; nothing jumps to it. Each block is laid out once, each jump target is laid out.
+//! - A block ends with a terminator and has no other.
+//! - Jumps supply as many values as the target has parameters, of the same types.
+//! - `ret` supplies the values that the function returns.
+//!
+//! Values
+//! - A value has one definition, whose stored place is right. A use is no alias.
+//! - The definition of a value dominates its uses, in blocks that can be reached.
+//! - An instruction stands at one place; its site exists.
+//!
+//! Types
+//! - Constants fit their type. `iadd` to `ashr` and the rotates: i8 to i64, `and or xor`: i1 too, both operands and the
+//!   result of one type; float operations: f32 or f64. `bswap`: i16, i32, i64.
+//! - Comparisons: two operands of one type, result i1; of i1 only `eq` and `ne`.
+//! - `zext sext` widen and `trunc` narrows integers; `bitcast` is between i32 and f32 or i64 and f64; `from_sint` and
+//!   `to_sint` are between i32 or i64 and f32 or f64; `fpromote` is f32 to f64, `fdemote` the reverse.
+//! - `select` and `branch` decide by an i1, `switch` by an i32.
+//! - Memory holds no i1 except as a bit 0 to 7. Address bases, DB numbers, addresses and frame bases are i32.
+//! - Calls supply what the callee's entry block takes and give what it returns; runtime calls go by their table.
+//!
+//! Regions
+//! - `any` and `anydb` have a base.
+//! - `DBn` is a DB of the module. Without a base the whole access lies inside the DB, the frame (`L`), one L stack (`V`),
+//!   or the area of 64 KiB (`state`, `I`, `Q`, `M`).
+
+use std::fmt;
+
+use plcc_abi::{Type, layout};
+use rustc_hash::FxHashSet;
+
+use crate::analysis::{ControlFlow, Dominators};
+use crate::entities::{Block, Entity, EntityVec, Inst, Value};
+use crate::function::{Function, ValueDef};
+use crate::instructions::{Address, BinaryOp, BlockCall, ConvertOp, InstData, IntCc, Region, UnaryOp};
+use crate::module::Module;
+
+/// A broken rule; it is a bug of whoever built the module.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct VerifyError {
+    /// Name of the function; empty if the rule is one of the module.
+    pub function: String,
+    /// Block as stored.
+    pub block: Option<Block>,
+    /// Place of the instruction in its block.
+    pub index: Option<usize>,
+    pub message: String,
+}
+
+impl fmt::Display for VerifyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.function.is_empty() {
+            write!(f, "@{}", self.function)?;
+            if let Some(block) = self.block {
+                write!(f, " {block}")?;
+            }
+            if let Some(index) = self.index {
+                write!(f, " instruction {index}")?;
+            }
+            write!(f, ": ")?;
+        }
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for VerifyError {}
+
+/// Checks all rules of the module comment. Errors: every broken one that was found.
+pub fn verify(module: &Module) -> Result<(), Vec<VerifyError>> {
+    let mut errors = Vec::new();
+    verify_module(module, &mut errors);
+    for function in module.functions.values() {
+        verify_function(module, function, &mut errors);
+    }
+    if errors.is_empty() { Ok(()) } else { Err(errors) }
+}
+
+fn verify_module(module: &Module, errors: &mut Vec<VerifyError>) {
+    let mut report = |function: &str, message: String| {
+        errors.push(VerifyError { function: function.to_owned(), block: None, index: None, message });
+    };
+    let mut names = FxHashSet::default();
+    for function in module.functions.values() {
+        if !names.insert(&function.name) {
+            report(&function.name, "the name is not unique".into());
+        }
+    }
+    for &entry in &module.entries {
+        match module.functions.get(entry) {
+            None => report("", format!("entry {entry} is no function")),
+            Some(function) => {
+                let takes = function.layout.first().is_some_and(|&block| !function.blocks[block].params.is_empty());
+                if takes || !function.returns.is_empty() {
+                    report(&function.name, "an entry takes and returns nothing".into());
+                }
+            }
+        }
+    }
+    for pair in module.dbs.windows(2) {
+        if pair[0].number >= pair[1].number {
+            report("", format!("DB{} stands behind DB{}", pair[1].number, pair[0].number));
+        }
+    }
+    for db in &module.dbs {
+        if db.address < layout::DB_DATA || db.length > 0x1_0000 || db.address.checked_add(db.length).is_none() {
+            report("", format!("DB{} lies outside the data of DBs", db.number));
+        }
+    }
+}
+
+fn verify_function(module: &Module, function: &Function, errors: &mut Vec<VerifyError>) {
+    let mut verifier = Verifier {
+        module,
+        function,
+        errors,
+        block: None,
+        index: None,
+        definitions: EntityVec::new(),
+        laid_out: EntityVec::new(),
+    };
+    verifier.run();
+}
+
+/// Where a value is defined, for the check of dominance.
+#[derive(Clone, Copy)]
+struct Definition {
+    block: Block,
+    /// Place behind which it may be used: 0 for parameters, 1 + place of the instruction for results.
+    after: usize,
+}
+
+struct Verifier<'a> {
+    module: &'a Module,
+    function: &'a Function,
+    errors: &'a mut Vec<VerifyError>,
+    block: Option<Block>,
+    index: Option<usize>,
+    definitions: EntityVec<Value, Option<Definition>>,
+    laid_out: EntityVec<Block, bool>,
+}
+
+impl Verifier<'_> {
+    fn report(&mut self, message: impl Into<String>) {
+        self.errors.push(VerifyError {
+            function: self.function.name.clone(),
+            block: self.block,
+            index: self.index,
+            message: message.into(),
+        });
+    }
+
+    fn check(&mut self, holds: bool, message: &str) {
+        if !holds {
+            self.report(message);
+        }
+    }
+
+    fn run(&mut self) {
+        let function = self.function;
+        let frame = function.frame_bytes;
+        if !frame.is_multiple_of(layout::FRAME_ALIGN) || frame > layout::L_CLASS_BYTES {
+            self.report(format!("a frame of {frame} bytes is not aligned or too large"));
+        }
+        if function.layout.is_empty() {
+            self.report("the function has no block");
+            return;
+        }
+        let errors_before = self.errors.len();
+        self.check_layout();
+        self.collect_definitions();
+        self.check_references();
+        if self.errors.len() > errors_before {
+            // What follows relies on the structure.
+            return;
+        }
+        for &block in &function.layout {
+            self.block = Some(block);
+            for (index, &inst) in function.blocks[block].insts.iter().enumerate() {
+                self.index = Some(index);
+                self.check_inst(inst);
+            }
+        }
+        self.check_dominance();
+    }
+
+    fn check_layout(&mut self) {
+        let function = self.function;
+        for _ in function.blocks.keys() {
+            self.laid_out.push(false);
+        }
+        for &block in &function.layout {
+            if function.blocks.get(block).is_none() {
+                self.report(format!("{block} does not exist"));
+            } else if std::mem::replace(&mut self.laid_out[block], true) {
+                self.report(format!("{block} is laid out twice"));
+            }
+        }
+    }
+
+    fn collect_definitions(&mut self) {
+        let function = self.function;
+        for _ in function.values.keys() {
+            self.definitions.push(None);
+        }
+        let mut placed = vec![false; function.insts.len()];
+        for &block in &function.layout {
+            let Some(data) = function.blocks.get(block) else { continue };
+            self.block = Some(block);
+            self.index = None;
+            for (index, &param) in (0u32..).zip(&data.params) {
+                self.define(param, ValueDef::Param(block, index), Definition { block, after: 0 });
+            }
+            for (index, &inst) in data.insts.iter().enumerate() {
+                self.index = Some(index);
+                let Some(operation) = function.insts.get(inst) else {
+                    self.report(format!("{inst} does not exist"));
+                    continue;
+                };
+                if std::mem::replace(&mut placed[inst.index()], true) {
+                    self.report("the instruction stands at two places");
+                }
+                let last = index + 1 == data.insts.len();
+                if operation.is_terminator() != last {
+                    self.report(if last { "the block ends without a terminator" } else { "a terminator ends a block" });
+                }
+                for (number, &result) in (0u32..).zip(&function.results[inst]) {
+                    self.define(result, ValueDef::Result(inst, number), Definition { block, after: index + 1 });
+                }
+            }
+            if data.insts.is_empty() {
+                self.report("the block is empty");
+            }
+        }
+        (self.block, self.index) = (None, None);
+    }
+
+    fn define(&mut self, value: Value, def: ValueDef, definition: Definition) {
+        match self.function.values.get(value) {
+            None => self.report(format!("{value} does not exist")),
+            Some(data) if data.def != def => self.report(format!("the definition stored for {value} is another")),
+            Some(_) => {
+                if self.definitions[value].replace(definition).is_some() {
+                    self.report(format!("{value} is defined twice"));
+                }
+            }
+        }
+    }
+
+    /// Every used value, target and callee exists.
+    fn check_references(&mut self) {
+        let function = self.function;
+        for &block in &function.layout {
+            let Some(data) = function.blocks.get(block) else { continue };
+            self.block = Some(block);
+            for (index, &inst) in data.insts.iter().enumerate() {
+                self.index = Some(index);
+                let Some(operation) = function.insts.get(inst) else { continue };
+                operation.for_each_use(|value| {
+                    if self.definitions.get(value).is_none_or(Option::is_none) {
+                        self.report(format!("{value} is used and defined nowhere"));
+                    }
+                });
+                operation.for_each_target(|call| {
+                    if self.laid_out.get(call.block) != Some(&true) {
+                        self.report(format!("the jump target {} is not laid out", call.block));
+                    } else if call.block == function.entry() {
+                        self.report("a jump goes to the entry block");
+                    }
+                });
+                if function.locs[inst].0 as usize > self.module.sites.len() {
+                    self.report(format!("site {} does not exist", function.locs[inst].0));
+                }
+            }
+        }
+    }
+
+    fn check_dominance(&mut self) {
+        let function = self.function;
+        let cfg = ControlFlow::new(function);
+        let dominators = Dominators::new(function, &cfg);
+        for &block in &cfg.rpo {
+            self.block = Some(block);
+            for (index, &inst) in function.blocks[block].insts.iter().enumerate() {
+                self.index = Some(index);
+                function.insts[inst].for_each_use(|value| {
+                    let Some(definition) = self.definitions[value] else { return };
+                    let known = if definition.block == block {
+                        definition.after <= index
+                    } else {
+                        cfg.is_reachable(definition.block) && dominators.dominates(definition.block, block)
+                    };
+                    if !known {
+                        self.report(format!("the definition of {value} does not dominate this use"));
+                    }
+                });
+            }
+        }
+    }
+
+    fn check_inst(&mut self, inst: Inst) {
+        let function = self.function;
+        let ty = |value: Value| function.ty(value);
+        let results: Vec<Type> = function.results[inst].iter().map(|&result| ty(result)).collect();
+        match &function.insts[inst] {
+            InstData::Const { bits } => {
+                if let Some(result) = self.one_result(&results) {
+                    let fits = crate::eval::mask(result, *bits) == *bits;
+                    self.check(fits, "the constant does not fit its type");
+                }
+            }
+            InstData::Unary { op, arg } => {
+                let arg = ty(*arg);
+                self.result_is(&results, arg);
+                let fits = match op {
+                    UnaryOp::Bswap => matches!(arg, Type::I16 | Type::I32 | Type::I64),
+                    UnaryOp::Fneg
+                    | UnaryOp::Fabs
+                    | UnaryOp::Fsqrt
+                    | UnaryOp::Fceil
+                    | UnaryOp::Ffloor
+                    | UnaryOp::Ftrunc
+                    | UnaryOp::Fnearest => !arg.is_int(),
+                };
+                self.operand_type(fits, op.name(), arg);
+            }
+            InstData::Binary { op, args } => {
+                let arg = self.same_type(args);
+                self.result_is(&results, arg);
+                self.operand_type(binary_takes(*op, arg), op.name(), arg);
+            }
+            InstData::IntCompare { cc, args } => {
+                let arg = self.same_type(args);
+                self.result_is(&results, Type::I1);
+                let equality = matches!(cc, IntCc::Eq | IntCc::Ne);
+                self.operand_type(arg.is_int() && (arg != Type::I1 || equality), cc.name(), arg);
+            }
+            InstData::FloatCompare { cc, args } => {
+                let arg = self.same_type(args);
+                self.result_is(&results, Type::I1);
+                self.operand_type(!arg.is_int(), cc.name(), arg);
+            }
+            InstData::Convert { op, arg } => {
+                let from = ty(*arg);
+                if let Some(to) = self.one_result(&results)
+                    && !converts(*op, from, to)
+                {
+                    self.report(format!("`{}` does not go from {} to {}", op.name(), from.name(), to.name()));
+                }
+            }
+            InstData::Select { cond, if_true, if_false } => {
+                self.operand_is(*cond, Type::I1);
+                let arg = self.same_type(&[*if_true, *if_false]);
+                self.result_is(&results, arg);
+            }
+            InstData::Load { addr } => {
+                if let Some(result) = self.one_result(&results) {
+                    self.check(result != Type::I1, "an i1 is loaded as a bit");
+                    self.check_address(addr, result.bytes());
+                }
+            }
+            InstData::Store { addr, value } => {
+                self.results_are(&results, &[]);
+                self.check(ty(*value) != Type::I1, "an i1 is stored as a bit");
+                self.check_address(addr, ty(*value).bytes());
+            }
+            InstData::LoadBit { addr, bit } => {
+                self.result_is(&results, Type::I1);
+                self.check(*bit < 8, "a byte has the bits 0 to 7");
+                self.check_address(addr, 1);
+            }
+            InstData::StoreBit { addr, bit, value } => {
+                self.results_are(&results, &[]);
+                self.operand_is(*value, Type::I1);
+                self.check(*bit < 8, "a byte has the bits 0 to 7");
+                self.check_address(addr, 1);
+            }
+            InstData::AddressOf { addr } => {
+                self.result_is(&results, Type::I32);
+                self.check_address(addr, 0);
+            }
+            InstData::Clear { addr, len } => {
+                self.results_are(&results, &[]);
+                self.check_address(addr, *len);
+            }
+            InstData::Copy { to, from, len } => {
+                self.results_are(&results, &[]);
+                self.check_address(to, *len);
+                self.check_address(from, *len);
+            }
+            InstData::DbBase { number } | InstData::DbLength { number } => {
+                self.result_is(&results, Type::I32);
+                self.operand_is(*number, Type::I32);
+            }
+            InstData::Call { callee, args } => match self.module.functions.get(*callee) {
+                None => self.report(format!("{callee} does not exist")),
+                Some(callee) => {
+                    if let Some(&entry) = callee.layout.first() {
+                        let params: Vec<Type> = callee.blocks[entry].params.iter().map(|&p| callee.ty(p)).collect();
+                        self.values_are("arguments", args, &params);
+                    }
+                    self.results_are(&results, &callee.returns);
+                }
+            },
+            InstData::CallRuntime { function, args } => {
+                self.values_are("arguments", args, function.params());
+                self.results_are(&results, function.result().as_slice());
+            }
+            InstData::FrameBase { .. } => self.result_is(&results, Type::I32),
+            InstData::Jump { target } => {
+                self.results_are(&results, &[]);
+                self.check_target(target);
+            }
+            InstData::Branch { cond, then_to, else_to } => {
+                self.results_are(&results, &[]);
+                self.operand_is(*cond, Type::I1);
+                self.check_target(then_to);
+                self.check_target(else_to);
+            }
+            InstData::Switch { value, targets, default } => {
+                self.results_are(&results, &[]);
+                self.operand_is(*value, Type::I32);
+                targets.iter().chain([default]).for_each(|target| self.check_target(target));
+            }
+            InstData::Return { values } => {
+                self.results_are(&results, &[]);
+                self.values_are("returned values", values, &function.returns);
+            }
+        }
+    }
+
+    fn one_result(&mut self, results: &[Type]) -> Option<Type> {
+        self.check(results.len() == 1, "the instruction has one result");
+        results.first().copied()
+    }
+
+    fn result_is(&mut self, results: &[Type], ty: Type) {
+        self.results_are(results, &[ty]);
+    }
+
+    fn results_are(&mut self, results: &[Type], types: &[Type]) {
+        if results != types {
+            self.report(format!("the results are {}, not {}", type_names(types), type_names(results)));
+        }
+    }
+
+    fn values_are(&mut self, what: &str, values: &[Value], types: &[Type]) {
+        let actual: Vec<Type> = values.iter().map(|&value| self.function.ty(value)).collect();
+        if actual != types {
+            self.report(format!("the {what} are {}, not {}", type_names(types), type_names(&actual)));
+        }
+    }
+
+    fn operand_is(&mut self, value: Value, ty: Type) {
+        let actual = self.function.ty(value);
+        if actual != ty {
+            self.report(format!("{value} is {}, not {}", actual.name(), ty.name()));
+        }
+    }
+
+    fn operand_type(&mut self, fits: bool, name: &str, ty: Type) {
+        if !fits {
+            self.report(format!("`{name}` does not take {}", ty.name()));
+        }
+    }
+
+    fn same_type(&mut self, args: &[Value; 2]) -> Type {
+        let ty = self.function.ty(args[0]);
+        self.operand_is(args[1], ty);
+        ty
+    }
+
+    fn check_target(&mut self, target: &BlockCall) {
+        let function = self.function;
+        let params: Vec<Type> = function.blocks[target.block].params.iter().map(|&param| function.ty(param)).collect();
+        self.values_are(&format!("values for {}", target.block), &target.args, &params);
+    }
+
+    /// `len` is the size of the access in bytes.
+    fn check_address(&mut self, addr: &Address, len: u32) {
+        if let Some(base) = addr.base {
+            self.operand_is(base, Type::I32);
+        }
+        let limit = match addr.region {
+            Region::State | Region::I | Region::Q | Region::M => layout::AREA_BYTES,
+            Region::L => self.function.frame_bytes,
+            Region::V => layout::L_CLASS_BYTES,
+            Region::Db(number) => match self.module.db(number) {
+                Some(db) => db.length,
+                None => {
+                    self.report(format!("the module has no DB{number}"));
+                    return;
+                }
+            },
+            Region::AnyDb | Region::Any => {
+                self.check(addr.base.is_some(), "an access anywhere needs a base");
+                return;
+            }
+        };
+        let end = u64::from(addr.offset) + u64::from(len);
+        if addr.base.is_none() && end > u64::from(limit) {
+            let name = crate::print::region_name(addr.region);
+            self.report(format!("the access ends at byte {end}, {name} has {limit}"));
+        }
+    }
+}
+
+fn type_names(types: &[Type]) -> String {
+    let names: Vec<&str> = types.iter().map(|ty| ty.name()).collect();
+    format!("({})", names.join(", "))
+}
+
+fn binary_takes(op: BinaryOp, ty: Type) -> bool {
+    match op {
+        BinaryOp::Iadd
+        | BinaryOp::Isub
+        | BinaryOp::Imul
+        | BinaryOp::Sdiv
+        | BinaryOp::Srem
+        | BinaryOp::Shl
+        | BinaryOp::Lshr
+        | BinaryOp::Ashr
+        | BinaryOp::Rotl
+        | BinaryOp::Rotr => ty.is_int() && ty != Type::I1,
+        BinaryOp::And | BinaryOp::Or | BinaryOp::Xor => ty.is_int(),
+        BinaryOp::Fadd | BinaryOp::Fsub | BinaryOp::Fmul | BinaryOp::Fdiv => !ty.is_int(),
+    }
+}
+
+fn converts(op: ConvertOp, from: Type, to: Type) -> bool {
+    let wide_int = |ty| matches!(ty, Type::I32 | Type::I64);
+    match op {
+        ConvertOp::Zext | ConvertOp::Sext => from.is_int() && to.is_int() && from.bits() < to.bits(),
+        ConvertOp::Trunc => from.is_int() && to.is_int() && from.bits() > to.bits(),
+        ConvertOp::Bitcast => from.bits() == to.bits() && from.is_int() != to.is_int(),
+        ConvertOp::FromSint => wide_int(from) && !to.is_int(),
+        ConvertOp::ToSint => !from.is_int() && wide_int(to),
+        ConvertOp::Fpromote => (from, to) == (Type::F32, Type::F64),
+        ConvertOp::Fdemote => (from, to) == (Type::F64, Type::F32),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::parse::parse_module;
+
+    /// Verifies a function `@F` with `body`; gives the first message, empty if there is none.
+    fn message(body: &str) -> String {
+        let text = format!(
+            "db 10 at 0x400000 length 20\nfunc @F -> i32 frame 16 {{\nb0(v0: i32, v1: i1):\n{body}\n}}\nfunc @G \
+             {{\nb0:\nret\n}}\n"
+        );
+        let module = parse_module(&text).expect("text is well formed");
+        match super::verify(&module) {
+            Ok(()) => String::new(),
+            Err(errors) => errors[0].message.clone(),
+        }
+    }
+
+    #[test]
+    fn a_good_function_passes() {
+        assert_eq!(message("branch v1, b1, b2\nb1:\nv2 = iadd v0, v0\njump b3(v2)\nb2:\njump b3(v0)\nb3(v3: i32):\nret v3"), "");
+    }
+
+    #[test]
+    fn broken_rules_are_found() {
+        for (body, expected) in [
+            ("ret", "the returned values are (i32), not ()"),
+            ("v2 = iadd v0, v1\nret v0", "v1 is i1, not i32"),
+            ("v2 = iadd v1, v1\nret v0", "`iadd` does not take i1"),
+            ("v2 = slt v1, v1\nret v0", "`slt` does not take i1"),
+            ("v2 = const.i8 256\nret v0", "the constant does not fit its type"),
+            ("v2 = zext.i32 v0\nret v0", "`zext` does not go from i32 to i32"),
+            ("v2 = fsqrt v0\nret v0", "`fsqrt` does not take i32"),
+            ("v2 = load.i1 M 0\nret v0", "an i1 is loaded as a bit"),
+            ("v2 = load.bit M 0.8\nret v0", "a byte has the bits 0 to 7"),
+            ("v2 = load.i32 M 65533\nret v0", "the access ends at byte 65537, M has 65536"),
+            ("v2 = load.i32 L 14\nret v0", "the access ends at byte 18, L has 16"),
+            ("v2 = load.i32 DB10 17\nret v0", "the access ends at byte 21, DB10 has 20"),
+            ("v2 = load.i32 DB11[v0]+0\nret v0", "the module has no DB11"),
+            ("v2 = load.i32 any 4\nret v0", "an access anywhere needs a base"),
+            ("v2 = load.i32 M[v1]+4\nret v0", "v1 is i1, not i32"),
+            ("call @G(v0)\nret v0", "the arguments are (), not (i32)"),
+            ("v2 = rt @timer_scan(v1)\nret v0", "the arguments are (i32), not (i1)"),
+            ("branch v0, b1, b1\nb1:\nret v0", "v0 is i32, not i1"),
+            ("jump b1\nb1(v2: i32):\nret v2", "the values for b1 are (i32), not ()"),
+            ("jump b0(v0, v1)", "a jump goes to the entry block"),
+            ("ret v0\nret v0", "a terminator ends a block"),
+            ("v2 = iadd v0, v0", "the block ends without a terminator"),
+            ("jump b1\nb1:", "the block is empty"),
+            ("ret v0 !1", "site 1 does not exist"),
+            ("v2 = iadd v3, v0\nv3 = iadd v0, v0\nret v0", "the definition of v3 does not dominate this use"),
+            (
+                "branch v1, b1, b2\nb1:\nv2 = iadd v0, v0\njump b2\nb2:\nret v2",
+                "the definition of v2 does not dominate this use",
+            ),
+        ] {
+            assert_eq!(message(body), expected, "{body}");
+        }
+    }
+
+    #[test]
+    fn module_rules() {
+        for (text, expected) in [
+            ("entry @F\nfunc @F {\nb0(v0: i32):\nret\n}", "@F: an entry takes and returns nothing"),
+            ("func @F frame 4 {\nb0:\nret\n}", "@F: a frame of 4 bytes is not aligned or too large"),
+            ("db 2 at 0x400000 length 2\ndb 1 at 0x400010 length 2", "DB1 stands behind DB2"),
+            ("db 2 at 0 length 2", "DB2 lies outside the data of DBs"),
+        ] {
+            let errors = super::verify(&parse_module(text).expect("text is well formed")).expect_err("a rule is broken");
+            assert_eq!(errors[0].to_string(), expected);
+        }
+    }
+}
