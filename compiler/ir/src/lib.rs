@@ -11,6 +11,7 @@ pub mod entities;
 pub mod eval;
 pub mod function;
 pub mod instructions;
+pub mod interpreter;
 pub mod module;
 pub mod parse;
 pub mod print;

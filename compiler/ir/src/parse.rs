@@ -45,7 +45,10 @@ pub fn parse_module(text: &str) -> Result<Module, ParseError> {
             let id = FuncId::new(signatures.returns.len());
             signatures.returns.push(function.returns);
             if signatures.ids.insert(function.name.clone(), id).is_some() {
-                return Err(ParseError { line: number, message: format!("function @{} is defined twice", function.name) });
+                return Err(ParseError {
+                    line: number,
+                    message: format!("function @{} is defined twice", function.name),
+                });
             }
         }
     }
@@ -559,7 +562,8 @@ impl<'a> FunctionParser<'a> {
             data.map_uses(value);
             data.for_each_target_mut(|call| call.block = block(call.block));
         }
-        let mut waiting: Vec<_> = self.waiting.iter().map(|&(result, other, line)| (result, value(other), line)).collect();
+        let mut waiting: Vec<_> =
+            self.waiting.iter().map(|&(result, other, line)| (result, value(other), line)).collect();
         settle_types(&mut self.function, &mut waiting)?;
         for (stored, ty, line) in self.stores {
             let actual = self.function.ty(value(stored));
@@ -773,7 +777,10 @@ mod tests {
     fn numbers_in_the_text_are_free() {
         let module = parse_module("func @F {\nb7:\njump b3\nb3:\nv9 = const.i32 1\nv2 = iadd v9, v9\nret\n}\n");
         let printed = module_text(&module.expect("text is well formed"));
-        assert_eq!(printed, "func @F {\nb0:\n    jump b1\nb1:\n    v0 = const.i32 1\n    v1 = iadd v0, v0\n    ret\n}\n");
+        assert_eq!(
+            printed,
+            "func @F {\nb0:\n    jump b1\nb1:\n    v0 = const.i32 1\n    v1 = iadd v0, v0\n    ret\n}\n"
+        );
     }
 
     #[test]

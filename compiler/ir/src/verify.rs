@@ -565,7 +565,10 @@ mod tests {
 
     #[test]
     fn a_good_function_passes() {
-        assert_eq!(message("branch v1, b1, b2\nb1:\nv2 = iadd v0, v0\njump b3(v2)\nb2:\njump b3(v0)\nb3(v3: i32):\nret v3"), "");
+        assert_eq!(
+            message("branch v1, b1, b2\nb1:\nv2 = iadd v0, v0\njump b3(v2)\nb2:\njump b3(v0)\nb3(v3: i32):\nret v3"),
+            ""
+        );
     }
 
     #[test]
@@ -613,7 +616,8 @@ mod tests {
             ("db 2 at 0x400000 length 2\ndb 1 at 0x400010 length 2", "DB1 stands behind DB2"),
             ("db 2 at 0 length 2", "DB2 lies outside the data of DBs"),
         ] {
-            let errors = super::verify(&parse_module(text).expect("text is well formed")).expect_err("a rule is broken");
+            let errors =
+                super::verify(&parse_module(text).expect("text is well formed")).expect_err("a rule is broken");
             assert_eq!(errors[0].to_string(), expected);
         }
     }
