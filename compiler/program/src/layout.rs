@@ -1,0 +1,304 @@
+//! Where components lie: the layout rules of DBs, UDTs, structures, arrays and local data.
+//!
+//! Source: STL reference, layout rules. BOOLs fill bytes from bit 0, BYTE and CHAR take the next byte, everything else begins at
+//! an even byte; arrays and structures are rounded up to even. The rows of an array of BOOL begin at a byte each.
+
+use crate::types::{ArrayType, DataType, Elementary, ParameterType, StructType};
+use plcc_syntax::ast::Width;
+
+/// More than this cannot lie in a DB, in local data or behind a pointer.
+pub const BYTES_MAX: u64 = 65_536;
+
+/// Gives places to one component after the other.
+#[derive(Clone, Debug, Default)]
+pub struct Placer {
+    next: u32,
+    /// Byte and next free bit behind a BOOL.
+    bits: Option<(u32, u8)>,
+}
+
+impl Placer {
+    /// The place of the next component, which is of type `ty`.
+    pub fn place(&mut self, ty: &DataType) -> (u32, u8) {
+        if *ty == DataType::Elementary(Elementary::Bool) {
+            let (byte, bit) = match self.bits {
+                Some((byte, bit)) if bit < 8 => (byte, bit),
+                _ => {
+                    self.next += 1;
+                    (self.next - 1, 0)
+                }
+            };
+            self.bits = Some((byte, bit + 1));
+            return (byte, bit);
+        }
+        self.bits = None;
+        if !matches!(ty, DataType::Elementary(Elementary::Byte | Elementary::Char)) {
+            self.align();
+        }
+        let byte = self.next;
+        self.next = self.next.saturating_add(bytes(ty));
+        (byte, 0)
+    }
+
+    /// Goes to the next even byte: between sections and at the end.
+    pub fn align(&mut self) {
+        self.bits = None;
+        self.next = self.next.saturating_add(self.next & 1);
+    }
+
+    /// Bytes so far, rounded up to even.
+    pub fn size(mut self) -> u32 {
+        self.align();
+        self.next
+    }
+
+    /// Keeps the first `bytes` bytes free.
+    pub fn reserve(&mut self, bytes: u32) {
+        self.bits = None;
+        self.next = self.next.max(bytes);
+    }
+}
+
+/// Bytes that a variable of `ty` takes; a BOOL takes 1.
+pub fn bytes(ty: &DataType) -> u32 {
+    match ty {
+        DataType::Elementary(elementary) => elementary.bits().div_ceil(8),
+        DataType::DateAndTime => 8,
+        DataType::String(length) => even(u32::from(*length) + 2),
+        DataType::Array(array) => array.bytes,
+        DataType::Struct(structure) => structure.bytes,
+        DataType::Parameter(parameter) => parameter_bytes(*parameter),
+        DataType::Void => 0,
+    }
+}
+
+/// Bytes of a parameter type in an instance or in the structure of parameters.
+pub const fn parameter_bytes(ty: ParameterType) -> u32 {
+    match ty {
+        ParameterType::Timer
+        | ParameterType::Counter
+        | ParameterType::BlockFb
+        | ParameterType::BlockFc
+        | ParameterType::BlockDb
+        | ParameterType::BlockSdb => 2,
+        ParameterType::Pointer => 6,
+        ParameterType::Any => 10,
+    }
+}
+
+/// Width of an access to an elementary variable.
+pub const fn width(ty: Elementary) -> Width {
+    match ty.bits() {
+        1 => Width::Bit,
+        8 => Width::Byte,
+        16 => Width::Word,
+        _ => Width::Dword,
+    }
+}
+
+const fn even(bytes: u32) -> u32 {
+    bytes + (bytes & 1)
+}
+
+/// How the elements of an array lie: elements in a row and bytes of a row, or `None` for one element after the other.
+fn rows(array_bounds: &[(i32, i32)], element: &DataType) -> Option<(u64, u64)> {
+    let last = array_bounds.last().map_or(1, |&(low, high)| (i64::from(high) - i64::from(low) + 1).max(0) as u64);
+    match element {
+        DataType::Elementary(Elementary::Bool) => Some((last, last.div_ceil(8))),
+        _ => None,
+    }
+}
+
+/// Distance between elements that do not share bytes.
+fn stride(element: &DataType) -> u32 {
+    match element {
+        DataType::Elementary(Elementary::Byte | Elementary::Char) => 1,
+        _ => even(bytes(element)),
+    }
+}
+
+/// Number of elements.
+pub fn element_count(bounds: &[(i32, i32)]) -> u64 {
+    bounds
+        .iter()
+        .map(|&(low, high)| (i64::from(high) - i64::from(low) + 1).max(0) as u64)
+        .fold(1u64, u64::saturating_mul)
+}
+
+/// Bytes of an array, rounded up to even; it may exceed [`BYTES_MAX`].
+pub fn array_bytes(bounds: &[(i32, i32)], element: &DataType) -> u64 {
+    let count = element_count(bounds);
+    let total = match rows(bounds, element) {
+        Some((in_row, row_bytes)) => (count / in_row.max(1)).saturating_mul(row_bytes),
+        None => count.saturating_mul(u64::from(stride(element))),
+    };
+    total.saturating_add(total & 1)
+}
+
+/// Place of element number `index` (0-based, last dimension fastest) relative to the start of the array.
+pub fn element_place(array: &ArrayType, index: u64) -> (u32, u8) {
+    match rows(&array.bounds, &array.element) {
+        Some((in_row, row_bytes)) => {
+            let (row, column) = (index / in_row.max(1), index % in_row.max(1));
+            ((row * row_bytes + column / 8) as u32, (column % 8) as u8)
+        }
+        None => ((index * u64::from(stride(&array.element))) as u32, 0),
+    }
+}
+
+/// 0-based number of the element at `indices`; `Err` names the dimension that is out of bounds.
+pub fn element_index(array: &ArrayType, indices: &[i64]) -> Result<u64, usize> {
+    let mut number = 0u64;
+    for (dimension, (&index, &(low, high))) in indices.iter().zip(&array.bounds).enumerate() {
+        if index < i64::from(low) || index > i64::from(high) {
+            return Err(dimension);
+        }
+        number = number * (i64::from(high) - i64::from(low) + 1) as u64 + (index - i64::from(low)) as u64;
+    }
+    Ok(number)
+}
+
+/// The same data in memory, whatever the types are called. An FC or FB takes an actual of such a type.
+pub fn same_type(a: &DataType, b: &DataType) -> bool {
+    match (a, b) {
+        (DataType::Array(a), DataType::Array(b)) => a.bounds == b.bounds && same_type(&a.element, &b.element),
+        (DataType::Struct(a), DataType::Struct(b)) => same_structure(a, b),
+        _ => a == b,
+    }
+}
+
+fn same_structure(a: &StructType, b: &StructType) -> bool {
+    std::ptr::eq(a, b)
+        || (a.instance_of == b.instance_of
+            && a.bytes == b.bytes
+            && a.members.len() == b.members.len()
+            && a.members
+                .iter()
+                .zip(&b.members)
+                .all(|(a, b)| (a.byte, a.bit) == (b.byte, b.bit) && same_type(&a.ty, &b.ty)))
+}
+
+/// The type as a source writes it.
+pub fn type_name(ty: &DataType) -> String {
+    match ty {
+        DataType::Elementary(elementary) => elementary.name().to_string(),
+        DataType::DateAndTime => "DATE_AND_TIME".to_string(),
+        DataType::String(length) => format!("STRING[{length}]"),
+        DataType::Array(array) => {
+            let bounds: Vec<String> = array.bounds.iter().map(|(low, high)| format!("{low}..{high}")).collect();
+            format!("ARRAY[{}] OF {}", bounds.join(","), type_name(&array.element))
+        }
+        DataType::Struct(structure) if structure.name.is_empty() => "STRUCT".to_string(),
+        DataType::Struct(structure) => structure.name.clone(),
+        DataType::Parameter(parameter) => match parameter {
+            ParameterType::Timer => "TIMER",
+            ParameterType::Counter => "COUNTER",
+            ParameterType::BlockFb => "BLOCK_FB",
+            ParameterType::BlockFc => "BLOCK_FC",
+            ParameterType::BlockDb => "BLOCK_DB",
+            ParameterType::BlockSdb => "BLOCK_SDB",
+            ParameterType::Pointer => "POINTER",
+            ParameterType::Any => "ANY",
+        }
+        .to_string(),
+        DataType::Void => "an unknown type".to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::rc::Rc;
+
+    const BOOL: DataType = DataType::Elementary(Elementary::Bool);
+    const BYTE: DataType = DataType::Elementary(Elementary::Byte);
+    const INT: DataType = DataType::Elementary(Elementary::Int);
+    const WORD: DataType = DataType::Elementary(Elementary::Word);
+    const REAL: DataType = DataType::Elementary(Elementary::Real);
+    const TIME: DataType = DataType::Elementary(Elementary::Time);
+
+    fn array(bounds: &[(i32, i32)], element: DataType) -> ArrayType {
+        ArrayType { bounds: bounds.to_vec(), bytes: array_bytes(bounds, &element) as u32, element }
+    }
+
+    fn places(types: &[&DataType]) -> Vec<(u32, u8)> {
+        let mut placer = Placer::default();
+        types.iter().map(|ty| placer.place(ty)).collect()
+    }
+
+    #[test]
+    fn bits_bytes_and_words() {
+        assert_eq!(places(&[&BOOL, &BOOL, &BYTE, &BOOL, &INT]), [(0, 0), (0, 1), (1, 0), (2, 0), (4, 0)]);
+        assert_eq!(places(&[&BYTE, &REAL, &BYTE, &BYTE]), [(0, 0), (2, 0), (6, 0), (7, 0)]);
+    }
+
+    #[test]
+    fn nine_bits_take_two_bytes() {
+        let types = [&BOOL; 9];
+        assert_eq!(places(&types)[8], (1, 0));
+    }
+
+    #[test]
+    fn arrays_begin_and_end_even() {
+        let bits = DataType::Array(Rc::new(array(&[(1, 3)], BOOL)));
+        assert_eq!(places(&[&BOOL, &bits, &BOOL]), [(0, 0), (2, 0), (4, 0)]);
+    }
+
+    /// Source: STL reference, layout rule 7: `ARRAY[1..2,1..3] OF BOOL`.
+    #[test]
+    fn rows_of_bits_begin_at_a_byte() {
+        let bits = array(&[(1, 2), (1, 3)], BOOL);
+        let place = |row, column| element_place(&bits, element_index(&bits, &[row, column]).unwrap());
+        assert_eq!(place(1, 1), (0, 0));
+        assert_eq!(place(1, 3), (0, 2));
+        assert_eq!(place(2, 1), (1, 0));
+        assert_eq!(bits.bytes, 2);
+    }
+
+    #[test]
+    fn odd_strings_are_padded_in_arrays() {
+        let texts = array(&[(0, 2)], DataType::String(5));
+        assert_eq!(element_place(&texts, 1), (8, 0));
+        assert_eq!(texts.bytes, 24);
+    }
+
+    #[test]
+    fn indices_are_checked() {
+        let numbers = array(&[(-1, 2), (5, 6)], INT);
+        assert_eq!(element_index(&numbers, &[-1, 5]), Ok(0));
+        assert_eq!(element_index(&numbers, &[2, 6]), Ok(7));
+        assert_eq!(element_index(&numbers, &[3, 6]), Err(0));
+        assert_eq!(element_index(&numbers, &[0, 4]), Err(1));
+    }
+
+    /// Source: published instance layout of FB 41: SP_INT 6, GAIN 20, LMN 72, PV 92, first static 100, length 126.
+    #[test]
+    fn instance_of_fb_41() {
+        let mut placer = Placer::default();
+        let mut place = |ty: &DataType| placer.place(ty).0;
+        for _ in 0..8 {
+            assert_eq!(place(&BOOL), 0);
+        }
+        assert_eq!(place(&TIME), 2, "CYCLE");
+        assert_eq!(place(&REAL), 6, "SP_INT");
+        assert_eq!(place(&REAL), 10, "PV_IN");
+        assert_eq!(place(&WORD), 14, "PV_PER");
+        assert_eq!(place(&REAL), 16, "MAN");
+        assert_eq!(place(&REAL), 20, "GAIN");
+    }
+
+    /// Source: published instance layout of FB 58: the sections begin even.
+    #[test]
+    fn sections_begin_even() {
+        let mut placer = Placer::default();
+        for ty in [&REAL, &INT, &REAL, &BOOL, &BOOL, &INT] {
+            placer.place(ty);
+        }
+        placer.align();
+        for (ty, place) in [(&REAL, 14), (&REAL, 18), (&INT, 22), (&BOOL, 24), (&BOOL, 24), (&BOOL, 24), (&BOOL, 24)] {
+            assert_eq!(placer.place(ty).0, place);
+        }
+        placer.align();
+        assert_eq!(placer.place(&REAL).0, 26, "CYCLE, the first IN_OUT");
+    }
+}

@@ -1,0 +1,468 @@
+//! Symbol tables: `.asc`, `.sdf`, `.seq`, `.dif` and `;`-separated, told apart by their content.
+//!
+//! Each row gives a symbol, its address, its data type and a comment. Addresses are taken in both mnemonic sets (`E 0.0` is
+//! `I 0.0`). A row that cannot be read is one message; the others are read all the same.
+//! Source: STL reference, symbol tables; exports of the newer portal tool have more columns behind the first three.
+
+use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
+use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Width};
+
+/// The rows of one table.
+#[derive(Clone, Debug, Default)]
+pub struct SymbolTable {
+    pub symbols: Vec<Symbol>,
+}
+
+/// A row: a name for an address.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Symbol {
+    /// As written, without outer blanks.
+    pub name: String,
+    pub target: SymbolTarget,
+    /// The data type column; empty if there is none.
+    pub ty: String,
+    pub comment: String,
+    /// The row.
+    pub span: Span,
+}
+
+/// What a symbol stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SymbolTarget {
+    Memory { area: Area, width: Width, byte: u32, bit: u8 },
+    Cell { kind: CellKind, number: u32 },
+    Block { prefix: BlockPrefix, number: u32 },
+}
+
+/// The formats of tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Asc,
+    Sdf,
+    Seq,
+    Dif,
+    Semicolon,
+}
+
+/// True if `text` is a symbol table rather than a program.
+pub fn is_symbol_table(text: &str) -> bool {
+    format(text).is_some()
+}
+
+/// Reads the table in `source`, which is file `file`.
+pub fn parse(file: FileId, source: &SourceFile) -> (SymbolTable, Vec<Diagnostic>) {
+    let mut reader = Reader { file, text: &source.text, table: SymbolTable::default(), diagnostics: Vec::new() };
+    match format(&source.text) {
+        Some(Format::Asc) => reader.asc(),
+        Some(Format::Sdf) => reader.delimited(b','),
+        Some(Format::Semicolon) => reader.delimited(b';'),
+        Some(Format::Seq) => reader.seq(),
+        Some(Format::Dif) => reader.dif(),
+        None => {
+            let line = lines(&source.text).find(|(_, line)| !line.trim().is_empty()).unwrap_or((0, ""));
+            reader.bad(line.0, line.1, "this is none of the formats .asc, .sdf, .seq, .dif or `;`-separated text");
+        }
+    }
+    (reader.table, reader.diagnostics)
+}
+
+fn format(text: &str) -> Option<Format> {
+    let text = text.trim_start_matches('\u{feff}');
+    let mut rows = text.lines().filter(|line| !line.trim().is_empty());
+    let first = rows.next()?;
+    if first.starts_with("126,") && first.chars().count() > 20 {
+        return Some(Format::Asc);
+    }
+    if first.trim() == "TABLE" && rows.next().is_some_and(|line| line.trim_start().starts_with("0,")) {
+        return Some(Format::Dif);
+    }
+    if first.starts_with('\t') && first.split('\t').nth(1).is_some_and(|address| parse_address(address).is_some()) {
+        return Some(Format::Seq);
+    }
+    if first.trim_start().starts_with('"') && first.matches("\",").count() >= 2 {
+        return Some(Format::Sdf);
+    }
+    // A header line may stand before the rows.
+    let is_row = |line: &str| {
+        let mut fields = line.split(';');
+        let name = fields.next().unwrap_or("").trim();
+        !name.is_empty() && fields.next().is_some_and(|address| parse_address(address).is_some())
+    };
+    let is_header = |line: &str| line.split(';').count() >= 3 && line.to_ascii_lowercase().contains("address");
+    if is_row(first) || (is_header(first) && rows.next().is_none_or(is_row)) {
+        return Some(Format::Semicolon);
+    }
+    None
+}
+
+struct Reader<'a> {
+    file: FileId,
+    text: &'a str,
+    table: SymbolTable,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Reader<'_> {
+    fn span(&self, start: usize, line: &str) -> Span {
+        let trimmed = line.trim();
+        let skipped = line.len() - line.trim_start().len();
+        Span::new(self.file, start + skipped..start + skipped + trimmed.len())
+    }
+
+    fn bad(&mut self, start: usize, line: &str, why: &str) {
+        let span = self.span(start, line);
+        self.diagnostics.push(
+            Diagnostic::new(Code::SymbolTable, span, "this line of the symbol table cannot be read")
+                .label(why)
+                .help("a row gives a symbol, its address such as `I 0.0` or `FC 105`, its data type and a comment"),
+        );
+    }
+
+    fn row(&mut self, start: usize, line: &str, name: &str, address: &str, ty: &str, comment: &str) {
+        let name = name.trim();
+        let address = address.trim();
+        if name.is_empty() && address.is_empty() {
+            return;
+        }
+        if name.is_empty() {
+            return self.bad(start, line, "the symbol is missing");
+        }
+        if address.is_empty() {
+            return self.bad(start, line, &format!("`{name}` has no address"));
+        }
+        let Some(target) = parse_address(address) else {
+            return self.bad(start, line, &format!("`{address}` is no address"));
+        };
+        let symbol = Symbol {
+            name: name.to_string(),
+            target,
+            ty: ty.trim().to_string(),
+            comment: comment.trim().to_string(),
+            span: self.span(start, line),
+        };
+        self.table.symbols.push(symbol);
+    }
+
+    /// `126,` then 24 + 12 + 10 + 80 characters; the record may lack trailing blanks and its line end.
+    fn asc(&mut self) {
+        let text = self.text;
+        for (start, line) in lines(text) {
+            let mut at = start;
+            let mut rest = line.trim_start_matches('\u{feff}');
+            at += line.len() - rest.len();
+            while !rest.trim().is_empty() {
+                let Some(payload) = rest.strip_prefix("126,") else {
+                    self.bad(at, rest, "a record begins with `126,`");
+                    break;
+                };
+                let end = payload.char_indices().nth(126).map_or(payload.len(), |(end, _)| end);
+                let record = &payload[..end];
+                let mut fields = [24, 12, 10, 80].into_iter().scan(record, |left, width| {
+                    let cut = left.char_indices().nth(width).map_or(left.len(), |(cut, _)| cut);
+                    let (field, right) = left.split_at(cut);
+                    *left = right;
+                    Some(field)
+                });
+                let mut field = || fields.next().unwrap_or("");
+                let (name, address, ty, comment) = (field(), field(), field(), field());
+                self.row(at, &rest[..4 + end], name, address, ty, comment);
+                at += 4 + end;
+                rest = &payload[end..];
+            }
+        }
+    }
+
+    /// Quoted or bare fields. Each line is read by itself, so that a missing quote spoils one row only.
+    fn delimited(&mut self, delimiter: u8) {
+        let text = self.text;
+        let mut builder = csv::ReaderBuilder::new();
+        builder.delimiter(delimiter).has_headers(false).flexible(true).buffer_capacity(512).trim(csv::Trim::All);
+        let mut record = csv::StringRecord::new();
+        for (index, (start, line)) in lines(text).enumerate() {
+            let bare = line.trim_start_matches('\u{feff}');
+            if bare.trim().is_empty() {
+                continue;
+            }
+            match builder.from_reader(bare.as_bytes()).read_record(&mut record) {
+                Ok(true) => {}
+                Ok(false) => continue,
+                Err(_) => {
+                    self.bad(start, line, "its fields cannot be told apart");
+                    continue;
+                }
+            }
+            if record.len() < 2 {
+                self.bad(start, line, "it has no field for the address");
+                continue;
+            }
+            let field = |at: usize| record.get(at).unwrap_or("");
+            // The header of a table that a person keeps.
+            if index == 0 && delimiter == b';' && parse_address(field(1)).is_none() {
+                continue;
+            }
+            // Exports of the portal tool have three flags between the type and the comment.
+            let comment = if record.len() > 6 { field(6) } else { field(3) };
+            let (name, address, ty) = (field(0).to_string(), field(1).to_string(), field(2).to_string());
+            let comment = comment.to_string();
+            self.row(start, line, &name, &address, &ty, &comment);
+        }
+    }
+
+    /// TAB address TAB symbol TAB comment.
+    fn seq(&mut self) {
+        let text = self.text;
+        for (start, line) in lines(text) {
+            let bare = line.trim_start_matches('\u{feff}');
+            if bare.trim().is_empty() {
+                continue;
+            }
+            let mut fields = bare.strip_prefix('\t').unwrap_or(bare).split('\t');
+            let address = fields.next().unwrap_or("");
+            let Some(name) = fields.next() else {
+                self.bad(start, line, "address, symbol and comment are separated by tabs");
+                continue;
+            };
+            let comment = fields.next().unwrap_or("");
+            self.row(start, line, name, address, "", comment);
+        }
+    }
+
+    /// Data interchange format: `BOT`, then the strings of a row, until the next `BOT` or `EOD`.
+    fn dif(&mut self) {
+        let text = self.text;
+        let mut in_data = false;
+        let mut row: Vec<String> = Vec::new();
+        let mut row_start: Option<(usize, usize)> = None;
+        let mut lines = lines(text).map(|(start, line)| (start, line.trim())).peekable();
+        while let Some((start, line)) = lines.next() {
+            if !in_data {
+                in_data = line == "DATA";
+                if in_data {
+                    // `0,0` and the empty title of the section.
+                    lines.next();
+                    lines.next();
+                }
+                continue;
+            }
+            if let Some(kind) = line.strip_prefix("-1,") {
+                let _ = kind;
+                let Some((_, word)) = lines.next() else { break };
+                self.finish_dif_row(&mut row, &mut row_start);
+                match word {
+                    "BOT" => row_start = Some((start, start + line.len())),
+                    "EOD" => return,
+                    _ => self.bad(start, line, "`BOT` or `EOD` must follow"),
+                }
+            } else if line.starts_with("1,") || line.starts_with("0,") {
+                if let Some((start, value)) = lines.next() {
+                    row.push(unquoted(value));
+                    if let Some(row) = &mut row_start {
+                        row.1 = start + value.len();
+                    }
+                }
+            } else if !line.is_empty() {
+                self.bad(start, line, "a value begins with `1,0`");
+            }
+        }
+        self.finish_dif_row(&mut row, &mut row_start);
+    }
+
+    fn finish_dif_row(&mut self, row: &mut Vec<String>, place: &mut Option<(usize, usize)>) {
+        if let Some((start, end)) = place.take() {
+            let fields: Vec<String> = std::mem::take(row);
+            let field = |at: usize| fields.get(at).map_or("", String::as_str);
+            let text = self.text.get(start..end).unwrap_or("");
+            if !fields.is_empty() {
+                self.row(start, text, field(0), field(1), field(2), field(3));
+            }
+        }
+        row.clear();
+    }
+}
+
+fn unquoted(text: &str) -> String {
+    let text = text.trim();
+    match text.strip_prefix('"').and_then(|text| text.strip_suffix('"')) {
+        Some(inner) => inner.replace("\"\"", "\""),
+        None => text.to_string(),
+    }
+}
+
+/// Lines with the byte at which each begins, without their ends.
+fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut at = 0;
+    text.split_inclusive('\n').map(move |line| {
+        let start = at;
+        at += line.len();
+        (start, line.trim_end_matches(['\n', '\r']))
+    })
+}
+
+/// Area letters of both mnemonic sets.
+const MEMORY: &[(&str, Area, Width)] = &[
+    ("I", Area::I, Width::Bit),
+    ("IB", Area::I, Width::Byte),
+    ("IW", Area::I, Width::Word),
+    ("ID", Area::I, Width::Dword),
+    ("E", Area::I, Width::Bit),
+    ("EB", Area::I, Width::Byte),
+    ("EW", Area::I, Width::Word),
+    ("ED", Area::I, Width::Dword),
+    ("Q", Area::Q, Width::Bit),
+    ("QB", Area::Q, Width::Byte),
+    ("QW", Area::Q, Width::Word),
+    ("QD", Area::Q, Width::Dword),
+    ("A", Area::Q, Width::Bit),
+    ("AB", Area::Q, Width::Byte),
+    ("AW", Area::Q, Width::Word),
+    ("AD", Area::Q, Width::Dword),
+    ("M", Area::M, Width::Bit),
+    ("MB", Area::M, Width::Byte),
+    ("MW", Area::M, Width::Word),
+    ("MD", Area::M, Width::Dword),
+    ("PIB", Area::Pi, Width::Byte),
+    ("PIW", Area::Pi, Width::Word),
+    ("PID", Area::Pi, Width::Dword),
+    ("PEB", Area::Pi, Width::Byte),
+    ("PEW", Area::Pi, Width::Word),
+    ("PED", Area::Pi, Width::Dword),
+    ("PQB", Area::Pq, Width::Byte),
+    ("PQW", Area::Pq, Width::Word),
+    ("PQD", Area::Pq, Width::Dword),
+    ("PAB", Area::Pq, Width::Byte),
+    ("PAW", Area::Pq, Width::Word),
+    ("PAD", Area::Pq, Width::Dword),
+];
+
+const BLOCKS: &[(&str, BlockPrefix)] = &[
+    ("OB", BlockPrefix::Ob),
+    ("FB", BlockPrefix::Fb),
+    ("FC", BlockPrefix::Fc),
+    ("DB", BlockPrefix::Db),
+    ("SFB", BlockPrefix::Sfb),
+    ("SFC", BlockPrefix::Sfc),
+    ("UDT", BlockPrefix::Udt),
+    ("VAT", BlockPrefix::Vat),
+];
+
+/// Reads an address: letters, optional blanks, a number, for bits a point and the bit.
+pub fn parse_address(text: &str) -> Option<SymbolTarget> {
+    let text = text.trim();
+    let text = text.strip_prefix('%').unwrap_or(text);
+    let split = text.find(|letter: char| !letter.is_ascii_alphabetic())?;
+    let (letters, number) = text.split_at(split);
+    let letters = letters.to_ascii_uppercase();
+    let number: String = number.chars().filter(|letter| !letter.is_whitespace()).collect();
+    let (whole, bit) = match number.split_once('.') {
+        Some((whole, bit)) => (whole, Some(bit)),
+        None => (number.as_str(), None),
+    };
+    let digits = |text: &str| {
+        (!text.is_empty() && text.len() <= 7 && text.bytes().all(|digit| digit.is_ascii_digit()))
+            .then(|| text.parse::<u32>().ok())
+            .flatten()
+    };
+    let number = digits(whole)?;
+    if let Some(&(_, area, width)) = MEMORY.iter().find(|row| row.0 == letters) {
+        let bit = match (width, bit) {
+            (Width::Bit, Some(bit)) => digits(bit).filter(|&bit| bit < 8)? as u8,
+            (Width::Bit, None) | (Width::Byte | Width::Word | Width::Dword, Some(_)) => return None,
+            (Width::Byte | Width::Word | Width::Dword, None) => 0,
+        };
+        return Some(SymbolTarget::Memory { area, width, byte: number, bit });
+    }
+    if bit.is_some() {
+        return None;
+    }
+    match letters.as_str() {
+        "T" => Some(SymbolTarget::Cell { kind: CellKind::Timer, number }),
+        "C" | "Z" => Some(SymbolTarget::Cell { kind: CellKind::Counter, number }),
+        _ => {
+            let prefix = BLOCKS.iter().find(|row| row.0 == letters)?.1;
+            Some(SymbolTarget::Block { prefix, number })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> (Vec<(String, SymbolTarget, String)>, usize) {
+        assert!(is_symbol_table(text), "not taken for a table: {text:?}");
+        let (table, diagnostics) = parse(FileId(0), &SourceFile::new("table", text));
+        assert!(diagnostics.iter().all(|diagnostic| diagnostic.code == Code::SymbolTable));
+        let rows = table.symbols.into_iter().map(|symbol| (symbol.name, symbol.target, symbol.ty)).collect();
+        (rows, diagnostics.len())
+    }
+
+    const LAMP: SymbolTarget = SymbolTarget::Memory { area: Area::Q, width: Width::Bit, byte: 4, bit: 1 };
+    const SCALE: SymbolTarget = SymbolTarget::Block { prefix: BlockPrefix::Fc, number: 105 };
+
+    #[test]
+    fn fixed_columns() {
+        let text = format!(
+            "126,{:<24}{:<12}{:<10}{:<80}\r\n126,{:<24}{:<12}{:<10}\n126,nonsense\n",
+            "Lamp on", "A       4.1", "BOOL", "text", "SCALE", "FC    105", "FC    105"
+        );
+        let (rows, bad) = read(&text);
+        assert_eq!(rows[0], ("Lamp on".to_string(), LAMP, "BOOL".to_string()));
+        assert_eq!(rows[1].1, SCALE);
+        assert_eq!((rows.len(), bad), (2, 1));
+    }
+
+    #[test]
+    fn quoted_fields() {
+        let text = "\"Lamp on   \",\"Q      4.1 \",\"BOOL      \",\"a \"\"text\"\", and more\"\n\"x\",\"broken\n\"SCALE\",\"FC 105\",\"FC 105\",\"\"\n";
+        let (rows, bad) = read(text);
+        assert_eq!(rows[0].1, LAMP);
+        assert_eq!(rows[1].1, SCALE);
+        assert_eq!((rows.len(), bad), (2, 1));
+    }
+
+    #[test]
+    fn portal_columns() {
+        let (rows, bad) = read("\"Lamp\",\"%Q4.1\",\"Bool\",\"True\",\"True\",\"False\",\"text\",\"\",\"True\"\n");
+        assert_eq!((rows[0].1, bad), (LAMP, 0));
+    }
+
+    #[test]
+    fn assignment_list() {
+        let (rows, bad) = read("\tA 4.1\tLamp on\ttext\r\n\tFC 105\tSCALE\t\r\n\tFC\r\n");
+        assert_eq!((rows[0].1, rows[1].1, bad), (LAMP, SCALE, 1));
+    }
+
+    #[test]
+    fn interchange_format() {
+        let text = "TABLE\n0,1\n\"t\"\nVECTORS\n0,2\n\"\"\nTUPLES\n0,4\n\"\"\nDATA\n0,0\n\"\"\n-1,0\nBOT\n1,0\n\"Lamp\"\n1,0\n\"Q 4.1\"\n1,0\n\"BOOL\"\n1,0\n\"\"\n-1,0\nBOT\n1,0\n\"SCALE\"\n1,0\n\"FC  105\"\n1,0\n\"FC  105\"\n1,0\n\"\"\n-1,0\nEOD\n";
+        let (rows, bad) = read(text);
+        assert_eq!((rows.len(), rows[0].1, rows[1].1, bad), (2, LAMP, SCALE, 0));
+    }
+
+    #[test]
+    fn semicolons_with_and_without_header() {
+        let (rows, bad) = read("Lamp;A 4.1;BOOL;text\nSCALE;FC105;FC 105;\n");
+        assert_eq!((rows[0].1, rows[1].1, bad), (LAMP, SCALE, 0));
+        let (rows, bad) = read("Symbol;Address;Type;Comment\nLamp;Q4.1;BOOL;\nx;y;z\n");
+        assert_eq!((rows[0].1, rows.len(), bad), (LAMP, 1, 1));
+    }
+
+    #[test]
+    fn programs_are_no_tables() {
+        for text in ["A I 0.0; = Q 4.0;\n", "\tA I 0.0\n\t= Q 4.0\n", "FUNCTION FC 1 : VOID\n", "", "L 1; T MW 2; BE\n"] {
+            assert!(!is_symbol_table(text), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn addresses() {
+        assert_eq!(
+            parse_address("MW  10"),
+            Some(SymbolTarget::Memory { area: Area::M, width: Width::Word, byte: 10, bit: 0 })
+        );
+        assert_eq!(parse_address("Z 5"), Some(SymbolTarget::Cell { kind: CellKind::Counter, number: 5 }));
+        for bad in ["M 10", "MW 10.1", "M 10.8", "DBX 1.0", "FC", "10", "", "MW 99999999"] {
+            assert_eq!(parse_address(bad), None, "{bad}");
+        }
+    }
+}
