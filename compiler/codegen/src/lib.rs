@@ -1,1 +1,70 @@
 //! SSA IR to machine code, in an object file or in memory; the only crate that names Cranelift.
+//!
+//! - [`isa`](mod@isa): the target and its settings.
+//! - [`abi`]: how functions of a module call each other and the runtime.
+//! - [`lower`]: one function of the IR to CLIF, with [`memory`] for accesses to PLC memory and [`bits`] for i1 values.
+//! - [`compile`]: all functions of a module to bytes, on several threads.
+//! - [`object`], [`jit`], [`text`]: what is made of the bytes.
+//! - [`lines`]: DWARF line tables of an object file.
+//!
+//! **Invariant**: one lowering serves all outputs, and it knows no source language.
+
+mod abi;
+mod bits;
+mod compile;
+mod isa;
+mod jit;
+mod lines;
+mod lower;
+mod memory;
+mod object;
+mod text;
+
+use std::fmt;
+
+pub use jit::{EntryFn, JitProgram};
+pub use object::compile_object;
+pub use text::{asm_text, clif_text};
+
+/// How code is generated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CodegenOptions {
+    /// Spend time on good machine code. Off: compile fast.
+    pub optimize: bool,
+    /// Use what the processor of this computer offers beyond the baseline of its architecture. Results are the same.
+    pub native: bool,
+    /// Check the CLIF before and after each of Cranelift's passes; for tests.
+    pub verify: bool,
+}
+
+impl Default for CodegenOptions {
+    fn default() -> Self {
+        CodegenOptions { optimize: true, native: false, verify: false }
+    }
+}
+
+/// Why no machine code was made. None of these is the fault of a PLC program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CodegenError {
+    /// There is no code generator for this computer.
+    Host(String),
+    /// The module breaks a rule of the IR: a bug of whoever built it.
+    Module { function: String, message: String },
+    /// A function was refused by the code generator: our bug, or a function beyond its limits.
+    Function { function: String, message: String },
+    /// The output could not be put together: our bug, or no memory for code.
+    Output(String),
+}
+
+impl fmt::Display for CodegenError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            CodegenError::Host(message) => write!(f, "no code generator for this computer: {message}"),
+            CodegenError::Module { function, message } => write!(f, "invalid IR in {function}: {message}"),
+            CodegenError::Function { function, message } => write!(f, "no machine code for {function}: {message}"),
+            CodegenError::Output(message) => write!(f, "no output: {message}"),
+        }
+    }
+}
+
+impl std::error::Error for CodegenError {}

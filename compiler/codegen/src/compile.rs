@@ -1,0 +1,162 @@
+//! All functions of a module to bytes.
+//!
+//! Functions do not depend on each other once their calling conventions are known, so threads share them out, the
+//! largest first. The result is in the order of the module, whatever thread was first.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use cranelift_codegen::control::ControlPlane;
+use cranelift_codegen::isa::{OwnedTargetIsa, TargetIsa};
+use cranelift_codegen::{Context, ir};
+use cranelift_frontend::FunctionBuilderContext;
+use cranelift_module::{Module as CraneliftModule, ModuleReloc};
+use plcc_abi::RuntimeFn;
+use plcc_ir::entities::{Entity, EntityVec};
+use plcc_ir::{FuncId, Module};
+
+use crate::abi::{self, FunctionAbi};
+use crate::isa::{Placement, Tuning, isa};
+use crate::lower::{self, Target};
+use crate::{CodegenError, CodegenOptions};
+
+/// Functions with more instructions than this get quick register allocation.
+const LARGE_INSTRUCTIONS: usize = 60_000;
+
+/// Machine code of one function.
+pub struct CompiledFunction {
+    pub bytes: Vec<u8>,
+    pub relocs: Vec<ModuleReloc>,
+    pub alignment: u64,
+    /// Offset of the code that belongs to a source place, and the place; ascending.
+    pub places: Vec<(u32, u32)>,
+    /// The disassembly, if it was asked for.
+    pub text: Option<String>,
+}
+
+/// A module with what is needed to compile its functions.
+pub struct Compiler<'m> {
+    pub module: &'m Module,
+    pub abis: EntityVec<FuncId, FunctionAbi>,
+    pub isa: OwnedTargetIsa,
+    quick_isa: OwnedTargetIsa,
+    placement: Placement,
+}
+
+impl<'m> Compiler<'m> {
+    pub fn new(
+        module: &'m Module,
+        placement: Placement,
+        options: &CodegenOptions,
+    ) -> Result<Compiler<'m>, CodegenError> {
+        let target = isa(placement, options, Tuning::Asked)?;
+        let abis = abi::module_abi(module, &*target)?;
+        Ok(Compiler { module, abis, isa: target, quick_isa: isa(placement, options, Tuning::Quick)?, placement })
+    }
+
+    /// Tells `output` the functions of the module and the runtime, so that their numbers there are those that lowering uses.
+    pub fn declare(&self, output: &mut dyn CraneliftModule) -> Result<(), CodegenError> {
+        use cranelift_module::Linkage;
+        for (id, function) in self.module.functions.iter() {
+            let name = symbol(&function.name);
+            let declared = output
+                .declare_function(&name, Linkage::Local, &self.abis[id].signature)
+                .map_err(|error| CodegenError::Output(error.to_string()))?;
+            if declared.as_u32() != id.index() as u32 {
+                let message = "another function has the same name".to_string();
+                return Err(CodegenError::Module { function: function.name.clone(), message });
+            }
+        }
+        for &function in RuntimeFn::ALL {
+            let signature = abi::runtime_signature(function, &*self.isa);
+            let declared = output
+                .declare_function(function.symbol(), Linkage::Import, &signature)
+                .map_err(|error| CodegenError::Output(error.to_string()))?;
+            debug_assert_eq!(declared.as_u32(), self.target(&*self.isa).runtime_symbol(function));
+        }
+        Ok(())
+    }
+
+    fn target<'a>(&'a self, isa: &'a dyn TargetIsa) -> Target<'a> {
+        Target { module: self.module, abis: &self.abis, isa, near_runtime: self.placement == Placement::Object }
+    }
+
+    /// The CLIF of function `id`.
+    pub fn clif(&self, id: FuncId) -> Result<ir::Function, CodegenError> {
+        lower::lower(&self.target(&*self.isa), id, &mut FunctionBuilderContext::new())
+    }
+
+    /// All functions, in the order of the module.
+    pub fn functions(&self, want_text: bool) -> Result<Vec<CompiledFunction>, CodegenError> {
+        let mut order: Vec<FuncId> = self.module.functions.keys().collect();
+        order.sort_by_key(|&id| std::cmp::Reverse(self.module.functions[id].insts.len()));
+        let threads = std::thread::available_parallelism().map_or(1, |count| count.get()).min(order.len());
+        let next = AtomicUsize::new(0);
+        let done = Mutex::new(Vec::with_capacity(order.len()));
+        let work = || {
+            let mut worker = Worker { compiler: self, want_text, context: Context::new(), builder: Default::default() };
+            while let Some(&id) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let result = worker.function(id);
+                // A thread that panicked ends the program when it is joined.
+                done.lock().unwrap_or_else(PoisonError::into_inner).push((id, result));
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 1..threads {
+                scope.spawn(work);
+            }
+            work();
+        });
+        let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+        done.sort_by_key(|&(id, _)| id);
+        done.into_iter().map(|(_, result)| result).collect()
+    }
+}
+
+/// What a thread keeps between functions.
+struct Worker<'c, 'm> {
+    compiler: &'c Compiler<'m>,
+    want_text: bool,
+    context: Context,
+    builder: FunctionBuilderContext,
+}
+
+impl Worker<'_, '_> {
+    fn function(&mut self, id: FuncId) -> Result<CompiledFunction, CodegenError> {
+        let compiler = self.compiler;
+        let function = &compiler.module.functions[id];
+        let large = function.insts.len() > LARGE_INSTRUCTIONS;
+        let isa = if large { &*compiler.quick_isa } else { &*compiler.isa };
+        self.context.clear();
+        self.context.func = lower::lower(&compiler.target(isa), id, &mut self.builder)?;
+        self.context.set_disasm(self.want_text);
+        if let Err(error) = self.context.compile(isa, &mut ControlPlane::default()) {
+            let message = cranelift_codegen::print_errors::pretty_error(error.func, error.inner);
+            return Err(CodegenError::Function { function: function.name.clone(), message });
+        }
+        let code = self.context.compiled_code().expect("it was compiled");
+        let number = cranelift_module::FuncId::from_u32(id.index() as u32);
+        let relocs = code
+            .buffer
+            .relocs()
+            .iter()
+            .map(|reloc| ModuleReloc::from_mach_reloc(reloc, &self.context.func, number))
+            .collect();
+        let places = code.buffer.get_srclocs_sorted().iter().map(|place| {
+            let site = if place.loc.is_default() { 0 } else { place.loc.bits() };
+            (place.start, site)
+        });
+        Ok(CompiledFunction {
+            bytes: code.code_buffer().to_vec(),
+            relocs,
+            alignment: u64::from(code.buffer.alignment),
+            places: places.collect(),
+            text: code.vcode.clone(),
+        })
+    }
+}
+
+/// Linker symbol of a function of the module.
+pub fn symbol(name: &str) -> String {
+    format!("plcc_{name}")
+}

@@ -1,0 +1,54 @@
+//! The target and its settings.
+
+use cranelift_codegen::isa::OwnedTargetIsa;
+use cranelift_codegen::settings::{self, Configurable};
+
+use crate::{CodegenError, CodegenOptions};
+
+/// Where the code will live.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Placement {
+    /// An object file: position-independent, for the baseline instruction set unless asked otherwise.
+    Object,
+    /// The memory of this process.
+    Memory,
+}
+
+/// Register allocation of [`Tuning::Quick`] is linear in the size of a function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tuning {
+    /// As the options say.
+    Asked,
+    /// For functions so large that good register allocation would take too long.
+    Quick,
+}
+
+/// The code generator of this computer's architecture.
+pub fn isa(placement: Placement, options: &CodegenOptions, tuning: Tuning) -> Result<OwnedTargetIsa, CodegenError> {
+    let mut flags = settings::builder();
+    let regalloc = match tuning {
+        Tuning::Asked => "backtracking",
+        Tuning::Quick => "single_pass",
+    };
+    let settings = [
+        ("opt_level", if options.optimize { "speed" } else { "none" }),
+        ("regalloc_algorithm", regalloc),
+        ("is_pic", if placement == Placement::Object { "true" } else { "false" }),
+        ("enable_verifier", if options.verify { "true" } else { "false" }),
+        // A program runs in its own process; nobody can be spied on.
+        ("enable_table_access_spectre_mitigation", "false"),
+        ("enable_heap_access_spectre_mitigation", "false"),
+        // Large frames must touch each page, so that a stack overflow cannot jump over the guard page.
+        ("enable_probestack", "true"),
+        ("probestack_strategy", "inline"),
+        // No exception passes through generated code.
+        ("unwind_info", "false"),
+    ];
+    for (name, value) in settings {
+        flags.set(name, value).map_err(|error| CodegenError::Host(error.to_string()))?;
+    }
+    cranelift_native::builder_with_options(options.native)
+        .map_err(|message| CodegenError::Host(message.to_string()))?
+        .finish(settings::Flags::new(flags))
+        .map_err(|error| CodegenError::Host(error.to_string()))
+}

@@ -1,0 +1,685 @@
+//! One function of the IR to CLIF.
+//!
+//! Blocks are lowered in reverse postorder, so that every value is there before it is used; unreachable blocks are left out.
+//! Constants are made where they are used. An i1 is kept as a [`Bit`] inside its block graph and is the byte 0 or 1
+//! wherever it crosses a border: block parameters, calls, returns.
+
+use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
+use cranelift_codegen::ir::{
+    self, BlockArg, ExtFuncData, ExternalName, FuncRef, InstBuilder, JumpTableData, MemFlagsData, Signature, SourceLoc,
+    UserExternalName, UserFuncName, Value as ClifValue, types,
+};
+use cranelift_codegen::isa::TargetIsa;
+use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
+use plcc_abi::{RuntimeFn, Type};
+use plcc_ir::entities::{Entity, EntityVec};
+use plcc_ir::{
+    BinaryOp, Block, BlockCall, ConvertOp, FloatCc, FuncId, Function, Inst, InstData, IntCc, Module, UnaryOp, Value,
+};
+use rustc_hash::FxHashMap;
+
+use crate::CodegenError;
+use crate::abi::{FunctionAbi, ReturnPlace, clif_type, runtime_signature, takes_memory};
+use crate::bits::Bit;
+use crate::memory::{Address, BitValue, Memory, constant};
+
+/// A switch with at most this many targets becomes a chain of comparisons.
+const COMPARED_TARGETS_MAX: usize = 3;
+
+/// What lowering must know beside the function.
+pub struct Target<'m> {
+    pub module: &'m Module,
+    pub abis: &'m EntityVec<FuncId, FunctionAbi>,
+    pub isa: &'m dyn TargetIsa,
+    /// Runtime functions are near enough for a direct call: they are linked into the same executable.
+    pub near_runtime: bool,
+}
+
+impl Target<'_> {
+    /// Number under which a runtime function is known to the linker; functions of the module come first.
+    pub fn runtime_symbol(&self, function: RuntimeFn) -> u32 {
+        self.module.functions.len() as u32 + function as u32
+    }
+}
+
+/// Lowers function `id` of the module.
+pub fn lower(
+    target: &Target<'_>,
+    id: FuncId,
+    context: &mut FunctionBuilderContext,
+) -> Result<ir::Function, CodegenError> {
+    let function = &target.module.functions[id];
+    let signature = target.abis[id].signature.clone();
+    let mut clif = ir::Function::with_name_signature(UserFuncName::user(0, id.index() as u32), signature);
+    // Source places count from 0, so that code does not depend on where a function's first one lies.
+    clif.params.ensure_base_srcloc(SourceLoc::new(0));
+    let builder = FunctionBuilder::new(&mut clif, context);
+    let mut lowering = Lowering::new(target, id, function, builder);
+    match lowering.function_body() {
+        Ok(()) => {}
+        Err(CodegenError::Module { message, .. }) => {
+            return Err(CodegenError::Module { function: function.name.clone(), message });
+        }
+        Err(other) => return Err(other),
+    }
+    let Lowering { mut b, .. } = lowering;
+    b.seal_all_blocks();
+    b.finalize(target.isa.frontend_config());
+    Ok(clif)
+}
+
+/// A lowered value.
+#[derive(Clone, Copy)]
+enum Slot {
+    Missing,
+    Plain(ClifValue),
+    Bit(Bit),
+}
+
+struct Lowering<'m, 'f> {
+    target: &'m Target<'m>,
+    abi: &'m FunctionAbi,
+    function: &'m Function,
+    b: FunctionBuilder<'f>,
+    memory: Memory<'m>,
+    slots: Vec<Slot>,
+    blocks: Vec<Option<ir::Block>>,
+    callees: FxHashMap<u32, FuncRef>,
+}
+
+impl<'m, 'f> Lowering<'m, 'f> {
+    /// Makes the entry block with the function's parameters.
+    fn new(
+        target: &'m Target<'m>,
+        id: FuncId,
+        function: &'m Function,
+        mut b: FunctionBuilder<'f>,
+    ) -> Lowering<'m, 'f> {
+        let abi = &target.abis[id];
+        let entry = b.create_block();
+        b.append_block_params_for_function_params(entry);
+        b.switch_to_block(entry);
+        let mut params = b.block_params(entry).to_vec().into_iter();
+        let mut param = || params.next().expect("the signature was made for this function");
+        let mem = param();
+        let (frame, caller_frame) = if abi.entry {
+            let mut frame_at = |base| {
+                let wide = b.ins().uextend(types::I64, base);
+                b.ins().iadd(mem, wide)
+            };
+            (Some(frame_at(param())), Some(frame_at(param())))
+        } else {
+            (abi.frame.then(&mut param), abi.caller_frame.then(&mut param))
+        };
+        let memory = Memory::new(&mut b, target.module, function, mem, frame, caller_frame);
+        let mut lowering = Lowering {
+            target,
+            abi,
+            function,
+            b,
+            memory,
+            slots: vec![Slot::Missing; function.values.len()],
+            blocks: vec![None; function.blocks.len()],
+            callees: FxHashMap::default(),
+        };
+        let args: Vec<ClifValue> = params.collect();
+        lowering.enter_first_block(entry, &args);
+        lowering
+    }
+
+    /// The function's parameters become those of its first block: the same block, unless something jumps back to it.
+    fn enter_first_block(&mut self, entry: ir::Block, args: &[ClifValue]) {
+        let first = self.function.entry();
+        let is_loop = self.function.layout.iter().any(|&block| self.function.successors(block).contains(&first));
+        if is_loop {
+            let block = self.make_block(first);
+            let args: Vec<BlockArg> = args.iter().map(|&arg| BlockArg::Value(arg)).collect();
+            self.b.ins().jump(block, &args);
+        } else {
+            self.blocks[first.index()] = Some(entry);
+            self.define_params(first, args);
+        }
+    }
+
+    fn define_params(&mut self, block: Block, args: &[ClifValue]) {
+        for (&param, &arg) in self.function.blocks[block].params.iter().zip(args) {
+            self.define(param, arg);
+        }
+    }
+
+    /// The CLIF block of `block`, with its parameters.
+    fn make_block(&mut self, block: Block) -> ir::Block {
+        if let Some(made) = self.blocks[block.index()] {
+            return made;
+        }
+        let made = self.b.create_block();
+        let data = &self.function.blocks[block];
+        if data.cold {
+            self.b.set_cold_block(made);
+        }
+        let params: Vec<ClifValue> = data
+            .params
+            .iter()
+            .map(|&param| self.b.append_block_param(made, clif_type(self.function.ty(param))))
+            .collect();
+        self.blocks[block.index()] = Some(made);
+        self.define_params(block, &params);
+        made
+    }
+
+    fn function_body(&mut self) -> Result<(), CodegenError> {
+        for block in reverse_postorder(self.function) {
+            let made = self.make_block(block);
+            if self.b.current_block() != Some(made) {
+                self.b.switch_to_block(made);
+            }
+            for &inst in &self.function.blocks[block].insts {
+                let loc = self.function.locs[inst];
+                self.b.set_srcloc(if loc.0 == 0 { SourceLoc::default() } else { SourceLoc::new(loc.0) });
+                self.instruction(inst)?;
+            }
+            if self.function.terminator(block).is_none() {
+                return Err(invalid(format!("{block} does not end with a terminator")));
+            }
+        }
+        Ok(())
+    }
+
+    // Values.
+
+    fn define(&mut self, value: Value, clif: ClifValue) {
+        self.slots[value.index()] =
+            if self.function.ty(value) == Type::I1 { Slot::Bit(Bit::Clean(clif)) } else { Slot::Plain(clif) };
+    }
+
+    fn define_bit(&mut self, value: Value, bit: Bit) {
+        self.slots[value.index()] = Slot::Bit(bit);
+    }
+
+    /// The value as it crosses borders.
+    fn value(&mut self, value: Value) -> Result<ClifValue, CodegenError> {
+        let value = self.function.resolve(value);
+        if let Some(bits) = self.function.constant(value) {
+            return Ok(constant(&mut self.b, clif_type(self.function.ty(value)), bits));
+        }
+        match self.slots[value.index()] {
+            Slot::Plain(clif) => Ok(clif),
+            Slot::Bit(bit) => Ok(bit.clean(&mut self.b)),
+            Slot::Missing => Err(invalid(format!("{value} is used where it is not defined"))),
+        }
+    }
+
+    fn values(&mut self, values: &[Value]) -> Result<Vec<ClifValue>, CodegenError> {
+        values.iter().map(|&value| self.value(value)).collect()
+    }
+
+    fn bit(&mut self, value: Value) -> Result<Bit, CodegenError> {
+        let value = self.function.resolve(value);
+        match self.slots[value.index()] {
+            Slot::Bit(bit) => Ok(bit),
+            Slot::Plain(_) | Slot::Missing => self.value(value).map(Bit::Clean),
+        }
+    }
+
+    fn low(&mut self, value: Value) -> Result<ClifValue, CodegenError> {
+        let bit = self.bit(value)?;
+        Ok(bit.low(&mut self.b))
+    }
+
+    fn condition(&mut self, value: Value) -> Result<ClifValue, CodegenError> {
+        let bit = self.bit(value)?;
+        Ok(bit.condition(&mut self.b))
+    }
+
+    fn address(&mut self, addr: plcc_ir::Address) -> Result<Address, CodegenError> {
+        let mut address = Address { region: addr.region, base: None, offset: addr.offset };
+        if let Some(base) = addr.base {
+            match self.function.constant(base) {
+                Some(bits) if u64::from(addr.offset) + bits <= u64::from(u32::MAX) => address.offset += bits as u32,
+                _ => address.base = Some(self.value(base)?),
+            }
+        }
+        Ok(address)
+    }
+
+    // Instructions.
+
+    fn instruction(&mut self, inst: Inst) -> Result<(), CodegenError> {
+        let function = self.function;
+        let results = &function.results[inst];
+        let only = || results.first().copied().ok_or_else(|| invalid(format!("{inst} has no result")));
+        match &function.insts[inst] {
+            InstData::Const { .. } => {}
+            InstData::Unary { op, arg } => {
+                let arg = self.value(*arg)?;
+                let value = unary(&mut self.b, *op, arg);
+                self.define(only()?, value);
+            }
+            InstData::Binary { op, args } => self.binary(*op, *args, only()?)?,
+            InstData::IntCompare { cc, args } => self.int_compare(*cc, *args, only()?)?,
+            InstData::FloatCompare { cc, args } => {
+                let [x, y] = [self.value(args[0])?, self.value(args[1])?];
+                let value = self.b.ins().fcmp(float_cc(*cc), x, y);
+                self.define(only()?, value);
+            }
+            InstData::Convert { op, arg } => self.convert(*op, *arg, only()?)?,
+            InstData::Select { cond, if_true, if_false } => {
+                let cond = self.condition(*cond)?;
+                let [x, y] = [self.value(*if_true)?, self.value(*if_false)?];
+                let value = self.b.ins().select(cond, x, y);
+                self.define(only()?, value);
+            }
+            InstData::Load { addr } => {
+                let addr = self.address(*addr)?;
+                let value = self.memory.load(&mut self.b, function.ty(only()?), addr)?;
+                self.define(only()?, value);
+            }
+            InstData::Store { addr, value } => {
+                let addr = self.address(*addr)?;
+                let ty = function.ty(*value);
+                match function.constant(*value) {
+                    Some(bits) => self.memory.store_constant(&mut self.b, addr, ty, bits)?,
+                    None => {
+                        let value = self.value(*value)?;
+                        self.memory.store(&mut self.b, addr, ty, value)?;
+                    }
+                }
+            }
+            InstData::LoadBit { addr, bit } => {
+                let addr = self.address(*addr)?;
+                let value = self.memory.load_bit(&mut self.b, addr, *bit)?;
+                self.define_bit(only()?, value);
+            }
+            InstData::StoreBit { addr, bit, value } => {
+                let addr = self.address(*addr)?;
+                let value = match function.constant(*value) {
+                    Some(bits) => BitValue::Constant(bits != 0),
+                    None => BitValue::Variable(self.bit(*value)?),
+                };
+                self.memory.store_bit(&mut self.b, addr, *bit, value)?;
+            }
+            InstData::AddressOf { addr } => {
+                let addr = self.address(*addr)?;
+                let value = self.memory.address_of(&mut self.b, addr)?;
+                self.define(only()?, value);
+            }
+            InstData::Clear { addr, len } => {
+                let addr = self.address(*addr)?;
+                self.memory.clear(&mut self.b, self.target.isa.frontend_config(), addr, *len)?;
+            }
+            InstData::Copy { to, from, len } => {
+                let [to, from] = [self.address(*to)?, self.address(*from)?];
+                self.memory.copy(&mut self.b, self.target.isa.frontend_config(), to, from, *len)?;
+            }
+            InstData::DbBase { number } => self.db_table(*number, 0, only()?)?,
+            InstData::DbLength { number } => self.db_table(*number, 4, only()?)?,
+            InstData::Call { callee, args } => self.call(*callee, args, results)?,
+            InstData::CallRuntime { function, args } => self.call_runtime(*function, args, results)?,
+            InstData::FrameBase { callee } => {
+                let frame = self.memory.frame.expect("a function that asks for its frame is given it");
+                let offset = self.memory.offset_of(&mut self.b, frame);
+                let offset = if *callee {
+                    self.b.ins().iadd_imm_s(offset, i64::from(function.frame_bytes))
+                } else {
+                    offset
+                };
+                self.define(only()?, offset);
+            }
+            InstData::Jump { target } => {
+                let (block, args) = self.block_call(target)?;
+                self.b.ins().jump(block, &args);
+            }
+            InstData::Branch { cond, then_to, else_to } => {
+                let cond = self.condition(*cond)?;
+                let (then_block, then_args) = self.block_call(then_to)?;
+                let (else_block, else_args) = self.block_call(else_to)?;
+                self.b.ins().brif(cond, then_block, &then_args, else_block, &else_args);
+            }
+            InstData::Switch { value, targets, default } => self.switch(*value, targets, default)?,
+            InstData::Return { values } => self.return_values(values)?,
+        }
+        Ok(())
+    }
+
+    fn binary(&mut self, op: BinaryOp, args: [Value; 2], result: Value) -> Result<(), CodegenError> {
+        if self.function.ty(result) == Type::I1 {
+            let bit = self.bit_binary(op, args)?;
+            self.define_bit(result, bit);
+            return Ok(());
+        }
+        let [x, y] = [self.value(args[0])?, self.value(args[1])?];
+        let ins = self.b.ins();
+        let value = match op {
+            BinaryOp::Iadd => ins.iadd(x, y),
+            BinaryOp::Isub => ins.isub(x, y),
+            BinaryOp::Imul => ins.imul(x, y),
+            BinaryOp::Sdiv => ins.sdiv(x, y),
+            BinaryOp::Srem => ins.srem(x, y),
+            BinaryOp::And => ins.band(x, y),
+            BinaryOp::Or => ins.bor(x, y),
+            BinaryOp::Xor => ins.bxor(x, y),
+            BinaryOp::Shl => ins.ishl(x, y),
+            BinaryOp::Lshr => ins.ushr(x, y),
+            BinaryOp::Ashr => ins.sshr(x, y),
+            BinaryOp::Rotl => ins.rotl(x, y),
+            BinaryOp::Rotr => ins.rotr(x, y),
+            BinaryOp::Fadd => ins.fadd(x, y),
+            BinaryOp::Fsub => ins.fsub(x, y),
+            BinaryOp::Fmul => ins.fmul(x, y),
+            BinaryOp::Fdiv => ins.fdiv(x, y),
+        };
+        self.define(result, value);
+        Ok(())
+    }
+
+    fn bit_binary(&mut self, op: BinaryOp, args: [Value; 2]) -> Result<Bit, CodegenError> {
+        if op == BinaryOp::Xor
+            && let Some(position) = args.iter().position(|&arg| self.function.constant(arg) == Some(1))
+        {
+            let other = self.bit(args[1 - position])?;
+            return Ok(other.not(&mut self.b));
+        }
+        let both_clean = [self.bit(args[0])?, self.bit(args[1])?].iter().all(|bit| matches!(bit, Bit::Clean(_)));
+        let [x, y] = [self.low(args[0])?, self.low(args[1])?];
+        let value = match op {
+            BinaryOp::And | BinaryOp::Imul => self.b.ins().band(x, y),
+            BinaryOp::Or => self.b.ins().bor(x, y),
+            // One bit wide, adding and subtracting are the same.
+            BinaryOp::Xor | BinaryOp::Iadd | BinaryOp::Isub => self.b.ins().bxor(x, y),
+            // A count modulo 1 is 0.
+            BinaryOp::Shl | BinaryOp::Lshr | BinaryOp::Ashr | BinaryOp::Rotl | BinaryOp::Rotr => x,
+            // The only division that is defined is 0 by -1.
+            BinaryOp::Sdiv | BinaryOp::Srem => self.b.ins().iconst(types::I8, 0),
+            BinaryOp::Fadd | BinaryOp::Fsub | BinaryOp::Fmul | BinaryOp::Fdiv => {
+                return Err(invalid(format!("{} of bits", op.name())));
+            }
+        };
+        Ok(if both_clean { Bit::Clean(value) } else { Bit::Low(value) })
+    }
+
+    fn int_compare(&mut self, cc: IntCc, args: [Value; 2], result: Value) -> Result<(), CodegenError> {
+        let mut operands = args;
+        let mut cc = int_cc(cc);
+        if self.function.ty(args[0]) == Type::I1 && cc != cc.unsigned() {
+            // As a signed number, the bit 1 is -1.
+            operands.swap(0, 1);
+            cc = cc.unsigned();
+        }
+        let [x, y] = [self.value(operands[0])?, self.value(operands[1])?];
+        let value = self.b.ins().icmp(cc, x, y);
+        self.define(result, value);
+        Ok(())
+    }
+
+    fn convert(&mut self, op: ConvertOp, arg: Value, result: Value) -> Result<(), CodegenError> {
+        let (from, to) = (self.function.ty(arg), self.function.ty(result));
+        let clif_to = clif_type(to);
+        let value = match op {
+            ConvertOp::Zext => {
+                let arg = self.value(arg)?;
+                if clif_type(from) == clif_to { arg } else { self.b.ins().uextend(clif_to, arg) }
+            }
+            ConvertOp::Sext => {
+                let arg = self.value(arg)?;
+                self.sign_extend(from, to, arg)
+            }
+            ConvertOp::Trunc => {
+                let arg = self.value(arg)?;
+                let narrow = if clif_type(from) == clif_to { arg } else { self.b.ins().ireduce(clif_to, arg) };
+                if to == Type::I1 {
+                    self.define_bit(result, Bit::Low(narrow));
+                    return Ok(());
+                }
+                narrow
+            }
+            ConvertOp::Bitcast => {
+                let arg = self.value(arg)?;
+                if clif_type(from) == clif_to { arg } else { self.b.ins().bitcast(clif_to, MemFlagsData::new(), arg) }
+            }
+            ConvertOp::FromSint => {
+                let arg = self.value(arg)?;
+                let wide = if from.bits() < 32 { self.sign_extend(from, Type::I32, arg) } else { arg };
+                self.b.ins().fcvt_from_sint(clif_to, wide)
+            }
+            ConvertOp::ToSint => {
+                let arg = self.value(arg)?;
+                if to.bits() >= 32 {
+                    self.b.ins().fcvt_to_sint_sat(clif_to, arg)
+                } else {
+                    let wide = self.b.ins().fcvt_to_sint_sat(types::I32, arg);
+                    let narrow = self.b.ins().ireduce(clif_to, wide);
+                    if to == Type::I1 {
+                        self.define_bit(result, Bit::Low(narrow));
+                        return Ok(());
+                    }
+                    narrow
+                }
+            }
+            ConvertOp::Fpromote => {
+                let arg = self.value(arg)?;
+                self.b.ins().fpromote(clif_to, arg)
+            }
+            ConvertOp::Fdemote => {
+                let arg = self.value(arg)?;
+                self.b.ins().fdemote(clif_to, arg)
+            }
+        };
+        self.define(result, value);
+        Ok(())
+    }
+
+    fn sign_extend(&mut self, from: Type, to: Type, arg: ClifValue) -> ClifValue {
+        let ty = clif_type(to);
+        if from == Type::I1 {
+            let wide = if ty == types::I8 { arg } else { self.b.ins().uextend(ty, arg) };
+            return self.b.ins().ineg(wide);
+        }
+        if clif_type(from) == ty { arg } else { self.b.ins().sextend(ty, arg) }
+    }
+
+    fn db_table(&mut self, number: Value, field: u32, result: Value) -> Result<(), CodegenError> {
+        let value = match self.function.constant(number).and_then(|bits| u16::try_from(bits).ok()) {
+            Some(number) => self.memory.db_table_at(&mut self.b, number, field),
+            None => {
+                let number = self.value(number)?;
+                self.memory.db_table(&mut self.b, number, field)
+            }
+        };
+        self.define(result, value);
+        Ok(())
+    }
+
+    // Calls.
+
+    fn callee(&mut self, symbol: u32, signature: impl FnOnce() -> Signature, near: bool) -> FuncRef {
+        if let Some(&known) = self.callees.get(&symbol) {
+            return known;
+        }
+        let signature = self.b.import_signature(signature());
+        let name = self.b.func.declare_imported_user_function(UserExternalName { namespace: 0, index: symbol });
+        let name = ExternalName::user(name);
+        let callee = self.b.import_function(ExtFuncData { name, signature, colocated: near, patchable: false });
+        self.callees.insert(symbol, callee);
+        callee
+    }
+
+    fn call(&mut self, callee: FuncId, args: &[Value], results: &[Value]) -> Result<(), CodegenError> {
+        let Some(abi) = self.target.abis.get(callee) else {
+            return Err(invalid(format!("{callee} is not in the module")));
+        };
+        if abi.returns.len() != results.len() {
+            return Err(invalid(format!("{callee} does not return {} values", results.len())));
+        }
+        let mut clif_args = vec![self.memory.mem];
+        if abi.frame || abi.caller_frame {
+            let frame = self.memory.frame.expect("a function whose callee needs frames has one");
+            let callee_frame = self.b.ins().iadd_imm_s(frame, i64::from(self.function.frame_bytes));
+            let frames = [abi.frame.then_some(callee_frame), abi.caller_frame.then_some(frame)];
+            for frame in frames.into_iter().flatten() {
+                clif_args.push(if abi.entry { self.memory.offset_of(&mut self.b, frame) } else { frame });
+            }
+        }
+        clif_args.extend(self.values(args)?);
+        if clif_args.len() != abi.signature.params.len() {
+            return Err(invalid(format!("{callee} does not take {} values", args.len())));
+        }
+        let func = self.callee(callee.index() as u32, || abi.signature.clone(), true);
+        let inst = self.b.ins().call(func, &clif_args);
+        let in_registers = self.b.inst_results(inst).to_vec();
+        for (&result, &place) in results.iter().zip(&abi.returns) {
+            let value = match place {
+                ReturnPlace::Register(index) => in_registers[index],
+                ReturnPlace::State(offset) => {
+                    self.memory.load_state(&mut self.b, clif_type(self.function.ty(result)), offset)
+                }
+            };
+            self.define(result, value);
+        }
+        Ok(())
+    }
+
+    fn call_runtime(
+        &mut self,
+        function: RuntimeFn,
+        args: &[Value],
+        results: &[Value],
+    ) -> Result<(), CodegenError> {
+        if args.len() != function.params().len() || results.len() != usize::from(function.result().is_some()) {
+            return Err(invalid(format!("a call of {} does not fit its signature", function.name())));
+        }
+        let mut clif_args = Vec::with_capacity(args.len() + 1);
+        clif_args.extend(takes_memory(function).then_some(self.memory.mem));
+        clif_args.extend(self.values(args)?);
+        let symbol = self.target.runtime_symbol(function);
+        let isa = self.target.isa;
+        let func = self.callee(symbol, || runtime_signature(function, isa), self.target.near_runtime);
+        let inst = self.b.ins().call(func, &clif_args);
+        let values = self.b.inst_results(inst).to_vec();
+        for (&result, value) in results.iter().zip(values) {
+            self.define(result, value);
+        }
+        Ok(())
+    }
+
+    fn return_values(&mut self, values: &[Value]) -> Result<(), CodegenError> {
+        if values.len() != self.abi.returns.len() {
+            return Err(invalid(format!("{} values are returned", values.len())));
+        }
+        let mut in_registers = Vec::new();
+        for (&value, &place) in values.iter().zip(&self.abi.returns) {
+            let value = self.value(value)?;
+            match place {
+                ReturnPlace::Register(_) => in_registers.push(value),
+                ReturnPlace::State(offset) => self.memory.store_state(&mut self.b, value, offset),
+            }
+        }
+        self.b.ins().return_(&in_registers);
+        Ok(())
+    }
+
+    // Jumps.
+
+    fn block_call(&mut self, call: &BlockCall) -> Result<(ir::Block, Vec<BlockArg>), CodegenError> {
+        let expected = self.function.blocks[call.block].params.len();
+        if call.args.len() != expected {
+            return Err(invalid(format!("a jump to {} does not bring {expected} values", call.block)));
+        }
+        let args = self.values(&call.args)?.into_iter().map(BlockArg::Value).collect();
+        Ok((self.make_block(call.block), args))
+    }
+
+    fn switch(&mut self, value: Value, targets: &[BlockCall], default: &BlockCall) -> Result<(), CodegenError> {
+        let value = self.value(value)?;
+        if targets.len() <= COMPARED_TARGETS_MAX {
+            for (index, target) in targets.iter().enumerate() {
+                let (block, args) = self.block_call(target)?;
+                let hit = self.b.ins().icmp_imm_u(IntCC::Equal, value, index as i64);
+                let next = self.b.create_block();
+                self.b.ins().brif(hit, block, &args, next, &[]);
+                self.b.switch_to_block(next);
+            }
+            let (block, args) = self.block_call(default)?;
+            self.b.ins().jump(block, &args);
+            return Ok(());
+        }
+        let mut calls = Vec::with_capacity(targets.len());
+        for target in targets.iter().chain([default]) {
+            let (block, args) = self.block_call(target)?;
+            calls.push(self.b.func.dfg.block_call(block, &args));
+        }
+        let default = calls.pop().expect("the default was added");
+        let table = self.b.create_jump_table(JumpTableData::new(default, &calls));
+        self.b.ins().br_table(value, table);
+        Ok(())
+    }
+}
+
+fn unary(b: &mut FunctionBuilder<'_>, op: UnaryOp, arg: ClifValue) -> ClifValue {
+    match op {
+        // One byte has no order.
+        UnaryOp::Bswap if b.func.dfg.value_type(arg) == types::I8 => arg,
+        UnaryOp::Bswap => b.ins().bswap(arg),
+        UnaryOp::Fneg => b.ins().fneg(arg),
+        UnaryOp::Fabs => b.ins().fabs(arg),
+        UnaryOp::Fsqrt => b.ins().sqrt(arg),
+        UnaryOp::Fceil => b.ins().ceil(arg),
+        UnaryOp::Ffloor => b.ins().floor(arg),
+        UnaryOp::Ftrunc => b.ins().trunc(arg),
+        UnaryOp::Fnearest => b.ins().nearest(arg),
+    }
+}
+
+fn int_cc(cc: IntCc) -> IntCC {
+    match cc {
+        IntCc::Eq => IntCC::Equal,
+        IntCc::Ne => IntCC::NotEqual,
+        IntCc::Slt => IntCC::SignedLessThan,
+        IntCc::Sle => IntCC::SignedLessThanOrEqual,
+        IntCc::Sgt => IntCC::SignedGreaterThan,
+        IntCc::Sge => IntCC::SignedGreaterThanOrEqual,
+        IntCc::Ult => IntCC::UnsignedLessThan,
+        IntCc::Ule => IntCC::UnsignedLessThanOrEqual,
+        IntCc::Ugt => IntCC::UnsignedGreaterThan,
+        IntCc::Uge => IntCC::UnsignedGreaterThanOrEqual,
+    }
+}
+
+fn float_cc(cc: FloatCc) -> FloatCC {
+    match cc {
+        FloatCc::Eq => FloatCC::Equal,
+        FloatCc::Ne => FloatCC::NotEqual,
+        FloatCc::Lt => FloatCC::LessThan,
+        FloatCc::Le => FloatCC::LessThanOrEqual,
+        FloatCc::Gt => FloatCC::GreaterThan,
+        FloatCc::Ge => FloatCC::GreaterThanOrEqual,
+        FloatCc::Uno => FloatCC::Unordered,
+    }
+}
+
+/// The reachable blocks, each before those that it dominates.
+fn reverse_postorder(function: &Function) -> Vec<Block> {
+    let mut order = Vec::with_capacity(function.layout.len());
+    let mut seen = vec![false; function.blocks.len()];
+    seen[function.entry().index()] = true;
+    // A block with its successors that are still to be visited.
+    let mut open = vec![(function.entry(), function.successors(function.entry()))];
+    while let Some((block, successors)) = open.last_mut() {
+        match successors.pop() {
+            Some(next) if seen[next.index()] => {}
+            Some(next) => {
+                seen[next.index()] = true;
+                open.push((next, function.successors(next)));
+            }
+            None => {
+                order.push(*block);
+                open.pop();
+            }
+        }
+    }
+    order.reverse();
+    order
+}
+
+fn invalid(message: String) -> CodegenError {
+    CodegenError::Module { function: String::new(), message }
+}

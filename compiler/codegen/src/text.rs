@@ -1,0 +1,64 @@
+//! CLIF and assembly as text, for `--emit clif` and `--emit asm`.
+
+use std::fmt::Write as _;
+
+use plcc_abi::RuntimeFn;
+use plcc_ir::Module;
+use plcc_ir::entities::Entity;
+
+use crate::compile::{Compiler, symbol};
+use crate::isa::Placement;
+use crate::{CodegenError, CodegenOptions};
+
+/// CLIF of every function, before Cranelift's own passes.
+pub fn clif_text(module: &Module, options: &CodegenOptions) -> Result<String, CodegenError> {
+    let compiler = Compiler::new(module, Placement::Object, options)?;
+    let mut text = String::new();
+    for id in module.functions.keys() {
+        let clif = compiler.clif(id)?.display().to_string();
+        // Functions are numbered there; here they have names.
+        let (_, rest) = clif.split_once('(').unwrap_or(("", &clif));
+        let rest = named(module, rest, "u0:");
+        let name = symbol(&module.functions[id].name);
+        writeln!(text, "function %{name}({rest}").expect("a string takes all");
+    }
+    Ok(text)
+}
+
+/// Assembly of every function as it stands in an object file.
+pub fn asm_text(module: &Module, options: &CodegenOptions) -> Result<String, CodegenError> {
+    let compiler = Compiler::new(module, Placement::Object, options)?;
+    let functions = compiler.functions(true)?;
+    let mut text = String::new();
+    for (id, function) in module.functions.keys().zip(&functions) {
+        let name = symbol(&module.functions[id].name);
+        let code = function.text.as_deref().unwrap_or("");
+        writeln!(text, "{name}: ; {} bytes\n{}", function.bytes.len(), code.trim_end()).expect("a string takes all");
+        text.push('\n');
+    }
+    Ok(text)
+}
+
+/// `text` with the names of functions for their numbers behind `prefix`.
+fn named(module: &Module, text: &str, prefix: &str) -> String {
+    let mut parts = text.split(prefix);
+    let mut named = parts.next().unwrap_or("").to_string();
+    for part in parts {
+        let digits = part.len() - part.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let (number, rest) = part.split_at(digits);
+        match number.parse().ok().and_then(|number| name_of(module, number)) {
+            Some(name) => write!(named, "%{name}{rest}").expect("a string takes all"),
+            None => write!(named, "{prefix}{part}").expect("a string takes all"),
+        }
+    }
+    named
+}
+
+/// Linker symbol of the function that lowering numbers so.
+fn name_of(module: &Module, number: usize) -> Option<String> {
+    let functions = module.functions.len();
+    if number < functions {
+        return Some(symbol(&module.functions[plcc_ir::FuncId::new(number)].name));
+    }
+    RuntimeFn::ALL.get(number - functions).map(|function| function.symbol().to_string())
+}
