@@ -158,11 +158,8 @@ fn function_abi(function: &Function, entry: bool, frames: FrameUse, isa: &dyn Ta
     // `Tail` returns more in registers, `Fast` keeps more of the caller's registers.
     let floats = function.returns.iter().filter(|ty| !ty.is_int()).count();
     let few = floats <= FAST_REGISTERS && function.returns.len() - floats <= FAST_REGISTERS;
-    let (call_conv, registers) = if few || !has_wide_returns(isa) {
-        (CallConv::Fast, FAST_REGISTERS)
-    } else {
-        (CallConv::Tail, TAIL_REGISTERS)
-    };
+    let (call_conv, registers) =
+        if few || !has_wide_returns(isa) { (CallConv::Fast, FAST_REGISTERS) } else { (CallConv::Tail, TAIL_REGISTERS) };
     let mut signature = Signature::new(call_conv);
     signature.params.push(pointer);
     signature.params.extend(frames.own.then_some(pointer));

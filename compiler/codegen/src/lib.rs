@@ -23,7 +23,7 @@ mod text;
 use std::fmt;
 
 pub use jit::{EntryFn, JitProgram};
-pub use object::compile_object;
+pub use object::{compile_object, compile_object_as, directory_object};
 pub use text::{asm_text, clif_text};
 
 /// How code is generated.

@@ -6,6 +6,10 @@ use plcc_ir::Module;
 use crate::CodegenError;
 use crate::compile::CompiledFunction;
 
-pub fn add(_module: &Module, _functions: &[CompiledFunction], _product: &mut ObjectProduct) -> Result<(), CodegenError> {
+pub fn add(
+    _module: &Module,
+    _functions: &[CompiledFunction],
+    _product: &mut ObjectProduct,
+) -> Result<(), CodegenError> {
     Ok(())
 }

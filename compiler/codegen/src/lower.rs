@@ -89,12 +89,7 @@ struct Lowering<'m, 'f> {
 
 impl<'m, 'f> Lowering<'m, 'f> {
     /// Makes the entry block with the function's parameters.
-    fn new(
-        target: &'m Target<'m>,
-        id: FuncId,
-        function: &'m Function,
-        mut b: FunctionBuilder<'f>,
-    ) -> Lowering<'m, 'f> {
+    fn new(target: &'m Target<'m>, id: FuncId, function: &'m Function, mut b: FunctionBuilder<'f>) -> Lowering<'m, 'f> {
         let abi = &target.abis[id];
         let entry = b.create_block();
         b.append_block_params_for_function_params(entry);
@@ -318,11 +313,8 @@ impl<'m, 'f> Lowering<'m, 'f> {
             InstData::FrameBase { callee } => {
                 let frame = self.memory.frame.expect("a function that asks for its frame is given it");
                 let offset = self.memory.offset_of(&mut self.b, frame);
-                let offset = if *callee {
-                    self.b.ins().iadd_imm_s(offset, i64::from(function.frame_bytes))
-                } else {
-                    offset
-                };
+                let offset =
+                    if *callee { self.b.ins().iadd_imm_s(offset, i64::from(function.frame_bytes)) } else { offset };
                 self.define(only()?, offset);
             }
             InstData::Jump { target } => {
@@ -538,12 +530,7 @@ impl<'m, 'f> Lowering<'m, 'f> {
         Ok(())
     }
 
-    fn call_runtime(
-        &mut self,
-        function: RuntimeFn,
-        args: &[Value],
-        results: &[Value],
-    ) -> Result<(), CodegenError> {
+    fn call_runtime(&mut self, function: RuntimeFn, args: &[Value], results: &[Value]) -> Result<(), CodegenError> {
         if args.len() != function.params().len() || results.len() != usize::from(function.result().is_some()) {
             return Err(invalid(format!("a call of {} does not fit its signature", function.name())));
         }

@@ -2,6 +2,10 @@
 //!
 //! Beside the code it exports `plcc_image` (the encoded `ProgramImage`), `plcc_image_len` (its length, a `u64`),
 //! `plcc_entries` (the addresses of the entry functions) and `plcc_entries_len` (how many, a `u64`).
+//!
+//! Several programs share an executable if each exports under a prefix of its own; a directory object then stands for
+//! the program: `plcc_image_len` is 0, and `plcc_image` holds, for each of `plcc_entries_len` programs, the addresses of its
+//! four symbols in the order above.
 
 use cranelift_module::{DataDescription, FuncId as SymbolId, Linkage, Module as _};
 use cranelift_object::{ObjectBuilder, ObjectModule};
@@ -9,11 +13,27 @@ use plcc_ir::Module;
 use plcc_ir::entities::Entity;
 
 use crate::compile::Compiler;
-use crate::isa::Placement;
+use crate::isa::{Placement, Tuning, isa};
 use crate::{CodegenError, CodegenOptions, lines};
 
 /// Object file of `module`, to be linked with the runtime. `image` is its encoded `ProgramImage`.
 pub fn compile_object(module: &Module, image: &[u8], options: &CodegenOptions) -> Result<Vec<u8>, CodegenError> {
+    compile_object_as(PREFIX, module, image, options)
+}
+
+/// What the exported symbols of a program alone begin with.
+const PREFIX: &str = "plcc";
+
+/// What stands behind the prefix, in the order of a directory.
+const SUFFIXES: [&str; 4] = ["_image", "_image_len", "_entries", "_entries_len"];
+
+/// Object file that exports its symbols with `prefix` in place of `plcc`; see the module comment.
+pub fn compile_object_as(
+    prefix: &str,
+    module: &Module,
+    image: &[u8],
+    options: &CodegenOptions,
+) -> Result<Vec<u8>, CodegenError> {
     let compiler = Compiler::new(module, Placement::Object, options)?;
     let functions = compiler.functions(false)?;
     let builder =
@@ -25,14 +45,40 @@ pub fn compile_object(module: &Module, image: &[u8], options: &CodegenOptions) -
             .define_function_bytes(symbol_id(id), function.alignment, &function.bytes, &function.relocs)
             .map_err(output)?;
     }
-    export(&mut object, "plcc_image", described(image.to_vec()))?;
-    export(&mut object, "plcc_image_len", described((image.len() as u64).to_ne_bytes().to_vec()))?;
     let entries = entry_table(module, &mut object);
-    export(&mut object, "plcc_entries", entries)?;
-    export(&mut object, "plcc_entries_len", described((module.entries.len() as u64).to_ne_bytes().to_vec()))?;
+    export_program(
+        &mut object,
+        prefix,
+        [described(image.to_vec()), length(image.len()), entries, length(module.entries.len())],
+    )?;
     let mut product = object.finish();
     lines::add(module, &functions, &mut product)?;
     product.emit().map_err(|error| CodegenError::Output(error.to_string()))
+}
+
+/// The object file that makes one executable of the programs which export under `prefixes`; see the module comment.
+pub fn directory_object(prefixes: &[&str]) -> Result<Vec<u8>, CodegenError> {
+    let target = isa(Placement::Object, &CodegenOptions::default(), Tuning::Asked)?;
+    let builder = ObjectBuilder::new(target, "plcc", cranelift_module::default_libcall_names()).map_err(output)?;
+    let mut object = ObjectModule::new(builder);
+    let mut directory = described(vec![0; POINTER_BYTES * SUFFIXES.len() * prefixes.len()]);
+    let names = prefixes.iter().flat_map(|prefix| SUFFIXES.map(|suffix| format!("{prefix}{suffix}")));
+    for (index, name) in names.enumerate() {
+        let id = object.declare_data(&name, Linkage::Import, false, false).map_err(output)?;
+        let symbol = object.declare_data_in_data(id, &mut directory);
+        directory.write_data_addr((POINTER_BYTES * index) as u32, symbol, 0);
+    }
+    export_program(&mut object, PREFIX, [directory, length(0), described(Vec::new()), length(prefixes.len())])?;
+    object.finish().emit().map_err(|error| CodegenError::Output(error.to_string()))
+}
+
+/// Exports what a program consists of, in the order of [`SUFFIXES`].
+fn export_program(object: &mut ObjectModule, prefix: &str, data: [DataDescription; 4]) -> Result<(), CodegenError> {
+    SUFFIXES.iter().zip(data).try_for_each(|(suffix, data)| export(object, &format!("{prefix}{suffix}"), data))
+}
+
+fn length(length: usize) -> DataDescription {
+    described((length as u64).to_ne_bytes().to_vec())
 }
 
 fn symbol_id(id: plcc_ir::FuncId) -> SymbolId {
@@ -47,8 +93,10 @@ fn described(bytes: Vec<u8>) -> DataDescription {
     data
 }
 
+/// Size of an address on every machine that code is made for.
+const POINTER_BYTES: usize = 8;
+
 fn entry_table(module: &Module, object: &mut ObjectModule) -> DataDescription {
-    const POINTER_BYTES: usize = 8;
     let mut data = described(vec![0; POINTER_BYTES * module.entries.len()]);
     for (index, &entry) in module.entries.iter().enumerate() {
         let function = object.declare_func_in_data(symbol_id(entry), &mut data);

@@ -5,9 +5,7 @@
 
 use plcc_abi::{Type, layout};
 use plcc_codegen::JitProgram;
-use plcc_ir::{
-    Address, BinaryOp, ConvertOp, FloatCc, FunctionBuilder, IntCc, Region, UnaryOp, Value, eval,
-};
+use plcc_ir::{Address, BinaryOp, ConvertOp, FloatCc, FunctionBuilder, IntCc, Region, UnaryOp, Value, eval};
 
 use crate::harness::{self, LEVELS, MEMORY_BYTES};
 
@@ -23,21 +21,68 @@ const FLOATS: [Type; 2] = [Type::F32, Type::F64];
 fn edge_values(ty: Type) -> Vec<u64> {
     let width = ty.bits();
     let mut values: Vec<u64> = match ty {
-        Type::F32 => [0.0f32, -0.0, 1.0, -1.0, 0.5, 1.5, 2.5, -2.5, 0.1, 3.0e9, -3.0e9, 2147483648.0, -2147483648.0, 8388607.5]
-            .into_iter()
-            .chain([f32::MAX, f32::MIN, f32::MIN_POSITIVE, 1.0e-45, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1.0e20])
-            .map(|x| u64::from(x.to_bits()))
-            .chain([0xFFFF_FFFF])
-            .collect(),
-        Type::F64 => [0.0f64, -0.0, 1.0, -1.0, 0.5, 1.5, 2.5, -2.5, 0.1, 1.0e19, -1.0e19, 9007199254740993.0, 4503599627370495.5]
-            .into_iter()
-            .chain([f64::MAX, f64::MIN, f64::MIN_POSITIVE, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 3.4028235677973366e38])
-            .map(f64::to_bits)
-            .collect(),
-        _ => [0, 1, 2, 3, 7, 10, 0x55, 0x7F, 0x80, 0xFF, 0x1234, 0x7FFF, 0x8000, 0x1_0000, 0x1234_5678, 0x7FFF_FFFF, 0x8000_0000]
-            .into_iter()
-            .chain([0x0123_4567_89AB_CDEF, 1 << 63, (1 << 63) - 1, u64::MAX, u64::MAX - 1, u64::from(width - 1), u64::from(width)])
-            .collect(),
+        Type::F32 => {
+            [0.0f32, -0.0, 1.0, -1.0, 0.5, 1.5, 2.5, -2.5, 0.1, 3.0e9, -3.0e9, 2147483648.0, -2147483648.0, 8388607.5]
+                .into_iter()
+                .chain([
+                    f32::MAX,
+                    f32::MIN,
+                    f32::MIN_POSITIVE,
+                    1.0e-45,
+                    f32::INFINITY,
+                    f32::NEG_INFINITY,
+                    f32::NAN,
+                    1.0e20,
+                ])
+                .map(|x| u64::from(x.to_bits()))
+                .chain([0xFFFF_FFFF])
+                .collect()
+        }
+        Type::F64 => {
+            [0.0f64, -0.0, 1.0, -1.0, 0.5, 1.5, 2.5, -2.5, 0.1, 1.0e19, -1.0e19, 9007199254740993.0, 4503599627370495.5]
+                .into_iter()
+                .chain([
+                    f64::MAX,
+                    f64::MIN,
+                    f64::MIN_POSITIVE,
+                    f64::INFINITY,
+                    f64::NEG_INFINITY,
+                    f64::NAN,
+                    3.4028235677973366e38,
+                ])
+                .map(f64::to_bits)
+                .collect()
+        }
+        _ => [
+            0,
+            1,
+            2,
+            3,
+            7,
+            10,
+            0x55,
+            0x7F,
+            0x80,
+            0xFF,
+            0x1234,
+            0x7FFF,
+            0x8000,
+            0x1_0000,
+            0x1234_5678,
+            0x7FFF_FFFF,
+            0x8000_0000,
+        ]
+        .into_iter()
+        .chain([
+            0x0123_4567_89AB_CDEF,
+            1 << 63,
+            (1 << 63) - 1,
+            u64::MAX,
+            u64::MAX - 1,
+            u64::from(width - 1),
+            u64::from(width),
+        ])
+        .collect(),
     };
     values.iter_mut().for_each(|value| *value = eval::mask(ty, *value));
     values.sort_unstable();
@@ -143,7 +188,9 @@ fn operations_with_a_constant() {
         }
         for ty in INTS {
             for c in edge_values(ty) {
-                if matches!(op, BinaryOp::Sdiv | BinaryOp::Srem) && eval::binary(op, ty, 1 << (ty.bits() - 1), c).is_none() {
+                if matches!(op, BinaryOp::Sdiv | BinaryOp::Srem)
+                    && eval::binary(op, ty, 1 << (ty.bits() - 1), c).is_none()
+                {
                     continue;
                 }
                 let build = |b: &mut FunctionBuilder, x, _| {
