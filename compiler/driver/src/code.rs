@@ -1,0 +1,53 @@
+//! Code that runs in this process: machine code in memory, or the IR in its interpreter.
+
+use std::rc::Rc;
+
+use plcc_codegen::{CodegenError, JitProgram};
+use plcc_ir::interpreter::{Host, Interpreter};
+use plcc_ir::{FuncId, RuntimeFn};
+use plcc_runtime::{Code, functions, guest};
+
+use crate::pipeline::Compiled;
+
+/// Machine code in memory.
+pub fn jit(compiled: &Compiled) -> Result<Rc<dyn Code>, CodegenError> {
+    let program = JitProgram::compile(&compiled.module, &functions::address, &compiled.codegen_options())?;
+    let entries = (0..program.entries() as u32).map(|index| program.entry(index)).collect();
+    Ok(Rc::new(guest::NativeCode::new(entries, program)))
+}
+
+/// The IR in its interpreter.
+pub fn interpreter(compiled: &Compiled) -> Rc<dyn Code> {
+    Rc::new(Interpreted {
+        interpreter: Interpreter::new(&compiled.module),
+        entries: compiled.module.entries.clone(),
+    })
+}
+
+struct Interpreted {
+    interpreter: Interpreter,
+    entries: Vec<FuncId>,
+}
+
+impl Code for Interpreted {
+    fn call(&self, entry: u32, mem: *mut u8, lbase: u32, vbase: u32) {
+        self.interpreter.call(&Guest(mem), self.entries[entry as usize], &[], lbase, vbase);
+    }
+}
+
+/// PLC memory and the runtime as the interpreter reaches them.
+struct Guest(*mut u8);
+
+impl Host for Guest {
+    fn read(&self, offset: u32, buf: &mut [u8]) {
+        guest::read(self.0, offset, buf);
+    }
+
+    fn write(&self, offset: u32, bytes: &[u8]) {
+        guest::write(self.0, offset, bytes);
+    }
+
+    fn call_runtime(&self, function: RuntimeFn, args: &[u64]) -> u64 {
+        functions::call(function, self.0, args)
+    }
+}

@@ -1,0 +1,101 @@
+//! Reports of all forms of a test to one outcome.
+
+use plcc_diag::{Code, Diagnostic, SourceMap, Span, drawing};
+use plcc_runtime::TestReport;
+
+use super::prepare::{Prepared, TestProgram, VariantState};
+use super::{Outcome, Variant};
+
+/// Judges a test whose programs have all run.
+pub fn judge(prepared: Prepared) -> Outcome {
+    let Prepared { mut outcome, programs } = prepared;
+    let mut reports = Vec::new();
+    for program in &programs {
+        if let Some(report) = agreed_report(program, &mut outcome) {
+            reports.push((program, report));
+        }
+    }
+    for (program, report) in &reports {
+        // With several scenarios an assertion must be reached in one of them.
+        let reached_elsewhere = |line: &(String, u32)| {
+            reports.iter().any(|(_, other)| !other.not_reached.iter().any(|n| (&n.file, n.line) == (&line.0, line.1)))
+        };
+        add_report(program, report, reached_elsewhere, &mut outcome);
+    }
+    outcome
+}
+
+/// The report of the first form, if all forms say the same.
+fn agreed_report<'a>(program: &'a TestProgram, outcome: &mut Outcome) -> Option<&'a TestReport> {
+    let mut first: Option<(Variant, &TestReport)> = None;
+    for (variant, state) in &program.variants {
+        match state {
+            VariantState::Done(report) => match first {
+                None => first = Some((*variant, report)),
+                Some((_, agreed)) if agreed == report => {}
+                Some((other, agreed)) => {
+                    let text = format!("{}: {variant} and {other} do not agree\n", outcome.name);
+                    outcome.fail(&format!("{text}  {other}: {}\n  {variant}: {}", brief(agreed), brief(report)));
+                }
+            },
+            VariantState::Broken(message) => {
+                outcome.fail(&format!("{}: {variant}: internal fault, please report it: {message}", outcome.name));
+            }
+            VariantState::Object { .. } => {
+                outcome.fail(&format!("{}: {variant}: internal fault: the object was not linked", outcome.name));
+            }
+        }
+    }
+    first.map(|(_, report)| report)
+}
+
+/// A report in one line, for a comparison.
+fn brief(report: &TestReport) -> String {
+    let failures = report.failures.iter().map(|f| format!("line {}: {} against {}", f.line, f.left, f.right));
+    let not_reached = report.not_reached.iter().map(|n| format!("line {} not reached", n.line));
+    let mut parts = vec![format!("{} passed, {} cycles", report.passed, report.cycles)];
+    parts.extend(failures.chain(not_reached).chain(report.problems.iter().cloned()).chain(report.stopped.clone()));
+    parts.join("; ")
+}
+
+fn add_report(
+    program: &TestProgram,
+    report: &TestReport,
+    reached_elsewhere: impl Fn(&(String, u32)) -> bool,
+    outcome: &mut Outcome,
+) {
+    outcome.passed += report.passed;
+    for failure in &report.failures {
+        outcome.fail(&format!(
+            "{}:{}: {}\n       left  {}\n       right {}",
+            failure.file, failure.line, failure.text, failure.left, failure.right
+        ));
+    }
+    for place in &report.not_reached {
+        if reached_elsewhere(&(place.file.clone(), place.line)) {
+            continue;
+        }
+        outcome.fail(&format!("{}:{}: {}\n       was never executed", place.file, place.line, place.text));
+        if let Some(message) = not_reached(&program.sources, &place.file, place.line) {
+            outcome.messages.push_str(&drawing::draw(&[message], &program.sources, false));
+        }
+    }
+    for problem in &report.problems {
+        let scenario = program.options.scenario.as_ref().map(|path| format!(" ({})", path.display()));
+        outcome.fail(&format!("{}{}: {problem}", outcome.name, scenario.unwrap_or_default()));
+    }
+}
+
+/// The message about an assertion that no cycle came to.
+fn not_reached(sources: &SourceMap, name: &str, line: u32) -> Option<Diagnostic> {
+    let (id, file) = sources.files().find(|(_, file)| file.name == name)?;
+    if line == 0 || line > file.line_count() {
+        return None;
+    }
+    let text = file.line_text(line);
+    let start = file.line_range(line).start;
+    let indent = text.len() - text.trim_start().len();
+    let span = Span::new(id, start + indent..start + text.trim_end().len());
+    let message = Diagnostic::new(Code::AssertionNotReached, span, "this assertion was never executed");
+    Some(message.help("let the program run through it, with more cycles (`//@ test cycles=N`) or other inputs"))
+}

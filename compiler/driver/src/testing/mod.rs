@@ -1,0 +1,138 @@
+//! `plcc test`: compiles test programs, runs them in every form that is asked for, and judges what came out.
+//!
+//! - [`prepare`]: one test input to a finished outcome or to programs that run.
+//! - [`carets`]: files that mark the messages they must give.
+//! - [`executables`]: many programs in few executables.
+//! - [`judge`]: reports of the forms to one outcome; they must agree.
+
+pub mod carets;
+pub mod executables;
+pub mod judge;
+pub mod prepare;
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::cli::Level;
+use crate::inputs::TestInput;
+use crate::pipeline::Settings;
+use prepare::Prepared;
+
+/// How a program runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Form {
+    /// The IR in its interpreter.
+    Interp,
+    /// Machine code in memory.
+    Jit,
+    /// An executable.
+    Exe,
+}
+
+/// A form at a level of optimisation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variant {
+    pub form: Form,
+    pub level: Level,
+}
+
+impl std::fmt::Display for Variant {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let form = match self.form {
+            Form::Interp => "interp",
+            Form::Jit => "jit",
+            Form::Exe => "exe",
+        };
+        let level = match self.level {
+            Level::O0 => "-O0",
+            Level::O2 => "-O2",
+        };
+        write!(f, "{form} {level}")
+    }
+}
+
+/// How all tests of a run are done.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub settings: Settings,
+    /// At least one.
+    pub variants: Vec<Variant>,
+    pub linker: Option<String>,
+}
+
+/// What came out of one test.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Outcome {
+    pub name: String,
+    /// Assertions.
+    pub passed: u64,
+    pub failed: u64,
+    /// The sources have errors that nobody asked for.
+    pub rejected: bool,
+    /// A file could not be read.
+    pub unreadable: bool,
+    /// Messages of the compiler, drawn.
+    pub messages: String,
+    /// What failed, a few lines each.
+    pub failures: String,
+}
+
+impl Outcome {
+    /// One failure more, with the lines that tell of it.
+    pub fn fail(&mut self, text: &str) {
+        self.failed += 1;
+        self.failures.push_str(&format!("FAILED {text}\n"));
+    }
+}
+
+/// Threads that compile and run tests.
+const THREADS: usize = 2;
+
+/// Runs all tests; outcomes are in the order of `inputs`.
+pub fn run(inputs: &[TestInput], plan: &Plan) -> Vec<Outcome> {
+    let mut prepared = in_parallel(inputs, |input| {
+        guarded(&name_of(input), || prepare::prepare(input, plan))
+            .unwrap_or_else(|outcome| Prepared { outcome, programs: Vec::new() })
+    });
+    executables::run(&mut prepared, plan.linker.as_deref());
+    prepared.into_iter().map(judge::judge).collect()
+}
+
+/// The path of a test, as its outcome is called.
+pub fn name_of(input: &TestInput) -> String {
+    match input {
+        TestInput::File(path) | TestInput::Project(path) => path.display().to_string(),
+    }
+}
+
+/// Runs `work`; a panic, which is a fault of plcc, becomes a failed outcome.
+fn guarded<T>(name: &str, work: impl FnOnce() -> T) -> Result<T, Outcome> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).map_err(|panic| {
+        let mut outcome = Outcome { name: name.to_string(), rejected: true, ..Outcome::default() };
+        outcome.fail(&format!("{name}: internal fault, please report it: {}", crate::panic_text(panic.as_ref())));
+        outcome
+    })
+}
+
+/// `work` for each item, on a few threads with large stacks; results are in the order of the items.
+fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let results: Mutex<Vec<(usize, R)>> = Mutex::new(Vec::with_capacity(items.len()));
+    let worker = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(item) = items.get(index) else { return };
+            let result = work(item);
+            results.lock().expect("no thread panics while it holds the lock").push((index, result));
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..THREADS.min(items.len()) {
+            let thread = std::thread::Builder::new().stack_size(crate::COMPILE_STACK_BYTES);
+            thread.spawn_scoped(scope, worker).expect("the system gives a thread");
+        }
+    });
+    let mut results = results.into_inner().expect("no thread panics while it holds the lock");
+    results.sort_by_key(|(index, _)| *index);
+    results.into_iter().map(|(_, result)| result).collect()
+}

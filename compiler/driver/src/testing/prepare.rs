@@ -1,0 +1,158 @@
+//! One test input: read, compiled, and run in the forms of this process.
+
+use std::path::{Path, PathBuf};
+
+use plcc_diag::{Code, Diagnostic, SourceMap, drawing};
+use plcc_runtime::{TestOptions, TestReport};
+
+use super::{Form, Outcome, Plan, Variant, carets, executables, name_of};
+use crate::inputs::{self, Read, TestInput};
+use crate::pipeline::{self, Bound, Compiled, Settings};
+use crate::{code, report};
+
+/// A test on its way: what is known of its outcome, and the programs that run.
+pub struct Prepared {
+    pub outcome: Outcome,
+    /// One for each scenario; one if there is none; none if the outcome is finished.
+    pub programs: Vec<TestProgram>,
+}
+
+/// A program with how it is run and what its forms reported.
+pub struct TestProgram {
+    pub options: TestOptions,
+    pub sources: SourceMap,
+    pub variants: Vec<(Variant, VariantState)>,
+}
+
+/// Where a form of a program stands.
+pub enum VariantState {
+    /// An executable: the object that is to be linked, and what its symbols begin with.
+    Object { prefix: String, bytes: Vec<u8> },
+    Done(TestReport),
+    /// It could not be run, which is a fault of plcc.
+    Broken(String),
+}
+
+/// Compiles `input` and runs it where no executable is needed.
+pub fn prepare(input: &TestInput, plan: &Plan) -> Prepared {
+    let (path, scenarios) = match input {
+        TestInput::File(path) => (path, inputs::file_scenario(path).into_iter().collect()),
+        TestInput::Project(path) => (path, inputs::project_scenarios(path)),
+    };
+    let mut outcome = Outcome { name: name_of(input), ..Outcome::default() };
+    let read = inputs::read(std::slice::from_ref(path));
+    outcome.unreadable = read.is_unreadable();
+    if let Some(programs) = marked(&read, plan, &mut outcome) {
+        return Prepared { outcome, programs };
+    }
+    let bound = pipeline::front(read, &settings(plan));
+    outcome.messages = drawing::draw(&bound.diagnostics, &bound.sources, false);
+    let programs = match accept(&bound, &mut outcome) {
+        true => runs(&bound, &scenarios, plan),
+        false => Vec::new(),
+    };
+    Prepared { outcome, programs }
+}
+
+fn settings(plan: &Plan) -> Settings {
+    Settings { pragmas: true, require_main: true, ..plan.settings.clone() }
+}
+
+/// A file with caret lines is not run: its messages are compared. `None` if it has none.
+fn marked(read: &Read, plan: &Plan, outcome: &mut Outcome) -> Option<Vec<TestProgram>> {
+    let &[file] = read.units.as_slice() else { return None };
+    let source = read.sources.file(file);
+    if !carets::has_carets(&source.text) {
+        return None;
+    }
+    let (marks, mut wrong) = carets::marks(file, source);
+    let (diagnostics, sources) = messages_of(read, plan);
+    wrong.extend(diagnostics);
+    let (passed, failures) = carets::compare(&marks, &wrong, &sources);
+    outcome.passed = u64::from(passed);
+    for failure in failures {
+        outcome.fail(&format!("{}: {failure}", outcome.name));
+    }
+    Some(Vec::new())
+}
+
+/// The messages that caret lines must mark: blocks alone may stand in such a file, so OB 1 may be missing.
+fn messages_of(read: &Read, plan: &Plan) -> (Vec<Diagnostic>, SourceMap) {
+    let settings = Settings { require_main: false, ..settings(plan) };
+    let again = Read {
+        name: read.name.clone(),
+        sources: read.sources.clone(),
+        units: read.units.clone(),
+        ..Read::default()
+    };
+    let bound = pipeline::front(again, &settings);
+    (bound.diagnostics, bound.sources)
+}
+
+/// The messages of one source with pragmas obeyed, as caret lines must mark them.
+pub fn messages_of_file(path: &Path, settings: &Settings) -> (Vec<Diagnostic>, SourceMap) {
+    let read = inputs::read(&[path.to_path_buf()]);
+    let plan = Plan { settings: settings.clone(), variants: Vec::new(), linker: None };
+    messages_of(&read, &plan)
+}
+
+/// True if the program can run; otherwise the outcome is finished.
+fn accept(bound: &Bound, outcome: &mut Outcome) -> bool {
+    if !bound.has_errors() {
+        return true;
+    }
+    // A pragma that is wrong must not be what an expected rejection consists of.
+    let pragma_is_wrong = bound.diagnostics.iter().any(|d| d.code == Code::Pragma);
+    if bound.program.test.expect_fail && !pragma_is_wrong {
+        outcome.passed += 1;
+    } else {
+        outcome.rejected = true;
+        outcome.fail(&format!("{}: {}", outcome.name, report::summary(&bound.diagnostics)));
+    }
+    false
+}
+
+fn runs(bound: &Bound, scenarios: &[PathBuf], plan: &Plan) -> Vec<TestProgram> {
+    let test = &bound.program.test;
+    let options = |scenario: Option<&PathBuf>| TestOptions {
+        cycles: test.cycles.map(u64::from),
+        expect_fail: test.expect_fail,
+        scenario: scenario.cloned(),
+        ..TestOptions::default()
+    };
+    let all_options: Vec<TestOptions> = match scenarios {
+        [] => vec![options(None)],
+        scenarios => scenarios.iter().map(|scenario| options(Some(scenario))).collect(),
+    };
+    let mut programs: Vec<TestProgram> = all_options
+        .into_iter()
+        .map(|options| TestProgram { options, sources: bound.sources.clone(), variants: Vec::new() })
+        .collect();
+    for &variant in &plan.variants {
+        let compiled = pipeline::back(bound, variant.level);
+        for program in &mut programs {
+            let state = run_variant(&compiled, variant.form, &program.options);
+            program.variants.push((variant, state));
+        }
+    }
+    programs
+}
+
+fn run_variant(compiled: &Compiled, form: Form, options: &TestOptions) -> VariantState {
+    let code = match form {
+        Form::Interp => code::interpreter(compiled),
+        Form::Jit => match code::jit(compiled) {
+            Ok(code) => code,
+            Err(error) => return VariantState::Broken(error.to_string()),
+        },
+        Form::Exe => {
+            let (prefix, image) = (executables::unique_prefix(), compiled.image_bytes());
+            let options = compiled.codegen_options();
+            return match plcc_codegen::compile_object_as(&prefix, &compiled.module, &image, &options) {
+                Ok(bytes) => VariantState::Object { prefix, bytes },
+                Err(error) => VariantState::Broken(error.to_string()),
+            };
+        }
+    };
+    VariantState::Done(plcc_runtime::test(compiled.image.clone(), code, options))
+}
