@@ -1,1 +1,156 @@
 //! Lowers the bound program to the SSA IR; the place where PLC semantics are written.
+//!
+//! - [`plan`](mod@plan) settles what blocks must know of each other: addresses of DBs, functions, depth of calls.
+//! - `context` holds the state of one block while it is lowered: the virtual CPU's registers as SSA variables.
+//! - `place` turns addresses into checked memory accesses, `fault` builds the cold paths.
+//! - `call` hands parameters over; `stl` has one function a family of instructions.
+//! - `entry` makes the functions that the runtime calls.
+//!
+//! **Invariant**: a program that was bound without errors lowers without errors.
+
+mod call;
+mod context;
+mod entry;
+mod fault;
+mod place;
+mod plan;
+mod pointer;
+mod stl;
+
+use plcc_abi::ProgramImage;
+use plcc_abi::image::{BlockEntry, BlockKind, DbEntry};
+use plcc_diag::SourceMap;
+use plcc_ir::Module;
+use plcc_program::Program;
+use plcc_program::model::Body;
+
+use crate::plan::Plan;
+
+/// Stands for the sources of the standard library in messages.
+const LIBRARY_FILE: &str = "standard library";
+
+/// A lowered program: its code, and what the runtime must know about it.
+#[derive(Clone, Debug)]
+pub struct Lowered {
+    pub module: Module,
+    pub image: ProgramImage,
+}
+
+/// Lowers a program that was bound without errors.
+pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
+    let plan = Plan::new(program);
+    let mut output = Output::new(program, sources, &plan);
+    for (index, block) in program.blocks.iter().enumerate() {
+        if let Body::Stl(statements) = &block.body {
+            let function = stl::lower_block(&plan, &mut output, block, statements);
+            let id = output.module.functions.push(function);
+            debug_assert_eq!(Some(id), plan.function(index), "functions are numbered in the order of the blocks");
+        }
+    }
+    for (index, block) in program.blocks.iter().enumerate() {
+        let Some(function) = plan.function(index) else { continue };
+        let frame = output.module.functions[function].frame_bytes;
+        let entry = match block.kind {
+            BlockKind::Ob => function,
+            _ if plan.has_dynamic_calls => {
+                let wrapper = entry::lower_entry(&plan, block, function);
+                output.module.functions.push(wrapper)
+            }
+            _ => continue,
+        };
+        output.image.blocks.push(BlockEntry {
+            kind: block.kind,
+            number: block.number,
+            name: block.name.clone(),
+            entry: output.module.entries.len() as u32,
+            frame,
+        });
+        output.module.entries.push(entry);
+    }
+    output.finish()
+}
+
+/// What grows while blocks are lowered.
+pub(crate) struct Output {
+    pub module: Module,
+    pub image: ProgramImage,
+    /// Where the sources' files stand in the image, by file id.
+    lines: LineTable,
+}
+
+impl Output {
+    fn new(program: &Program, sources: &SourceMap, plan: &Plan) -> Output {
+        let files: Vec<String> = sources.files().map(|(_, file)| file.name.clone()).collect();
+        let module = Module { dbs: plan.dbs.clone(), files, ..Module::default() };
+        let image = ProgramImage {
+            name: program.name.clone(),
+            profile: program.profile.clone(),
+            config: program.config.clone(),
+            blocks: Vec::new(),
+            dbs: program
+                .dbs
+                .iter()
+                .map(|db| DbEntry {
+                    number: db.number,
+                    name: db.name.clone(),
+                    address: plan.db_address(db.number),
+                    data: db.data.clone(),
+                    read_only: db.read_only,
+                    non_retain: db.non_retain,
+                    unlinked: db.unlinked,
+                })
+                .collect(),
+            db_end: plan.db_end,
+            sites: Vec::new(),
+            files: Vec::new(),
+            asserts: Vec::new(),
+            symbols: program.symbols.clone(),
+            stops_itself: plan.stops_itself,
+        };
+        Output { module, image, lines: LineTable::new(sources) }
+    }
+
+    /// Index of the span's file in the image. Blocks of the standard library come from no file of the user's.
+    pub fn file(&mut self, span: plcc_diag::Span) -> u32 {
+        if (span.file.0 as usize) < self.lines.starts.len() {
+            return span.file.0;
+        }
+        let files = &mut self.module.files;
+        if files.len() == self.lines.starts.len() {
+            files.push(LIBRARY_FILE.to_owned());
+        }
+        files.len() as u32 - 1
+    }
+
+    fn finish(mut self) -> Lowered {
+        self.image.files = self.module.files.clone();
+        self.image.sites = self.module.sites.clone();
+        Lowered { module: self.module, image: self.image }
+    }
+}
+
+/// Finds lines of spans; spans of one block come in rising order, so that the last line found is a good guess.
+pub(crate) struct LineTable {
+    starts: Vec<Vec<u32>>,
+}
+
+impl LineTable {
+    fn new(sources: &SourceMap) -> LineTable {
+        let starts = sources
+            .files()
+            .map(|(_, file)| {
+                std::iter::once(0)
+                    .chain(
+                        file.text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at as u32 + 1),
+                    )
+                    .collect()
+            })
+            .collect();
+        LineTable { starts }
+    }
+
+    /// 1-based line of `span`.
+    pub fn line(&self, span: plcc_diag::Span) -> u32 {
+        self.starts.get(span.file.0 as usize).map_or(0, |starts| starts.partition_point(|&at| at <= span.start) as u32)
+    }
+}

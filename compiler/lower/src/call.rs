@@ -1,0 +1,562 @@
+//! Block calls: registers, parameters, instances. Source: STL reference, block call model.
+//!
+//! - FC: each formal is a reference to its actual, so the FC sees changes during its run and an OUT that it does not write
+//!   leaves the actual as it is. Constants and peripheral inputs are put into the caller's frame first.
+//! - FB: elementary and complex values are copied into the instance and back; complex IN_OUT are POINTERs there.
+//! - System functions get a structure of parameters in the caller's frame.
+
+use plcc_abi::RuntimeFn;
+use plcc_abi::codes::{stop, sync};
+use plcc_abi::image::BlockKind;
+use plcc_abi::layout::{self, CpuRegister, area, state};
+use plcc_ir::{Address, BinaryOp, FuncId, IntCc, Region, Type, Value};
+use plcc_program::model::{
+    Actual, Argument, BlockKey, Call, CodeBlock, Direction, Instance, Parameter, Passing, Place, Width,
+};
+
+use crate::context::Context;
+use crate::fault::{Check, Substitute};
+use crate::place::{self, BitNumber, Target, TargetKind};
+use crate::plan;
+
+impl Context<'_, '_> {
+    /// `CALL` with its parameters.
+    pub fn call(&mut self, call: &Call) {
+        let plan = self.plan;
+        let Some((callee, function)) = plan.block(call.target) else {
+            unreachable!("the binder lets calls of known blocks through only");
+        };
+        match (function, &call.instance) {
+            (Some(function), Some(instance)) => self.call_instance(callee, function, instance, &call.arguments),
+            (Some(function), None) => self.call_fc(callee, function, &call.arguments),
+            (None, _) => self.call_system_function(callee, &call.arguments),
+        }
+        self.after_block();
+    }
+
+    // Functions.
+
+    fn call_fc(&mut self, callee: &CodeBlock, function: FuncId, arguments: &[Argument]) {
+        let mut copies_back = Vec::new();
+        let mut references = Vec::new();
+        for (index, parameter) in callee.interface.parameters.iter().enumerate() {
+            let argument = arguments.iter().find(|argument| argument.parameter == index);
+            match argument {
+                Some(argument) => {
+                    // A fully qualified actual does not change the caller's DB register.
+                    let db = self.get(self.regs.db);
+                    self.fc_argument(parameter, &argument.actual, &mut references, &mut copies_back);
+                    self.set(self.regs.db, db);
+                }
+                None => self.no_argument(parameter, &mut references),
+            }
+        }
+        self.call_function(callee, function, references);
+        for (place, width, temporary) in copies_back {
+            let value = self.read_target(Target::at(temporary, BitNumber::Known(0)), width);
+            self.write(&place, width, value);
+        }
+    }
+
+    /// What an FC gets for one parameter; see [`plan::parameter_types`].
+    fn fc_argument(
+        &mut self,
+        parameter: &Parameter,
+        actual: &Actual,
+        references: &mut Vec<Value>,
+        copies_back: &mut Vec<(Place, Width, Address)>,
+    ) {
+        match parameter.passing {
+            Passing::Elementary(width) => {
+                let reference = match actual {
+                    Actual::Place(place @ (Place::Pi { .. } | Place::Pq { .. })) => {
+                        let temporary = self.temporary(4);
+                        if parameter.direction != Direction::Output {
+                            let value = self.read(place, width);
+                            self.store_low(temporary, width, value);
+                        }
+                        if parameter.direction != Direction::Input {
+                            copies_back.push((place.clone(), width, temporary));
+                        }
+                        self.reference(Target::at(temporary, BitNumber::Known(0)), width)
+                    }
+                    Actual::Place(place) => {
+                        let direction = access_direction(parameter.direction);
+                        let target = self.target(place, width, direction);
+                        self.reference(target, width)
+                    }
+                    Actual::Const(bytes) => {
+                        let temporary = self.temporary(bytes.len() as u32);
+                        self.store_bytes(temporary, bytes);
+                        self.reference(Target::at(temporary, BitNumber::Known(0)), width)
+                    }
+                    Actual::Number(_) | Actual::PointerBytes(_) | Actual::PointerTo { .. } | Actual::PointerCopy(_) => {
+                        unreachable!("the binder gives elementary formals values")
+                    }
+                };
+                references.push(reference);
+            }
+            Passing::Complex { .. } => self.complex_argument(actual, references),
+            Passing::Number => {
+                let Actual::Number(number) = actual else { unreachable!("the binder gives numbers") };
+                references.push(self.number(number));
+            }
+            Passing::Pointer | Passing::Any => {
+                let bytes = if parameter.passing == Passing::Any { 10 } else { 6 };
+                let temporary = self.temporary(bytes);
+                self.store_pointer(temporary, actual, parameter.passing == Passing::Any);
+                references.push(self.b.i32_const(temporary.offset));
+            }
+        }
+    }
+
+    /// POINTER in the frame, and the variable itself.
+    fn complex_argument(&mut self, actual: &Actual, references: &mut Vec<Value>) {
+        let pointer = self.temporary(6);
+        match actual {
+            Actual::Place(place) => {
+                let fields = self.pointer_fields(place);
+                self.store_pointer_fields(pointer, fields);
+                let target = self.target(place, Width::Byte, place::Direction::Read);
+                let reference = self.reference(target, Width::Byte);
+                references.push(self.b.i32_const(pointer.offset));
+                references.push(reference);
+            }
+            Actual::Const(bytes) => {
+                let temporary = self.temporary(bytes.len() as u32);
+                self.store_bytes(temporary, bytes);
+                let fields = self.pointer_fields(&Place::L { byte: temporary.offset, bit: 0 });
+                self.store_pointer_fields(pointer, fields);
+                references.push(self.b.i32_const(pointer.offset));
+                let address = self.b.address_of(temporary);
+                references.push(address);
+            }
+            Actual::Number(_) | Actual::PointerBytes(_) | Actual::PointerTo { .. } | Actual::PointerCopy(_) => {
+                unreachable!("the binder gives complex formals variables")
+            }
+        }
+    }
+
+    /// `UC` of an FC with parameters hands nothing over: reads give 0, writes go nowhere.
+    fn no_argument(&mut self, parameter: &Parameter, references: &mut Vec<Value>) {
+        let scratch = match parameter.passing {
+            Passing::Elementary(Width::Bit) => layout::SCRATCH * 8,
+            Passing::Elementary(_) => layout::SCRATCH,
+            Passing::Complex { .. } => {
+                let pointer = self.temporary(6);
+                self.b.clear(pointer, 6);
+                references.push(self.b.i32_const(pointer.offset));
+                layout::SCRATCH
+            }
+            Passing::Number => 0,
+            Passing::Pointer | Passing::Any => {
+                let pointer = self.temporary(10);
+                self.b.clear(pointer, 10);
+                pointer.offset
+            }
+        };
+        references.push(self.b.i32_const(scratch));
+    }
+
+    /// A reference to `target` as an FC takes it. Where the address is faulty it refers to scratch memory.
+    fn reference(&mut self, target: Target, width: Width) -> Value {
+        let mut checks = target.checks;
+        checks.retain(|check| self.b.constant_bits(check.ok) != Some(1));
+        let reference = |context: &mut Self| {
+            let TargetKind::Memory { addr, bit } = target.kind else {
+                unreachable!("peripheral actuals are copied");
+            };
+            let address = context.b.address_of(addr);
+            if width != Width::Bit {
+                return address;
+            }
+            let bits = context.b.binary_imm(BinaryOp::Shl, address, 3);
+            match bit {
+                BitNumber::Known(bit) => context.b.binary_imm(BinaryOp::Iadd, bits, i64::from(bit)),
+                BitNumber::Dynamic(bit) => context.b.iadd(bits, bit),
+            }
+        };
+        if checks.is_empty() {
+            return reference(self);
+        }
+        let scratch = if width == Width::Bit { layout::SCRATCH * 8 } else { layout::SCRATCH };
+        let scratch = self.b.i32_const(scratch);
+        self.set(self.reference, scratch);
+        let guard = self.begin_guard(checks, Substitute::None);
+        let value = reference(self);
+        self.set(self.reference, value);
+        self.end_guard(guard);
+        self.get(self.reference)
+    }
+
+    // Function blocks.
+
+    fn call_instance(&mut self, callee: &CodeBlock, function: FuncId, instance: &Instance, arguments: &[Argument]) {
+        let base = match instance {
+            Instance::Db(number) => Place::Db { number: *number, byte: 0, bit: 0 },
+            Instance::Multi { byte } => Place::Instance { byte: *byte, bit: 0 },
+        };
+        let (db, di, ar2) = (self.get(self.regs.db), self.get(self.regs.di), self.get(self.regs.ar[1]));
+        for argument in arguments {
+            let parameter = &callee.interface.parameters[argument.parameter];
+            if parameter.direction != Direction::Output || !is_value(parameter.passing) {
+                self.copy_in(parameter, &argument.actual, &base);
+            }
+        }
+        let (instance_db, instance_ar2) = match instance {
+            Instance::Db(number) => {
+                let start = self.b.i32_const(u32::from(area::DB) << 24);
+                (self.b.i32_const(u32::from(*number)), start)
+            }
+            Instance::Multi { byte } => {
+                let moved = self.b.binary_imm(BinaryOp::Iadd, ar2, 8 * i64::from(*byte));
+                (di, moved)
+            }
+        };
+        self.set(self.regs.db, di);
+        self.set(self.regs.di, instance_db);
+        self.set(self.regs.ar[1], instance_ar2);
+        self.call_function(callee, function, Vec::new());
+        self.set(self.regs.di, di);
+        self.set(self.regs.ar[1], ar2);
+        // Actuals that lie in the open DB mean the one that was open at the call.
+        self.set(self.regs.db, db);
+        for argument in arguments {
+            let parameter = &callee.interface.parameters[argument.parameter];
+            if parameter.direction != Direction::Input && is_value(parameter.passing) && !is_reference(parameter) {
+                self.copy_out(parameter, &argument.actual, &base);
+            }
+        }
+        self.set(self.regs.db, instance_db);
+    }
+
+    /// Puts an actual into the instance.
+    fn copy_in(&mut self, parameter: &Parameter, actual: &Actual, base: &Place) {
+        let (byte, bit) = (parameter.byte, parameter.bit);
+        match (parameter.passing, actual) {
+            (Passing::Elementary(width), Actual::Place(place)) => {
+                let db = self.get(self.regs.db);
+                let value = self.read(place, width);
+                self.set(self.regs.db, db);
+                self.write_instance(base, byte, bit, width, value);
+            }
+            (Passing::Elementary(width), Actual::Const(bytes)) => {
+                let value = self.b.i32_const(big_endian(bytes));
+                let value = if width == Width::Bit { self.b.trunc(Type::I1, value) } else { value };
+                self.write_instance(base, byte, bit, width, value);
+            }
+            (Passing::Complex { .. }, actual) if is_reference(parameter) => {
+                let Actual::Place(place) = actual else { unreachable!("the binder gives IN_OUT variables") };
+                let fields = self.pointer_fields(place);
+                let target = self.instance_target(base, byte, Width::Dword);
+                self.store_at(target, |context, addr| context.store_pointer_fields(addr, fields));
+            }
+            (Passing::Complex { .. }, Actual::Const(constant)) => {
+                let target = self.instance_target(base, byte, Width::Dword);
+                self.store_at(target, |context, addr| context.store_bytes(addr, constant));
+            }
+            (Passing::Complex { bytes }, Actual::Place(place)) => {
+                let to = self.instance_target(base, byte, Width::Byte);
+                self.copy_block(place, to, bytes, true);
+            }
+            (Passing::Number, Actual::Number(number)) => {
+                let value = self.number(number);
+                self.write_instance(base, byte, 0, Width::Word, value);
+            }
+            (Passing::Pointer | Passing::Any, actual) => {
+                let any = parameter.passing == Passing::Any;
+                let target = self.instance_target(base, byte, Width::Byte);
+                self.store_at(target, |context, addr| context.store_pointer(addr, actual, any));
+            }
+            (Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number, _) => {
+                unreachable!("the binder gives each formal an actual of its kind")
+            }
+        }
+    }
+
+    /// Brings a result from the instance to its actual.
+    fn copy_out(&mut self, parameter: &Parameter, actual: &Actual, base: &Place) {
+        let Actual::Place(place) = actual else { return };
+        match parameter.passing {
+            Passing::Elementary(width) => {
+                let target = self.instance_bit_target(base, parameter.byte, parameter.bit, width);
+                let value = self.read_target(target, width);
+                let db = self.get(self.regs.db);
+                self.write(place, width, value);
+                self.set(self.regs.db, db);
+            }
+            Passing::Complex { bytes } => {
+                let from = self.instance_target(base, parameter.byte, Width::Byte);
+                self.copy_block(place, from, bytes, false);
+            }
+            Passing::Number | Passing::Pointer | Passing::Any => {}
+        }
+    }
+
+    /// Copies `bytes` between a variable and the instance, `inward` into the latter.
+    fn copy_block(&mut self, place: &Place, instance: Target, bytes: u32, inward: bool) {
+        let db = self.get(self.regs.db);
+        let direction = if inward { place::Direction::Read } else { place::Direction::Write };
+        let variable = self.target(place, Width::Byte, direction);
+        self.set(self.regs.db, db);
+        let mut checks = variable.checks;
+        checks.extend(instance.checks);
+        let (TargetKind::Memory { addr: variable, .. }, TargetKind::Memory { addr: instance, .. }) =
+            (variable.kind, instance.kind)
+        else {
+            unreachable!("complex variables lie in memory");
+        };
+        let guard = self.begin_guard(checks, Substitute::None);
+        let (to, from) = if inward { (instance, variable) } else { (variable, instance) };
+        self.b.copy(to, from, bytes);
+        self.end_guard(guard);
+    }
+
+    /// Byte `byte`.`bit` of the callee's instance.
+    fn instance_bit_target(&mut self, base: &Place, byte: u32, bit: u8, width: Width) -> Target {
+        let place = match base {
+            Place::Instance { byte: start, .. } => Place::Instance { byte: start + byte, bit },
+            Place::Db { number, .. } => Place::Db { number: *number, byte, bit },
+            _ => unreachable!("instances lie in a DB or in this block's instance"),
+        };
+        let db = self.get(self.regs.db);
+        let target = self.target(&place, width, place::Direction::Write);
+        self.set(self.regs.db, db);
+        target
+    }
+
+    fn instance_target(&mut self, base: &Place, byte: u32, width: Width) -> Target {
+        self.instance_bit_target(base, byte, 0, width)
+    }
+
+    fn write_instance(&mut self, base: &Place, byte: u32, bit: u8, width: Width, value: Value) {
+        let target = self.instance_bit_target(base, byte, bit, width);
+        self.write_target(target, width, value);
+    }
+
+    /// Runs `store` on the target's address, behind its checks.
+    fn store_at(&mut self, target: Target, store: impl FnOnce(&mut Self, Address)) {
+        let guard = self.begin_guard(target.checks, Substitute::None);
+        let TargetKind::Memory { addr, .. } = target.kind else { unreachable!("instances lie in memory") };
+        store(self, addr);
+        self.end_guard(guard);
+    }
+
+    // System functions.
+
+    fn call_system_function(&mut self, callee: &CodeBlock, arguments: &[Argument]) {
+        let structure = self.temporary(callee.interface.bytes.max(2));
+        self.b.clear(structure, callee.interface.bytes);
+        let base = structure.offset;
+        for argument in arguments {
+            let parameter = &callee.interface.parameters[argument.parameter];
+            if parameter.direction != Direction::Output || !is_value(parameter.passing) {
+                let db = self.get(self.regs.db);
+                self.structure_in(parameter, &argument.actual, base);
+                self.set(self.regs.db, db);
+            }
+        }
+        let site = self.b.i32_const(self.site);
+        let number = self.b.i32_const(u32::from(callee.number));
+        let block = self.b.address_of(structure);
+        let frame = self.b.frame_base(false);
+        let answer = self
+            .b
+            .call_runtime(RuntimeFn::SystemFunction, &[site, number, block, frame])
+            .expect("system_function has a result");
+        let stop = self.b.binary_imm(BinaryOp::And, answer, 2);
+        self.stop_check(stop);
+        let br = self.b.trunc(Type::I1, answer);
+        self.set(self.regs.br, br);
+        for argument in arguments {
+            let parameter = &callee.interface.parameters[argument.parameter];
+            if parameter.direction != Direction::Input {
+                self.structure_out(parameter, &argument.actual, base);
+            }
+        }
+    }
+
+    fn structure_in(&mut self, parameter: &Parameter, actual: &Actual, base: u32) {
+        let addr = Address::direct(Region::L, base + parameter.byte);
+        match (parameter.passing, actual) {
+            (Passing::Elementary(width), Actual::Place(place)) => {
+                let value = self.read(place, width);
+                self.write_target(Target::at(addr, BitNumber::Known(parameter.bit)), width, value);
+            }
+            (Passing::Elementary(Width::Bit), Actual::Const(bytes)) => {
+                let value = self.b.bool_const(big_endian(bytes) != 0);
+                self.b.store_bit(addr, parameter.bit, value);
+            }
+            (Passing::Elementary(_) | Passing::Complex { .. }, Actual::Const(bytes)) => self.store_bytes(addr, bytes),
+            (Passing::Complex { bytes }, Actual::Place(place)) => {
+                self.copy_block(place, Target::at(addr, BitNumber::Known(0)), bytes, true);
+            }
+            (Passing::Number, Actual::Number(number)) => {
+                let value = self.number(number);
+                self.store_low(addr, Width::Word, value);
+            }
+            (Passing::Pointer | Passing::Any, actual) => {
+                self.store_pointer(addr, actual, parameter.passing == Passing::Any);
+            }
+            (Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number, _) => {
+                unreachable!("the binder gives each formal an actual of its kind")
+            }
+        }
+    }
+
+    fn structure_out(&mut self, parameter: &Parameter, actual: &Actual, base: u32) {
+        let Actual::Place(place) = actual else { return };
+        let addr = Address::direct(Region::L, base + parameter.byte);
+        match parameter.passing {
+            Passing::Elementary(width) => {
+                let value = self.read_target(Target::at(addr, BitNumber::Known(parameter.bit)), width);
+                let db = self.get(self.regs.db);
+                self.write(place, width, value);
+                self.set(self.regs.db, db);
+            }
+            Passing::Complex { bytes } => self.copy_block(place, Target::at(addr, BitNumber::Known(0)), bytes, false),
+            Passing::Number | Passing::Pointer | Passing::Any => {}
+        }
+    }
+
+    // The call itself.
+
+    /// Calls a block of the program with the registers as they stand, and takes over those that it returns.
+    fn call_function(&mut self, callee: &CodeBlock, function: FuncId, references: Vec<Value>) {
+        let plan = self.plan;
+        let mut arguments: Vec<Value> =
+            plan.registers.iter().map(|&register| self.b.use_var(self.regs.var(register))).collect();
+        arguments.extend(references);
+        let depth = self.enter_call(callee);
+        let returned = self.b.call(function, arguments, &plan.function_returns(callee));
+        self.leave_call(depth);
+        let keeps_ar2 = !plan.changes_ar2(callee.key());
+        for (register, value) in plan.returned_registers().zip(returned) {
+            if !(keeps_ar2 && register == CpuRegister::Ar2) {
+                self.set(self.regs.var(register), value);
+            }
+        }
+        self.safepoint();
+    }
+
+    /// Counts the block depth and the local data, where they are not bounded at compile time. Gives the depth before.
+    fn enter_call(&mut self, callee: &CodeBlock) -> Option<Value> {
+        if !self.plan.checks_depth {
+            return None;
+        }
+        let depth = self.b.load_state(state::DEPTH);
+        let depth_max = self.b.load_state(state::DEPTH_MAX);
+        let ok = self.b.icmp(IntCc::Ult, depth, depth_max);
+        self.stop_unless(ok, stop::BLOCK_DEPTH);
+        let frame = self.b.frame_base(true);
+        let end = self.b.binary_imm(BinaryOp::Iadd, frame, i64::from(self.plan.frame_estimate(callee.key())));
+        let limit = self.b.load_state(state::L_END);
+        let ok = self.b.icmp(IntCc::Ule, end, limit);
+        self.stop_unless(ok, stop::LOCAL_DATA);
+        let deeper = self.b.binary_imm(BinaryOp::Iadd, depth, 1);
+        self.b.store_state(state::DEPTH, deeper);
+        Some(depth)
+    }
+
+    fn leave_call(&mut self, depth: Option<Value>) {
+        if let Some(depth) = depth {
+            self.b.store_state(state::DEPTH, depth);
+        }
+    }
+
+    /// `UC` of an FC or FB: no parameters. An FB finds its instance in DI at AR2 as they stand.
+    pub fn call_as_it_stands(&mut self, target: BlockKey) {
+        let plan = self.plan;
+        let Some((callee, Some(function))) = plan.block(target) else {
+            unreachable!("the binder lets calls of known blocks through only");
+        };
+        let (db, di) = (self.get(self.regs.db), self.get(self.regs.di));
+        let check = self.instance_check(callee);
+        let guard = self.begin_guard(check.into_iter().collect(), Substitute::None);
+        let mut references = Vec::new();
+        if callee.kind == BlockKind::Fc {
+            for parameter in &callee.interface.parameters {
+                self.no_argument(parameter, &mut references);
+            }
+        }
+        self.call_function(callee, function, references);
+        self.set(self.regs.db, db);
+        self.set(self.regs.di, di);
+        self.end_guard(guard);
+    }
+
+    /// DI is long enough for the instance of `callee` at AR2, which its code relies on.
+    pub fn instance_check(&mut self, callee: &CodeBlock) -> Option<Check> {
+        if !matches!(callee.kind, BlockKind::Fb | BlockKind::Sfb) || callee.interface.bytes == 0 {
+            return None;
+        }
+        let (di, ar2) = (self.get(self.regs.di), self.get(self.regs.ar[1]));
+        let length = self.b.db_length(di);
+        let bits = self.b.binary_imm(BinaryOp::And, ar2, 0x00FF_FFFF);
+        let byte = self.b.binary_imm(BinaryOp::Lshr, bits, 3);
+        let end = self.b.binary_imm(BinaryOp::Iadd, byte, i64::from(callee.interface.bytes));
+        let long_enough = self.b.icmp(IntCc::Ule, end, length);
+        let bit = self.b.binary_imm(BinaryOp::And, ar2, 7);
+        let aligned = self.b.icmp_imm(IntCc::Eq, bit, 0);
+        let ok = self.b.and(long_enough, aligned);
+        let open = self.b.icmp_imm(IntCc::Ne, di, 0);
+        let (short, none) = (self.b.i32_const(sync::LENGTH_READ.into()), self.b.i32_const(sync::DI_NUMBER.into()));
+        let code = self.b.select(open, short, none);
+        let info = self.b.select(open, byte, di);
+        let access = self.b.i32_const(u32::from(plcc_abi::codes::access_area::DI));
+        Some(Check { ok, code, access, info })
+    }
+
+    /// Calls the FC or FB whose number is known at run time only. Registers travel in the CPU state.
+    pub fn call_by_number(&mut self, kind: BlockKind, number: Value) {
+        let plan = self.plan;
+        for &register in &plan.registers {
+            let value = self.get(self.regs.var(register));
+            let value = self.b.zext(Type::I32, value);
+            self.b.store_state(register.slot(), value);
+        }
+        let site = self.b.i32_const(self.site);
+        let kind = self.b.i32_const(kind as u32);
+        let (callee_frame, frame) = (self.b.frame_base(true), self.b.frame_base(false));
+        let depth = self.b.load_state(state::DEPTH);
+        let depth_max = self.b.load_state(state::DEPTH_MAX);
+        let ok = self.b.icmp(IntCc::Ult, depth, depth_max);
+        self.stop_unless(ok, stop::BLOCK_DEPTH);
+        let deeper = self.b.binary_imm(BinaryOp::Iadd, depth, 1);
+        self.b.store_state(state::DEPTH, deeper);
+        let stop = self
+            .b
+            .call_runtime(RuntimeFn::CallBlock, &[site, kind, number, callee_frame, frame])
+            .expect("call_block has a result");
+        self.b.store_state(state::DEPTH, depth);
+        self.stop_check(stop);
+        for register in plan.returned_registers() {
+            let value = self.b.load_state(register.slot());
+            let value = self.b.trunc(plan::register_type(register), value);
+            self.set(self.regs.var(register), value);
+        }
+        self.safepoint();
+    }
+}
+
+fn access_direction(direction: Direction) -> place::Direction {
+    match direction {
+        Direction::Input => place::Direction::Read,
+        Direction::Output | Direction::InOut => place::Direction::Write,
+    }
+}
+
+/// True for what is copied by value; numbers and pointers are handed in only.
+fn is_value(passing: Passing) -> bool {
+    matches!(passing, Passing::Elementary(_) | Passing::Complex { .. })
+}
+
+/// True for a complex IN_OUT of an FB: a POINTER in the instance.
+fn is_reference(parameter: &Parameter) -> bool {
+    matches!(parameter.passing, Passing::Complex { .. }) && parameter.direction == Direction::InOut
+}
+
+/// Value of at most four big-endian bytes.
+fn big_endian(bytes: &[u8]) -> u32 {
+    bytes.iter().fold(0, |value, &byte| value << 8 | u32::from(byte))
+}

@@ -1,0 +1,451 @@
+//! State of one block while it is lowered: the virtual CPU's registers as SSA variables.
+
+use plcc_abi::Type;
+use plcc_abi::image::{BlockKind, Site};
+use plcc_abi::layout::{self, CpuRegister};
+use plcc_ir::{Address, Block, FunctionBuilder, Loc, Region, Value, Var};
+use plcc_program::model::{CodeBlock, LabelId, Passing, StlStatement};
+use plcc_syntax::stl::StlInsn;
+use rustc_hash::FxHashMap;
+
+use crate::Output;
+use crate::plan::{self, Plan};
+
+/// Entries of the nesting stack. Source: STL reference, nesting expressions.
+pub const NESTING_MAX: usize = 7;
+/// A join of control flow settles all variables once in so many labels, which bounds how far reads walk back.
+const LABELS_BETWEEN_SETTLING: u32 = 32;
+
+/// An open parenthesis: its instruction, and the bits that were pushed.
+#[derive(Clone, Copy)]
+pub struct Nesting {
+    pub insn: StlInsn,
+    pub rlo: Var,
+    pub or_: Var,
+    pub fc: Var,
+    pub br: Var,
+}
+
+/// The registers of the virtual CPU.
+pub struct Registers {
+    pub accu: [Var; 4],
+    pub ar: [Var; 2],
+    /// Numbers in the DB and DI registers.
+    pub db: Var,
+    pub di: Var,
+    pub br: Var,
+    pub cc1: Var,
+    pub cc0: Var,
+    pub ov: Var,
+    pub os: Var,
+    pub or_: Var,
+    pub sta: Var,
+    pub rlo: Var,
+    pub fc: Var,
+    /// `MCRA` is in force.
+    pub mcr_active: Var,
+    /// Stacked bits of the MCR, the newest lowest; all higher bits are 1.
+    pub mcr_bits: Var,
+    /// Entries on the MCR stack.
+    pub mcr_depth: Var,
+}
+
+impl Registers {
+    fn new(b: &mut FunctionBuilder) -> Registers {
+        let mut word = || b.declare_var(Type::I32);
+        let (accu, ar) = ([word(), word(), word(), word()], [word(), word()]);
+        let (db, di, mcr_bits, mcr_depth) = (word(), word(), word(), word());
+        let mut bit = || b.declare_var(Type::I1);
+        Registers {
+            accu,
+            ar,
+            db,
+            di,
+            br: bit(),
+            cc1: bit(),
+            cc0: bit(),
+            ov: bit(),
+            os: bit(),
+            or_: bit(),
+            sta: bit(),
+            rlo: bit(),
+            fc: bit(),
+            mcr_active: bit(),
+            mcr_bits,
+            mcr_depth,
+        }
+    }
+
+    /// The variable of a register that travels with calls.
+    pub fn var(&self, register: CpuRegister) -> Var {
+        match register {
+            CpuRegister::Accu1 => self.accu[0],
+            CpuRegister::Accu2 => self.accu[1],
+            CpuRegister::Accu3 => self.accu[2],
+            CpuRegister::Accu4 => self.accu[3],
+            CpuRegister::Ar1 => self.ar[0],
+            CpuRegister::Ar2 => self.ar[1],
+            CpuRegister::Db => self.db,
+            CpuRegister::Di => self.di,
+            CpuRegister::Br => self.br,
+            CpuRegister::Cc1 => self.cc1,
+            CpuRegister::Cc0 => self.cc0,
+            CpuRegister::Ov => self.ov,
+            CpuRegister::Rlo => self.rlo,
+        }
+    }
+}
+
+/// Jumps to a label: where its block is, and how many of its jumps are still to come.
+struct LabelState {
+    block: Block,
+    jumps_left: u32,
+    placed: bool,
+}
+
+/// What lowering one block needs at hand.
+pub struct Context<'p, 'o> {
+    pub plan: &'p Plan<'p>,
+    pub output: &'o mut Output,
+    pub block: &'p CodeBlock,
+    pub b: FunctionBuilder,
+    pub regs: Registers,
+    pub nesting: Vec<Nesting>,
+    spare_nesting: Vec<Nesting>,
+    /// Values of the formal parameters of an FC, in their order.
+    pub parameters: Vec<Vec<Value>>,
+    /// Offset of the instance from the memory base, if the block is an FB that leaves AR2 and DI alone.
+    pub instance: Option<Value>,
+    /// Local data that code can address, in bytes.
+    pub local_bytes: u32,
+    /// Temporaries of the current statement begin here in the frame; `frame_bytes` is the most that was ever used.
+    pub temporaries: u32,
+    frame_bytes: u32,
+    /// Index of the current statement's site.
+    pub site: u32,
+    /// False: the block has no `MCRA`, so the MCR is never off.
+    pub uses_mcr: bool,
+    exit: Option<Block>,
+    labels: FxHashMap<LabelId, LabelState>,
+    labels_since_settling: u32,
+    /// Result of an access that may fault, 32 bits or a bit.
+    pub result: Var,
+    pub result_bit: Var,
+    /// Reference to an actual parameter whose address may be faulty.
+    pub reference: Var,
+}
+
+impl<'p, 'o> Context<'p, 'o> {
+    /// A context at the start of the block's function, with registers as the caller hands them over.
+    pub fn new(
+        plan: &'p Plan<'p>,
+        output: &'o mut Output,
+        block: &'p CodeBlock,
+        statements: &[StlStatement],
+    ) -> Context<'p, 'o> {
+        let mut b = FunctionBuilder::new(
+            plan::function_name(block),
+            &plan.function_params(block),
+            &plan.function_returns(block),
+        );
+        let regs = Registers::new(&mut b);
+        let (result, result_bit) = (b.declare_var(Type::I32), b.declare_var(Type::I1));
+        let reference = b.declare_var(Type::I32);
+        let local_bytes = plan::local_bytes(block, statements);
+        let mut context = Context {
+            plan,
+            output,
+            block,
+            b,
+            regs,
+            nesting: Vec::new(),
+            spare_nesting: Vec::new(),
+            parameters: Vec::new(),
+            instance: None,
+            local_bytes,
+            temporaries: local_bytes,
+            frame_bytes: local_bytes,
+            site: 0,
+            uses_mcr: false,
+            exit: None,
+            labels: FxHashMap::default(),
+            labels_since_settling: 0,
+            result,
+            result_bit,
+            reference,
+        };
+        context.start();
+        context
+    }
+
+    /// Registers and local data at the first statement.
+    fn start(&mut self) {
+        let bits =
+            [self.regs.br, self.regs.cc1, self.regs.cc0, self.regs.ov, self.regs.os, self.regs.or_, self.regs.fc];
+        let zero = self.b.bool_const(false);
+        for var in bits.into_iter().chain([self.regs.rlo, self.regs.mcr_active]) {
+            self.b.def_var(var, zero);
+        }
+        let one = self.b.bool_const(true);
+        self.b.def_var(self.regs.sta, one);
+        let no_word = self.b.i32_const(0);
+        for var in
+            self.regs.accu.into_iter().chain(self.regs.ar).chain([self.regs.db, self.regs.di, self.regs.mcr_depth])
+        {
+            self.b.def_var(var, no_word);
+        }
+        let all_on = self.b.i32_const(u32::MAX);
+        self.b.def_var(self.regs.mcr_bits, all_on);
+        let mut first_local = 0;
+        if self.block.kind == BlockKind::Ob {
+            // The runtime has put the start information there.
+            first_local = 20.min(self.local_bytes);
+        } else {
+            let plan = self.plan;
+            for (index, &register) in plan.registers.iter().enumerate() {
+                let value = self.b.param(index);
+                self.b.def_var(self.regs.var(register), value);
+            }
+            self.name_parameters(plan.registers.len());
+        }
+        self.b.clear(Address::direct(Region::L, first_local), self.local_bytes - first_local);
+    }
+
+    fn name_parameters(&mut self, mut next: usize) {
+        if self.block.kind != BlockKind::Fc {
+            return;
+        }
+        for parameter in &self.block.interface.parameters {
+            let count = plan::parameter_types(parameter.passing).len();
+            self.parameters.push((next..next + count).map(|index| self.b.param(index)).collect());
+            next += count;
+        }
+    }
+
+    /// Passing of formal parameter `index` of this block.
+    pub fn passing(&self, index: usize) -> Passing {
+        self.block.interface.parameters[index].passing
+    }
+
+    // Registers.
+
+    pub fn get(&mut self, var: Var) -> Value {
+        self.b.use_var(var)
+    }
+
+    pub fn set(&mut self, var: Var, value: Value) {
+        self.b.def_var(var, value);
+    }
+
+    pub fn set_bit(&mut self, var: Var, value: bool) {
+        let value = self.b.bool_const(value);
+        self.b.def_var(var, value);
+    }
+
+    pub fn accu1(&mut self) -> Value {
+        self.get(self.regs.accu[0])
+    }
+
+    pub fn accu2(&mut self) -> Value {
+        self.get(self.regs.accu[1])
+    }
+
+    pub fn set_accu1(&mut self, value: Value) {
+        self.set(self.regs.accu[0], value);
+    }
+
+    pub fn rlo(&mut self) -> Value {
+        self.get(self.regs.rlo)
+    }
+
+    /// Low word of a 32-bit value, as i16.
+    pub fn low_word(&mut self, value: Value) -> Value {
+        self.b.trunc(Type::I16, value)
+    }
+
+    /// Puts an i16 into ACCU1-L; ACCU1-H is kept.
+    pub fn set_accu1_low(&mut self, word: Value) {
+        let accu1 = self.accu1();
+        let high = self.b.binary_imm(plcc_ir::BinaryOp::And, accu1, 0xFFFF_0000);
+        let low = self.b.zext(Type::I32, word);
+        let value = self.b.or(high, low);
+        self.set_accu1(value);
+    }
+
+    /// The next statement's OR, STA, RLO, /FC are those after an instruction that ends a logic string: OR 0, /FC 0.
+    pub fn end_logic_string(&mut self) {
+        self.set_bit(self.regs.or_, false);
+        self.set_bit(self.regs.fc, false);
+    }
+
+    /// Status word after a block call or at a block's end: OS, OR and /FC 0, STA 1.
+    pub fn after_block(&mut self) {
+        self.set_bit(self.regs.os, false);
+        self.set_bit(self.regs.sta, true);
+        self.end_logic_string();
+    }
+
+    /// True (an i1) unless the MCR is switched off here.
+    pub fn mcr_on(&mut self) -> Value {
+        if !self.uses_mcr {
+            return self.b.bool_const(true);
+        }
+        let active = self.get(self.regs.mcr_active);
+        let inactive = self.b.not(active);
+        let bits = self.get(self.regs.mcr_bits);
+        let all = self.b.icmp_imm(plcc_ir::IntCc::Eq, bits, -1);
+        self.b.or(inactive, all)
+    }
+
+    // Nesting stack.
+
+    /// Variables for one more open parenthesis.
+    pub fn new_nesting(&mut self, insn: StlInsn) -> Nesting {
+        let spare = self.spare_nesting.pop();
+        let vars = spare.unwrap_or_else(|| {
+            let mut bit = || self.b.declare_var(Type::I1);
+            Nesting { insn, rlo: bit(), or_: bit(), fc: bit(), br: bit() }
+        });
+        Nesting { insn, ..vars }
+    }
+
+    pub fn pop_nesting(&mut self) -> Option<Nesting> {
+        let nesting = self.nesting.pop()?;
+        self.spare_nesting.push(nesting);
+        Some(nesting)
+    }
+
+    // Places in the source.
+
+    /// Instructions built from now on belong to `statement`.
+    pub fn set_statement(&mut self, statement: &StlStatement) {
+        let site = Site {
+            file: self.output.file(statement.span),
+            line: self.output.lines.line(statement.span),
+            block: self.block.kind,
+            block_number: self.block.number,
+            network: statement.network,
+        };
+        let sites = &mut self.output.module.sites;
+        if sites.last() != Some(&site) {
+            sites.push(site);
+        }
+        self.site = sites.len() as u32 - 1;
+        self.b.set_loc(Loc(self.site + 1));
+        self.temporaries = self.local_bytes;
+    }
+
+    /// Room for `bytes` in the frame until the end of the statement, at an even offset.
+    pub fn temporary(&mut self, bytes: u32) -> Address {
+        let offset = self.temporaries.next_multiple_of(2);
+        self.temporaries = offset + bytes;
+        self.frame_bytes = self.frame_bytes.max(self.temporaries);
+        Address::direct(Region::L, offset)
+    }
+
+    // Control flow.
+
+    /// Where the block leaves when the CPU goes to STOP; values returned from there mean nothing.
+    pub fn exit(&mut self) -> Block {
+        *self.exit.get_or_insert_with(|| self.b.create_cold_block())
+    }
+
+    /// Makes the block of a label that `jumps` statements jump to.
+    pub fn declare_label(&mut self, label: LabelId, jumps: u32) {
+        let block = self.b.create_block();
+        self.labels.insert(label, LabelState { block, jumps_left: jumps, placed: false });
+    }
+
+    /// Code built from now on stands at `label`.
+    pub fn place_label(&mut self, label: LabelId) {
+        let Some(state) = self.labels.get_mut(&label) else { return };
+        state.placed = true;
+        let (block, complete) = (state.block, state.jumps_left == 0);
+        if self.b.is_reachable() {
+            self.b.jump(block, &[]);
+        }
+        if complete {
+            self.b.seal_block(block);
+        }
+        self.b.switch_to(block);
+        self.labels_since_settling += 1;
+        if self.labels_since_settling == LABELS_BETWEEN_SETTLING {
+            self.labels_since_settling = 0;
+            self.b.settle_vars();
+        }
+    }
+
+    /// Whether a jump to `label` goes back.
+    pub fn is_backward(&self, label: LabelId) -> bool {
+        self.labels.get(&label).is_some_and(|state| state.placed)
+    }
+
+    /// Block to jump to for `label`; a backward jump passes a safepoint on its way. `counted` jumps must reach the number
+    /// declared for the label.
+    pub fn label_target(&mut self, label: LabelId) -> Block {
+        let target = self.labels[&label].block;
+        if !self.is_backward(label) {
+            return target;
+        }
+        let here = self.b.current_block();
+        let edge = self.b.create_block();
+        self.b.switch_to(edge);
+        self.safepoint();
+        self.b.jump(target, &[]);
+        if let Some(here) = here {
+            self.b.switch_to(here);
+        }
+        edge
+    }
+
+    /// A jump to `label` has been built; seals its block after the last one.
+    pub fn jump_done(&mut self, label: LabelId, edge: Block) {
+        let state = self.labels.get_mut(&label).expect("labels are declared before statements are lowered");
+        state.jumps_left -= 1;
+        let (block, last, placed) = (state.block, state.jumps_left == 0, state.placed);
+        if edge != block {
+            self.b.seal_block(edge);
+        }
+        if last && placed {
+            self.b.seal_block(block);
+        }
+    }
+
+    /// A jump to `label` stands where it cannot be reached.
+    pub fn jump_skipped(&mut self, label: LabelId) {
+        let state = self.labels.get_mut(&label).expect("labels are declared before statements are lowered");
+        state.jumps_left -= 1;
+        if state.jumps_left == 0 && state.placed {
+            let block = state.block;
+            self.b.seal_block(block);
+        }
+    }
+
+    /// Returns to the caller with the registers as they are.
+    pub fn return_registers(&mut self) {
+        let values: Vec<Value> = match self.block.kind {
+            BlockKind::Ob => Vec::new(),
+            _ => {
+                let plan = self.plan;
+                plan.returned_registers().map(|register| self.b.use_var(self.regs.var(register))).collect()
+            }
+        };
+        self.b.ret(&values);
+    }
+
+    /// Ends the function.
+    pub fn finish(mut self) -> plcc_ir::Function {
+        if self.b.is_reachable() {
+            self.return_registers();
+        }
+        if let Some(exit) = self.exit {
+            self.b.seal_block(exit);
+            self.b.switch_to(exit);
+            let zeros: Vec<Value> =
+                self.plan.function_returns(self.block).into_iter().map(|ty| self.b.iconst(ty, 0)).collect();
+            self.b.ret(&zeros);
+        }
+        self.b.set_frame_bytes(layout::frame_bytes(self.frame_bytes));
+        self.b.finish()
+    }
+}

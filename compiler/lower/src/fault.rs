@@ -1,0 +1,133 @@
+//! Cold paths: synchronous errors, STOP, safepoints.
+//!
+//! A check that fails leaves the straight path for a cold block, which calls the runtime there and then. If OB 121 (OB 122)
+//! has run, the faulty instruction counts as skipped and the program goes on behind it; if the CPU goes to STOP, the block returns
+//! at once. Source: STL reference, synchronous errors.
+
+use plcc_abi::RuntimeFn;
+use plcc_abi::layout::state;
+use plcc_ir::{Block, IntCc, Value};
+
+use crate::context::Context;
+
+/// A condition without which an instruction is a synchronous error.
+pub struct Check {
+    /// i1: 1 if all is well.
+    pub ok: Value,
+    /// i32: `SW_FLT`.
+    pub code: Value,
+    /// i32: access byte of OB 121.
+    pub access: Value,
+    /// i32: fault register, an address or a number.
+    pub info: Value,
+}
+
+/// What an instruction that faulted leaves behind.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Substitute {
+    /// Nothing: it is skipped.
+    None,
+    /// A value of 32 bits in [`Context::result`].
+    Word,
+    /// 0 in [`Context::result_bit`].
+    Bit,
+}
+
+impl Context<'_, '_> {
+    /// The path on which all `checks` hold begins here; what failed goes on at the block that is given back, for
+    /// [`Context::end_guard`]. `None`: nothing can fail.
+    pub fn begin_guard(&mut self, checks: Vec<Check>, substitute: Substitute) -> Option<Block> {
+        let mut behind = None;
+        for check in checks {
+            if self.b.constant_bits(check.ok) == Some(1) {
+                continue;
+            }
+            let behind = *behind.get_or_insert_with(|| self.b.create_block());
+            let (good, bad) = (self.b.create_block(), self.b.create_cold_block());
+            self.b.branch(check.ok, good, bad);
+            self.b.seal_block(good);
+            self.b.seal_block(bad);
+            self.b.switch_to(bad);
+            self.raise(&check, substitute, behind);
+            self.b.switch_to(good);
+        }
+        behind
+    }
+
+    /// Calls the error OB, then goes on at `behind`.
+    fn raise(&mut self, check: &Check, substitute: Substitute, behind: Block) {
+        let site = self.b.i32_const(self.site);
+        let stop = self
+            .b
+            .call_runtime(RuntimeFn::SyncError, &[site, check.code, check.access, check.info])
+            .expect("sync_error has a result");
+        match substitute {
+            Substitute::None => {}
+            Substitute::Word => {
+                let value = self.b.load_state(state::SUBSTITUTE);
+                self.b.def_var(self.result, value);
+            }
+            Substitute::Bit => {
+                let zero = self.b.bool_const(false);
+                self.b.def_var(self.result_bit, zero);
+            }
+        }
+        self.leave_if(stop, behind);
+    }
+
+    /// Ends the path that [`Context::begin_guard`] began; both paths meet.
+    pub fn end_guard(&mut self, behind: Option<Block>) {
+        if let Some(behind) = behind {
+            self.b.jump(behind, &[]);
+            self.b.seal_block(behind);
+            self.b.switch_to(behind);
+        }
+    }
+
+    /// Leaves the function if `stop`, an i32, is not 0; else goes to `next`. Ends the current block.
+    fn leave_if(&mut self, stop: Value, next: Block) {
+        let stops = self.b.icmp_imm(IntCc::Ne, stop, 0);
+        let exit = self.exit();
+        self.b.branch(stops, exit, next);
+    }
+
+    /// Leaves the function if `stop`, an i32, is not 0.
+    pub fn stop_check(&mut self, stop: Value) {
+        let next = self.b.create_block();
+        self.leave_if(stop, next);
+        self.b.seal_block(next);
+        self.b.switch_to(next);
+    }
+
+    /// Runs what is due: one load, one test, one branch that is rarely taken.
+    pub fn safepoint(&mut self) {
+        let attention = self.b.load_state(state::ATTENTION);
+        let due = self.b.icmp_imm(IntCc::Ne, attention, 0);
+        let (cold, next) = (self.b.create_cold_block(), self.b.create_block());
+        self.b.branch(due, cold, next);
+        self.b.seal_block(cold);
+        self.b.switch_to(cold);
+        let stop = self.b.call_runtime(RuntimeFn::Safepoint, &[]).expect("safepoint has a result");
+        self.leave_if(stop, next);
+        self.b.seal_block(next);
+        self.b.switch_to(next);
+    }
+
+    /// Goes to STOP with `event` unless `ok`, an i1.
+    pub fn stop_unless(&mut self, ok: Value, event: u16) {
+        if self.b.constant_bits(ok) == Some(1) {
+            return;
+        }
+        let (cold, next) = (self.b.create_cold_block(), self.b.create_block());
+        self.b.branch(ok, next, cold);
+        self.b.seal_block(cold);
+        self.b.switch_to(cold);
+        let site = self.b.i32_const(self.site);
+        let event = self.b.i32_const(u32::from(event));
+        self.b.call_runtime(RuntimeFn::Stop, &[site, event]);
+        let exit = self.exit();
+        self.b.jump(exit, &[]);
+        self.b.seal_block(next);
+        self.b.switch_to(next);
+    }
+}

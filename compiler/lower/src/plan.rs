@@ -1,0 +1,394 @@
+//! What the blocks of a program must know of each other before one of them is lowered.
+
+use plcc_abi::Type;
+use plcc_abi::image::BlockKind;
+use plcc_abi::layout::{self, CpuRegister};
+use plcc_ir::StaticDb;
+use plcc_ir::entities::{Entity, FuncId};
+use plcc_program::Program;
+use plcc_program::model::{
+    AddressRegister, BlockKey, Body, CodeBlock, Number, Operand, Passing, StlStatement, StlStatementKind,
+};
+use plcc_syntax::stl::StlInsn;
+use rustc_hash::FxHashMap;
+
+/// SFC that stops the CPU.
+const SFC_STP: u16 = 46;
+
+/// Facts about the whole program.
+pub struct Plan<'a> {
+    pub program: &'a Program,
+    /// Registers that block functions take, in order.
+    pub registers: Vec<CpuRegister>,
+    /// DBs in memory, sorted by number.
+    pub dbs: Vec<StaticDb>,
+    pub db_end: u32,
+    /// Numbers of write-protected DBs.
+    pub protected_dbs: Vec<u16>,
+    /// A call names its block at run time: every FC and FB needs an entry.
+    pub has_dynamic_calls: bool,
+    /// Calls must count depth and local data at run time, since neither is bounded at compile time.
+    pub checks_depth: bool,
+    pub stops_itself: bool,
+    functions: Vec<Option<FuncId>>,
+    index: FxHashMap<BlockKey, usize>,
+    changes_ar2: Vec<bool>,
+    frame_estimates: Vec<u32>,
+}
+
+impl<'a> Plan<'a> {
+    pub fn new(program: &'a Program) -> Plan<'a> {
+        let (dbs, db_end) = place_dbs(program);
+        let mut next = 0;
+        let functions = program
+            .blocks
+            .iter()
+            .map(|block| {
+                matches!(block.body, Body::Stl(_)).then(|| {
+                    next += 1;
+                    FuncId::new(next - 1)
+                })
+            })
+            .collect();
+        let index = program.blocks.iter().enumerate().map(|(index, block)| (block.key(), index)).collect();
+        let facts: Vec<BlockFacts> = program.blocks.iter().map(BlockFacts::new).collect();
+        let mut plan = Plan {
+            program,
+            registers: CpuRegister::ALL
+                .into_iter()
+                .filter(|register| {
+                    program.profile.accumulators == 4 || !matches!(register, CpuRegister::Accu3 | CpuRegister::Accu4)
+                })
+                .collect(),
+            dbs,
+            db_end,
+            protected_dbs: program.dbs.iter().filter(|db| db.read_only).map(|db| db.number).collect(),
+            has_dynamic_calls: facts.iter().any(|facts| facts.dynamic_calls),
+            checks_depth: false,
+            stops_itself: facts.iter().any(|facts| facts.stops),
+            functions,
+            index,
+            changes_ar2: Vec::new(),
+            frame_estimates: facts.iter().map(|facts| facts.frame_estimate).collect(),
+        };
+        plan.changes_ar2 = plan.find_ar2_changes(&facts);
+        plan.checks_depth = plan.has_dynamic_calls || plan.too_deep(&facts);
+        plan
+    }
+
+    /// The function of the block at `index` of the program; none for system functions of the runtime.
+    pub fn function(&self, index: usize) -> Option<FuncId> {
+        self.functions[index]
+    }
+
+    pub fn block_index(&self, key: BlockKey) -> Option<usize> {
+        self.index.get(&key).copied()
+    }
+
+    pub fn block(&self, key: BlockKey) -> Option<(&'a CodeBlock, Option<FuncId>)> {
+        let index = self.block_index(key)?;
+        Some((&self.program.blocks[index], self.functions[index]))
+    }
+
+    /// True if the block's code changes AR2, itself or by blocks that it calls: its caller cannot rely on AR2.
+    pub fn changes_ar2(&self, key: BlockKey) -> bool {
+        self.block_index(key).is_some_and(|index| self.changes_ar2[index])
+    }
+
+    /// Upper bound of the block's frame, in bytes.
+    pub fn frame_estimate(&self, key: BlockKey) -> u32 {
+        self.block_index(key).map_or(0, |index| self.frame_estimates[index])
+    }
+
+    pub fn db_address(&self, number: u16) -> u32 {
+        self.static_db(number).map_or(0, |db| db.address)
+    }
+
+    /// The DB's place, if it is in memory before the first cycle.
+    pub fn static_db(&self, number: u16) -> Option<&StaticDb> {
+        self.dbs.binary_search_by_key(&number, |db| db.number).ok().map(|index| &self.dbs[index])
+    }
+
+    /// Types of the parameters of a block's function: the registers, then what [`parameter_types`] lists.
+    pub fn function_params(&self, block: &CodeBlock) -> Vec<Type> {
+        if block.kind == BlockKind::Ob {
+            return Vec::new();
+        }
+        let mut types: Vec<Type> = self.registers.iter().map(|&register| register_type(register)).collect();
+        if block.kind == BlockKind::Fc {
+            for parameter in &block.interface.parameters {
+                types.extend_from_slice(parameter_types(parameter.passing));
+            }
+        }
+        types
+    }
+
+    /// The registers that a block's function returns. DB and DI are the caller's own again after a call.
+    pub fn returned_registers(&self) -> impl Iterator<Item = CpuRegister> + '_ {
+        self.registers.iter().copied().filter(|register| !matches!(register, CpuRegister::Db | CpuRegister::Di))
+    }
+
+    /// Types of what a block's function returns.
+    pub fn function_returns(&self, block: &CodeBlock) -> Vec<Type> {
+        match block.kind {
+            BlockKind::Ob => Vec::new(),
+            _ => self.returned_registers().map(register_type).collect(),
+        }
+    }
+
+    /// Every block that changes AR2 or calls one that does and passes AR2 on.
+    fn find_ar2_changes(&self, facts: &[BlockFacts]) -> Vec<bool> {
+        let mut changes: Vec<bool> = facts.iter().map(|facts| facts.changes_ar2 || facts.dynamic_calls).collect();
+        loop {
+            let mut changed = false;
+            for (index, facts) in facts.iter().enumerate() {
+                if !changes[index]
+                    && facts.passes_ar2_to.iter().any(|key| self.block_index(*key).is_some_and(|i| changes[i]))
+                {
+                    changes[index] = true;
+                    changed = true;
+                }
+            }
+            if !changed {
+                return changes;
+            }
+        }
+    }
+
+    /// True if a chain of calls may exceed the block depth or the local data of a priority class.
+    fn too_deep(&self, facts: &[BlockFacts]) -> bool {
+        let profile = &self.program.profile;
+        let mut heights: Vec<Option<Height>> = vec![None; facts.len()];
+        for root in 0..facts.len() {
+            match self.height(root, facts, &mut heights) {
+                None => return true,
+                Some(height) => {
+                    let block = &self.program.blocks[root];
+                    let depth_max = match block.number {
+                        121 | 122 => profile.error_depth,
+                        _ => profile.block_depth,
+                    };
+                    if block.kind == BlockKind::Ob && (height.depth > depth_max || height.bytes > profile.local_data) {
+                        return true;
+                    }
+                }
+            }
+        }
+        false
+    }
+
+    /// Height of the call tree below block `root`; `None` if it is not bounded. Walks without recursion: the tree of a program
+    /// may be as deep as it likes.
+    fn height(&self, root: usize, facts: &[BlockFacts], heights: &mut [Option<Height>]) -> Option<Height> {
+        let mut on_path = vec![false; facts.len()];
+        let mut stack = vec![(root, 0)];
+        on_path[root] = true;
+        while let Some((index, next)) = stack.pop() {
+            let callee = facts[index].calls.get(next).and_then(|key| self.block_index(*key));
+            if next < facts[index].calls.len() {
+                stack.push((index, next + 1));
+                if let Some(callee) = callee
+                    && heights[callee].is_none()
+                {
+                    if on_path[callee] {
+                        return None;
+                    }
+                    on_path[callee] = true;
+                    stack.push((callee, 0));
+                }
+                continue;
+            }
+            on_path[index] = false;
+            let mut height = Height { depth: 0, bytes: 0 };
+            for key in &facts[index].calls {
+                if let Some(below) = self.block_index(*key).and_then(|callee| heights[callee]) {
+                    height.depth = height.depth.max(below.depth);
+                    height.bytes = height.bytes.max(below.bytes);
+                }
+            }
+            heights[index] = Some(Height {
+                depth: height.depth + 1,
+                bytes: height.bytes.saturating_add(facts[index].frame_estimate),
+            });
+        }
+        heights[root]
+    }
+}
+
+/// Size of a call tree: blocks on the longest path, bytes of local data at most.
+#[derive(Clone, Copy)]
+struct Height {
+    depth: u32,
+    bytes: u32,
+}
+
+/// Gives every DB its address.
+fn place_dbs(program: &Program) -> (Vec<StaticDb>, u32) {
+    let mut address = layout::DB_DATA;
+    let mut dbs = Vec::new();
+    for db in program.dbs.iter().filter(|db| !db.unlinked) {
+        let length = db.data.len() as u32;
+        dbs.push(StaticDb { number: db.number, address, length });
+        address += length.next_multiple_of(layout::DB_ALIGN);
+    }
+    (dbs, address)
+}
+
+/// The IR type of a register at block borders.
+pub fn register_type(register: CpuRegister) -> Type {
+    if register.is_bit() { Type::I1 } else { Type::I32 }
+}
+
+/// What an FC gets for a parameter.
+///
+/// - elementary: a reference: offset of the actual from the memory base; of a BOOL eight times that plus the bit
+/// - complex: where its POINTER lies in the caller's frame, and the offset of the variable from the memory base
+/// - TIMER, COUNTER, BLOCK_x: the number
+/// - POINTER, ANY: where it lies in the caller's frame
+pub fn parameter_types(passing: Passing) -> &'static [Type] {
+    match passing {
+        Passing::Elementary(_) | Passing::Number | Passing::Pointer | Passing::Any => &[Type::I32],
+        Passing::Complex { .. } => &[Type::I32, Type::I32],
+    }
+}
+
+/// What matters of one block for the others.
+struct BlockFacts {
+    /// Blocks that it calls, without repeats.
+    calls: Vec<BlockKey>,
+    /// Those of them that leave their AR2 behind: all calls but those of FBs with an instance.
+    passes_ar2_to: Vec<BlockKey>,
+    changes_ar2: bool,
+    dynamic_calls: bool,
+    stops: bool,
+    /// Upper bound of its frame.
+    frame_estimate: u32,
+}
+
+impl BlockFacts {
+    fn new(block: &CodeBlock) -> BlockFacts {
+        let mut facts = BlockFacts {
+            calls: Vec::new(),
+            passes_ar2_to: Vec::new(),
+            changes_ar2: false,
+            dynamic_calls: false,
+            stops: false,
+            frame_estimate: block.temp_bytes,
+        };
+        if let Body::Stl(statements) = &block.body {
+            facts.frame_estimate = local_bytes(block, statements);
+            let mut temporaries = 0;
+            for statement in statements {
+                facts.scan(statement, &mut temporaries);
+            }
+            facts.frame_estimate = layout::frame_bytes(facts.frame_estimate + temporaries);
+        }
+        facts.calls.sort_unstable();
+        facts.calls.dedup();
+        facts
+    }
+
+    fn scan(&mut self, statement: &StlStatement, temporaries: &mut u32) {
+        match &statement.kind {
+            StlStatementKind::Instruction { insn, operand } => {
+                self.changes_ar2 |= changes_ar2(*insn, operand);
+                if let Operand::Block { kind, number } = operand {
+                    match number {
+                        Number::Known(number) => {
+                            let key = BlockKey { kind: *kind, number: *number };
+                            self.stops |= key == BlockKey { kind: BlockKind::Sfc, number: SFC_STP };
+                            self.calls.push(key);
+                            self.passes_ar2_to.push(key);
+                        }
+                        Number::Word(_) | Number::Parameter(_) => self.dynamic_calls = true,
+                    }
+                }
+            }
+            StlStatementKind::Call(call) => {
+                self.stops |= call.target == BlockKey { kind: BlockKind::Sfc, number: SFC_STP };
+                self.calls.push(call.target);
+                if call.instance.is_none() {
+                    self.passes_ar2_to.push(call.target);
+                }
+                // Each argument takes at most a pointer and a value; complex ones of system functions more, which their
+                // structure of parameters counts.
+                *temporaries = (*temporaries).max(16 * call.arguments.len() as u32 + 512);
+            }
+            StlStatementKind::Label(_)
+            | StlStatementKind::JumpList { .. }
+            | StlStatementKind::Assert(_)
+            | StlStatementKind::Sleep(_) => {}
+        }
+    }
+}
+
+/// True if the instruction writes AR2.
+pub fn changes_ar2(insn: StlInsn, operand: &Operand) -> bool {
+    match insn {
+        StlInsn::LoadAr2 | StlInsn::AddAr2 | StlInsn::SwapAr => true,
+        StlInsn::TransferAr1 => *operand == Operand::Register(AddressRegister::Ar2),
+        _ => false,
+    }
+}
+
+/// Local data that the block's code can reach: declared TEMP, and what is addressed directly behind it, as code from the
+/// graphic editors does.
+pub fn local_bytes(block: &CodeBlock, statements: &[StlStatement]) -> u32 {
+    let mut bytes = block.temp_bytes;
+    let mut see = |place: &plcc_program::model::Place, width: u32| {
+        if let plcc_program::model::Place::L { byte, .. } = place {
+            bytes = bytes.max(byte + width);
+        }
+    };
+    for statement in statements {
+        match &statement.kind {
+            StlStatementKind::Instruction { operand, .. } => see_operand(operand, &mut see),
+            StlStatementKind::Assert(assert) => {
+                for side in [&assert.left, &assert.right] {
+                    if let plcc_program::model::AssertSide::Operand(operand) = side {
+                        see_operand(operand, &mut see);
+                    }
+                }
+            }
+            StlStatementKind::Call(call) => {
+                for argument in &call.arguments {
+                    if let plcc_program::model::Actual::Place(place) = &argument.actual {
+                        see(place, 4);
+                    }
+                }
+            }
+            StlStatementKind::Label(_) | StlStatementKind::JumpList { .. } | StlStatementKind::Sleep(_) => {}
+        }
+    }
+    bytes.next_multiple_of(2)
+}
+
+fn see_operand(operand: &Operand, see: &mut dyn FnMut(&plcc_program::model::Place, u32)) {
+    use plcc_program::model::Place;
+    let mut see_place = |place: &Place, width: u32| {
+        see(place, width);
+        if let Place::Indirect { pointer, .. } = place {
+            see(pointer, 4);
+        }
+    };
+    match operand {
+        Operand::Memory { place, width } => see_place(place, width.bytes()),
+        Operand::Cell { number, .. } | Operand::Block { number, .. } | Operand::Db { number, .. } => {
+            if let Number::Word(place) = number {
+                see_place(place, 2);
+            }
+        }
+        Operand::None
+        | Operand::Const { .. }
+        | Operand::Status(_)
+        | Operand::Special(_)
+        | Operand::Register(_)
+        | Operand::Label(_)
+        | Operand::ParameterPointer { .. } => {}
+    }
+}
+
+/// The function's name: `FC12`.
+pub fn function_name(block: &CodeBlock) -> String {
+    format!("{}{}", block.kind.prefix(), block.number)
+}

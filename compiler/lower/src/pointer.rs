@@ -1,0 +1,136 @@
+//! POINTER and ANY structures. Source: STL reference, composite encodings.
+
+use plcc_abi::layout::area;
+use plcc_ir::{Address, BinaryOp, Value};
+use plcc_program::model::{Actual, Passing, Place, Width};
+
+use crate::context::Context;
+
+/// Syntax id of an ANY for S7.
+const ANY_S7: u32 = 0x10;
+/// Data type ids inside an ANY stand before its POINTER: id, type, repetition factor.
+const ANY_HEAD_BYTES: u32 = 4;
+
+/// The two fields of a POINTER.
+#[derive(Clone, Copy)]
+pub struct PointerFields {
+    /// DB number, an i32; 0: not in a DB.
+    db: Value,
+    /// Area-crossing pointer, an i32.
+    pointer: Value,
+}
+
+impl Context<'_, '_> {
+    /// A pointer to `place` as a called block sees it: local data of this block are the callee's area V.
+    pub fn pointer_fields(&mut self, place: &Place) -> PointerFields {
+        let known = |code: u8, byte: u32, bit: u8| (u32::from(code) << 24) | (byte << 3) | u32::from(bit);
+        let (db, pointer) = match *place {
+            Place::I { byte, bit } => (None, known(area::I, byte, bit)),
+            Place::Q { byte, bit } => (None, known(area::Q, byte, bit)),
+            Place::M { byte, bit } => (None, known(area::M, byte, bit)),
+            Place::L { byte, bit } => (None, known(area::V, byte, bit)),
+            Place::Pi { byte } | Place::Pq { byte } => (None, known(area::P, byte, 0)),
+            Place::Db { number, byte, bit } => (Some(self.b.i32_const(u32::from(number))), known(area::DB, byte, bit)),
+            Place::OpenDb { byte, bit } => (Some(self.get(self.regs.db)), known(area::DB, byte, bit)),
+            Place::OpenDi { byte, bit } => (Some(self.get(self.regs.di)), known(area::DB, byte, bit)),
+            Place::Instance { byte, bit } => return self.instance_pointer(byte, bit),
+            Place::Parameter { parameter, byte, bit } => return self.parameter_pointer(parameter, byte, bit),
+            Place::ThroughPointer { pointer, byte, bit } => {
+                let db = self.read(&Place::Instance { byte: pointer, bit: 0 }, Width::Word);
+                let start = self.read(&Place::Instance { byte: pointer + 2, bit: 0 }, Width::Dword);
+                let pointer = self.b.binary_imm(BinaryOp::Iadd, start, i64::from(8 * byte + u32::from(bit)));
+                return PointerFields { db, pointer };
+            }
+            Place::Indirect { .. } | Place::Register { .. } => {
+                unreachable!("the binder lets no indirect address through as an actual parameter")
+            }
+        };
+        let db = db.unwrap_or_else(|| self.b.i32_const(0));
+        PointerFields { db, pointer: self.b.i32_const(pointer) }
+    }
+
+    /// In this FB's instance: in the DB of DI, at AR2.
+    fn instance_pointer(&mut self, byte: u32, bit: u8) -> PointerFields {
+        let (db, ar2) = (self.get(self.regs.di), self.get(self.regs.ar[1]));
+        let base = self.b.binary_imm(BinaryOp::And, ar2, 0x00FF_FFFF);
+        let address = self.b.binary_imm(BinaryOp::Iadd, base, i64::from(8 * byte + u32::from(bit)));
+        let pointer = self.b.binary_imm(BinaryOp::Or, address, i64::from(area::DB) << 24);
+        PointerFields { db, pointer }
+    }
+
+    /// What a formal parameter of this FC refers to: its own POINTER, moved on. An elementary one has no POINTER.
+    fn parameter_pointer(&mut self, parameter: usize, byte: u32, bit: u8) -> PointerFields {
+        match self.passing(parameter) {
+            Passing::Complex { .. } => {
+                let db = self.read_parameter_structure(parameter, 0, Width::Word);
+                let start = self.read_parameter_structure(parameter, 2, Width::Dword);
+                let pointer = self.b.binary_imm(BinaryOp::Iadd, start, i64::from(8 * byte + u32::from(bit)));
+                PointerFields { db, pointer }
+            }
+            Passing::Elementary(_) | Passing::Number | Passing::Pointer | Passing::Any => {
+                unreachable!("the binder lets pointers to complex formals through only")
+            }
+        }
+    }
+
+    /// Reads from the structure that the caller put into its frame for a formal parameter.
+    fn read_parameter_structure(&mut self, parameter: usize, offset: u32, width: Width) -> Value {
+        let base = self.parameters[parameter][0];
+        self.load_zero_extended(Address::indexed(plcc_ir::Region::V, base, offset), width)
+    }
+
+    pub fn store_pointer_fields(&mut self, addr: Address, fields: PointerFields) {
+        self.store_low(addr, Width::Word, fields.db);
+        self.store_low(moved(addr, 2), Width::Dword, fields.pointer);
+    }
+
+    /// Writes the POINTER (6 bytes) or ANY (10 bytes) of an actual parameter to `addr`.
+    pub fn store_pointer(&mut self, addr: Address, actual: &Actual, any: bool) {
+        match actual {
+            Actual::PointerBytes(bytes) | Actual::Const(bytes) => self.store_bytes(addr, bytes),
+            Actual::PointerTo { place, type_code, count } => {
+                let fields = self.pointer_fields(place);
+                if any {
+                    let head = ANY_S7 << 24 | u32::from(*type_code) << 16 | u32::from(*count);
+                    let head = self.b.i32_const(head);
+                    self.store_low(addr, Width::Dword, head);
+                    self.store_pointer_fields(moved(addr, ANY_HEAD_BYTES), fields);
+                } else {
+                    self.store_pointer_fields(addr, fields);
+                }
+            }
+            Actual::PointerCopy(place) => {
+                let bytes = if any { 10 } else { 6 };
+                let source = self.target(place, Width::Byte, crate::place::Direction::Read);
+                let guard = self.begin_guard(source.checks, crate::fault::Substitute::None);
+                if let crate::place::TargetKind::Memory { addr: from, .. } = source.kind {
+                    self.b.copy(addr, from, bytes);
+                }
+                self.end_guard(guard);
+            }
+            Actual::Place(_) | Actual::Number(_) => unreachable!("the binder gives pointer formals pointers"),
+        }
+    }
+
+    /// Writes constant bytes to `addr`, the widest pieces first.
+    pub fn store_bytes(&mut self, addr: Address, bytes: &[u8]) {
+        let mut at = 0;
+        while at < bytes.len() {
+            let left = bytes.len() - at;
+            let (width, count) = match left {
+                4.. => (Width::Dword, 4),
+                2.. => (Width::Word, 2),
+                _ => (Width::Byte, 1),
+            };
+            let value = bytes[at..at + count].iter().fold(0u32, |value, &byte| value << 8 | u32::from(byte));
+            let value = self.b.i32_const(value);
+            self.store_low(moved(addr, at as u32), width, value);
+            at += count;
+        }
+    }
+}
+
+/// `addr` moved on by `bytes`.
+fn moved(addr: Address, bytes: u32) -> Address {
+    Address { offset: addr.offset + bytes, ..addr }
+}
