@@ -27,6 +27,23 @@ struct BlockState {
     incomplete: Vec<(Var, Value)>,
 }
 
+/// A block with several predecessors, whose parameter for a variable waits for what they bring.
+struct Join {
+    block: Block,
+    param: Value,
+    predecessors: Vec<Block>,
+    /// Values at the end of the predecessors, as far as they have been read.
+    operands: Vec<Value>,
+    /// Blocks behind this one where the variable has the same value.
+    chain: Vec<Block>,
+}
+
+impl Join {
+    fn new(block: Block, param: Value, predecessors: Vec<Block>) -> Join {
+        Join { block, param, predecessors, operands: Vec::new(), chain: Vec::new() }
+    }
+}
+
 /// Builds one function; see the module comment.
 pub struct FunctionBuilder {
     function: Function,
@@ -55,8 +72,8 @@ impl FunctionBuilder {
     /// Ends building. Every block is sealed and ends with a terminator.
     pub fn finish(mut self) -> Function {
         for block in self.function.layout.clone() {
-            debug_assert!(self.states[block].sealed, "{block} of {} is not sealed", self.function.name);
-            debug_assert!(self.function.terminator(block).is_some(), "{block} of {} has no end", self.function.name);
+            assert!(self.states[block].sealed, "{block} of {} is not sealed", self.function.name);
+            assert!(self.function.terminator(block).is_some(), "{block} of {} has no end", self.function.name);
         }
         self.function.resolve_aliases();
         self.function
@@ -95,8 +112,10 @@ impl FunctionBuilder {
         block
     }
 
-    /// Appends a parameter that every jump to `block` must supply.
+    /// Appends a parameter that every jump to `block` must supply. Parameters are appended before
+    /// variables are read in the block.
     pub fn append_param(&mut self, block: Block, ty: Type) -> Value {
+        assert!(self.states[block].incomplete.is_empty(), "variables have been read in {block}");
         self.function.add_param(block, ty)
     }
 
@@ -121,7 +140,8 @@ impl FunctionBuilder {
             return;
         }
         for (var, param) in std::mem::take(&mut self.states[block].incomplete) {
-            self.add_param_operands(var, block, param);
+            let join = Join::new(block, param, self.states[block].predecessors.clone());
+            self.complete_joins(var, vec![join], None);
         }
         self.states[block].sealed = true;
     }
@@ -134,7 +154,7 @@ impl FunctionBuilder {
 
     pub fn def_var(&mut self, var: Var, value: Value) {
         let block = self.block.expect("a variable is written inside a block");
-        debug_assert_eq!(self.vars[var], self.function.ty(value), "type of {var}");
+        assert_eq!(self.vars[var], self.function.ty(value), "type of {var}");
         self.write_var(var, block, value);
     }
 
@@ -155,9 +175,18 @@ impl FunctionBuilder {
         self.states[block].current.get(var.index()).copied().flatten().map(|value| self.function.resolve(value))
     }
 
-    /// Value of `var` at the end of `block`. Chains of single predecessors are walked in a loop, since blocks can
-    /// have thousands of them in a row.
+    /// Value of `var` at the end of `block`.
     fn read_var(&mut self, var: Var, block: Block) -> Value {
+        let mut joins = Vec::new();
+        match self.walk_back(var, block, &mut joins) {
+            Some(value) if joins.is_empty() => value,
+            found => self.complete_joins(var, joins, found),
+        }
+    }
+
+    /// Walks from `block` to where `var` is known, through blocks with one predecessor. `None`: the walk ended at a block with
+    /// several, which now stands in `joins`.
+    fn walk_back(&mut self, var: Var, block: Block, joins: &mut Vec<Join>) -> Option<Value> {
         let mut chain = Vec::new();
         let mut at = block;
         let value = loop {
@@ -172,7 +201,9 @@ impl FunctionBuilder {
             }
             match state.predecessors[..] {
                 // Never written, or unreachable: 0.
-                [] => break self.zero_at_start(var, at),
+                [] => break self.constant_at_start(at, self.vars[var], 0),
+                // Blocks that only follow each other round a circle are unreachable.
+                [_] if chain.len() > self.states.len() => break self.constant_at_start(at, self.vars[var], 0),
                 [only] => {
                     chain.push(at);
                     at = only;
@@ -181,7 +212,10 @@ impl FunctionBuilder {
                     let param = self.function.add_param(at, self.vars[var]);
                     // Before the operands are read, so that a loop finds it.
                     self.write_var(var, at, param);
-                    break self.add_param_operands(var, at, param);
+                    let mut join = Join::new(at, param, self.states[at].predecessors.clone());
+                    join.chain = chain;
+                    joins.push(join);
+                    return None;
                 }
             }
         };
@@ -189,21 +223,41 @@ impl FunctionBuilder {
         for block in chain {
             self.write_var(var, block, value);
         }
-        value
+        Some(value)
     }
 
-    fn zero_at_start(&mut self, var: Var, block: Block) -> Value {
-        let inst = self.function.make_inst(InstData::Const { bits: 0 }, &[self.vars[var]], Loc(0));
-        self.function.blocks[block].insts.insert(0, inst);
-        self.function.result(inst)
+    /// Reads `var` at the end of every predecessor of every join, and of those that turn up on the way. The joins stand
+    /// in a list and not on the stack of the host, since blocks can have thousands of them in a row. `found` is a value for the
+    /// last join. Gives the value of the first one.
+    fn complete_joins(&mut self, var: Var, mut joins: Vec<Join>, found: Option<Value>) -> Value {
+        let mut found = found;
+        loop {
+            let join = joins.last_mut().expect("ends with the first join");
+            join.operands.extend(found.take());
+            match join.predecessors.get(join.operands.len()).copied() {
+                Some(predecessor) => found = self.walk_back(var, predecessor, &mut joins),
+                None => {
+                    let join = joins.pop().expect("it is the last");
+                    let value = self.complete_param(var, &join);
+                    // If the parameter is another's name now, so is what was written for it.
+                    for &block in &join.chain {
+                        self.write_var(var, block, value);
+                    }
+                    if joins.is_empty() {
+                        return value;
+                    }
+                    found = Some(value);
+                }
+            }
+        }
     }
 
-    /// Gives every jump to `block` the value of `var` for `param`; returns `param` or the one value it stands for.
-    fn add_param_operands(&mut self, var: Var, block: Block, param: Value) -> Value {
-        let predecessors = self.states[block].predecessors.clone();
-        let operands: Vec<Value> = predecessors.iter().map(|&pred| self.read_var(var, pred)).collect();
+    /// Gives every jump to the join the value of `var` for its parameter; returns the parameter, or the one value for which
+    /// it stands.
+    fn complete_param(&mut self, var: Var, join: &Join) -> Value {
+        let Join { block, param, .. } = *join;
         let mut same = None;
-        for &operand in &operands {
+        for &operand in &join.operands {
             let operand = self.function.resolve(operand);
             if operand == param || Some(operand) == same {
                 continue;
@@ -215,18 +269,17 @@ impl FunctionBuilder {
                 continue;
             }
             if same.is_some() {
-                self.append_operands(block, param, &predecessors, &operands);
+                self.append_operands(join);
                 return param;
             }
             same = Some(operand);
         }
-        let replacement = match same {
-            Some(value) => match self.function.constant(value) {
-                // A constant of one predecessor does not dominate this block.
-                Some(bits) => self.constant_at_start(block, self.vars[var], bits),
-                None => value,
-            },
-            None => self.zero_at_start(var, block),
+        let replacement = match same.map(|value| (value, self.function.constant(value))) {
+            Some((value, None)) => value,
+            // A constant of one predecessor does not dominate this block.
+            Some((_, Some(bits))) => self.constant_at_start(block, self.vars[var], bits),
+            // Unreachable.
+            None => self.constant_at_start(block, self.vars[var], 0),
         };
         let params = &mut self.function.blocks[block].params;
         let position = params.iter().position(|&p| p == param).expect("the parameter is the block's");
@@ -248,21 +301,23 @@ impl FunctionBuilder {
         }
     }
 
-    /// Appends the operand of `param` to the jumps of `predecessors`. A predecessor that jumps to `block` twice stands
-    /// twice in the list; each of its jumps gets one operand.
-    fn append_operands(&mut self, block: Block, param: Value, predecessors: &[Block], operands: &[Value]) {
+    /// Appends the operands of the join's parameter to the jumps. A predecessor that jumps to the block twice stands twice in
+    /// the list; each of its jumps gets one operand.
+    fn append_operands(&mut self, join: &Join) {
+        let Join { block, param, .. } = *join;
         // Operands are in the order of the parameters; this one's place is where it stands now, and parameters whose
         // operands are still missing stand behind it or have none yet.
         let position = self.function.blocks[block].params.iter().position(|&p| p == param).expect("own parameter");
-        for (&pred, &operand) in predecessors.iter().zip(operands) {
+        for (&pred, &operand) in join.predecessors.iter().zip(&join.operands) {
             let inst = self.function.terminator(pred).expect("a predecessor ends with a jump");
-            let mut targets = self.function.insts[inst].targets_mut();
-            let call = targets
-                .iter_mut()
-                .find(|call| call.block == block && call.args.len() <= position)
-                .expect("a predecessor jumps here");
-            debug_assert_eq!(call.args.len(), position, "operands are added in the order of the parameters");
-            call.args.push(operand);
+            let mut open = true;
+            self.function.insts[inst].for_each_target_mut(|call| {
+                if open && call.block == block && call.args.len() == position {
+                    call.args.push(operand);
+                    open = false;
+                }
+            });
+            assert!(!open, "operands are added in the order of the parameters");
         }
     }
 }
@@ -284,7 +339,7 @@ impl FunctionBuilder {
     fn terminate(&mut self, data: InstData) {
         let block = self.block.expect("a terminator is built inside a block");
         for target in data.targets() {
-            debug_assert!(!self.states[target.block].sealed, "{} is sealed, no jump can be added", target.block);
+            assert!(!self.states[target.block].sealed, "{} is sealed, no jump can be added", target.block);
             self.states[target.block].predecessors.push(block);
         }
         self.push(data, &[]);
@@ -328,7 +383,7 @@ impl FunctionBuilder {
 
     pub fn binary(&mut self, op: BinaryOp, a: Value, b: Value) -> Value {
         let ty = self.ty(a);
-        debug_assert_eq!(ty, self.ty(b), "operands of {}", op.name());
+        assert_eq!(ty, self.ty(b), "operands of {}", op.name());
         let (ca, cb) = (self.constant_bits(a), self.constant_bits(b));
         if let (Some(ca), Some(cb)) = (ca, cb)
             && let Some(bits) = eval::binary(op, ty, ca, cb)
@@ -423,7 +478,7 @@ impl FunctionBuilder {
 
     pub fn icmp(&mut self, cc: IntCc, a: Value, b: Value) -> Value {
         let ty = self.ty(a);
-        debug_assert_eq!(ty, self.ty(b), "operands of a comparison");
+        assert_eq!(ty, self.ty(b), "operands of a comparison");
         if let (Some(ca), Some(cb)) = (self.constant_bits(a), self.constant_bits(b)) {
             return self.bool_const(eval::int_compare(cc, ty, ca, cb));
         }
@@ -545,14 +600,14 @@ impl FunctionBuilder {
 
     /// Calls a runtime function; its result, if it has one.
     pub fn call_runtime(&mut self, function: RuntimeFn, args: &[Value]) -> Option<Value> {
-        debug_assert_eq!(function.params().len(), args.len(), "arguments of {}", function.name());
+        assert_eq!(function.params().len(), args.len(), "arguments of {}", function.name());
         let inst = self.push(InstData::CallRuntime { function, args: args.to_vec() }, function.result().as_slice());
         self.function.results[inst].first().copied()
     }
 
     /// Calls a pure runtime function.
     pub fn call_pure(&mut self, function: RuntimeFn, args: &[Value]) -> Value {
-        debug_assert_eq!(function.effect(), Effect::Pure);
+        assert_eq!(function.effect(), Effect::Pure);
         self.call_runtime(function, args).expect("pure functions have a result")
     }
 
@@ -582,15 +637,17 @@ impl FunctionBuilder {
     }
 
     pub fn ret(&mut self, values: &[Value]) {
-        debug_assert_eq!(values.len(), self.function.returns.len(), "values returned");
+        assert_eq!(values.len(), self.function.returns.len(), "values returned");
         self.terminate(InstData::Return { values: values.to_vec() });
     }
 
-    /// Reads every variable in the current block, so that later reads need not look further back. Long chains of joins call
-    /// for it now and then: reads walk back join by join, and each takes a stack frame.
+    /// Reads every variable in the current block, so that later reads find it here and need not look further back.
     pub fn settle_vars(&mut self) {
         for var in self.vars.keys() {
             self.use_var(var);
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

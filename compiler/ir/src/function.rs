@@ -2,7 +2,7 @@
 
 use plcc_abi::Type;
 
-use crate::entities::{Block, EntityVec, Inst, Loc, Value};
+use crate::entities::{Block, Entity, EntityVec, Inst, Loc, Value};
 use crate::instructions::{BlockCall, InstData};
 
 /// Where a value comes from.
@@ -125,12 +125,24 @@ impl Function {
 
     /// Replaces aliases by what they stand for, in all instructions of all blocks.
     pub fn resolve_aliases(&mut self) {
-        let values = &self.values;
-        let resolve = |mut value: Value| {
-            while let ValueDef::Alias(other) = values[value].def {
-                value = other;
+        // Shorten chains first, so that a long one is walked once.
+        for index in 0..self.values.len() {
+            let value = Value::new(index);
+            if let ValueDef::Alias(_) = self.values[value].def {
+                let target = self.resolve(value);
+                let mut at = value;
+                while let ValueDef::Alias(next) = self.values[at].def
+                    && next != target
+                {
+                    self.values[at].def = ValueDef::Alias(target);
+                    at = next;
+                }
             }
-            value
+        }
+        let values = &self.values;
+        let resolve = |value: Value| match values[value].def {
+            ValueDef::Alias(other) => other,
+            ValueDef::Result(..) | ValueDef::Param(..) => value,
         };
         for block in &self.layout {
             for &inst in &self.blocks[*block].insts {
