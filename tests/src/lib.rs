@@ -1,1 +1,100 @@
-//! The file tests of the project and their one runner.
+//! What the tests of the project share: where files are, how expected text is compared, how programs are compiled.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use plcc_driver::cli::Level;
+use plcc_driver::inputs;
+use plcc_driver::pipeline::{self, Bound, Settings};
+use plcc_driver::testing::{Form, Plan, Variant};
+
+/// Set to renew printed forms and carets, never assertions.
+pub const UPDATE: &str = "UPDATE_EXPECT";
+
+/// The folder of the workspace.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the tests lie in the workspace").to_path_buf()
+}
+
+/// This folder.
+pub fn tests_folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// `path` as seen from the workspace, for names of tests and files in messages.
+pub fn shown(path: &Path) -> String {
+    path.strip_prefix(root()).unwrap_or(path).display().to_string()
+}
+
+/// True if expectations are to be renewed.
+pub fn updating() -> bool {
+    std::env::var_os(UPDATE).is_some_and(|value| value != "0")
+}
+
+/// Files with this suffix in `folder` and below, sorted; none if there is no such folder.
+pub fn files(folder: &Path, suffix: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut entries: Vec<PathBuf> =
+        fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            found.extend(files(&path, suffix));
+        } else if path.extension().is_some_and(|ending| ending == suffix) {
+            found.push(path);
+        }
+    }
+    found
+}
+
+/// Compares `actual` with the file at `path`, or renews the file.
+pub fn expect_file(path: &Path, actual: &str) -> Result<(), String> {
+    let expected = fs::read_to_string(path).unwrap_or_default();
+    if expected == actual {
+        return Ok(());
+    }
+    if updating() {
+        return fs::write(path, actual).map_err(|error| format!("{}: {error}", shown(path)));
+    }
+    Err(format!(
+        "{} is not what is printed now; `{UPDATE}=1 cargo test --release` renews it\n{}",
+        shown(path),
+        difference(&expected, actual)
+    ))
+}
+
+/// The first lines that differ.
+fn difference(expected: &str, actual: &str) -> String {
+    let mut expected_lines = expected.lines();
+    for (index, line) in actual.lines().enumerate() {
+        match expected_lines.next() {
+            Some(other) if other == line => {}
+            Some(other) => return format!("line {}:\n  expected: {other}\n  printed:  {line}", index + 1),
+            None => return format!("line {} is new:\n  printed:  {line}", index + 1),
+        }
+    }
+    match expected_lines.next() {
+        Some(line) => format!("this line is not printed any more:\n  expected: {line}"),
+        None => "the ends of lines differ".to_string(),
+    }
+}
+
+/// All forms at both levels.
+pub fn all_variants() -> Vec<Variant> {
+    let forms = [Form::Interp, Form::Jit, Form::Exe];
+    forms.iter().flat_map(|&form| [Level::O0, Level::O2].map(|level| Variant { form, level })).collect()
+}
+
+/// A plan for `variants` with nothing else set.
+pub fn plan(variants: Vec<Variant>) -> Plan {
+    Plan { settings: Settings::default(), variants, linker: None }
+}
+
+/// The bound program of one source; the messages, drawn, if it has errors.
+pub fn bind_file(path: &Path, settings: &Settings) -> Result<Bound, String> {
+    let bound = pipeline::front(inputs::read(&[path.to_path_buf()]), settings);
+    if bound.has_errors() {
+        return Err(plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false));
+    }
+    Ok(bound)
+}

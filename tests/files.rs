@@ -1,0 +1,208 @@
+//! Tests that are files: drop one into a folder of `tests/` and it is found. The folder tells the stage.
+//!
+//! | Folder | A test | Beside it |
+//! | --- | --- | --- |
+//! | `run/` | STL with assertions, in all forms at -O0 and -O2 | `x.scenario.toml` |
+//! | `check/` | STL with caret lines | |
+//! | `parse/` | STL | `x.ast`, and `x.tokens` if it is there |
+//! | `ir/` | IR that prints as it stands | |
+//! | `opt/` | IR; `; passes: a,b` in its first line | `x.expect` |
+//! | `clif/` | STL | `x.clif` |
+//! | `messages/` | STL | `x.txt`: its messages as drawn |
+//! | `../samples/*/` | a project with scenarios | `x.trace.csv`, `x.vcd` beside `x.toml` |
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use plcc_driver::cli::Level;
+use plcc_driver::emit;
+use plcc_driver::inputs::{self, TestInput};
+use plcc_driver::pipeline::{self, Settings};
+use plcc_driver::testing::{self, Form, Outcome, Variant, carets, prepare};
+use plcc_tests::{all_variants, bind_file, expect_file, files, plan, root, shown, tests_folder, updating};
+
+/// Run tests in one trial: their executables share links.
+const RUN_GROUP: usize = 40;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    libtest_mimic::run(&arguments, trials()).exit_code()
+}
+
+fn trials() -> Vec<Trial> {
+    let tests = tests_folder();
+    let mut trials = Vec::new();
+    run_trials(&files(&tests.join("run"), "stl"), &mut trials);
+    file_trials("check", "stl", check_carets, &mut trials);
+    file_trials("parse", "stl", check_parse, &mut trials);
+    file_trials("ir", "ir", check_ir, &mut trials);
+    file_trials("opt", "ir", check_opt, &mut trials);
+    file_trials("clif", "stl", check_clif, &mut trials);
+    file_trials("messages", "stl", check_messages, &mut trials);
+    sample_trials(&mut trials);
+    trials
+}
+
+/// One trial a file of `tests/FOLDER`.
+fn file_trials(folder: &str, suffix: &str, check: fn(&Path) -> Result<(), String>, trials: &mut Vec<Trial>) {
+    for path in files(&tests_folder().join(folder), suffix) {
+        trials.push(trial(shown(&path), move || check(&path)));
+    }
+}
+
+/// A trial on a large stack, as the compiler has it.
+fn trial(name: String, work: impl FnOnce() -> Result<(), String> + Send + 'static) -> Trial {
+    Trial::test(name, move || plcc_driver::on_large_stack(work).and_then(|result| result).map_err(Failed::from))
+}
+
+/// Files of one folder are run together, so that executables share links.
+fn run_trials(paths: &[PathBuf], trials: &mut Vec<Trial>) {
+    for folder in paths.chunk_by(|a, b| a.parent() == b.parent()) {
+        for (index, group) in folder.chunks(RUN_GROUP).enumerate() {
+            let group = group.to_vec();
+            let name = format!("{} {}", shown(group[0].parent().unwrap_or(&group[0])), index + 1);
+            trials.push(trial(name, move || run_group(&group)));
+        }
+    }
+}
+
+fn run_group(paths: &[PathBuf]) -> Result<(), String> {
+    let inputs: Vec<TestInput> = paths.iter().cloned().map(TestInput::File).collect();
+    all_passed(&testing::run(&inputs, &plan(all_variants())))
+}
+
+/// Errors: everything that failed, with the messages of the compiler.
+fn all_passed(outcomes: &[Outcome]) -> Result<(), String> {
+    let failed: String = outcomes
+        .iter()
+        .filter(|outcome| outcome.failed > 0 || outcome.unreadable)
+        .map(|outcome| format!("{}{}", outcome.messages, outcome.failures))
+        .collect();
+    if failed.is_empty() { Ok(()) } else { Err(failed) }
+}
+
+fn check_carets(path: &Path) -> Result<(), String> {
+    if updating() {
+        let (diagnostics, sources) = prepare::messages_of_file(path, &Settings::default());
+        let marks: Vec<carets::Mark> = diagnostics.iter().map(|d| carets::mark_of(d, &sources)).collect();
+        let text = inputs::read_text(path).map_err(|error| error.to_string())?;
+        fs::write(path, carets::rewrite(&text, &marks)).map_err(|error| error.to_string())?;
+    }
+    let plan = plan(vec![Variant { form: Form::Jit, level: Level::O2 }]);
+    all_passed(&testing::run(&[TestInput::File(path.to_path_buf())], &plan))
+        .map_err(|text| format!("{text}`UPDATE_EXPECT=1 cargo test --release` renews the caret lines\n"))
+}
+
+fn check_parse(path: &Path) -> Result<(), String> {
+    let read = || inputs::read(&[path.to_path_buf()]);
+    let settings = Settings { pragmas: true, ..Settings::default() };
+    let tokens = path.with_extension("tokens");
+    if tokens.exists() {
+        expect_file(&tokens, &emit::tokens(&read(), &settings))?;
+    }
+    expect_file(&path.with_extension("ast"), &emit::ast(&pipeline::parse(read(), &settings)))
+}
+
+/// IR text stands as it is printed, is valid, and parses back to what was printed.
+fn check_ir(path: &Path) -> Result<(), String> {
+    let module = read_module(path)?;
+    expect_file(path, &plcc_ir::print::module_text(&module))
+}
+
+fn read_module(path: &Path) -> Result<plcc_ir::Module, String> {
+    let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let module = plcc_ir::parse::parse_module(&text).map_err(|error| format!("{}: {error}", shown(path)))?;
+    plcc_ir::verify::verify(&module).map_err(|errors| format!("{}: {errors:?}", shown(path)))?;
+    Ok(module)
+}
+
+/// Runs the passes that the first line names, and compares the IR behind them.
+fn check_opt(path: &Path) -> Result<(), String> {
+    let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let first = text.lines().next().unwrap_or_default();
+    let names = first.strip_prefix("; passes:").ok_or("the first line does not name passes: `; passes: a,b`")?;
+    let passes: Vec<&str> = names.split(',').map(str::trim).collect();
+    let mut module = read_module(path)?;
+    for pass in passes {
+        if !plcc_opt::PASSES.contains(&pass) {
+            return Err(format!("there is no pass `{pass}`; the passes are {}", plcc_opt::PASSES.join(", ")));
+        }
+        plcc_opt::run_pass(&mut module, pass);
+        plcc_ir::verify::verify(&module).map_err(|errors| format!("behind {pass}: {errors:?}"))?;
+    }
+    expect_file(&path.with_extension("expect"), &plcc_ir::print::module_text(&module))
+}
+
+fn check_clif(path: &Path) -> Result<(), String> {
+    let bound = bind_file(path, &Settings::default())?;
+    let compiled = pipeline::back(&bound, Level::O2);
+    let text =
+        plcc_codegen::clif_text(&compiled.module, &compiled.codegen_options()).map_err(|error| error.to_string())?;
+    expect_file(&path.with_extension("clif"), &text)
+}
+
+fn check_messages(path: &Path) -> Result<(), String> {
+    let name = path.file_name().ok_or("a file has a name")?.to_string_lossy().into_owned();
+    let text = inputs::read_text(path).map_err(|error| error.to_string())?;
+    // Only the name of the file, so that the drawing is the same everywhere.
+    let mut read = inputs::Read { name: name.clone(), ..inputs::Read::default() };
+    read.units.push(read.sources.add(plcc_diag::SourceFile::new(name, text)));
+    let bound = pipeline::front(read, &Settings { require_main: false, ..Settings::default() });
+    expect_file(&path.with_extension("txt"), &plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false))
+}
+
+/// Each sample is a project: its scenarios pass in all forms, and traces are as they were.
+fn sample_trials(trials: &mut Vec<Trial>) {
+    let mut folders: Vec<PathBuf> =
+        fs::read_dir(root().join("samples")).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    folders.sort();
+    for folder in folders.into_iter().filter(|folder| folder.join("plc.toml").is_file()) {
+        let project = folder.clone();
+        trials.push(trial(shown(&folder), move || {
+            all_passed(&testing::run(&[TestInput::Project(project)], &plan(all_variants())))
+        }));
+        for scenario in inputs::project_scenarios(&folder) {
+            for suffix in ["trace.csv", "vcd"] {
+                let expected = scenario.with_extension(suffix);
+                if expected.is_file() {
+                    let (folder, scenario) = (folder.clone(), scenario.clone());
+                    trials.push(trial(shown(&expected), move || check_trace(&folder, &scenario, &expected)));
+                }
+            }
+        }
+    }
+}
+
+/// The trace of a scenario, run by `plcc run` under the virtual clock, is the same byte for byte.
+fn check_trace(project: &Path, scenario: &Path, expected: &Path) -> Result<(), String> {
+    let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+    let suffix = if expected.extension().is_some_and(|ending| ending == "vcd") { "trace.vcd" } else { "trace.csv" };
+    let trace = folder.path().join(suffix);
+    let cycles = last_cycle(scenario).to_string();
+    let arguments: Vec<std::ffi::OsString> = vec![
+        "plcc".into(),
+        "run".into(),
+        project.into(),
+        "--quiet".into(),
+        "--clock".into(),
+        "virtual".into(),
+        "--cycles".into(),
+        cycles.into(),
+        "--scenario".into(),
+        scenario.into(),
+        "--trace".into(),
+        trace.clone().into(),
+    ];
+    let code = plcc_driver::main_with(arguments);
+    let text = fs::read_to_string(&trace).map_err(|error| format!("exit code {code}, no trace: {error}"))?;
+    expect_file(expected, &text)
+}
+
+/// The largest `cycle = N` of a scenario; a trace lasts until then.
+fn last_cycle(scenario: &Path) -> u64 {
+    let text = fs::read_to_string(scenario).unwrap_or_default();
+    let cycles = text.lines().filter_map(|line| line.trim().strip_prefix("cycle")?.trim().strip_prefix('=')?.trim().parse().ok());
+    cycles.max().unwrap_or(1)
+}

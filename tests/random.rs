@@ -1,0 +1,310 @@
+//! Random STL programs: the interpreter at -O0, and machine code at -O0 and -O2, leave the same memory and CPU registers, and the
+//! printed IR parses back to the same IR.
+//!
+//! Memory is compared through assertions that hardly ever hold: a report of a failed assertion shows both values, so that equal
+//! reports mean equal memory.
+
+use std::fmt::Write as _;
+
+use plcc_diag::SourceFile;
+use plcc_driver::cli::Level;
+use plcc_driver::code;
+use plcc_driver::inputs::Read;
+use plcc_driver::pipeline::{self, Settings};
+use plcc_runtime::{TestOptions, TestReport};
+use proptest::prelude::*;
+
+/// Memory bytes that programs use and that are compared: MB 0 to MB 63.
+const MEMORY_BYTES: u32 = 64;
+
+/// A part of a program; each is correct wherever it stands.
+#[derive(Clone, Debug)]
+enum Piece {
+    /// A line of instructions without jumps.
+    Line(String),
+    /// A conditional jump over pieces.
+    Skip { jump: &'static str, over: Vec<Piece> },
+    /// `LOOP`, so many times.
+    Loop { count: u8, body: Vec<Piece> },
+    /// A jump list by the value of a byte.
+    JumpList { byte: u32, arms: Vec<Vec<Piece>> },
+}
+
+fn bit() -> impl Strategy<Value = String> {
+    (0..MEMORY_BYTES, 0..8u8, 0..10u8).prop_map(|(byte, bit, area)| match area {
+        0 => format!("I {}.{bit}", byte % 8),
+        1 => format!("Q {}.{bit}", byte % 8),
+        2 => format!("DB1.DBX {byte}.{bit}"),
+        3 => format!("L {}.{bit}", byte % 16),
+        _ => format!("M {byte}.{bit}"),
+    })
+}
+
+/// A byte, word or double word of memory.
+fn cell() -> impl Strategy<Value = String> {
+    (0..MEMORY_BYTES - 3, 0..3u8, 0..10u8).prop_map(|(byte, width, area)| {
+        let letter = ["B", "W", "D"][width as usize];
+        match area {
+            0 => format!("Q{letter} {}", byte % 8),
+            1 | 2 => format!("DB1.DB{letter} {byte}"),
+            3 => format!("L{letter} {}", byte % 12),
+            _ => format!("M{letter} {byte}"),
+        }
+    })
+}
+
+fn constant() -> impl Strategy<Value = String> {
+    prop_oneof![
+        any::<i16>().prop_map(|value| value.to_string()),
+        any::<i32>().prop_map(|value| format!("L#{value}")),
+        any::<u32>().prop_map(|value| format!("DW#16#{value:08X}")),
+        (-1000i32..1000).prop_map(|value| format!("{}.{:02}", value, value.unsigned_abs() % 100)),
+        prop::sample::select(vec![
+            "DW#16#7F800000", "DW#16#FF800000", "DW#16#FFFFFFFF", "DW#16#00000001", "L#-2147483648", "L#2147483647",
+            "DW#16#7F7FFFFF", "0", "-1", "1",
+        ])
+        .prop_map(str::to_string),
+    ]
+}
+
+/// Instructions on the accumulators and the status word alone.
+const OPERATIONS: &[&str] = &[
+    "+I", "-I", "*I", "/I", "+D", "-D", "*D", "/D", "MOD", "+R", "-R", "*R", "/R", "ABS", "NEGR", "SQR", "SQRT", "SIN",
+    "ATAN", "EXP", "LN", "==I", "<>I", ">I", "<I", ">=I", "<=I", "==D", "<>D", ">D", "<D", ">=D", "<=D", "==R", "<>R", ">R",
+    "<R", ">=R", "<=R", "ITB", "DTB", "ITD", "DTR", "RND", "RND+", "RND-", "TRUNC", "INVI", "INVD", "NEGI", "NEGD", "CAW",
+    "CAD", "AW", "OW", "XOW", "AD", "OD", "XOD", "SLW", "SRW", "SLD", "SRD", "SSI", "SSD", "RLD", "RRD", "RLDA", "RRDA",
+    "TAK", "PUSH", "POP", "INC 7", "DEC 200", "+ 5", "+ -300", "+ L#70000", "SLW 3", "SRW 5", "SLD 17", "SRD 32", "SSI 15",
+    "SSD 1", "RLD 9", "RRD 31", "AW W#16#0FF0", "OD DW#16#80000001", "SET", "CLR", "NOT", "SAVE", "L STW", "A BR", "A OV",
+    "O OS", "X >0", "AN <0", "A ==0", "ON <>0", "A UO", "O", "TAR1", "TAR2", "CAR", "+AR1 P#1.3", "LAR1 P#4.0", "T STW",
+];
+
+const BIT_OPERATIONS: &[&str] = &["A", "AN", "O", "ON", "X", "XN", "=", "S", "R", "FP", "FN"];
+const SCANS: &[&str] = &["A", "AN", "O", "ON", "X", "XN"];
+const NESTS: &[&str] = &["A(", "AN(", "O(", "ON(", "X(", "XN("];
+const JUMPS: &[&str] = &[
+    "JU", "JC", "JCN", "JCB", "JNB", "JBI", "JNBI", "JO", "JOS", "JZ", "JN", "JP", "JM", "JPZ", "JMZ", "JUO",
+];
+
+fn line() -> impl Strategy<Value = String> {
+    let select = |list: &'static [&'static str]| prop::sample::select(list);
+    let nest = (select(NESTS), prop::collection::vec((select(SCANS), bit()), 1..4)).prop_map(|(open, scans)| {
+        let inner: String = scans.iter().map(|(scan, bit)| format!("      {scan} {bit}\n")).collect();
+        format!("{open}\n{inner}      )")
+    });
+    prop_oneof![
+        4 => select(OPERATIONS).prop_map(str::to_string),
+        3 => cell().prop_map(|cell| format!("L {cell}")),
+        2 => constant().prop_map(|constant| format!("L {constant}")),
+        3 => cell().prop_map(|cell| format!("T {cell}")),
+        3 => (select(BIT_OPERATIONS), bit()).prop_map(|(operation, bit)| format!("{operation} {bit}")),
+        1 => nest,
+        // Memory- and register-indirect, with pointers that stay inside.
+        1 => (0u32..60, 0u8..8).prop_map(|(byte, bit)| format!("L P#{byte}.{bit}\n      T MD 100\n      A M [MD 100]")),
+        1 => (0u32..56).prop_map(|byte| format!("L P#{byte}.0\n      T MD 100\n      L MD [MD 100]")),
+        1 => (0u32..24, 0u32..24).prop_map(|(byte, offset)| format!("LAR1 P#M {byte}.0\n      T D [AR1,P#{offset}.0]")),
+        1 => (0u32..24, 0u32..24).prop_map(|(byte, offset)| format!("LAR1 P#{byte}.0\n      L MW [AR1,P#{offset}.0]")),
+        1 => (0u32..30, 0u32..30).prop_map(|(a, b)| format!("CALL FC 1 (a := MW {a}, b := MD {b}, c := MD {}, d := M {a}.1);", b + 30)),
+        1 => (0u32..30).prop_map(|a| format!("CALL FB 1, DB 2 (step := MW {a}, total := MD {});", a + 30)),
+        1 => Just("UC FC 2".to_string()),
+        1 => Just("CC FC 2".to_string()),
+    ]
+}
+
+fn piece() -> impl Strategy<Value = Piece> {
+    let leaf = line().prop_map(Piece::Line);
+    leaf.prop_recursive(3, 40, 6, |inner| {
+        let pieces = prop::collection::vec(inner, 1..6);
+        prop_oneof![
+            (prop::sample::select(JUMPS), pieces.clone()).prop_map(|(jump, over)| Piece::Skip { jump, over }),
+            (1..4u8, pieces.clone()).prop_map(|(count, body)| Piece::Loop { count, body }),
+            (0..MEMORY_BYTES, prop::collection::vec(pieces, 1..4)).prop_map(|(byte, arms)| Piece::JumpList { byte, arms }),
+        ]
+    })
+}
+
+/// Writes pieces as statements; labels and loop counters are numbered.
+struct Writer {
+    text: String,
+    labels: u32,
+    depth: u32,
+}
+
+impl Writer {
+    fn label(&mut self) -> String {
+        self.labels += 1;
+        format!("l{}", self.labels)
+    }
+
+    fn line(&mut self, text: &str) {
+        writeln!(self.text, "      {text}").expect("a string takes all");
+    }
+
+    fn place(&mut self, label: &str) {
+        writeln!(self.text, "{label}: NOP 0").expect("a string takes all");
+    }
+
+    fn pieces(&mut self, pieces: &[Piece]) {
+        for piece in pieces {
+            match piece {
+                Piece::Line(line) => self.line(line),
+                Piece::Skip { jump, over } => {
+                    let label = self.label();
+                    self.line(&format!("{jump} {label}"));
+                    self.pieces(over);
+                    self.place(&label);
+                }
+                Piece::Loop { count, body } => {
+                    // A counter of its own at each depth, outside of the memory that pieces write.
+                    let (label, counter) = (self.label(), 110 + 2 * self.depth);
+                    self.depth += 1;
+                    self.line(&format!("L {count}"));
+                    self.place(&label);
+                    self.line(&format!("T MW {counter}"));
+                    self.pieces(body);
+                    self.line(&format!("L MW {counter}"));
+                    self.line(&format!("LOOP {label}"));
+                    self.depth -= 1;
+                }
+                Piece::JumpList { byte, arms } => {
+                    let (default, end) = (self.label(), self.label());
+                    let labels: Vec<String> = arms.iter().map(|_| self.label()).collect();
+                    self.line(&format!("L MB {byte}"));
+                    self.line(&format!("JL {default}"));
+                    labels.iter().for_each(|label| self.line(&format!("JU {label}")));
+                    self.place(&default);
+                    self.line(&format!("JU {end}"));
+                    for (label, arm) in labels.iter().zip(arms) {
+                        self.place(label);
+                        self.pieces(arm);
+                        self.line(&format!("JU {end}"));
+                    }
+                    self.place(&end);
+                }
+            }
+        }
+    }
+}
+
+/// Blocks that random programs call.
+const BLOCKS: &str = "
+DATA_BLOCK DB 1
+STRUCT
+  r : ARRAY [0 .. 71] OF BYTE;
+END_STRUCT;
+BEGIN
+END_DATA_BLOCK
+FUNCTION FC 1 : VOID
+VAR_INPUT
+  a : INT;
+  b : DWORD;
+END_VAR
+VAR_OUTPUT
+  c : DWORD;
+END_VAR
+VAR_IN_OUT
+  d : BOOL;
+END_VAR
+BEGIN
+      L     #a
+      L     #b
+      XOD
+      T     #c
+      A     #d
+      NOT
+      =     #d
+END_FUNCTION
+FUNCTION FC 2 : VOID
+BEGIN
+      L     MW 20
+      L     3
+      *I
+      T     MW 20
+      A     M 21.0
+      SAVE
+END_FUNCTION
+FUNCTION_BLOCK FB 1
+VAR_INPUT
+  step : INT;
+END_VAR
+VAR_OUTPUT
+  total : DINT;
+END_VAR
+VAR
+  sum : DINT;
+END_VAR
+BEGIN
+      L     #step
+      ITD
+      L     #sum
+      +D
+      T     #sum
+      T     #total
+END_FUNCTION_BLOCK
+DATA_BLOCK DB 2
+FB 1
+BEGIN
+END_DATA_BLOCK
+";
+
+/// A whole program whose last statements assert everything that can be seen.
+fn program(pieces: &[Piece], seed: &[u32]) -> String {
+    let mut writer = Writer { text: String::new(), labels: 0, depth: 0 };
+    for (index, value) in seed.iter().enumerate() {
+        writer.line(&format!("L DW#16#{value:08X}"));
+        writer.line(&format!("T MD {}", 4 * index));
+    }
+    writer.pieces(pieces);
+    for register in ["ACCU1", "ACCU2", "AR1", "AR2", "STW", "DBNO", "DINO"] {
+        writeln!(writer.text, "//@ assert {register} == DW#16#DEADBEEF").expect("a string takes all");
+    }
+    for byte in (0..MEMORY_BYTES).step_by(4) {
+        for area in ["M", "DB1.DB"] {
+            writeln!(writer.text, "//@ assert {area}D {byte} == DW#16#DEADBEEF").expect("a string takes all");
+        }
+    }
+    for address in ["QD 0", "QD 4", "DB2.DBD 0", "DB2.DBD 4", "DB2.DBW 8"] {
+        writeln!(writer.text, "//@ assert {address} == DW#16#DEADBEEF").expect("a string takes all");
+    }
+    format!("{BLOCKS}ORGANIZATION_BLOCK OB 1\nVAR_TEMP\n  t : ARRAY [0 .. 19] OF BYTE;\nEND_VAR\nBEGIN\n{}END_ORGANIZATION_BLOCK\n", writer.text)
+}
+
+/// Compiles `source`, checks that its IR prints and parses back, and runs it in three ways.
+fn reports(source: &str) -> Result<[TestReport; 3], String> {
+    let mut read = Read { name: "random".to_string(), ..Read::default() };
+    read.units.push(read.sources.add(SourceFile::new("random.stl", source)));
+    let bound = pipeline::front(read, &Settings { pragmas: true, require_main: true, ..Settings::default() });
+    if bound.has_errors() {
+        return Err(plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false));
+    }
+    let [plain, optimised] = [Level::O0, Level::O2].map(|level| pipeline::back(&bound, level));
+    for compiled in [&plain, &optimised] {
+        plcc_ir::verify::verify(&compiled.module).map_err(|errors| format!("{errors:?}"))?;
+        let text = plcc_ir::print::module_text(&compiled.module);
+        let parsed = plcc_ir::parse::parse_module(&text).map_err(|error| error.to_string())?;
+        if plcc_ir::print::module_text(&parsed) != text {
+            return Err(format!("the printed IR does not parse back:\n{text}"));
+        }
+    }
+    let run = |compiled: &pipeline::Compiled, code| {
+        plcc_runtime::test(compiled.image.clone(), code, &TestOptions { cycles: Some(2), ..TestOptions::default() })
+    };
+    let jit = |compiled| code::jit(compiled).map_err(|error| error.to_string());
+    Ok([run(&plain, code::interpreter(&plain)), run(&plain, jit(&plain)?), run(&optimised, jit(&optimised)?)])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 150, max_shrink_iters: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn all_forms_leave_the_same_memory(
+        pieces in prop::collection::vec(piece(), 1..40),
+        seed in prop::collection::vec(any::<u32>(), 16),
+    ) {
+        let source = program(&pieces, &seed);
+        let text = source.clone();
+        let result = plcc_driver::on_large_stack(move || reports(&text)).and_then(|result| result);
+        let [interpreted, plain, optimised] = result.map_err(|error| TestCaseError::fail(format!("{error}\n{source}")))?;
+        prop_assert_eq!(&interpreted, &plain, "jit -O0\n{}", source);
+        prop_assert_eq!(&interpreted, &optimised, "jit -O2\n{}", source);
+    }
+}
