@@ -23,6 +23,9 @@ use crate::{CodegenError, CodegenOptions};
 /// Functions with more instructions than this get quick register allocation.
 const LARGE_INSTRUCTIONS: usize = 60_000;
 
+/// Stack of a compiling thread, only touched as far as needed.
+const STACK_BYTES: usize = 64 << 20;
+
 /// Machine code of one function.
 pub struct CompiledFunction {
     pub bytes: Vec<u8>,
@@ -32,6 +35,8 @@ pub struct CompiledFunction {
     pub places: Vec<(u32, u32)>,
     /// The disassembly, if it was asked for.
     pub text: Option<String>,
+    /// Numbers of the functions that it calls, in the order in which the disassembly counts them.
+    pub callees: Vec<u32>,
 }
 
 /// A module with what is needed to compile its functions.
@@ -103,7 +108,8 @@ impl<'m> Compiler<'m> {
         };
         std::thread::scope(|scope| {
             for _ in 1..threads {
-                scope.spawn(work);
+                // Without a further thread it only takes longer.
+                let _ = std::thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, work);
             }
             work();
         });
@@ -152,6 +158,7 @@ impl Worker<'_, '_> {
             alignment: u64::from(code.buffer.alignment),
             places: places.collect(),
             text: code.vcode.clone(),
+            callees: self.context.func.params.user_named_funcs().values().map(|name| name.index).collect(),
         })
     }
 }

@@ -18,7 +18,7 @@ pub fn clif_text(module: &Module, options: &CodegenOptions) -> Result<String, Co
         let clif = compiler.clif(id)?.display().to_string();
         // Functions are numbered there; here they have names.
         let (_, rest) = clif.split_once('(').unwrap_or(("", &clif));
-        let rest = named(module, rest, "u0:");
+        let rest = named(rest, "u0:", "", &|number| name_of(module, number).map(|name| format!("%{name}")));
         let name = symbol(&module.functions[id].name);
         writeln!(text, "function %{name}({rest}").expect("a string takes all");
     }
@@ -33,22 +33,24 @@ pub fn asm_text(module: &Module, options: &CodegenOptions) -> Result<String, Cod
     for (id, function) in module.functions.keys().zip(&functions) {
         let name = symbol(&module.functions[id].name);
         let code = function.text.as_deref().unwrap_or("");
+        let code =
+            named(code, "User(userextname", ")", &|index| name_of(module, *function.callees.get(index)? as usize));
         writeln!(text, "{name}: ; {} bytes\n{}", function.bytes.len(), code.trim_end()).expect("a string takes all");
         text.push('\n');
     }
     Ok(text)
 }
 
-/// `text` with the names of functions for their numbers behind `prefix`.
-fn named(module: &Module, text: &str, prefix: &str) -> String {
+/// `text` with names for the numbers between `prefix` and `suffix`.
+fn named(text: &str, prefix: &str, suffix: &str, name: &dyn Fn(usize) -> Option<String>) -> String {
     let mut parts = text.split(prefix);
     let mut named = parts.next().unwrap_or("").to_string();
     for part in parts {
         let digits = part.len() - part.trim_start_matches(|c: char| c.is_ascii_digit()).len();
         let (number, rest) = part.split_at(digits);
-        match number.parse().ok().and_then(|number| name_of(module, number)) {
-            Some(name) => write!(named, "%{name}{rest}").expect("a string takes all"),
-            None => write!(named, "{prefix}{part}").expect("a string takes all"),
+        match (number.parse().ok().and_then(name), rest.strip_prefix(suffix)) {
+            (Some(name), Some(rest)) => write!(named, "{name}{rest}").expect("a string takes all"),
+            _ => write!(named, "{prefix}{part}").expect("a string takes all"),
         }
     }
     named
