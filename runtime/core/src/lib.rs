@@ -1,1 +1,50 @@
 //! The runtime: process images, organization blocks, timers, counters, system functions.
+//!
+//! - [`cpu`]: the CPU with its memory; [`memory`]: the one allocation.
+//! - [`functions`]: what generated code calls, by symbol or by number; [`math`]: the pure ones.
+//! - [`timers`], [`counters`], [`clock`], [`datetime`]: cells and time.
+//! - [`cycle`], [`organization`], [`schedule`], [`faults`], [`diagnostics`]: cycle, OBs, interrupts, errors.
+//! - [`system`]: system functions (SFC), one file a family.
+//! - [`io`]: the driver; [`address`], [`value`], [`scenario`], [`trace`], [`options`]: what a user says and sees.
+//! - [`run`], [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
+//!
+//! **Invariant**: the runtime knows no source language and never depends on the compiler.
+//! **Invariant**: no `&mut Cpu` exists; generated code and runtime enter each other at will, so all state is in cells.
+
+pub mod address;
+pub mod bcd;
+pub mod clock;
+pub mod code;
+pub mod counters;
+pub mod cpu;
+pub mod cycle;
+pub mod datetime;
+pub mod diagnostics;
+pub mod events;
+#[cfg(all(feature = "executable", not(test)))]
+mod executable;
+pub mod faults;
+pub mod functions;
+pub mod io;
+pub mod math;
+pub mod memory;
+pub mod options;
+pub mod organization;
+pub mod report;
+pub mod run;
+pub mod scenario;
+pub mod schedule;
+pub mod system;
+pub mod testing;
+pub mod timers;
+pub mod trace;
+pub mod value;
+pub mod watchdog;
+
+#[cfg(test)]
+mod tests;
+
+pub use code::Code;
+pub use options::RunOptions;
+pub use run::run;
+pub use testing::{AssertFailure, TestOptions, TestReport, test};

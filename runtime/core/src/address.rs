@@ -1,0 +1,309 @@
+//! Addresses as a user writes them: absolute in either mnemonic set, or symbols.
+
+use plcc_abi::ProgramImage;
+use plcc_abi::layout;
+
+use crate::cpu::{Area, Cpu};
+use crate::{counters, timers};
+
+/// Where a value is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    Input(u32),
+    Output(u32),
+    BitMemory(u32),
+    PeripheralInput(u32),
+    PeripheralOutput(u32),
+    Db(u16, u32),
+    /// Status bit of a timer.
+    Timer(u32),
+    /// Status bit of a counter.
+    Counter(u32),
+}
+
+/// How wide it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Width {
+    /// A bit with its number in the byte.
+    Bit(u8),
+    Byte,
+    Word,
+    Dword,
+    /// Eight bytes (LREAL, DATE_AND_TIME).
+    Lword,
+}
+
+impl Width {
+    /// Bytes in memory.
+    pub fn bytes(self) -> u32 {
+        match self {
+            Width::Bit(_) | Width::Byte => 1,
+            Width::Word => 2,
+            Width::Dword => 4,
+            Width::Lword => 8,
+        }
+    }
+
+    /// Width in bits.
+    pub fn bits(self) -> u32 {
+        if let Width::Bit(_) = self { 1 } else { 8 * self.bytes() }
+    }
+}
+
+/// An address with its width.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Address {
+    pub place: Place,
+    pub width: Width,
+}
+
+/// Finds an address or a symbol (with or without quotes). `Err`: what is wrong, in a sentence.
+pub fn resolve(text: &str, image: &ProgramImage) -> Result<Address, String> {
+    let text = text.trim();
+    let bare = text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).unwrap_or(text);
+    let is_name = |name: &str| name == text || name == bare;
+    if let Some(symbol) = image.symbols.iter().find(|symbol| is_name(&symbol.name)) {
+        return parse(&symbol.address)
+            .ok_or_else(|| format!("symbol {text} stands for {}, which is not a value", symbol.address));
+    }
+    if let Some(address) = parse(text) {
+        return Ok(address);
+    }
+    // Symbols do not distinguish case; an absolute address goes first.
+    let folded = image.symbols.iter().find(|symbol| symbol.name.to_lowercase() == bare.to_lowercase());
+    folded
+        .and_then(|symbol| parse(&symbol.address))
+        .ok_or_else(|| format!("`{text}` is neither an address (as Q4.0, MW20, DB10.DBD4) nor a symbol of the program"))
+}
+
+/// An absolute address: `I0.0 E0.0 QB4 AB4 MW20 MD 20 PIW256 PEW256 DB10.DBX0.1 DB10.DBD4 T5 C5 Z5`.
+pub fn parse(text: &str) -> Option<Address> {
+    let compact: String = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
+    let text = compact.strip_prefix('%').unwrap_or(&compact);
+    if let Some(rest) = text.strip_prefix("DB") {
+        let (number, rest) = rest.split_once('.')?;
+        let number = digits(number).and_then(|number| u16::try_from(number).ok()).filter(|&number| number != 0)?;
+        let (byte, width) = offset(rest.strip_prefix("DB")?, false)?;
+        return Some(Address { place: Place::Db(number, byte), width });
+    }
+    for (prefix, place) in [
+        ("PI", Place::PeripheralInput as fn(u32) -> Place),
+        ("PE", Place::PeripheralInput),
+        ("PQ", Place::PeripheralOutput),
+        ("PA", Place::PeripheralOutput),
+        ("I", Place::Input),
+        ("E", Place::Input),
+        ("Q", Place::Output),
+        ("A", Place::Output),
+        ("M", Place::BitMemory),
+    ] {
+        if let Some(rest) = text.strip_prefix(prefix) {
+            let (byte, width) = offset(rest, true)?;
+            if prefix.len() == 2 && matches!(width, Width::Bit(_)) {
+                return None;
+            }
+            return Some(Address { place: place(byte), width });
+        }
+    }
+    let number = |prefix: char| digits(text.strip_prefix(prefix)?).filter(|&number| number < layout::TIMERS_MAX);
+    let place = match text.chars().next()? {
+        'T' => Place::Timer(number('T')?),
+        'C' => Place::Counter(number('C')?),
+        'Z' => Place::Counter(number('Z')?),
+        _ => return None,
+    };
+    Some(Address { place, width: Width::Bit(0) })
+}
+
+/// A decimal number of at most 6 digits.
+fn digits(text: &str) -> Option<u32> {
+    let plain = !text.is_empty() && text.len() <= 6 && text.bytes().all(|byte| byte.is_ascii_digit());
+    plain.then(|| text.parse().ok()).flatten()
+}
+
+/// `0.0`, `X0.0`, `B4`, `W4`, `D4`, `L4` behind the area letters. A bit without `X` only where `bare_bit`.
+fn offset(text: &str, bare_bit: bool) -> Option<(u32, Width)> {
+    let width = match text.chars().next()? {
+        'B' => Width::Byte,
+        'W' => Width::Word,
+        'D' => Width::Dword,
+        'L' => Width::Lword,
+        first => {
+            let rest = if first == 'X' { &text[1..] } else { text };
+            if first != 'X' && !bare_bit {
+                return None;
+            }
+            let (byte, bit) = rest.split_once('.')?;
+            let bit = digits(bit).filter(|&bit| bit < 8)?;
+            return Some((digits(byte).filter(|&byte| byte < 65_536)?, Width::Bit(bit as u8)));
+        }
+    };
+    Some((digits(&text[1..]).filter(|&byte| byte < 65_536)?, width))
+}
+
+/// A value on its way in or out, right-aligned.
+pub type Bits = u64;
+
+impl Cpu {
+    /// Whether the address exists on this CPU now. `Err`: what is wrong.
+    pub fn check_address(&self, address: &Address) -> Result<(), String> {
+        let bytes = address.width.bytes();
+        let inside = |byte: u32, length: u32, area: &str| match byte + bytes <= length {
+            true => Ok(()),
+            false => Err(format!("byte {byte} is outside of {area}, which has {length} bytes")),
+        };
+        match address.place {
+            Place::Input(byte) => inside(byte, self.area(Area::Inputs).1, "the inputs"),
+            Place::Output(byte) => inside(byte, self.area(Area::Outputs).1, "the outputs"),
+            Place::BitMemory(byte) => inside(byte, self.area(Area::BitMemory).1, "the bit memory"),
+            Place::PeripheralInput(byte) | Place::PeripheralOutput(byte) => {
+                inside(byte, crate::io::PERIPHERAL_BYTES, "the peripheral area")
+            }
+            Place::Db(number, byte) => match self.memory.db(number).1 {
+                0 => Err(format!("DB {number} is not loaded")),
+                length => inside(byte, length, &format!("DB {number}")),
+            },
+            Place::Timer(number) if number < self.image.profile.timers => Ok(()),
+            Place::Timer(number) => Err(format!("timer {number} does not exist on this CPU")),
+            Place::Counter(number) if number < self.image.profile.counters => Ok(()),
+            Place::Counter(number) => Err(format!("counter {number} does not exist on this CPU")),
+        }
+    }
+
+    fn offset_of(&self, place: Place) -> Option<u32> {
+        match place {
+            Place::Input(byte) => Some(layout::I + byte),
+            Place::Output(byte) => Some(layout::Q + byte),
+            Place::BitMemory(byte) => Some(layout::M + byte),
+            Place::Db(number, byte) => Some(self.memory.db(number).0 + byte),
+            Place::PeripheralInput(_) | Place::PeripheralOutput(_) | Place::Timer(_) | Place::Counter(_) => None,
+        }
+    }
+
+    /// Reads a value; 0 where the address does not exist.
+    pub fn read(&self, address: &Address) -> Bits {
+        if self.check_address(address).is_err() {
+            return 0;
+        }
+        let wide = |read: &dyn Fn(u32, u32) -> u32, byte: u32| match address.width {
+            Width::Lword => u64::from(read(byte, 4)) << 32 | u64::from(read(byte + 4, 4)),
+            Width::Bit(_) | Width::Byte | Width::Word | Width::Dword => u64::from(read(byte, address.width.bytes())),
+        };
+        match address.place {
+            Place::PeripheralInput(byte) => wide(&|byte, bytes| self.driver.read(byte, bytes).unwrap_or(0), byte),
+            Place::PeripheralOutput(byte) => wide(&|byte, bytes| self.driver.output(byte, bytes), byte),
+            Place::Timer(number) => timers::scan(&self.memory, &self.clock, number).into(),
+            Place::Counter(number) => (counters::value(&self.memory, number) != 0).into(),
+            Place::Input(_) | Place::Output(_) | Place::BitMemory(_) | Place::Db(..) => {
+                let offset = self.offset_of(address.place).unwrap_or(layout::SCRATCH);
+                match address.width {
+                    Width::Bit(bit) => self.memory.bit(offset, bit).into(),
+                    Width::Byte => self.memory.byte(offset).into(),
+                    Width::Word => self.memory.word(offset).into(),
+                    Width::Dword => self.memory.dword(offset).into(),
+                    Width::Lword => u64::from_be_bytes(self.memory.bytes(offset)),
+                }
+            }
+        }
+    }
+
+    /// Sets a value from outside: an input goes to its module and into the process image. `Err`: what is wrong.
+    pub fn write(&self, address: &Address, value: Bits) -> Result<(), String> {
+        self.check_address(address)?;
+        match address.place {
+            Place::Timer(_) | Place::Counter(_) => return Err("timers and counters cannot be set".to_string()),
+            Place::Input(byte) => {
+                self.write_memory(address, value);
+                let offset = layout::I + byte;
+                for index in 0..address.width.bytes() {
+                    self.driver.set_input(byte + index, 1, self.memory.byte(offset + index).into());
+                }
+            }
+            Place::PeripheralInput(byte) => match address.width {
+                Width::Lword => {
+                    self.driver.set_input(byte, 4, (value >> 32) as u32);
+                    self.driver.set_input(byte + 4, 4, value as u32);
+                }
+                width => self.driver.set_input(byte, width.bytes(), value as u32),
+            },
+            Place::PeripheralOutput(byte) => match address.width {
+                Width::Lword => return Err("peripheral outputs are set by bytes, words or double words".to_string()),
+                width => {
+                    self.peripheral_write(byte, width.bytes(), value as u32);
+                }
+            },
+            Place::Output(_) | Place::BitMemory(_) | Place::Db(..) => self.write_memory(address, value),
+        }
+        Ok(())
+    }
+
+    fn write_memory(&self, address: &Address, value: Bits) {
+        let Some(offset) = self.offset_of(address.place) else { return };
+        match address.width {
+            Width::Bit(bit) => self.memory.set_bit(offset, bit, value & 1 != 0),
+            Width::Byte => self.memory.set_byte(offset, value as u8),
+            Width::Word => self.memory.set_word(offset, value as u16),
+            Width::Dword => self.memory.set_dword(offset, value as u32),
+            Width::Lword => self.memory.set_bytes(offset, value.to_be_bytes()),
+        }
+    }
+
+    /// Makes the bytes of an input address copied into the process image, from the start, with what its module shows.
+    pub fn name_input(&self, address: &Address) {
+        match address.place {
+            Place::Input(byte) | Place::PeripheralInput(byte) => self.driver.name_input(byte, address.width.bytes()),
+            Place::Output(_)
+            | Place::BitMemory(_)
+            | Place::PeripheralOutput(_)
+            | Place::Db(..)
+            | Place::Timer(_)
+            | Place::Counter(_) => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_mnemonic_sets() {
+        let same = |a: &str, b: &str| {
+            assert!(parse(a).is_some(), "{a}");
+            assert_eq!(parse(a), parse(b), "{a} {b}");
+        };
+        same("I0.7", "E 0.7");
+        same("QB4", "ab4");
+        same("ID 0", "ED0");
+        same("PIW256", "PEW 256");
+        same("PQB1", "PAB 1");
+        same("C5", "Z 5");
+        same("DB10.DBX0.1", "db10.dbx 0.1");
+        same("M0.0", "MX0.0");
+        assert_eq!(parse("DB10.DBD4"), Some(Address { place: Place::Db(10, 4), width: Width::Dword }));
+        assert_eq!(parse("T5"), Some(Address { place: Place::Timer(5), width: Width::Bit(0) }));
+    }
+
+    #[test]
+    fn what_is_no_address() {
+        for text in [
+            "",
+            "M",
+            "M0",
+            "M0.8",
+            "MW",
+            "MW-1",
+            "DB0.DBW0",
+            "DB1.W0",
+            "PI0.0",
+            "T",
+            "T9999",
+            "X0.0",
+            "MWÄ",
+            "Motor",
+            "MW99999999999",
+        ] {
+            assert_eq!(parse(text), None, "{text}");
+        }
+    }
+}

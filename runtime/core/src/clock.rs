@@ -1,0 +1,63 @@
+//! The clock of a CPU: real (monotonic) or virtual (moves only when told to).
+//!
+//! Time is a `u64` of nanoseconds since the CPU was made. The wall clock is that plus a base which SFC 0 sets.
+
+use std::cell::Cell;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+use crate::datetime;
+
+pub const NS_PER_MS: u64 = 1_000_000;
+
+/// See the module comment.
+pub struct Clock {
+    /// Set: the real clock.
+    origin: Option<Instant>,
+    /// Time of the virtual clock.
+    now: Cell<u64>,
+    /// Wall clock at time 0.
+    wall_base: Cell<i64>,
+}
+
+impl Clock {
+    pub fn real() -> Clock {
+        let wall = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as i64);
+        Clock { origin: Some(Instant::now()), now: Cell::new(0), wall_base: Cell::new(wall) }
+    }
+
+    /// Starts at time 0 and 1994-01-01 00:00:00.
+    pub fn simulated() -> Clock {
+        Clock { origin: None, now: Cell::new(0), wall_base: Cell::new(datetime::VIRTUAL_START) }
+    }
+
+    pub fn is_virtual(&self) -> bool {
+        self.origin.is_none()
+    }
+
+    /// Nanoseconds since the CPU was made.
+    pub fn now(&self) -> u64 {
+        match self.origin {
+            Some(origin) => origin.elapsed().as_nanos() as u64,
+            None => self.now.get(),
+        }
+    }
+
+    /// Moves the virtual clock forward to `time`; never back. The real clock moves itself.
+    pub fn move_to(&self, time: u64) {
+        self.now.set(time.max(self.now.get()));
+    }
+
+    /// Wall clock, see [`datetime`].
+    pub fn wall(&self) -> i64 {
+        self.wall_base.get().saturating_add(self.now() as i64)
+    }
+
+    pub fn set_wall(&self, moment: i64) {
+        self.wall_base.set(moment.saturating_sub(self.now() as i64));
+    }
+
+    /// The time at which the wall clock shows `moment`; 0 if that is past.
+    pub fn time_of(&self, moment: i64) -> u64 {
+        u64::try_from(moment.saturating_sub(self.wall_base.get())).unwrap_or(0)
+    }
+}

@@ -1,0 +1,140 @@
+//! The CPU: PLC memory, the program and everything that runs it.
+//!
+//! Generated code calls the runtime and the runtime calls generated code, nested to any depth, so a `Cpu` is only ever
+//! shared: all its state is in cells, and no borrow of a `RefCell` lasts across a call into code.
+
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+
+use plcc_abi::ProgramImage;
+use plcc_abi::image::{BlockEntry, BlockKind};
+use plcc_abi::layout::{self, state};
+
+use crate::clock::Clock;
+use crate::code::Code;
+use crate::diagnostics::{Diagnostics, Entry};
+use crate::io::Driver;
+use crate::memory::Memory;
+use crate::organization::Running;
+use crate::schedule::Schedule;
+use crate::testing::Assertions;
+use crate::watchdog::Watchdog;
+
+/// Why the CPU is in STOP.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stop {
+    pub entry: Entry,
+    /// The event before it that was its cause, if any.
+    pub cause: Option<Entry>,
+    /// Asked for by the program (SFC 46, STP): no fault.
+    pub asked: bool,
+}
+
+/// See the module comment.
+pub struct Cpu {
+    /// Before `memory`: its thread must end before the memory goes.
+    pub(crate) watchdog: Watchdog,
+    pub memory: Memory,
+    pub image: ProgramImage,
+    pub(crate) code: Rc<dyn Code>,
+    pub clock: Clock,
+    pub driver: Box<dyn Driver>,
+    pub diagnostics: Diagnostics,
+    pub(crate) running: Running,
+    pub(crate) schedule: Schedule,
+    pub(crate) assertions: Assertions,
+    pub(crate) stop: Cell<Option<Stop>>,
+    /// Blocks sorted by kind and number.
+    blocks: Vec<BlockEntry>,
+    /// DBs made at run time: number, address, bytes. Sorted by address.
+    pub(crate) created_dbs: RefCell<Vec<(u16, u32, u32)>>,
+}
+
+/// DBs that may be made at run time; more is "no memory".
+pub const CREATED_DBS_MAX: usize = 4096;
+
+impl Cpu {
+    /// A CPU in STOP with the program loaded.
+    pub fn new(image: ProgramImage, code: Rc<dyn Code>, clock: Clock, driver: Box<dyn Driver>) -> Rc<Cpu> {
+        let mut blocks = image.blocks.clone();
+        blocks.sort_by_key(|block| (block.kind, block.number));
+        let memory = Memory::new(image.db_end);
+        let cpu = Rc::new(Cpu {
+            schedule: Schedule::new(&image, &blocks),
+            assertions: Assertions::new(image.asserts.len()),
+            watchdog: Watchdog::new(&memory),
+            memory,
+            image,
+            code,
+            clock,
+            driver,
+            diagnostics: Diagnostics::default(),
+            running: Running::default(),
+            stop: Cell::new(None),
+            blocks,
+            created_dbs: RefCell::new(Vec::with_capacity(CREATED_DBS_MAX)),
+        });
+        cpu.memory.set_host64(state::CPU, Rc::as_ptr(&cpu) as u64);
+        cpu.load_dbs();
+        cpu
+    }
+
+    /// The CPU that owns the memory at `mem`.
+    ///
+    /// # Safety
+    /// `mem` is the base of the [`Memory`] of a living `Cpu`.
+    pub unsafe fn of<'a>(mem: *mut u8) -> &'a Cpu {
+        // SAFETY: `new` stored the address of the `Cpu` there, and it lives as long as its memory.
+        unsafe { &*(mem.add(state::CPU as usize).cast::<u64>().read() as *const Cpu) }
+    }
+
+    fn load_dbs(&self) {
+        for db in self.image.dbs.iter().filter(|db| !db.unlinked) {
+            self.memory.load(db.address, &db.data);
+            self.memory.set_db(db.number, db.address, db.data.len() as u32);
+        }
+    }
+
+    /// The block of this kind and number.
+    pub fn block(&self, kind: BlockKind, number: u16) -> Option<&BlockEntry> {
+        let index = self.blocks.binary_search_by_key(&(kind, number), |block| (block.kind, block.number)).ok()?;
+        self.blocks.get(index)
+    }
+
+    pub fn has_ob(&self, number: u16) -> bool {
+        self.block(BlockKind::Ob, number).is_some()
+    }
+
+    pub fn is_stopped(&self) -> bool {
+        self.stop.get().is_some()
+    }
+
+    /// Why the CPU went to STOP, if it did.
+    pub fn stopped(&self) -> Option<Stop> {
+        self.stop.get()
+    }
+
+    /// Result for generated code: not 0 means "leave the block at once".
+    pub(crate) fn stop_result(&self) -> u32 {
+        u32::from(self.is_stopped())
+    }
+
+    /// Largest offset of an area's bytes that exists, as (base offset, length).
+    pub fn area(&self, area: Area) -> (u32, u32) {
+        let profile = &self.image.profile;
+        let cut = |bytes: u32| bytes.min(layout::AREA_BYTES);
+        match area {
+            Area::Inputs => (layout::I, cut(profile.inputs)),
+            Area::Outputs => (layout::Q, cut(profile.outputs)),
+            Area::BitMemory => (layout::M, cut(profile.bit_memory)),
+        }
+    }
+}
+
+/// Areas of fixed extent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Area {
+    Inputs,
+    Outputs,
+    BitMemory,
+}

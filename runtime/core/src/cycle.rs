@@ -1,0 +1,176 @@
+//! Startup and the cycle. Source: spec F.1, F.2.
+//!
+//! Startup OB, then again and again: inputs are set, process image of inputs, interrupts, OB 1, outputs, time passes.
+//!
+//! Interrupts enter at safepoints of OB 1 and while time passes between cycles.
+
+use plcc_abi::layout;
+
+use crate::clock::NS_PER_MS;
+use crate::cpu::{Area, Cpu};
+use crate::events::StartInfo;
+
+/// Who looks at the CPU between the phases: scenario, trace.
+pub trait Observer {
+    /// Before `cycle` reads its inputs; cycle 0 is before the startup OB. `time` in nanoseconds.
+    fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64);
+    /// After the outputs of `cycle`; cycle 0 is after the startup OB.
+    fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64);
+}
+
+/// How to run.
+#[derive(Clone, Copy, Debug)]
+pub struct Pace {
+    /// Number of OB 1 cycles; `None`: until STOP or [`end_requested`](crate::run::end_requested).
+    pub cycles: Option<u64>,
+    /// Nanoseconds from one cycle start to the next.
+    pub cycle_time: u64,
+    /// Nanoseconds of host time for a cycle under the virtual clock.
+    pub hang_limit: u64,
+}
+
+/// Shortest, longest and last time from cycle start to cycle start, in milliseconds.
+#[derive(Default)]
+struct CycleTimes {
+    last: u16,
+    shortest: Option<u16>,
+    longest: u16,
+}
+
+impl CycleTimes {
+    fn add(&mut self, ns: u64) {
+        let ms = (ns / NS_PER_MS).min(0x7FFF) as u16;
+        self.last = ms;
+        self.shortest = Some(self.shortest.map_or(ms, |shortest| shortest.min(ms)));
+        self.longest = self.longest.max(ms);
+    }
+}
+
+impl Cpu {
+    /// Startup and cycles. Returns the number of OB 1 cycles that were begun.
+    pub fn execute(&self, pace: &Pace, observer: &mut dyn Observer) -> u64 {
+        self.schedule.hang_limit.set(pace.hang_limit);
+        self.start_up(observer);
+        let mut times = CycleTimes::default();
+        let mut cycle = 0;
+        let mut last_start = None;
+        while !self.is_stopped() && pace.cycles.is_none_or(|cycles| cycle < cycles) && !crate::run::end_requested() {
+            cycle += 1;
+            let start = self.clock.now();
+            if let Some(last) = last_start.replace(start) {
+                times.add(start.saturating_sub(last));
+            }
+            self.run_cycle(cycle, start, &times, observer);
+            if !self.is_stopped() {
+                self.advance(start.saturating_add(pace.cycle_time).max(self.clock.now()), false);
+            }
+        }
+        self.watchdog.set(u64::MAX);
+        cycle
+    }
+
+    fn start_up(&self, observer: &mut dyn Observer) {
+        let ob = self.image.config.startup;
+        self.log(0x4301, 0, 0);
+        self.arm_hang();
+        observer.before(self, 0, self.clock.now());
+        self.set_configured_times();
+        let cause = match ob {
+            101 => 0x83,
+            102 => 0x85,
+            _ => 0x81,
+        };
+        if self.has_ob(ob) {
+            self.run_ob(ob, self.priority_of(ob), StartInfo::new(0x13, cause, ob));
+        }
+        if !self.is_stopped() {
+            self.dispatch();
+        }
+        if !self.is_stopped() {
+            self.log(0x4302, 0, 0);
+            self.start_interrupts(self.clock.now());
+        }
+        observer.after(self, 0, self.clock.now());
+    }
+
+    fn run_cycle(&self, cycle: u64, start: u64, times: &CycleTimes, observer: &mut dyn Observer) {
+        self.arm_hang();
+        observer.before(self, cycle, start);
+        self.update_clock_memory();
+        self.read_inputs();
+        self.schedule.monitor.begin(start);
+        self.rearm();
+        self.poll();
+        self.dispatch();
+        if self.has_ob(1) && !self.is_stopped() {
+            self.run_ob(1, 1, self.ob1_info(cycle, times));
+        }
+        self.schedule.monitor.end();
+        if !self.is_stopped() {
+            self.write_outputs();
+        }
+        observer.after(self, cycle, start);
+    }
+
+    fn ob1_info(&self, cycle: u64, times: &CycleTimes) -> StartInfo {
+        let scan = match (cycle, self.image.config.startup) {
+            (1, 101) => 2,
+            (1, 102) => 4,
+            (1, _) => 1,
+            (_, _) => 3,
+        };
+        StartInfo::new(0x11, scan, 1).word(6, times.last).word(8, times.shortest.unwrap_or(0)).word(10, times.longest)
+    }
+
+    /// Copies the named inputs into the process image.
+    fn read_inputs(&self) {
+        let (base, length) = self.area(Area::Inputs);
+        self.driver.named(length, &mut |address, value| self.memory.set_byte(base + address, value));
+    }
+
+    /// Copies the process image of outputs to the modules.
+    fn write_outputs(&self) {
+        let (base, length) = self.area(Area::Outputs);
+        self.memory.view(base, length, |image| self.driver.write_image(image));
+    }
+
+    /// The clock memory byte: bits 0-7 have periods of 0.1, 0.2, 0.4, 0.5, 0.8, 1, 1.6 and 2 s, half of each 0, then 1.
+    pub(crate) fn update_clock_memory(&self) {
+        const HALF_PERIOD_MS: [u64; 8] = [50, 100, 200, 250, 400, 500, 800, 1000];
+        let Some(byte) = self.image.config.clock_memory_byte else { return };
+        let ms = self.clock.now() / NS_PER_MS;
+        let value = (0u32..).zip(HALF_PERIOD_MS).fold(0, |bits, (bit, half)| bits | ((ms / half) as u8 & 1) << bit);
+        if u32::from(byte) < self.area(Area::BitMemory).1 {
+            self.memory.set_byte(layout::M + u32::from(byte), value);
+        }
+    }
+
+    /// Reads a peripheral input; bit 32 of the result: no module there.
+    pub(crate) fn peripheral_read(&self, address: u32, bytes: u32) -> u64 {
+        const MISSING: u64 = 1 << 32;
+        match bytes {
+            1 | 2 | 4 => self.driver.read(address, bytes).map_or(MISSING, u64::from),
+            _ => MISSING,
+        }
+    }
+
+    /// Writes a peripheral output, and the process image where it covers the address. True: no module there.
+    pub(crate) fn peripheral_write(&self, address: u32, bytes: u32, value: u32) -> bool {
+        if !matches!(bytes, 1 | 2 | 4) || !self.driver.write(address, bytes, value) {
+            return true;
+        }
+        let (base, length) = self.area(Area::Outputs);
+        for index in 0..bytes {
+            let byte = address.saturating_add(index);
+            if byte < length {
+                self.memory.set_byte(base + byte, (value >> (8 * (bytes - 1 - index))) as u8);
+            }
+        }
+        false
+    }
+
+    /// Ends waiting between cycles when the process is asked to end.
+    pub(crate) fn schedule_ended(&self) -> bool {
+        self.running.priority.get() == 0 && crate::run::end_requested()
+    }
+}

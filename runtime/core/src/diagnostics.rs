@@ -1,0 +1,166 @@
+//! Diagnostic buffer: what happened to the CPU, newest entry last here and first in print.
+//!
+//! Entries are plain numbers in a ring made before the first cycle; words are found when it is printed.
+//! Source of the event texts: spec F.5, F.6.
+
+use std::cell::{Cell, RefCell};
+
+use plcc_abi::ProgramImage;
+use plcc_abi::image::Site;
+
+use crate::datetime;
+
+/// Entries that the ring holds.
+pub const CAPACITY: usize = 500;
+
+/// An entry. `site` is 0 where no place in the program is known, else index into `ProgramImage::sites` plus 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Entry {
+    pub event: u16,
+    /// What the event is about: a number or address, as in the start information.
+    pub info: u32,
+    pub site: u32,
+    /// OB that was running, 0: none.
+    pub ob: u16,
+    pub wall: i64,
+}
+
+/// The ring.
+pub struct Diagnostics {
+    entries: RefCell<Vec<Entry>>,
+    next: Cell<usize>,
+}
+
+impl Default for Diagnostics {
+    fn default() -> Self {
+        Diagnostics { entries: RefCell::new(Vec::with_capacity(CAPACITY)), next: Cell::new(0) }
+    }
+}
+
+impl Diagnostics {
+    pub fn push(&self, entry: Entry) {
+        let mut entries = self.entries.borrow_mut();
+        if entries.len() < CAPACITY {
+            entries.push(entry);
+        } else {
+            entries[self.next.get()] = entry;
+        }
+        self.next.set((self.next.get() + 1) % CAPACITY);
+    }
+
+    /// All entries, newest first.
+    pub fn newest_first(&self) -> Vec<Entry> {
+        let entries = self.entries.borrow();
+        let split = if entries.len() < CAPACITY { entries.len() } else { self.next.get() };
+        let (newer, older) = entries.split_at(split);
+        newer.iter().rev().chain(older.iter().rev()).copied().collect()
+    }
+}
+
+/// Source place of a 1-based site number.
+pub fn site(image: &ProgramImage, site: u32) -> Option<&Site> {
+    image.sites.get(site.checked_sub(1)? as usize)
+}
+
+/// `FC 3, network 2, main.stl:17`, or the running OB where no site is known.
+pub fn place_text(image: &ProgramImage, entry: &Entry) -> String {
+    match site(image, entry.site) {
+        Some(site) => {
+            let file = image.files.get(site.file as usize).map_or("?", String::as_str);
+            let network = if site.network == 0 { String::new() } else { format!("network {}, ", site.network) };
+            format!("{} {}, {network}{file}:{}", site.block.prefix(), site.block_number, site.line)
+        }
+        None if entry.ob != 0 => format!("OB {}", entry.ob),
+        None => String::new(),
+    }
+}
+
+/// Event in words, with its number.
+pub fn event_text(entry: &Entry) -> String {
+    let info = entry.info;
+    let words = match entry.event {
+        0x4301 => "startup".to_string(),
+        0x4302 => "RUN".to_string(),
+        0x4303 => "STOP by request".to_string(),
+        0x4562 => "STOP: programming error and no OB 121".to_string(),
+        0x4563 => "STOP: I/O access error and no OB 122".to_string(),
+        0x4568 if info == 2 => "STOP: cycle time exceeded twice in one cycle".to_string(),
+        0x4568 if info == 3 => "STOP: endless loop (no end of the cycle within the hang limit)".to_string(),
+        0x4568 => "STOP: time error and no OB 80".to_string(),
+        0x456A => "STOP: diagnostic interrupt and no OB 82".to_string(),
+        0x456B => "STOP: module removed or inserted and no OB 83".to_string(),
+        0x456C => format!("STOP: priority class error (about OB {info}) and no OB 85"),
+        0x456D => format!("STOP: OB {info} is requested but not loaded, and no OB 85"),
+        0x456E => "STOP: communication error and no OB 87".to_string(),
+        0x456F => "STOP: rack or DP failure and no OB 86".to_string(),
+        0x4570 => "STOP: processing abort and no OB 88".to_string(),
+        0x4571 => "STOP: nesting stack error".to_string(),
+        0x4572 => "STOP: MCR stack error".to_string(),
+        0x4573 => "STOP: synchronous errors nested too deep".to_string(),
+        0x4575 => "STOP: blocks nested too deep".to_string(),
+        0x4576 => "STOP: local data stack exhausted".to_string(),
+        0x457F => "STOP by SFC 46 (STP)".to_string(),
+        0x3501 => format!("cycle time exceeded ({info} ms)"),
+        0x3502 => format!("OB {info} is requested while it is still active or waiting"),
+        0x3505 => format!("time jump: time-of-day interrupt OB {info} was skipped"),
+        0x3507 => format!("queue of interrupts is full (OB {info})"),
+        0x35A1 => format!("OB {info} is requested but not loaded"),
+        event @ 0x2521..=0x253F => sync_error_text(event as u8, info),
+        0x2942 => format!("I/O access error on reading address {info}"),
+        0x2943 => format!("I/O access error on writing address {info}"),
+        event => format!("event of class {}", event >> 12),
+    };
+    format!("16#{:04X} {words}", entry.event)
+}
+
+fn sync_error_text(code: u8, info: u32) -> String {
+    use plcc_abi::codes::sync;
+    match code {
+        sync::BCD => "BCD conversion error".to_string(),
+        sync::LENGTH_READ => format!("address {info} is outside of its area, on reading"),
+        sync::LENGTH_WRITE => format!("address {info} is outside of its area, on writing"),
+        sync::AREA_READ => format!("wrong area 16#{info:02X} in a pointer, on reading"),
+        sync::AREA_WRITE => format!("wrong area 16#{info:02X} in a pointer, on writing"),
+        sync::TIMER_NUMBER => format!("timer {info} does not exist"),
+        sync::COUNTER_NUMBER => format!("counter {info} does not exist"),
+        sync::ALIGN_READ => format!("bit address is not 0 in a pointer (byte {info}), on reading"),
+        sync::ALIGN_WRITE => format!("bit address is not 0 in a pointer (byte {info}), on writing"),
+        sync::WRITE_PROTECTED_DB => format!("DB {info} is write-protected"),
+        sync::WRITE_PROTECTED_DI => format!("instance DB {info} is write-protected"),
+        sync::DB_NUMBER => "no DB is open, or its number is wrong".to_string(),
+        sync::DI_NUMBER => "no instance DB is open, or its number is wrong".to_string(),
+        sync::FC_NUMBER => format!("FC number {info} is too large"),
+        sync::FB_NUMBER => format!("FB number {info} is too large"),
+        sync::DB_MISSING => format!("DB {info} is not loaded"),
+        sync::FC_MISSING => format!("FC {info} is not loaded"),
+        sync::SFC_MISSING => format!("SFC {info} does not exist"),
+        sync::FB_MISSING => format!("FB {info} is not loaded"),
+        sync::SFB_MISSING => format!("SFB {info} does not exist"),
+        code => format!("programming error 16#{code:02X}"),
+    }
+}
+
+/// One line of the printed buffer.
+pub fn line(image: &ProgramImage, entry: &Entry) -> String {
+    let time = datetime::civil(entry.wall);
+    let place = place_text(image, entry);
+    let separator = if place.is_empty() { "" } else { "; " };
+    format!("{time:.3} {}{separator}{place}", event_text(entry))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ring_keeps_the_newest() {
+        let diagnostics = Diagnostics::default();
+        for info in 0..CAPACITY as u32 + 3 {
+            diagnostics.push(Entry { event: 1, info, site: 0, ob: 0, wall: 0 });
+        }
+        let infos: Vec<u32> = diagnostics.newest_first().iter().map(|entry| entry.info).collect();
+        assert_eq!(infos.len(), CAPACITY);
+        assert_eq!(infos[0], CAPACITY as u32 + 2);
+        assert_eq!(infos[CAPACITY - 1], 3);
+    }
+}

@@ -1,0 +1,210 @@
+//! Events that start organization blocks, with their start information. Source: spec F.3, F.4.
+
+use plcc_abi::image::{Family, Profile};
+
+/// Bytes of start information at the head of an OB's TEMP.
+pub const START_INFO_BYTES: usize = 20;
+
+/// Highest OB number that an event can name, plus 1.
+pub const OB_NUMBERS: usize = 128;
+
+/// The first 12 bytes of start information; the time of the start is added when the OB starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StartInfo(pub [u8; 12]);
+
+impl StartInfo {
+    /// `class` is byte 0, `cause` byte 1; the priority is filled at the start.
+    pub fn new(class: u8, cause: u8, ob: u16) -> StartInfo {
+        let mut bytes = [0; 12];
+        bytes[0] = class;
+        bytes[1] = cause;
+        bytes[3] = ob as u8;
+        StartInfo(bytes)
+    }
+
+    pub fn byte(mut self, offset: usize, value: u8) -> StartInfo {
+        self.0[offset] = value;
+        self
+    }
+
+    pub fn word(mut self, offset: usize, value: u16) -> StartInfo {
+        self.0[offset..offset + 2].copy_from_slice(&value.to_be_bytes());
+        self
+    }
+
+    pub fn dword(mut self, offset: usize, value: u32) -> StartInfo {
+        self.0[offset..offset + 4].copy_from_slice(&value.to_be_bytes());
+        self
+    }
+}
+
+/// A request to run an OB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Event {
+    pub ob: u16,
+    pub info: StartInfo,
+}
+
+/// What happens when the OB of an event is not loaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Missing {
+    /// STOP with this event.
+    Stop(u16),
+    Continue,
+    /// OB 85, fault A1; without OB 85 STOP.
+    ClassError,
+}
+
+/// Reaction to a missing OB.
+pub fn missing(ob: u16, family: Family) -> Missing {
+    match ob {
+        10..=23 | 30..=57 => Missing::ClassError,
+        80 => Missing::Stop(0x4568),
+        82 => Missing::Stop(0x456A),
+        83 => Missing::Stop(0x456B),
+        85 => Missing::Stop(0x456C),
+        86 => Missing::Stop(0x456F),
+        87 if family == Family::S7300 => Missing::Stop(0x456E),
+        88 => Missing::Stop(0x4570),
+        _ => Missing::Continue,
+    }
+}
+
+/// Priority of an OB without configuration.
+pub fn default_priority(ob: u16, family: Family) -> u8 {
+    match ob {
+        10..=17 | 55..=57 => 2,
+        20..=23 => 3 + (ob - 20) as u8,
+        30..=38 => 7 + (ob - 30) as u8,
+        40..=47 => 16 + (ob - 40) as u8,
+        60..=64 | 70 => 25,
+        72 | 73 | 88 => 28,
+        80 => 26,
+        81..=87 if family == Family::S7400 => 25,
+        81..=87 => 26,
+        90 => 0,
+        100..=102 => 27,
+        _ => 1,
+    }
+}
+
+/// Priority of an OB on this CPU: those of an S7-400 can be configured from 2 to 24.
+pub fn priority(ob: u16, profile: &Profile, configured: &[(u16, u8)]) -> u8 {
+    let default = default_priority(ob, profile.family);
+    match configured.iter().find(|(number, _)| *number == ob) {
+        Some((_, priority)) if profile.family == Family::S7400 => (*priority).clamp(2, 24),
+        _ => default,
+    }
+}
+
+/// Default period of OB 30-38 in milliseconds.
+pub fn default_period_ms(ob: u16) -> u32 {
+    [5000, 2000, 1000, 500, 200, 100, 50, 20, 10][usize::from(ob.clamp(30, 38) - 30)]
+}
+
+/// A field of start information that a scenario may name: its name without `OBnn_`, offset and width in bytes.
+pub struct Field {
+    pub name: &'static str,
+    pub offset: usize,
+    pub bytes: usize,
+}
+
+const fn field(name: &'static str, offset: usize, bytes: usize) -> Field {
+    Field { name, offset, bytes }
+}
+
+/// Fields of all start information.
+const COMMON: &[Field] = &[field("EV_CLASS", 0, 1), field("RESERVED_1", 4, 1), field("RESERVED_2", 5, 1)];
+
+/// Fields by OB range. Source: spec F.4.
+const FIELDS: &[(std::ops::RangeInclusive<u16>, &[Field])] = &[
+    (
+        10..=17,
+        &[field("STRT_INFO", 1, 1), field("PERIOD_EXE", 6, 2), field("RESERVED_3", 8, 2), field("RESERVED_4", 10, 2)],
+    ),
+    (20..=23, &[field("STRT_INF", 1, 1), field("SIGN", 6, 2), field("DTIME", 8, 4)]),
+    (
+        30..=38,
+        &[field("STRT_INF", 1, 1), field("PHASE_OFFSET", 6, 2), field("RESERVED_3", 8, 2), field("EXC_FREQ", 10, 2)],
+    ),
+    (40..=47, &[field("STRT_INF", 1, 1), field("IO_FLAG", 5, 1), field("MDL_ADDR", 6, 2), field("POINT_ADDR", 8, 4)]),
+    (
+        55..=57,
+        &[
+            field("STRT_INF", 1, 1),
+            field("IO_FLAG", 5, 1),
+            field("MDL_ADDR", 6, 2),
+            field("LEN", 8, 1),
+            field("TYPE", 9, 1),
+            field("SLOT", 10, 1),
+            field("SPEC", 11, 1),
+        ],
+    ),
+    (
+        80..=80,
+        &[
+            field("FLT_ID", 1, 1),
+            field("ERROR_INFO", 6, 2),
+            field("ERR_EV_CLASS", 8, 1),
+            field("ERR_EV_NUM", 9, 1),
+            field("OB_PRIORITY", 10, 1),
+            field("OB_NUM", 11, 1),
+        ],
+    ),
+    (81..=81, &[field("FLT_ID", 1, 1), field("RACK_CPU", 6, 2), field("RESERVED_3", 8, 4)]),
+    (82..=82, &[field("FLT_ID", 1, 1), field("IO_FLAG", 5, 1), field("MDL_ADDR", 6, 2), field("MDL_DIAG", 8, 4)]),
+    (
+        83..=83,
+        &[
+            field("FLT_ID", 1, 1),
+            field("MDL_TD", 5, 1),
+            field("MDL_ADDR", 6, 2),
+            field("RACK_NUM", 8, 2),
+            field("MDL_TYPE", 10, 2),
+        ],
+    ),
+    (
+        85..=85,
+        &[
+            field("FLT_ID", 1, 1),
+            field("Z1", 6, 2),
+            field("Z23", 8, 4),
+            field("ERR_EV_CLASS", 8, 1),
+            field("ERR_EV_NUM", 9, 1),
+            field("OB_PRIOR", 10, 1),
+            field("OB_NUM", 11, 1),
+        ],
+    ),
+    (86..=86, &[field("FLT_ID", 1, 1), field("MDL_ADDR", 6, 2), field("RACKS_FLTD", 8, 4)]),
+    (84..=88, &[field("FLT_ID", 1, 1), field("INFO_1", 6, 2), field("INFO_2_3", 8, 4)]),
+];
+
+/// The field `name` (any case, with or without `OB40_`) of the start information of `ob`.
+pub fn find_field(ob: u16, name: &str) -> Option<&'static Field> {
+    let upper = name.to_ascii_uppercase();
+    let short = upper.strip_prefix(&format!("OB{ob}_")).unwrap_or(&upper);
+    let specific = FIELDS.iter().filter(|(range, _)| range.contains(&ob)).flat_map(|(_, fields)| fields.iter());
+    specific.chain(COMMON).find(|field| field.name == short)
+}
+
+/// The event of `ob` with the usual start information; `None` for an OB that no event starts.
+pub fn usual(ob: u16) -> Option<Event> {
+    let info = match ob {
+        10..=17 => StartInfo::new(0x11, 0x11 + (ob - 10) as u8, ob),
+        20..=23 => StartInfo::new(0x11, 0x21 + (ob - 20) as u8, ob),
+        30..=38 => StartInfo::new(0x11, 0x31 + (ob - 30) as u8, ob).word(10, default_period_ms(ob) as u16),
+        40..=47 => StartInfo::new(0x11, 0x41, ob).byte(5, 0x54),
+        55..=57 => StartInfo::new(0x11, 0x55 + (ob - 55) as u8, ob),
+        80 => StartInfo::new(0x35, 0x01, ob),
+        81 => StartInfo::new(0x39, 0x22, ob),
+        82 => StartInfo::new(0x39, 0x42, ob).byte(5, 0x54),
+        83 => StartInfo::new(0x39, 0x61, ob),
+        84 => StartInfo::new(0x35, 0x81, ob),
+        85 => StartInfo::new(0x35, 0xA1, ob),
+        86 => StartInfo::new(0x39, 0xC4, ob),
+        87 => StartInfo::new(0x35, 0xE1, ob),
+        88 => StartInfo::new(0x35, 0x71, ob),
+        _ => return None,
+    };
+    Some(Event { ob, info })
+}

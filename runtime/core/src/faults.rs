@@ -1,0 +1,154 @@
+//! Faults: synchronous errors, asynchronous errors, STOP. Source: spec F.3, F.5, F.6.
+
+use plcc_abi::codes::{stop, sync};
+use plcc_abi::image::{BlockKind, Family};
+use plcc_abi::layout::state;
+
+use crate::cpu::{Cpu, Stop};
+use crate::diagnostics::{self, Entry};
+use crate::events::{Event, Missing, StartInfo};
+
+/// Second word of a STOP 16#4568: which time error.
+pub(crate) const TIME_ERROR_TWICE: u32 = 2;
+pub(crate) const TIME_ERROR_HANG: u32 = 3;
+
+impl Cpu {
+    /// Writes to the diagnostic buffer.
+    pub(crate) fn log(&self, event: u16, site: u32, info: u32) -> Entry {
+        let entry = Entry { event, info, site, ob: self.running.ob.get(), wall: self.clock.wall() };
+        self.diagnostics.push(entry);
+        entry
+    }
+
+    /// STOP with `event`; only the first counts.
+    pub(crate) fn stop_by(&self, event: u16, site: u32, info: u32) {
+        self.stop_because(event, site, info, None);
+    }
+
+    pub(crate) fn stop_because(&self, event: u16, site: u32, info: u32, cause: Option<Entry>) {
+        if !self.is_stopped() {
+            let entry = self.log(event, site, info);
+            self.stop.set(Some(Stop { entry, cause, asked: event == stop::SFC_46 }));
+        }
+        self.memory.raise_attention();
+    }
+
+    /// Synchronous error `code` at `site`: runs OB 121 or OB 122, else STOP. Result for generated code.
+    pub(crate) fn sync_error(&self, site: u32, code: u8, access: u8, info: u32) -> u32 {
+        if self.is_stopped() {
+            return 1;
+        }
+        let memory = &self.memory;
+        memory.set_host32(state::SUBSTITUTE, 0);
+        let io = matches!(code, sync::IO_READ | sync::IO_WRITE);
+        let (ob, class, stop_event) = if io { (122, 0x29, 0x4563) } else { (121, 0x25, 0x4562) };
+        let cause = self.log(u16::from(class) << 8 | u16::from(code), site, info);
+        if !self.has_ob(ob) {
+            self.stop_because(stop_event, site, 0, Some(cause));
+            return 1;
+        }
+        let start = self.with_block(StartInfo::new(class, code, ob).byte(5, access).word(6, info as u16), site);
+        let read = matches!(
+            code,
+            sync::IO_READ
+                | sync::LENGTH_READ
+                | sync::AREA_READ
+                | sync::ALIGN_READ
+                | sync::TIMER_NUMBER
+                | sync::COUNTER_NUMBER
+        );
+        let outer = (self.running.replaceable.replace(Some(read)), self.running.substitute.replace(0));
+        if !self.run_error_ob(ob, start) {
+            self.stop_because(stop::SYNC_DEPTH, site, 0, Some(cause));
+        }
+        memory.set_host32(state::SUBSTITUTE, self.running.substitute.replace(outer.1));
+        self.running.replaceable.set(outer.0);
+        self.stop_result()
+    }
+
+    /// Block type and number of the place, which an S7-400 gives in the start information.
+    fn with_block(&self, start: StartInfo, site: u32) -> StartInfo {
+        match diagnostics::site(&self.image, site) {
+            Some(site) if self.image.profile.family == Family::S7400 => {
+                let block_type = match site.block {
+                    BlockKind::Ob => 0x88,
+                    BlockKind::Db => 0x8A,
+                    BlockKind::Fc | BlockKind::Sfc => 0x8C,
+                    BlockKind::Fb | BlockKind::Sfb => 0x8E,
+                };
+                start.byte(4, block_type).word(8, site.block_number)
+            }
+            Some(_) | None => start,
+        }
+    }
+
+    /// An event whose OB is to run by its priority. When the OB is not loaded: the reaction of the table.
+    pub(crate) fn request(&self, event: Event) {
+        if self.is_stopped() || self.schedule.is_disabled(event.ob) {
+            return;
+        }
+        if self.has_ob(event.ob) {
+            self.queue(event);
+            return;
+        }
+        match crate::events::missing(event.ob, self.image.profile.family) {
+            Missing::Continue => {}
+            Missing::Stop(number) => {
+                let about = if event.ob == 85 { event.info.0[11] } else { 0 };
+                self.stop_by(number, 0, u32::from(about));
+            }
+            Missing::ClassError => self.class_error(event),
+        }
+    }
+
+    /// OB 85, fault A1: the OB of `event` is not loaded.
+    fn class_error(&self, event: Event) {
+        let ob = u32::from(event.ob);
+        let cause = self.log(0x35A1, 0, ob);
+        if !self.has_ob(85) {
+            self.stop_because(0x456D, 0, ob, Some(cause));
+            return;
+        }
+        let info = StartInfo::new(0x35, 0xA1, 85)
+            .byte(8, event.info.0[0])
+            .byte(9, event.info.0[1])
+            .byte(10, self.priority_of(event.ob))
+            .byte(11, event.ob as u8);
+        self.request(Event { ob: 85, info });
+    }
+
+    /// OB 80 with fault `cause` about the OB of `event`.
+    pub(crate) fn time_error(&self, cause: u8, event: Event) {
+        self.log(0x3500 | u16::from(cause), 0, u32::from(event.ob));
+        let info = StartInfo::new(0x35, cause, 80)
+            .byte(8, event.info.0[0])
+            .byte(9, event.info.0[1])
+            .byte(10, self.priority_of(event.ob))
+            .byte(11, event.ob as u8);
+        self.request(Event { ob: 80, info });
+    }
+
+    /// The cycle took longer than allowed, `ms` milliseconds.
+    pub(crate) fn cycle_time_exceeded(&self, ms: u32) {
+        let cause = self.log(0x3501, 0, ms);
+        let monitor = &self.schedule.monitor;
+        monitor.overruns.set(monitor.overruns.get() + 1);
+        monitor.restart(self.clock.now());
+        if monitor.overruns.get() >= 2 || self.running.active.get() >> 80 & 1 != 0 {
+            self.stop_because(0x4568, 0, TIME_ERROR_TWICE, Some(cause));
+        } else if !self.has_ob(80) {
+            self.stop_because(0x4568, 0, 0, Some(cause));
+        } else {
+            self.request(Event { ob: 80, info: StartInfo::new(0x35, 0x01, 80).word(6, ms.min(0xFFFF) as u16) });
+        }
+    }
+
+    /// The text of a STOP: its cause before it, if there is one.
+    pub fn stop_text(&self, stop: &Stop) -> String {
+        let place_of = stop.cause.as_ref().unwrap_or(&stop.entry);
+        let place = diagnostics::place_text(&self.image, place_of);
+        let separator = if place.is_empty() { "" } else { "; " };
+        let cause = stop.cause.map(|cause| format!(" ({})", diagnostics::event_text(&cause))).unwrap_or_default();
+        format!("{}{cause}{separator}{place}", diagnostics::event_text(&stop.entry))
+    }
+}

@@ -1,0 +1,160 @@
+//! The functions that generated code calls: by linker symbol, by address, or by number.
+//!
+//! One table gives all three forms. None of them may panic: a panic must not cross into generated code.
+
+use plcc_abi::RuntimeFn;
+use plcc_abi::functions::TimerMode;
+
+use crate::cpu::Cpu;
+use crate::{bcd, counters, math, timers};
+
+/// A value as it crosses the border, from and to the bits that an interpreter holds.
+trait Border {
+    fn from_bits(bits: u64) -> Self;
+    fn to_bits(self) -> u64;
+}
+
+impl Border for u32 {
+    fn from_bits(bits: u64) -> u32 {
+        bits as u32
+    }
+    fn to_bits(self) -> u64 {
+        u64::from(self)
+    }
+}
+
+impl Border for u64 {
+    fn from_bits(bits: u64) -> u64 {
+        bits
+    }
+    fn to_bits(self) -> u64 {
+        self
+    }
+}
+
+impl Border for f32 {
+    fn from_bits(bits: u64) -> f32 {
+        f32::from_bits(bits as u32)
+    }
+    fn to_bits(self) -> u64 {
+        u64::from(f32::to_bits(self))
+    }
+}
+
+impl Border for () {
+    fn from_bits(_: u64) {}
+    fn to_bits(self) -> u64 {
+        0
+    }
+}
+
+macro_rules! functions {
+    (
+        memory { $( $name:ident = $symbol:ident ( $cpu:ident $(, $param:ident)* ) $(-> $result:ty)? $body:block )* }
+        pure { $( $pname:ident = $psymbol:ident ( $( $pparam:ident : $ptype:ty ),* ) -> $presult:ty $pbody:block )* }
+    ) => {
+        $(
+            /// See the row of the same name in `plcc_abi::functions`.
+            ///
+            /// # Safety
+            /// `mem` is the base of the memory of a living `Cpu`.
+            #[unsafe(no_mangle)]
+            pub unsafe extern "C" fn $symbol(mem: *mut u8 $(, $param: u32)*) $(-> $result)? {
+                // SAFETY: the caller's promise.
+                let $cpu = unsafe { Cpu::of(mem) };
+                $body
+            }
+        )*
+        $(
+            /// See the row of the same name in `plcc_abi::functions`.
+            #[unsafe(no_mangle)]
+            pub extern "C" fn $psymbol($( $pparam: $ptype ),*) -> $presult $pbody
+        )*
+
+        /// Address of a runtime function, for code made in memory.
+        pub fn address(function: RuntimeFn) -> *const u8 {
+            match function {
+                $( RuntimeFn::$name => $symbol as *const u8, )*
+                $( RuntimeFn::$pname => $psymbol as *const u8, )*
+            }
+        }
+
+        /// Calls a runtime function with arguments as bits, zero-extended; a missing argument is 0. The result is
+        /// zero-extended too, 0 if there is none. `mem` is what [`Code::call`](crate::Code::call) was given; pure
+        /// functions ignore it.
+        #[allow(clippy::not_unsafe_ptr_arg_deref)] // An interpreter passes on what the runtime gave it.
+        pub fn call(function: RuntimeFn, mem: *mut u8, args: &[u64]) -> u64 {
+            let mut args = args.iter().copied();
+            match function {
+                $( RuntimeFn::$name => {
+                    $( let $param: u32 = Border::from_bits(args.next().unwrap_or(0)); )*
+                    // SAFETY: `mem` is the base of a living `Cpu`, see above.
+                    Border::to_bits(unsafe { $symbol(mem $(, $param)*) })
+                } )*
+                $( RuntimeFn::$pname => {
+                    $( let $pparam: $ptype = Border::from_bits(args.next().unwrap_or(0)); )*
+                    Border::to_bits($psymbol($($pparam),*))
+                } )*
+            }
+        }
+    };
+}
+
+functions! {
+    memory {
+        Safepoint = plcc_rt_safepoint(cpu) -> u32 { cpu.safepoint() }
+        SyncError = plcc_rt_sync_error(cpu, site, code, access, info) -> u32 {
+            cpu.sync_error(site, code as u8, access as u8, info)
+        }
+        Stop = plcc_rt_stop(cpu, site, code) { cpu.stop_by(code as u16, site, 0) }
+        CallBlock = plcc_rt_call_block(cpu, site, kind, number, lbase, vbase) -> u32 {
+            cpu.call_block(site, kind, number, lbase, vbase)
+        }
+        SystemFunction = plcc_rt_system_function(cpu, site, number, block, lbase) -> u32 {
+            cpu.system_function(site, number, block, lbase)
+        }
+        TimerStart = plcc_rt_timer_start(cpu, number, mode, value, rlo) -> u32 {
+            match TimerMode::ALL.get(mode as usize) {
+                Some(mode) => timers::start(&cpu.memory, &cpu.clock, number, *mode, value, rlo != 0),
+                None => 0,
+            }
+        }
+        TimerReset = plcc_rt_timer_reset(cpu, number) { timers::reset(&cpu.memory, number) }
+        TimerEnable = plcc_rt_timer_enable(cpu, number, rlo) { timers::enable(&cpu.memory, number, rlo != 0) }
+        TimerScan = plcc_rt_timer_scan(cpu, number) -> u32 { timers::scan(&cpu.memory, &cpu.clock, number).into() }
+        TimerValue = plcc_rt_timer_value(cpu, number) -> u32 { timers::value(&cpu.memory, &cpu.clock, number) }
+        TimerValueBcd = plcc_rt_timer_value_bcd(cpu, number) -> u32 {
+            timers::value_bcd(&cpu.memory, &cpu.clock, number)
+        }
+        CounterUp = plcc_rt_counter_up(cpu, number, rlo) { counters::up(&cpu.memory, number, rlo != 0) }
+        CounterDown = plcc_rt_counter_down(cpu, number, rlo) { counters::down(&cpu.memory, number, rlo != 0) }
+        CounterSet = plcc_rt_counter_set(cpu, number, value, rlo) -> u32 {
+            counters::set(&cpu.memory, number, value, rlo != 0).into()
+        }
+        CounterReset = plcc_rt_counter_reset(cpu, number) { counters::reset(&cpu.memory, number) }
+        CounterEnable = plcc_rt_counter_enable(cpu, number, rlo) { counters::enable(&cpu.memory, number, rlo != 0) }
+        CounterValue = plcc_rt_counter_value(cpu, number) -> u32 { counters::value(&cpu.memory, number) }
+        PeripheralRead = plcc_rt_peripheral_read(cpu, address, bytes) -> u64 { cpu.peripheral_read(address, bytes) }
+        PeripheralWrite = plcc_rt_peripheral_write(cpu, address, bytes, value) -> u32 {
+            cpu.peripheral_write(address, bytes, value).into()
+        }
+        Assert = plcc_rt_assert(cpu, id, left, right) {
+            if let Some(entry) = cpu.image.asserts.get(id as usize) {
+                cpu.assertions.check(id as usize, entry, left, right);
+            }
+        }
+        Sleep = plcc_rt_sleep(cpu, ms) -> u32 { cpu.pass_time(u64::from(ms) * crate::clock::NS_PER_MS, false) }
+    }
+    pure {
+        Sin = plcc_rt_sin(x: f32) -> f32 { math::sin(x) }
+        Cos = plcc_rt_cos(x: f32) -> f32 { math::cos(x) }
+        Tan = plcc_rt_tan(x: f32) -> f32 { math::tan(x) }
+        Asin = plcc_rt_asin(x: f32) -> f32 { math::asin(x) }
+        Acos = plcc_rt_acos(x: f32) -> f32 { math::acos(x) }
+        Atan = plcc_rt_atan(x: f32) -> f32 { math::atan(x) }
+        Exp = plcc_rt_exp(x: f32) -> f32 { math::exp(x) }
+        Ln = plcc_rt_ln(x: f32) -> f32 { math::ln(x) }
+        BcdToInt = plcc_rt_bcd_to_int(value: u32, digits: u32) -> u32 { bcd::to_int(value, digits) }
+        IntToBcd = plcc_rt_int_to_bcd(value: u32, digits: u32) -> u32 { bcd::from_int(value, digits) }
+    }
+}

@@ -1,0 +1,181 @@
+//! PLC memory: the one allocation that holds all areas, with big-endian access.
+//!
+//! Generated code reaches it through the raw base pointer, so nothing here ever makes a reference into it. An offset
+//! outside of the allocation ends in the scratch area: the runtime computes none, but a wrong image must not do harm.
+
+use std::alloc::{Layout, alloc_zeroed, dealloc, handle_alloc_error};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use plcc_abi::layout::{self, state};
+
+const PAGE: usize = 4096;
+
+/// The allocation. Pages that nobody touches cost nothing.
+pub struct Memory {
+    base: *mut u8,
+    size: u32,
+}
+
+impl Memory {
+    /// Zeroed memory for DBs up to `db_end` and the pool behind them.
+    pub fn new(db_end: u32) -> Memory {
+        let size = db_end.max(layout::DB_DATA).saturating_add(layout::DB_POOL_BYTES);
+        let layout = Self::layout(size);
+        // SAFETY: the layout's size is not 0.
+        let base = unsafe { alloc_zeroed(layout) };
+        if base.is_null() {
+            handle_alloc_error(layout);
+        }
+        Memory { base, size }
+    }
+
+    fn layout(size: u32) -> Layout {
+        Layout::from_size_align(size as usize, PAGE).expect("a u32 size with page alignment is a valid layout")
+    }
+
+    pub fn base(&self) -> *mut u8 {
+        self.base
+    }
+
+    /// Size in bytes.
+    pub fn size(&self) -> u32 {
+        self.size
+    }
+
+    fn at(&self, offset: u32, bytes: u32) -> *mut u8 {
+        let inside = offset.checked_add(bytes).is_some_and(|end| end <= self.size);
+        let offset = if inside { offset } else { layout::SCRATCH };
+        // SAFETY: the offset is inside the allocation; the scratch area always is.
+        unsafe { self.base.add(offset as usize) }
+    }
+
+    /// Reads `N` bytes as they lie in memory.
+    pub fn bytes<const N: usize>(&self, offset: u32) -> [u8; N] {
+        // SAFETY: `at` gives N readable bytes (the scratch area is larger than any N used).
+        unsafe { self.at(offset, N as u32).cast::<[u8; N]>().read_unaligned() }
+    }
+
+    /// Writes `N` bytes as they are.
+    pub fn set_bytes<const N: usize>(&self, offset: u32, bytes: [u8; N]) {
+        // SAFETY: `at` gives N writable bytes; no reference into memory exists.
+        unsafe { self.at(offset, N as u32).cast::<[u8; N]>().write_unaligned(bytes) }
+    }
+
+    pub fn byte(&self, offset: u32) -> u8 {
+        self.bytes::<1>(offset)[0]
+    }
+
+    pub fn set_byte(&self, offset: u32, value: u8) {
+        self.set_bytes(offset, [value]);
+    }
+
+    pub fn word(&self, offset: u32) -> u16 {
+        u16::from_be_bytes(self.bytes(offset))
+    }
+
+    pub fn set_word(&self, offset: u32, value: u16) {
+        self.set_bytes(offset, value.to_be_bytes());
+    }
+
+    pub fn dword(&self, offset: u32) -> u32 {
+        u32::from_be_bytes(self.bytes(offset))
+    }
+
+    pub fn set_dword(&self, offset: u32, value: u32) {
+        self.set_bytes(offset, value.to_be_bytes());
+    }
+
+    pub fn bit(&self, offset: u32, bit: u8) -> bool {
+        self.byte(offset) >> (bit & 7) & 1 != 0
+    }
+
+    pub fn set_bit(&self, offset: u32, bit: u8, value: bool) {
+        let mask = 1 << (bit & 7);
+        let byte = self.byte(offset);
+        self.set_byte(offset, if value { byte | mask } else { byte & !mask });
+    }
+
+    /// A field of the CPU state or of a cell: host byte order.
+    pub fn host32(&self, offset: u32) -> u32 {
+        u32::from_ne_bytes(self.bytes(offset))
+    }
+
+    pub fn set_host32(&self, offset: u32, value: u32) {
+        self.set_bytes(offset, value.to_ne_bytes());
+    }
+
+    pub fn host64(&self, offset: u32) -> u64 {
+        u64::from_ne_bytes(self.bytes(offset))
+    }
+
+    pub fn set_host64(&self, offset: u32, value: u64) {
+        self.set_bytes(offset, value.to_ne_bytes());
+    }
+
+    /// Shows a range to `read`, which must not enter code or write PLC memory. Outside of memory: an empty range.
+    pub fn view(&self, offset: u32, bytes: u32, read: impl FnOnce(&[u8])) {
+        let bytes = if self.contains(offset, bytes) { bytes } else { 0 };
+        // SAFETY: the range is inside the allocation and initialised; nobody writes it while `read` runs (the watchdog
+        // writes the CPU state only, which nobody asks to see).
+        read(unsafe { std::slice::from_raw_parts(self.at(offset, bytes), bytes as usize) });
+    }
+
+    /// Copies `bytes` bytes inside memory, as if through a buffer. Nothing happens when a side is outside.
+    pub fn copy(&self, from: u32, to: u32, bytes: u32) {
+        if self.contains(from, bytes) && self.contains(to, bytes) {
+            // SAFETY: both ranges are inside the allocation; `copy` allows overlap.
+            unsafe { std::ptr::copy(self.at(from, bytes), self.at(to, bytes), bytes as usize) }
+        }
+    }
+
+    /// Copies `data` into memory at `offset`. Nothing happens when it does not fit.
+    pub fn load(&self, offset: u32, data: &[u8]) {
+        let bytes = u32::try_from(data.len()).unwrap_or(u32::MAX);
+        if self.contains(offset, bytes) {
+            // SAFETY: the target range is inside the allocation, `data` is not (no reference into memory exists).
+            unsafe { std::ptr::copy_nonoverlapping(data.as_ptr(), self.at(offset, bytes), data.len()) }
+        }
+    }
+
+    /// Fills `bytes` bytes with 0.
+    pub fn clear(&self, offset: u32, bytes: u32) {
+        if self.contains(offset, bytes) {
+            // SAFETY: the range is inside the allocation.
+            unsafe { std::ptr::write_bytes(self.at(offset, bytes), 0, bytes as usize) }
+        }
+    }
+
+    fn contains(&self, offset: u32, bytes: u32) -> bool {
+        offset.checked_add(bytes).is_some_and(|end| end <= self.size)
+    }
+
+    /// The flag that makes the next safepoint call the runtime. The watchdog thread stores to it as well; generated code
+    /// reads it with a plain load.
+    pub fn attention(&self) -> &AtomicU32 {
+        // SAFETY: aligned, inside the allocation, lives as long as `self`; the runtime accesses it atomically only.
+        unsafe { AtomicU32::from_ptr(self.base.add(state::ATTENTION as usize).cast()) }
+    }
+
+    pub fn raise_attention(&self) {
+        self.attention().store(1, Ordering::Relaxed);
+    }
+
+    /// Entry of the DB table: offset and length in bytes; length 0: not loaded.
+    pub fn db(&self, number: u16) -> (u32, u32) {
+        let entry = layout::db_table_entry(number);
+        (self.host32(entry), self.host32(entry + 4))
+    }
+
+    pub fn set_db(&self, number: u16, address: u32, length: u32) {
+        let entry = layout::db_table_entry(number);
+        self.set_host32(entry, address);
+        self.set_host32(entry + 4, length);
+    }
+}
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        // SAFETY: allocated in `new` with the same layout.
+        unsafe { dealloc(self.base, Self::layout(self.size)) }
+    }
+}

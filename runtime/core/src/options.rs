@@ -1,0 +1,136 @@
+//! The runtime flags, the same for an executable and for `plcc run`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+/// Which clock a program runs by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ClockKind {
+    /// The time of the host.
+    #[default]
+    Real,
+    /// Moves by the cycle time at the end of each cycle: the same run every time.
+    Virtual,
+}
+
+/// Runtime flags.
+#[derive(Args, Clone, Debug, Default)]
+pub struct RunOptions {
+    /// End after N cycles of OB 1; without it run until STOP, SIGINT or SIGTERM
+    #[arg(long, value_name = "N")]
+    pub cycles: Option<u64>,
+    /// Clock of the program
+    #[arg(long, value_enum, default_value_t)]
+    pub clock: ClockKind,
+    /// Time from one cycle start to the next (0: back to back), e.g. 10ms
+    #[arg(long, value_name = "TIME", value_parser = parse_duration)]
+    pub cycle_time: Option<Duration>,
+    /// Set a value from before the startup OB, e.g. I0.0=1; several by commas or by repeating
+    #[arg(long, value_name = "ADDR=VALUE")]
+    pub set: Vec<String>,
+    /// Print values after the last cycle, e.g. Q4.0,MW20,DB10.DBD4
+    #[arg(long, value_name = "ADDR,...")]
+    pub print: Vec<String>,
+    /// Print the values as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Play a scenario (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub scenario: Option<PathBuf>,
+    /// Record values after each cycle to FILE.vcd or FILE.csv
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
+    /// What to record; default: the values of --print and all symbols, without both Q0.0 to Q3.7
+    #[arg(long, value_name = "ADDR,...")]
+    pub trace_signals: Vec<String>,
+    /// Print the diagnostic buffer at the end, newest entry first
+    #[arg(long)]
+    pub diag: bool,
+    /// Print nothing but the values of --print and faults
+    #[arg(long)]
+    pub quiet: bool,
+    /// Host time that a cycle may take under the virtual clock
+    #[arg(long, value_name = "TIME", value_parser = parse_duration)]
+    pub hang_limit: Option<Duration>,
+}
+
+/// A time span in nanoseconds, as given to a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Duration(pub u64);
+
+/// Parses `10ms`, `1.5s`, `500us`, `2m`, `0`. `Err`: what is wrong.
+pub fn parse_duration(text: &str) -> Result<Duration, String> {
+    let wrong = || format!("`{text}` is not a time; write 10ms, 1.5s, 500us or 2m");
+    let text_lower = text.trim().to_ascii_lowercase();
+    let split = text_lower.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text_lower.len());
+    let (number, unit) = text_lower.split_at(split);
+    let factor = match unit.trim() {
+        "ns" => 1.0,
+        "us" | "µs" => 1e3,
+        "ms" => 1e6,
+        "s" => 1e9,
+        "m" | "min" => 6e10,
+        "h" => 3.6e12,
+        "" if number == "0" => 1.0,
+        _ => return Err(wrong()),
+    };
+    let value: f64 = number.parse().map_err(|_| wrong())?;
+    let ns = value * factor;
+    // A year is more than anyone waits.
+    if ns > 3.2e16 { Err(wrong()) } else { Ok(Duration(ns.round() as u64)) }
+}
+
+/// Splits lists at commas, but not inside quotes or parentheses.
+pub fn split_list(texts: &[String]) -> Vec<String> {
+    let mut items = Vec::new();
+    for text in texts {
+        let mut item = String::new();
+        let (mut quote, mut depth) = (None, 0u32);
+        for c in text.chars() {
+            match (c, quote) {
+                (',', None) if depth == 0 => items.push(std::mem::take(&mut item)),
+                (_, Some(open)) => {
+                    quote = if c == open { None } else { quote };
+                    item.push(c);
+                }
+                (_, None) => {
+                    match c {
+                        '"' | '\'' => quote = Some(c),
+                        '(' => depth += 1,
+                        ')' => depth = depth.saturating_sub(1),
+                        _ => {}
+                    }
+                    item.push(c);
+                }
+            }
+        }
+        items.push(item);
+    }
+    items.retain(|item| !item.trim().is_empty());
+    items.iter().map(|item| item.trim().to_string()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations() {
+        assert_eq!(parse_duration("10ms"), Ok(Duration(10_000_000)));
+        assert_eq!(parse_duration("1.5s"), Ok(Duration(1_500_000_000)));
+        assert_eq!(parse_duration("0"), Ok(Duration(0)));
+        assert_eq!(parse_duration("2m"), Ok(Duration(120_000_000_000)));
+        for bad in ["", "10", "ms", "-1s", "1e3s", "1.2.3s", "9999999999h"] {
+            assert!(parse_duration(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn lists() {
+        let list = |text: &str| split_list(&[text.to_string()]);
+        assert_eq!(list("Q4.0, MW20,\"a,b\""), ["Q4.0", "MW20", "\"a,b\""]);
+        assert_eq!(list("MW0=B#(1,8),MD2='a,b'"), ["MW0=B#(1,8)", "MD2='a,b'"]);
+        assert_eq!(list(""), Vec::<String>::new());
+    }
+}

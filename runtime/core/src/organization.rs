@@ -1,0 +1,179 @@
+//! Running organization blocks: local data, start information, registers, nesting.
+//!
+//! Each priority class has its own L stack. Synchronous error OBs run inside the class that caused them; where its L stack
+//! ends is known only to the code that was left, so they get a slice of the classes above the highest priority each.
+//!
+//! Block depth is counted by the caller: `DEPTH` is the number of active blocks of the class; an OB starts with 1.
+
+use std::cell::Cell;
+
+use plcc_abi::image::{BlockEntry, BlockKind};
+use plcc_abi::layout::{self, state};
+
+use crate::cpu::Cpu;
+use crate::events::StartInfo;
+use crate::{datetime, events};
+
+/// First priority class that no OB uses (OB 90 has 29 by name, and class 0 here).
+const ERROR_CLASS: u32 = 29;
+/// L stack of one synchronous error OB with all it calls.
+const ERROR_SLICE_BYTES: u32 = 0x4000;
+/// Synchronous error OBs that can be active at once, in all classes.
+const ERROR_LEVELS: u32 = (layout::L_CLASSES - ERROR_CLASS) * layout::L_CLASS_BYTES / ERROR_SLICE_BYTES;
+/// Synchronous error OBs active in one class.
+const ERROR_DEPTH_MAX: u32 = 3;
+
+const REGISTER_SLOTS: usize = layout::CpuRegister::ALL.len();
+const RETURN_SLOTS: usize = 16;
+
+/// What is running now.
+#[derive(Default)]
+pub struct Running {
+    /// Priority class; 0 between cycles.
+    pub(crate) priority: Cell<u8>,
+    /// Number of the innermost OB, 0: none.
+    pub(crate) ob: Cell<u16>,
+    /// Active asynchronous OBs by number.
+    pub(crate) active: Cell<u128>,
+    /// SFC 41 calls that SFC 42 has not undone, in the running OB.
+    pub(crate) delayed: Cell<u16>,
+    /// In OB 121 and OB 122: whether the faulty instruction was a read, whose value SFC 44 can give; `None` elsewhere.
+    pub(crate) replaceable: Cell<Option<bool>>,
+    /// The value that SFC 44 gave.
+    pub(crate) substitute: Cell<u32>,
+    /// Active synchronous error OBs, in all classes and in this one.
+    error_levels: Cell<u32>,
+    error_depth: Cell<u32>,
+}
+
+/// CPU registers and nesting of a class that is interrupted.
+struct Saved {
+    registers: [[u8; 4]; REGISTER_SLOTS],
+    returns: [[u8; 8]; RETURN_SLOTS],
+    depth: u32,
+    depth_max: u32,
+    l_end: u32,
+    substitute: u32,
+}
+
+impl Cpu {
+    /// Runs the OB in its priority class. The caller has checked that it is higher than the running one.
+    pub(crate) fn run_ob(&self, ob: u16, priority: u8, info: StartInfo) {
+        let Some(block) = self.block(BlockKind::Ob, ob) else { return };
+        let running = &self.running;
+        let before = (running.priority.get(), running.ob.get(), running.delayed.get(), running.error_depth.get());
+        let replaceable = running.replaceable.take();
+        let class = u32::from(priority).min(ERROR_CLASS - 1);
+        let bit = 1u128 << (ob as usize % events::OB_NUMBERS);
+        running.priority.set(priority);
+        running.ob.set(ob);
+        running.delayed.set(0);
+        running.error_depth.set(0);
+        running.active.set(running.active.get() | bit);
+        let limit = self.image.profile.local_data.min(layout::L_CLASS_BYTES);
+        self.enter(block, layout::l_stack(class), limit, self.image.profile.block_depth, priority, info);
+        running.active.set(running.active.get() & !bit);
+        running.priority.set(before.0);
+        running.ob.set(before.1);
+        running.delayed.set(before.2);
+        running.error_depth.set(before.3);
+        running.replaceable.set(replaceable);
+    }
+
+    /// Runs OB 121 or OB 122 inside the running class. False: nested too deep.
+    pub(crate) fn run_error_ob(&self, ob: u16, info: StartInfo) -> bool {
+        let Some(block) = self.block(BlockKind::Ob, ob) else { return true };
+        let running = &self.running;
+        let (levels, depth, before) = (running.error_levels.get(), running.error_depth.get(), running.ob.get());
+        if levels >= ERROR_LEVELS || depth >= ERROR_DEPTH_MAX {
+            return false;
+        }
+        running.error_levels.set(levels + 1);
+        running.error_depth.set(depth + 1);
+        running.ob.set(ob);
+        let base = layout::l_stack(ERROR_CLASS) + levels * ERROR_SLICE_BYTES;
+        let limit = self.image.profile.local_data.min(ERROR_SLICE_BYTES);
+        // The levels of the class are used up to an unknown extent; what error OBs may add is on top of it.
+        let depth_max = self.image.profile.error_depth.max(1);
+        self.enter(block, base, limit, depth_max, running.priority.get(), info);
+        running.ob.set(before);
+        running.error_depth.set(depth);
+        running.error_levels.set(levels);
+        true
+    }
+
+    fn enter(&self, block: &BlockEntry, base: u32, limit: u32, depth_max: u32, priority: u8, info: StartInfo) {
+        let memory = &self.memory;
+        if block.frame.max(events::START_INFO_BYTES as u32) > limit {
+            self.stop_by(plcc_abi::codes::stop::LOCAL_DATA, 0, 0);
+            return;
+        }
+        let saved = self.save();
+        memory.clear(base, block.frame.max(events::START_INFO_BYTES as u32));
+        memory.set_bytes(base, info.byte(2, priority).0);
+        memory.set_bytes(base + 12, datetime::encode(self.clock.wall()));
+        memory.clear(state::REGISTERS, 4 * REGISTER_SLOTS as u32);
+        memory.set_host32(state::DEPTH, 1);
+        memory.set_host32(state::DEPTH_MAX, depth_max);
+        memory.set_host32(state::L_END, base + limit);
+        self.code.call(block.entry, memory.base(), base, base);
+        self.restore(&saved);
+    }
+
+    fn save(&self) -> Saved {
+        let memory = &self.memory;
+        Saved {
+            registers: std::array::from_fn(|index| memory.bytes(state::REGISTERS + 4 * index as u32)),
+            returns: std::array::from_fn(|index| memory.bytes(state::RETURN_VALUES + 8 * index as u32)),
+            depth: memory.host32(state::DEPTH),
+            depth_max: memory.host32(state::DEPTH_MAX),
+            l_end: memory.host32(state::L_END),
+            substitute: memory.host32(state::SUBSTITUTE),
+        }
+    }
+
+    fn restore(&self, saved: &Saved) {
+        let memory = &self.memory;
+        for (index, value) in (0u32..).zip(saved.registers) {
+            memory.set_bytes(state::REGISTERS + 4 * index, value);
+        }
+        for (index, value) in (0u32..).zip(saved.returns) {
+            memory.set_bytes(state::RETURN_VALUES + 8 * index, value);
+        }
+        memory.set_host32(state::DEPTH, saved.depth);
+        memory.set_host32(state::DEPTH_MAX, saved.depth_max);
+        memory.set_host32(state::L_END, saved.l_end);
+        memory.set_host32(state::SUBSTITUTE, saved.substitute);
+    }
+
+    /// Calls the block with entry `block` from generated code: frame at `lbase`, the caller's at `vbase`.
+    pub(crate) fn call_block(&self, site: u32, kind: u32, number: u32, lbase: u32, vbase: u32) -> u32 {
+        use plcc_abi::codes::sync;
+        let (kind, too_large, missing) = match kind {
+            1 => (BlockKind::Fc, sync::FC_NUMBER, sync::FC_MISSING),
+            2 => (BlockKind::Fb, sync::FB_NUMBER, sync::FB_MISSING),
+            3 => (BlockKind::Sfc, sync::SFC_MISSING, sync::SFC_MISSING),
+            4 => (BlockKind::Sfb, sync::SFB_MISSING, sync::SFB_MISSING),
+            _ => return self.sync_error(site, sync::FC_MISSING, 0, number),
+        };
+        let Ok(short) = u16::try_from(number) else { return self.sync_error(site, too_large, 0, number) };
+        let Some(block) = self.block(kind, short) else {
+            if kind == BlockKind::Sfc && crate::system::is_without_parameters(short) {
+                return self.system_function(site, number, layout::SCRATCH, vbase) >> 1;
+            }
+            return self.sync_error(site, missing, 0, number);
+        };
+        let memory = &self.memory;
+        let depth = memory.host32(state::DEPTH);
+        if depth >= memory.host32(state::DEPTH_MAX) {
+            self.stop_by(plcc_abi::codes::stop::BLOCK_DEPTH, site, 0);
+        } else if lbase.saturating_add(block.frame) > memory.host32(state::L_END) {
+            self.stop_by(plcc_abi::codes::stop::LOCAL_DATA, site, 0);
+        } else {
+            memory.set_host32(state::DEPTH, depth + 1);
+            self.code.call(block.entry, memory.base(), lbase, vbase);
+            memory.set_host32(state::DEPTH, depth);
+        }
+        self.stop_result()
+    }
+}

@@ -1,0 +1,170 @@
+//! Running a program as a CPU does: `plcc run` and executables.
+
+use std::io::Write;
+use std::rc::Rc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+
+use plcc_abi::ProgramImage;
+
+use crate::address::{self, Address};
+use crate::clock::{Clock, NS_PER_MS};
+use crate::code::Code;
+use crate::cpu::Cpu;
+use crate::cycle::{Observer, Pace};
+use crate::io::Simulated;
+use crate::options::{ClockKind, RunOptions, split_list};
+use crate::scenario::{Player, Scenario};
+use crate::trace::{self, Recorder};
+use crate::{diagnostics, report, value};
+
+/// The program ran and stopped as asked.
+pub const EXIT_OK: u8 = 0;
+/// The CPU went to STOP on a fault, or an expectation of the scenario failed.
+pub const EXIT_FAULT: u8 = 1;
+/// A flag or file is wrong.
+pub const EXIT_USAGE: u8 = 2;
+
+static END: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+
+/// True after SIGINT or SIGTERM.
+pub fn end_requested() -> bool {
+    END.get().is_some_and(|end| end.load(Ordering::Relaxed))
+}
+
+/// The first SIGINT or SIGTERM ends the run after the cycle, a second one ends the process at once.
+fn watch_signals() {
+    let end = END.get_or_init(|| Arc::new(AtomicBool::new(false)));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        // Without the handlers the signals still end the process.
+        let _ = signal_hook::flag::register_conditional_shutdown(signal, i32::from(EXIT_FAULT), end.clone())
+            .and_then(|_| signal_hook::flag::register(signal, end.clone()));
+    }
+}
+
+/// Everything that flags name, checked.
+struct Session {
+    set: Vec<(Address, u64)>,
+    player: Player,
+    recorder: Option<Recorder>,
+}
+
+impl Observer for Session {
+    fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        if cycle == 0 {
+            for (address, value) in &self.set {
+                // Checked when the session was made.
+                let _ = cpu.write(address, *value);
+            }
+        }
+        self.player.before(cpu, cycle, time);
+    }
+
+    fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        self.player.after(cpu, cycle, time);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.sample(cpu, cycle, time);
+        }
+    }
+}
+
+/// Runs a program by the runtime flags. Values go to standard output, messages to standard error. Result: exit code.
+pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
+    let clock = match options.clock {
+        ClockKind::Real => Clock::real(),
+        ClockKind::Virtual => Clock::simulated(),
+    };
+    let driver = Box::new(Simulated::new(image.config.modules.clone()));
+    let cpu = Cpu::new(image, code, clock, driver);
+    let prepared = addresses(&cpu, &options.print)
+        .and_then(|printed| prepare(&cpu, options, &printed).map(|session| (printed, session)));
+    let (printed, mut session) = match prepared {
+        Ok(prepared) => prepared,
+        Err(message) => {
+            eprintln!("runtime: {message}");
+            return EXIT_USAGE;
+        }
+    };
+    watch_signals();
+    let pace = Pace {
+        cycles: options.cycles,
+        cycle_time: options.cycle_time.map_or(10 * NS_PER_MS, |time| time.0),
+        hang_limit: options.hang_limit.map_or(10_000 * NS_PER_MS, |time| time.0),
+    };
+    let cycles = cpu.execute(&pace, &mut session);
+    finish(&cpu, options, &printed, session, cycles)
+}
+
+fn finish(cpu: &Cpu, options: &RunOptions, printed: &[(String, Address)], session: Session, cycles: u64) -> u8 {
+    let mut exit = EXIT_OK;
+    if !printed.is_empty() {
+        let mut out = std::io::stdout().lock();
+        // A closed pipe is no fault of the program.
+        let _ = report::write_values(cpu, printed, options.json, &mut out).and_then(|()| out.flush());
+    }
+    for failure in session.player.failures() {
+        let (file, line, text) = (failure.file, failure.line, failure.text);
+        eprintln!("{file}:{line}: expected {text}, but it is {}", failure.left);
+        exit = EXIT_FAULT;
+    }
+    let stop = cpu.stopped();
+    match stop {
+        Some(stop) if !stop.asked => {
+            eprintln!("{}", cpu.stop_text(&stop));
+            exit = EXIT_FAULT;
+        }
+        Some(_) if !options.quiet => eprintln!("stopped by the program after {cycles} cycles"),
+        None if !options.quiet => eprintln!("ended after {cycles} cycles"),
+        Some(_) | None => {}
+    }
+    if options.diag {
+        for entry in cpu.diagnostics.newest_first() {
+            eprintln!("{}", diagnostics::line(&cpu.image, &entry));
+        }
+    }
+    if let Some(Err(error)) = session.recorder.map(Recorder::finish) {
+        eprintln!("runtime: the trace is not complete: {error}");
+        exit = EXIT_USAGE;
+    }
+    exit
+}
+
+fn prepare(cpu: &Cpu, options: &RunOptions, printed: &[(String, Address)]) -> Result<Session, String> {
+    let scenario = options.scenario.as_deref().map(|path| Scenario::read(path, &cpu.image)).transpose()?;
+    let player = Player::new(scenario.unwrap_or_default(), cpu)?.print_to(Box::new(std::io::stdout()), options.json);
+    let asked = addresses(cpu, &options.trace_signals)?;
+    let recorder = match &options.trace {
+        Some(path) => Some(Recorder::create(path, trace::signals(cpu, &asked, printed))?),
+        None => None,
+    };
+    Ok(Session { set: settings(cpu, &options.set)?, player, recorder })
+}
+
+/// The addresses of a list flag, with their names as given.
+fn addresses(cpu: &Cpu, list: &[String]) -> Result<Vec<(String, Address)>, String> {
+    let named = |name: String| {
+        let address = address::resolve(&name, &cpu.image)?;
+        // A DB may still be made by the program.
+        if !matches!(address.place, address::Place::Db(..)) {
+            cpu.check_address(&address).map_err(|message| format!("{name}: {message}"))?;
+        }
+        Ok((name, address))
+    };
+    split_list(list).into_iter().map(named).collect()
+}
+
+/// The settings of `--set`. Inputs among them are copied into the process image from the start.
+fn settings(cpu: &Cpu, list: &[String]) -> Result<Vec<(Address, u64)>, String> {
+    let one = |item: String| {
+        let (name, text) = item.split_once('=').ok_or_else(|| format!("--set {item}: write ADDR=VALUE, as I0.0=1"))?;
+        let address = address::resolve(name, &cpu.image)?;
+        let checked = cpu.check_address(&address).and_then(|()| match address.place {
+            address::Place::Timer(_) | address::Place::Counter(_) => {
+                Err("timers and counters cannot be set".to_string())
+            }
+            _ => value::parse(text, address.width),
+        });
+        checked.map(|value| (address, value)).map_err(|message| format!("--set {item}: {message}"))
+    };
+    split_list(list).into_iter().map(one).collect()
+}

@@ -1,0 +1,468 @@
+//! Interrupts: what falls due, what waits, and who may run now.
+//!
+//! Sources of interrupts (cyclic, delay, time of day, cycle monitor) each know their next due time. [`Cpu::poll`] turns
+//! what is due into events, [`Cpu::dispatch`] runs waiting events whose priority is above the running one, the highest
+//! first and first come first served among equals. Under the virtual clock only [`Cpu::advance`] moves time, and it
+//! stops at every due time; so the number of safepoints in the code changes nothing.
+
+use std::cell::{Cell, RefCell};
+
+use plcc_abi::ProgramImage;
+use plcc_abi::image::{BlockEntry, BlockKind};
+
+use crate::clock::NS_PER_MS;
+use crate::cpu::Cpu;
+use crate::datetime::{self, Period};
+use crate::events::{self, Event, OB_NUMBERS, StartInfo};
+
+/// Events that can wait.
+const QUEUE_MAX: usize = 64;
+
+/// Never due.
+pub(crate) const NEVER: u64 = u64::MAX;
+
+/// A cyclic interrupt, OB 30-38.
+pub(crate) struct Cyclic {
+    pub ob: u16,
+    period: u64,
+    phase: u64,
+    due: Cell<u64>,
+}
+
+/// A time-delay interrupt, OB 20-23.
+pub(crate) struct Delay {
+    pub due: Cell<u64>,
+    pub delay_ms: Cell<u32>,
+    pub sign: Cell<u16>,
+}
+
+/// A time-of-day interrupt, OB 10-17. Moments are of the wall clock.
+pub(crate) struct TimeOfDay {
+    pub set: Cell<bool>,
+    pub active: Cell<bool>,
+    pub start: Cell<i64>,
+    pub period: Cell<Period>,
+    pub period_code: Cell<u16>,
+    pub next: Cell<i64>,
+}
+
+/// Cycle-time monitoring.
+pub(crate) struct Monitor {
+    limit: u64,
+    /// When the cycle is too long; [`NEVER`] outside of cycles.
+    pub deadline: Cell<u64>,
+    /// Since when it counts.
+    pub since: Cell<u64>,
+    pub overruns: Cell<u32>,
+}
+
+impl Monitor {
+    /// Counts from `now` again, as SFC 43.
+    pub fn restart(&self, now: u64) {
+        if self.deadline.get() != NEVER {
+            self.since.set(now);
+            self.deadline.set(now.saturating_add(self.limit));
+        }
+    }
+
+    /// A new cycle.
+    pub fn begin(&self, now: u64) {
+        self.overruns.set(0);
+        self.since.set(now);
+        self.deadline.set(now.saturating_add(self.limit));
+    }
+
+    pub fn end(&self) {
+        self.deadline.set(NEVER);
+    }
+}
+
+/// See the module comment.
+pub struct Schedule {
+    queue: RefCell<Vec<Event>>,
+    pub(crate) cyclic: Vec<Cyclic>,
+    pub(crate) delays: [Delay; 4],
+    pub(crate) times_of_day: [TimeOfDay; 8],
+    pub(crate) monitor: Monitor,
+    /// OBs whose events are lost (SFC 39), by number.
+    pub(crate) disabled: Cell<u128>,
+    /// True in RUN: only then interrupts other than errors are served.
+    pub(crate) in_run: Cell<bool>,
+    /// Host time that a cycle may take under the virtual clock; set by the cycle.
+    pub(crate) hang_limit: Cell<u64>,
+    pub(crate) hang_deadline: Cell<u64>,
+}
+
+impl Schedule {
+    pub(crate) fn new(image: &ProgramImage, blocks: &[BlockEntry]) -> Schedule {
+        let config = &image.config;
+        let of = |table: &[(u16, u32)], ob: u16| table.iter().find(|(number, _)| *number == ob).map(|(_, ms)| *ms);
+        let cyclic = (30..=38)
+            .filter(|&ob| blocks.iter().any(|block| block.kind == BlockKind::Ob && block.number == ob))
+            .map(|ob| Cyclic {
+                ob,
+                period: u64::from(of(&config.cyclic_period_ms, ob).unwrap_or(events::default_period_ms(ob)).max(1))
+                    * NS_PER_MS,
+                phase: u64::from(of(&config.cyclic_phase_ms, ob).unwrap_or(0)) * NS_PER_MS,
+                due: Cell::new(NEVER),
+            })
+            .collect();
+        let times_of_day = std::array::from_fn(|_| TimeOfDay {
+            set: Cell::new(false),
+            active: Cell::new(false),
+            start: Cell::new(0),
+            period: Cell::new(Period::Once),
+            period_code: Cell::new(0),
+            next: Cell::new(i64::MAX),
+        });
+        Schedule {
+            queue: RefCell::new(Vec::with_capacity(QUEUE_MAX)),
+            cyclic,
+            delays: std::array::from_fn(|_| Delay {
+                due: Cell::new(NEVER),
+                delay_ms: Cell::new(0),
+                sign: Cell::new(0),
+            }),
+            times_of_day,
+            monitor: Monitor {
+                limit: u64::from(config.cycle_time_max_ms.max(1)) * NS_PER_MS,
+                deadline: Cell::new(NEVER),
+                since: Cell::new(0),
+                overruns: Cell::new(0),
+            },
+            disabled: Cell::new(0),
+            in_run: Cell::new(false),
+            hang_limit: Cell::new(NEVER),
+            hang_deadline: Cell::new(NEVER),
+        }
+    }
+
+    pub(crate) fn is_disabled(&self, ob: u16) -> bool {
+        self.disabled.get() >> (ob as usize % OB_NUMBERS) & 1 != 0
+    }
+
+    fn is_waiting(&self, ob: u16) -> bool {
+        self.queue.borrow().iter().any(|event| event.ob == ob)
+    }
+}
+
+impl Cpu {
+    pub(crate) fn priority_of(&self, ob: u16) -> u8 {
+        events::priority(ob, &self.image.profile, &self.image.config.priorities)
+    }
+
+    /// Puts an event whose OB exists into the queue.
+    pub(crate) fn queue(&self, event: Event) {
+        let full = {
+            let mut queue = self.schedule.queue.borrow_mut();
+            let full = queue.len() >= QUEUE_MAX;
+            if !full {
+                queue.push(event);
+            }
+            full
+        };
+        if full && event.ob == 80 {
+            self.stop_by(0x4568, 0, crate::faults::TIME_ERROR_TWICE);
+        } else if full {
+            // Make room for OB 80: the newest waiting event is lost, too.
+            self.schedule.queue.borrow_mut().pop();
+            self.time_error(0x07, event);
+        }
+        if self.priority_of(event.ob) > self.running.priority.get() {
+            self.memory.raise_attention();
+        }
+    }
+
+    /// A timed interrupt is due. One that is still active or waiting is a time error.
+    fn request_timed(&self, event: Event) {
+        let busy = self.running.active.get() >> (event.ob as usize % OB_NUMBERS) & 1 != 0;
+        if (busy || self.schedule.is_waiting(event.ob)) && !self.schedule.is_disabled(event.ob) {
+            self.time_error(0x02, event);
+        } else {
+            self.request(event);
+        }
+    }
+
+    /// RUN begins at `now`: cyclic interrupts count from here.
+    pub(crate) fn start_interrupts(&self, now: u64) {
+        self.schedule.in_run.set(true);
+        for cyclic in &self.schedule.cyclic {
+            cyclic.due.set(now + cyclic.period + cyclic.phase);
+        }
+    }
+
+    /// Time-of-day interrupts from plc.toml.
+    pub(crate) fn set_configured_times(&self) {
+        for entry in &self.image.config.time_of_day {
+            let index = usize::from(entry.ob.wrapping_sub(10));
+            let (Some(time), Some(start), Some(period)) =
+                (self.schedule.times_of_day.get(index), datetime::parse(&entry.start), Period::from_code(entry.period))
+            else {
+                continue;
+            };
+            time.set.set(true);
+            time.start.set(start);
+            time.period.set(period);
+            time.period_code.set(entry.period);
+            self.activate_time_of_day(time);
+        }
+    }
+
+    /// Activates a time-of-day interrupt that is set; false: it is once only and in the past.
+    pub(crate) fn activate_time_of_day(&self, time: &TimeOfDay) -> bool {
+        let now = self.clock.wall();
+        match time.period.get().next_after(time.start.get(), now.saturating_sub(1)) {
+            Some((next, _)) => {
+                time.next.set(next);
+                time.active.set(true);
+                self.rearm();
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// When the next timed interrupt is due.
+    fn next_due(&self) -> u64 {
+        let schedule = &self.schedule;
+        let cyclic = schedule.cyclic.iter().map(|cyclic| cyclic.due.get());
+        let delays = schedule.delays.iter().map(|delay| delay.due.get());
+        let times = schedule.times_of_day.iter().filter(|time| time.active.get());
+        cyclic.chain(delays).chain(times.map(|time| self.clock.time_of(time.next.get()))).min().unwrap_or(NEVER)
+    }
+
+    /// Turns everything that is due now into events.
+    pub(crate) fn poll(&self) {
+        if !self.schedule.in_run.get() {
+            return;
+        }
+        let now = self.clock.now();
+        for cyclic in self.schedule.cyclic.iter().filter(|cyclic| cyclic.due.get() <= now) {
+            // Periods that the host slept through are not made up for.
+            let missed = (now - cyclic.due.get()) / cyclic.period;
+            cyclic.due.set(cyclic.due.get() + (missed + 1) * cyclic.period);
+            let info = StartInfo::new(0x11, 0x31 + (cyclic.ob - 30) as u8, cyclic.ob)
+                .word(6, (cyclic.phase / NS_PER_MS) as u16)
+                .word(10, (cyclic.period / NS_PER_MS) as u16);
+            self.request_timed(Event { ob: cyclic.ob, info });
+        }
+        for (ob, delay) in (20u16..).zip(&self.schedule.delays) {
+            if delay.due.get() <= now {
+                delay.due.set(NEVER);
+                let info = StartInfo::new(0x11, 0x21 + (ob - 20) as u8, ob)
+                    .word(6, delay.sign.get())
+                    .dword(8, delay.delay_ms.get());
+                self.request_timed(Event { ob, info });
+            }
+        }
+        let wall = self.clock.wall();
+        for (ob, time) in (10u16..).zip(&self.schedule.times_of_day) {
+            if time.active.get() && time.next.get() <= wall {
+                let event = self.time_of_day_event(ob, time);
+                self.step_time_of_day(time, wall);
+                self.request_timed(event);
+            }
+        }
+    }
+
+    fn time_of_day_event(&self, ob: u16, time: &TimeOfDay) -> Event {
+        let info = StartInfo::new(0x11, 0x11 + (ob - 10) as u8, ob).word(6, time.period_code.get());
+        Event { ob, info }
+    }
+
+    /// The next moment after `wall`; a single one is done.
+    fn step_time_of_day(&self, time: &TimeOfDay, wall: i64) {
+        match time.period.get().next_after(time.start.get(), wall) {
+            Some((next, _)) => time.next.set(next),
+            None => time.active.set(false),
+        }
+    }
+
+    /// The wall clock was set. Time-of-day interrupts that it jumped over are a time error each; those that lie ahead
+    /// again come again.
+    pub(crate) fn wall_clock_was_set(&self) {
+        let wall = self.clock.wall();
+        for (ob, time) in (10u16..).zip(&self.schedule.times_of_day) {
+            if !time.active.get() {
+                continue;
+            }
+            if time.next.get() < wall {
+                let event = self.time_of_day_event(ob, time);
+                self.step_time_of_day(time, wall.saturating_sub(1));
+                self.time_error(0x05, event);
+            } else if time.period.get() != Period::Once {
+                self.step_time_of_day(time, wall.saturating_sub(1));
+            }
+        }
+        self.rearm();
+    }
+
+    /// Tells the watchdog when to raise the attention flag.
+    pub(crate) fn rearm(&self) {
+        let schedule = &self.schedule;
+        if self.clock.is_virtual() {
+            self.watchdog.set(schedule.hang_deadline.get());
+            return;
+        }
+        let due = if schedule.in_run.get() { self.next_due() } else { NEVER }.min(schedule.monitor.deadline.get());
+        let left = due.saturating_sub(self.clock.now());
+        self.watchdog.set(if due == NEVER { NEVER } else { self.watchdog.host_now().saturating_add(left) });
+    }
+
+    /// Runs waiting events of higher priority than the running one.
+    pub(crate) fn dispatch(&self) {
+        while !self.is_stopped() && self.running.delayed.get() == 0 {
+            let Some((event, priority)) = self.take_next() else { return };
+            // Between cycles an interrupt is monitored by itself, so that an endless one is found.
+            let between_cycles = self.running.priority.get() == 0 && self.schedule.monitor.deadline.get() == NEVER;
+            if between_cycles {
+                self.schedule.monitor.begin(self.clock.now());
+                self.arm_hang();
+                self.rearm();
+            }
+            self.run_ob(event.ob, priority, event.info);
+            if between_cycles {
+                self.schedule.monitor.end();
+            }
+        }
+    }
+
+    /// The waiting event that may run now.
+    fn take_next(&self) -> Option<(Event, u8)> {
+        let running = self.running.priority.get();
+        let in_run = self.schedule.in_run.get();
+        let mut queue = self.schedule.queue.borrow_mut();
+        let mut best: Option<(usize, u8)> = None;
+        for (index, event) in queue.iter().enumerate() {
+            let error = matches!(event.ob, 80..=88);
+            // In startup OB 80 has 28, the other errors interrupt too; interrupts wait for RUN.
+            let (priority, allowed) = match (in_run, error) {
+                (true, _) => (self.priority_of(event.ob), self.priority_of(event.ob) > running),
+                (false, true) => (28, running < 28),
+                (false, false) => (0, false),
+            };
+            if allowed && best.is_none_or(|(_, highest)| priority > highest) {
+                best = Some((index, priority));
+            }
+        }
+        best.map(|(index, priority)| (queue.remove(index), priority))
+    }
+
+    /// Safepoint of generated code: something may be due. Result for generated code.
+    pub(crate) fn safepoint(&self) -> u32 {
+        self.memory.attention().store(0, std::sync::atomic::Ordering::Relaxed);
+        if !self.is_stopped() {
+            if self.clock.is_virtual() {
+                self.check_hang();
+            } else {
+                self.poll();
+                self.check_cycle_time();
+                self.rearm();
+            }
+            self.dispatch();
+        }
+        if self.is_stopped() {
+            self.memory.raise_attention();
+        }
+        self.stop_result()
+    }
+
+    fn check_cycle_time(&self) {
+        let monitor = &self.schedule.monitor;
+        let now = self.clock.now();
+        if now >= monitor.deadline.get() {
+            self.cycle_time_exceeded(((now - monitor.since.get()) / NS_PER_MS) as u32);
+        }
+    }
+
+    /// An endless loop under the virtual clock: OB 80 once, then STOP.
+    fn check_hang(&self) {
+        let schedule = &self.schedule;
+        if self.watchdog.host_now() < schedule.hang_deadline.get() {
+            return;
+        }
+        let ms = (schedule.hang_limit.get() / NS_PER_MS) as u32;
+        let cause = self.log(0x3501, 0, ms);
+        let in_time_error = self.running.active.get() >> 80 & 1 != 0;
+        if self.has_ob(80) && !in_time_error {
+            self.arm_hang();
+            let info = StartInfo::new(0x35, 0x01, 80).word(6, ms.min(0xFFFF) as u16);
+            self.run_ob(80, self.priority_of(80).max(self.running.priority.get()), info);
+        }
+        self.stop_because(0x4568, 0, crate::faults::TIME_ERROR_HANG, Some(cause));
+    }
+
+    /// Starts the hang limit anew.
+    pub(crate) fn arm_hang(&self) {
+        if self.clock.is_virtual() {
+            let deadline = self.watchdog.host_now().saturating_add(self.schedule.hang_limit.get());
+            self.schedule.hang_deadline.set(deadline);
+            self.rearm();
+        }
+    }
+
+    /// Lets time pass until `target`: what falls due on the way runs at its due time. `monitored`: the cycle monitor
+    /// counts this time.
+    pub(crate) fn advance(&self, target: u64, monitored: bool) {
+        if !self.clock.is_virtual() {
+            self.wait_until(target, monitored);
+            return;
+        }
+        self.dispatch();
+        while !self.is_stopped() {
+            let due = if self.schedule.in_run.get() { self.next_due() } else { NEVER };
+            let late = if monitored { self.schedule.monitor.deadline.get() } else { NEVER };
+            let next = due.min(late);
+            if next > target {
+                break;
+            }
+            self.clock.move_to(next);
+            self.update_clock_memory();
+            self.poll();
+            if monitored {
+                self.check_cycle_time();
+            }
+            self.dispatch();
+        }
+        self.clock.move_to(target);
+        self.update_clock_memory();
+    }
+
+    /// Real time: sleeps until `target`, with interrupts.
+    fn wait_until(&self, target: u64, monitored: bool) {
+        /// Longest sleep, so that signals are seen soon.
+        const SLICE: u64 = 20 * NS_PER_MS;
+        while !self.is_stopped() && !self.schedule_ended() {
+            self.poll();
+            if monitored {
+                self.check_cycle_time();
+            }
+            self.dispatch();
+            self.update_clock_memory();
+            let now = self.clock.now();
+            if now >= target {
+                break;
+            }
+            let due = if self.schedule.in_run.get() { self.next_due() } else { NEVER };
+            let until = target.min(due).min(now + SLICE);
+            if until > now {
+                std::thread::sleep(std::time::Duration::from_nanos(until - now));
+            }
+        }
+        self.rearm();
+    }
+
+    /// SFC 47 and `//@ sleep`: `ns` nanoseconds pass. Result for generated code.
+    pub(crate) fn pass_time(&self, ns: u64, monitored: bool) -> u32 {
+        let before = self.clock.now();
+        self.advance(before.saturating_add(ns), monitored);
+        if !monitored {
+            let monitor = &self.schedule.monitor;
+            if monitor.deadline.get() != NEVER {
+                monitor.deadline.set(monitor.deadline.get().saturating_add(ns));
+                monitor.since.set(monitor.since.get().saturating_add(ns));
+            }
+        }
+        self.stop_result()
+    }
+}

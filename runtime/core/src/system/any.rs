@@ -1,0 +1,94 @@
+//! ANY parameters: from ten bytes to a range of memory, with the checks of the CPU. Source: spec B.4, E.6.
+
+use plcc_abi::layout::{self, area, state};
+
+use super::parameters::Call;
+use crate::cpu::Area;
+
+/// Direction of an access, which decides the error code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Access {
+    Read,
+    Write,
+}
+
+/// A range of memory that an ANY points at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Range {
+    /// Offset from the memory base.
+    pub offset: u32,
+    /// Length as the pointer says, in bytes.
+    pub bytes: u32,
+    /// Bytes that really exist there, up to `bytes`.
+    pub existing: u32,
+    /// Type code.
+    pub type_code: u8,
+}
+
+/// Type code of STRING.
+pub(super) const STRING: u8 = 0x13;
+
+/// Bytes of an element by type code; 0 for BOOL, `None` for what is no data.
+fn element_bytes(code: u8) -> Option<u32> {
+    Some(match code {
+        0x01 => 0,
+        0x02 | 0x03 => 1,
+        0x04 | 0x05 | 0x09 | 0x0C => 2,
+        0x06..=0x08 | 0x0A | 0x0B => 4,
+        0x0E => 8,
+        STRING => 1,
+        _ => return None,
+    })
+}
+
+/// The error code of parameter `index` (from 0), with the general part `yy`: 16#8xyy.
+pub(super) fn code(index: usize, yy: u16) -> u16 {
+    0x8000 | (index as u16 + 1) << 8 | yy
+}
+
+/// Decodes parameter `index`. A range that is only partly there is no error here: the callers differ in what they say.
+/// `Err`: RET_VAL. `Ok(None)`: a NIL pointer or a length of 0.
+pub(super) fn decode(call: &Call, index: usize, access: Access) -> Result<Option<Range>, u16> {
+    let bytes = call.any_bytes(index);
+    let [syntax, type_code, count_high, count_low, db_high, db_low, area_code, a, b, c] = bytes;
+    let by_access = |read: u16, write: u16| code(index, if access == Access::Read { read } else { write });
+    if syntax != 0x10 {
+        return Err(code(index, 0x01));
+    }
+    let count = u32::from(u16::from_be_bytes([count_high, count_low]));
+    if type_code == 0 || count == 0 {
+        return Ok(None);
+    }
+    let pointer = u32::from_be_bytes([0, a, b, c]);
+    let (byte, bit) = (pointer >> 3 & 0xFFFF, pointer & 7);
+    let element = element_bytes(type_code).ok_or(by_access(0x24, 0x25))?;
+    let bytes = if element == 0 {
+        if count % 8 != 0 {
+            return Err(by_access(0x22, 0x23));
+        }
+        count / 8
+    } else {
+        count * element
+    };
+    if bit != 0 {
+        return Err(by_access(0x28, 0x29));
+    }
+    let memory = &call.cpu.memory;
+    let (base, length) = match area_code {
+        area::I => call.cpu.area(Area::Inputs),
+        area::Q => call.cpu.area(Area::Outputs),
+        area::M => call.cpu.area(Area::BitMemory),
+        area::DB | area::DI => {
+            let (address, length) = memory.db(u16::from_be_bytes([db_high, db_low]));
+            if length == 0 {
+                return Err(code(index, 0x3A));
+            }
+            (address, length)
+        }
+        area::L | area::V => (call.lbase, memory.host32(state::L_END).saturating_sub(call.lbase)),
+        _ => return Err(by_access(0x24, 0x25)),
+    };
+    let length = length.min(layout::AREA_BYTES);
+    let existing = length.saturating_sub(byte).min(bytes);
+    Ok(Some(Range { offset: base + byte.min(length), bytes, existing, type_code }))
+}

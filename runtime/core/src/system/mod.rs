@@ -1,0 +1,147 @@
+//! System functions (SFC).
+//!
+//! One table: number, name, parameters in the order of declaration, function. A call finds the parameters in memory as a
+//! structure by the layout rules (spec B.5) in the order IN, OUT with RET_VAL first, IN_OUT; so the offsets follow from
+//! the row. RET_VAL with bit 15 set is an error and gives BR 0. Source of the rows: spec G.1, E.6.
+
+mod any;
+mod block_move;
+mod clock;
+mod control;
+mod data_blocks;
+mod delay;
+mod disable;
+mod parameters;
+mod time_of_day;
+
+use plcc_abi::codes::sync;
+
+use crate::cpu::Cpu;
+use parameters::{Call, Kind};
+
+/// How a system function ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    /// RET_VAL; an error when negative.
+    RetVal(u16),
+    /// The function has no RET_VAL of type INT.
+    Plain,
+}
+
+const OK: Outcome = Outcome::RetVal(0);
+
+fn error(code: u16) -> Outcome {
+    Outcome::RetVal(code)
+}
+
+type Function = fn(&Call) -> Outcome;
+
+struct Row {
+    number: u16,
+    #[allow(dead_code)] // for readers and tests
+    name: &'static str,
+    parameters: &'static [Kind],
+    /// Index of RET_VAL in `parameters`.
+    ret_val: Option<usize>,
+    function: Function,
+}
+
+macro_rules! system_functions {
+    ($( $number:literal $name:ident ( $($in:ident),* ) -> ( $($out:ident),* ) = $function:path ; )*) => {
+        const TABLE: &[Row] = &[ $( Row {
+            number: $number,
+            name: stringify!($name),
+            parameters: &[ $(Kind::$in,)* $(Kind::$out),* ],
+            ret_val: { const OUTS: &[Kind] = &[$(Kind::$out),*]; const INS: &[Kind] = &[$(Kind::$in),*];
+                if OUTS.is_empty() { None } else { Some(INS.len()) } },
+            function: $function,
+        } ),* ];
+    };
+}
+
+// Sorted by number. The first of the results is RET_VAL.
+system_functions! {
+     0 SET_CLK  (DateAndTime)             -> (Word)            = clock::set_clk;
+     1 READ_CLK ()                        -> (Word, DateAndTime) = clock::read_clk;
+    20 BLKMOV   (Any)                     -> (Word, Any)       = block_move::blkmov;
+    21 FILL     (Any)                     -> (Word, Any)       = block_move::fill;
+    22 CREAT_DB (Word, Word, Word)        -> (Word, Word)      = data_blocks::creat_db;
+    23 DEL_DB   (Word)                    -> (Word)            = data_blocks::del_db;
+    24 TEST_DB  (Word)                    -> (Word, Word, Bool) = data_blocks::test_db;
+    28 SET_TINT (Word, DateAndTime, Word) -> (Word)            = time_of_day::set_tint;
+    29 CAN_TINT (Word)                    -> (Word)            = time_of_day::can_tint;
+    30 ACT_TINT (Word)                    -> (Word)            = time_of_day::act_tint;
+    31 QRY_TINT (Word)                    -> (Word, Word)      = time_of_day::qry_tint;
+    32 SRT_DINT (Word, Dword, Word)       -> (Word)            = delay::srt_dint;
+    33 CAN_DINT (Word)                    -> (Word)            = delay::can_dint;
+    34 QRY_DINT (Word)                    -> (Word, Word)      = delay::qry_dint;
+    39 DIS_IRT  (Byte, Word)              -> (Word)            = disable::dis_irt;
+    40 EN_IRT   (Byte, Word)              -> (Word)            = disable::en_irt;
+    41 DIS_AIRT ()                        -> (Word)            = disable::dis_airt;
+    42 EN_AIRT  ()                        -> (Word)            = disable::en_airt;
+    43 RE_TRIGR ()                        -> ()                = control::re_trigr;
+    44 REPL_VAL (Dword)                   -> (Word)            = control::repl_val;
+    46 STP      ()                        -> ()                = control::stp;
+    47 WAIT     (Word)                    -> ()                = control::wait;
+    64 TIME_TCK ()                        -> (Dword)           = clock::time_tck;
+    81 UBLKMOV  (Any)                     -> (Word, Any)       = block_move::ublkmov;
+}
+
+fn row(number: u32) -> Option<&'static Row> {
+    let number = u16::try_from(number).ok()?;
+    TABLE.binary_search_by_key(&number, |row| row.number).ok().map(|index| &TABLE[index])
+}
+
+/// True for a system function that exists and may be called without parameters (`UC SFC 43`).
+pub fn is_without_parameters(number: u16) -> bool {
+    row(u32::from(number)).is_some_and(|row| row.parameters.is_empty())
+}
+
+/// Result bits of a call.
+const BR: u32 = 1;
+const STOPPED: u32 = 2;
+
+impl Cpu {
+    /// Calls system function `number` with parameters at `block`; `lbase` is the caller's frame. Result: bit 0 BR,
+    /// bit 1 STOP.
+    pub(crate) fn system_function(&self, site: u32, number: u32, block: u32, lbase: u32) -> u32 {
+        let Some(row) = row(number) else {
+            return self.sync_error(site, sync::SFC_MISSING, 0, number) * STOPPED;
+        };
+        let call = Call { cpu: self, site, block, lbase, parameters: row.parameters };
+        let br = match (row.function)(&call) {
+            Outcome::RetVal(value) => {
+                if let Some(index) = row.ret_val {
+                    call.set_word(index, value);
+                }
+                value & 0x8000 == 0
+            }
+            Outcome::Plain => true,
+        };
+        (if br { BR } else { 0 }) | self.stop_result() * STOPPED
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_sorted_and_unique() {
+        assert!(TABLE.windows(2).all(|pair| pair[0].number < pair[1].number));
+    }
+
+    #[test]
+    fn offsets_follow_the_layout_rules() {
+        let offsets = |number: u32| {
+            let kinds = row(number).unwrap().parameters;
+            (0..kinds.len()).map(|index| parameters::offset(kinds, index)).collect::<Vec<_>>()
+        };
+        assert_eq!(offsets(20), [0, 10, 12]);
+        assert_eq!(offsets(28), [0, 2, 10, 12]);
+        assert_eq!(offsets(32), [0, 2, 6, 8]);
+        assert_eq!(offsets(39), [0, 2, 4]);
+        assert_eq!(offsets(24), [0, 2, 4, 6]);
+        assert_eq!(offsets(1), [0, 2]);
+    }
+}

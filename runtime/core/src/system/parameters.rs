@@ -1,0 +1,91 @@
+//! The parameter structure of a system function.
+
+use crate::cpu::Cpu;
+
+/// Types of parameters by their layout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// One bit; no system function has two in a row, so each begins a byte.
+    Bool,
+    Byte,
+    /// INT, WORD.
+    Word,
+    /// DINT, DWORD, TIME.
+    Dword,
+    DateAndTime,
+    Any,
+}
+
+impl Kind {
+    const fn bytes(self) -> u32 {
+        match self {
+            Kind::Bool | Kind::Byte => 1,
+            Kind::Word => 2,
+            Kind::Dword => 4,
+            Kind::DateAndTime => 8,
+            Kind::Any => 10,
+        }
+    }
+}
+
+/// Offset of parameter `index`: bytes anywhere, all else at even bytes. Source: spec B.5.
+pub(super) fn offset(kinds: &[Kind], index: usize) -> u32 {
+    let even = |kind: Kind, at: u32| if kind.bytes() == 1 { at } else { at + at % 2 };
+    let mut at = 0;
+    for &kind in &kinds[..index] {
+        at = even(kind, at) + kind.bytes();
+    }
+    even(kinds[index], at)
+}
+
+/// A call of a system function. Parameters are named by their place in the declaration, from 0.
+pub(super) struct Call<'a> {
+    pub cpu: &'a Cpu,
+    pub site: u32,
+    pub block: u32,
+    /// Frame of the caller.
+    pub lbase: u32,
+    pub parameters: &'static [Kind],
+}
+
+impl Call<'_> {
+    fn at(&self, index: usize) -> u32 {
+        self.block + offset(self.parameters, index)
+    }
+
+    pub fn byte(&self, index: usize) -> u8 {
+        self.cpu.memory.byte(self.at(index))
+    }
+
+    pub fn word(&self, index: usize) -> u16 {
+        self.cpu.memory.word(self.at(index))
+    }
+
+    pub fn dword(&self, index: usize) -> u32 {
+        self.cpu.memory.dword(self.at(index))
+    }
+
+    pub fn date_and_time(&self, index: usize) -> [u8; 8] {
+        self.cpu.memory.bytes(self.at(index))
+    }
+
+    pub fn any_bytes(&self, index: usize) -> [u8; 10] {
+        self.cpu.memory.bytes(self.at(index))
+    }
+
+    pub fn set_bool(&self, index: usize, value: bool) {
+        self.cpu.memory.set_bit(self.at(index), 0, value);
+    }
+
+    pub fn set_word(&self, index: usize, value: u16) {
+        self.cpu.memory.set_word(self.at(index), value);
+    }
+
+    pub fn set_dword(&self, index: usize, value: u32) {
+        self.cpu.memory.set_dword(self.at(index), value);
+    }
+
+    pub fn set_date_and_time(&self, index: usize, value: [u8; 8]) {
+        self.cpu.memory.set_bytes(self.at(index), value);
+    }
+}

@@ -1,0 +1,138 @@
+//! Order of the cycle, start information, process images, clock memory.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use plcc_abi::codes::stop;
+use plcc_abi::image::Module;
+use plcc_abi::layout;
+
+use super::helpers::{Block, cpu, cpu_with, run, run_observed};
+use crate::address::{self, Address};
+use crate::cpu::Cpu;
+use crate::cycle::Observer;
+
+fn at(text: &str) -> Address {
+    address::parse(text).unwrap()
+}
+
+fn log(entries: &Rc<RefCell<Vec<String>>>, text: &'static str) -> Block {
+    let entries = entries.clone();
+    Box::new(move |_, _| entries.borrow_mut().push(text.to_string()))
+}
+
+#[test]
+fn startup_then_cycles() {
+    let entries = Rc::default();
+    let cpu = cpu(vec![(1, log(&entries, "OB1")), (100, log(&entries, "OB100")), (102, log(&entries, "OB102"))]);
+    run(&cpu, 2);
+    assert_eq!(*entries.borrow(), ["OB100", "OB1", "OB1"]);
+    assert_eq!(cpu.clock.now(), 20_000_000);
+}
+
+#[test]
+fn configured_startup() {
+    let entries = Rc::default();
+    let cpu = cpu_with(vec![(100, log(&entries, "OB100")), (102, log(&entries, "OB102"))], |image| {
+        image.config.startup = 102;
+    });
+    run(&cpu, 1);
+    assert_eq!(*entries.borrow(), ["OB102"]);
+}
+
+#[test]
+fn start_information_of_ob1() {
+    let seen: Rc<RefCell<Vec<[u8; 20]>>> = Rc::default();
+    let keep = seen.clone();
+    let ob1: Block = Box::new(move |cpu, lbase| {
+        assert_eq!(lbase, layout::l_stack(1));
+        assert_eq!(cpu.memory.dword(lbase + 20), 0, "TEMP reads 0");
+        cpu.memory.set_dword(lbase + 20, 1);
+        keep.borrow_mut().push(cpu.memory.bytes(lbase));
+    });
+    let cpu = cpu(vec![(1, ob1)]);
+    run(&cpu, 3);
+    let seen = seen.borrow();
+    assert_eq!(seen[0][..12], [0x11, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0]);
+    assert_eq!(seen[2][..12], [0x11, 3, 1, 1, 0, 0, 0, 10, 0, 10, 0, 10]);
+    assert_eq!(seen[2][12..], [0x94, 1, 1, 0, 0, 0, 0x02, 0x07], "20 ms after the start, a Saturday");
+}
+
+#[test]
+fn only_named_inputs_are_copied() {
+    let ob1: Block = Box::new(|cpu, _| {
+        let memory = &cpu.memory;
+        memory.set_byte(layout::I + 1, memory.byte(layout::I + 1) + 1);
+        memory.set_byte(layout::I, memory.byte(layout::I) + 1);
+        memory.set_byte(layout::Q + 4, memory.byte(layout::I));
+    });
+    let cpu = cpu(vec![(1, ob1)]);
+    cpu.write(&at("IB0"), 7).unwrap();
+    run(&cpu, 3);
+    assert_eq!(cpu.read(&at("IB0")), 8, "read anew each cycle");
+    assert_eq!(cpu.read(&at("IB1")), 3, "keeps what the program wrote");
+    assert_eq!(cpu.read(&at("PQB4")), 8);
+}
+
+#[test]
+fn peripheral_access() {
+    let cpu = cpu_with(Vec::new(), |image| {
+        image.config.modules = Some(vec![Module {
+            name: "DI8/DO8".to_string(),
+            input_start: 0,
+            input_bytes: 1,
+            output_start: 4,
+            output_bytes: 2,
+        }]);
+    });
+    assert_eq!(cpu.peripheral_read(0, 1), 0);
+    assert_eq!(cpu.peripheral_read(0, 2), 1 << 32);
+    assert!(!cpu.peripheral_write(4, 2, 0x1234));
+    assert_eq!(cpu.read(&at("QW4")), 0x1234, "mirrored in the image");
+    assert!(cpu.peripheral_write(5, 2, 0xFFFF));
+    assert_eq!(cpu.read(&at("QW4")), 0x1234);
+    assert_eq!(cpu.peripheral_read(u32::MAX, 4), 1 << 32);
+}
+
+#[test]
+fn stop_by_the_program_is_no_fault() {
+    let cpu = cpu(vec![(1, Box::new(|cpu: &Cpu, _| cpu.stop_by(stop::SFC_46, 0, 0)))]);
+    run(&cpu, 5);
+    assert!(cpu.stopped().unwrap().asked);
+    assert_eq!(cpu.clock.now(), 0, "nothing runs after STOP");
+}
+
+#[test]
+fn clock_memory() {
+    let cpu = cpu_with(Vec::new(), |image| image.config.clock_memory_byte = Some(100));
+    run(&cpu, 5);
+    assert_eq!(cpu.read(&at("MB100")), 1, "50 ms: half of 0.1 s");
+    run(&cpu, 95);
+    assert_eq!(cpu.read(&at("MB100")), expected_clock(1000), "1 s");
+}
+
+fn expected_clock(ms: u64) -> u64 {
+    [100u64, 200, 400, 500, 800, 1000, 1600, 2000]
+        .iter()
+        .enumerate()
+        .map(|(bit, period)| u64::from(ms % period >= period / 2) << bit)
+        .sum()
+}
+
+#[test]
+fn observer_sees_the_phases() {
+    #[derive(Default)]
+    struct Phases(Vec<(char, u64, u64)>);
+    impl Observer for Phases {
+        fn before(&mut self, _: &Cpu, cycle: u64, time: u64) {
+            self.0.push(('<', cycle, time));
+        }
+        fn after(&mut self, _: &Cpu, cycle: u64, time: u64) {
+            self.0.push(('>', cycle, time));
+        }
+    }
+    let mut phases = Phases::default();
+    run_observed(&cpu(Vec::new()), 2, &mut phases);
+    let ms10 = 10_000_000;
+    assert_eq!(phases.0, [('<', 0, 0), ('>', 0, 0), ('<', 1, 0), ('>', 1, 0), ('<', 2, ms10), ('>', 2, ms10)]);
+}

@@ -1,0 +1,99 @@
+//! A CPU whose blocks are closures.
+
+use std::rc::Rc;
+
+use plcc_abi::ProgramImage;
+use plcc_abi::image::{BlockEntry, BlockKind, Config, Family, Profile};
+use plcc_abi::layout;
+
+use crate::clock::Clock;
+use crate::code::Code;
+use crate::cpu::Cpu;
+use crate::cycle::{Observer, Pace};
+use crate::io::Simulated;
+
+/// A block: gets the CPU and its local data base.
+pub type Block = Box<dyn Fn(&Cpu, u32)>;
+
+pub struct Closures(pub Vec<Block>);
+
+impl Code for Closures {
+    fn call(&self, entry: u32, mem: *mut u8, lbase: u32, _vbase: u32) {
+        // SAFETY: the runtime gives the base of its own memory.
+        let cpu = unsafe { Cpu::of(mem) };
+        (self.0[entry as usize])(cpu, lbase);
+    }
+}
+
+pub fn profile() -> Profile {
+    Profile {
+        name: "s7-300".to_string(),
+        family: Family::S7300,
+        accumulators: 2,
+        inputs: 2048,
+        outputs: 2048,
+        bit_memory: 8192,
+        timers: 2048,
+        counters: 2048,
+        local_data: 32_768,
+        db_bytes_max: 65_534,
+        block_depth: 16,
+        error_depth: 4,
+        limits_checked: false,
+    }
+}
+
+/// An image with these blocks, whose entries are numbered in order.
+pub fn image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
+    let entry = |(entry, &(kind, number)): (u32, &(BlockKind, u16))| BlockEntry {
+        kind,
+        number,
+        name: String::new(),
+        entry,
+        frame: 24,
+    };
+    ProgramImage {
+        name: "test".to_string(),
+        profile: profile(),
+        config: Config::default(),
+        blocks: (0u32..).zip(blocks).map(entry).collect(),
+        dbs: Vec::new(),
+        db_end: layout::DB_DATA,
+        sites: Vec::new(),
+        files: Vec::new(),
+        asserts: Vec::new(),
+        symbols: Vec::new(),
+        stops_itself: false,
+    }
+}
+
+/// A CPU under the virtual clock with OBs as closures.
+pub fn cpu(obs: Vec<(u16, Block)>) -> Rc<Cpu> {
+    cpu_with(obs, |_| {})
+}
+
+pub fn cpu_with(obs: Vec<(u16, Block)>, change: impl FnOnce(&mut ProgramImage)) -> Rc<Cpu> {
+    let blocks: Vec<_> = obs.iter().map(|(number, _)| (BlockKind::Ob, *number)).collect();
+    let mut image = image(&blocks);
+    change(&mut image);
+    let code = Closures(obs.into_iter().map(|(_, block)| block).collect());
+    let driver = Box::new(Simulated::new(image.config.modules.clone()));
+    Cpu::new(image, Rc::new(code), Clock::simulated(), driver)
+}
+
+struct Nobody;
+
+impl Observer for Nobody {
+    fn before(&mut self, _: &Cpu, _: u64, _: u64) {}
+    fn after(&mut self, _: &Cpu, _: u64, _: u64) {}
+}
+
+/// Runs so many cycles of 10 ms.
+pub fn run(cpu: &Cpu, cycles: u64) {
+    run_observed(cpu, cycles, &mut Nobody);
+}
+
+pub fn run_observed(cpu: &Cpu, cycles: u64, observer: &mut dyn Observer) {
+    let pace = Pace { cycles: Some(cycles), cycle_time: 10_000_000, hang_limit: 50_000_000 };
+    cpu.execute(&pace, observer);
+}

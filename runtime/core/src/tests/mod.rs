@@ -1,0 +1,12 @@
+//! Tests of the runtime with code made of closures.
+
+mod counters;
+mod cycle;
+mod faults;
+mod helpers;
+mod interrupts;
+mod run;
+mod system;
+mod timers;
+
+pub(crate) use helpers::image;

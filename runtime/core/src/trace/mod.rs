@@ -1,0 +1,131 @@
+//! Recording of values, one sample after the outputs of each cycle.
+//!
+//! What is recorded: the list of `--trace-signals`; without it the values of `--print` and all symbols that are values;
+//! without any of these the outputs Q0.0 to Q3.7. A sample has the time at which its cycle started, cycle 0 is the one
+//! after the startup OB.
+
+mod table;
+mod waveform;
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+use crate::address::{self, Address, Bits, Place, Width};
+use crate::cpu::Cpu;
+
+/// A recorded value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Signal {
+    pub name: String,
+    pub address: Address,
+}
+
+/// A file format.
+trait Sink {
+    fn sample(&mut self, cycle: u64, time: u64, values: &[Bits]) -> std::io::Result<()>;
+    fn finish(&mut self) -> std::io::Result<()>;
+}
+
+/// Writes a trace file.
+pub struct Recorder {
+    signals: Vec<Signal>,
+    sink: Box<dyn Sink>,
+    values: Vec<Bits>,
+    /// The first error; nothing is written after it.
+    error: Option<std::io::Error>,
+}
+
+impl Recorder {
+    /// Creates the file; its suffix tells the format. `Err`: what is wrong.
+    pub fn create(path: &Path, signals: Vec<Signal>) -> Result<Recorder, String> {
+        let open = || {
+            File::create(path).map(BufWriter::new).map_err(|error| format!("cannot write {}: {error}", path.display()))
+        };
+        let suffix = path.extension().and_then(|suffix| suffix.to_str()).unwrap_or("").to_ascii_lowercase();
+        let failed = |error: std::io::Error| format!("cannot write {}: {error}", path.display());
+        let sink: Box<dyn Sink> = match suffix.as_str() {
+            "vcd" => Box::new(waveform::Waveform::new(open()?, &signals).map_err(failed)?),
+            "csv" => Box::new(table::Table::new(open()?, &signals).map_err(failed)?),
+            _ => return Err(format!("--trace {}: the file must end in .vcd or .csv", path.display())),
+        };
+        Ok(Recorder { values: Vec::with_capacity(signals.len()), signals, sink, error: None })
+    }
+
+    /// Takes a sample.
+    pub fn sample(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        if self.error.is_none() {
+            self.values.clear();
+            self.values.extend(self.signals.iter().map(|signal| cpu.read(&signal.address)));
+            self.error = self.sink.sample(cycle, time, &self.values).err();
+        }
+    }
+
+    /// Ends the file. `Err`: what went wrong first.
+    pub fn finish(mut self) -> std::io::Result<()> {
+        match self.error.take() {
+            Some(error) => Err(error),
+            None => self.sink.finish(),
+        }
+    }
+}
+
+/// The signals to record, see the module comment.
+pub fn signals(cpu: &Cpu, asked: &[(String, Address)], printed: &[(String, Address)]) -> Vec<Signal> {
+    let named = |list: &[(String, Address)]| {
+        list.iter().map(|(name, address)| Signal { name: name.clone(), address: *address }).collect::<Vec<_>>()
+    };
+    if !asked.is_empty() {
+        return named(asked);
+    }
+    let mut signals = named(printed);
+    for symbol in &cpu.image.symbols {
+        let address = address::parse(&symbol.address).filter(|address| cpu.check_address(address).is_ok());
+        if let Some(address) = address.filter(|_| !signals.iter().any(|signal| signal.name == symbol.name)) {
+            signals.push(Signal { name: symbol.name.clone(), address });
+        }
+    }
+    if signals.is_empty() {
+        signals.extend((0..32u32).map(|index| Signal {
+            name: format!("Q{}.{}", index / 8, index % 8),
+            address: Address { place: Place::Output(index / 8), width: Width::Bit((index % 8) as u8) },
+        }));
+    }
+    signals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn signal(name: &str) -> Signal {
+        Signal { name: name.to_string(), address: address::parse(name).unwrap() }
+    }
+
+    #[test]
+    fn vcd_has_changes_only() {
+        let mut bytes = Vec::new();
+        let mut sink = waveform::Waveform::new(&mut bytes, &[signal("Q0.0"), signal("MW 2")]).unwrap();
+        sink.sample(0, 0, &[0, 5]).unwrap();
+        sink.sample(1, 10_000_000, &[0, 5]).unwrap();
+        sink.sample(2, 20_000_000, &[1, 6]).unwrap();
+        sink.finish().unwrap();
+        drop(sink);
+        let expected = "$timescale 1 us $end\n$scope module plc $end\n$var wire 1 ! Q0.0 $end\n\
+            $var wire 16 \" MW_2 $end\n$upscope $end\n$enddefinitions $end\n\
+            #0\n0!\nb0000000000000101 \"\n#20000\n1!\nb0000000000000110 \"\n";
+        assert_eq!(String::from_utf8(bytes).unwrap(), expected);
+    }
+
+    #[test]
+    fn csv_has_every_cycle() {
+        let mut bytes = Vec::new();
+        let mut sink = table::Table::new(&mut bytes, &[signal("Q0.0"), signal("MW2")]).unwrap();
+        sink.sample(0, 0, &[0, 5]).unwrap();
+        sink.sample(1, 10_500_000, &[1, 5]).unwrap();
+        sink.finish().unwrap();
+        drop(sink);
+        let expected = "cycle,time_ms,Q0.0,MW2\n0,0,0,16#0005\n1,10.5,1,16#0005\n";
+        assert_eq!(String::from_utf8(bytes).unwrap(), expected);
+    }
+}

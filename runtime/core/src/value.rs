@@ -1,0 +1,248 @@
+//! Values as a user writes them: what `--print` writes, or an STL literal.
+
+use crate::address::{Bits, Width};
+use crate::{bcd, datetime};
+
+/// Parses a value for an address of this width. `Err`: what is wrong, in a sentence.
+pub fn parse(text: &str, width: Width) -> Result<Bits, String> {
+    let text = text.trim();
+    let (value, signed) = number(text, width).ok_or_else(|| format!("`{text}` is not a value"))?;
+    let bits = width.bits();
+    let fits = if signed && value < 0 {
+        bits >= 128 || bits > 1 && value >= -(1i128 << (bits - 1))
+    } else {
+        value >= 0 && value < 1i128 << bits
+    };
+    if !fits {
+        let name = match width {
+            Width::Bit(_) => "a bit (0 or 1)",
+            Width::Byte => "a byte",
+            Width::Word => "a word",
+            Width::Dword => "a double word",
+            Width::Lword => "eight bytes",
+        };
+        return Err(format!("`{text}` does not fit into {name}"));
+    }
+    Ok(value as u64 & if bits == 64 { u64::MAX } else { (1 << bits) - 1 })
+}
+
+/// The number and whether a sign is allowed.
+fn number(text: &str, width: Width) -> Option<(i128, bool)> {
+    let upper = text.to_ascii_uppercase();
+    let unsigned = |value: u64| Some((i128::from(value), false));
+    match upper.as_str() {
+        "TRUE" => return unsigned(1),
+        "FALSE" => return unsigned(0),
+        _ => {}
+    }
+    if let Some(body) = text.strip_prefix('\'').and_then(|rest| rest.strip_suffix('\'')) {
+        let in_range = !body.is_empty() && body.chars().count() <= 4 && body.chars().all(|c| u32::from(c) < 256);
+        return in_range
+            .then(|| unsigned(body.chars().fold(0, |value, c| value << 8 | u64::from(u32::from(c)))))
+            .flatten();
+    }
+    let Some((prefix, rest)) = upper.split_once('#') else { return plain(&upper, width) };
+    match prefix {
+        "16" | "2" | "8" => radix(prefix, rest).and_then(unsigned),
+        "B" | "W" | "DW" | "BYTE" | "WORD" | "DWORD" => {
+            if let Some(list) = rest.strip_prefix('(').and_then(|list| list.strip_suffix(')')) {
+                return byte_list(list).and_then(unsigned);
+            }
+            let (base, digits) = rest.split_once('#')?;
+            radix(base, digits).and_then(unsigned)
+        }
+        "L" | "DINT" | "INT" => integer(rest).map(|value| (value, true)),
+        "C" => decimal(rest)
+            .filter(|&count| count <= 999)
+            .and_then(|count| unsigned(bcd::from_int(count as u32, 3).into())),
+        "S5T" | "S5TIME" => duration_ms(rest)
+            .and_then(|ms| u64::try_from(ms).ok())
+            .and_then(bcd::s5_from_ms)
+            .and_then(|value| unsigned(value.into())),
+        "T" | "TIME" => duration_ms(rest).map(|ms| (ms, true)),
+        "D" | "DATE" => date(rest).and_then(unsigned),
+        "TOD" | "TIME_OF_DAY" => time_of_day(rest).and_then(unsigned),
+        "P" => pointer(rest).and_then(unsigned),
+        _ => None,
+    }
+}
+
+/// A number without prefix: an integer, or a REAL by its point or exponent.
+fn plain(text: &str, width: Width) -> Option<(i128, bool)> {
+    if let Some(value) = integer(text) {
+        return Some((value, true));
+    }
+    let real = text.contains('.') || text.contains('E');
+    let clean = text.replace('_', "");
+    let starts = clean.trim_start_matches(['+', '-']).starts_with(|c: char| c.is_ascii_digit());
+    if !real || !starts {
+        return None;
+    }
+    match width {
+        Width::Dword => clean.parse::<f32>().ok().map(|value| (i128::from(value.to_bits()), false)),
+        Width::Lword => clean.parse::<f64>().ok().map(|value| (i128::from(value.to_bits()), false)),
+        Width::Bit(_) | Width::Byte | Width::Word => None,
+    }
+}
+
+fn integer(text: &str) -> Option<i128> {
+    let (negative, rest) = match text.strip_prefix('-') {
+        Some(rest) => (true, rest),
+        None => (false, text.strip_prefix('+').unwrap_or(text)),
+    };
+    let value = i128::from(decimal(rest)?);
+    Some(if negative { -value } else { value })
+}
+
+fn decimal(text: &str) -> Option<u64> {
+    let clean = text.replace('_', "");
+    clean.bytes().all(|byte| byte.is_ascii_digit()).then(|| clean.parse().ok()).flatten()
+}
+
+fn radix(base: &str, digits: &str) -> Option<u64> {
+    let clean = digits.replace('_', "");
+    if clean.starts_with(['+', '-']) {
+        return None;
+    }
+    u64::from_str_radix(&clean, base.parse().ok().filter(|base| matches!(base, 2 | 8 | 16))?).ok()
+}
+
+/// `1,8` or `1,14,100,120`.
+fn byte_list(list: &str) -> Option<u64> {
+    let bytes: Vec<u8> = list.split(',').map(|byte| byte.trim().parse().ok()).collect::<Option<_>>()?;
+    matches!(bytes.len(), 2 | 4).then(|| bytes.iter().fold(0, |value, &byte| value << 8 | u64::from(byte)))
+}
+
+/// `2h_1m_0s_5ms`, `-1s100ms`: milliseconds.
+fn duration_ms(text: &str) -> Option<i128> {
+    let clean = text.replace('_', "");
+    let (negative, mut rest) = match clean.strip_prefix('-') {
+        Some(rest) => (true, rest),
+        None => (false, clean.as_str()),
+    };
+    let mut total = 0i128;
+    let mut last_unit = i128::MAX;
+    while !rest.is_empty() {
+        let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.')?;
+        let (value, tail) = rest.split_at(end);
+        let (unit, tail) = [("MS", 1), ("D", 86_400_000), ("H", 3_600_000), ("M", 60_000), ("S", 1000)]
+            .into_iter()
+            .find_map(|(name, ms)| tail.strip_prefix(name).map(|tail| (ms, tail)))?;
+        if unit >= last_unit || value.len() > 15 {
+            return None;
+        }
+        total += match value.parse::<i128>() {
+            Ok(value) => value * unit,
+            Err(_) => (value.parse::<f64>().ok()? * unit as f64) as i128,
+        };
+        last_unit = unit;
+        rest = tail;
+    }
+    (last_unit != i128::MAX).then_some(if negative { -total } else { total })
+}
+
+/// `2000-6-20`: days since 1990-01-01.
+fn date(text: &str) -> Option<u64> {
+    let mut parts = text.split('-').map(|part| part.trim().parse::<i16>().ok());
+    let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);
+    let date = jiff::civil::Date::new(year, i8::try_from(month).ok()?, i8::try_from(day).ok()?).ok()?;
+    let seconds = datetime::moment(date.to_datetime(jiff::civil::Time::midnight())) / datetime::NS_PER_S;
+    u64::try_from(seconds / 86_400 - 7305).ok().filter(|_| parts.next().is_none())
+}
+
+/// `5:45:00`, `1:10:3.3`: milliseconds since midnight.
+fn time_of_day(text: &str) -> Option<u64> {
+    let mut parts = text.split(':');
+    let (hours, minutes) = (decimal(parts.next()?)?, decimal(parts.next()?)?);
+    let seconds = parts.next()?;
+    let (whole, fraction) = seconds.split_once('.').unwrap_or((seconds, "0"));
+    let ms = decimal(&format!("{fraction:0<3}")[..3])?;
+    let seconds = decimal(whole)?;
+    let good = hours < 24 && minutes < 60 && seconds < 60 && parts.next().is_none() && fraction.len() <= 3;
+    good.then_some(((hours * 60 + minutes) * 60 + seconds) * 1000 + ms)
+}
+
+/// `10.3`: an area-internal pointer.
+fn pointer(text: &str) -> Option<u64> {
+    let (byte, bit) = text.trim().split_once('.')?;
+    let (byte, bit) = (decimal(byte)?, decimal(bit)?);
+    (byte < 65_536 && bit < 8).then_some(byte << 3 | bit)
+}
+
+/// A value as `--print` writes it.
+pub fn text(bits: Bits, width: Width) -> String {
+    match width {
+        Width::Bit(_) => bits.to_string(),
+        Width::Byte | Width::Word | Width::Dword | Width::Lword => {
+            format!("16#{bits:0digits$X}", digits = 2 * width.bytes() as usize)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dword(text: &str) -> Option<u64> {
+        parse(text, Width::Dword).ok()
+    }
+
+    #[test]
+    fn literals() {
+        for (text, value) in [
+            ("16#0000_00FF", 0xFF),
+            ("W#16#3A2F", 0x3A2F),
+            ("2#1010", 10),
+            ("B#(1,14,100,120)", 0x010E_6478),
+            ("L#-1", 0xFFFF_FFFF),
+            ("-1", 0xFFFF_FFFF),
+            ("1.0", 0x3F80_0000),
+            ("1.0e-3", 0x3A83_126F),
+            ("C#20", 0x20),
+            ("S5T#2M_3S_400MS", 0x2123),
+            ("T#1s100ms", 1100),
+            ("T#-1S", 0xFFFF_FC18),
+            ("D#1990-01-02", 1),
+            ("TOD#1:10:3.3", 4_203_300),
+            ("'AB'", 0x4142),
+            ("P#10.3", 0x53),
+            ("TRUE", 1),
+        ] {
+            assert_eq!(dword(text), Some(value), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_told() {
+        assert_eq!(parse("2", Width::Bit(0)), Err("`2` does not fit into a bit (0 or 1)".to_string()));
+        assert_eq!(parse("16#100", Width::Byte), Err("`16#100` does not fit into a byte".to_string()));
+        assert_eq!(parse("-32769", Width::Word), Err("`-32769` does not fit into a word".to_string()));
+        for bad in [
+            "",
+            "#",
+            "abc",
+            "16#",
+            "16#-1",
+            "1.0.0",
+            "S5T#3h",
+            "T#",
+            "T#1s1m",
+            "'ÄÖ€'",
+            "B#(1)",
+            "NAN",
+            "1e",
+            "P#1.8",
+            "TOD#1:2:\u{df}",
+        ] {
+            assert!(dword(bad).is_none(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn printed_form() {
+        assert_eq!(text(1, Width::Bit(3)), "1");
+        assert_eq!(text(0xA, Width::Byte), "16#0A");
+        assert_eq!(text(0xA, Width::Word), "16#000A");
+        assert_eq!(text(0xDEAD_BEEF, Width::Dword), "16#DEADBEEF");
+    }
+}
