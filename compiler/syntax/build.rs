@@ -1,1 +1,10 @@
-fn main() {}
+//! Builds the parser from the grammar.
+
+fn main() {
+    println!("cargo:rerun-if-changed=src/stl/stl.lalrpop");
+    lalrpop::Configuration::new()
+        .use_cargo_dir_conventions()
+        .emit_rerun_directives(false)
+        .process()
+        .expect("the grammar is right; the message above tells what is not");
+}

@@ -1,5 +1,26 @@
 //! Lexers, parsers, syntax trees and instruction tables; knows no symbols.
 
 pub mod ast;
+mod ast_text;
+mod encoding;
 pub mod literal;
 pub mod stl;
+
+pub use ast_text::ast_text;
+pub use encoding::decode;
+
+use plcc_diag::{Diagnostic, FileId};
+
+/// How a source is read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ParseOptions {
+    /// The mnemonic set; `None`: found in the file.
+    pub mnemonics: Option<stl::Mnemonics>,
+    /// Assertion pragmas (`//@ …`) are read; else they are comments.
+    pub pragmas: bool,
+}
+
+/// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
+pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (ast::SourceUnit, Vec<Diagnostic>) {
+    stl::parse(file, text, options)
+}

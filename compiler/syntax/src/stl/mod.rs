@@ -1,5 +1,154 @@
-//! STL for S7-300/400: instruction table, lexer, grammar.
+//! STL for S7-300/400: instruction table, lexer, layout, grammar.
+//!
+//! ```text
+//! text ──► raw tokens ──► tokens with a meaning ──► syntax tree
+//!      raw.rs        layout/                 stl.lalrpop
+//! ```
 
+mod actions;
+mod check;
+mod context;
 pub mod instructions;
+mod layout;
+mod messages;
+mod mnemonics;
+mod pragma;
+mod raw;
+mod suggest;
+mod token;
+
+#[allow(clippy::all, clippy::pedantic, dead_code, unused_imports, unused_parens, missing_docs)] // Generated.
+mod grammar {
+    include!(concat!(env!("OUT_DIR"), "/stl/stl.rs"));
+}
+
+use std::fmt::Write as _;
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+
+use crate::ParseOptions;
+use crate::ast::SourceUnit;
 
 pub use instructions::{Mnemonics, OperandClass, StlInsn};
+
+/// Parses a source. Errors are recovered; what could not be parsed is left out or is an error node.
+pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
+    let raw = raw::scan(text);
+    if let Some(refusal) = refuse(file, text, &raw) {
+        return (SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), ..SourceUnit::default() }, vec![refusal]);
+    }
+    let detected = mnemonics::detect(text, &raw, options.mnemonics);
+    let mut diagnostics = Vec::new();
+    report_comments(file, &raw, &mut diagnostics);
+    report_mixture(file, text, &detected, options, &mut diagnostics);
+    let laid = layout::lay_out(file, text, raw, &detected, options.pragmas);
+    diagnostics.extend(laid.diagnostics);
+    let mut context = context::Context::new(file, text, &laid.tokens);
+    context.comments = &laid.comments;
+    context.set = detected.set;
+    context.reported = diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
+    context.reported.sort_unstable();
+    let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
+    let blocks = match grammar::UnitParser::new().parse(&mut context, tokens) {
+        Ok(blocks) => blocks,
+        Err(error) => {
+            if diagnostics.is_empty() && context.diagnostics.is_empty() {
+                let at = messages::error_range(&error).map_or(text.len(), |(start, _)| start);
+                context.report(messages::syntax_error(&context, at, context::Place::Block));
+            }
+            Vec::new()
+        }
+    };
+    diagnostics.append(&mut context.diagnostics);
+    diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    (SourceUnit { mnemonics: detected.set, blocks, pragmas: laid.pragmas }, diagnostics)
+}
+
+/// A file that is not worth parsing: a template that was never filled in.
+fn refuse(file: FileId, text: &str, raw: &raw::RawText) -> Option<Diagnostic> {
+    let marker = raw.tokens.iter().find(|token| match token.kind {
+        raw::RawKind::Marker => true,
+        raw::RawKind::Quoted => {
+            let name = &text[token.range()];
+            name.contains("@@") || name.contains("{{")
+        }
+        _ => false,
+    })?;
+    let name = text[marker.range()].trim_matches(['"', '@', '{', '}', ' ']);
+    let span = Span { file, start: marker.start, end: marker.end };
+    Some(
+        Diagnostic::new(Code::TemplateMarker, span, format!("the template's marker `{name}` was never filled in"))
+            .label("stands for a text that is missing")
+            .help("generate the source from its template, or write the text in place of each marker"),
+    )
+}
+
+fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagnostic>) {
+    for comment in raw.comments.iter().filter(|comment| comment.block) {
+        if raw.unterminated_comment == Some(comment.start) {
+            let span = Span { file, start: comment.start, end: comment.start + 2 };
+            diagnostics.push(
+                Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
+                    .label("begins here, and takes the rest of the file")
+                    .help("close it with `*)`, or begin each line of it with `//`"),
+            );
+            continue;
+        }
+        let span = Span { file, start: comment.start, end: comment.end };
+        diagnostics.push(
+            Diagnostic::new(Code::BlockComment, span, "STL has no comments in `(* *)`")
+                .label("taken as a comment")
+                .help("begin each line of the comment with `//`"),
+        );
+    }
+}
+
+/// A file has one mnemonic set.
+fn report_mixture(
+    file: FileId,
+    text: &str,
+    detected: &mnemonics::Detected,
+    options: &ParseOptions,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    let [own, Some(foreign)] = detected.first else { return };
+    let span = |token: raw::RawToken| Span { file, start: token.start, end: token.end };
+    let name = |set| match set {
+        Mnemonics::En => "international",
+        Mnemonics::De => "German",
+    };
+    let word = &text[foreign.range()];
+    let set = name(detected.set);
+    let mut diagnostic = Diagnostic::new(
+        Code::MixedMnemonics,
+        span(foreign),
+        format!("`{word}` is a {} mnemonic in a file with {set} ones", name(mnemonics::other(detected.set))),
+    )
+    .label("a file keeps to one set")
+    .help(if options.mnemonics.is_some() {
+        format!("the {set} set was asked for; leave `--mnemonics` out to have it found")
+    } else {
+        format!("write the whole file with {set} mnemonics, operands too")
+    });
+    if let Some(own) = own {
+        diagnostic = diagnostic.also(span(own), format!("{set} mnemonic"));
+    }
+    diagnostics.push(diagnostic);
+}
+
+/// The tokens of a source as the grammar sees them, one per line, for `--emit tokens`.
+pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
+    let raw = raw::scan(text);
+    let detected = mnemonics::detect(text, &raw, options.mnemonics);
+    let laid = layout::lay_out(FileId::default(), text, raw, &detected, options.pragmas);
+    let mut out = String::new();
+    let (mut line, mut counted) = (1usize, 0usize);
+    for (start, token, _) in &laid.tokens {
+        if *start >= counted {
+            line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
+            counted = *start;
+        }
+        writeln!(out, "{line}: {token:?}").expect("a String takes all text");
+    }
+    out
+}

@@ -1,0 +1,126 @@
+//! Pointers `P#…` and ANY pointers.
+
+use super::{Literal, LiteralError, pointer_bits};
+
+/// Data types that an ANY pointer names, with their codes. Source: spec B.4.
+pub const ANY_TYPES: &[(&str, u8)] = &[
+    ("VOID", 0x00),
+    ("NIL", 0x00),
+    ("BOOL", 0x01),
+    ("BYTE", 0x02),
+    ("CHAR", 0x03),
+    ("WORD", 0x04),
+    ("INT", 0x05),
+    ("DWORD", 0x06),
+    ("DINT", 0x07),
+    ("REAL", 0x08),
+    ("DATE", 0x09),
+    ("TIME_OF_DAY", 0x0A),
+    ("TOD", 0x0A),
+    ("TIME", 0x0B),
+    ("S5TIME", 0x0C),
+    ("DATE_AND_TIME", 0x0E),
+    ("DT", 0x0E),
+    ("STRING", 0x13),
+    ("BLOCK_FB", 0x17),
+    ("BLOCK_FC", 0x18),
+    ("BLOCK_DB", 0x19),
+    ("BLOCK_SDB", 0x1A),
+    ("COUNTER", 0x1C),
+    ("TIMER", 0x1D),
+];
+
+/// Area letters of pointers in both mnemonic sets, with area codes. Source: spec B.4.
+const AREAS: &[(&str, u8)] = &[
+    ("P", 0x80),
+    ("I", 0x81),
+    ("E", 0x81),
+    ("Q", 0x82),
+    ("A", 0x82),
+    ("M", 0x83),
+    ("DBX", 0x84),
+    ("DB", 0x84),
+    ("DIX", 0x85),
+    ("DI", 0x85),
+    ("L", 0x86),
+    ("V", 0x87),
+    ("C", 0x7B),
+    ("Z", 0x7B),
+    ("T", 0x7C),
+];
+
+const FORM: &str = "write `P#10.3`, `P#M 10.0`, `P#DB10.DBX 20.0`, or with type and number `P#DB11.DBX 20.0 INT 10`";
+
+/// `10.3`, `M 10.0`, `DB10.DBX 20.0`, `DB11.DBX 20.0 INT 10`.
+pub fn pointer(text: &str, value: &str) -> Result<Literal, LiteralError> {
+    let malformed = |label: &str| LiteralError::malformed(text, label, FORM);
+    let (db, rest) = data_block(text, value)?;
+    let letters = rest.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len());
+    let (area, rest) = (&rest[..letters], rest[letters..].trim_start());
+    let mut words = rest.split_ascii_whitespace();
+    let address = words.next().ok_or_else(|| malformed("no address"))?;
+    let bits = address_bits(text, address)?;
+    if area.is_empty() {
+        return match (db, words.next()) {
+            (None, None) => Ok(Literal::Pointer(bits)),
+            _ => Err(malformed("the area is missing")),
+        };
+    }
+    let code = AREAS.iter().find(|(name, _)| name.eq_ignore_ascii_case(area)).map(|(_, code)| *code);
+    let code = code.ok_or_else(|| malformed(&format!("`{area}` is no area")))?;
+    if db.is_some() && !matches!(code, 0x84 | 0x85) {
+        return Err(malformed("behind a data block stands `DBX`"));
+    }
+    let (db, pointer) = (db.unwrap_or(0), u32::from(code) << 24 | bits);
+    let Some(type_name) = words.next() else {
+        return Ok(Literal::AreaPointer { db, pointer });
+    };
+    let type_code = ANY_TYPES.iter().find(|(name, _)| name.eq_ignore_ascii_case(type_name)).map(|(_, code)| *code);
+    let type_code = type_code.ok_or_else(|| malformed(&format!("`{type_name}` is no data type")))?;
+    let count = words.next().ok_or_else(|| malformed("the number of elements is missing"))?;
+    let count: u16 = count
+        .replace('_', "")
+        .parse()
+        .map_err(|_| LiteralError::range(text, "no number of elements", "an ANY pointer counts 0 to 65535 elements"))?;
+    if words.next().is_some() {
+        return Err(malformed("too much behind the number of elements"));
+    }
+    let mut any = [0x10, type_code, 0, 0, 0, 0, 0, 0, 0, 0];
+    any[2..4].copy_from_slice(&count.to_be_bytes());
+    any[4..6].copy_from_slice(&db.to_be_bytes());
+    any[6..10].copy_from_slice(&pointer.to_be_bytes());
+    Ok(Literal::Any(any))
+}
+
+/// Number of the data block before the dot, and what follows.
+fn data_block<'t>(text: &str, value: &'t str) -> Result<(Option<u16>, &'t str), LiteralError> {
+    let prefix = value.get(..2).unwrap_or("");
+    let rest = value.get(2..).unwrap_or("").trim_start();
+    if !(prefix.eq_ignore_ascii_case("DB") || prefix.eq_ignore_ascii_case("DI")) || !rest.starts_with(|c: char| c.is_ascii_digit()) {
+        return Ok((None, value));
+    }
+    let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+    let Some(address) = rest[digits..].trim_start().strip_prefix('.') else {
+        return Err(LiteralError::malformed(text, "no address", FORM));
+    };
+    // `P#DB 5.3` does not occur: an area follows the dot.
+    let number = rest[..digits]
+        .parse()
+        .map_err(|_| LiteralError::range(text, "no data block", "data blocks are numbered 1 to 65535"))?;
+    Ok((Some(number), address.trim_start()))
+}
+
+/// `10.3` as bits.
+fn address_bits(text: &str, address: &str) -> Result<u32, LiteralError> {
+    let (byte, bit) = address.split_once('.').ok_or_else(|| {
+        LiteralError::malformed(text, "the bit number is missing", format!("write `{text}.0`"))
+    })?;
+    let digits = |number: &str| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
+    if !digits(byte) || !digits(bit) {
+        return Err(LiteralError::malformed(text, "no address", FORM));
+    }
+    match (byte.parse::<u32>(), bit.parse::<u8>()) {
+        (Ok(byte @ 0..=65_535), Ok(bit @ 0..=7)) => Ok(pointer_bits(byte, bit)),
+        _ => Err(LiteralError::range(text, "no address", "the byte lies between 0 and 65535, the bit between 0 and 7")),
+    }
+}

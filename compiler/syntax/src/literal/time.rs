@@ -1,0 +1,193 @@
+//! Durations, dates and times of day.
+
+use super::{Literal, LiteralError};
+
+const S5TIME_FORM: &str = "write units in the order H, M, S, MS, each once: `S5T#1H_2M_3S_400MS`";
+const TIME_FORM: &str = "write units in the order D, H, M, S, MS, each once: `T#1D_2H_3M_4S_5MS`";
+const DATE_FORM: &str = "write year, month and day: `D#2000-6-20`";
+const TOD_FORM: &str = "write hours, minutes and seconds: `TOD#5:45:00.5`";
+const DT_FORM: &str = "write date and time: `DT#2000-6-20-5:45:00.5`";
+
+/// `S5T#2s`: the finest time base that holds the value; digits below it are cut off.
+///
+/// Bits 13-12: time base (10 ms, 100 ms, 1 s, 10 s); bits 11-0: three BCD digits.
+/// Source: spec B.3.
+pub fn s5time(text: &str, value: &str) -> Result<Literal, LiteralError> {
+    let ms = milliseconds(text, value, S5TIME_FORM)?;
+    if value.starts_with('-') || ms > 9_990_000 {
+        return Err(LiteralError::range(text, "no S5TIME", "an S5TIME lies between S5T#10MS and S5T#2H_46M_30S"));
+    }
+    let (base, unit_ms) = [(0u16, 10), (1, 100), (2, 1_000), (3, 10_000)]
+        .into_iter()
+        .find(|(_, unit_ms)| ms / unit_ms <= 999)
+        .unwrap_or((3, 10_000));
+    let units = (ms / unit_ms).min(999) as u16;
+    Ok(Literal::S5Time(base << 12 | units / 100 << 8 | units / 10 % 10 << 4 | units % 10))
+}
+
+/// `T#-1S_100MS`.
+pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
+    let ms = milliseconds(text, value, TIME_FORM)?;
+    let signed = if value.starts_with('-') { -ms } else { ms };
+    i32::try_from(signed).map(Literal::Time).map_err(|_| {
+        LiteralError::range(
+            text,
+            "no TIME",
+            "a TIME lies between T#-24D_20H_31M_23S_648MS and T#24D_20H_31M_23S_647MS",
+        )
+    })
+}
+
+/// `D#2000-6-20`: days since 1990-01-01.
+pub fn date(text: &str, value: &str) -> Result<Literal, LiteralError> {
+    let [year, month, day] = fields(value, '-').ok_or_else(|| bad(text, DATE_FORM))?;
+    check_date(text, year, month, day)?;
+    let days = days_since_1990(year, month, day);
+    if !(1990..=2168).contains(&year) {
+        return Err(LiteralError::range(text, "no DATE", "a DATE lies between D#1990-1-1 and D#2168-12-31"));
+    }
+    Ok(Literal::Date(days as u16))
+}
+
+/// `TOD#5:45:00.5`: milliseconds since midnight.
+pub fn time_of_day(text: &str, value: &str) -> Result<Literal, LiteralError> {
+    let ms = time_ms(value).ok_or_else(|| bad(text, TOD_FORM))?;
+    check_time(text, ms)?;
+    Ok(Literal::TimeOfDay(ms[0] * 3_600_000 + ms[1] * 60_000 + ms[2] * 1_000 + ms[3]))
+}
+
+/// `DT#1991-2-3-4:5:6.789`: eight BCD bytes, the last digit the weekday from 1 = Sunday.
+///
+/// Source: spec B.4.
+pub fn date_and_time(text: &str, value: &str) -> Result<Literal, LiteralError> {
+    let malformed = || bad(text, DT_FORM);
+    let (date, time) = value.rsplit_once('-').ok_or_else(malformed)?;
+    let [year, month, day] = fields(date, '-').ok_or_else(malformed)?;
+    let time = time_ms(time).ok_or_else(malformed)?;
+    check_date(text, year, month, day)?;
+    check_time(text, time)?;
+    if !(1990..=2089).contains(&year) {
+        return Err(LiteralError::range(text, "no DATE_AND_TIME", "a DATE_AND_TIME lies between 1990 and 2089"));
+    }
+    // 1990-01-01 was a Monday.
+    let weekday = (days_since_1990(year, month, day) + 1) % 7 + 1;
+    let bcd = |number: u32| (number / 10 << 4 | number % 10) as u8;
+    let [hour, minute, second, ms] = time;
+    Ok(Literal::DateAndTime([
+        bcd(year % 100),
+        bcd(month),
+        bcd(day),
+        bcd(hour),
+        bcd(minute),
+        bcd(second),
+        bcd(ms / 10),
+        (ms % 10 << 4 | weekday) as u8,
+    ]))
+}
+
+fn bad(text: &str, help: &str) -> LiteralError {
+    LiteralError::malformed(text, "not complete or not in order", help)
+}
+
+/// Sum of `1D2H3M4S5MS` in any letter case with `_` between the units; the sign is skipped. Units may be fractions (`2.5S`).
+fn milliseconds(text: &str, value: &str, form: &str) -> Result<i64, LiteralError> {
+    const UNITS: [(&str, i64, f64); 5] = [
+        ("D", 86_400_000, f64::INFINITY),
+        ("H", 3_600_000, 24.0),
+        ("M", 60_000, 60.0),
+        ("S", 1_000, 60.0),
+        ("MS", 1, 1000.0),
+    ];
+    let malformed = || bad(text, form);
+    let value: String = value.chars().filter(|c| *c != '_').collect::<String>().to_ascii_uppercase();
+    let mut rest = value.trim_start_matches(['-', '+']);
+    let mut total = 0i64;
+    let mut next_unit = 0;
+    let mut leading = true;
+    while !rest.is_empty() {
+        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+        let letters = rest[digits..].find(|c: char| !c.is_ascii_alphabetic()).map_or(rest.len(), |at| digits + at);
+        let number: f64 = rest[..digits].parse().map_err(|_| malformed())?;
+        let name = &rest[digits..letters];
+        let unit = UNITS.iter().position(|(unit, ..)| *unit == name).ok_or_else(malformed)?;
+        if unit < next_unit {
+            return Err(malformed());
+        }
+        let (_, unit_ms, limit) = UNITS[unit];
+        if !leading && number >= limit {
+            return Err(LiteralError::range(
+                text,
+                format!("{number}{name} behind a larger unit"),
+                "only the first unit may exceed its natural limit: `T#90S`, but `T#1M_30S`",
+            ));
+        }
+        total = total.saturating_add((number * unit_ms as f64).min(1e15) as i64);
+        leading = false;
+        next_unit = unit + 1;
+        rest = &rest[letters..];
+    }
+    if leading { Err(malformed()) } else { Ok(total) }
+}
+
+/// Exactly `N` unsigned numbers with `separator` between them.
+fn fields<const N: usize>(value: &str, separator: char) -> Option<[u32; N]> {
+    let mut numbers = [0; N];
+    let mut parts = value.split(separator);
+    for number in &mut numbers {
+        *number = unsigned(parts.next()?.trim())?;
+    }
+    parts.next().is_none().then_some(numbers)
+}
+
+fn unsigned(digits: &str) -> Option<u32> {
+    if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) || digits.len() > 6 {
+        return None;
+    }
+    digits.parse().ok()
+}
+
+/// Hours, minutes, seconds and milliseconds of `5:45:00.5`; digits behind the third are cut off.
+fn time_ms(value: &str) -> Option<[u32; 4]> {
+    let (time, fraction) = value.split_once('.').unwrap_or((value, "0"));
+    let [hour, minute, second] = fields(time, ':')?;
+    if fraction.is_empty() || !fraction.bytes().all(|b| b.is_ascii_digit()) {
+        return None;
+    }
+    let ms = fraction.bytes().chain(*b"00").take(3).fold(0, |ms, digit| ms * 10 + u32::from(digit - b'0'));
+    Some([hour, minute, second, ms])
+}
+
+fn check_date(text: &str, year: u32, month: u32, day: u32) -> Result<(), LiteralError> {
+    if (1..=12).contains(&month) && (1..=days_of_month(year, month)).contains(&day) {
+        return Ok(());
+    }
+    Err(LiteralError::range(text, "no day of the calendar", "the order is year, month, day: `D#2000-6-20`"))
+}
+
+fn check_time(text: &str, [hour, minute, second, _]: [u32; 4]) -> Result<(), LiteralError> {
+    if hour < 24 && minute < 60 && second < 60 {
+        return Ok(());
+    }
+    Err(LiteralError::range(text, "no time of a day", "a time of day lies between 0:0:0.0 and 23:59:59.999"))
+}
+
+fn leap(year: u32) -> bool {
+    year.is_multiple_of(4) && !year.is_multiple_of(100) || year.is_multiple_of(400)
+}
+
+fn days_of_month(year: u32, month: u32) -> u32 {
+    match month {
+        4 | 6 | 9 | 11 => 30,
+        2 if leap(year) => 29,
+        2 => 28,
+        _ => 31,
+    }
+}
+
+/// Days from 1990-01-01; years outside 1990..=2168 give what the caller rejects.
+fn days_since_1990(year: u32, month: u32, day: u32) -> u32 {
+    let year = year.clamp(1990, 2168);
+    let years: u32 = (1990..year).map(|year| if leap(year) { 366 } else { 365 }).sum();
+    let months: u32 = (1..month).map(|month| days_of_month(year, month)).sum();
+    years + months + day - 1
+}

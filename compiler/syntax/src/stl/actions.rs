@@ -1,0 +1,409 @@
+//! What the grammar's actions build beyond a plain node.
+
+use std::ops::Range;
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use crate::ast::*;
+use crate::literal::Literal;
+use crate::stl::context::Context;
+use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag};
+use crate::stl::{StlInsn, check};
+
+/// A part of a header.
+pub enum HeaderPart {
+    Title(String),
+    Text(HeaderField, String),
+    Flag(HeaderFlag),
+    Attributes(Vec<(String, String)>),
+}
+
+/// A part of a block before BEGIN.
+pub enum Part {
+    Header(HeaderPart),
+    Section(Section),
+    /// `STRUCT … END_STRUCT`, with the byte where it begins.
+    Struct(Vec<Variable>, usize),
+    OfType(BlockName),
+}
+
+/// `BEGIN` and what follows.
+pub struct Body {
+    pub start: usize,
+    pub networks: Vec<Network>,
+}
+
+/// `name {attributes}` in a declaration.
+pub struct DeclaredName {
+    pub name: String,
+    pub span: Span,
+    pub attributes: Vec<(String, String)>,
+}
+
+/// Number behind area letters.
+pub struct Address {
+    pub byte: u32,
+    pub bit: Option<u8>,
+}
+
+pub fn code_block(
+    context: &mut Context,
+    keyword: CodeKeyword,
+    name: BlockName,
+    return_type: Option<TypeRef>,
+    parts: Vec<Part>,
+    body: Option<Body>,
+    range: Range<usize>,
+) -> Option<Block> {
+    let kind = code_kind(context, keyword, &name);
+    let body_start = body.as_ref().map_or(range.end, |body| body.start);
+    let mut sections = Vec::new();
+    let mut header_parts = Vec::new();
+    for part in parts {
+        match part {
+            Part::Header(part) => header_parts.push(part),
+            Part::Section(section) => sections.push(section),
+            Part::Struct(..) | Part::OfType(_) => {}
+        }
+    }
+    let header_end = sections.first().map_or(body_start, |section: &Section| section.span.start as usize);
+    let header = header(context, header_parts, range.start..header_end);
+    let return_type = return_type.filter(|ty| ty.kind != TypeKind::Named("VOID".to_owned()));
+    let span = context.span(range.start, range.end);
+    let networks = body.map_or_else(Vec::new, |body| body.networks);
+    Some(Block::Code(CodeBlock { kind, name, return_type, header, sections, networks, span }))
+}
+
+/// The kind comes from the keyword; SFC and SFB are told by the letters of the number.
+fn code_kind(context: &mut Context, keyword: CodeKeyword, name: &BlockName) -> CodeKind {
+    let (kind, keyword_text, letters) = match keyword {
+        CodeKeyword::OrganizationBlock => (CodeKind::Ob, "ORGANIZATION_BLOCK", "OB"),
+        CodeKeyword::Function => (CodeKind::Fc, "FUNCTION", "FC"),
+        CodeKeyword::FunctionBlock => (CodeKind::Fb, "FUNCTION_BLOCK", "FB"),
+    };
+    let BlockName::Numbered { prefix, number, span } = name else { return kind };
+    match (kind, prefix) {
+        (CodeKind::Ob, BlockPrefix::Ob) | (CodeKind::Fc, BlockPrefix::Fc) | (CodeKind::Fb, BlockPrefix::Fb) => kind,
+        (CodeKind::Fc, BlockPrefix::Sfc) => CodeKind::Sfc,
+        (CodeKind::Fb, BlockPrefix::Sfb) => CodeKind::Sfb,
+        _ => {
+            wrong_letters(context, *span, keyword_text, letters, *number);
+            kind
+        }
+    }
+}
+
+fn wrong_letters(context: &mut Context, span: Span, keyword: &str, letters: &str, number: u32) {
+    context.report(
+        Diagnostic::new(Code::BlockFrame, span, format!("`{keyword}` cannot name `{}`", &context.text[span.range()]))
+            .label(format!("a block with this keyword is numbered as {letters}"))
+            .help(format!("write `{keyword} {letters} {number}`, or the keyword that belongs to the block")),
+    );
+}
+
+pub fn implied_ob(context: &mut Context, networks: Vec<Network>, range: Range<usize>) -> Block {
+    let start = context.span(range.start, range.start);
+    Block::Code(CodeBlock {
+        kind: CodeKind::Ob,
+        name: BlockName::Numbered { prefix: BlockPrefix::Ob, number: 1, span: start },
+        return_type: None,
+        header: Header::default(),
+        sections: Vec::new(),
+        networks,
+        span: context.span(range.start, range.end),
+    })
+}
+
+pub fn data_block(
+    context: &mut Context,
+    name: BlockName,
+    parts: Vec<Part>,
+    values: Option<Vec<Option<ValueAssignment>>>,
+    range: Range<usize>,
+) -> Block {
+    if let BlockName::Numbered { prefix, number, span } = &name
+        && *prefix != BlockPrefix::Db
+    {
+        wrong_letters(context, *span, "DATA_BLOCK", "DB", *number);
+    }
+    let (header, content) = data_parts(context, parts, range.clone());
+    let values = values.into_iter().flatten().flatten().collect();
+    Block::Data(DataBlock { name, header, content, values, span: context.span(range.start, range.end) })
+}
+
+pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, range: Range<usize>) -> Block {
+    if let BlockName::Numbered { prefix, number, span } = &name
+        && *prefix != BlockPrefix::Udt
+    {
+        wrong_letters(context, *span, "TYPE", "UDT", *number);
+    }
+    let span = context.span(range.start, range.end);
+    let (header, content) = data_parts(context, parts, range);
+    let members = match content {
+        DataContent::Struct(members) => members,
+        DataContent::OfType(_) | DataContent::Empty => {
+            context.report(
+                Diagnostic::new(Code::DeclarationSyntax, name.span(), "the data type has no structure")
+                    .label("nothing is declared in it")
+                    .help("write `STRUCT … END_STRUCT;` between header and `END_TYPE`"),
+            );
+            Vec::new()
+        }
+    };
+    Block::Type(TypeBlock { name, header, members, span })
+}
+
+fn data_parts(context: &mut Context, parts: Vec<Part>, range: Range<usize>) -> (Header, DataContent) {
+    let mut header_parts = Vec::new();
+    let mut content = DataContent::Empty;
+    let mut header_end = range.end;
+    for part in parts {
+        match part {
+            Part::Header(part) => header_parts.push(part),
+            Part::Section(section) => {
+                header_end = header_end.min(section.span.start as usize);
+                match &mut content {
+                    DataContent::Struct(members) => members.extend(section.variables),
+                    DataContent::OfType(_) | DataContent::Empty => content = DataContent::Struct(section.variables),
+                }
+            }
+            Part::Struct(members, start) => {
+                header_end = header_end.min(start);
+                content = DataContent::Struct(members);
+            }
+            Part::OfType(name) => {
+                let span = name.span();
+                header_end = header_end.min(span.start as usize);
+                content = DataContent::OfType(TypeRef { kind: TypeKind::Block(name), span });
+            }
+        }
+    }
+    (header(context, header_parts, range.start..header_end), content)
+}
+
+fn header(context: &Context, parts: Vec<HeaderPart>, range: Range<usize>) -> Header {
+    let mut header = Header { comment: context.comment_lines(range), ..Header::default() };
+    for part in parts {
+        match part {
+            HeaderPart::Title(text) => header.title = Some(text),
+            HeaderPart::Text(HeaderField::Author, text) => header.author = Some(text),
+            HeaderPart::Text(HeaderField::Family, text) => header.family = Some(text),
+            HeaderPart::Text(HeaderField::Name, text) => header.name = Some(text),
+            HeaderPart::Text(HeaderField::Version, text) => header.version = Some(text),
+            HeaderPart::Flag(HeaderFlag::KnowHowProtect) => header.know_how_protect = true,
+            HeaderPart::Flag(HeaderFlag::Standard) => header.standard = true,
+            HeaderPart::Flag(HeaderFlag::CodeVersion1) => header.code_version1 = true,
+            HeaderPart::Flag(HeaderFlag::Unlinked) => header.unlinked = true,
+            HeaderPart::Flag(HeaderFlag::ReadOnly) => header.read_only = true,
+            HeaderPart::Flag(HeaderFlag::NonRetain) => header.non_retain = true,
+            HeaderPart::Attributes(attributes) => header.attributes.extend(attributes),
+        }
+    }
+    header
+}
+
+/// The variables of one declaration; the comment behind it belongs to each.
+pub fn variables(
+    context: &Context,
+    names: Vec<DeclaredName>,
+    at: Option<(String, Span)>,
+    ty: TypeRef,
+    initial: Option<Option<InitialValue>>,
+    end: usize,
+) -> Vec<Variable> {
+    let comment = context.comment_behind(end);
+    let initial = initial.flatten();
+    names
+        .into_iter()
+        .map(|name| Variable {
+            name: name.name,
+            name_span: name.span,
+            attributes: name.attributes,
+            at: at.clone(),
+            ty: ty.clone(),
+            initial: initial.clone(),
+            comment: comment.clone(),
+        })
+        .collect()
+}
+
+/// A bound, length or index: a whole number.
+pub fn bound(context: &mut Context, value: Literal, range: Range<usize>) -> Bound {
+    let span = context.span(range.start, range.end);
+    let number = match value {
+        Literal::Int(number) => number,
+        Literal::Dint(number) => number.into(),
+        Literal::Bits { value, .. } => value.into(),
+        _ => {
+            context.report(
+                Diagnostic::new(Code::DeclarationSyntax, span, "a whole number must stand here")
+                    .label("no whole number")
+                    .help("bounds, lengths and indices are decimal numbers, e.g. `[1..10]`"),
+            );
+            0
+        }
+    };
+    Bound::Number(number, span)
+}
+
+/// One value stands for itself, several are a list; `None`: all were reported.
+pub fn initial_list(context: &Context, values: Vec<Option<InitialValue>>, range: Range<usize>) -> Option<InitialValue> {
+    let bad = values.iter().any(Option::is_none);
+    let mut values: Vec<InitialValue> = values.into_iter().flatten().collect();
+    if bad {
+        return None;
+    }
+    if values.len() == 1 {
+        return values.pop();
+    }
+    Some(InitialValue { kind: InitialKind::List(values), span: context.span(range.start, range.end) })
+}
+
+pub fn initial_literal(context: &Context, value: Literal, range: Range<usize>) -> InitialValue {
+    InitialValue { kind: InitialKind::Literal(value), span: context.span(range.start, range.end) }
+}
+
+/// `6 (0)`.
+pub fn repeated(
+    context: &mut Context,
+    count: Literal,
+    values: Vec<Option<InitialValue>>,
+    range: Range<usize>,
+) -> Option<InitialValue> {
+    let span = context.span(range.start, range.end);
+    let count = match count {
+        Literal::Int(count @ 1..=65_536) => count as u32,
+        _ => {
+            context.report(
+                Diagnostic::new(Code::DeclarationSyntax, span, "the repetition factor is no number of elements")
+                    .label("before `(` stands how often the values are repeated")
+                    .help("write e.g. `6 (0)`: a whole number from 1 to 65536 before the parenthesis"),
+            );
+            return None;
+        }
+    };
+    let bad = values.iter().any(Option::is_none);
+    let values: Vec<InitialValue> = values.into_iter().flatten().collect();
+    if bad { None } else { Some(InitialValue { kind: InitialKind::Repeat { count, values }, span }) }
+}
+
+/// The networks of a block: statements before the first NETWORK are a network of their own.
+pub fn networks(
+    context: &Context,
+    title: Option<&str>,
+    statements: Vec<Statement>,
+    mut networks: Vec<Network>,
+    head: Range<usize>,
+) -> Vec<Network> {
+    if title.is_some() || !statements.is_empty() {
+        networks.insert(0, network(context, title, statements, head));
+    }
+    networks
+}
+
+pub fn network(context: &Context, title: Option<&str>, statements: Vec<Statement>, head: Range<usize>) -> Network {
+    Network { title: title.map(str::to_owned), comment: context.comment_lines(head), statements }
+}
+
+/// An instruction whose operand fits it; else it is reported and gives an error node.
+pub fn instruction(
+    context: &mut Context,
+    insn: StlInsn,
+    mnemonic: Range<usize>,
+    operand: Option<Operand>,
+) -> StatementKind {
+    let mnemonic_span = context.span(mnemonic.start, mnemonic.end);
+    let operand_is_bad = operand.as_ref().is_some_and(|operand| operand.kind == OperandKind::Error);
+    match check::operand(context.text, insn, mnemonic_span, operand.as_ref()) {
+        Some(diagnostic) => {
+            context.report(diagnostic);
+            StatementKind::Error
+        }
+        None if operand_is_bad => StatementKind::Error,
+        None => StatementKind::Instruction { insn, mnemonic_span, operand },
+    }
+}
+
+pub fn call(
+    context: &mut Context,
+    keyword: Range<usize>,
+    target: Operand,
+    instance: Option<Operand>,
+    parameters: Vec<Parameter>,
+) -> StatementKind {
+    let keyword = context.span(keyword.start, keyword.end);
+    match check::call(context.text, keyword, &target, instance.as_ref()) {
+        Some(diagnostic) => {
+            context.report(diagnostic);
+            StatementKind::Error
+        }
+        None => StatementKind::Call(Call { target, instance, parameters }),
+    }
+}
+
+/// An operand; an address that does not fit its area letters is reported.
+pub fn operand(context: &mut Context, kind: OperandKind, range: Range<usize>) -> Operand {
+    let span = context.span(range.start, range.end);
+    let bad = match &kind {
+        OperandKind::Absolute { width, byte, bit, .. } | OperandKind::DbAbsolute { width, byte, bit, .. } => {
+            check::address(context.text, span, *width, *byte, *bit)
+        }
+        _ => None,
+    };
+    match bad {
+        Some(diagnostic) => {
+            context.report(diagnostic);
+            Operand { kind: OperandKind::Error, span }
+        }
+        None => Operand { kind: without_no_bit(kind), span },
+    }
+}
+
+/// Bytes and words have bit 0.
+fn without_no_bit(mut kind: OperandKind) -> OperandKind {
+    if let OperandKind::Absolute { bit, .. } | OperandKind::DbAbsolute { bit, .. } = &mut kind
+        && *bit == NO_BIT
+    {
+        *bit = 0;
+    }
+    kind
+}
+
+/// Bit number of an address that was written without one.
+pub const NO_BIT: u8 = u8::MAX;
+
+pub fn absolute(area: Area, width: Width, address: Address) -> OperandKind {
+    OperandKind::Absolute { area, width, byte: address.byte, bit: address.bit.unwrap_or(NO_BIT) }
+}
+
+pub fn db_absolute(db: BlockName, width: Width, address: Address) -> OperandKind {
+    OperandKind::DbAbsolute { db, width, byte: address.byte, bit: address.bit.unwrap_or(NO_BIT) }
+}
+
+pub fn register_indirect(area: Option<Area>, width: Width, offset: Option<(AddressRegister, u32)>) -> OperandKind {
+    match offset {
+        Some((register, offset)) => OperandKind::RegisterIndirect { area, width, register, offset },
+        None => OperandKind::Error,
+    }
+}
+
+/// `AR1,P#4.3`.
+pub fn register_offset(
+    context: &mut Context,
+    register: AddressRegister,
+    offset: Literal,
+    range: Range<usize>,
+) -> Option<(AddressRegister, u32)> {
+    match offset {
+        Literal::Pointer(bits) if bits < 4096 * 8 => Some((register, bits)),
+        _ => {
+            let span = context.span(range.start, range.end);
+            context.report(
+                Diagnostic::new(Code::OperandKind, span, "an offset to an address register is written as `P#byte.bit`")
+                    .label("no offset from P#0.0 to P#4095.7")
+                    .help("write e.g. `[AR1,P#0.0]`"),
+            );
+            None
+        }
+    }
+}

@@ -1,0 +1,389 @@
+//! Checks of an instruction and its operand that need no names: the operand class of the table against what is written.
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use crate::ast::{Area, AddressRegister, BlockName, BlockPrefix, CellKind, Operand, OperandKind, SpecialRegister, Width};
+use crate::literal::Literal;
+use crate::stl::actions::NO_BIT;
+use crate::stl::messages::operand_phrase;
+use crate::stl::{OperandClass, StlInsn};
+
+/// Checks the operand of an instruction; a name fits everything.
+pub fn operand(text: &str, insn: StlInsn, mnemonic: Span, operand: Option<&Operand>) -> Option<Diagnostic> {
+    let class = insn.operand();
+    let written = text[mnemonic.range()].to_owned();
+    let Some(operand) = operand else {
+        return (!may_be_missing(class)).then(|| {
+            Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{written}` has no operand"))
+                .label("an operand is missing behind this")
+                .help(format!("`{written}` takes {}", operand_phrase(class)))
+        });
+    };
+    let shown = &text[operand.span.range()];
+    if class == OperandClass::None {
+        return Some(
+            Diagnostic::new(Code::SurplusOperand, operand.span, format!("`{written}` takes no operand"))
+                .label("surplus operand")
+                .also(mnemonic, "works on the accumulators or the RLO")
+                .help(format!("write `{written}` alone, or another instruction")),
+        );
+    }
+    if let Some(diagnostic) = constant_range(class, &written, shown, operand) {
+        return Some(diagnostic);
+    }
+    if fits(class, &operand.kind) {
+        return None;
+    }
+    let (title, help) = mismatch(insn, &written, shown, operand);
+    Some(
+        Diagnostic::new(Code::OperandKind, operand.span, title)
+            .label(describe(&operand.kind))
+            .also(mnemonic, format!("takes {}", operand_phrase(class)))
+            .help(help),
+    )
+}
+
+/// Checks target and instance of a CALL.
+pub fn call(text: &str, keyword: Span, target: &Operand, instance: Option<&Operand>) -> Option<Diagnostic> {
+    let callable = match &target.kind {
+        OperandKind::Block(BlockName::Numbered { prefix, .. }) => {
+            matches!(prefix, BlockPrefix::Fc | BlockPrefix::Fb | BlockPrefix::Sfc | BlockPrefix::Sfb)
+        }
+        OperandKind::Block(BlockName::Symbol { .. }) | OperandKind::Path(_) | OperandKind::Error => true,
+        _ => false,
+    };
+    if !callable {
+        let shown = &text[target.span.range()];
+        return Some(
+            Diagnostic::new(Code::OperandKind, target.span, format!("`{shown}` is no block that `CALL` can call"))
+                .label(describe(&target.kind))
+                .also(keyword, "calls an FC, FB, SFC or SFB")
+                .help("write e.g. `CALL FC 1` or `CALL FB 1, DB 1`"),
+        );
+    }
+    let instance = instance?;
+    let data_block = match &instance.kind {
+        OperandKind::Block(BlockName::Numbered { prefix, .. }) => *prefix == BlockPrefix::Db,
+        OperandKind::Block(BlockName::Symbol { .. }) | OperandKind::Path(_) | OperandKind::Error => true,
+        _ => false,
+    };
+    (!data_block).then(|| {
+        let shown = &text[instance.span.range()];
+        Diagnostic::new(Code::OperandKind, instance.span, format!("`{shown}` is no instance data block"))
+            .label(describe(&instance.kind))
+            .help("behind the function block stands its instance: `CALL FB 1, DB 1`")
+    })
+}
+
+/// Checks that an address has a bit number exactly if its letters name a bit.
+pub fn address(text: &str, span: Span, width: Width, byte: u32, bit: u8) -> Option<Diagnostic> {
+    let shown = &text[span.range()];
+    match (width, bit) {
+        (Width::Bit, NO_BIT) => {
+            let digits = shown.find(|c: char| c.is_ascii_digit()).map_or("", |at| &shown[at..]);
+            let letters = shown.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
+            let help = match digits.strip_prefix('0') {
+                Some(bit) if bit.len() == 1 => format!("write `{letters} 0.{bit}`"),
+                _ if letters.ends_with(['X', 'x']) => format!("write `{letters} {byte}.0` for a bit"),
+                _ => format!("write `{letters} {byte}.0` for a bit, `{letters}B {byte}` for a byte"),
+            };
+            Some(
+                Diagnostic::new(Code::Syntax, span, format!("`{shown}` names a bit without its number"))
+                    .label("the bit number is missing")
+                    .help(help),
+            )
+        }
+        (Width::Bit, _) | (_, NO_BIT) => None,
+        _ => Some(
+            Diagnostic::new(Code::Syntax, span, format!("`{shown}` has a bit number, but names no bit"))
+                .label("bytes, words and double words are addressed by their first byte")
+                .help(format!("remove `.{bit}`, or name the bit without the letter of the width")),
+        ),
+    }
+}
+
+fn may_be_missing(class: OperandClass) -> bool {
+    matches!(
+        class,
+        OperandClass::None
+            | OperandClass::BitOrNone
+            | OperandClass::LoadAr1
+            | OperandClass::LoadAr2
+            | OperandClass::TransferAr1
+            | OperandClass::TransferAr2
+            | OperandClass::PointerOrNone
+            | OperandClass::WordConstOrNone
+            | OperandClass::DwordConstOrNone
+            | OperandClass::ShiftCount16
+            | OperandClass::ShiftCount32
+    )
+}
+
+/// What an operand is, as far as its form tells.
+enum Form {
+    /// A bit, byte, word or double word in memory.
+    Memory(Option<Area>, Width),
+    Cell(CellKind),
+    Block(BlockPrefix),
+    /// A name: what it is comes out later.
+    Any,
+    Other,
+}
+
+fn form(kind: &OperandKind) -> Form {
+    match kind {
+        OperandKind::Absolute { area, width, .. } | OperandKind::MemoryIndirect { area, width, .. } => {
+            Form::Memory(Some(*area), *width)
+        }
+        OperandKind::DbAbsolute { width, .. } => Form::Memory(Some(Area::Db), *width),
+        OperandKind::RegisterIndirect { area, width, .. } => Form::Memory(*area, *width),
+        OperandKind::Cell { kind, .. } | OperandKind::CellIndirect { kind, .. } => Form::Cell(*kind),
+        OperandKind::BlockIndirect { prefix, .. } => Form::Block(*prefix),
+        OperandKind::Block(BlockName::Numbered { prefix, .. }) => Form::Block(*prefix),
+        OperandKind::Block(BlockName::Symbol { .. }) | OperandKind::Path(_) | OperandKind::Error => Form::Any,
+        OperandKind::AddressOf(_)
+        | OperandKind::Literal(_)
+        | OperandKind::Status(_)
+        | OperandKind::Special(_)
+        | OperandKind::Register(_)
+        | OperandKind::Label(_) => Form::Other,
+    }
+}
+
+fn fits(class: OperandClass, kind: &OperandKind) -> bool {
+    let form = form(kind);
+    if matches!(form, Form::Any) {
+        return class != OperandClass::Label && class != OperandClass::Byte
+            || matches!(kind, OperandKind::Error);
+    }
+    let bit = matches!(form, Form::Memory(area, Width::Bit) if !matches!(area, Some(Area::Pi | Area::Pq)));
+    let wide = matches!(form, Form::Memory(_, Width::Byte | Width::Word | Width::Dword));
+    let double_word = matches!(form, Form::Memory(Some(Area::M | Area::L | Area::Db | Area::Di), Width::Dword));
+    let cell = matches!(form, Form::Cell(_));
+    match class {
+        OperandClass::None => false,
+        OperandClass::Bit | OperandClass::BitOrNone => bit || cell || matches!(kind, OperandKind::Status(_)),
+        OperandClass::BitWrite => bit,
+        OperandClass::BitWriteOrCounter => bit || matches!(form, Form::Cell(CellKind::Counter)),
+        OperandClass::BitWriteOrCell => bit || cell,
+        OperandClass::LoadSource => {
+            wide && !matches!(form, Form::Memory(Some(Area::Pq), _))
+                || cell
+                || matches!(kind, OperandKind::Special(_) | OperandKind::AddressOf(_))
+                || matches!(kind, OperandKind::Literal(value) if loadable(value))
+        }
+        OperandClass::TransferTarget => {
+            wide && !matches!(form, Form::Memory(Some(Area::Pi), _))
+                || matches!(kind, OperandKind::Special(SpecialRegister::Stw))
+        }
+        OperandClass::Timer => matches!(form, Form::Cell(CellKind::Timer)),
+        OperandClass::Counter => matches!(form, Form::Cell(CellKind::Counter)),
+        OperandClass::Cell => cell,
+        OperandClass::LoadAr1 | OperandClass::LoadAr2 => {
+            double_word
+                || matches!(kind, OperandKind::AddressOf(_))
+                || matches!(kind, OperandKind::Literal(Literal::Pointer(_) | Literal::AreaPointer { db: 0, .. }))
+                || class == OperandClass::LoadAr1 && *kind == OperandKind::Register(AddressRegister::Ar2)
+        }
+        OperandClass::TransferAr1 => double_word || *kind == OperandKind::Register(AddressRegister::Ar2),
+        OperandClass::TransferAr2 => double_word,
+        OperandClass::PointerOrNone => matches!(kind, OperandKind::Literal(Literal::Pointer(bits)) if *bits < 4096 * 8),
+        OperandClass::Byte => matches!(kind, OperandKind::Literal(Literal::Int(_) | Literal::Bits { .. } | Literal::Byte(_))),
+        OperandClass::AddConstant => {
+            matches!(kind, OperandKind::Literal(value) if matches!(value,
+                Literal::Int(_) | Literal::Dint(_) | Literal::Byte(_) | Literal::Word(_) | Literal::Dword(_) | Literal::Bits { .. }))
+        }
+        OperandClass::WordConstOrNone => {
+            matches!(kind, OperandKind::Literal(value) if match value {
+                Literal::Word(_) | Literal::Bytes2(_) | Literal::Int(_) | Literal::Byte(_) | Literal::Counter(_) | Literal::S5Time(_)
+                | Literal::Date(_) => true,
+                Literal::Bits { value, .. } => *value <= 0xFFFF,
+                Literal::Text(text) => text.len() <= 2,
+                _ => false,
+            })
+        }
+        OperandClass::DwordConstOrNone => {
+            matches!(kind, OperandKind::Literal(value) if match value {
+                Literal::Dword(_) | Literal::Bytes4(_) | Literal::Dint(_) | Literal::Bits { .. } | Literal::Pointer(_)
+                | Literal::AreaPointer { db: 0, .. } | Literal::Time(_) | Literal::TimeOfDay(_) | Literal::Real(_) => true,
+                Literal::Text(text) => text.len() <= 4,
+                _ => false,
+            })
+        }
+        OperandClass::ShiftCount16 | OperandClass::ShiftCount32 => matches!(kind, OperandKind::Literal(Literal::Int(_))),
+        OperandClass::Label => matches!(kind, OperandKind::Label(_)),
+        OperandClass::Block => {
+            matches!(form, Form::Block(BlockPrefix::Fc | BlockPrefix::Fb | BlockPrefix::Sfc | BlockPrefix::Sfb))
+        }
+        OperandClass::DataBlock => matches!(form, Form::Block(BlockPrefix::Db | BlockPrefix::Di)),
+    }
+}
+
+/// Whether `L` takes the constant: 32 bits at most, and no BOOL.
+fn loadable(value: &Literal) -> bool {
+    match value {
+        Literal::Bool(_) | Literal::DateAndTime(_) | Literal::Any(_) => false,
+        Literal::AreaPointer { db, .. } => *db == 0,
+        Literal::Text(text) => (1..=4).contains(&text.len()),
+        Literal::Int(_)
+        | Literal::Dint(_)
+        | Literal::Byte(_)
+        | Literal::Word(_)
+        | Literal::Dword(_)
+        | Literal::Bits { .. }
+        | Literal::Bytes2(_)
+        | Literal::Bytes4(_)
+        | Literal::Real(_)
+        | Literal::S5Time(_)
+        | Literal::Time(_)
+        | Literal::Date(_)
+        | Literal::TimeOfDay(_)
+        | Literal::Counter(_)
+        | Literal::Pointer(_) => true,
+    }
+}
+
+/// A constant of the right kind that is too large for the instruction.
+fn constant_range(class: OperandClass, written: &str, shown: &str, operand: &Operand) -> Option<Diagnostic> {
+    let OperandKind::Literal(Literal::Int(number)) = operand.kind else { return None };
+    let range = |code, label: &str, help: String| {
+        Some(Diagnostic::new(code, operand.span, format!("`{shown}` is too large for `{written}`")).label(label).help(help))
+    };
+    match class {
+        OperandClass::LoadSource | OperandClass::AddConstant | OperandClass::WordConstOrNone
+            if i16::try_from(number).is_err() =>
+        {
+            let help = match u16::try_from(number) {
+                Ok(word) if class != OperandClass::AddConstant => format!("write `L#{number}` or `W#16#{word:X}`"),
+                _ => format!("write `L#{number}` for a DINT"),
+            };
+            Some(
+                Diagnostic::new(Code::LiteralRange, operand.span, format!("`{shown}` is outside the range of INT"))
+                    .label("an INT lies between -32768 and 32767")
+                    .help(help),
+            )
+        }
+        // NOP and BLD do nothing, with any number.
+        OperandClass::Byte if !(0..=255).contains(&number) && !matches!(written.to_ascii_uppercase().as_str(), "NOP" | "BLD") => {
+            range(Code::LiteralRange, "no byte", "write a number from 0 to 255".to_owned())
+        }
+        OperandClass::ShiftCount16 if !(0..=15).contains(&number) => range(
+            Code::ShiftCount,
+            "16-bit shifts take 0 to 15",
+            format!("write a count from 0 to 15, or load the count and write `{written}` alone"),
+        ),
+        OperandClass::ShiftCount32 if !(0..=32).contains(&number) => range(
+            Code::ShiftCount,
+            "32-bit shifts take 0 to 32",
+            format!("write a count from 0 to 32, or load the count and write `{written}` alone"),
+        ),
+        _ => None,
+    }
+}
+
+/// Title and help for an operand of the wrong kind.
+fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (String, String) {
+    let class = insn.operand();
+    let takes = format!("`{written}` takes {}", operand_phrase(class));
+    let bit_class = matches!(
+        class,
+        OperandClass::Bit
+            | OperandClass::BitOrNone
+            | OperandClass::BitWrite
+            | OperandClass::BitWriteOrCounter
+            | OperandClass::BitWriteOrCell
+    );
+    match (&operand.kind, form(&operand.kind)) {
+        (OperandKind::Literal(Literal::Bool(_)), _) if bit_class => (
+            format!("`{written}` takes an address, not `{shown}`"),
+            "write `SET` for RLO 1, `CLR` for RLO 0".to_owned(),
+        ),
+        (_, Form::Memory(_, width @ (Width::Byte | Width::Word | Width::Dword))) if bit_class => {
+            let address = shown.trim_start_matches(|c: char| c.is_ascii_alphabetic()).trim();
+            let letter = shown.chars().next().unwrap_or('M');
+            let one_bit = if address.starts_with(|c: char| c.is_ascii_digit()) && !shown.contains('.') {
+                if matches!(letter, 'D' | 'd') {
+                    format!("`{}X {address}.0`", &shown[..2])
+                } else {
+                    format!("`{letter} {address}.0`")
+                }
+            } else {
+                "`M 10.0`".to_owned()
+            };
+            let combine = match (insn, width) {
+                (StlInsn::And | StlInsn::Or | StlInsn::Xor, Width::Word) => {
+                    format!(", or use `{written}W` to combine words in ACCU1")
+                }
+                (StlInsn::And | StlInsn::Or | StlInsn::Xor, Width::Dword) => {
+                    format!(", or use `{written}D` to combine double words in ACCU1")
+                }
+                (StlInsn::Assign, _) => ", or use `T` to transfer ACCU1".to_owned(),
+                _ => String::new(),
+            };
+            (
+                format!("`{written}` works on one bit, but `{shown}` is a {}-bit {}", width.bits(), width_name(width)),
+                format!("name one bit, e.g. {one_bit}{combine}"),
+            )
+        }
+        (_, Form::Memory(_, Width::Bit))
+            if matches!(class, OperandClass::LoadSource | OperandClass::TransferTarget) =>
+        {
+            (
+                format!("`{written}` moves bytes, words and double words, but `{shown}` is one bit"),
+                format!("name a byte, word or double word, or use `{}` for the bit", if insn == StlInsn::Load { "A" } else { "=" }),
+            )
+        }
+        (_, Form::Memory(Some(Area::Pi), _)) if class == OperandClass::TransferTarget => {
+            (format!("`{shown}` is a peripheral input and cannot be written"), "write to the output side, e.g. `PQW 256`".to_owned())
+        }
+        (_, Form::Memory(Some(Area::Pq), _)) if class == OperandClass::LoadSource => {
+            (format!("`{shown}` is a peripheral output and cannot be read"), "read the process image, e.g. `QW 4`, or the input side `PIW`".to_owned())
+        }
+        _ => (format!("`{shown}` is no operand of `{written}`"), takes),
+    }
+}
+
+fn width_name(width: Width) -> &'static str {
+    match width {
+        Width::Bit => "bit",
+        Width::Byte => "byte",
+        Width::Word => "word",
+        Width::Dword => "double word",
+    }
+}
+
+/// What stands at a place, for labels.
+fn describe(kind: &OperandKind) -> String {
+    let area = |area: Option<Area>| match area {
+        Some(Area::I) => "input",
+        Some(Area::Q) => "output",
+        Some(Area::M) => "memory",
+        Some(Area::Pi) => "peripheral input",
+        Some(Area::Pq) => "peripheral output",
+        Some(Area::L) => "local data",
+        Some(Area::Db) => "data",
+        Some(Area::Di) => "instance data",
+        None => "indirect",
+    };
+    match kind {
+        OperandKind::Absolute { area: own, width, byte, .. } if *width != Width::Bit && *byte < u32::MAX - 4 => {
+            format!("{} {} of bytes {byte} to {}", area(Some(*own)), width_name(*width), byte + width.bytes() - 1)
+        }
+        _ => match form(kind) {
+            Form::Memory(own, width) => format!("{} {}", area(own), width_name(width)),
+            Form::Cell(CellKind::Timer) => "a timer".to_owned(),
+            Form::Cell(CellKind::Counter) => "a counter".to_owned(),
+            Form::Block(_) => "a block".to_owned(),
+            Form::Any => "a name".to_owned(),
+            Form::Other => match kind {
+                OperandKind::Literal(_) => "a constant",
+                OperandKind::AddressOf(_) => "a pointer",
+                OperandKind::Status(_) => "a status bit",
+                OperandKind::Special(_) | OperandKind::Register(_) => "a register",
+                OperandKind::Label(_) => "a label",
+                _ => "an operand",
+            }
+            .to_owned(),
+        },
+    }
+}

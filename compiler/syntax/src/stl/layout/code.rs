@@ -1,0 +1,579 @@
+//! Layout of code: where statements begin and end, labels, mnemonics, calls, networks.
+//!
+//! A line end ends a statement unless the statement cannot be complete or the next line begins with `(`; `;` always ends it.
+//! Source: spec A.1, Decision.
+
+use plcc_diag::{Code, Diagnostic};
+
+use super::{Layout, header, is_end_of_block, is_section, unquoted};
+use crate::stl::mnemonics::{instruction, other};
+use crate::stl::raw::{RawKind, RawToken};
+use crate::stl::token::Tok;
+use crate::stl::{Mnemonics, OperandClass, StlInsn, pragma, suggest};
+
+/// Words that begin statements of SCL, met in lists that are no STL.
+const FOREIGN_WORDS: &[&str] = &[
+    "IF", "ELSIF", "ELSE", "END_IF", "FOR", "END_FOR", "WHILE", "END_WHILE", "REPEAT", "UNTIL", "END_REPEAT", "CASE",
+    "END_CASE", "RETURN", "GOTO", "EXIT", "CONTINUE", "REGION", "END_REGION",
+];
+
+impl<'a> Layout<'a> {
+    /// Statements up to the end of the block, another block, or the end of the file.
+    pub(super) fn code(&mut self) {
+        loop {
+            self.code_pragmas();
+            let Some(token) = self.peek() else { break };
+            match token.kind {
+                RawKind::Semicolon if matches!(self.last(), Some(Tok::Label(_))) => self.take(Tok::End),
+                RawKind::Semicolon => self.at += 1,
+                RawKind::Title => self.code_title(),
+                RawKind::Word => {
+                    let upper = self.upper(self.at);
+                    let word = upper.as_str();
+                    if self.kind_at(self.at + 1) == Some(RawKind::Colon) {
+                        self.label();
+                    } else if is_end_of_block(word) || self.block_keyword(self.at).is_some() {
+                        break;
+                    } else if word == "NETWORK" || word == "NETZWERK" {
+                        self.network();
+                    } else if word == "CALL" {
+                        self.call();
+                    } else if FOREIGN_WORDS.contains(&word) || self.assigns_path() {
+                        self.foreign();
+                    } else if let Some((insn, count)) = self.mnemonic() {
+                        self.instruction(insn, count);
+                    } else {
+                        self.no_instruction(token);
+                    }
+                }
+                _ if self.assigns_path() => self.foreign(),
+                _ => match self.mnemonic() {
+                    Some((insn, count)) => self.instruction(insn, count),
+                    None => self.no_instruction(token),
+                },
+            }
+        }
+        self.end_of_label();
+    }
+
+    /// A label without an instruction is a statement of its own.
+    fn end_of_label(&mut self) {
+        if matches!(self.last(), Some(Tok::Label(_))) {
+            let end = self.last_end();
+            self.push(end, Tok::End, end);
+        }
+    }
+
+    /// `//@` lines before the raw token at hand.
+    fn code_pragmas(&mut self) {
+        let before = self.peek().map_or(u32::MAX, |token| token.start);
+        while let Some(comment) = self.next_pragma(before) {
+            let pragma = self.read_pragma(comment);
+            if pragma::is_for_file(&pragma) {
+                self.pragmas.push(pragma);
+                continue;
+            }
+            self.end_of_label();
+            self.push(comment.start as usize, Tok::Pragma(Box::new(pragma)), comment.end as usize);
+        }
+    }
+
+    fn label(&mut self) {
+        self.end_of_label();
+        let name = self.slice(self.raw[self.at]);
+        self.push(self.raw[self.at].start as usize, Tok::Label(name), self.raw[self.at + 1].end as usize);
+        self.at += 2;
+    }
+
+    /// `TITLE =` behind NETWORK or BEGIN; elsewhere it is reported.
+    fn code_title(&mut self) {
+        let token = self.raw[self.at];
+        if matches!(self.last(), Some(Tok::Network | Tok::Begin | Tok::ImpliedOb)) {
+            let text = header::title_text(self.slice(token));
+            return self.take(Tok::Title(text));
+        }
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(token), "a title belongs behind `NETWORK`, before its statements")
+                .label("no network begins here")
+                .help("write `NETWORK` on a line before it"),
+        );
+        self.end_of_label();
+        self.take(Tok::BadStatement);
+        self.end_statement();
+    }
+
+    /// `NETWORK`; listings have a number and a title on its line.
+    fn network(&mut self) {
+        self.end_of_label();
+        self.take(Tok::Network);
+        if self.same_line(RawKind::Number) {
+            self.at += 1;
+            if self.same_line(RawKind::Colon) {
+                let colon = self.raw[self.at];
+                self.at += 1;
+                let first = self.at;
+                while self.peek().is_some_and(|token| !token.first_on_line) {
+                    self.at += 1;
+                }
+                if self.at > first {
+                    let (start, end) = (self.raw[first].start as usize, self.last_end());
+                    self.push(colon.start as usize, Tok::Title(&self.text[start..end]), end);
+                }
+            }
+        }
+    }
+
+    fn same_line(&self, kind: RawKind) -> bool {
+        self.peek().is_some_and(|token| !token.first_on_line && token.kind == kind)
+    }
+
+    /// The instruction that begins at hand, and how many raw tokens its mnemonic has.
+    fn mnemonic(&self) -> Option<(StlInsn, usize)> {
+        self.mnemonic_at(self.at)
+    }
+
+    fn mnemonic_at(&self, index: usize) -> Option<(StlInsn, usize)> {
+        let token = self.raw_at(index)?;
+        let next = self.raw_at(index + 1).filter(|next| !next.first_on_line);
+        let upper = self.upper(index);
+        let word = upper.as_str();
+        let next_word = self.upper(index + 1);
+        let next_word = if next.is_some() { next_word.as_str() } else { "" };
+        match token.kind {
+            RawKind::Word => {
+                let nest = next.is_some_and(|next| next.kind == RawKind::LeftParen);
+                if nest && let Some(insn) = self.lookup(&format!("{word}(")) {
+                    return Some((insn, 2));
+                }
+                if word == "RND"
+                    && self.adjacent(index)
+                    && let Some(kind @ (RawKind::Plus | RawKind::Minus)) = self.kind_at(index + 1)
+                {
+                    let insn = if kind == RawKind::Plus { StlInsn::RoundUp } else { StlInsn::RoundDown };
+                    return Some((insn, 2));
+                }
+                self.lookup(word).map(|insn| (insn, 1))
+            }
+            RawKind::RightParen if next_word == "MCR" && self.adjacent(index) => Some((StlInsn::McrClose, 2)),
+            RawKind::RightParen => Some((StlInsn::CloseNest, 1)),
+            RawKind::Equal => Some((StlInsn::Assign, 1)),
+            RawKind::Plus
+            | RawKind::Minus
+            | RawKind::Star
+            | RawKind::Slash
+            | RawKind::EqualEqual
+            | RawKind::NotEqual
+            | RawKind::Greater
+            | RawKind::Less
+            | RawKind::GreaterEqual
+            | RawKind::LessEqual => {
+                if matches!(next_word, "I" | "D" | "R" | "AR1" | "AR2")
+                    && let Some(insn) = instruction(&format!("{}{next_word}", self.slice(token)), self.set)
+                {
+                    return Some((insn, 2));
+                }
+                (token.kind == RawKind::Plus).then_some((StlInsn::AddConst, 1))
+            }
+            _ => None,
+        }
+    }
+
+    fn lookup(&self, word: &str) -> Option<StlInsn> {
+        instruction(word, self.set).or_else(|| if self.mixed { instruction(word, other(self.set)) } else { None })
+    }
+
+    /// Mnemonic of `count` raw tokens and its operand.
+    fn instruction(&mut self, insn: StlInsn, count: usize) {
+        let start = self.raw[self.at].start as usize;
+        let end = self.raw[self.at + count - 1].end as usize;
+        self.at += count;
+        let class = insn.operand();
+        if class == OperandClass::Label {
+            self.push(start, Tok::Jump(insn), end);
+            if let Some(token) = self.peek()
+                && token.kind == RawKind::Word
+                && (!token.first_on_line || !self.begins_statement(self.at))
+                && !self.ends_code(self.at)
+            {
+                let name = self.slice(token);
+                self.take(Tok::Target(name));
+            }
+        } else {
+            self.push(start, Tok::Insn(insn), end);
+        }
+        self.operands(class);
+        self.end_statement();
+    }
+
+    /// Operand tokens up to the end of the statement.
+    fn operands(&mut self, class: OperandClass) {
+        let required = !matches!(
+            class,
+            OperandClass::None
+                | OperandClass::BitOrNone
+                | OperandClass::LoadAr1
+                | OperandClass::LoadAr2
+                | OperandClass::TransferAr1
+                | OperandClass::TransferAr2
+                | OperandClass::PointerOrNone
+                | OperandClass::WordConstOrNone
+                | OperandClass::DwordConstOrNone
+                | OperandClass::ShiftCount16
+                | OperandClass::ShiftCount32
+        );
+        let first = self.out.len();
+        let mut open_brackets = 0usize;
+        while let Some(token) = self.peek() {
+            let behind_operand = self.out.len() > first && !matches!(self.last(), Some(Tok::Dot | Tok::LeftBracket | Tok::Comma));
+            let continues = open_brackets > 0 || required && self.out.len() == first;
+            if token.kind == RawKind::Semicolon
+                || self.ends_code(self.at)
+                || token.first_on_line && (!continues || self.begins_statement(self.at))
+            {
+                return;
+            }
+            match token.kind {
+                RawKind::LeftBracket => open_brackets += 1,
+                RawKind::RightBracket => open_brackets = open_brackets.saturating_sub(1),
+                RawKind::Word | RawKind::Equal | RawKind::RightParen
+                    if (behind_operand || class == OperandClass::None) && self.begins_statement(self.at) =>
+                {
+                    return self.second_statement(token);
+                }
+                _ => {}
+            }
+            self.operand_token();
+        }
+    }
+
+    /// Another statement begins on the line without `;` before it.
+    fn second_statement(&mut self, token: RawToken) {
+        let word = self.slice(token);
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(token), format!("`;` is missing before `{word}`"))
+                .label("another statement begins here")
+                .help("end each statement with `;` or with its line"),
+        );
+    }
+
+    /// Whether a statement begins at `index`: a label, a mnemonic with what can follow it, or CALL.
+    fn begins_statement(&self, index: usize) -> bool {
+        if matches!(self.last(), Some(Tok::Dot)) {
+            return false;
+        }
+        match self.kind_at(index) {
+            Some(RawKind::Word) => {
+                let next = self.kind_at(index + 1);
+                if next == Some(RawKind::Colon) {
+                    return true;
+                }
+                if next == Some(RawKind::Assign) {
+                    return false;
+                }
+                self.upper(index).as_str() == "CALL" || self.mnemonic_at(index).is_some()
+            }
+            Some(RawKind::RightParen | RawKind::Equal) => true,
+            Some(_) if !self.is_literal(index) => self.mnemonic_at(index).is_some(),
+            _ => false,
+        }
+    }
+
+    /// Whether the word at `index` ends the code or begins a network.
+    fn ends_code(&self, index: usize) -> bool {
+        let upper = self.upper(index);
+        let word = upper.as_str();
+        let first_on_line = self.raw_at(index).is_some_and(|token| token.first_on_line);
+        if word.is_empty() || matches!(self.last(), Some(Tok::Dot)) {
+            return false;
+        }
+        is_end_of_block(word)
+            || word == "NETWORK" && self.kind_at(index + 1) != Some(RawKind::Assign)
+            || first_on_line && self.block_keyword(index).is_some()
+    }
+
+    fn end_statement(&mut self) {
+        if self.peek().is_some_and(|token| token.kind == RawKind::Semicolon) {
+            return self.take(Tok::End);
+        }
+        let end = self.last_end();
+        self.push(end, Tok::End, end);
+    }
+
+    /// Skips to the end of a statement that has been reported.
+    fn bad_statement(&mut self) {
+        let start = self.raw[self.at].start as usize;
+        self.at += 1;
+        while let Some(token) = self.peek() {
+            if token.kind == RawKind::Semicolon || token.first_on_line || self.ends_code(self.at) {
+                break;
+            }
+            self.at += 1;
+        }
+        let end = self.last_end();
+        self.push(start, Tok::BadStatement, end);
+        self.end_statement();
+    }
+
+    // Calls.
+
+    fn call(&mut self) {
+        self.take(Tok::Call);
+        while let Some(token) = self.peek() {
+            let behind_operand = !matches!(self.last(), Some(Tok::Call | Tok::Comma | Tok::Dot | Tok::LeftBracket));
+            match token.kind {
+                RawKind::Semicolon => break,
+                RawKind::LeftParen => {
+                    self.parameters();
+                    self.behind_call();
+                    break;
+                }
+                RawKind::Comma => self.take(Tok::Comma),
+                _ if self.ends_code(self.at) => break,
+                _ if behind_operand && self.is_parameter(self.at) => {
+                    self.parameter_lines();
+                    break;
+                }
+                _ if token.first_on_line && (behind_operand || self.begins_statement(self.at)) => break,
+                RawKind::Word if behind_operand && self.begins_statement(self.at) => {
+                    self.second_statement(token);
+                    break;
+                }
+                _ => self.operand_token(),
+            }
+        }
+        self.end_statement();
+    }
+
+    /// What stands on the line behind the `)` of a call.
+    fn behind_call(&mut self) {
+        if let Some(token) = self.peek()
+            && !token.first_on_line
+            && token.kind != RawKind::Semicolon
+            && !self.ends_code(self.at)
+        {
+            self.second_statement(token);
+        }
+    }
+
+    /// Whether `name :=` stands at `index`, or `name =` where no instruction can be meant.
+    fn is_parameter(&self, index: usize) -> bool {
+        match (self.kind_at(index), self.kind_at(index + 1)) {
+            (Some(RawKind::Word | RawKind::Quoted), Some(RawKind::Assign)) => true,
+            (Some(RawKind::Word), Some(RawKind::Equal)) => {
+                let operandless = self.mnemonic_at(index).is_some_and(|(insn, _)| {
+                    matches!(insn.operand(), OperandClass::None | OperandClass::BitOrNone)
+                });
+                !operandless && !self.raw[index + 1].first_on_line
+            }
+            _ => false,
+        }
+    }
+
+    /// `name :=`.
+    fn parameter_name(&mut self) {
+        let name = unquoted(self.slice(self.raw[self.at]));
+        self.take(Tok::Name(name));
+        if self.kind_at(self.at) == Some(RawKind::Equal) {
+            self.equal_for_assign();
+        } else {
+            self.take(Tok::Assign);
+        }
+    }
+
+    /// One `name := operand` per line, ended by the first line that is none.
+    fn parameter_lines(&mut self) {
+        while let Some(first) = self.peek() {
+            if !self.is_parameter(self.at) || self.next_pragma(first.start).is_some() {
+                return;
+            }
+            self.push(first.start as usize, Tok::ParameterLine, first.start as usize);
+            self.parameter_name();
+            while let Some(token) = self.peek() {
+                if token.kind == RawKind::Semicolon || self.ends_code(self.at) {
+                    return;
+                }
+                if token.first_on_line || self.is_parameter(self.at) {
+                    break;
+                }
+                match token.kind {
+                    RawKind::Comma if self.comma_ends_line() => self.at += 1,
+                    _ => self.operand_token(),
+                }
+            }
+        }
+    }
+
+    /// Whether the comma at hand is the last token of its line, outside brackets.
+    fn comma_ends_line(&self) -> bool {
+        self.raw_at(self.at + 1).is_none_or(|next| next.first_on_line)
+    }
+
+    /// `( name := operand, … )`.
+    fn parameters(&mut self) {
+        let opening = self.raw[self.at];
+        self.take(Tok::LeftParen);
+        while let Some(token) = self.peek() {
+            self.pragmas_in_call(token.start);
+            let behind_operand = !matches!(self.last(), Some(Tok::LeftParen | Tok::Comma | Tok::Assign));
+            match token.kind {
+                RawKind::RightParen => return self.take(Tok::RightParen),
+                RawKind::Semicolon => break,
+                _ if self.ends_code(self.at) => break,
+                _ if self.is_parameter(self.at) => {
+                    if behind_operand {
+                        let end = self.last_end();
+                        if !token.first_on_line {
+                            self.report(
+                                Diagnostic::new(Code::Syntax, self.span(token), "`,` is missing between two parameters")
+                                    .label("another parameter begins here")
+                                    .help("separate parameters with `,`"),
+                            );
+                        }
+                        self.push(end, Tok::Comma, end);
+                    }
+                    self.parameter_name();
+                }
+                RawKind::Word if behind_operand && token.first_on_line && self.begins_statement(self.at) => break,
+                _ => self.operand_token(),
+            }
+        }
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(opening), "the parameter list is not closed with `)`")
+                .label("begins here")
+                .help("write `)` behind the last parameter"),
+        );
+        let end = self.last_end();
+        self.push(end, Tok::RightParen, end);
+    }
+
+    /// A pragma cannot be executed inside a statement.
+    fn pragmas_in_call(&mut self, before: u32) {
+        while let Some(comment) = self.next_pragma(before) {
+            self.next_comment += 1;
+            let span = self.span_of(comment.start as usize, comment.end as usize);
+            self.report(
+                Diagnostic::new(Code::Pragma, span, "a pragma cannot stand inside a statement")
+                    .label("the call is not ended yet")
+                    .help("write it behind the call"),
+            );
+        }
+    }
+
+    // What is no STL.
+
+    /// Whether `name.part[1] :=` stands at hand.
+    fn assigns_path(&self) -> bool {
+        let mut index = self.at;
+        while let Some(token) = self.raw_at(index) {
+            match token.kind {
+                RawKind::Assign => return index > self.at,
+                _ if index > self.at && token.first_on_line => return false,
+                RawKind::Word
+                | RawKind::Quoted
+                | RawKind::Hash
+                | RawKind::Dot
+                | RawKind::LeftBracket
+                | RawKind::RightBracket
+                | RawKind::Number
+                | RawKind::Comma => index += 1,
+                _ => return false,
+            }
+        }
+        false
+    }
+
+    /// SCL in a statement list: reported once, the rest of the block is skipped.
+    fn foreign(&mut self) {
+        let token = self.raw[self.at];
+        let word = self.slice(token);
+        self.report(
+            Diagnostic::new(Code::ForeignLanguage, self.span(token), format!("`{word}` begins a statement of SCL, not of STL"))
+                .label("the rest of this block is not checked")
+                .help("write the block in one language: in STL `A`, `JC` and labels take the place of IF, `L` and `T` that of `:=`"),
+        );
+        let start = token.start as usize;
+        self.end_of_label();
+        while let Some(token) = self.peek() {
+            let upper = self.upper(self.at);
+            if is_end_of_block(upper.as_str()) || token.first_on_line && self.block_keyword(self.at).is_some() {
+                break;
+            }
+            self.at += 1;
+        }
+        // Pragmas in what was skipped are not obeyed.
+        let before = self.peek().map_or(u32::MAX, |token| token.start);
+        while self.next_pragma(before).is_some() {
+            self.next_comment += 1;
+        }
+        let end = self.last_end();
+        self.push(start, Tok::BadStatement, end);
+        self.push(end, Tok::End, end);
+    }
+
+    /// A statement that begins with no instruction.
+    fn no_instruction(&mut self, token: RawToken) {
+        let span = self.span(token);
+        let slice = self.slice(token);
+        let upper = self.upper(self.at);
+        match token.kind {
+            RawKind::Word if is_section(upper.as_str()) || upper.as_str() == "END_VAR" => {
+                self.report(
+                    Diagnostic::new(Code::BlockFrame, span, "declarations stand before the statements")
+                        .label("the code has begun already")
+                        .help("move the declarations between the header and `BEGIN`"),
+                );
+                self.skip_section();
+            }
+            RawKind::Word if upper.as_str() == "BEGIN" => {
+                self.report(
+                    Diagnostic::new(Code::BlockFrame, span, "`BEGIN` stands where the code has begun already")
+                        .label("no header before it")
+                        .help("write `BEGIN` once in a block, behind its declarations"),
+                );
+                self.at += 1;
+            }
+            RawKind::Word => {
+                let set = match self.set {
+                    Mnemonics::En => "international",
+                    Mnemonics::De => "German",
+                };
+                self.report(
+                    Diagnostic::new(Code::UnknownInstruction, span, format!("STL has no instruction `{slice}`"))
+                        .label(format!("not a mnemonic of the {set} set"))
+                        .help(suggest::instruction(upper.as_str(), slice, self.set)),
+                );
+                self.bad_statement();
+            }
+            RawKind::Stray | RawKind::UnterminatedText | RawKind::UnterminatedQuoted => {
+                self.stray();
+                self.out.pop();
+                self.at -= 1;
+                self.bad_statement();
+            }
+            _ => {
+                self.report(
+                    Diagnostic::new(Code::Syntax, span, format!("`{slice}` begins no statement"))
+                        .label("an instruction is expected here")
+                        .help("a statement is a mnemonic and its operand, e.g. `L MW 10`"),
+                );
+                self.bad_statement();
+            }
+        }
+    }
+
+    /// Skips declarations in code, up to END_VAR.
+    fn skip_section(&mut self) {
+        self.end_of_label();
+        while let Some(token) = self.peek() {
+            let upper = self.upper(self.at);
+            if upper.as_str() == "END_VAR" {
+                self.at += 1;
+                return;
+            }
+            if is_end_of_block(upper.as_str()) || upper.as_str() == "NETWORK" || token.first_on_line && self.block_keyword(self.at).is_some() {
+                return;
+            }
+            self.at += 1;
+        }
+    }
+}

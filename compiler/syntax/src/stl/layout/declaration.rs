@@ -1,0 +1,357 @@
+//! Layout of declarations (`VAR … END_VAR`, `STRUCT … END_STRUCT`) and of the values of a data block.
+
+use plcc_diag::{Code, Diagnostic};
+
+use super::{BRACKET_DEPTH_MAX, Layout, STRUCT_DEPTH_MAX, is_end_of_block, is_section, unquoted};
+use crate::ast::SectionKind;
+use crate::stl::raw::{RawKind, RawToken};
+use crate::stl::token::Tok;
+
+impl<'a> Layout<'a> {
+    /// `VAR_INPUT … END_VAR`.
+    pub(super) fn section(&mut self) {
+        let opening = self.raw[self.at];
+        let kind = match self.upper(self.at).as_str() {
+            "VAR_INPUT" => SectionKind::Input,
+            "VAR_OUTPUT" => SectionKind::Output,
+            "VAR_IN_OUT" => SectionKind::InOut,
+            "VAR_TEMP" => SectionKind::Temp,
+            _ => SectionKind::Static,
+        };
+        self.take(Tok::Section(kind));
+        // `VAR RETAIN`, `VAR NON_RETAIN` of newer tools.
+        if matches!(self.upper(self.at).as_str(), "RETAIN" | "NON_RETAIN")
+            && !matches!(self.kind_at(self.at + 1), Some(RawKind::Colon | RawKind::Comma | RawKind::LeftBrace))
+        {
+            self.at += 1;
+        }
+        self.declarations(0);
+        if self.upper(self.at).as_str() == "END_VAR" {
+            self.take(Tok::EndVar);
+            if self.kind_at(self.at) == Some(RawKind::Semicolon) {
+                self.at += 1;
+            }
+            return;
+        }
+        let keyword = self.slice(opening);
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(opening), format!("`{keyword}` is not closed with `END_VAR`"))
+                .label("the declarations begin here")
+                .help("write `END_VAR` behind the last declaration"),
+        );
+        let end = self.last_end();
+        self.push(end, Tok::EndVar, end);
+    }
+
+    /// `STRUCT … END_STRUCT` of a data block or data type.
+    pub(super) fn top_struct(&mut self) {
+        let opening = self.raw[self.at];
+        self.take(Tok::Struct);
+        self.declarations(1);
+        if !matches!(self.last(), Some(Tok::EndStruct)) {
+            self.struct_not_closed(opening);
+        }
+        if self.kind_at(self.at) == Some(RawKind::Semicolon) {
+            self.at += 1;
+        }
+    }
+
+    fn struct_not_closed(&mut self, opening: RawToken) {
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(opening), "`STRUCT` is not closed with `END_STRUCT`")
+                .label("begins here")
+                .help("write `END_STRUCT;` behind its last component"),
+        );
+        let end = self.last_end();
+        self.push(end, Tok::EndStruct, end);
+    }
+
+    /// Declarations up to `END_VAR`, or with `depth` 1 to the `END_STRUCT` that closes it, or to what cannot be inside.
+    ///
+    /// Leaves balanced STRUCTs and a `;` behind each declaration.
+    fn declarations(&mut self, depth: usize) {
+        let base = depth;
+        let mut open: Vec<RawToken> = Vec::new();
+        let mut brackets = 0usize;
+        while let Some(token) = self.peek() {
+            self.file_pragmas(token.start);
+            let upper = self.upper(self.at);
+            let word = upper.as_str();
+            let next = self.kind_at(self.at + 1);
+            let at_start = matches!(self.last(), Some(Tok::Semicolon | Tok::Struct | Tok::Section(_)));
+            match token.kind {
+                RawKind::Word if self.ends_declarations(word) => break,
+                RawKind::Word if word == "END_STRUCT" => {
+                    self.close_declaration();
+                    brackets = 0;
+                    if open.pop().is_none() {
+                        if base == 1 {
+                            return self.take(Tok::EndStruct);
+                        }
+                        self.report(
+                            Diagnostic::new(Code::BlockFrame, self.span(token), "`END_STRUCT` without `STRUCT`")
+                                .label("no structure is open here")
+                                .help("remove it"),
+                        );
+                        self.at += 1;
+                        if next == Some(RawKind::Semicolon) {
+                            self.at += 1;
+                        }
+                        continue;
+                    }
+                    self.take(Tok::EndStruct);
+                    if next != Some(RawKind::Semicolon) {
+                        let end = token.end as usize;
+                        self.push(end, Tok::Semicolon, end);
+                    }
+                }
+                RawKind::Word if word == "STRUCT" && matches!(self.last(), Some(Tok::Colon | Tok::Of)) => {
+                    if open.len() + base >= STRUCT_DEPTH_MAX {
+                        self.too_deep("structures");
+                        break;
+                    }
+                    open.push(token);
+                    brackets = 0;
+                    self.take(Tok::Struct);
+                }
+                RawKind::Semicolon => {
+                    brackets = 0;
+                    if at_start {
+                        self.at += 1;
+                    } else {
+                        self.take(Tok::Semicolon);
+                    }
+                }
+                RawKind::Word | RawKind::Quoted
+                    if token.first_on_line
+                        && !at_start
+                        && next == Some(RawKind::Colon)
+                        && !matches!(self.last(), Some(Tok::Comma | Tok::At)) =>
+                {
+                    self.missing_semicolon("declaration");
+                    brackets = 0;
+                    self.declaration_word();
+                }
+                RawKind::LeftBrace => self.attributes(),
+                _ => {
+                    if !self.bracket_depth(token.kind, &mut brackets) {
+                        break;
+                    }
+                    self.declaration_token();
+                }
+            }
+        }
+        self.close_declaration();
+        while let Some(opening) = open.pop() {
+            self.struct_not_closed(opening);
+            let end = self.last_end();
+            self.push(end, Tok::Semicolon, end);
+        }
+    }
+
+    /// Whether the word at hand (upper case) ends all declarations: `END_VAR`, or a keyword that stands in none.
+    fn ends_declarations(&self, word: &str) -> bool {
+        if word == "END_VAR" || is_end_of_block(word) {
+            return true;
+        }
+        let next = self.kind_at(self.at + 1);
+        let declared = matches!(next, Some(RawKind::Colon | RawKind::Comma | RawKind::LeftBrace));
+        !declared && (is_section(word) || matches!(word, "BEGIN" | "NETWORK") || self.block_keyword(self.at).is_some())
+    }
+
+    /// Reports the `;` that is missing, if the last declaration has none.
+    fn close_declaration(&mut self) {
+        if !matches!(self.last(), Some(Tok::Semicolon | Tok::Struct | Tok::Section(_) | Tok::EndStruct)) {
+            self.missing_semicolon("declaration");
+        }
+    }
+
+    fn missing_semicolon(&mut self, what: &str) {
+        let end = self.last_end();
+        let start = self.at.checked_sub(1).map_or(0, |before| self.raw[before].start as usize);
+        self.report(
+            Diagnostic::new(
+                if what == "declaration" { Code::DeclarationSyntax } else { Code::Syntax },
+                self.span_of(start, end),
+                format!("the {what} does not end with `;`"),
+            )
+            .label("`;` is missing behind this")
+            .help(format!("end each {what} with `;`")),
+        );
+        self.push(end, Tok::Semicolon, end);
+    }
+
+    fn too_deep(&mut self, what: &str) {
+        let token = self.raw[self.at];
+        self.report(
+            Diagnostic::new(Code::DeclarationSyntax, self.span(token), format!("{what} are nested too deep"))
+                .label("too many levels")
+                .help("STEP 7 takes 8 levels; put inner ones into data types of their own"),
+        );
+        // What follows belongs to no frame that can be known.
+        while let Some(token) = self.peek() {
+            let upper = self.upper(self.at);
+            if is_end_of_block(upper.as_str()) || token.first_on_line && self.block_keyword(self.at).is_some() {
+                return;
+            }
+            self.at += 1;
+        }
+    }
+
+    /// Counts parentheses and brackets; `false`: too deep, reported.
+    fn bracket_depth(&mut self, kind: RawKind, depth: &mut usize) -> bool {
+        match kind {
+            RawKind::LeftParen | RawKind::LeftBracket => {
+                *depth += 1;
+                if *depth > BRACKET_DEPTH_MAX {
+                    self.too_deep("parentheses");
+                    return false;
+                }
+            }
+            RawKind::RightParen | RawKind::RightBracket => *depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        true
+    }
+
+    /// One token of a declaration.
+    fn declaration_token(&mut self) {
+        let token = self.raw[self.at];
+        match token.kind {
+            _ if self.is_literal(self.at) => self.literal(),
+            RawKind::Word => self.declaration_word(),
+            RawKind::Quoted => {
+                let name = unquoted(self.slice(token));
+                self.take(Tok::Quoted(name));
+            }
+            RawKind::Hash => self.at += 1,
+            RawKind::Equal => self.equal_for_assign(),
+            kind => match sign(kind) {
+                Some(tok) => self.take(tok),
+                None => self.stray(),
+            },
+        }
+    }
+
+    /// A word of a declaration: a type behind `:` and `OF`, a value behind `:=`, else a name.
+    fn declaration_word(&mut self) {
+        let token = self.raw[self.at];
+        if matches!(self.last(), Some(Tok::Colon | Tok::Of)) {
+            return self.type_name();
+        }
+        let upper = self.upper(self.at);
+        let name = self.slice(token);
+        let in_value = matches!(self.last(), Some(Tok::Assign | Tok::Comma | Tok::LeftParen));
+        match upper.as_str() {
+            "OF" if matches!(self.last(), Some(Tok::RightBracket)) => self.take(Tok::Of),
+            "AT" if matches!(self.last(), Some(Tok::Name(_) | Tok::RightBrace | Tok::Quoted(_)))
+                && matches!(self.kind_at(self.at + 1), Some(RawKind::Word | RawKind::Quoted | RawKind::Hash)) =>
+            {
+                self.take(Tok::At);
+            }
+            "TRUE" | "FALSE" if in_value => {
+                let tok = self.literal_token(name, self.span(token));
+                self.take(tok);
+            }
+            _ => self.take(Tok::Name(name)),
+        }
+    }
+
+    /// A data type: `INT`, `UDT 5`, `"Motor"`, `ARRAY`, `STRING`, `STRUCT`.
+    pub(super) fn type_name(&mut self) {
+        let Some(token) = self.peek() else { return };
+        match token.kind {
+            RawKind::Quoted => {
+                let name = unquoted(self.slice(token));
+                self.take(Tok::Quoted(name));
+            }
+            RawKind::Word => match self.upper(self.at).as_str() {
+                "ARRAY" => self.take(Tok::Array),
+                "STRING" => self.take(Tok::StringType),
+                "STRUCT" => self.take(Tok::Struct),
+                _ => {
+                    if !self.numbered_block() {
+                        let name = self.slice(token);
+                        self.take(Tok::Name(name));
+                    }
+                }
+            },
+            _ => {}
+        }
+    }
+
+    /// Assignments behind BEGIN.
+    pub(super) fn values(&mut self) {
+        let mut brackets = 0usize;
+        while let Some(token) = self.peek() {
+            self.file_pragmas(token.start);
+            let upper = self.upper(self.at);
+            let at_start = matches!(self.last(), Some(Tok::Semicolon | Tok::Begin));
+            let behind_value =
+                matches!(self.last(), Some(Tok::Literal(_) | Tok::BadOperand | Tok::RightParen | Tok::Assign));
+            match token.kind {
+                RawKind::Word if is_end_of_block(upper.as_str()) => break,
+                RawKind::Word if token.first_on_line && self.block_keyword(self.at).is_some() => break,
+                RawKind::Semicolon => {
+                    brackets = 0;
+                    if at_start {
+                        self.at += 1;
+                    } else {
+                        self.take(Tok::Semicolon);
+                    }
+                }
+                RawKind::Word if matches!(self.last(), Some(Tok::Assign | Tok::LeftParen | Tok::Comma))
+                    && matches!(upper.as_str(), "TRUE" | "FALSE") =>
+                {
+                    let tok = self.literal_token(self.slice(token), self.span(token));
+                    self.take(tok);
+                }
+                RawKind::Word | RawKind::Quoted if behind_value && token.first_on_line && brackets == 0 => {
+                    self.missing_semicolon("assignment");
+                }
+                RawKind::Word => {
+                    let name = self.slice(token);
+                    self.take(Tok::Name(name));
+                }
+                _ => {
+                    if !self.bracket_depth(token.kind, &mut brackets) {
+                        break;
+                    }
+                    self.declaration_token();
+                }
+            }
+        }
+        if !matches!(self.last(), Some(Tok::Semicolon | Tok::Begin)) {
+            self.missing_semicolon("assignment");
+        }
+    }
+
+    /// Reports `=` in place of `:=` and takes it as `:=`.
+    pub(super) fn equal_for_assign(&mut self) {
+        let token = self.raw[self.at];
+        self.report(
+            Diagnostic::new(Code::AssignSign, self.span(token), "a value is assigned with `:=`, not with `=`")
+                .label("`=` is the instruction that writes the RLO")
+                .help("write `:=`"),
+        );
+        self.take(Tok::Assign);
+    }
+}
+
+/// The grammar's token of a sign that means the same everywhere.
+pub(super) fn sign(kind: RawKind) -> Option<Tok<'static>> {
+    Some(match kind {
+        RawKind::Colon => Tok::Colon,
+        RawKind::Assign => Tok::Assign,
+        RawKind::Comma => Tok::Comma,
+        RawKind::Dot => Tok::Dot,
+        RawKind::DotDot => Tok::DotDot,
+        RawKind::LeftParen => Tok::LeftParen,
+        RawKind::RightParen => Tok::RightParen,
+        RawKind::LeftBracket => Tok::LeftBracket,
+        RawKind::RightBracket => Tok::RightBracket,
+        RawKind::LeftBrace => Tok::LeftBrace,
+        RawKind::RightBrace => Tok::RightBrace,
+        _ => return None,
+    })
+}

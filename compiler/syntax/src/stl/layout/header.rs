@@ -1,0 +1,336 @@
+//! Layout of a block: its name, its header, and which part follows.
+
+use plcc_diag::{Code, Diagnostic};
+
+use super::{Frame, Layout, is_end_of_block, is_section, unquoted};
+use crate::stl::mnemonics::{block_prefix, letters_and_digits};
+use crate::stl::raw::RawKind;
+use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag, Tok};
+
+impl<'a> Layout<'a> {
+    /// A block from its keyword to its end.
+    pub(super) fn block(&mut self) {
+        let opening = self.raw[self.at];
+        let keyword = self.block_keyword(self.at).expect("the caller saw the keyword");
+        let (frame, end_word) = match keyword {
+            Tok::Code(CodeKeyword::OrganizationBlock) => (Frame::Code, "END_ORGANIZATION_BLOCK"),
+            Tok::Code(CodeKeyword::Function) => (Frame::Code, "END_FUNCTION"),
+            Tok::Code(CodeKeyword::FunctionBlock) => (Frame::Code, "END_FUNCTION_BLOCK"),
+            Tok::DataBlock => (Frame::Data, "END_DATA_BLOCK"),
+            _ => (Frame::Type, "END_TYPE"),
+        };
+        let function = keyword == Tok::Code(CodeKeyword::Function);
+        self.take(keyword);
+        self.block_name(self.slice(opening));
+        if function && self.kind_at(self.at) == Some(RawKind::Colon) {
+            self.take(Tok::Colon);
+            self.type_name();
+        }
+        self.header(frame);
+        self.end_of_block(opening, end_word);
+    }
+
+    /// `FC 7`, `FC7`, `"Tank control"`, `TankControl`.
+    fn block_name(&mut self, keyword: &str) {
+        match self.peek() {
+            Some(token) if token.kind == RawKind::Quoted => {
+                let name = unquoted(self.slice(token));
+                self.take(Tok::Quoted(name));
+            }
+            Some(token)
+                if token.kind == RawKind::Word
+                    && !(token.first_on_line
+                        && (self.header_keyword(self.at) || self.kind_at(self.at + 1) == Some(RawKind::Colon)))
+                    && !self.header_keyword(self.at) =>
+            {
+                if !self.numbered_block() {
+                    let name = self.slice(token);
+                    self.take(Tok::Name(name));
+                }
+            }
+            found => {
+                let end = self.last_end();
+                let span = match found {
+                    Some(token) if !token.first_on_line => self.span(token),
+                    _ => self.span_of(end - keyword.len().min(end), end),
+                };
+                self.report(
+                    Diagnostic::new(Code::BlockFrame, span, format!("`{keyword}` names no block"))
+                        .label("the block's number or name is missing")
+                        .help("write e.g. `FUNCTION FC 1 : VOID`, `DATA_BLOCK DB 10` or `FUNCTION_BLOCK \"Motor\"`"),
+                );
+                if found.is_some_and(|token| !token.first_on_line && matches!(token.kind, RawKind::UnterminatedQuoted)) {
+                    self.at += 1;
+                }
+                self.push(end, Tok::Name(""), end);
+            }
+        }
+    }
+
+    /// Takes `FC 7`, `FC7`; `false`: it is a name.
+    pub(super) fn numbered_block(&mut self) -> bool {
+        let token = self.raw[self.at];
+        let word = self.slice(token);
+        let upper = self.upper(self.at);
+        let (letters, digits) = letters_and_digits(upper.as_str());
+        let Some(prefix) = block_prefix(letters) else { return false };
+        let (number, end, count) = if digits.is_empty() {
+            let number = match self.raw_at(self.at + 1) {
+                Some(next) if next.kind == RawKind::Number && !next.first_on_line => next,
+                _ => return false,
+            };
+            (self.slice(number), number.end, 2)
+        } else {
+            (&word[letters.len()..], token.end, 1)
+        };
+        self.at += count;
+        let tok = match number.replace('_', "").parse::<u32>() {
+            Ok(number) => Tok::Block(prefix, number),
+            Err(_) => {
+                let span = self.span_of(token.start as usize, end as usize);
+                self.report(
+                    Diagnostic::new(Code::LiteralRange, span, "no block has such a number")
+                        .label("too large")
+                        .help("blocks are numbered 0 to 65535"),
+                );
+                Tok::Block(prefix, u32::MAX)
+            }
+        };
+        self.push(token.start as usize, tok, end as usize);
+        true
+    }
+
+    /// Whether the word at `index` belongs to headers.
+    fn header_keyword(&self, index: usize) -> bool {
+        let upper = self.upper(index);
+        let word = upper.as_str();
+        let field = header_field(word).is_some() && self.kind_at(index + 1) == Some(RawKind::Colon);
+        field || header_flag(word).is_some() || is_section(word) || is_end_of_block(word) || matches!(word, "BEGIN" | "NETWORK")
+    }
+
+    /// Everything behind the name: header, declarations, then code or values.
+    fn header(&mut self, frame: Frame) {
+        let mut has_content = false;
+        while let Some(token) = self.peek() {
+            self.file_pragmas(token.start);
+            let upper = self.upper(self.at);
+            let word = upper.as_str();
+            match token.kind {
+                RawKind::Semicolon => self.at += 1,
+                RawKind::Title => {
+                    let text = title_text(self.slice(token));
+                    self.take(Tok::Title(text));
+                }
+                RawKind::LeftBrace => self.attributes(),
+                RawKind::Word if is_end_of_block(word) || self.block_keyword(self.at).is_some() => return,
+                RawKind::Word if word == "BEGIN" => {
+                    self.take(Tok::Begin);
+                    match frame {
+                        Frame::Code => self.code(),
+                        Frame::Data => self.values(),
+                        Frame::Type => {}
+                    }
+                    return;
+                }
+                RawKind::Word if is_section(word) => {
+                    has_content = true;
+                    self.section();
+                }
+                RawKind::Word
+                    if header_field(word).is_some()
+                        && matches!(self.kind_at(self.at + 1), Some(RawKind::Colon | RawKind::Equal)) =>
+                {
+                    self.header_text();
+                }
+                RawKind::Word if header_flag(word).is_some() => {
+                    let flag = header_flag(word).expect("the guard saw it");
+                    self.take(Tok::HeaderFlag(flag));
+                }
+                RawKind::Word if frame != Frame::Code && word == "STRUCT" => {
+                    has_content = true;
+                    self.top_struct();
+                }
+                RawKind::Word | RawKind::Quoted if frame == Frame::Data && !has_content => {
+                    has_content = true;
+                    self.type_name();
+                }
+                _ if frame == Frame::Code => {
+                    let span = self.span(token);
+                    self.report(
+                        Diagnostic::new(Code::BlockFrame, span, "`BEGIN` is missing before the statements")
+                            .label("statements begin here")
+                            .help("write `BEGIN` on a line between the declarations and the first statement"),
+                    );
+                    let start = token.start as usize;
+                    self.push(start, Tok::Begin, start);
+                    return self.code();
+                }
+                _ => self.skip_in_header(frame),
+            }
+        }
+    }
+
+    /// Skips what no header has, up to the next line that begins with something known.
+    fn skip_in_header(&mut self, frame: Frame) {
+        let token = self.raw[self.at];
+        let what = if frame == Frame::Data { "data block" } else { "data type" };
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{}` cannot stand in a {what}", self.slice(token)))
+                .label("not a part of the header, and no declaration")
+                .help(match frame {
+                    Frame::Data => "a data block holds `STRUCT … END_STRUCT` or the name of a UDT or FB, then `BEGIN` and values",
+                    Frame::Code | Frame::Type => "a data type holds `STRUCT … END_STRUCT;`",
+                }),
+        );
+        self.at += 1;
+        while let Some(token) = self.peek() {
+            let upper = self.upper(self.at);
+            let ends = is_end_of_block(upper.as_str()) || self.block_keyword(self.at).is_some();
+            if ends || token.first_on_line && (self.header_keyword(self.at) || upper.as_str() == "STRUCT") {
+                return;
+            }
+            self.at += 1;
+        }
+    }
+
+    /// `AUTHOR : text`: to the end of the line, or to the next header keyword on it.
+    fn header_text(&mut self) {
+        let token = self.raw[self.at];
+        let field = header_field(self.upper(self.at).as_str()).expect("the caller saw it");
+        let first = self.at + 2;
+        let mut last = first;
+        while let Some(next) = self.raw_at(last) {
+            let standard = self.upper(last).as_str() == "STANDARD";
+            if next.first_on_line
+                || next.kind == RawKind::LeftBrace
+                || next.kind == RawKind::Title
+                || self.header_keyword(last) && !standard
+            {
+                break;
+            }
+            last += 1;
+        }
+        let (text, end) = match (self.raw_at(first), last > first) {
+            (Some(begin), true) => {
+                let end = self.raw[last - 1].end as usize;
+                (self.text[begin.start as usize..end].trim_end_matches([';', ' ', '\t']).trim_matches('\'').trim(), end)
+            }
+            _ => ("", self.raw[self.at + 1].end as usize),
+        };
+        self.push(token.start as usize, Tok::HeaderText(field, text), end);
+        self.at = last;
+    }
+
+    /// `{ name := 'value'; name := 'value' }`.
+    pub(super) fn attributes(&mut self) {
+        let opening = self.raw[self.at];
+        self.take(Tok::LeftBrace);
+        while let Some(token) = self.peek() {
+            let upper = self.upper(self.at);
+            let word = upper.as_str();
+            let value = matches!(self.last(), Some(Tok::Assign));
+            match token.kind {
+                RawKind::RightBrace => {
+                    if matches!(self.last(), Some(Tok::AttributeEnd)) {
+                        self.out.pop();
+                    }
+                    return self.take(Tok::RightBrace);
+                }
+                RawKind::Semicolon | RawKind::Comma => {
+                    if matches!(self.last(), Some(Tok::AttributeEnd | Tok::LeftBrace)) {
+                        self.at += 1;
+                    } else {
+                        self.take(Tok::AttributeEnd);
+                    }
+                }
+                RawKind::Assign => self.take(Tok::Assign),
+                RawKind::Equal => {
+                    self.equal_for_assign();
+                }
+                RawKind::Text | RawKind::Quoted | RawKind::UnterminatedText if value => {
+                    let text = self.slice(token).trim_matches(['\'', '"']);
+                    self.take(Tok::AttributeValue(text));
+                }
+                _ if is_end_of_block(word) || is_section(word) || word == "BEGIN" || word == "END_VAR" => break,
+                RawKind::Quoted => {
+                    let name = unquoted(self.slice(token));
+                    self.take(Tok::Name(name));
+                }
+                _ if value => {
+                    let text = self.slice(token);
+                    self.take(Tok::AttributeValue(text));
+                }
+                RawKind::Word => {
+                    let name = self.slice(token);
+                    self.take(Tok::Name(name));
+                }
+                _ => {
+                    let text = self.slice(token);
+                    self.take(Tok::AttributeValue(text));
+                }
+            }
+        }
+        self.report(
+            Diagnostic::new(Code::DeclarationSyntax, self.span(opening), "the attribute list is not closed")
+                .label("begins here")
+                .help("close it with `}`"),
+        );
+        let end = self.last_end();
+        self.push(end, Tok::RightBrace, end);
+    }
+
+    /// The block's own end, or whatever stands there instead of it.
+    fn end_of_block(&mut self, opening: crate::stl::raw::RawToken, end_word: &str) {
+        let end = self.last_end();
+        let keyword = self.slice(opening);
+        if let Some(token) = self.peek() {
+            let upper = self.upper(self.at);
+            if upper.as_str() == end_word {
+                return self.take(Tok::EndBlock);
+            }
+            if is_end_of_block(upper.as_str()) {
+                let found = self.slice(token);
+                self.report(
+                    Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{found}` cannot end a `{keyword}`"))
+                        .label("the block ends here")
+                        .also(self.span(opening), "the block begins here")
+                        .help(format!("write `{end_word}`")),
+                );
+                return self.take(Tok::EndBlock);
+            }
+        }
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(opening), format!("the block is not closed with `{end_word}`"))
+                .label("begins here")
+                .help(format!("write `{end_word}` behind the last line of the block")),
+        );
+        self.push(end, Tok::EndBlock, end);
+    }
+}
+
+/// Text behind `TITLE =`.
+pub(super) fn title_text(token: &str) -> &str {
+    token.split_once('=').map_or("", |(_, text)| text.trim())
+}
+
+fn header_field(word: &str) -> Option<HeaderField> {
+    Some(match word {
+        "AUTHOR" => HeaderField::Author,
+        "FAMILY" => HeaderField::Family,
+        "NAME" => HeaderField::Name,
+        "VERSION" => HeaderField::Version,
+        _ => return None,
+    })
+}
+
+fn header_flag(word: &str) -> Option<HeaderFlag> {
+    Some(match word {
+        "KNOW_HOW_PROTECT" => HeaderFlag::KnowHowProtect,
+        "STANDARD" => HeaderFlag::Standard,
+        "CODE_VERSION1" => HeaderFlag::CodeVersion1,
+        "UNLINKED" => HeaderFlag::Unlinked,
+        "READ_ONLY" => HeaderFlag::ReadOnly,
+        "NON_RETAIN" => HeaderFlag::NonRetain,
+        _ => return None,
+    })
+}

@@ -1,0 +1,337 @@
+//! Layout of operands: area letters and addresses, block numbers, registers, names.
+
+use plcc_diag::{Code, Diagnostic};
+
+use super::declaration::sign;
+use super::{Layout, unquoted};
+use crate::ast::{AssertOp, AssertRegister, BlockPrefix, StatusOperand, Width};
+use crate::stl::Mnemonics;
+use crate::stl::mnemonics::{self, letters_and_digits};
+use crate::stl::raw::{RawKind, RawToken};
+use crate::stl::token::Tok;
+
+impl<'a> Layout<'a> {
+    /// The two sides of an assertion and what stands between them.
+    pub(super) fn assertion(&mut self) {
+        while let Some(token) = self.peek() {
+            let comparison = match token.kind {
+                RawKind::EqualEqual => Some(AssertOp::Eq),
+                RawKind::NotEqual => Some(AssertOp::Ne),
+                RawKind::Less => Some(AssertOp::Lt),
+                RawKind::LessEqual => Some(AssertOp::Le),
+                RawKind::Greater => Some(AssertOp::Gt),
+                RawKind::GreaterEqual => Some(AssertOp::Ge),
+                _ => None,
+            };
+            if let Some(comparison) = comparison {
+                self.take(Tok::Compare(comparison));
+            } else if !self.assert_register() {
+                self.operand_token();
+            }
+        }
+    }
+
+    /// Takes `ACCU1`, `STW.OV`; `false`: it is something else.
+    fn assert_register(&mut self) -> bool {
+        if matches!(self.last(), Some(Tok::Dot)) {
+            return false;
+        }
+        let register = match self.upper(self.at).as_str() {
+            "ACCU1" => AssertRegister::Accu(1),
+            "ACCU2" => AssertRegister::Accu(2),
+            "ACCU3" => AssertRegister::Accu(3),
+            "ACCU4" => AssertRegister::Accu(4),
+            "AR1" => AssertRegister::Ar1,
+            "AR2" => AssertRegister::Ar2,
+            "DBNO" => AssertRegister::DbNumber,
+            "DINO" => AssertRegister::DiNumber,
+            "STW" if self.kind_at(self.at + 1) == Some(RawKind::Dot) => {
+                let bit = match self.upper(self.at + 2).as_str() {
+                    "BR" | "BIE" => AssertRegister::Br,
+                    "CC1" | "A1" => AssertRegister::Cc1,
+                    "CC0" | "A0" => AssertRegister::Cc0,
+                    "OV" => AssertRegister::Ov,
+                    "OS" => AssertRegister::Os,
+                    "OR" => AssertRegister::Or,
+                    "STA" => AssertRegister::Sta,
+                    "RLO" | "VKE" => AssertRegister::Rlo,
+                    "FC" | "ER" => AssertRegister::Fc,
+                    _ => return false,
+                };
+                let (start, end) = (self.raw[self.at].start as usize, self.raw[self.at + 2].end as usize);
+                self.at += 3;
+                self.push(start, Tok::AssertRegister(bit), end);
+                return true;
+            }
+            "STW" => AssertRegister::Stw,
+            _ => return false,
+        };
+        self.take(Tok::AssertRegister(register));
+        true
+    }
+
+    /// One token of an operand; some make two tokens for the grammar.
+    pub(super) fn operand_token(&mut self) {
+        let token = self.raw[self.at];
+        match token.kind {
+            RawKind::Number | RawKind::Real if matches!(self.last(), Some(Tok::Area(..) | Tok::Cell(_))) => {
+                self.address(token);
+            }
+            RawKind::Number | RawKind::Real if matches!(self.last(), Some(Tok::Dot)) => self.number_behind_dot(token),
+            _ if self.is_literal(self.at) => self.literal(),
+            RawKind::Word => self.operand_word(token),
+            RawKind::Quoted => {
+                let name = unquoted(self.slice(token));
+                self.take(if matches!(self.last(), Some(Tok::Dot)) { Tok::Name(name) } else { Tok::Quoted(name) });
+            }
+            RawKind::Hash => self.local(),
+            RawKind::Percent if self.kind_at(self.at + 1) == Some(RawKind::Word) => self.at += 1,
+            RawKind::EqualEqual
+            | RawKind::NotEqual
+            | RawKind::Greater
+            | RawKind::Less
+            | RawKind::GreaterEqual
+            | RawKind::LessEqual => self.compared_with_zero(token),
+            RawKind::Equal => self.stray(),
+            kind => match sign(kind) {
+                Some(tok) => self.take(tok),
+                None => self.stray(),
+            },
+        }
+    }
+
+    /// `#name`, `#"name"`.
+    fn local(&mut self) {
+        match self.raw_at(self.at + 1) {
+            Some(name) if matches!(name.kind, RawKind::Word | RawKind::Quoted) && !name.first_on_line => {
+                let start = self.raw[self.at].start as usize;
+                let text = unquoted(self.slice(name));
+                self.at += 2;
+                self.push(start, Tok::Local(text), name.end as usize);
+            }
+            _ => {
+                let span = self.span(self.raw[self.at]);
+                self.report(
+                    Diagnostic::new(Code::Syntax, span, "`#` stands before no name")
+                        .label("a local name is expected behind it")
+                        .help("write `#` and the name without a blank, e.g. `#speed`"),
+                );
+                self.take(Tok::BadOperand);
+            }
+        }
+    }
+
+    /// `==0`, `>0`: conditions of CC1 and CC0.
+    fn compared_with_zero(&mut self, token: RawToken) {
+        let status = match token.kind {
+            RawKind::EqualEqual => StatusOperand::Eq0,
+            RawKind::NotEqual => StatusOperand::Ne0,
+            RawKind::Greater => StatusOperand::Gt0,
+            RawKind::Less => StatusOperand::Lt0,
+            RawKind::GreaterEqual => StatusOperand::Ge0,
+            _ => StatusOperand::Le0,
+        };
+        match self.raw_at(self.at + 1) {
+            Some(zero) if zero.kind == RawKind::Number && self.slice(zero) == "0" => {
+                self.at += 2;
+                self.push(token.start as usize, Tok::Status(status), zero.end as usize);
+            }
+            _ => self.stray(),
+        }
+    }
+
+    /// The set whose area letters are taken; `None`: both.
+    fn letters_of(&self) -> Option<Mnemonics> {
+        if self.both_sets { None } else { Some(self.set) }
+    }
+
+    fn operand_word(&mut self, token: RawToken) {
+        let text = self.slice(token);
+        if matches!(self.last(), Some(Tok::Dot)) {
+            return self.member(token);
+        }
+        let upper = self.upper(self.at);
+        let word = upper.as_str();
+        let (letters, digits) = letters_and_digits(word);
+        let set = self.letters_of();
+        let next = self.raw_at(self.at + 1).filter(|next| !next.first_on_line).map(|next| next.kind);
+        if !digits.is_empty() {
+            if let Some((area, width)) = mnemonics::area(letters, set) {
+                return self.glued(token, Tok::Area(area, width), letters.len(), digits);
+            }
+            if let Some(cell) = mnemonics::cell(letters, set) {
+                return self.glued(token, Tok::Cell(cell), letters.len(), digits);
+            }
+        }
+        let bracket = next == Some(RawKind::LeftBracket);
+        let numbered = bracket || matches!(next, Some(RawKind::Number | RawKind::Real));
+        let alone = letters.len() == 1 && !matches!(next, Some(RawKind::Dot));
+        if digits.is_empty() && (numbered || alone) {
+            if let Some((area, width)) = mnemonics::area(letters, set) {
+                return self.take(Tok::Area(area, width));
+            }
+            if let Some(cell) = mnemonics::cell(letters, set) {
+                return self.take(Tok::Cell(cell));
+            }
+        }
+        if bracket {
+            let width = match word {
+                "B" => Some(Width::Byte),
+                "W" => Some(Width::Word),
+                "D" => Some(Width::Dword),
+                _ => None,
+            };
+            if let Some(width) = width {
+                return self.take(Tok::Width(width));
+            }
+            if let Some(prefix) = mnemonics::block_prefix(word) {
+                return self.take(Tok::BlockLetters(prefix));
+            }
+        }
+        if self.numbered_block() {
+            return;
+        }
+        if let Some(status) = mnemonics::status(word, set) {
+            return self.take(Tok::Status(status));
+        }
+        if let Some(special) = mnemonics::special(word) {
+            return self.take(Tok::Special(special));
+        }
+        if let Some(register) = mnemonics::register(word) {
+            return self.take(Tok::Register(register));
+        }
+        match word {
+            "TRUE" | "FALSE" => {
+                let tok = self.literal_token(text, self.span(token));
+                self.take(tok);
+            }
+            "P" if next == Some(RawKind::Hash) => {
+                let end = self.raw[self.at + 1].end as usize;
+                self.at += 2;
+                self.push(token.start as usize, Tok::PointerTo, end);
+            }
+            "B" if next == Some(RawKind::LeftParen) => self.bytes_without_hash(token),
+            _ => self.take(Tok::Name(text)),
+        }
+    }
+
+    /// `L B(1,8)`: a misprint of `B#(1,8)`.
+    fn bytes_without_hash(&mut self, token: RawToken) {
+        let mut index = self.at + 1;
+        while let Some(next) = self.raw_at(index)
+            && !next.first_on_line
+            && matches!(next.kind, RawKind::LeftParen | RawKind::Number | RawKind::Comma)
+        {
+            index += 1;
+        }
+        if self.kind_at(index) == Some(RawKind::RightParen) {
+            index += 1;
+        }
+        let (start, end) = (token.start as usize, self.raw[index - 1].end as usize);
+        let list = &self.text[token.end as usize..end];
+        self.report(
+            Diagnostic::new(
+                Code::BadLiteral,
+                self.span_of(start, end),
+                format!("`{}` is not a constant as STEP 7 writes it", &self.text[start..end]),
+            )
+            .label("`#` is missing")
+            .help(format!("write `B#{}`", list.trim())),
+        );
+        self.at = index;
+        self.push(start, Tok::BadOperand, end);
+    }
+
+    /// A word behind a dot: a component, or `DBW 2` behind a data block.
+    fn member(&mut self, token: RawToken) {
+        let text = self.slice(token);
+        let root = self.out.len().checked_sub(2).map(|root| &self.out[root].1);
+        if matches!(root, Some(Tok::Block(BlockPrefix::Db | BlockPrefix::Di, _) | Tok::Quoted(_))) {
+            let upper = self.upper(self.at);
+            let (letters, digits) = letters_and_digits(upper.as_str());
+            let next = self.raw_at(self.at + 1).filter(|next| !next.first_on_line).map(|next| next.kind);
+            let numbered = !digits.is_empty() || matches!(next, Some(RawKind::Number | RawKind::Real));
+            if numbered
+                && letters.starts_with("DB")
+                && let Some((area, width)) = mnemonics::area(letters, None)
+            {
+                if digits.is_empty() {
+                    return self.take(Tok::Area(area, width));
+                }
+                return self.glued(token, Tok::Area(area, width), letters.len(), digits);
+            }
+        }
+        self.take(Tok::Name(text));
+    }
+
+    /// `MW10`, `I0.0`, `T5`: letters and number in one word, the bit number behind it.
+    fn glued(&mut self, token: RawToken, letters: Tok<'a>, letter_count: usize, digits: &str) {
+        let start = token.start as usize;
+        let cell = matches!(letters, Tok::Cell(_));
+        self.push(start, letters, start + letter_count);
+        let bit = match (self.raw_at(self.at + 1), self.raw_at(self.at + 2)) {
+            (Some(dot), Some(bit))
+                if !cell && dot.kind == RawKind::Dot && bit.kind == RawKind::Number && !dot.first_on_line && !bit.first_on_line =>
+            {
+                Some(bit)
+            }
+            _ => None,
+        };
+        let end = bit.unwrap_or(token).end as usize;
+        let bit_text = bit.map(|bit| self.slice(bit));
+        self.at += if bit.is_some() { 3 } else { 1 };
+        self.push_address(start + letter_count, digits, bit_text, end);
+    }
+
+    /// `10`, `0.0` behind area letters.
+    fn address(&mut self, token: RawToken) {
+        let text = self.slice(token);
+        self.at += 1;
+        let (byte, bit) = match text.split_once('.') {
+            Some((byte, bit)) => (byte, Some(bit)),
+            None => (text, None),
+        };
+        self.push_address(token.start as usize, byte, bit, token.end as usize);
+    }
+
+    fn push_address(&mut self, start: usize, byte: &str, bit: Option<&str>, end: usize) {
+        let byte = byte.parse::<u32>().ok().filter(|byte| *byte <= 0x00FF_FFFF);
+        let bit_number = bit.map(|bit| bit.parse::<u8>().ok().filter(|bit| *bit <= 7));
+        match (byte, bit_number) {
+            (Some(byte), None) => self.push(start, Tok::Address(byte), end),
+            (Some(byte), Some(Some(bit))) => self.push(start, Tok::BitAddress(byte, bit), end),
+            (byte, _) => {
+                let letters = self.out.pop();
+                let begin = letters.map_or(start, |(begin, ..)| begin);
+                let title = format!("`{}` is no address", &self.text[begin..end]);
+                let diagnostic = Diagnostic::new(Code::AddressRange, self.span_of(begin, end), title);
+                self.report(if byte.is_some() {
+                    diagnostic.label("a byte has the bits 0 to 7").help("write the bit number behind the dot, 0 to 7")
+                } else {
+                    diagnostic.label("the number is too large").help("no area has so many bytes")
+                });
+                self.push(begin, Tok::BadOperand, end);
+            }
+        }
+    }
+
+    /// `MO.0`: a number where a component's name should stand.
+    fn number_behind_dot(&mut self, token: RawToken) {
+        self.at += 1;
+        self.out.pop();
+        let (begin, end) = (self.out.pop().map_or(token.start as usize, |(begin, ..)| begin), token.end as usize);
+        let text = &self.text[begin..end];
+        let help = match text.get(..2).map(str::to_ascii_uppercase).as_deref() {
+            Some("MO" | "IO" | "QO" | "EO" | "AO") => {
+                format!("write the digit 0 in place of the letter O: `{}0{}`", &text[..1], &text[2..])
+            }
+            _ => "components have names; an address is written as `M 10.0`".to_owned(),
+        };
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span_of(begin, end), format!("`{text}` is no address and no name"))
+                .label("a number cannot follow this name")
+                .help(help),
+        );
+        self.push(begin, Tok::BadOperand, end);
+    }
+}

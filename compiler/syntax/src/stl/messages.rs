@@ -1,0 +1,150 @@
+//! Syntax errors in the words of the user.
+
+use lalrpop_util::ParseError;
+use plcc_diag::{Code, Diagnostic};
+
+use crate::stl::context::{Context, Place};
+use crate::stl::token::{Spanned, Tok};
+
+/// Bytes of the token at which a parse error was found.
+pub fn error_range(error: &ParseError<usize, Tok<'_>, ()>) -> Option<(usize, usize)> {
+    match error {
+        ParseError::UnrecognizedToken { token, .. } | ParseError::ExtraToken { token } => Some((token.0, token.2)),
+        ParseError::UnrecognizedEof { location, .. } | ParseError::InvalidToken { location } => Some((*location, *location)),
+        ParseError::User { .. } => None,
+    }
+}
+
+/// The message for the token at byte `found`, recovered at `place`.
+pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic {
+    let index = context.tokens.partition_point(|(start, ..)| *start < found);
+    // Tokens of no width stand before those that begin at the same byte.
+    let at = context.tokens.get(index);
+    let before = index.checked_sub(1).and_then(|before| context.tokens.get(before));
+    match place {
+        Place::Statement => statement_error(context, index, at, before),
+        Place::Parameter => parameter_error(context, at, before),
+        Place::Declaration => declaration_error(context, at, before),
+        Place::Assignment => assignment_error(context, at, before),
+        Place::Attribute => message(context, at, before, Code::DeclarationSyntax, "attribute")
+            .help("write attributes as `{ name := 'value'; name := 'value' }`"),
+        Place::Block => message(context, at, before, Code::BlockFrame, "block")
+            .help("a block is: keyword and name, header, declarations, `BEGIN`, statements, end keyword"),
+    }
+}
+
+/// `… cannot stand here in a …`, at the token, or behind the last one if the line ends too early.
+fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, code: Code, what: &str) -> Diagnostic {
+    match at {
+        Some((start, token, end)) if start < end && !ends(token) => {
+            let text = &context.text[*start..*end];
+            let title = match before {
+                Some((b_start, b_token, b_end)) if b_start < b_end && !ends(b_token) && !begins(b_token) => {
+                    format!("`{text}` cannot stand behind `{}` in this {what}", &context.text[*b_start..*b_end])
+                }
+                _ => format!("`{text}` cannot begin this {what}"),
+            };
+            Diagnostic::new(code, context.span(*start, *end), title).label("not expected here")
+        }
+        _ => {
+            let (start, end) = before.map_or((0, 0), |(start, _, end)| (*start, *end));
+            Diagnostic::new(code, context.span(start, end), format!("this {what} is not complete"))
+                .label("something is missing behind this")
+        }
+    }
+}
+
+/// Whether a statement or declaration ends with the token.
+fn ends(token: &Tok) -> bool {
+    matches!(token, Tok::End | Tok::Semicolon | Tok::EndVar | Tok::EndStruct | Tok::EndBlock | Tok::AttributeEnd)
+}
+
+fn begins(token: &Tok) -> bool {
+    matches!(token, Tok::Label(_) | Tok::Begin | Tok::Network | Tok::Title(_) | Tok::Section(_) | Tok::Struct | Tok::LeftBrace)
+}
+
+fn statement_error(context: &Context, index: usize, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
+    let incomplete = at.is_none_or(|(start, token, end)| start == end || ends(token));
+    match before.map(|(_, token, _)| token) {
+        Some(Tok::Area(_, width)) if incomplete => {
+            let example = if width.bits() == 1 { "0.0" } else { "10" };
+            let (start, _, end) = before.expect("it has an area token");
+            let text = &context.text[*start..*end];
+            return Diagnostic::new(Code::MissingOperand, context.span(*start, *end), format!("`{text}` has no address"))
+                .label("a number is missing behind this")
+                .help(format!("write e.g. `{text} {example}`; a local variable is written `#{text}`"));
+        }
+        Some(Tok::Cell(_)) if incomplete => {
+            let (start, _, end) = before.expect("it has a cell token");
+            let text = &context.text[*start..*end];
+            return Diagnostic::new(Code::MissingOperand, context.span(*start, *end), format!("`{text}` has no number"))
+                .label("a number is missing behind this")
+                .help(format!("write e.g. `{text} 5`; a local variable is written `#{text}`"));
+        }
+        Some(Tok::Call) if incomplete => {
+            return message(context, at, before, Code::MissingOperand, "call")
+                .help("write e.g. `CALL FC 1`, `CALL FB 1, DB 1` or `CALL \"Motor\"`");
+        }
+        _ => {}
+    }
+    let start = context.tokens[..index].iter().rposition(|(_, token, _)| ends(token)).map_or(0, |end| end + 1);
+    let first = context.tokens[start..index].iter().find(|(_, token, _)| !begins(token));
+    let help = match first.map(|(_, token, _)| token) {
+        Some(Tok::Call) => "write `CALL block, instance ( name := operand, … )`, or each `name := operand` on a line of its own".to_owned(),
+        Some(Tok::Insn(insn)) => format!("`{}` takes {}", insn.mnemonic(context.set), operand_phrase(insn.operand())),
+        Some(Tok::Jump(insn)) => format!("`{}` takes a label", insn.mnemonic(context.set)),
+        _ => "a statement is: label `:`, mnemonic, operand, and `;` or the end of the line".to_owned(),
+    };
+    message(context, at, before, Code::Syntax, "statement").help(help)
+}
+
+fn parameter_error(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
+    message(context, at, before, Code::Syntax, "parameter list")
+        .help("write `name := operand` for each parameter, separated by `,`")
+}
+
+fn declaration_error(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
+    let help = match before.map(|(_, token, _)| token) {
+        Some(Tok::Name(_)) if !matches!(at, Some((_, Tok::Colon, _))) => "`:` stands between name and data type, e.g. `speed : INT;`",
+        Some(Tok::Colon | Tok::Of) => "a data type is missing, e.g. `INT`, `ARRAY [1..10] OF REAL`, `UDT 5`",
+        Some(Tok::Array | Tok::DotDot) => "an array is written `ARRAY [1..10] OF INT`",
+        _ => "write `name : type := value;`, e.g. `speed : INT := 5;`",
+    };
+    message(context, at, before, Code::DeclarationSyntax, "declaration").help(help)
+}
+
+fn assignment_error(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
+    message(context, at, before, Code::Syntax, "assignment").help("write `component := constant;`, e.g. `a.b[3] := 5;`")
+}
+
+/// What an instruction takes, for help texts.
+pub fn operand_phrase(class: crate::stl::OperandClass) -> &'static str {
+    use crate::stl::OperandClass;
+    match class {
+        OperandClass::None => "no operand",
+        OperandClass::Bit => "one bit, e.g. `I 0.0`, a timer, a counter or a status bit",
+        OperandClass::BitOrNone => "one bit, e.g. `I 0.0`, or nothing",
+        OperandClass::BitWrite => "one bit, e.g. `M 0.0`",
+        OperandClass::BitWriteOrCounter => "one bit, e.g. `M 0.0`, or a counter",
+        OperandClass::BitWriteOrCell => "one bit, e.g. `M 0.0`, a timer or a counter",
+        OperandClass::LoadSource => "a byte, word or double word, e.g. `MW 10`, or a constant",
+        OperandClass::TransferTarget => "a byte, word or double word, e.g. `MW 10`",
+        OperandClass::Timer => "a timer, e.g. `T 5`",
+        OperandClass::Counter => "a counter, e.g. `C 5`",
+        OperandClass::Cell => "a timer or a counter, e.g. `T 5`",
+        OperandClass::LoadAr1 => "nothing, a double word, a pointer `P#10.0` or `AR2`",
+        OperandClass::LoadAr2 => "nothing, a double word or a pointer `P#10.0`",
+        OperandClass::TransferAr1 => "nothing, a double word or `AR2`",
+        OperandClass::TransferAr2 => "nothing or a double word",
+        OperandClass::PointerOrNone => "nothing or a pointer without area, e.g. `P#10.0`",
+        OperandClass::Byte => "a number from 0 to 255",
+        OperandClass::AddConstant => "a whole number, e.g. `5` or `L#5`",
+        OperandClass::WordConstOrNone => "nothing or a word constant, e.g. `W#16#FF`",
+        OperandClass::DwordConstOrNone => "nothing or a double word constant, e.g. `DW#16#FF`",
+        OperandClass::ShiftCount16 => "nothing or a count from 0 to 15",
+        OperandClass::ShiftCount32 => "nothing or a count from 0 to 32",
+        OperandClass::Label => "a label",
+        OperandClass::Block => "a block, e.g. `FC 5`",
+        OperandClass::DataBlock => "a data block, e.g. `DB 5` or `DI 5`",
+    }
+}

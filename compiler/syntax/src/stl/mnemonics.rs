@@ -1,0 +1,240 @@
+//! Words of STL: finding the instruction, area or register that a word names, and the mnemonic set of a file.
+
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+use crate::ast::{AddressRegister, Area, BlockPrefix, CellKind, SpecialRegister, StatusOperand, Width};
+use crate::stl::raw::{RawKind, RawText, RawToken};
+use crate::stl::{Mnemonics, StlInsn};
+
+/// A word in upper case without allocating; longer words are no keywords and stay empty.
+#[derive(Clone, Copy)]
+pub struct Upper {
+    bytes: [u8; Upper::CAPACITY],
+    length: usize,
+}
+
+impl Upper {
+    const CAPACITY: usize = 24;
+
+    pub fn new(word: &str) -> Upper {
+        let mut bytes = [0; Upper::CAPACITY];
+        if word.len() > Upper::CAPACITY || !word.is_ascii() {
+            return Upper { bytes, length: 0 };
+        }
+        bytes[..word.len()].copy_from_slice(word.as_bytes());
+        bytes.make_ascii_uppercase();
+        Upper { bytes, length: word.len() }
+    }
+
+    pub fn as_str(&self) -> &str {
+        std::str::from_utf8(&self.bytes[..self.length]).expect("only ASCII is copied")
+    }
+}
+
+type Table = HashMap<&'static str, StlInsn>;
+
+static TABLES: LazyLock<[Table; 2]> = LazyLock::new(|| {
+    [Mnemonics::En, Mnemonics::De].map(|set| StlInsn::ALL.iter().map(|insn| (insn.mnemonic(set), *insn)).collect())
+});
+
+/// The instruction that `mnemonic` (upper case, with its signs: `A(`, `+I`) names in `set`.
+pub fn instruction(mnemonic: &str, set: Mnemonics) -> Option<StlInsn> {
+    TABLES[set as usize].get(mnemonic).copied()
+}
+
+pub fn other(set: Mnemonics) -> Mnemonics {
+    match set {
+        Mnemonics::En => Mnemonics::De,
+        Mnemonics::De => Mnemonics::En,
+    }
+}
+
+/// Area letters of both sets; the last column is the set that they belong to.
+const AREAS: &[(&str, Area, Option<Mnemonics>)] = &[
+    ("I", Area::I, Some(Mnemonics::En)),
+    ("E", Area::I, Some(Mnemonics::De)),
+    ("Q", Area::Q, Some(Mnemonics::En)),
+    ("A", Area::Q, Some(Mnemonics::De)),
+    ("M", Area::M, None),
+    ("L", Area::L, None),
+    ("PI", Area::Pi, Some(Mnemonics::En)),
+    ("PE", Area::Pi, Some(Mnemonics::De)),
+    ("PQ", Area::Pq, Some(Mnemonics::En)),
+    ("PA", Area::Pq, Some(Mnemonics::De)),
+    ("DB", Area::Db, None),
+    ("DI", Area::Di, None),
+];
+
+/// Area and width of letters such as `IW`, `DBX`, `PEW`; `set` `None`: of both sets.
+pub fn area(letters: &str, set: Option<Mnemonics>) -> Option<(Area, Width)> {
+    // Nothing longer than `PIW` and nothing else than letters: most words end here.
+    if letters.is_empty() || letters.len() > 3 {
+        return None;
+    }
+    let found = |name: &str| {
+        AREAS
+            .iter()
+            .find(|(known, _, own)| *known == name && (set.is_none() || own.is_none() || *own == set))
+            .map(|(_, area, _)| *area)
+    };
+    if let Some(area @ (Area::I | Area::Q | Area::M | Area::L)) = found(letters) {
+        return Some((area, Width::Bit));
+    }
+    let (name, width) = letters.split_at(letters.len() - 1);
+    let area = found(name)?;
+    match width {
+        "X" if matches!(area, Area::Db | Area::Di) => Some((area, Width::Bit)),
+        "B" => Some((area, Width::Byte)),
+        "W" => Some((area, Width::Word)),
+        "D" => Some((area, Width::Dword)),
+        _ => None,
+    }
+}
+
+/// `T`, `C` (German `Z`).
+pub fn cell(letters: &str, set: Option<Mnemonics>) -> Option<CellKind> {
+    match letters {
+        "T" => Some(CellKind::Timer),
+        "C" if set != Some(Mnemonics::De) => Some(CellKind::Counter),
+        "Z" if set != Some(Mnemonics::En) => Some(CellKind::Counter),
+        _ => None,
+    }
+}
+
+pub fn block_prefix(letters: &str) -> Option<BlockPrefix> {
+    Some(match letters {
+        "OB" => BlockPrefix::Ob,
+        "FC" => BlockPrefix::Fc,
+        "FB" => BlockPrefix::Fb,
+        "SFC" => BlockPrefix::Sfc,
+        "SFB" => BlockPrefix::Sfb,
+        "DB" => BlockPrefix::Db,
+        "DI" => BlockPrefix::Di,
+        "UDT" => BlockPrefix::Udt,
+        "VAT" => BlockPrefix::Vat,
+        _ => return None,
+    })
+}
+
+/// `BR` (German `BIE`), `OV`, `OS`, `UO`.
+pub fn status(word: &str, set: Option<Mnemonics>) -> Option<StatusOperand> {
+    match word {
+        "BR" if set != Some(Mnemonics::De) => Some(StatusOperand::Br),
+        "BIE" if set != Some(Mnemonics::En) => Some(StatusOperand::Br),
+        "OV" => Some(StatusOperand::Ov),
+        "OS" => Some(StatusOperand::Os),
+        "UO" => Some(StatusOperand::Uo),
+        _ => None,
+    }
+}
+
+pub fn special(word: &str) -> Option<SpecialRegister> {
+    match word {
+        "STW" => Some(SpecialRegister::Stw),
+        "DBLG" => Some(SpecialRegister::DbLength),
+        "DBNO" => Some(SpecialRegister::DbNumber),
+        "DILG" => Some(SpecialRegister::DiLength),
+        "DINO" => Some(SpecialRegister::DiNumber),
+        _ => None,
+    }
+}
+
+pub fn register(word: &str) -> Option<AddressRegister> {
+    match word {
+        "AR1" => Some(AddressRegister::Ar1),
+        "AR2" => Some(AddressRegister::Ar2),
+        _ => None,
+    }
+}
+
+/// Letters and the digits behind them: `MW10` is `MW`, `10`. `None` if the word is not built so.
+pub fn letters_and_digits(word: &str) -> (&str, &str) {
+    let letters = word.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(word.len());
+    let (letters, digits) = word.split_at(letters);
+    if digits.bytes().all(|byte| byte.is_ascii_digit()) { (letters, digits) } else { (word, "") }
+}
+
+/// The set of a file, and where a token of each set stands.
+pub struct Detected {
+    pub set: Mnemonics,
+    /// Of the set, and of the other one: then the file is mixed.
+    pub first: [Option<RawToken>; 2],
+}
+
+/// Finds the set from what only one set has: mnemonics, or else area letters of operands. None of them: international.
+pub fn detect(text: &str, raw: &RawText, wanted: Option<Mnemonics>) -> Detected {
+    let mut counts = [0u32; 2];
+    let mut first = [None; 2];
+    let mut operand_counts = [0u32; 2];
+    let tokens = &raw.tokens;
+    for (index, token) in tokens.iter().enumerate() {
+        if token.kind != RawKind::Word || token.end - token.start > 5 {
+            continue;
+        }
+        let before = index.checked_sub(1).map(|before| tokens[before].kind);
+        let next = tokens.get(index + 1);
+        let upper = Upper::new(&text[token.range()]);
+        let starts_statement = token.first_on_line || matches!(before, Some(RawKind::Semicolon | RawKind::Colon));
+        if starts_statement {
+            if let Some(set) = set_of_mnemonic(upper.as_str(), next, tokens.get(index + 2)) {
+                counts[set as usize] += 1;
+                first[set as usize].get_or_insert(*token);
+            }
+        } else if matches!(before, Some(RawKind::Word | RawKind::Equal))
+            && let Some(set) = set_of_operand(upper.as_str(), next)
+        {
+            operand_counts[set as usize] += 1;
+        }
+    }
+    let decided = if counts != [0, 0] { counts } else { operand_counts };
+    let set = wanted.unwrap_or(if decided[1] > decided[0] { Mnemonics::De } else { Mnemonics::En });
+    Detected { set, first: [first[set as usize], first[other(set) as usize]] }
+}
+
+/// The one set that has the mnemonic, if what follows can follow a mnemonic.
+fn set_of_mnemonic(word: &str, next: Option<&RawToken>, behind: Option<&RawToken>) -> Option<Mnemonics> {
+    let set = match (instruction(word, Mnemonics::En), instruction(word, Mnemonics::De)) {
+        (Some(_), None) => Mnemonics::En,
+        (None, Some(_)) => Mnemonics::De,
+        _ => return None,
+    };
+    let Some(next) = next else { return Some(set) };
+    let continues = !next.first_on_line;
+    let fits = match next.kind {
+        RawKind::Colon
+        | RawKind::Assign
+        | RawKind::Comma
+        | RawKind::Dot
+        | RawKind::LeftBrace
+        | RawKind::RightParen
+        | RawKind::Number
+        | RawKind::Real => !continues,
+        // `A [AR1,P#0.0]` is an instruction, `U[1] := 5` is not.
+        RawKind::LeftBracket => !continues || behind.is_some_and(|behind| behind.kind == RawKind::Word),
+        RawKind::Equal => !continues,
+        _ => true,
+    };
+    fits.then_some(set)
+}
+
+/// The one set that has these area letters, with a number behind them.
+fn set_of_operand(word: &str, next: Option<&RawToken>) -> Option<Mnemonics> {
+    let (letters, digits) = letters_and_digits(word);
+    let numbered = !digits.is_empty()
+        || next.is_some_and(|next| {
+            !next.first_on_line && matches!(next.kind, RawKind::Number | RawKind::Real | RawKind::LeftBracket)
+        });
+    if !numbered {
+        return None;
+    }
+    match letters {
+        "C" => Some(Mnemonics::En),
+        "Z" => Some(Mnemonics::De),
+        _ => match (area(letters, Some(Mnemonics::En)), area(letters, Some(Mnemonics::De))) {
+            (Some(_), None) => Some(Mnemonics::En),
+            (None, Some(_)) => Some(Mnemonics::De),
+            _ => None,
+        },
+    }
+}

@@ -1,0 +1,76 @@
+//! Hints for words that are no instruction.
+
+use crate::stl::mnemonics::{self, letters_and_digits, other};
+use crate::stl::{Mnemonics, StlInsn};
+
+/// What others write for an instruction of STL: mnemonics of other controllers and frequent slips.
+const KNOWN_SLIPS: &[(&str, &str)] = &[
+    ("LD", "`A` begins a string of logic; `LD` belongs to S7-200"),
+    ("LDN", "`AN` begins a string of logic; `LDN` belongs to S7-200"),
+    ("AND", "write `A`"),
+    ("OR", "write `O`"),
+    ("XOR", "write `X`"),
+    ("ST", "write `T` for a value, `=` for a bit"),
+    ("OUT", "write `=`"),
+    ("MOV", "write `L` and `T`"),
+    ("MOVE", "write `L` and `T`"),
+    ("JMP", "write `JU`"),
+    ("RET", "write `BEU`"),
+    ("END", "write `BE`, or `BEU` inside a block"),
+    ("TON", "write `SD`, or `CALL` the function block"),
+    ("TOF", "write `SF`, or `CALL` the function block"),
+    ("TP", "write `SP`, or `CALL` the function block"),
+    ("CTU", "write `CU`, or `CALL` the function block"),
+    ("CTD", "write `CD`, or `CALL` the function block"),
+    ("ADD", "write `+I`, `+D` or `+R`"),
+    ("SUB", "write `-I`, `-D` or `-R`"),
+    ("MUL", "write `*I`, `*D` or `*R`"),
+    ("DIV", "write `/I`, `/D` or `/R`"),
+    ("TITEL", "write `TITLE =`"),
+];
+
+/// What to write in place of `word` (upper case; `text` as written).
+pub fn instruction(word: &str, text: &str, set: Mnemonics) -> String {
+    if let Some((_, help)) = KNOWN_SLIPS.iter().find(|(slip, _)| *slip == word) {
+        return (*help).to_owned();
+    }
+    if let Some(insn) = instruction_of(word, other(set)) {
+        return format!("write `{}`, as the rest of the file does", insn.mnemonic(set));
+    }
+    let (letters, digits) = letters_and_digits(word);
+    if !digits.is_empty() {
+        let split = (1..letters.len()).rev().find(|at| instruction_of(&letters[..*at], set).is_some());
+        if let Some(at) = split {
+            return format!("a blank stands between mnemonic and operand: `{} {}`", &text[..at], &text[at..]);
+        }
+    }
+    match nearest(word, set) {
+        Some(insn) => format!("did you mean `{}`?", insn.mnemonic(set)),
+        None => "a statement is a mnemonic and its operand, e.g. `L MW 10`; a label ends with `:`".to_owned(),
+    }
+}
+
+fn instruction_of(word: &str, set: Mnemonics) -> Option<StlInsn> {
+    mnemonics::instruction(word, set)
+}
+
+/// The instruction whose mnemonic differs by one letter, of words with three letters or more.
+fn nearest(word: &str, set: Mnemonics) -> Option<StlInsn> {
+    if word.len() < 3 {
+        return None;
+    }
+    StlInsn::ALL.iter().copied().find(|insn| one_edit(word.as_bytes(), insn.mnemonic(set).as_bytes()))
+}
+
+/// Whether one inserted, removed, changed or swapped letter makes `a` to `b`.
+fn one_edit(a: &[u8], b: &[u8]) -> bool {
+    let same = a.iter().zip(b).take_while(|(x, y)| x == y).count();
+    let (rest_a, rest_b) = (&a[same..], &b[same..]);
+    match (rest_a, rest_b) {
+        ([_, tail_a @ ..], [_, tail_b @ ..]) if tail_a == tail_b => true,
+        ([_, tail_a @ ..], _) if tail_a == rest_b => true,
+        (_, [_, tail_b @ ..]) if rest_a == tail_b => true,
+        ([a1, a2, tail_a @ ..], [b1, b2, tail_b @ ..]) => a1 == b2 && a2 == b1 && tail_a == tail_b,
+        _ => false,
+    }
+}

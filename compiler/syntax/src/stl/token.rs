@@ -1,0 +1,134 @@
+//! Tokens as the grammar sees them: each says what it means at its place.
+
+use crate::ast::{Area, BlockPrefix, CellKind, Pragma, SectionKind, SpecialRegister, StatusOperand, Width};
+use crate::ast::{AddressRegister, AssertOp, AssertRegister};
+use crate::literal::Literal;
+use crate::stl::StlInsn;
+
+/// Keyword that opens a block with code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CodeKeyword {
+    OrganizationBlock,
+    Function,
+    FunctionBlock,
+}
+
+/// A header line with a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeaderField {
+    Author,
+    Family,
+    Name,
+    Version,
+}
+
+/// A header keyword that stands alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeaderFlag {
+    KnowHowProtect,
+    Standard,
+    CodeVersion1,
+    Unlinked,
+    ReadOnly,
+    NonRetain,
+}
+
+/// A token of the grammar. Texts are slices of the source.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Tok<'a> {
+    // Frames.
+    Code(CodeKeyword),
+    /// Statements without a header follow.
+    ImpliedOb,
+    DataBlock,
+    Type,
+    EndBlock,
+    Begin,
+    Network,
+    /// Text behind `TITLE =`.
+    Title(&'a str),
+    HeaderText(HeaderField, &'a str),
+    HeaderFlag(HeaderFlag),
+    Section(SectionKind),
+    EndVar,
+
+    // Declarations.
+    Struct,
+    EndStruct,
+    Array,
+    Of,
+    /// The type `STRING`.
+    StringType,
+    At,
+    /// A value in an attribute list, without quotes.
+    AttributeValue(&'a str),
+    /// `;` in an attribute list.
+    AttributeEnd,
+
+    // Statements.
+    /// `;`, or a line end that ends a statement.
+    End,
+    Label(&'a str),
+    Insn(StlInsn),
+    /// An instruction whose operand is a label.
+    Jump(StlInsn),
+    /// Operand of a jump.
+    Target(&'a str),
+    Call,
+    /// A line end before `name :=` of a call without parentheses.
+    ParameterLine,
+    Pragma(Box<Pragma>),
+    /// What has been reported already, in place of a statement.
+    BadStatement,
+    /// What has been reported already, in place of an operand.
+    BadOperand,
+
+    // Operands.
+    /// Area letters: `I`, `MW`, `DBX`.
+    Area(Area, Width),
+    /// `B`, `W`, `D` before a register.
+    Width(Width),
+    /// `T`, `C`.
+    Cell(CellKind),
+    /// `0.0` behind area letters.
+    BitAddress(u32, u8),
+    /// `10` behind area letters, `T` and `C`.
+    Address(u32),
+    /// `FC 7`.
+    Block(BlockPrefix, u32),
+    /// `FC` before `[`.
+    BlockLetters(BlockPrefix),
+    Register(AddressRegister),
+    Status(StatusOperand),
+    Special(SpecialRegister),
+    /// `P##` before a name.
+    PointerTo,
+    /// `#name`, without `#`.
+    Local(&'a str),
+    /// `"name"`, without quotes.
+    Quoted(&'a str),
+    /// A name as it stands.
+    Name(&'a str),
+    Literal(Literal),
+
+    // Assertions.
+    AssertRegister(AssertRegister),
+    Compare(AssertOp),
+
+    // Signs.
+    Colon,
+    Assign,
+    Semicolon,
+    Comma,
+    Dot,
+    DotDot,
+    LeftParen,
+    RightParen,
+    LeftBracket,
+    RightBracket,
+    LeftBrace,
+    RightBrace,
+}
+
+/// A token with its bytes in the text.
+pub type Spanned<'a> = (usize, Tok<'a>, usize);
