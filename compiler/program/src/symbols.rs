@@ -379,6 +379,7 @@ pub fn parse_address(text: &str) -> Option<SymbolTarget> {
         "C" | "Z" => Some(SymbolTarget::Cell { kind: CellKind::Counter, number }),
         _ => {
             let prefix = BLOCKS.iter().find(|row| row.0 == letters)?.1;
+            u16::try_from(number).ok()?;
             Some(SymbolTarget::Block { prefix, number })
         }
     }
@@ -449,7 +450,8 @@ mod tests {
 
     #[test]
     fn programs_are_no_tables() {
-        for text in ["A I 0.0; = Q 4.0;\n", "\tA I 0.0\n\t= Q 4.0\n", "FUNCTION FC 1 : VOID\n", "", "L 1; T MW 2; BE\n"] {
+        for text in ["A I 0.0; = Q 4.0;\n", "\tA I 0.0\n\t= Q 4.0\n", "FUNCTION FC 1 : VOID\n", "", "L 1; T MW 2; BE\n"]
+        {
             assert!(!is_symbol_table(text), "{text:?}");
         }
     }

@@ -1,0 +1,427 @@
+//! Actual parameters: what a call hands over, checked against the formal parameter.
+//!
+//! Source: STL reference, passing rules. Addresses fit by their width; symbols must be of the formal's type; constants must be
+//! literals of the formal's type. POINTER and ANY are made from whatever is named.
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{self, BlockPrefix, CellKind, Width};
+use plcc_syntax::literal::Literal;
+
+use super::declare::is_complex;
+use super::names::code_kind;
+use super::operand::Settled;
+use super::path::{Base, Variable, type_of_width};
+use super::value::{self, Mismatch};
+use super::{Binder, Ctx};
+use crate::layout;
+use crate::model::{Actual, BlockKey, Direction, Number, Parameter, Place};
+use crate::types::{DataType, Elementary, ParameterType};
+
+/// Type codes of an ANY. Source: STL reference, table of type codes.
+const fn type_code(ty: Elementary) -> u8 {
+    match ty {
+        Elementary::Bool => 0x01,
+        Elementary::Byte => 0x02,
+        Elementary::Char => 0x03,
+        Elementary::Word => 0x04,
+        Elementary::Int => 0x05,
+        Elementary::Dword => 0x06,
+        Elementary::Dint => 0x07,
+        Elementary::Real => 0x08,
+        Elementary::Date => 0x09,
+        Elementary::TimeOfDay => 0x0A,
+        Elementary::Time => 0x0B,
+        Elementary::S5Time => 0x0C,
+    }
+}
+
+const CODE_BYTE: u8 = 0x02;
+const CODE_DATE_AND_TIME: u8 = 0x0E;
+const CODE_BLOCK_FB: u8 = 0x17;
+const CODE_BLOCK_FC: u8 = 0x18;
+const CODE_BLOCK_DB: u8 = 0x19;
+const CODE_COUNTER: u8 = 0x1C;
+const CODE_TIMER: u8 = 0x1D;
+/// First byte of every ANY.
+const ANY_SYNTAX: u8 = 0x10;
+
+/// Type code and repetition factor for a variable in an ANY.
+fn any_of(ty: &DataType) -> (u8, u32) {
+    match ty {
+        DataType::Elementary(ty) => (type_code(*ty), 1),
+        DataType::DateAndTime => (CODE_DATE_AND_TIME, 1),
+        DataType::Array(array) => match &array.element {
+            DataType::Elementary(ty) => (type_code(*ty), layout::element_count(&array.bounds) as u32),
+            DataType::DateAndTime => (CODE_DATE_AND_TIME, layout::element_count(&array.bounds) as u32),
+            _ => (CODE_BYTE, array.bytes),
+        },
+        DataType::String(length) => (CODE_BYTE, u32::from(*length) + 2),
+        DataType::Struct(_) | DataType::Parameter(_) | DataType::Void => (CODE_BYTE, layout::bytes(ty)),
+    }
+}
+
+/// The pointer to a place whose address is known: DB number and area pointer. Local data has another area for the callee.
+fn known_pointer(place: &Place) -> Option<(u16, u32)> {
+    use plcc_abi::layout::area;
+    let pointer = |area: u8, byte: u32, bit: u8| u32::from(area) << 24 | byte << 3 | u32::from(bit);
+    match place {
+        Place::I { byte, bit } => Some((0, pointer(area::I, *byte, *bit))),
+        Place::Q { byte, bit } => Some((0, pointer(area::Q, *byte, *bit))),
+        Place::M { byte, bit } => Some((0, pointer(area::M, *byte, *bit))),
+        Place::Pi { byte } | Place::Pq { byte } => Some((0, pointer(area::P, *byte, 0))),
+        Place::Db { number, byte, bit } => Some((*number, pointer(area::DB, *byte, *bit))),
+        Place::OpenDb { byte, bit } => Some((0, pointer(area::DB, *byte, *bit))),
+        Place::OpenDi { byte, bit } => Some((0, pointer(area::DI, *byte, *bit))),
+        Place::L { .. }
+        | Place::Instance { .. }
+        | Place::Parameter { .. }
+        | Place::ThroughPointer { .. }
+        | Place::Indirect { .. }
+        | Place::Register { .. } => None,
+    }
+}
+
+/// The place in L that a pointer constant names.
+fn local_place(pointer: u32) -> Option<Place> {
+    let area = (pointer >> 24) as u8;
+    (area == plcc_abi::layout::area::L)
+        .then_some(Place::L { byte: (pointer & 0x00FF_FFFF) >> 3, bit: (pointer & 7) as u8 })
+}
+
+fn any_bytes(code: u8, count: u16, db: u16, pointer: u32) -> Vec<u8> {
+    let mut bytes = vec![ANY_SYNTAX, code];
+    bytes.extend(count.to_be_bytes());
+    bytes.extend(db.to_be_bytes());
+    bytes.extend(pointer.to_be_bytes());
+    bytes
+}
+
+/// The ANY of a timer, counter or block.
+fn any_number(code: u8, number: u16) -> Vec<u8> {
+    any_bytes(code, 1, 0, u32::from(number))
+}
+
+fn pointer_bytes(db: u16, pointer: u32) -> Vec<u8> {
+    let mut bytes = db.to_be_bytes().to_vec();
+    bytes.extend(pointer.to_be_bytes());
+    bytes
+}
+
+impl Binder<'_> {
+    /// Binds the actual of parameter `formal` of block `callee`; `None` after a message or if it cannot be known.
+    pub fn bind_actual(
+        &mut self,
+        ctx: &mut Ctx,
+        callee: BlockKey,
+        formal: &Parameter,
+        actual: &ast::Operand,
+    ) -> Option<Actual> {
+        let settled = self.settle(ctx, actual)?;
+        let span = actual.span;
+        if let Settled::Memory { place: Place::Indirect { .. } | Place::Register { .. }, .. } = &settled {
+            let text = self.text(span);
+            self.report.push(
+                Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
+                    .label("an address that is found at run time")
+                    .help("load it, transfer it to a variable of TEMP, and hand over that variable"),
+            );
+            return None;
+        }
+        let constant = matches!(settled, Settled::Literal(_) | Settled::Pointer(_) | Settled::ParameterPointer(_));
+        let points = matches!(formal.ty, DataType::Parameter(ParameterType::Pointer | ParameterType::Any));
+        if constant && formal.direction != Direction::Input && !points {
+            let text = self.text(span);
+            self.report.push(
+                Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
+                    .label(format!("`{}` is written by {callee}", formal.name))
+                    .help("name an address or a variable"),
+            );
+            return None;
+        }
+        match &formal.ty {
+            DataType::Elementary(ty) => self.elementary_actual(callee, formal, *ty, settled, span),
+            DataType::DateAndTime | DataType::String(_) | DataType::Array(_) | DataType::Struct(_) => {
+                self.complex_actual(callee, formal, settled, span)
+            }
+            DataType::Parameter(ParameterType::Pointer) => self.pointer_actual(callee, formal, settled, span),
+            DataType::Parameter(ParameterType::Any) => self.any_actual(callee, formal, settled, span),
+            DataType::Parameter(
+                parameter @ (ParameterType::Timer
+                | ParameterType::Counter
+                | ParameterType::BlockFb
+                | ParameterType::BlockFc
+                | ParameterType::BlockDb
+                | ParameterType::BlockSdb),
+            ) => self.number_actual(callee, formal, *parameter, settled, span),
+            DataType::Void => None,
+        }
+    }
+
+    /// Reports an actual of another type than the formal's.
+    fn mismatch(&mut self, callee: BlockKey, formal: &Parameter, settled: &Settled, span: Span) -> Option<Actual> {
+        let text = self.text(span);
+        let is = match settled {
+            Settled::Memory { ty: Some(ty), .. } => ty.name().to_string(),
+            Settled::Memory { width, .. } => match width {
+                Width::Bit => "a bit",
+                Width::Byte => "a byte",
+                Width::Word => "a word",
+                Width::Dword => "a double word",
+            }
+            .to_string(),
+            Settled::Complex(variable) => layout::type_name(&variable.ty),
+            Settled::Cell { kind: CellKind::Timer, .. } => "a timer".to_string(),
+            Settled::Cell { kind: CellKind::Counter, .. } => "a counter".to_string(),
+            Settled::Block { .. } => "a block".to_string(),
+            Settled::Literal(literal) => value::literal_kind(literal).to_string(),
+            Settled::Pointer(_) | Settled::ParameterPointer(_) => "a pointer".to_string(),
+            Settled::Status(_) => "a status bit".to_string(),
+            Settled::Special(_) | Settled::Register(_) => "a register of the CPU".to_string(),
+            Settled::Label => "a name that means nothing here".to_string(),
+        };
+        let wanted = layout::type_name(&formal.ty);
+        let message = Diagnostic::new(
+            Code::TypeMismatch,
+            span,
+            format!("`{}` of {callee} is of type {wanted}, but `{text}` is {is}", formal.name),
+        )
+        .label(is);
+        self.report.push(match (&formal.ty, settled) {
+            (DataType::Elementary(ty), Settled::Literal(_)) => {
+                message.help(format!("write a constant as {}", value::example(*ty)))
+            }
+            (DataType::Elementary(ty), _) => {
+                message.help(format!("name {} or a variable of type {wanted}", address_example(*ty)))
+            }
+            (DataType::Parameter(ParameterType::Any), _) => {
+                message.help("write for example `P#M 50.0 BYTE 10`, or name a variable")
+            }
+            (DataType::Parameter(ParameterType::Pointer), _) => {
+                message.help("write for example `P#M 50.0`, or name a variable")
+            }
+            (
+                DataType::DateAndTime | DataType::String(_) | DataType::Array(_) | DataType::Struct(_),
+                Settled::Literal(_),
+            ) => message.help(format!("store the value in a variable of type {wanted} and hand that over")),
+            _ => message.help(format!("name a variable of type {wanted}")),
+        });
+        None
+    }
+
+    fn elementary_actual(
+        &mut self,
+        callee: BlockKey,
+        formal: &Parameter,
+        ty: Elementary,
+        settled: Settled,
+        span: Span,
+    ) -> Option<Actual> {
+        match &settled {
+            Settled::Literal(literal) => match value::elementary_bytes(ty, literal, value::Place::Call) {
+                Ok(bytes) => Some(Actual::Const(bytes)),
+                Err(Mismatch::Type) => self.mismatch(callee, formal, &settled, span),
+                Err(Mismatch::Range) => {
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::TypeMismatch,
+                            span,
+                            format!(
+                                "`{}` of {callee} is of type {}, which cannot hold this value",
+                                formal.name,
+                                ty.name()
+                            ),
+                        )
+                        .label("out of range"),
+                    );
+                    None
+                }
+            },
+            Settled::Pointer(pointer) if ty == Elementary::Dword => Some(Actual::Const(pointer.to_be_bytes().to_vec())),
+            Settled::Memory { place, width, ty: declared } => {
+                let fits = *width == layout::width(ty) && declared.is_none_or(|declared| declared == ty);
+                if !fits {
+                    return self.mismatch(callee, formal, &settled, span);
+                }
+                let (title, help) = match (place, formal.direction) {
+                    (Place::Pi { .. }, Direction::Output | Direction::InOut) => {
+                        ("a peripheral input cannot be written", "name a peripheral output, e.g. `PQW 288`")
+                    }
+                    (Place::Pq { .. }, Direction::Input | Direction::InOut) => {
+                        ("a peripheral output cannot be read", "name a peripheral input, e.g. `PIW 272`")
+                    }
+                    _ => return Some(Actual::Place(place.clone())),
+                };
+                self.report.push(
+                    Diagnostic::new(Code::Protected, span, title)
+                        .label(match formal.direction {
+                            Direction::Input => format!("`{}` is read by {callee}", formal.name),
+                            Direction::Output => format!("`{}` is written by {callee}", formal.name),
+                            Direction::InOut => format!("`{}` is read and written by {callee}", formal.name),
+                        })
+                        .help(help),
+                );
+                None
+            }
+            _ => self.mismatch(callee, formal, &settled, span),
+        }
+    }
+
+    fn complex_actual(&mut self, callee: BlockKey, formal: &Parameter, settled: Settled, span: Span) -> Option<Actual> {
+        let Settled::Complex(variable) = &settled else {
+            return self.mismatch(callee, formal, &settled, span);
+        };
+        // What a STRING can hold stands in its first byte, which a function looks at.
+        let any_length = matches!(callee.kind, BlockKind::Fc | BlockKind::Sfc) || formal.direction == Direction::InOut;
+        let fits = match (&formal.ty, &variable.ty) {
+            (DataType::String(_), DataType::String(_)) if any_length => true,
+            (formal, actual) => layout::same_type(formal, actual),
+        };
+        if !fits {
+            return self.mismatch(callee, formal, &settled, span);
+        }
+        Some(Actual::Place(variable.place()))
+    }
+
+    fn number_actual(
+        &mut self,
+        callee: BlockKey,
+        formal: &Parameter,
+        parameter: ParameterType,
+        settled: Settled,
+        span: Span,
+    ) -> Option<Actual> {
+        match (parameter, &settled) {
+            (ParameterType::Timer, Settled::Cell { kind: CellKind::Timer, number })
+            | (ParameterType::Counter, Settled::Cell { kind: CellKind::Counter, number }) => {
+                self.forwarded(number, span)
+            }
+            (ParameterType::BlockDb, Settled::Block { prefix: BlockPrefix::Db, number }) => {
+                if let Number::Known(number) = number {
+                    self.use_db(*number, span);
+                }
+                self.forwarded(number, span)
+            }
+            (
+                ParameterType::BlockFb,
+                Settled::Block { prefix: prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number },
+            )
+            | (
+                ParameterType::BlockFc,
+                Settled::Block { prefix: prefix @ (BlockPrefix::Fc | BlockPrefix::Sfc), number },
+            ) => {
+                if let (Number::Known(number), Some(kind)) = (number, code_kind(*prefix)) {
+                    self.interface(BlockKey { kind, number: *number }, span)?;
+                }
+                self.forwarded(number, span)
+            }
+            _ => self.mismatch(callee, formal, &settled, span),
+        }
+    }
+
+    /// A number as actual: known, or a parameter of this block handed on.
+    fn forwarded(&mut self, number: &Number, span: Span) -> Option<Actual> {
+        match number {
+            Number::Word(place) if !matches!(**place, Place::Instance { .. }) => {
+                let text = self.text(span);
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
+                        .label("a number that is found at run time")
+                        .help("name the timer, counter or block itself"),
+                );
+                None
+            }
+            number => Some(Actual::Number(number.clone())),
+        }
+    }
+
+    fn pointer_actual(&mut self, callee: BlockKey, formal: &Parameter, settled: Settled, span: Span) -> Option<Actual> {
+        let to = |place: Place| match known_pointer(&place) {
+            Some((db, pointer)) => Actual::PointerBytes(pointer_bytes(db, pointer)),
+            None => Actual::PointerTo { place, type_code: 0, count: 0 },
+        };
+        match &settled {
+            Settled::Literal(Literal::AreaPointer { db, pointer }) => {
+                self.use_db(*db, span);
+                Some(match local_place(*pointer) {
+                    Some(place) => to(place),
+                    None => Actual::PointerBytes(pointer_bytes(*db, *pointer)),
+                })
+            }
+            Settled::Literal(Literal::Pointer(pointer)) => Some(Actual::PointerBytes(pointer_bytes(0, *pointer))),
+            Settled::Memory { place, .. } => Some(to(place.clone())),
+            Settled::Complex(variable) => match &variable.ty {
+                DataType::Parameter(ParameterType::Pointer) => Some(Actual::PointerCopy(variable.place())),
+                ty if is_complex(ty) => Some(to(variable.place())),
+                _ => self.mismatch(callee, formal, &settled, span),
+            },
+            _ => self.mismatch(callee, formal, &settled, span),
+        }
+    }
+
+    fn any_actual(&mut self, callee: BlockKey, formal: &Parameter, settled: Settled, span: Span) -> Option<Actual> {
+        let to = |place: Place, ty: &DataType| {
+            let (type_code, count) = any_of(ty);
+            let count = count.min(0xFFFF) as u16;
+            match known_pointer(&place) {
+                Some((db, pointer)) => Actual::PointerBytes(any_bytes(type_code, count, db, pointer)),
+                None => Actual::PointerTo { place, type_code, count },
+            }
+        };
+        match &settled {
+            Settled::Literal(Literal::Any(bytes)) => {
+                let [_, type_code, high, low, db_high, db_low, pointer @ ..] = *bytes;
+                self.use_db(u16::from_be_bytes([db_high, db_low]), span);
+                Some(match local_place(u32::from_be_bytes(pointer)) {
+                    Some(place) => Actual::PointerTo { place, type_code, count: u16::from_be_bytes([high, low]) },
+                    None => Actual::PointerBytes(bytes.to_vec()),
+                })
+            }
+            Settled::Memory { place, width, ty } => {
+                let ty = ty.unwrap_or(type_of_width(*width));
+                Some(to(place.clone(), &DataType::Elementary(ty)))
+            }
+            Settled::Cell { kind, number: Number::Known(number) } => {
+                let code = match kind {
+                    CellKind::Timer => CODE_TIMER,
+                    CellKind::Counter => CODE_COUNTER,
+                };
+                Some(Actual::PointerBytes(any_number(code, *number)))
+            }
+            Settled::Block { prefix, number: Number::Known(number) } => {
+                let code = match prefix {
+                    BlockPrefix::Fb | BlockPrefix::Sfb => CODE_BLOCK_FB,
+                    BlockPrefix::Fc | BlockPrefix::Sfc => CODE_BLOCK_FC,
+                    BlockPrefix::Db | BlockPrefix::Di => CODE_BLOCK_DB,
+                    BlockPrefix::Ob | BlockPrefix::Udt | BlockPrefix::Vat => {
+                        return self.mismatch(callee, formal, &settled, span);
+                    }
+                };
+                Some(Actual::PointerBytes(any_number(code, *number)))
+            }
+            Settled::Complex(variable) => match &variable.ty {
+                DataType::Parameter(ParameterType::Any) => Some(Actual::PointerCopy(variable.place())),
+                DataType::Parameter(ParameterType::Pointer) => self.mismatch(callee, formal, &settled, span),
+                ty => Some(self.any_of_variable(variable, ty, to)),
+            },
+            _ => self.mismatch(callee, formal, &settled, span),
+        }
+    }
+
+    fn any_of_variable(&self, variable: &Variable, ty: &DataType, to: impl Fn(Place, &DataType) -> Actual) -> Actual {
+        match variable.base {
+            // A STRING of an FC's caller has the length of the actual; the pointer covers the largest.
+            Base::Parameter(_) if matches!(ty, DataType::String(_)) => to(variable.place(), &DataType::String(254)),
+            _ => to(variable.place(), ty),
+        }
+    }
+}
+
+fn address_example(ty: Elementary) -> &'static str {
+    match layout::width(ty) {
+        Width::Bit => "a bit such as `M 10.0`",
+        Width::Byte => "a byte such as `MB 10`",
+        Width::Word => "a word such as `MW 10`",
+        Width::Dword => "a double word such as `MD 10`",
+    }
+}

@@ -1,0 +1,323 @@
+//! Statements of a block: labels, parentheses, jump lists, and the instructions themselves.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{self, OperandKind, Statement, StatementKind};
+use plcc_syntax::stl::StlInsn;
+use rustc_hash::FxHashMap;
+
+use super::{Binder, Ctx};
+use crate::model::{LabelId, Operand, StlStatement, StlStatementKind};
+
+/// Parentheses inside each other. Source: STL reference, nesting stack.
+const NESTING_MAX: usize = 7;
+/// Entries of a jump list.
+const JUMP_LIST_MAX: usize = 255;
+
+/// A jump label of the block.
+struct LabelInfo {
+    id: LabelId,
+    span: Span,
+    /// The innermost parenthesis around it, 0 for none.
+    region: u32,
+}
+
+/// The block's statements in one row, with what the first walk over them found.
+struct Flow<'b> {
+    statements: Vec<(u16, &'b Statement)>,
+    labels: FxHashMap<&'b str, LabelInfo>,
+    /// The innermost parenthesis around each statement.
+    regions: Vec<u32>,
+    /// MCR zones around each statement.
+    zones: Vec<u32>,
+}
+
+impl Binder<'_> {
+    /// Binds the statements of a block.
+    pub fn bind_body(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock) -> Vec<StlStatement> {
+        let flow = self.flow(block);
+        let mut bound = Vec::with_capacity(flow.statements.len());
+        let mut at = 0;
+        while at < flow.statements.len() {
+            let (network, statement) = flow.statements[at];
+            let span = ctx.fixed_span.unwrap_or(statement.span);
+            if let Some(label) = &statement.label
+                && let Some(info) = flow.labels.get(label.name.as_str())
+                && info.span == label.span
+            {
+                bound.push(StlStatement { span, network, kind: StlStatementKind::Label(info.id) });
+            }
+            at += 1;
+            let kind = match &statement.kind {
+                StatementKind::Empty | StatementKind::Error => None,
+                StatementKind::Instruction { insn: StlInsn::JumpList, mnemonic_span, operand } => {
+                    let (list, kind) = self.jump_list(&flow, at, *mnemonic_span, operand.as_ref());
+                    at += list;
+                    kind
+                }
+                StatementKind::Instruction { insn, mnemonic_span, operand } => {
+                    self.check_instruction(*insn, *mnemonic_span, flow.regions[at - 1]);
+                    self.instruction(ctx, &flow, at - 1, *insn, *mnemonic_span, operand.as_ref())
+                }
+                StatementKind::Call(call) => {
+                    if flow.zones[at - 1] > 0 && call.parameters.iter().any(|parameter| parameter.actual.is_some()) {
+                        self.report.push(
+                            Diagnostic::new(
+                                Code::CallInMcrZone,
+                                call.target.span,
+                                "parameters are handed over even if the MCR zone is off",
+                            )
+                            .label("a call with parameters inside an MCR zone")
+                            .help("the CPU hands over zeros in a zone that is off; call the block outside of the zone"),
+                        );
+                    }
+                    self.bind_call(ctx, call, statement.span).map(StlStatementKind::Call)
+                }
+                StatementKind::Pragma(pragma) => self.statement_pragma(ctx, pragma),
+            };
+            if let Some(kind) = kind {
+                bound.push(StlStatement { span, network, kind });
+            }
+        }
+        bound
+    }
+
+    /// First walk: labels, parentheses and MCR zones.
+    fn flow<'b>(&mut self, block: &'b ast::CodeBlock) -> Flow<'b> {
+        let statements: Vec<(u16, &Statement)> = block
+            .networks
+            .iter()
+            .enumerate()
+            .flat_map(|(network, content)| {
+                let number = u16::try_from(network + 1).unwrap_or(u16::MAX);
+                content.statements.iter().map(move |statement| (number, statement))
+            })
+            .collect();
+        let mut flow = Flow {
+            labels: FxHashMap::default(),
+            regions: Vec::with_capacity(statements.len()),
+            zones: Vec::with_capacity(statements.len()),
+            statements: Vec::new(),
+        };
+        let last_instruction = statements.iter().rposition(|(_, statement)| {
+            matches!(statement.kind, StatementKind::Instruction { .. } | StatementKind::Call(_) | StatementKind::Error)
+        });
+        let mut open: Vec<(u32, Span)> = Vec::new();
+        let mut regions = 0;
+        let mut zones = 0u32;
+        let mut too_deep = false;
+        for (at, (_, statement)) in statements.iter().enumerate() {
+            let region = open.last().map_or(0, |(region, _)| *region);
+            flow.regions.push(region);
+            flow.zones.push(zones);
+            if let Some(label) = &statement.label {
+                self.define_label(&mut flow, label, region, last_instruction.is_some_and(|last| at <= last));
+            }
+            let StatementKind::Instruction { insn, mnemonic_span, .. } = &statement.kind else { continue };
+            match insn {
+                StlInsn::AndNest
+                | StlInsn::AndNotNest
+                | StlInsn::OrNest
+                | StlInsn::OrNotNest
+                | StlInsn::XorNest
+                | StlInsn::XorNotNest => {
+                    regions += 1;
+                    open.push((regions, *mnemonic_span));
+                    if open.len() > NESTING_MAX && !too_deep {
+                        too_deep = true;
+                        self.report.push(
+                            Diagnostic::new(Code::Nesting, *mnemonic_span, "too many parentheses inside each other")
+                                .label(format!("the nesting stack of the CPU has {NESTING_MAX} entries"))
+                                .help("store an intermediate result in a bit, e.g. `= L 0.0`"),
+                        );
+                    }
+                }
+                StlInsn::CloseNest => {
+                    let opened = open.pop();
+                    if opened.is_none() {
+                        self.report.push(
+                            Diagnostic::new(Code::Nesting, *mnemonic_span, "this parenthesis was never opened")
+                                .label("no `A(`, `O(` or `X(` stands before it"),
+                        );
+                    }
+                }
+                StlInsn::McrOpen => zones += 1,
+                StlInsn::McrClose => zones = zones.saturating_sub(1),
+                _ => {}
+            }
+        }
+        for (_, span) in open {
+            self.report.push(
+                Diagnostic::new(Code::Nesting, span, "this parenthesis is never closed")
+                    .label("opened here")
+                    .help("write `)` behind the last bit of the parenthesis"),
+            );
+        }
+        flow.statements = statements;
+        flow
+    }
+
+    fn define_label<'b>(&mut self, flow: &mut Flow<'b>, label: &'b ast::Label, region: u32, followed: bool) {
+        if let Some(first) = flow.labels.get(label.name.as_str()) {
+            let first = first.span;
+            self.report.push(
+                Diagnostic::new(Code::DuplicateLabel, label.span, format!("the label `{}` stands twice", label.name))
+                    .label("the second one")
+                    .also(first, "the first one")
+                    .help("labels are unique in their block; letter case matters"),
+            );
+            return;
+        }
+        if !followed {
+            self.report.push(
+                Diagnostic::new(
+                    Code::LabelWithoutStatement,
+                    label.span,
+                    format!("no instruction follows the label `{}`", label.name),
+                )
+                .label("a jump needs an instruction to go to")
+                .help("write `NOP 0` or `BE` behind it"),
+            );
+        }
+        let id = LabelId(flow.labels.len() as u32);
+        flow.labels.insert(&label.name, LabelInfo { id, span: label.span, region });
+    }
+
+    fn check_instruction(&mut self, insn: StlInsn, mnemonic: Span, region: u32) {
+        if matches!(insn, StlInsn::Enter | StlInsn::Leave) && self.input.profile.accumulators < 4 {
+            let profile = &self.input.profile.name;
+            let name = self.text(mnemonic);
+            self.report.push(
+                Diagnostic::new(Code::CpuInstruction, mnemonic, format!("`{name}` needs a CPU with 4 accumulators"))
+                    .label(format!("the profile {profile} has 2 accumulators"))
+                    .help("name such a CPU, e.g. --cpu s7-400, or store the value in a double word"),
+            );
+        }
+        let ends = matches!(insn, StlInsn::BlockEnd | StlInsn::BlockEndUnconditional | StlInsn::BlockEndConditional);
+        if ends && region != 0 {
+            let name = self.text(mnemonic);
+            self.report.push(
+                Diagnostic::new(Code::Nesting, mnemonic, format!("`{name}` stands inside a parenthesis"))
+                    .label("a block cannot end here")
+                    .help("close the parenthesis first"),
+            );
+        }
+    }
+
+    fn instruction(
+        &mut self,
+        ctx: &mut Ctx,
+        flow: &Flow,
+        at: usize,
+        insn: StlInsn,
+        mnemonic: Span,
+        operand: Option<&ast::Operand>,
+    ) -> Option<StlStatementKind> {
+        if let Some(ast::Operand { kind: OperandKind::Label(name), span }) = operand
+            && insn.operand() == plcc_syntax::stl::OperandClass::Label
+        {
+            let label = self.jump(flow, flow.regions[at], name, *span)?;
+            return Some(StlStatementKind::Instruction { insn, operand: Operand::Label(label) });
+        }
+        let operand = self.bind_operand(ctx, insn, mnemonic, operand)?;
+        Some(StlStatementKind::Instruction { insn, operand })
+    }
+
+    /// A jump from inside parenthesis `region` to the label `name`.
+    fn jump(&mut self, flow: &Flow, region: u32, name: &str, span: Span) -> Option<LabelId> {
+        let Some(label) = flow.labels.get(name) else {
+            let message = Diagnostic::new(Code::UnknownLabel, span, format!("this block has no label `{name}`"))
+                .label("nowhere to jump to");
+            let other = flow.labels.keys().copied().find(|other| other.eq_ignore_ascii_case(name));
+            let other = other.or_else(|| super::path::similar(name, flow.labels.keys().copied()));
+            self.report.push(match other {
+                Some(other) => message.help(format!("is `{other}` meant? Letter case matters in labels")),
+                None => message.help(format!("write `{name}:` before the statement to jump to")),
+            });
+            return None;
+        };
+        if label.region != region {
+            self.report.push(
+                Diagnostic::new(
+                    Code::JumpIntoNesting,
+                    span,
+                    format!("the jump to `{name}` enters or leaves a parenthesis"),
+                )
+                .label("the jump and its label are not in the same parenthesis")
+                .also(label.span, "the label")
+                .help("place the label in the parenthesis of the jump, or both outside"),
+            );
+            return None;
+        }
+        Some(label.id)
+    }
+
+    /// `JL` at the statement before `at`; gives the length of its list, too.
+    fn jump_list(
+        &mut self,
+        flow: &Flow,
+        at: usize,
+        mnemonic: Span,
+        operand: Option<&ast::Operand>,
+    ) -> (usize, Option<StlStatementKind>) {
+        let name = self.text(mnemonic);
+        let Some(ast::Operand { kind: OperandKind::Label(default), span }) = operand else {
+            self.report.push(
+                Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{name}` needs the label behind its list"))
+                    .label("the label is missing"),
+            );
+            return (0, None);
+        };
+        let region = flow.regions[at - 1];
+        let before = self.report.diagnostics.len();
+        let default_label = self.jump(flow, region, default, *span);
+        let mut targets = Vec::new();
+        let mut length = 0;
+        for (_, statement) in &flow.statements[at..] {
+            match (&statement.label, &statement.kind) {
+                (None, StatementKind::Empty) => {}
+                (
+                    None,
+                    StatementKind::Instruction {
+                        insn: StlInsn::Jump,
+                        operand: Some(ast::Operand { kind: OperandKind::Label(target), span }),
+                        ..
+                    },
+                ) => targets.extend(self.jump(flow, region, target, *span)),
+                _ => break,
+            }
+            length += 1;
+        }
+        let entries = flow.statements[at..at + length]
+            .iter()
+            .filter(|(_, statement)| !matches!(statement.kind, StatementKind::Empty))
+            .count();
+        let end = flow.statements.get(at + length).map(|(_, statement)| *statement);
+        let ends_at_label = end.and_then(|end| end.label.as_ref()).is_some_and(|label| label.name == *default);
+        let problem = if !ends_at_label {
+            let end = end.map_or(mnemonic, |end| end.span);
+            Some((end, format!("the list of `{name}` ends here, but not at the label `{default}`")))
+        } else if entries == 0 {
+            Some((mnemonic, format!("`{name}` has no list")))
+        } else if entries > JUMP_LIST_MAX {
+            Some((mnemonic, format!("the list of `{name}` has {entries} entries; {JUMP_LIST_MAX} are possible")))
+        } else {
+            None
+        };
+        // Without the label at all, its absence is told already.
+        if let (Some((place, title)), Some(_)) = (problem, default_label) {
+            self.report.push(
+                Diagnostic::new(Code::JumpList, place, title)
+                    .label("only unconditional jumps stand between it and its label")
+                    .also(mnemonic, "the jump distributor")
+                    .help(format!("write the jumps directly behind it, then `{default}:`")),
+            );
+        }
+        let kind = match default_label {
+            Some(default) if self.report.diagnostics.len() == before => {
+                Some(StlStatementKind::JumpList { targets, default })
+            }
+            _ => None,
+        };
+        (length, kind)
+    }
+}

@@ -1,0 +1,359 @@
+//! `CALL`: target, instance and the list of parameters.
+
+use std::rc::Rc;
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{self, BlockPrefix};
+use rustc_hash::FxHashMap;
+
+use super::declare::BoundInterface;
+use super::names::{code_kind, fold};
+use super::operand::Settled;
+use super::path::{Base, similar};
+use super::{Binder, Ctx};
+use crate::model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, Passing, Place};
+use crate::types::DataType;
+
+/// Instance memory, told apart over the whole program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum InstanceId {
+    Db(u16),
+    /// In the instances of a block, at a byte.
+    Multi(BlockKey, u32),
+}
+
+/// Calls of an instance and one of its pointer parameters.
+pub struct PointerUse {
+    supplied: bool,
+    /// The first call.
+    span: Span,
+    block: BlockKey,
+    parameter: String,
+}
+
+impl Binder<'_> {
+    pub fn bind_call(&mut self, ctx: &mut Ctx, call: &ast::Call, span: Span) -> Option<Call> {
+        let target_span = call.target.span;
+        let (key, multi) = match self.settle(ctx, &call.target)? {
+            Settled::Block { prefix, number: Number::Known(number) } if callable(prefix).is_some() => {
+                (BlockKey { kind: callable(prefix)?, number }, None)
+            }
+            Settled::Complex(variable) => match (&variable.ty, variable.base) {
+                (DataType::Struct(structure), Base::Instance) if structure.instance_of.is_some() => {
+                    let (sfb, number) = structure.instance_of?;
+                    let kind = if sfb { BlockKind::Sfb } else { BlockKind::Fb };
+                    (BlockKey { kind, number }, Some(variable.byte))
+                }
+                _ => return self.not_callable(target_span),
+            },
+            _ => return self.not_callable(target_span),
+        };
+        let bound = self.interface(key, target_span)?;
+        let instance = self.instance(ctx, call, key, multi);
+        let mut arguments = self.arguments(ctx, call, key, &bound)?;
+        arguments.sort_by_key(|argument| argument.parameter);
+        self.check_overlaps(&bound, &arguments);
+        let instance = instance?;
+        if let Some(instance) = &instance
+            && key.kind == BlockKind::Fb
+        {
+            let id = match instance {
+                Instance::Db(number) => InstanceId::Db(*number),
+                Instance::Multi { byte } => InstanceId::Multi(ctx.key, *byte),
+            };
+            self.note_pointers(id, key, &bound, &arguments, span);
+        }
+        Some(Call { target: key, instance, arguments })
+    }
+
+    fn not_callable(&mut self, span: Span) -> Option<Call> {
+        let text = self.text(span);
+        self.report.push(
+            Diagnostic::new(Code::OperandKind, span, format!("`CALL` calls a block, but `{text}` is none"))
+                .label("an FC, FB, SFC, SFB or a multi-instance is wanted")
+                .help("to call a block whose number is found at run time use `UC FC [MW 10]`"),
+        );
+        None
+    }
+
+    /// The instance of a call; the outer `None` after a message.
+    fn instance(
+        &mut self,
+        ctx: &mut Ctx,
+        call: &ast::Call,
+        key: BlockKey,
+        multi: Option<u32>,
+    ) -> Option<Option<Instance>> {
+        let needs = matches!(key.kind, BlockKind::Fb | BlockKind::Sfb);
+        let Some(operand) = &call.instance else {
+            if let Some(byte) = multi {
+                return Some(Some(Instance::Multi { byte }));
+            }
+            if needs {
+                self.report.push(
+                    Diagnostic::new(
+                        Code::MissingOperand,
+                        call.target.span,
+                        format!("the call of {key} names no instance data block"),
+                    )
+                    .label("a function block keeps its data in a DB")
+                    .help(format!("write `CALL {key} , DB 10`")),
+                );
+                return None;
+            }
+            return Some(None);
+        };
+        if multi.is_some() || !needs {
+            self.report.push(
+                Diagnostic::new(Code::SurplusOperand, operand.span, "this call takes no instance data block")
+                    .label(if needs {
+                        "a multi-instance lies in the data of its block"
+                    } else {
+                        "a function has no instance"
+                    })
+                    .help("remove the data block"),
+            );
+            return None;
+        }
+        let number = match self.settle(ctx, operand)? {
+            Settled::Block { prefix: BlockPrefix::Db, number: Number::Known(number) } if number != 0 => number,
+            _ => {
+                let text = self.text(operand.span);
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, operand.span, format!("`{text}` is no data block"))
+                        .label("the instance data block is wanted here"),
+                );
+                return None;
+            }
+        };
+        let Some(db) = self.dbs.get(&number) else {
+            // The DB has an error of its own.
+            return None;
+        };
+        if db.block.instance_of != Some(key) {
+            let (other, defined) = (db.block.instance_of, db.block.span);
+            let what = match other {
+                Some(other) => format!("DB {number} is an instance of {other}"),
+                None => format!("DB {number} is a shared data block"),
+            };
+            self.report.push(
+                Diagnostic::new(Code::NoBlockFits, operand.span, format!("DB {number} is no instance of {key}"))
+                    .label(what)
+                    .also(defined, "the data block")
+                    .help(format!("name a data block of {key}; one that is not defined is made for the call")),
+            );
+            return None;
+        }
+        Some(Some(Instance::Db(number)))
+    }
+
+    fn arguments(
+        &mut self,
+        ctx: &mut Ctx,
+        call: &ast::Call,
+        key: BlockKey,
+        bound: &Rc<BoundInterface>,
+    ) -> Option<Vec<Argument>> {
+        let parameters = &bound.interface.parameters;
+        let mut seen: FxHashMap<usize, Span> = FxHashMap::default();
+        let mut empty: Vec<usize> = Vec::new();
+        let mut arguments = Vec::with_capacity(call.parameters.len());
+        let mut good = true;
+        for given in &call.parameters {
+            let folded = fold(&given.name);
+            let Some(index) = parameters.iter().position(|parameter| fold(&parameter.name) == folded) else {
+                good = false;
+                self.unknown_parameter(key, bound, given);
+                continue;
+            };
+            if let Some(first) = seen.insert(index, given.name_span) {
+                good = false;
+                self.report.push(
+                    Diagnostic::new(
+                        Code::DuplicateParameter,
+                        given.name_span,
+                        format!("the parameter `{}` is given twice", parameters[index].name),
+                    )
+                    .label("the second time")
+                    .also(first, "the first time"),
+                );
+                continue;
+            }
+            let Some(actual) = &given.actual else {
+                empty.push(index);
+                continue;
+            };
+            match self.bind_actual(ctx, key, &parameters[index], actual) {
+                Some(bound) => arguments.push(Argument { parameter: index, actual: bound, span: actual.span }),
+                None => good = false,
+            }
+        }
+        if matches!(key.kind, BlockKind::Fc | BlockKind::Sfc) {
+            let missing: Vec<&str> = parameters
+                .iter()
+                .enumerate()
+                .filter(|(index, _)| !seen.contains_key(index) || empty.contains(index))
+                .map(|(_, parameter)| parameter.name.as_str())
+                .collect();
+            if !missing.is_empty() {
+                good = false;
+                self.report.push(
+                    Diagnostic::new(
+                        Code::MissingParameter,
+                        call.target.span,
+                        format!("the call of {key} leaves out {}", missing.join(", ")),
+                    )
+                    .label("a function needs all its parameters")
+                    .help(format!("add `{} := ...`", missing[0])),
+                );
+            }
+        }
+        good.then_some(arguments)
+    }
+
+    fn unknown_parameter(&mut self, key: BlockKey, bound: &BoundInterface, given: &ast::Parameter) {
+        let names = || bound.interface.parameters.iter().map(|parameter| parameter.name.as_str());
+        let message = Diagnostic::new(
+            Code::UnknownParameter,
+            given.name_span,
+            format!("{key} has no parameter `{}`", given.name),
+        )
+        .label("no such parameter");
+        let is_static = bound.locals.contains_key(&fold(&given.name));
+        self.report.push(match similar(&given.name, names()) {
+            _ if is_static => message.help("it is static or temporary data of the block, which a call cannot supply"),
+            Some(other) => message.help(format!("is `{other}` meant?")),
+            None => {
+                let all: Vec<&str> = names().take(12).collect();
+                match all.is_empty() {
+                    true => message.help("the block has no parameters"),
+                    false => message.help(format!("its parameters are {}", all.join(", "))),
+                }
+            }
+        });
+    }
+
+    /// Outputs that lie over other actuals of the call give values that depend on the order of copying.
+    fn check_overlaps(&mut self, bound: &BoundInterface, arguments: &[Argument]) {
+        let ranges: Vec<(&Argument, Direction, Area, u32, u32)> = arguments
+            .iter()
+            .filter_map(|argument| {
+                let parameter = &bound.interface.parameters[argument.parameter];
+                let Passing::Elementary(width) = parameter.passing else { return None };
+                let (area, bits) = match &argument.actual {
+                    Actual::Place(place) => area_bits(place)?,
+                    Actual::Const(_)
+                    | Actual::Number(_)
+                    | Actual::PointerBytes(_)
+                    | Actual::PointerTo { .. }
+                    | Actual::PointerCopy(_) => return None,
+                };
+                Some((argument, parameter.direction, area, bits, bits + width.bits()))
+            })
+            .collect();
+        for (at, (first, first_direction, area, start, end)) in ranges.iter().enumerate() {
+            for (second, second_direction, other_area, other_start, other_end) in &ranges[at + 1..] {
+                let same = (start, end) == (other_start, other_end);
+                let outputs =
+                    (*first_direction != Direction::Input) as u8 + (*second_direction != Direction::Input) as u8;
+                let clash = area == other_area && start < other_end && other_start < end;
+                if clash && outputs > 0 && !(same && outputs == 1) {
+                    let name = &bound.interface.parameters[first.parameter].name;
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::OverlappingActuals,
+                            second.span,
+                            "two actual parameters lie over each other",
+                        )
+                        .label("these bytes are also part of another actual")
+                        .also(first.span, format!("the actual of `{name}`"))
+                        .help("give each output an address of its own"),
+                    );
+                }
+            }
+        }
+    }
+
+    fn note_pointers(
+        &mut self,
+        id: InstanceId,
+        key: BlockKey,
+        bound: &BoundInterface,
+        arguments: &[Argument],
+        span: Span,
+    ) {
+        for (index, parameter) in bound.interface.parameters.iter().enumerate() {
+            let points = match parameter.passing {
+                Passing::Number | Passing::Pointer | Passing::Any => true,
+                Passing::Complex { .. } => parameter.direction == Direction::InOut,
+                Passing::Elementary(_) => false,
+            };
+            if !points {
+                continue;
+            }
+            let supplied = arguments.iter().any(|argument| argument.parameter == index);
+            let entry = self.pointers.entry((id, index)).or_insert_with(|| PointerUse {
+                supplied,
+                span,
+                block: key,
+                parameter: parameter.name.clone(),
+            });
+            entry.supplied |= supplied;
+        }
+    }
+
+    /// Warns of pointer parameters that no call of an instance supplies.
+    pub fn check_pointers(&mut self) {
+        let mut uses: Vec<PointerUse> =
+            std::mem::take(&mut self.pointers).into_values().filter(|pointer| !pointer.supplied).collect();
+        uses.sort_by_key(|pointer| (pointer.span.file, pointer.span.start));
+        for PointerUse { span, block, parameter, .. } in uses {
+            self.report.push(
+                Diagnostic::new(
+                    Code::MissingPointer,
+                    span,
+                    format!("no call supplies `{parameter}` of {block} for this instance"),
+                )
+                .label("the parameter points nowhere")
+                .help(format!("add `{parameter} := ...` to a call that is executed first")),
+            );
+        }
+    }
+}
+
+/// Memory that addresses name directly, for comparing places.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Area {
+    I,
+    Q,
+    M,
+    L,
+    Db(u16),
+    Instance,
+}
+
+/// Area and first bit of a place of which the address is known.
+fn area_bits(place: &Place) -> Option<(Area, u32)> {
+    let (area, byte, bit) = match place {
+        Place::I { byte, bit } => (Area::I, byte, bit),
+        Place::Q { byte, bit } => (Area::Q, byte, bit),
+        Place::M { byte, bit } => (Area::M, byte, bit),
+        Place::L { byte, bit } => (Area::L, byte, bit),
+        Place::Db { number, byte, bit } => (Area::Db(*number), byte, bit),
+        Place::Instance { byte, bit } => (Area::Instance, byte, bit),
+        Place::Pi { .. }
+        | Place::Pq { .. }
+        | Place::OpenDb { .. }
+        | Place::OpenDi { .. }
+        | Place::Parameter { .. }
+        | Place::ThroughPointer { .. }
+        | Place::Indirect { .. }
+        | Place::Register { .. } => return None,
+    };
+    Some((area, byte * 8 + u32::from(*bit)))
+}
+
+fn callable(prefix: BlockPrefix) -> Option<BlockKind> {
+    code_kind(prefix).filter(|kind| *kind != BlockKind::Ob)
+}

@@ -1,0 +1,232 @@
+//! Data blocks: their layout and their current values; instance DBs that calls name and no source defines.
+
+use std::rc::Rc;
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, DataContent, OperandKind, PathPart, PathRoot, TypeKind};
+
+use super::Binder;
+use super::declare::TypedStruct;
+use super::path::{Base, Variable};
+use crate::model::{BlockKey, DataBlock};
+use crate::symbols::SymbolTarget;
+use crate::types::{DataType, StructType};
+
+/// A data block with its layout.
+pub struct BoundDb {
+    pub block: DataBlock,
+    pub ty: Rc<StructType>,
+}
+
+impl Binder<'_> {
+    pub fn bind_data(&mut self) {
+        let mut numbers: Vec<u16> = self.data.keys().copied().collect();
+        numbers.sort_unstable();
+        for number in numbers {
+            let source = self.data[&number];
+            if let Some((typed, instance_of)) = self.db_content(source) {
+                let db = self.make_db(number, source, typed, instance_of);
+                self.dbs.insert(number, db);
+            }
+        }
+        self.generate_instances();
+    }
+
+    /// Layout of DB `number`, if it is known.
+    pub fn db_type(&self, number: u16) -> Option<Rc<StructType>> {
+        self.dbs.get(&number).map(|db| Rc::clone(&db.ty))
+    }
+
+    fn db_content(&mut self, source: &ast::DataBlock) -> Option<(TypedStruct, Option<BlockKey>)> {
+        match &source.content {
+            DataContent::Struct(variables) => {
+                let typed = self.structure(String::new(), variables, source.name.span())?;
+                Some((typed, None))
+            }
+            DataContent::OfType(ty) => {
+                let name = match &ty.kind {
+                    TypeKind::Block(name) => name.clone(),
+                    TypeKind::Named(word) => BlockName::Symbol { name: word.clone(), span: ty.span },
+                    TypeKind::String(_) | TypeKind::Array { .. } | TypeKind::Struct(_) => {
+                        self.no_content(source, ty.span);
+                        return None;
+                    }
+                };
+                self.db_of_type(source, &name)
+            }
+            DataContent::Empty => {
+                self.no_content(source, source.name.span());
+                None
+            }
+        }
+    }
+
+    fn no_content(&mut self, source: &ast::DataBlock, span: Span) {
+        let name = self.text(source.name.span());
+        self.report.push(
+            Diagnostic::new(Code::DeclarationSyntax, span, format!("{name} declares no data"))
+                .label("a STRUCT, a UDT, an FB or an SFB is wanted")
+                .help("write `STRUCT ... END_STRUCT ;`, or the name of a UDT or FB"),
+        );
+    }
+
+    fn db_of_type(&mut self, source: &ast::DataBlock, name: &BlockName) -> Option<(TypedStruct, Option<BlockKey>)> {
+        let span = name.span();
+        let (prefix, number) = match name {
+            BlockName::Symbol { name, .. } if self.global(name).is_none() => {
+                if plcc_stdlib::LIBRARY.iter().any(|block| block.name.eq_ignore_ascii_case(name)) {
+                    self.unknown_name(name, span);
+                } else {
+                    self.report.missing_type(name, span);
+                }
+                return None;
+            }
+            _ => self.block_number(name)?,
+        };
+        match prefix {
+            BlockPrefix::Udt => Some((self.udt(number, span)?, None)),
+            BlockPrefix::Fb | BlockPrefix::Sfb => {
+                let kind = if prefix == BlockPrefix::Fb { BlockKind::Fb } else { BlockKind::Sfb };
+                let key = BlockKey { kind, number };
+                let instance = self.interface(key, span)?.instance.clone()?;
+                Some((instance, Some(key)))
+            }
+            _ => {
+                self.no_content(source, span);
+                None
+            }
+        }
+    }
+
+    fn make_db(
+        &mut self,
+        number: u16,
+        source: &ast::DataBlock,
+        typed: TypedStruct,
+        instance_of: Option<BlockKey>,
+    ) -> BoundDb {
+        let mut data = typed.image.to_vec();
+        for assignment in &source.values {
+            let first = match &assignment.target.root {
+                PathRoot::Local { name, span } | PathRoot::Quoted { name, span } | PathRoot::Bare { name, span } => {
+                    PathPart::Member { name: name.clone(), span: *span }
+                }
+                PathRoot::Block(name) => PathPart::Member { name: self.text(name.span()), span: name.span() },
+            };
+            let ty = DataType::Struct(Rc::clone(&typed.ty));
+            let start = Variable { base: Base::Db(number), byte: 0, bit: 0, ty, untyped: false };
+            let target = self
+                .walk(start, std::slice::from_ref(&first))
+                .and_then(|variable| self.walk(variable, &assignment.target.parts));
+            if let Some(target) = target {
+                self.encode_initial(&assignment.value, &target.ty, &mut data, target.byte, target.bit);
+            }
+        }
+        self.check_db_size(number, data.len() as u32, source.name.span());
+        let block = DataBlock {
+            number,
+            name: self.block_name(BlockPrefix::Db, number),
+            span: source.name.span(),
+            data: at_least_a_word(data),
+            members: typed.ty.members.clone(),
+            instance_of,
+            read_only: source.header.read_only,
+            unlinked: source.header.unlinked,
+            non_retain: source.header.non_retain,
+        };
+        BoundDb { block, ty: typed.ty }
+    }
+
+    fn check_db_size(&mut self, number: u16, bytes: u32, span: Span) {
+        let profile = &self.input.profile;
+        if bytes <= profile.db_bytes_max {
+            return;
+        }
+        let code = if profile.limits_checked { Code::LayoutTooLarge } else { Code::CpuLimit };
+        self.report.push(
+            Diagnostic::new(code, span, format!("DB {number} is larger than the CPU allows"))
+                .label(format!("{bytes} bytes; the profile {} allows {}", profile.name, profile.db_bytes_max)),
+        );
+    }
+
+    /// STEP 7 makes the instance DB when a call names one that is not there.
+    fn generate_instances(&mut self) {
+        let units = self.input.units;
+        let calls = units
+            .iter()
+            .flat_map(|(_, unit)| &unit.blocks)
+            .filter_map(|block| match block {
+                ast::Block::Code(code) => Some(code),
+                ast::Block::Data(_) | ast::Block::Type(_) => None,
+            })
+            .flat_map(|code| &code.networks)
+            .flat_map(|network| &network.statements)
+            .filter_map(|statement| match &statement.kind {
+                ast::StatementKind::Call(call) => Some(call),
+                ast::StatementKind::Empty
+                | ast::StatementKind::Instruction { .. }
+                | ast::StatementKind::Pragma(_)
+                | ast::StatementKind::Error => None,
+            });
+        for call in calls {
+            let Some(instance) = &call.instance else { continue };
+            let Some((BlockPrefix::Db, number)) = self.named_number(instance) else { continue };
+            let kind = match self.named_number(&call.target) {
+                Some((BlockPrefix::Fb, _)) => BlockKind::Fb,
+                Some((BlockPrefix::Sfb, _)) => BlockKind::Sfb,
+                _ => continue,
+            };
+            if number == 0 || self.data.contains_key(&number) || self.dbs.contains_key(&number) {
+                continue;
+            }
+            let Some((_, fb)) = self.named_number(&call.target) else { continue };
+            let key = BlockKey { kind, number: fb };
+            let known = kind == BlockKind::Sfb || self.code.contains_key(&key);
+            let Some(typed) =
+                known.then(|| self.interface(key, call.target.span)).flatten().and_then(|bound| bound.instance.clone())
+            else {
+                continue;
+            };
+            let block = DataBlock {
+                number,
+                name: self.block_name(BlockPrefix::Db, number),
+                span: instance.span,
+                data: at_least_a_word(typed.image.to_vec()),
+                members: typed.ty.members.clone(),
+                instance_of: Some(key),
+                read_only: false,
+                unlinked: false,
+                non_retain: false,
+            };
+            self.dbs.insert(number, BoundDb { block, ty: typed.ty });
+        }
+    }
+
+    /// The block that an operand names, without a message if it names none.
+    fn named_number(&self, operand: &ast::Operand) -> Option<(BlockPrefix, u16)> {
+        let symbol = |name: &str| match self.global(name) {
+            Some(SymbolTarget::Block { prefix, number }) => Some((prefix, u16::try_from(number).ok()?)),
+            Some(SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. }) | None => None,
+        };
+        match &operand.kind {
+            OperandKind::Block(BlockName::Numbered { prefix, number, .. }) => {
+                Some((*prefix, u16::try_from(*number).ok()?))
+            }
+            OperandKind::Block(BlockName::Symbol { name, .. }) => symbol(name),
+            OperandKind::Path(path) if path.parts.is_empty() => match &path.root {
+                PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. } => symbol(name),
+                PathRoot::Local { .. } | PathRoot::Block(_) => None,
+            },
+            _ => None,
+        }
+    }
+}
+
+/// A DB of length 0 would not be there.
+fn at_least_a_word(mut data: Vec<u8>) -> Vec<u8> {
+    if data.is_empty() {
+        data.resize(2, 0);
+    }
+    data
+}

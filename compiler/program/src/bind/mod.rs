@@ -1,0 +1,436 @@
+//! Binding: syntax trees and symbol tables in, the bound program out.
+//!
+//! 1. [`names`] reads the tables and numbers the blocks of all sources, so that order does not matter.
+//! 2. [`declare`] lays out types and interfaces, each when it is first wanted; [`data`] makes the data blocks.
+//! 3. [`body`] binds statements: [`path`] turns names into places, [`operand`] checks operands against the instruction table,
+//!    [`call`] and [`actual`] check calls, [`pragma`] binds assertions.
+//! 4. Blocks of the system join when something uses them.
+//!
+//! With errors the program is incomplete and must not be lowered; the same holds for `partial` runs with warnings about
+//! undefined names.
+
+mod actual;
+mod body;
+mod call;
+mod data;
+mod declare;
+mod names;
+mod operand;
+mod path;
+mod pragma;
+mod report;
+mod value;
+
+#[cfg(test)]
+mod tests;
+
+use std::rc::Rc;
+
+use plcc_abi::image::{BlockKind, Config, Profile, SymbolEntry};
+use plcc_diag::{Code, Diagnostic, FileId, SourceMap, Span};
+use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, SourceUnit, Width};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::model::{BlockKey, Body, CodeBlock, Program, TestSettings};
+use crate::symbols::{SymbolTable, SymbolTarget};
+use crate::types::StructType;
+use declare::{BoundInterface, TypedStruct};
+use names::Global;
+use report::Report;
+
+/// TEMP of an OB holds at least its start information.
+const OB_START_INFORMATION_BYTES: u32 = 20;
+
+/// File of the sources of the system blocks; no user file has this number.
+const SYSTEM_FILE: FileId = FileId(u32::MAX);
+
+/// What is bound.
+pub struct BindInput<'a> {
+    /// Name of the program.
+    pub name: String,
+    pub sources: &'a SourceMap,
+    pub units: &'a [(FileId, SourceUnit)],
+    pub tables: &'a [SymbolTable],
+    pub profile: Profile,
+    pub config: Config,
+    /// Undefined names and blocks are warnings, and what depends on them goes unchecked.
+    pub partial: bool,
+    /// Obey assertion pragmas.
+    pub pragmas: bool,
+    /// A program without OB 1 is an error.
+    pub require_main: bool,
+}
+
+/// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
+pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
+    let mut binder = Binder::new(input);
+    binder.collect();
+    binder.bind_types();
+    binder.bind_data();
+    let mut blocks = binder.bind_user_blocks();
+    binder.bind_system_blocks(&mut blocks);
+    binder.check_pointers();
+    blocks.sort_by_key(CodeBlock::key);
+    if input.require_main && !blocks.iter().any(|block| block.kind == BlockKind::Ob && block.number == 1) {
+        binder.no_main_block();
+    }
+    let test = binder.file_pragmas();
+    let mut dbs = std::mem::take(&mut binder.dbs);
+    let mut dbs: Vec<_> = dbs.drain().map(|(_, db)| db.block).collect();
+    dbs.sort_by_key(|db| db.number);
+    let symbols = binder.symbol_entries();
+    let mut diagnostics = binder.report.finish();
+    // A message inside a block of the system has no file that could be shown.
+    for diagnostic in &mut diagnostics {
+        if diagnostic.primary.span.file == SYSTEM_FILE {
+            diagnostic.primary.span = Span::default();
+        }
+        diagnostic.secondary.retain(|label| label.span.file != SYSTEM_FILE);
+    }
+    let program = Program {
+        name: input.name.clone(),
+        profile: input.profile.clone(),
+        config: input.config.clone(),
+        blocks,
+        dbs,
+        symbols,
+        test,
+    };
+    (program, diagnostics)
+}
+
+/// A value that is made when it is first wanted.
+enum State<T> {
+    /// Being made: wanting it now is a circle.
+    Running,
+    Done(T),
+}
+
+/// The syntax tree of a block with code.
+#[derive(Clone)]
+enum CodeSource<'a> {
+    User(&'a ast::CodeBlock),
+    System(Rc<ast::CodeBlock>),
+}
+
+impl CodeSource<'_> {
+    fn block(&self) -> &ast::CodeBlock {
+        match self {
+            CodeSource::User(block) => block,
+            CodeSource::System(block) => block,
+        }
+    }
+}
+
+/// A block of the system that is used.
+struct SystemUse {
+    key: BlockKey,
+    /// The first use, which stands for its statements in messages.
+    span: Span,
+    runtime: bool,
+}
+
+struct Binder<'a> {
+    input: &'a BindInput<'a>,
+    report: Report,
+    globals: FxHashMap<String, Global>,
+    block_names: FxHashMap<(BlockPrefix, u16), String>,
+    /// Where each block of the sources is defined.
+    defined: FxHashMap<(BlockPrefix, u16), Span>,
+    code: FxHashMap<BlockKey, CodeSource<'a>>,
+    data: FxHashMap<u16, &'a ast::DataBlock>,
+    type_blocks: FxHashMap<u16, &'a ast::TypeBlock>,
+    udts: FxHashMap<u16, State<Option<TypedStruct>>>,
+    interfaces: FxHashMap<BlockKey, State<Option<Rc<BoundInterface>>>>,
+    dbs: FxHashMap<u16, data::BoundDb>,
+    /// Types inside types, at the moment.
+    depth: u32,
+    /// Components by folded name; the structure is kept so that its address stays its own.
+    member_index: FxHashMap<*const StructType, (Rc<StructType>, FxHashMap<String, usize>)>,
+    system: Vec<SystemUse>,
+    system_used: FxHashSet<BlockKey>,
+    /// Addresses beyond the CPU's limits that were told of.
+    limits_told: FxHashSet<(Area, u32)>,
+    cells_told: FxHashSet<(CellKind, u32)>,
+    /// Pointer parameters of instances: whether some call supplies them, and a call that does not.
+    pointers: FxHashMap<(call::InstanceId, usize), call::PointerUse>,
+}
+
+/// What binding a block needs to know about it.
+struct Ctx {
+    key: BlockKey,
+    bound: Rc<BoundInterface>,
+    /// Folded; each is told of once.
+    unknown_locals: FxHashSet<String>,
+    /// End of the local data that direct addresses touch.
+    local_bytes: u32,
+    /// Stands for all statements of a system block.
+    fixed_span: Option<Span>,
+}
+
+impl<'a> Binder<'a> {
+    fn new(input: &'a BindInput<'a>) -> Binder<'a> {
+        Binder {
+            input,
+            report: Report::new(input.partial),
+            globals: FxHashMap::default(),
+            block_names: FxHashMap::default(),
+            defined: FxHashMap::default(),
+            code: FxHashMap::default(),
+            data: FxHashMap::default(),
+            type_blocks: FxHashMap::default(),
+            udts: FxHashMap::default(),
+            interfaces: FxHashMap::default(),
+            dbs: FxHashMap::default(),
+            depth: 0,
+            member_index: FxHashMap::default(),
+            system: Vec::new(),
+            system_used: FxHashSet::default(),
+            limits_told: FxHashSet::default(),
+            cells_told: FxHashSet::default(),
+            pointers: FxHashMap::default(),
+        }
+    }
+
+    /// Every UDT, so that one that nothing uses is checked, too.
+    fn bind_types(&mut self) {
+        let mut numbers: Vec<u16> = self.type_blocks.keys().copied().collect();
+        numbers.sort_unstable();
+        for number in numbers {
+            let span = self.type_blocks[&number].name.span();
+            self.udt(number, span);
+        }
+    }
+
+    fn bind_user_blocks(&mut self) -> Vec<CodeBlock> {
+        let mut keys: Vec<BlockKey> =
+            self.code.iter().filter(|(_, source)| matches!(source, CodeSource::User(_))).map(|(key, _)| *key).collect();
+        keys.sort_unstable();
+        for &key in &keys {
+            let span = self.code[&key].block().name.span();
+            self.interface(key, span);
+        }
+        keys.into_iter().filter_map(|key| self.bind_block(key, None, false)).collect()
+    }
+
+    /// Blocks of the system that are used, and those that they use.
+    fn bind_system_blocks(&mut self, blocks: &mut Vec<CodeBlock>) {
+        let mut next = 0;
+        while let Some(used) = self.system.get(next) {
+            let (key, span, runtime) = (used.key, used.span, used.runtime);
+            next += 1;
+            blocks.extend(self.bind_block(key, Some(span), runtime));
+        }
+    }
+
+    fn bind_block(&mut self, key: BlockKey, fixed_span: Option<Span>, runtime: bool) -> Option<CodeBlock> {
+        let source = self.code.get(&key)?.clone();
+        let block = source.block();
+        let span = block.name.span();
+        let bound = self.interface(key, fixed_span.unwrap_or(span))?;
+        let mut ctx =
+            Ctx { key, bound: Rc::clone(&bound), unknown_locals: FxHashSet::default(), local_bytes: 0, fixed_span };
+        let body = if runtime { Body::Runtime } else { Body::Stl(self.bind_body(&mut ctx, block)) };
+        let name = match self.block_name(names::kind_prefix(key.kind), key.number) {
+            name if name.is_empty() => match &block.header.name {
+                Some(name) if fixed_span.is_some() => name.trim().to_string(),
+                _ => String::new(),
+            },
+            name => name,
+        };
+        Some(CodeBlock {
+            kind: key.kind,
+            number: key.number,
+            name,
+            span: fixed_span.unwrap_or(span),
+            interface: bound.interface.clone(),
+            temp_bytes: bound.temp_bytes.max(ctx.local_bytes.next_multiple_of(2)),
+            body,
+        })
+    }
+
+    /// Notes the use of a block of the system; false if it is not there, which is reported.
+    fn use_system(&mut self, key: BlockKey, span: Span) -> bool {
+        if self.system_used.contains(&key) {
+            return true;
+        }
+        let sfb = key.kind == BlockKind::Sfb;
+        let prefix = names::kind_prefix(key.kind);
+        let Some(block) = plcc_stdlib::find(sfb, key.number) else {
+            self.report.missing_block(prefix, key.number, span);
+            return false;
+        };
+        if block.form == plcc_stdlib::Form::NotShipped {
+            self.report.not_shipped(prefix, key.number, block.name, span);
+            return false;
+        }
+        let options = plcc_syntax::ParseOptions { mnemonics: Some(plcc_syntax::stl::Mnemonics::En), pragmas: false };
+        let (unit, _) = plcc_syntax::parse(SYSTEM_FILE, block.source, &options);
+        let code = unit.blocks.into_iter().find_map(|block| match block {
+            ast::Block::Code(code) => Some(code),
+            ast::Block::Data(_) | ast::Block::Type(_) => None,
+        });
+        let code = code.expect("each source of the standard library holds one block, as its tests check");
+        self.system_used.insert(key);
+        self.code.insert(key, CodeSource::System(Rc::new(code)));
+        self.system.push(SystemUse { key, span, runtime: block.form == plcc_stdlib::Form::Runtime });
+        true
+    }
+
+    fn no_main_block(&mut self) {
+        let first = self.input.units.iter().flat_map(|(_, unit)| &unit.blocks).next();
+        let span = match first {
+            Some(ast::Block::Code(code)) => code.name.span(),
+            Some(ast::Block::Data(data)) => data.name.span(),
+            Some(ast::Block::Type(ty)) => ty.name.span(),
+            None => Span { file: self.input.units.first().map_or(FileId(0), |(file, _)| *file), start: 0, end: 0 },
+        };
+        self.report.push(
+            Diagnostic::new(Code::NoMainBlock, span, "the program has no OB 1")
+                .label("the CPU calls OB 1 in each cycle; this program has none")
+                .help("add an ORGANIZATION_BLOCK OB 1 that calls the other blocks"),
+        );
+    }
+
+    /// Named addresses of memory, timers, counters and DBs.
+    fn symbol_entries(&self) -> Vec<SymbolEntry> {
+        let mut entries: Vec<SymbolEntry> = self
+            .globals
+            .values()
+            .filter_map(|global| {
+                let address = match global.target {
+                    SymbolTarget::Memory { area, width, byte, bit } => address_text(area, width, byte, bit),
+                    SymbolTarget::Cell { kind: CellKind::Timer, number } => format!("T{number}"),
+                    SymbolTarget::Cell { kind: CellKind::Counter, number } => format!("C{number}"),
+                    SymbolTarget::Block { prefix: BlockPrefix::Db, number } => format!("DB{number}"),
+                    SymbolTarget::Block { .. } => return None,
+                };
+                Some(SymbolEntry { name: global.name.clone(), address })
+            })
+            .collect();
+        entries.sort_by(|a, b| a.name.cmp(&b.name));
+        entries
+    }
+
+    /// Text of the source at `span`, on one line.
+    fn text(&self, span: Span) -> String {
+        if span.file == SYSTEM_FILE {
+            return String::new();
+        }
+        let file = self.input.sources.files().nth(span.file.0 as usize);
+        let text = file.and_then(|(_, file)| file.text.get(span.range())).unwrap_or("");
+        let mut words = text.split_whitespace();
+        let mut line = words.next().unwrap_or("").to_string();
+        for word in words {
+            line.push(' ');
+            line.push_str(word);
+        }
+        line
+    }
+
+    /// Checks an address against its area and the CPU; `None` if it cannot exist, which is reported.
+    fn check_address(&mut self, ctx: &mut Ctx, area: Area, width: Width, byte: u32, span: Span) -> Option<()> {
+        use plcc_abi::layout::{AREA_BYTES, L_CLASS_BYTES};
+        let profile = &self.input.profile;
+        let end = u64::from(byte) + u64::from(width.bytes());
+        let (name, limit, space) = match area {
+            Area::I => ("inputs", profile.inputs, AREA_BYTES),
+            Area::Q => ("outputs", profile.outputs, AREA_BYTES),
+            Area::M => ("bit memory", profile.bit_memory, AREA_BYTES),
+            Area::L => ("local data", profile.local_data, L_CLASS_BYTES),
+            Area::Pi => ("peripheral inputs", AREA_BYTES, AREA_BYTES),
+            Area::Pq => ("peripheral outputs", AREA_BYTES, AREA_BYTES),
+            Area::Db | Area::Di => ("a data block", AREA_BYTES, AREA_BYTES),
+        };
+        if area == Area::L && end <= u64::from(space) {
+            ctx.local_bytes = ctx.local_bytes.max(end as u32);
+        }
+        self.check_limit(end, limit, space, (name, "bytes"), (area, byte), span)
+    }
+
+    fn check_limit(
+        &mut self,
+        end: u64,
+        limit: u32,
+        space: u32,
+        (name, unit): (&str, &str),
+        told: (Area, u32),
+        span: Span,
+    ) -> Option<()> {
+        if end <= u64::from(limit.min(space)) {
+            return Some(());
+        }
+        let profile = &self.input.profile;
+        let hard = end > u64::from(space) || profile.limits_checked;
+        if !hard && !self.limits_told.insert(told) {
+            return Some(());
+        }
+        let limit = limit.min(space);
+        let code = if hard { Code::AddressRange } else { Code::CpuLimit };
+        let message = Diagnostic::new(code, span, format!("this address is beyond the end of {name}")).label(format!(
+            "the profile {} has {limit} {unit} of {name}: 0 to {}",
+            profile.name,
+            limit.saturating_sub(1)
+        ));
+        let message = if end <= u64::from(space) { message.help("name a larger CPU with --cpu") } else { message };
+        self.report.push(message);
+        if hard { None } else { Some(()) }
+    }
+
+    /// Checks the number of a timer or counter; `None` if it cannot exist, which is reported.
+    fn check_cell(&mut self, kind: CellKind, number: u32, span: Span) -> Option<u16> {
+        use plcc_abi::layout::TIMERS_MAX;
+        let profile = &self.input.profile;
+        let (name, limit) = match kind {
+            CellKind::Timer => ("timers", profile.timers),
+            CellKind::Counter => ("counters", profile.counters),
+        };
+        if number < limit.min(TIMERS_MAX) {
+            return Some(number as u16);
+        }
+        let hard = number >= TIMERS_MAX || profile.limits_checked;
+        if hard || self.cells_told.insert((kind, number)) {
+            let code = if hard { Code::AddressRange } else { Code::CpuLimit };
+            let message = Diagnostic::new(code, span, format!("the CPU does not have so many {name}")).label(format!(
+                "the profile {} has {limit} {name}: 0 to {}",
+                profile.name,
+                limit.saturating_sub(1)
+            ));
+            let message = if number < TIMERS_MAX { message.help("name a larger CPU with --cpu") } else { message };
+            self.report.push(message);
+        }
+        if hard { None } else { Some(number as u16) }
+    }
+
+    fn file_pragmas(&mut self) -> TestSettings {
+        let mut settings = TestSettings::default();
+        if self.input.pragmas {
+            for (_, unit) in self.input.units {
+                for pragma in &unit.pragmas {
+                    self.file_pragma(pragma, &mut settings);
+                }
+            }
+        }
+        settings
+    }
+}
+
+/// An address as the runtime reads it: `Q4.0`, `MW20`.
+fn address_text(area: Area, width: Width, byte: u32, bit: u8) -> String {
+    let area = match area {
+        Area::I => "I",
+        Area::Q => "Q",
+        Area::M => "M",
+        Area::Pi => "PI",
+        Area::Pq => "PQ",
+        Area::L => "L",
+        Area::Db => "DB",
+        Area::Di => "DI",
+    };
+    match width {
+        Width::Bit => format!("{area}{byte}.{bit}"),
+        Width::Byte => format!("{area}B{byte}"),
+        Width::Word => format!("{area}W{byte}"),
+        Width::Dword => format!("{area}D{byte}"),
+    }
+}

@@ -1,0 +1,319 @@
+//! Which names and numbers the program defines: symbol tables, blocks of the sources, blocks of the system.
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::Binder;
+use crate::model::BlockKey;
+use crate::symbols::SymbolTarget;
+use crate::types::Elementary;
+
+/// A global name.
+#[derive(Clone, Debug)]
+pub struct Global {
+    pub name: String,
+    pub target: SymbolTarget,
+    /// Type of a memory operand, if the table tells it.
+    pub ty: Option<Elementary>,
+    pub span: Span,
+}
+
+/// Names in the form in which they are compared: letter case and outer blanks do not matter.
+pub fn fold(name: &str) -> String {
+    let name = name.trim();
+    if name.is_ascii() { name.to_ascii_lowercase() } else { name.to_lowercase() }
+}
+
+pub const fn prefix_letters(prefix: BlockPrefix) -> &'static str {
+    match prefix {
+        BlockPrefix::Ob => "OB",
+        BlockPrefix::Fc => "FC",
+        BlockPrefix::Fb => "FB",
+        BlockPrefix::Sfc => "SFC",
+        BlockPrefix::Sfb => "SFB",
+        BlockPrefix::Db => "DB",
+        BlockPrefix::Di => "DI",
+        BlockPrefix::Udt => "UDT",
+        BlockPrefix::Vat => "VAT",
+    }
+}
+
+/// The block kind of code that `prefix` names.
+pub const fn code_kind(prefix: BlockPrefix) -> Option<BlockKind> {
+    match prefix {
+        BlockPrefix::Ob => Some(BlockKind::Ob),
+        BlockPrefix::Fc => Some(BlockKind::Fc),
+        BlockPrefix::Fb => Some(BlockKind::Fb),
+        BlockPrefix::Sfc => Some(BlockKind::Sfc),
+        BlockPrefix::Sfb => Some(BlockKind::Sfb),
+        BlockPrefix::Db | BlockPrefix::Di | BlockPrefix::Udt | BlockPrefix::Vat => None,
+    }
+}
+
+/// The letters of a block with code.
+pub const fn kind_prefix(kind: BlockKind) -> BlockPrefix {
+    match kind {
+        BlockKind::Ob => BlockPrefix::Ob,
+        BlockKind::Fc => BlockPrefix::Fc,
+        BlockKind::Fb => BlockPrefix::Fb,
+        BlockKind::Sfc => BlockPrefix::Sfc,
+        BlockKind::Sfb => BlockPrefix::Sfb,
+        BlockKind::Db => BlockPrefix::Db,
+    }
+}
+
+const fn source_prefix(kind: CodeKind) -> BlockPrefix {
+    match kind {
+        CodeKind::Ob => BlockPrefix::Ob,
+        CodeKind::Fc => BlockPrefix::Fc,
+        CodeKind::Fb => BlockPrefix::Fb,
+        CodeKind::Sfc => BlockPrefix::Sfc,
+        CodeKind::Sfb => BlockPrefix::Sfb,
+    }
+}
+
+/// The elementary type that a word names.
+pub fn elementary(word: &str) -> Option<Elementary> {
+    match word {
+        "TOD" => Some(Elementary::TimeOfDay),
+        _ => Elementary::ALL.into_iter().find(|ty| ty.name() == word),
+    }
+}
+
+/// Letters, number and name of a block of the sources.
+fn frame(block: &ast::Block) -> (BlockPrefix, &BlockName) {
+    match block {
+        ast::Block::Code(code) => (source_prefix(code.kind), &code.name),
+        ast::Block::Data(data) => (BlockPrefix::Db, &data.name),
+        ast::Block::Type(ty) => (BlockPrefix::Udt, &ty.name),
+    }
+}
+
+impl<'a> Binder<'a> {
+    /// Reads the symbol tables and gives every block of the sources its number.
+    pub fn collect(&mut self) {
+        self.collect_tables();
+        let blocks: Vec<&'a ast::Block> = self.input.units.iter().flat_map(|(_, unit)| &unit.blocks).collect();
+        let mut used: FxHashSet<(BlockPrefix, u32)> = FxHashSet::default();
+        for global in self.globals.values() {
+            if let SymbolTarget::Block { prefix, number } = global.target {
+                used.insert((prefix, number));
+            }
+        }
+        let mut unnumbered = Vec::new();
+        for &block in &blocks {
+            let (prefix, name) = frame(block);
+            match name {
+                BlockName::Numbered { number, span, .. } => {
+                    let limit = if prefix == BlockPrefix::Ob { 255 } else { 65_535 };
+                    if *number > limit || (prefix == BlockPrefix::Db && *number == 0) {
+                        self.report.push(
+                            Diagnostic::new(
+                                Code::AddressRange,
+                                *span,
+                                format!("{} {number} is no block number", prefix_letters(prefix)),
+                            )
+                            .label(format!("numbers go up to {limit}"))
+                            .help("take another number; DB 0 is reserved"),
+                        );
+                        continue;
+                    }
+                    used.insert((prefix, *number));
+                    self.define(block, prefix, *number as u16, *span);
+                }
+                BlockName::Symbol { name, span } => match self.globals.get(&fold(name)).map(|global| global.target) {
+                    Some(SymbolTarget::Block { prefix: named, number }) if named == prefix && number <= 65_535 => {
+                        self.define(block, prefix, number as u16, *span);
+                    }
+                    Some(_) => {
+                        let global = &self.globals[&fold(name)];
+                        self.report.push(
+                            Diagnostic::new(
+                                Code::DuplicateName,
+                                *span,
+                                format!("`{name}` is no {} in the symbol table", prefix_letters(prefix)),
+                            )
+                            .label(format!("a {} by this name", prefix_letters(prefix)))
+                            .also(global.span, "the symbol"),
+                        );
+                    }
+                    None => unnumbered.push((block, prefix, name, *span)),
+                },
+            }
+        }
+        let mut next: FxHashMap<BlockPrefix, u32> = FxHashMap::default();
+        for (block, prefix, name, span) in unnumbered {
+            if let Some(global) = self.globals.get(&fold(name)) {
+                // Two blocks by one name: the second would replace the first.
+                let first = global.span;
+                self.report.push(
+                    Diagnostic::new(Code::DuplicateBlock, span, format!("`{name}` is defined twice"))
+                        .label("the second definition")
+                        .also(first, "the first definition")
+                        .help("give one of them another name"),
+                );
+                continue;
+            }
+            let number = next.entry(prefix).or_insert(1);
+            while used.contains(&(prefix, *number)) {
+                *number += 1;
+            }
+            if *number > 65_535 {
+                continue;
+            }
+            let number = *number;
+            used.insert((prefix, number));
+            let target = SymbolTarget::Block { prefix, number };
+            self.globals.insert(fold(name), Global { name: name.trim().to_string(), target, ty: None, span });
+            self.define(block, prefix, number as u16, span);
+        }
+        for global in self.globals.values() {
+            if let SymbolTarget::Block { prefix, number } = global.target
+                && number <= 65_535
+            {
+                self.block_names.insert((prefix, number as u16), global.name.clone());
+            }
+        }
+    }
+
+    fn collect_tables(&mut self) {
+        let rows: usize = self.input.tables.iter().map(|table| table.symbols.len()).sum();
+        self.globals.reserve(rows);
+        for symbol in self.input.tables.iter().flat_map(|table| &table.symbols) {
+            let ty = elementary(&symbol.ty.to_ascii_uppercase());
+            let global = Global { name: symbol.name.clone(), target: symbol.target, ty, span: symbol.span };
+            match self.globals.entry(fold(&symbol.name)) {
+                std::collections::hash_map::Entry::Vacant(entry) => {
+                    entry.insert(global);
+                }
+                std::collections::hash_map::Entry::Occupied(entry) => {
+                    if entry.get().target != symbol.target {
+                        let first = entry.get().span;
+                        self.report.push(
+                            Diagnostic::new(
+                                Code::DuplicateName,
+                                symbol.span,
+                                format!("the symbol `{}` has two addresses", symbol.name),
+                            )
+                            .label("the second address")
+                            .also(first, "the first address, which holds")
+                            .help("remove one of the two rows"),
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    fn define(&mut self, block: &'a ast::Block, prefix: BlockPrefix, number: u16, span: Span) {
+        if let Some(first) = self.defined.insert((prefix, number), span) {
+            self.defined.insert((prefix, number), first);
+            self.report.push(
+                Diagnostic::new(
+                    Code::DuplicateBlock,
+                    span,
+                    format!("{} {number} is defined twice", prefix_letters(prefix)),
+                )
+                .label("the second definition")
+                .also(first, "the first definition")
+                .help("give one of them another number"),
+            );
+            return;
+        }
+        match block {
+            ast::Block::Code(code) => {
+                if let Some(kind) = code_kind(prefix) {
+                    self.code.insert(BlockKey { kind, number }, super::CodeSource::User(code));
+                }
+            }
+            ast::Block::Data(data) => {
+                self.data.insert(number, data);
+            }
+            ast::Block::Type(ty) => {
+                self.type_blocks.insert(number, ty);
+            }
+        }
+    }
+
+    /// The block that a name means; what is defined nowhere is reported. A block of the system answers to its standard name.
+    pub fn block_number(&mut self, name: &BlockName) -> Option<(BlockPrefix, u16)> {
+        match name {
+            BlockName::Numbered { prefix, number, span } => match u16::try_from(*number) {
+                Ok(number) => Some((*prefix, number)),
+                Err(_) => {
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::AddressRange,
+                            *span,
+                            format!("{} {number} is no block number", prefix_letters(*prefix)),
+                        )
+                        .label("numbers go up to 65535"),
+                    );
+                    None
+                }
+            },
+            BlockName::Symbol { name, span } => self.named_block(name, *span),
+        }
+    }
+
+    fn named_block(&mut self, name: &str, span: Span) -> Option<(BlockPrefix, u16)> {
+        match self.global(name) {
+            Some(SymbolTarget::Block { prefix, number }) => Some((prefix, number as u16)),
+            Some(_) => {
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, span, format!("`{name}` is no block"))
+                        .label("a block is wanted here"),
+                );
+                None
+            }
+            None => {
+                self.unknown_name(name, span);
+                None
+            }
+        }
+    }
+
+    /// Reports a name that nothing defines.
+    pub fn unknown_name(&mut self, name: &str, span: Span) {
+        let folded = fold(name);
+        match plcc_stdlib::LIBRARY.iter().find(|block| fold(block.name) == folded) {
+            Some(block) => {
+                let prefix = if block.fb { BlockPrefix::Fb } else { BlockPrefix::Fc };
+                self.report.not_shipped(prefix, block.number, block.name, span);
+            }
+            None => self.report.missing_symbol(name, span),
+        }
+    }
+
+    /// What a global name stands for: a row of a table, a block of the sources, a block of the system by its standard name.
+    pub fn global(&self, name: &str) -> Option<SymbolTarget> {
+        if let Some(global) = self.globals.get(&fold(name)) {
+            return Some(global.target);
+        }
+        let block = plcc_stdlib::find_name(name.trim())?;
+        let prefix = if block.sfb { BlockPrefix::Sfb } else { BlockPrefix::Sfc };
+        Some(SymbolTarget::Block { prefix, number: u32::from(block.number) })
+    }
+
+    /// Symbol of a block, empty if it has none.
+    pub fn block_name(&self, prefix: BlockPrefix, number: u16) -> String {
+        self.block_names.get(&(prefix, number)).cloned().unwrap_or_default()
+    }
+
+    /// Reports a block with code that nothing defines; it tells apart what only plcc lacks.
+    pub fn unknown_block(&mut self, prefix: BlockPrefix, number: u16, span: Span) {
+        let fb = prefix == BlockPrefix::Fb;
+        let name = self.block_name(prefix, number);
+        let library = plcc_stdlib::LIBRARY
+            .iter()
+            .find(|block| block.number == number && block.fb == fb && block.name.eq_ignore_ascii_case(&name));
+        match library {
+            Some(block) if matches!(prefix, BlockPrefix::Fc | BlockPrefix::Fb) => {
+                self.report.not_shipped(prefix, number, block.name, span);
+            }
+            _ => self.report.missing_block(prefix, number, span),
+        }
+    }
+}

@@ -1,0 +1,658 @@
+//! Operands of instructions: settled to places, numbers and constants, and checked against the instruction table.
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{
+    self, AddressRegister, Area, BlockName, BlockPrefix, CellKind, OperandKind, Path, SpecialRegister, StatusOperand,
+    Width,
+};
+use plcc_syntax::literal::Literal;
+use plcc_syntax::stl::{OperandClass, StlInsn};
+
+use super::declare::is_complex;
+use super::names::{code_kind, prefix_letters};
+use super::path::{Base, Resolved, Variable};
+use super::value;
+use super::{Binder, Ctx};
+use crate::layout;
+use crate::model::{BlockKey, Number, Operand, Place};
+use crate::types::{DataType, Elementary, ParameterType};
+
+/// Largest offset of a register-indirect address, P#4095.7, in bits.
+const OFFSET_MAX: u32 = 4095 * 8 + 7;
+
+/// An operand of which the kind is known.
+#[derive(Clone, Debug)]
+pub enum Settled<'o> {
+    /// An elementary variable or an address; `ty` if a declaration or a symbol table tells it.
+    Memory {
+        place: Place,
+        width: Width,
+        ty: Option<Elementary>,
+    },
+    /// A variable that is larger than an accumulator, or a POINTER or ANY parameter.
+    Complex(Variable),
+    Cell {
+        kind: CellKind,
+        number: Number,
+    },
+    Block {
+        prefix: BlockPrefix,
+        number: Number,
+    },
+    Literal(&'o Literal),
+    /// `P##name` of which the address is known.
+    Pointer(u32),
+    /// `P##p` of a parameter of an FC.
+    ParameterPointer(usize),
+    Status(StatusOperand),
+    Special(SpecialRegister),
+    Register(AddressRegister),
+    Label,
+}
+
+/// What an instruction wants, as a half sentence.
+fn wanted(class: OperandClass) -> (&'static str, &'static str) {
+    match class {
+        OperandClass::None => ("takes no operand", "remove the operand"),
+        OperandClass::Bit | OperandClass::BitOrNone => {
+            ("combines one bit", "name one bit, e.g. `M 10.0`, a timer, a counter or a status bit")
+        }
+        OperandClass::BitWrite => ("writes one bit", "name one bit of I, Q, M, L or a data block, e.g. `Q 4.0`"),
+        OperandClass::BitWriteOrCounter => ("sets one bit or a counter", "name a bit, e.g. `Q 4.0`, or a counter"),
+        OperandClass::BitWriteOrCell => {
+            ("resets one bit, a timer or a counter", "name a bit, e.g. `Q 4.0`, a timer or a counter")
+        }
+        OperandClass::LoadSource => (
+            "loads a byte, word or double word",
+            "name a byte, word or double word, e.g. `MW 10`, a constant, a timer or a counter",
+        ),
+        OperandClass::TransferTarget => {
+            ("writes a byte, word or double word", "name a byte, word or double word that can be written, e.g. `MW 10`")
+        }
+        OperandClass::Timer => ("starts a timer", "name a timer, e.g. `T 5`"),
+        OperandClass::Counter => ("counts a counter", "name a counter, e.g. `C 5`"),
+        OperandClass::Cell => ("takes a timer or a counter", "name a timer or a counter, e.g. `T 5`"),
+        OperandClass::LoadAr1 | OperandClass::LoadAr2 => (
+            "loads an address register",
+            "write nothing, a double word such as `MD 10`, or a pointer such as `P#M 10.0`",
+        ),
+        OperandClass::TransferAr1 | OperandClass::TransferAr2 => {
+            ("writes an address register to memory", "write nothing or a double word such as `MD 10`")
+        }
+        OperandClass::PointerOrNone => ("adds to an address register", "write nothing or an offset such as `P#4.0`"),
+        OperandClass::Byte => ("takes a number from 0 to 255", "write a number from 0 to 255"),
+        OperandClass::AddConstant => ("adds a constant", "write a constant such as `5` or `L#70000`"),
+        OperandClass::WordConstOrNone => {
+            ("combines ACCU1 with ACCU2 or a constant of 16 bits", "write nothing or a constant such as `W#16#0FFF`")
+        }
+        OperandClass::DwordConstOrNone => (
+            "combines ACCU1 with ACCU2 or a constant of 32 bits",
+            "write nothing or a constant such as `DW#16#0000_FFFF`",
+        ),
+        OperandClass::ShiftCount16 => ("shifts by a number of bits", "write nothing or a number from 0 to 15"),
+        OperandClass::ShiftCount32 => ("shifts by a number of bits", "write nothing or a number from 0 to 32"),
+        OperandClass::Label => ("jumps to a label", "name a label of this block"),
+        OperandClass::Block => ("calls a block", "name an FC, FB, SFC or SFB"),
+        OperandClass::DataBlock => ("opens a data block", "name a data block, e.g. `DB 10` or `DI 10`"),
+    }
+}
+
+impl Binder<'_> {
+    /// Checks and settles the operand of `insn`; `None` if a message was given.
+    pub fn bind_operand(
+        &mut self,
+        ctx: &mut Ctx,
+        insn: StlInsn,
+        mnemonic: Span,
+        operand: Option<&ast::Operand>,
+    ) -> Option<Operand> {
+        let class = insn.operand();
+        let Some(operand) = operand else {
+            return self.without_operand(class, mnemonic);
+        };
+        if class == OperandClass::None {
+            let name = self.text(mnemonic);
+            self.report.push(
+                Diagnostic::new(Code::SurplusOperand, operand.span, format!("`{name}` takes no operand"))
+                    .label("this operand is too much")
+                    .help("remove the operand, or end the statement before it"),
+            );
+            return None;
+        }
+        let settled = self.settle(ctx, operand)?;
+        let bound = self.check_class(insn, class, mnemonic, operand.span, settled)?;
+        if matches!(insn, StlInsn::EdgePositive | StlInsn::EdgeNegative)
+            && matches!(bound, Operand::Memory { place: Place::L { .. }, .. })
+        {
+            self.report.push(
+                Diagnostic::new(
+                    Code::EdgeBitLocal,
+                    operand.span,
+                    "an edge memory bit in local data is lost after the block",
+                )
+                .label("temporary data")
+                .help("use a bit of M, of a data block or static data of an FB"),
+            );
+        }
+        Some(bound)
+    }
+
+    fn without_operand(&mut self, class: OperandClass, mnemonic: Span) -> Option<Operand> {
+        match class {
+            OperandClass::None
+            | OperandClass::BitOrNone
+            | OperandClass::LoadAr1
+            | OperandClass::LoadAr2
+            | OperandClass::TransferAr1
+            | OperandClass::TransferAr2
+            | OperandClass::PointerOrNone
+            | OperandClass::WordConstOrNone
+            | OperandClass::DwordConstOrNone
+            | OperandClass::ShiftCount16
+            | OperandClass::ShiftCount32 => Some(Operand::None),
+            OperandClass::Bit
+            | OperandClass::BitWrite
+            | OperandClass::BitWriteOrCounter
+            | OperandClass::BitWriteOrCell
+            | OperandClass::LoadSource
+            | OperandClass::TransferTarget
+            | OperandClass::Timer
+            | OperandClass::Counter
+            | OperandClass::Cell
+            | OperandClass::Byte
+            | OperandClass::AddConstant
+            | OperandClass::Label
+            | OperandClass::Block
+            | OperandClass::DataBlock => {
+                let (does, help) = wanted(class);
+                let name = self.text(mnemonic);
+                self.report.push(
+                    Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{name}` {does} and needs an operand"))
+                        .label("the operand is missing")
+                        .help(help),
+                );
+                None
+            }
+        }
+    }
+
+    /// Reports an operand that does not fit its instruction.
+    fn unfit<T>(&mut self, class: OperandClass, mnemonic: Span, span: Span, settled: &Settled) -> Option<T> {
+        let (does, help) = wanted(class);
+        let (name, text) = (self.text(mnemonic), self.text(span));
+        let (code, is) = match settled {
+            // A declared type does not fit; the address of itself would be fine.
+            Settled::Memory { ty: Some(ty), .. } => (Code::WidthMismatch, format!("is of type {}", ty.name())),
+            Settled::Complex(variable) => {
+                (Code::WidthMismatch, format!("is of type {}", layout::type_name(&variable.ty)))
+            }
+            Settled::Memory { width, .. } => (
+                Code::OperandKind,
+                match width {
+                    Width::Bit => "is one bit".to_string(),
+                    Width::Byte => "is a byte".to_string(),
+                    Width::Word => "is a word of 16 bits".to_string(),
+                    Width::Dword => "is a double word of 32 bits".to_string(),
+                },
+            ),
+            Settled::Cell { kind: CellKind::Timer, .. } => (Code::OperandKind, "is a timer".to_string()),
+            Settled::Cell { kind: CellKind::Counter, .. } => (Code::OperandKind, "is a counter".to_string()),
+            Settled::Block { prefix, .. } => (Code::OperandKind, format!("is a block ({})", prefix_letters(*prefix))),
+            Settled::Literal(literal) => (Code::OperandKind, format!("is {}", value::literal_kind(literal))),
+            Settled::Pointer(_) | Settled::ParameterPointer(_) => (Code::OperandKind, "is a pointer".to_string()),
+            Settled::Status(_) => (Code::OperandKind, "is a status bit".to_string()),
+            Settled::Special(_) | Settled::Register(_) => (Code::OperandKind, "is a register of the CPU".to_string()),
+            Settled::Label => (Code::OperandKind, "is a label".to_string()),
+        };
+        self.report.push(
+            Diagnostic::new(code, span, format!("`{name}` {does}, but `{text}` {is}"))
+                .label(is)
+                .also(mnemonic, does)
+                .help(help),
+        );
+        None
+    }
+
+    fn check_class(
+        &mut self,
+        insn: StlInsn,
+        class: OperandClass,
+        mnemonic: Span,
+        span: Span,
+        settled: Settled,
+    ) -> Option<Operand> {
+        use OperandClass as Class;
+        match (class, settled) {
+            (
+                Class::Bit | Class::BitOrNone | Class::BitWrite | Class::BitWriteOrCounter | Class::BitWriteOrCell,
+                Settled::Memory { place, width: Width::Bit, .. },
+            ) => Some(Operand::Memory { place, width: Width::Bit }),
+            (Class::Bit | Class::BitOrNone, Settled::Status(status)) => Some(Operand::Status(status)),
+            (
+                Class::Bit | Class::BitOrNone | Class::BitWriteOrCell | Class::Cell | Class::LoadSource,
+                Settled::Cell { kind, number },
+            ) => Some(Operand::Cell { kind, number }),
+            (Class::BitWriteOrCounter | Class::Counter, Settled::Cell { kind: CellKind::Counter, number }) => {
+                Some(Operand::Cell { kind: CellKind::Counter, number })
+            }
+            (Class::Timer, Settled::Cell { kind: CellKind::Timer, number }) => {
+                Some(Operand::Cell { kind: CellKind::Timer, number })
+            }
+            (Class::LoadSource, Settled::Memory { place, width, .. })
+                if width != Width::Bit && !is_peripheral(&place, Area::Pq) =>
+            {
+                Some(Operand::Memory { place, width })
+            }
+            (Class::LoadSource, Settled::Special(special)) => Some(Operand::Special(special)),
+            (Class::LoadSource | Class::LoadAr1 | Class::LoadAr2, Settled::Pointer(value)) => {
+                Some(Operand::Const { value, wide: true })
+            }
+            (Class::LoadSource | Class::LoadAr1 | Class::LoadAr2, Settled::ParameterPointer(parameter)) => {
+                Some(Operand::ParameterPointer { parameter })
+            }
+            (Class::LoadSource, Settled::Literal(literal)) => self.loaded(literal, span),
+            (Class::TransferTarget, Settled::Memory { place, width, .. }) if width != Width::Bit => {
+                if is_peripheral(&place, Area::Pi) {
+                    let text = self.text(span);
+                    self.report.push(
+                        Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
+                            .label("a peripheral input")
+                            .help("peripheral outputs are written: `PQW`"),
+                    );
+                    return None;
+                }
+                Some(Operand::Memory { place, width })
+            }
+            (Class::TransferTarget, Settled::Special(SpecialRegister::Stw)) => {
+                Some(Operand::Special(SpecialRegister::Stw))
+            }
+            (
+                Class::TransferTarget | Class::BitWrite,
+                Settled::Literal(_) | Settled::Pointer(_) | Settled::ParameterPointer(_),
+            ) => {
+                let text = self.text(span);
+                self.report.push(
+                    Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
+                        .label("a constant")
+                        .help("name an address or a variable"),
+                );
+                None
+            }
+            (
+                Class::LoadAr1 | Class::LoadAr2 | Class::TransferAr1 | Class::TransferAr2,
+                Settled::Memory { place, width: Width::Dword, .. },
+            ) if holds_pointer(&place) => Some(Operand::Memory { place, width: Width::Dword }),
+            (
+                Class::LoadAr1 | Class::LoadAr2,
+                Settled::Literal(&(Literal::Pointer(value) | Literal::AreaPointer { db: 0, pointer: value })),
+            ) => Some(Operand::Const { value, wide: true }),
+            (Class::LoadAr1 | Class::TransferAr1, Settled::Register(AddressRegister::Ar2)) => {
+                Some(Operand::Register(AddressRegister::Ar2))
+            }
+            (Class::PointerOrNone, Settled::Literal(&Literal::Pointer(value))) => {
+                if value > OFFSET_MAX {
+                    self.report.push(
+                        Diagnostic::new(Code::AddressRange, span, "this offset is too large")
+                            .label("P#0.0 to P#4095.7"),
+                    );
+                    return None;
+                }
+                Some(Operand::Const { value, wide: true })
+            }
+            (Class::Byte, Settled::Literal(literal)) => match byte_constant(literal) {
+                // NOP and BLD do nothing, whatever their number.
+                Some(value) if value <= 255 || matches!(insn, StlInsn::Nop | StlInsn::Display) => {
+                    Some(Operand::Const { value: value.min(255), wide: false })
+                }
+                Some(_) => {
+                    self.report.push(
+                        Diagnostic::new(Code::LiteralRange, span, "this number is too large")
+                            .label("0 to 255 are possible"),
+                    );
+                    None
+                }
+                None => self.unfit(class, mnemonic, span, &Settled::Literal(literal)),
+            },
+            (Class::AddConstant, Settled::Literal(literal @ (Literal::Int(_) | Literal::Dint(_)))) => {
+                self.loaded(literal, span)
+            }
+            (Class::WordConstOrNone, Settled::Literal(literal)) => match value::loaded(literal) {
+                Ok((value, false)) => Some(Operand::Const { value, wide: false }),
+                Ok((_, true)) | Err(_) => self.unfit(class, mnemonic, span, &Settled::Literal(literal)),
+            },
+            (Class::DwordConstOrNone, Settled::Literal(literal)) => match (value::loaded(literal), literal) {
+                (Ok((value, true)), _) | (Ok((value, false)), Literal::Bits { .. }) => {
+                    Some(Operand::Const { value, wide: true })
+                }
+                (Ok((_, false)) | Err(_), _) => self.unfit(class, mnemonic, span, &Settled::Literal(literal)),
+            },
+            (Class::ShiftCount16 | Class::ShiftCount32, Settled::Literal(literal)) => {
+                let most = if class == Class::ShiftCount16 { 15 } else { 32 };
+                match byte_constant(literal) {
+                    Some(value) if value <= most => Some(Operand::Const { value, wide: false }),
+                    Some(_) => {
+                        let name = self.text(mnemonic);
+                        self.report.push(
+                            Diagnostic::new(Code::ShiftCount, span, format!("`{name}` cannot shift by so many bits"))
+                                .label(format!("0 to {most} are possible"))
+                                .help("a larger count can stand in ACCU2-LL, with no operand at the instruction"),
+                        );
+                        None
+                    }
+                    None => self.unfit(class, mnemonic, span, &Settled::Literal(literal)),
+                }
+            }
+            (Class::Block, Settled::Block { prefix, number }) => match code_kind(prefix) {
+                Some(kind) if kind != BlockKind::Ob => self.called(kind, number, mnemonic, span),
+                Some(_) | None => self.unfit(class, mnemonic, span, &Settled::Block { prefix, number }),
+            },
+            (Class::DataBlock, Settled::Block { prefix: prefix @ (BlockPrefix::Db | BlockPrefix::Di), number }) => {
+                if let Number::Known(number) = number {
+                    self.use_db(number, span);
+                }
+                Some(Operand::Db { di: prefix == BlockPrefix::Di, number })
+            }
+            (class, settled) => self.unfit(class, mnemonic, span, &settled),
+        }
+    }
+
+    /// A constant as `L` and `+` take it.
+    pub fn loaded(&mut self, literal: &Literal, span: Span) -> Option<Operand> {
+        match value::loaded(literal) {
+            Ok((value, wide)) => Some(Operand::Const { value, wide }),
+            Err(why) => {
+                let (code, title, help) = match literal {
+                    Literal::Int(_) => (
+                        Code::LiteralRange,
+                        "this number is no INT",
+                        "write `L#` before it for a double integer, or `W#16#` for a bit pattern",
+                    ),
+                    _ => (Code::OperandKind, "this constant cannot be loaded", "`L` takes constants of up to 32 bits"),
+                };
+                self.report.push(Diagnostic::new(code, span, title).label(why).help(help));
+                None
+            }
+        }
+    }
+
+    /// A block called by UC or CC, which hand over no parameters.
+    fn called(&mut self, kind: BlockKind, number: Number, mnemonic: Span, span: Span) -> Option<Operand> {
+        if let Number::Known(known) = number {
+            let bound = self.interface(BlockKey { kind, number: known }, span)?;
+            if matches!(kind, BlockKind::Fc | BlockKind::Sfc) && !bound.interface.parameters.is_empty() {
+                let name = self.text(mnemonic);
+                let parameters: Vec<&str> =
+                    bound.interface.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+                self.report.push(
+                    Diagnostic::new(Code::MissingParameter, span, format!("`{name}` hands over no parameters"))
+                        .label(format!("this block has the parameters {}", parameters.join(", ")))
+                        .help("use CALL"),
+                );
+                return None;
+            }
+        }
+        Some(Operand::Block { kind, number })
+    }
+
+    /// Notes the use of a DB by number; a DB that is not there is a warning.
+    pub fn use_db(&mut self, number: u16, span: Span) {
+        if number != 0 && !self.dbs.contains_key(&number) && !self.data.contains_key(&number) {
+            self.report.missing_db(number, span);
+        }
+    }
+
+    /// Finds out what an operand is; `None` if a message was given or it cannot be known.
+    pub fn settle<'o>(&mut self, ctx: &mut Ctx, operand: &'o ast::Operand) -> Option<Settled<'o>> {
+        let span = operand.span;
+        match &operand.kind {
+            OperandKind::Absolute { area, width, byte, bit } => {
+                self.check_address(ctx, *area, *width, *byte, span)?;
+                let place = Base::of_area(*area).at(*byte, *bit);
+                Some(Settled::Memory { place, width: *width, ty: None })
+            }
+            OperandKind::Cell { kind, number } => {
+                let number = Number::Known(self.check_cell(*kind, *number, span)?);
+                Some(Settled::Cell { kind: *kind, number })
+            }
+            OperandKind::DbAbsolute { db, width, byte, bit } => self.db_absolute(ctx, db, *width, *byte, *bit, span),
+            OperandKind::MemoryIndirect { area, width, pointer } => {
+                let place = self.pointer_place(ctx, pointer, Width::Dword)?;
+                let place = Place::Indirect { area: *area, pointer: Box::new(place) };
+                Some(Settled::Memory { place, width: *width, ty: None })
+            }
+            OperandKind::CellIndirect { kind, pointer } => {
+                let place = self.pointer_place(ctx, pointer, Width::Word)?;
+                Some(Settled::Cell { kind: *kind, number: Number::Word(Box::new(place)) })
+            }
+            OperandKind::BlockIndirect { prefix, pointer } => {
+                let place = self.pointer_place(ctx, pointer, Width::Word)?;
+                Some(Settled::Block { prefix: *prefix, number: Number::Word(Box::new(place)) })
+            }
+            OperandKind::RegisterIndirect { area, width, register, offset } => {
+                if *offset > OFFSET_MAX {
+                    self.report.push(
+                        Diagnostic::new(Code::AddressRange, span, "this offset is too large")
+                            .label("P#0.0 to P#4095.7"),
+                    );
+                    return None;
+                }
+                let place = Place::Register { area: *area, register: *register, offset: *offset };
+                Some(Settled::Memory { place, width: *width, ty: None })
+            }
+            OperandKind::Block(name) => {
+                let (prefix, number) = self.block_number(name)?;
+                Some(Settled::Block { prefix, number: Number::Known(number) })
+            }
+            OperandKind::Path(path) => self.settle_path(ctx, path),
+            OperandKind::AddressOf(path) => self.address_of(ctx, path, span),
+            OperandKind::Literal(literal) => Some(Settled::Literal(literal)),
+            OperandKind::Status(status) => Some(Settled::Status(*status)),
+            OperandKind::Special(special) => Some(Settled::Special(*special)),
+            OperandKind::Register(register) => Some(Settled::Register(*register)),
+            OperandKind::Label(_) => Some(Settled::Label),
+            OperandKind::Error => None,
+        }
+    }
+
+    fn db_absolute(
+        &mut self,
+        ctx: &mut Ctx,
+        db: &BlockName,
+        width: Width,
+        byte: u32,
+        bit: u8,
+        span: Span,
+    ) -> Option<Settled<'static>> {
+        let (prefix, number) = self.block_number(db)?;
+        if prefix != BlockPrefix::Db {
+            self.report.push(
+                Diagnostic::new(Code::OperandKind, db.span(), "this is no data block")
+                    .label("a data block is wanted before the point"),
+            );
+            return None;
+        }
+        self.check_address(ctx, Area::Db, width, byte, span)?;
+        self.use_db(number, span);
+        if let Some(db) = self.dbs.get(&number) {
+            let length = db.block.data.len() as u32;
+            if byte + width.bytes() > length {
+                let defined = db.block.span;
+                self.report.push(
+                    Diagnostic::new(Code::DbRange, span, format!("this address is behind the end of DB {number}"))
+                        .label(format!("the data block has {length} bytes"))
+                        .also(defined, "the data block")
+                        .help("at run time this is an error (OB 121)"),
+                );
+            }
+        }
+        Some(Settled::Memory { place: Place::Db { number, byte, bit }, width, ty: None })
+    }
+
+    /// The word or double word in the brackets of an indirect address.
+    fn pointer_place(&mut self, ctx: &mut Ctx, pointer: &ast::Operand, width: Width) -> Option<Place> {
+        let settled = self.settle(ctx, pointer)?;
+        match settled {
+            Settled::Memory { place, width: found, .. } if found == width && holds_pointer(&place) => Some(place),
+            _ => {
+                let text = self.text(pointer.span);
+                let (what, example) = match width {
+                    Width::Dword => ("a double word", "`[MD 10]`"),
+                    Width::Bit | Width::Byte | Width::Word => ("a word", "`[MW 10]`"),
+                };
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, pointer.span, format!("`{text}` cannot hold this address"))
+                        .label(format!("{what} of M, L, DB or DI is wanted"))
+                        .help(format!("write for example {example}, or name such a variable")),
+                );
+                None
+            }
+        }
+    }
+
+    fn settle_path(&mut self, ctx: &mut Ctx, path: &Path) -> Option<Settled<'static>> {
+        match self.resolve(ctx, path)? {
+            Resolved::Cell { kind, number } => {
+                let number = Number::Known(self.check_cell(kind, number, path.span)?);
+                Some(Settled::Cell { kind, number })
+            }
+            Resolved::Block { prefix, number } => Some(Settled::Block { prefix, number: Number::Known(number) }),
+            Resolved::Variable(variable) => self.settle_variable(ctx, variable),
+        }
+    }
+
+    fn settle_variable(&mut self, ctx: &mut Ctx, variable: Variable) -> Option<Settled<'static>> {
+        let number = || match variable.base {
+            Base::Parameter(parameter) => Number::Parameter(parameter),
+            base => Number::Word(Box::new(base.at(variable.byte, variable.bit))),
+        };
+        Some(match &variable.ty {
+            DataType::Elementary(ty) => {
+                if variable.base == Base::L {
+                    ctx.local_bytes = ctx.local_bytes.max(variable.byte + ty.bits().div_ceil(8));
+                }
+                let ty = *ty;
+                let width = layout::width(ty);
+                Settled::Memory { place: variable.place(), width, ty: (!variable.untyped).then_some(ty) }
+            }
+            DataType::Parameter(ParameterType::Timer) => Settled::Cell { kind: CellKind::Timer, number: number() },
+            DataType::Parameter(ParameterType::Counter) => Settled::Cell { kind: CellKind::Counter, number: number() },
+            DataType::Parameter(ParameterType::BlockFb) => Settled::Block { prefix: BlockPrefix::Fb, number: number() },
+            DataType::Parameter(ParameterType::BlockFc) => Settled::Block { prefix: BlockPrefix::Fc, number: number() },
+            DataType::Parameter(ParameterType::BlockDb | ParameterType::BlockSdb) => {
+                Settled::Block { prefix: BlockPrefix::Db, number: number() }
+            }
+            ty if is_complex(ty) => Settled::Complex(variable),
+            DataType::Parameter(ParameterType::Pointer | ParameterType::Any) => Settled::Complex(variable),
+            // Its type is unknown and reported.
+            _ => return None,
+        })
+    }
+
+    /// `P##name`: the address of a variable of this block.
+    ///
+    /// TEMP: a pointer into L. FB: the offset in the instance as a pointer into DI, without AR2. FC: complex, POINTER and ANY
+    /// parameters only. Source: STL reference, access to formal parameters.
+    fn address_of(&mut self, ctx: &mut Ctx, path: &Path, span: Span) -> Option<Settled<'static>> {
+        let Resolved::Variable(variable) = self.resolve(ctx, path)? else {
+            self.report.push(
+                Diagnostic::new(Code::OperandKind, span, "`P##` takes the address of a variable of this block")
+                    .label("this is none"),
+            );
+            return None;
+        };
+        let pointer = |area: u8, byte: u32, bit: u8| u32::from(area) << 24 | byte << 3 | u32::from(bit);
+        match variable.base {
+            Base::L => Some(Settled::Pointer(pointer(plcc_abi::layout::area::L, variable.byte, variable.bit))),
+            Base::Instance => Some(Settled::Pointer(pointer(plcc_abi::layout::area::DI, variable.byte, variable.bit))),
+            Base::ThroughPointer(at) if path.parts.is_empty() => {
+                Some(Settled::Pointer(pointer(plcc_abi::layout::area::DI, at, 0)))
+            }
+            Base::Parameter(parameter)
+                if path.parts.is_empty()
+                    && (is_complex(&variable.ty)
+                        || matches!(variable.ty, DataType::Parameter(ParameterType::Pointer | ParameterType::Any))) =>
+            {
+                Some(Settled::ParameterPointer(parameter))
+            }
+            Base::Parameter(_) | Base::ThroughPointer(_) => {
+                let text = self.text(span);
+                let name = layout::type_name(&variable.ty);
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` has no address in this block"))
+                        .label(format!("a parameter of type {name} that lies with the caller"))
+                        .help(
+                            "`P##` works for parameters of type POINTER, ANY, STRUCT, ARRAY, STRING and DATE_AND_TIME",
+                        ),
+                );
+                None
+            }
+            base => {
+                let place = base.at(variable.byte, variable.bit);
+                let text = self.text(span);
+                let help = match place {
+                    Place::I { byte, bit } => format!("write `P#I {byte}.{bit}`"),
+                    Place::Q { byte, bit } => format!("write `P#Q {byte}.{bit}`"),
+                    Place::M { byte, bit } => format!("write `P#M {byte}.{bit}`"),
+                    _ => "write a pointer constant such as `P#DBX 4.0`".to_string(),
+                };
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` is no variable of this block"))
+                        .label("`P##` takes the address of parameters, static and temporary data")
+                        .help(help),
+                );
+                None
+            }
+        }
+    }
+}
+
+/// A number that an instruction takes as a constant.
+fn byte_constant(literal: &Literal) -> Option<u32> {
+    match literal {
+        Literal::Int(value) => u32::try_from(*value).ok().or(Some(u32::MAX)),
+        Literal::Byte(value) => Some(u32::from(*value)),
+        Literal::Bits { value, .. } => Some(*value),
+        _ => None,
+    }
+}
+
+/// Whether `place` lies in the peripheral area `area`, PI or PQ.
+fn is_peripheral(place: &Place, area: Area) -> bool {
+    match place {
+        Place::Pi { .. } => area == Area::Pi,
+        Place::Pq { .. } => area == Area::Pq,
+        Place::Indirect { area: found, .. } | Place::Register { area: Some(found), .. } => *found == area,
+        Place::I { .. }
+        | Place::Q { .. }
+        | Place::M { .. }
+        | Place::L { .. }
+        | Place::OpenDb { .. }
+        | Place::OpenDi { .. }
+        | Place::Db { .. }
+        | Place::Instance { .. }
+        | Place::Parameter { .. }
+        | Place::ThroughPointer { .. }
+        | Place::Register { area: None, .. } => false,
+    }
+}
+
+/// Pointers and numbers in memory lie in M, L or a data block.
+fn holds_pointer(place: &Place) -> bool {
+    match place {
+        Place::M { .. }
+        | Place::L { .. }
+        | Place::OpenDb { .. }
+        | Place::OpenDi { .. }
+        | Place::Db { .. }
+        | Place::Instance { .. }
+        | Place::Parameter { .. }
+        | Place::ThroughPointer { .. } => true,
+        Place::I { .. }
+        | Place::Q { .. }
+        | Place::Pi { .. }
+        | Place::Pq { .. }
+        | Place::Indirect { .. }
+        | Place::Register { .. } => false,
+    }
+}

@@ -1,0 +1,316 @@
+//! Names to places: `"sym"`, `#local.x[3]`, `"db".a.b`, `DB10.member`.
+
+use std::rc::Rc;
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Path, PathPart, PathRoot, Width};
+use rustc_hash::FxHashMap;
+
+use super::names::fold;
+use super::{Binder, Ctx};
+use crate::layout;
+use crate::model::Place;
+use crate::symbols::SymbolTarget;
+use crate::types::{DataType, Elementary, Member, StructType};
+
+/// Where a variable lies, without its offset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Base {
+    I,
+    Q,
+    M,
+    Pi,
+    Pq,
+    L,
+    OpenDb,
+    OpenDi,
+    /// A DB by number.
+    Db(u16),
+    /// The instance of this FB.
+    Instance,
+    /// A parameter of this FC.
+    Parameter(usize),
+    /// Behind the POINTER at this byte of the instance.
+    ThroughPointer(u32),
+}
+
+impl Base {
+    pub const fn of_area(area: Area) -> Base {
+        match area {
+            Area::I => Base::I,
+            Area::Q => Base::Q,
+            Area::M => Base::M,
+            Area::Pi => Base::Pi,
+            Area::Pq => Base::Pq,
+            Area::L => Base::L,
+            Area::Db => Base::OpenDb,
+            Area::Di => Base::OpenDi,
+        }
+    }
+
+    pub const fn at(self, byte: u32, bit: u8) -> Place {
+        match self {
+            Base::I => Place::I { byte, bit },
+            Base::Q => Place::Q { byte, bit },
+            Base::M => Place::M { byte, bit },
+            Base::Pi => Place::Pi { byte },
+            Base::Pq => Place::Pq { byte },
+            Base::L => Place::L { byte, bit },
+            Base::OpenDb => Place::OpenDb { byte, bit },
+            Base::OpenDi => Place::OpenDi { byte, bit },
+            Base::Db(number) => Place::Db { number, byte, bit },
+            Base::Instance => Place::Instance { byte, bit },
+            Base::Parameter(parameter) => Place::Parameter { parameter, byte, bit },
+            Base::ThroughPointer(pointer) => Place::ThroughPointer { pointer, byte, bit },
+        }
+    }
+}
+
+/// A variable with its type.
+#[derive(Clone, Debug)]
+pub struct Variable {
+    pub base: Base,
+    pub byte: u32,
+    pub bit: u8,
+    pub ty: DataType,
+    /// The type is only the width of an address, so that any type of the width fits.
+    pub untyped: bool,
+}
+
+impl Variable {
+    pub fn place(&self) -> Place {
+        self.base.at(self.byte, self.bit)
+    }
+}
+
+/// What a path means.
+#[derive(Clone, Debug)]
+pub enum Resolved {
+    Variable(Variable),
+    Cell { kind: CellKind, number: u32 },
+    Block { prefix: BlockPrefix, number: u16 },
+}
+
+/// A type of a width, for addresses of which nothing else is known.
+pub const fn type_of_width(width: Width) -> Elementary {
+    match width {
+        Width::Bit => Elementary::Bool,
+        Width::Byte => Elementary::Byte,
+        Width::Word => Elementary::Word,
+        Width::Dword => Elementary::Dword,
+    }
+}
+
+impl Binder<'_> {
+    /// Finds out what `path` means; what is unknown is reported.
+    pub fn resolve(&mut self, ctx: &mut Ctx, path: &Path) -> Option<Resolved> {
+        let start = match &path.root {
+            PathRoot::Local { name, span } => match self.local(ctx, name) {
+                Some(variable) => Resolved::Variable(variable),
+                None => {
+                    self.unknown_local(ctx, name, *span);
+                    return None;
+                }
+            },
+            PathRoot::Bare { name, span } => match self.local(ctx, name) {
+                Some(variable) => Resolved::Variable(variable),
+                None => self.resolve_global(ctx, name, *span)?,
+            },
+            PathRoot::Quoted { name, span } => self.resolve_global(ctx, name, *span)?,
+            PathRoot::Block(name) => {
+                let (prefix, number) = self.block_number(name)?;
+                Resolved::Block { prefix, number }
+            }
+        };
+        if path.parts.is_empty() {
+            return Some(start);
+        }
+        let variable = match start {
+            Resolved::Variable(variable) => variable,
+            Resolved::Block { prefix: BlockPrefix::Db, number } => {
+                let Some(ty) = self.db_type(number) else {
+                    if !self.data.contains_key(&number) {
+                        self.report.missing_db_layout(number, path.span);
+                    }
+                    return None;
+                };
+                Variable { base: Base::Db(number), byte: 0, bit: 0, ty: DataType::Struct(ty), untyped: false }
+            }
+            Resolved::Cell { .. } | Resolved::Block { .. } => {
+                self.report.push(
+                    Diagnostic::new(Code::UnknownMember, path.span, "only data blocks and structures have components")
+                        .label("this name stands for something else"),
+                );
+                return None;
+            }
+        };
+        self.walk(variable, &path.parts).map(Resolved::Variable)
+    }
+
+    fn local(&self, ctx: &Ctx, name: &str) -> Option<Variable> {
+        let local = ctx.bound.locals.get(&fold(name))?;
+        let (base, byte, bit, ty) = (local.base, local.byte, local.bit, local.ty.clone());
+        Some(Variable { base, byte, bit, ty, untyped: false })
+    }
+
+    fn unknown_local(&mut self, ctx: &mut Ctx, name: &str, span: Span) {
+        if !ctx.unknown_locals.insert(fold(name)) {
+            return;
+        }
+        let message = Diagnostic::new(Code::UnknownLocal, span, format!("`#{name}` is not declared in this block"))
+            .label("neither a parameter nor static or temporary data");
+        let names = ctx.bound.locals.values().map(|local| local.name.as_str());
+        self.report.push(match similar(name, names) {
+            Some(other) => message.help(format!("is `#{other}` meant?")),
+            None => message.help("declare it in one of the VAR sections of the block"),
+        });
+    }
+
+    fn resolve_global(&mut self, ctx: &mut Ctx, name: &str, span: Span) -> Option<Resolved> {
+        let Some(target) = self.global(name) else {
+            self.unknown_name(name, span);
+            return None;
+        };
+        let ty = self.globals.get(&fold(name)).and_then(|global| global.ty);
+        Some(match target {
+            SymbolTarget::Memory { area, width, byte, bit } => {
+                self.check_address(ctx, area, width, byte, span)?;
+                let ty = ty.filter(|ty| layout::width(*ty) == width);
+                let untyped = ty.is_none();
+                let ty = DataType::Elementary(ty.unwrap_or(type_of_width(width)));
+                Resolved::Variable(Variable { base: Base::of_area(area), byte, bit, ty, untyped })
+            }
+            SymbolTarget::Cell { kind, number } => Resolved::Cell { kind, number },
+            SymbolTarget::Block { prefix, number } => Resolved::Block { prefix, number: number as u16 },
+        })
+    }
+
+    /// Follows components and constant indices. A component of unknown type ends it silently: its type is reported.
+    pub fn walk(&mut self, mut variable: Variable, parts: &[PathPart]) -> Option<Variable> {
+        for part in parts {
+            match (part, &variable.ty) {
+                (_, DataType::Void) => return None,
+                (PathPart::Member { name, span }, DataType::Struct(structure)) => {
+                    let structure = Rc::clone(structure);
+                    let Some(member) = self.member(&structure, name) else {
+                        self.unknown_member(&structure, name, *span);
+                        return None;
+                    };
+                    variable.byte += member.byte;
+                    variable.bit = member.bit;
+                    variable.ty = member.ty;
+                }
+                (PathPart::Index { values, span }, DataType::Array(array)) => {
+                    let array = Rc::clone(array);
+                    let mut indices = Vec::with_capacity(values.len());
+                    for value in values {
+                        indices.push(self.bound(value)?);
+                    }
+                    if indices.len() != array.bounds.len() {
+                        self.report.push(
+                            Diagnostic::new(Code::ArrayIndex, *span, "a wrong number of indices").label(format!(
+                                "{} given, {} dimensions declared",
+                                indices.len(),
+                                array.bounds.len()
+                            )),
+                        );
+                        return None;
+                    }
+                    match layout::element_index(&array, &indices) {
+                        Ok(index) => {
+                            let (byte, bit) = layout::element_place(&array, index);
+                            variable.byte += byte;
+                            variable.bit = bit;
+                            variable.ty = array.element.clone();
+                        }
+                        Err(dimension) => {
+                            let (low, high) = array.bounds[dimension];
+                            self.report.push(
+                                Diagnostic::new(
+                                    Code::ArrayIndex,
+                                    *span,
+                                    format!("index {} is outside the array", indices[dimension]),
+                                )
+                                .label(format!("the array goes from {low} to {high}")),
+                            );
+                            return None;
+                        }
+                    }
+                }
+                (PathPart::Member { name, span }, ty) => {
+                    self.report.push(
+                        Diagnostic::new(Code::UnknownMember, *span, format!("there is no component `{name}` here"))
+                            .label(format!("what stands before it is of type {}", layout::type_name(ty))),
+                    );
+                    return None;
+                }
+                (PathPart::Index { span, .. }, ty) => {
+                    self.report.push(
+                        Diagnostic::new(Code::UnknownMember, *span, "this is no array")
+                            .label(format!("what stands before it is of type {}", layout::type_name(ty))),
+                    );
+                    return None;
+                }
+            }
+        }
+        Some(variable)
+    }
+
+    /// The component of a structure by name. Large structures are indexed once.
+    fn member(&mut self, structure: &Rc<StructType>, name: &str) -> Option<Member> {
+        const INDEXED: usize = 12;
+        let folded = fold(name);
+        if structure.members.len() < INDEXED {
+            return structure.members.iter().find(|member| fold(&member.name) == folded).cloned();
+        }
+        let key = Rc::as_ptr(structure);
+        let (_, index) = self.member_index.entry(key).or_insert_with(|| {
+            let index: FxHashMap<String, usize> =
+                structure.members.iter().enumerate().rev().map(|(at, member)| (fold(&member.name), at)).collect();
+            (Rc::clone(structure), index)
+        });
+        index.get(&folded).map(|&at| structure.members[at].clone())
+    }
+
+    fn unknown_member(&mut self, structure: &StructType, name: &str, span: Span) {
+        let title = match structure.name.as_str() {
+            "" => format!("the structure has no component `{name}`"),
+            of => format!("`{of}` has no component `{name}`"),
+        };
+        let message = Diagnostic::new(Code::UnknownMember, span, title).label("no such component");
+        let names = structure.members.iter().map(|member| member.name.as_str());
+        self.report.push(match similar(name, names) {
+            Some(other) => message.help(format!("is `{other}` meant?")),
+            None => message,
+        });
+    }
+}
+
+/// The name that differs least from `name`, if it differs by a slip only.
+pub fn similar<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    const CANDIDATES: usize = 500;
+    let wanted = fold(name);
+    let limit = if wanted.chars().count() < 4 { 1 } else { 2 };
+    names
+        .take(CANDIDATES)
+        .map(|other| (distance(&wanted, &fold(other)), other))
+        .filter(|(distance, _)| *distance <= limit)
+        .min()
+        .map(|(_, other)| other)
+}
+
+/// Number of letters to change, add or remove (Levenshtein); names are short.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, letter) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, other) in b.iter().enumerate() {
+            let change = diagonal + usize::from(letter != *other);
+            diagonal = row[j + 1];
+            row[j + 1] = change.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}

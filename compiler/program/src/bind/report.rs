@@ -1,0 +1,170 @@
+//! Messages of binding, with one list of everything that is named and defined nowhere.
+
+use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_syntax::ast::BlockPrefix;
+use rustc_hash::FxHashMap;
+
+use super::names::prefix_letters;
+
+/// The messages so far.
+pub struct Report {
+    pub diagnostics: Vec<Diagnostic>,
+    missing: Vec<Missing>,
+    index: FxHashMap<MissingKey, usize>,
+    partial: bool,
+}
+
+/// Something that is used and defined nowhere.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum MissingKey {
+    /// A symbol, folded.
+    Symbol(String),
+    /// A block to call.
+    Block(BlockPrefix, u16),
+    /// A block of the CPU or of a library that is not here, by number.
+    NotShipped(BlockPrefix, u16),
+    /// A data block addressed by number.
+    Db(u16),
+    /// A data block whose components are named.
+    DbLayout(u16),
+    /// A data type.
+    Type(String),
+}
+
+struct Missing {
+    key: MissingKey,
+    diagnostic: Diagnostic,
+    /// How often it is used.
+    uses: u32,
+}
+
+impl Report {
+    pub fn new(partial: bool) -> Report {
+        Report { diagnostics: Vec::new(), missing: Vec::new(), index: FxHashMap::default(), partial }
+    }
+
+    pub fn push(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+    }
+
+    /// Notes a use of something that is defined nowhere; it is told of once, at its first use.
+    fn missing(&mut self, key: MissingKey, make: impl FnOnce() -> Diagnostic) {
+        match self.index.get(&key) {
+            Some(&at) => self.missing[at].uses += 1,
+            None => {
+                self.index.insert(key.clone(), self.missing.len());
+                self.missing.push(Missing { key, diagnostic: make(), uses: 1 });
+            }
+        }
+    }
+
+    pub fn missing_symbol(&mut self, name: &str, span: Span) {
+        self.missing(MissingKey::Symbol(super::names::fold(name)), || {
+            let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
+                .label("no symbol table and no block has this name");
+            match misread_address(name) {
+                Some(address) => message.help(format!("if the address is meant, write `{address}`")),
+                None => message.help("add the symbol table of the project to the sources, or define the block"),
+            }
+        });
+    }
+
+    pub fn missing_type(&mut self, name: &str, span: Span) {
+        self.missing(MissingKey::Type(super::names::fold(name)), || {
+            Diagnostic::new(Code::UnknownType, span, format!("the data type `{name}` is not defined"))
+                .label("neither a type of STL nor a UDT or FB of the program")
+                .help("add the source that defines it")
+        });
+    }
+
+    pub fn missing_block(&mut self, prefix: BlockPrefix, number: u16, span: Span) {
+        self.missing(MissingKey::Block(prefix, number), || {
+            let name = format!("{} {number}", prefix_letters(prefix));
+            let message = Diagnostic::new(Code::UnknownBlock, span, format!("{name} is not defined"))
+                .label("no source of the program defines this block");
+            let library = plcc_stdlib::LIBRARY
+                .iter()
+                .find(|block| block.number == number && block.fb == (prefix == BlockPrefix::Fb));
+            match (prefix, library) {
+                (BlockPrefix::Fc | BlockPrefix::Fb, Some(block)) => message.help(format!(
+                    "add the source that defines it; {name} is often the number of the library block `{}`, which is not shipped yet",
+                    block.name
+                )),
+                (BlockPrefix::Sfc | BlockPrefix::Sfb, _) => message.help("no S7-300/400 CPU is known to have it"),
+                _ => message.help("add the source that defines it"),
+            }
+        });
+    }
+
+    /// A block that the CPU or a Siemens library has and plcc has not.
+    pub fn not_shipped(&mut self, prefix: BlockPrefix, number: u16, name: &str, span: Span) {
+        self.missing(MissingKey::NotShipped(prefix, number), || {
+            let block = format!("{} {number}", prefix_letters(prefix));
+            Diagnostic::new(Code::NotShipped, span, format!("{block} `{name}` is not shipped yet"))
+                .label("plcc knows this block but does not have it")
+                .help(match prefix {
+                    BlockPrefix::Sfc | BlockPrefix::Sfb => "do without it, or call another block that does the work",
+                    _ => "add a source that defines it",
+                })
+        });
+    }
+
+    /// A DB that is addressed by number; it may be created at run time.
+    pub fn missing_db(&mut self, number: u16, span: Span) {
+        self.missing(MissingKey::Db(number), || {
+            Diagnostic::new(Code::DbMissing, span, format!("DB {number} is not defined"))
+                .label("opening it is an error at run time unless the program creates it (SFC 22)")
+                .help("add the source that defines it")
+        });
+    }
+
+    /// A DB whose components cannot be known.
+    pub fn missing_db_layout(&mut self, number: u16, span: Span) {
+        self.missing(MissingKey::DbLayout(number), || {
+            Diagnostic::new(
+                Code::UnknownBlock,
+                span,
+                format!("DB {number} is not defined, so its components are unknown"),
+            )
+            .label("a component of a data block that no source defines")
+            .help("add the source that defines it")
+        });
+    }
+
+    /// All messages; what is defined nowhere comes last, in one list.
+    pub fn finish(self) -> Vec<Diagnostic> {
+        let Report { mut diagnostics, missing, partial, .. } = self;
+        for Missing { key, mut diagnostic, uses } in missing {
+            if uses > 1 {
+                let label = std::mem::take(&mut diagnostic.primary.text);
+                diagnostic.primary.text = format!("{label}; the first of {uses} places");
+            }
+            if partial && !matches!(key, MissingKey::Db(_)) {
+                diagnostic.severity = Severity::Warning;
+            }
+            diagnostics.push(diagnostic);
+        }
+        diagnostics
+    }
+}
+
+/// Names that are addresses with a slip: `MO.0`, `Q01`.
+fn misread_address(name: &str) -> Option<String> {
+    let upper = name.trim().to_ascii_uppercase();
+    let letters: String = upper.chars().take_while(|letter| "IQEAM".contains(*letter)).take(1).collect();
+    let rest = upper.get(letters.len()..)?;
+    if letters.is_empty() || rest.is_empty() || rest.len() > 6 {
+        return None;
+    }
+    let digits: String = rest.chars().map(|letter| if letter == 'O' { '0' } else { letter }).collect();
+    let point = match digits.split_once('.') {
+        Some((byte, bit)) => (byte.to_string(), bit.to_string()),
+        None => {
+            let split = digits.len() - 1;
+            (digits.get(..split)?.to_string(), digits.get(split..)?.to_string())
+        }
+    };
+    let number = |text: &str| !text.is_empty() && text.bytes().all(|digit| digit.is_ascii_digit());
+    (number(&point.0) && number(&point.1) && point.1.len() == 1 && point.1.as_str() < "8")
+        .then(|| format!("{letters}{}.{}", point.0, point.1))
+}

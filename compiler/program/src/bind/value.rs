@@ -1,0 +1,345 @@
+//! Constants: what `L` loads, and the bytes of a value of a type.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{InitialKind, InitialValue};
+use plcc_syntax::literal::Literal;
+
+use super::Binder;
+use crate::layout;
+use crate::types::{DataType, Elementary};
+
+/// `DT#1990-1-1-0:0:0.0`, a Monday.
+pub const DT_DEFAULT: [u8; 8] = [0x90, 0x01, 0x01, 0, 0, 0, 0, 0x02];
+
+/// Why a constant cannot stand for a type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mismatch {
+    /// Another type.
+    Type,
+    /// The type's range does not hold it.
+    Range,
+}
+
+/// Where a constant stands: declarations take a little more than calls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// An initial value or a value behind BEGIN.
+    Declaration,
+    /// An actual parameter.
+    Call,
+}
+
+/// The bytes of `literal` as a value of `ty`, big-endian; a BOOL is one byte, 0 or 1.
+pub fn elementary_bytes(ty: Elementary, literal: &Literal, place: Place) -> Result<Vec<u8>, Mismatch> {
+    let declaration = place == Place::Declaration;
+    let bits = |value: u32, limit: u32| if value <= limit { Ok(value) } else { Err(Mismatch::Range) };
+    let word = |value: u16| Ok(value.to_be_bytes().to_vec());
+    let dword = |value: u32| Ok(value.to_be_bytes().to_vec());
+    match (ty, literal) {
+        (Elementary::Bool, Literal::Bool(value)) => Ok(vec![u8::from(*value)]),
+        (Elementary::Bool, Literal::Int(value)) if declaration => match value {
+            0 | 1 => Ok(vec![*value as u8]),
+            _ => Err(Mismatch::Range),
+        },
+        (Elementary::Bool, Literal::Bits { value, .. }) if declaration => Ok(vec![bits(*value, 1)? as u8]),
+        (Elementary::Byte, Literal::Byte(value)) => Ok(vec![*value]),
+        (Elementary::Byte, Literal::Bits { value, .. }) => Ok(vec![bits(*value, 0xFF)? as u8]),
+        (Elementary::Word, Literal::Word(value) | Literal::Counter(value)) => word(*value),
+        (Elementary::Word | Elementary::Int, Literal::Bits { value, .. }) => word(bits(*value, 0xFFFF)? as u16),
+        (Elementary::Word, Literal::Bytes2(bytes)) => Ok(bytes.to_vec()),
+        (Elementary::Dword, Literal::Dword(value)) => dword(*value),
+        (Elementary::Dword | Elementary::Dint, Literal::Bits { value, .. }) => dword(*value),
+        (Elementary::Dword, Literal::Bytes4(bytes)) => Ok(bytes.to_vec()),
+        (Elementary::Dword, Literal::Pointer(value) | Literal::AreaPointer { db: 0, pointer: value }) => dword(*value),
+        (Elementary::Char, Literal::Text(text)) => match text.as_slice() {
+            [letter] => Ok(vec![*letter]),
+            _ => Err(Mismatch::Range),
+        },
+        (Elementary::Int, Literal::Int(value)) => {
+            i16::try_from(*value).map(|value| value.to_be_bytes().to_vec()).map_err(|_| Mismatch::Range)
+        }
+        (Elementary::Dint, Literal::Dint(value)) => dword(*value as u32),
+        // Sources of the portal tool write DINT values without `L#`.
+        (Elementary::Dint, Literal::Int(value)) if declaration => {
+            i32::try_from(*value).map(|value| value.to_be_bytes().to_vec()).map_err(|_| Mismatch::Range)
+        }
+        (Elementary::Real, Literal::Real(value)) => dword(value.to_bits()),
+        (Elementary::S5Time, Literal::S5Time(value)) => word(*value),
+        (Elementary::Time, Literal::Time(value)) => dword(*value as u32),
+        (Elementary::Date, Literal::Date(value)) => word(*value),
+        (Elementary::TimeOfDay, Literal::TimeOfDay(value)) => dword(*value),
+        _ => Err(Mismatch::Type),
+    }
+}
+
+/// How a constant of `ty` is written.
+pub const fn example(ty: Elementary) -> &'static str {
+    match ty {
+        Elementary::Bool => "TRUE or FALSE",
+        Elementary::Byte => "B#16#1E",
+        Elementary::Word => "W#16#3A2F",
+        Elementary::Dword => "DW#16#2C1E_A2EB",
+        Elementary::Char => "'E'",
+        Elementary::Int => "-1025",
+        Elementary::Dint => "L#-2047",
+        Elementary::Real => "5.0",
+        Elementary::S5Time => "S5T#2S",
+        Elementary::Time => "T#2S",
+        Elementary::Date => "D#2000-6-20",
+        Elementary::TimeOfDay => "TOD#5:45:00",
+    }
+}
+
+/// What a constant is, for messages.
+pub const fn literal_kind(literal: &Literal) -> &'static str {
+    match literal {
+        Literal::Bool(_) => "a BOOL constant",
+        Literal::Int(_) => "an INT constant",
+        Literal::Dint(_) => "a DINT constant",
+        Literal::Byte(_) => "a BYTE constant",
+        Literal::Word(_) => "a WORD constant",
+        Literal::Dword(_) => "a DWORD constant",
+        Literal::Bits { .. } => "a bit pattern",
+        Literal::Bytes2(_) => "a constant of 2 bytes",
+        Literal::Bytes4(_) => "a constant of 4 bytes",
+        Literal::Real(_) => "a REAL constant",
+        Literal::S5Time(_) => "an S5TIME constant",
+        Literal::Time(_) => "a TIME constant",
+        Literal::Date(_) => "a DATE constant",
+        Literal::TimeOfDay(_) => "a TIME_OF_DAY constant",
+        Literal::DateAndTime(_) => "a DATE_AND_TIME constant",
+        Literal::Counter(_) => "a counter value",
+        Literal::Text(_) => "a text",
+        Literal::Pointer(_) | Literal::AreaPointer { .. } => "a pointer constant",
+        Literal::Any(_) => "an ANY constant",
+    }
+}
+
+/// What `L literal` leaves in ACCU1, and whether all 32 bits are the constant's own.
+///
+/// An INT is zero-extended, a negative one too. Source: STL reference, loading literals.
+/// Errors: what cannot be loaded, as text for a label.
+pub fn loaded(literal: &Literal) -> Result<(u32, bool), String> {
+    Ok(match literal {
+        Literal::Int(value) => match i16::try_from(*value) {
+            Ok(value) => (u32::from(value as u16), false),
+            Err(_) => return Err("an INT goes from -32768 to 32767".to_string()),
+        },
+        Literal::Byte(value) => (u32::from(*value), false),
+        Literal::Word(value) | Literal::S5Time(value) | Literal::Date(value) | Literal::Counter(value) => {
+            (u32::from(*value), false)
+        }
+        Literal::Bytes2(bytes) => (u32::from(u16::from_be_bytes(*bytes)), false),
+        Literal::Bytes4(bytes) => (u32::from_be_bytes(*bytes), true),
+        Literal::Dint(value) | Literal::Time(value) => (*value as u32, true),
+        Literal::Dword(value) | Literal::TimeOfDay(value) => (*value, true),
+        Literal::Pointer(value) | Literal::AreaPointer { db: 0, pointer: value } => (*value, true),
+        Literal::Bits { value, digits } => (*value, *digits > 16),
+        Literal::Real(value) => (value.to_bits(), true),
+        Literal::Text(text) if (1..=4).contains(&text.len()) => {
+            (text.iter().fold(0, |value, &byte| value << 8 | u32::from(byte)), text.len() > 2)
+        }
+        Literal::Text(_) => return Err("1 to 4 characters fit into ACCU1".to_string()),
+        Literal::AreaPointer { .. } => return Err("a pointer with a DB number has 48 bits".to_string()),
+        Literal::Bool(_) | Literal::DateAndTime(_) | Literal::Any(_) => {
+            return Err(format!("{} cannot be loaded", literal_kind(literal)));
+        }
+    })
+}
+
+impl Binder<'_> {
+    /// Writes an initial value over the bytes of a variable of type `ty` at `byte`.`bit` of `image`.
+    pub fn encode_initial(&mut self, value: &InitialValue, ty: &DataType, image: &mut [u8], byte: u32, bit: u8) {
+        match (&value.kind, ty) {
+            (_, DataType::Void) => {}
+            (InitialKind::Literal(literal), DataType::Array(array)) => {
+                // One value for an array is its first element; a text fills an array of CHAR.
+                if let (Literal::Text(text), DataType::Elementary(Elementary::Char)) = (literal, &array.element) {
+                    if text.len() as u64 > layout::element_count(&array.bounds) {
+                        self.surplus(value.span);
+                        return;
+                    }
+                    let at = byte as usize;
+                    image[at..at + text.len()].copy_from_slice(text);
+                    return;
+                }
+                self.encode_elements(std::slice::from_ref(value), array, image, byte);
+            }
+            (InitialKind::Literal(literal), _) => self.encode_literal(literal, value.span, ty, image, byte, bit),
+            (InitialKind::List(values), DataType::Array(array)) => self.encode_elements(values, array, image, byte),
+            (InitialKind::Repeat { .. }, DataType::Array(array)) => {
+                self.encode_elements(std::slice::from_ref(value), array, image, byte);
+            }
+            (InitialKind::List(_) | InitialKind::Repeat { .. }, _) => self.report.push(
+                Diagnostic::new(Code::InitialValue, value.span, "a list of values stands where one value is wanted")
+                    .label(format!("the variable is of type {}", layout::type_name(ty)))
+                    .help("write one constant; lists and repetition factors are for arrays"),
+            ),
+        }
+    }
+
+    fn encode_elements(
+        &mut self,
+        values: &[InitialValue],
+        array: &crate::types::ArrayType,
+        image: &mut [u8],
+        byte: u32,
+    ) {
+        let count = layout::element_count(&array.bounds);
+        let mut next = 0;
+        if matches!(array.element, DataType::Struct(_)) {
+            if let Some(first) = values.first() {
+                self.report.push(
+                    Diagnostic::new(Code::InitialValue, first.span, "an array of structures takes no list of values")
+                        .label("not possible here")
+                        .help("give the components their values in the structure or behind BEGIN"),
+                );
+            }
+            return;
+        }
+        self.encode_run(values, array, image, byte, count, &mut next);
+    }
+
+    fn encode_run(
+        &mut self,
+        values: &[InitialValue],
+        array: &crate::types::ArrayType,
+        image: &mut [u8],
+        byte: u32,
+        count: u64,
+        next: &mut u64,
+    ) {
+        for value in values {
+            match &value.kind {
+                InitialKind::Repeat { count: times, values: group } => {
+                    for _ in 0..*times {
+                        if *next >= count || group.is_empty() {
+                            if !group.is_empty() {
+                                self.surplus(value.span);
+                            }
+                            return;
+                        }
+                        let before = *next;
+                        self.encode_run(group, array, image, byte, count, next);
+                        if *next == before {
+                            break;
+                        }
+                    }
+                }
+                InitialKind::List(group) => self.encode_run(group, array, image, byte, count, next),
+                InitialKind::Literal(literal) => {
+                    if *next >= count {
+                        self.surplus(value.span);
+                        return;
+                    }
+                    let (at, bit) = layout::element_place(array, *next);
+                    *next += 1;
+                    self.encode_literal(literal, value.span, &array.element, image, byte + at, bit);
+                }
+            }
+        }
+    }
+
+    fn surplus(&mut self, span: Span) {
+        self.report.push(
+            Diagnostic::new(Code::InitialValue, span, "more values than the array has elements")
+                .label("this one has no element any more")
+                .help("remove values or make the array larger"),
+        );
+    }
+
+    fn encode_literal(&mut self, literal: &Literal, span: Span, ty: &DataType, image: &mut [u8], byte: u32, bit: u8) {
+        let at = byte as usize;
+        let problem = match (ty, literal) {
+            (DataType::Elementary(Elementary::Bool), _) => {
+                match elementary_bytes(Elementary::Bool, literal, Place::Declaration) {
+                    Ok(value) => {
+                        let mask = 1 << bit;
+                        image[at] = if value[0] != 0 { image[at] | mask } else { image[at] & !mask };
+                        return;
+                    }
+                    Err(problem) => problem,
+                }
+            }
+            (DataType::Elementary(elementary), _) => match elementary_bytes(*elementary, literal, Place::Declaration) {
+                Ok(value) => {
+                    image[at..at + value.len()].copy_from_slice(&value);
+                    return;
+                }
+                Err(problem) => problem,
+            },
+            (DataType::DateAndTime, Literal::DateAndTime(value)) => {
+                image[at..at + 8].copy_from_slice(value);
+                return;
+            }
+            (DataType::String(length), Literal::Text(text)) => {
+                if text.len() <= usize::from(*length) {
+                    image[at] = *length;
+                    image[at + 1] = text.len() as u8;
+                    image[at + 2..at + 2 + usize::from(*length)].fill(0);
+                    image[at + 2..at + 2 + text.len()].copy_from_slice(text);
+                    return;
+                }
+                Mismatch::Range
+            }
+            (
+                DataType::DateAndTime
+                | DataType::String(_)
+                | DataType::Array(_)
+                | DataType::Struct(_)
+                | DataType::Parameter(_)
+                | DataType::Void,
+                _,
+            ) => Mismatch::Type,
+        };
+        let name = layout::type_name(ty);
+        let message = match problem {
+            Mismatch::Type => Diagnostic::new(
+                Code::InitialValue,
+                span,
+                format!("{} is no value of type {name}", literal_kind(literal)),
+            )
+            .label(format!("the variable is of type {name}")),
+            Mismatch::Range => {
+                Diagnostic::new(Code::InitialValue, span, format!("this value does not fit type {name}"))
+                    .label("out of range")
+            }
+        };
+        self.report.push(match ty {
+            DataType::Elementary(elementary) => message.help(format!("write it as {}", example(*elementary))),
+            DataType::String(_) => message.help("write a text in quotes: 'text'"),
+            DataType::DateAndTime => message.help("write it as DT#1993-12-25-8:12:34.567"),
+            DataType::Array(_) | DataType::Struct(_) | DataType::Parameter(_) | DataType::Void => message,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn constants_as_l_loads_them() {
+        assert_eq!(loaded(&Literal::Int(-1)), Ok((0x0000_FFFF, false)));
+        assert_eq!(loaded(&Literal::Dint(-1)), Ok((0xFFFF_FFFF, true)));
+        assert_eq!(loaded(&Literal::Text(b"ABC".to_vec())), Ok((0x0041_4243, true)));
+        assert_eq!(loaded(&Literal::Bytes2([1, 8])), Ok((0x0108, false)));
+        assert_eq!(loaded(&Literal::Bits { value: 0x1F, digits: 8 }), Ok((0x1F, false)));
+        assert!(loaded(&Literal::Int(40_000)).is_err());
+        assert!(loaded(&Literal::Bool(true)).is_err());
+        assert!(loaded(&Literal::Text(b"ABCDE".to_vec())).is_err());
+    }
+
+    #[test]
+    fn constants_in_memory() {
+        let bytes = |ty, literal| elementary_bytes(ty, &literal, Place::Call);
+        assert_eq!(bytes(Elementary::Int, Literal::Int(-2)), Ok(vec![0xFF, 0xFE]));
+        assert_eq!(bytes(Elementary::Dint, Literal::Int(5)), Err(Mismatch::Type));
+        assert_eq!(bytes(Elementary::Real, Literal::Real(1.0)), Ok(vec![0x3F, 0x80, 0, 0]));
+        assert_eq!(bytes(Elementary::Byte, Literal::Bits { value: 0x100, digits: 12 }), Err(Mismatch::Range));
+        assert_eq!(bytes(Elementary::Word, Literal::Counter(0x20)), Ok(vec![0, 0x20]));
+        assert_eq!(bytes(Elementary::Time, Literal::Time(-1)), Ok(vec![0xFF; 4]));
+        assert_eq!(bytes(Elementary::Bool, Literal::Int(1)), Err(Mismatch::Type));
+        assert_eq!(elementary_bytes(Elementary::Bool, &Literal::Int(1), Place::Declaration), Ok(vec![1]));
+    }
+}
