@@ -9,6 +9,7 @@ use plcc_abi::ProgramImage;
 
 use crate::code::{Code, EntryFunction};
 use crate::options::RunOptions;
+use crate::testing::{TEST_VARIABLE, TestJob};
 
 unsafe extern "C" {
     static plcc_image: u8;
@@ -43,6 +44,9 @@ impl Code for LinkedCode {
 /// Called by the C runtime only, with its `argc` and `argv`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn main(argc: c_int, argv: *const *const c_char) -> c_int {
+    if let Ok(job) = std::env::var(TEST_VARIABLE) {
+        return test(&job);
+    }
     let arguments = (0..usize::try_from(argc).unwrap_or(0)).map(|index| {
         // SAFETY: the C runtime gives `argc` pointers to strings that end in 0.
         let argument = unsafe { CStr::from_ptr(*argv.add(index)) };
@@ -55,18 +59,64 @@ pub unsafe extern "C" fn main(argc: c_int, argv: *const *const c_char) -> c_int 
             return error.exit_code();
         }
     };
-    // SAFETY: the object file of the program defines the four symbols; the lengths are those of the tables.
+    match linked_program(0) {
+        Ok((image, code)) => c_int::from(crate::run::run(image, code, &run)),
+        Err(error) => damaged(&error),
+    }
+}
+
+fn damaged(error: &str) -> c_int {
+    eprintln!("runtime: this executable is damaged: {error}");
+    c_int::from(crate::run::EXIT_USAGE)
+}
+
+/// Where a program that shares the executable with others has its four symbols.
+#[repr(C)]
+struct DirectoryEntry {
+    image: *const u8,
+    image_len: *const u64,
+    entries: *const EntryFunction,
+    entries_len: *const u64,
+}
+
+/// The program with this number; the only one has number 0.
+fn linked_program(number: usize) -> Result<(ProgramImage, Rc<dyn Code>), String> {
+    // SAFETY: the object file of the program defines the four symbols; the lengths are those of the tables. An image of length 0
+    // is a directory of `plcc_entries_len` programs whose pointers are just such symbols.
     let (image, entries) = unsafe {
+        let mut found = DirectoryEntry {
+            image: &raw const plcc_image,
+            image_len: &raw const plcc_image_len,
+            entries: &raw const plcc_entries,
+            entries_len: &raw const plcc_entries_len,
+        };
+        if plcc_image_len == 0 {
+            let directory = (&raw const plcc_image).cast::<DirectoryEntry>();
+            let directory = std::slice::from_raw_parts(directory, plcc_entries_len as usize);
+            let entry = directory.get(number).ok_or_else(|| format!("there is no program {number}"))?;
+            found = DirectoryEntry { ..*entry };
+        }
         (
-            std::slice::from_raw_parts(&raw const plcc_image, plcc_image_len as usize),
-            std::slice::from_raw_parts(&raw const plcc_entries, plcc_entries_len as usize),
+            std::slice::from_raw_parts(found.image, *found.image_len as usize),
+            std::slice::from_raw_parts(found.entries, *found.entries_len as usize),
         )
     };
-    match postcard::from_bytes::<ProgramImage>(image) {
-        Ok(image) => c_int::from(crate::run::run(image, Rc::new(LinkedCode(entries)), &run)),
-        Err(error) => {
-            eprintln!("runtime: this executable is damaged: {error}");
-            c_int::from(crate::run::EXIT_USAGE)
+    let image = postcard::from_bytes::<ProgramImage>(image).map_err(|error| error.to_string())?;
+    Ok((image, Rc::new(LinkedCode(entries))))
+}
+
+/// Runs as a test; the report goes to standard output.
+fn test(job: &str) -> c_int {
+    let report = serde_json::from_str::<TestJob>(job).map_err(|error| error.to_string()).and_then(|job| {
+        let (image, code) = linked_program(job.program)?;
+        let report = crate::testing::test(image, code, &job.options);
+        serde_json::to_string(&report).map_err(|error| error.to_string())
+    });
+    match report {
+        Ok(report) => {
+            println!("{report}");
+            c_int::from(crate::run::EXIT_OK)
         }
+        Err(error) => damaged(&error),
     }
 }

@@ -6,6 +6,7 @@
 //! - [`cycle`], [`organization`], [`schedule`], [`faults`], [`diagnostics`]: cycle, OBs, interrupts, errors.
 //! - [`system`]: system functions (SFC), one file a family.
 //! - [`io`]: the driver; [`address`], [`value`], [`scenario`], [`trace`], [`options`]: what a user says and sees.
+//! - [`guest`]: code that runs in the process of the compiler.
 //! - [`run`], [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
 //! **Invariant**: the runtime knows no source language and never depends on the compiler.
@@ -25,6 +26,7 @@ pub mod events;
 mod executable;
 pub mod faults;
 pub mod functions;
+pub mod guest;
 pub mod io;
 pub mod math;
 pub mod memory;

@@ -6,6 +6,7 @@ use std::rc::Rc;
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::{AssertEntry, AssertOp};
+use serde::{Deserialize, Serialize};
 
 use crate::clock::{Clock, NS_PER_MS};
 use crate::code::Code;
@@ -60,8 +61,20 @@ pub fn holds(op: AssertOp, real: bool, left: u32, right: u32) -> bool {
     }
 }
 
+/// Environment variable that makes an executable run as a test; its value is a [`TestJob`] as JSON. The report goes to standard
+/// output as JSON.
+pub const TEST_VARIABLE: &str = "PLCC_TEST";
+
+/// What an executable is to test.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct TestJob {
+    /// Which program, if several share the executable; else 0.
+    pub program: usize,
+    pub options: TestOptions,
+}
+
 /// How to test.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct TestOptions {
     /// From `//@ test cycles=N`.
     pub cycles: Option<u64>,
@@ -76,7 +89,7 @@ pub struct TestOptions {
 }
 
 /// An assertion that failed.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AssertFailure {
     pub file: String,
     pub line: u32,
@@ -87,7 +100,7 @@ pub struct AssertFailure {
 }
 
 /// An assertion that was never executed.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NotReached {
     pub file: String,
     pub line: u32,
@@ -95,7 +108,7 @@ pub struct NotReached {
 }
 
 /// Result of a test.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TestReport {
     /// Assertions (and expectations of the scenario) that held whenever they were executed. A test without any
     /// counts as one, passed if it ended as it should.
