@@ -94,7 +94,10 @@ pub fn parse(read: Read, settings: &Settings) -> Parsed {
 /// Settles names, types and addresses.
 pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     let Parsed { name, mut sources, units, tables, project, mut diagnostics } = parsed;
-    let profile = profile_of(settings, project.as_ref(), &mut sources, &mut diagnostics);
+    let profile = match pragma_profile(settings, &units) {
+        Some(profile) => profile,
+        None => profile_of(settings, project.as_ref(), &mut sources, &mut diagnostics),
+    };
     let (program, messages) = plcc_program::bind(&BindInput {
         name,
         sources: &sources,
@@ -109,6 +112,25 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     diagnostics.extend(messages);
     plcc_diag::sort(&mut diagnostics);
     Bound { sources, program, diagnostics }
+}
+
+/// The CPU of a test file: the last `//@ cpu` that can be understood. Binding reports the others.
+fn pragma_profile(settings: &Settings, units: &[(plcc_diag::FileId, SourceUnit)]) -> Option<Profile> {
+    if !settings.pragmas {
+        return None;
+    }
+    let pragmas = units.iter().flat_map(|(_, unit)| &unit.pragmas);
+    let names = pragmas.filter_map(|pragma| pragma.text.strip_prefix("cpu")).map(str::trim);
+    names.filter_map(profile_named).last()
+}
+
+fn profile_named(name: &str) -> Option<Profile> {
+    match name.strip_prefix("accus=") {
+        Some("2") => Some(profile::generic(Family::S7300)),
+        Some("4") => Some(profile::generic(Family::S7400)),
+        Some(_) => None,
+        None => profile::lookup(name).filter(|profile| matches!(profile.family, Family::S7300 | Family::S7400)),
+    }
 }
 
 /// The CPU: of the command line, else of plc.toml, else the generic one of the family of the sources.
