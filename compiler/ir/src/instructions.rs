@@ -184,7 +184,7 @@ impl Address {
 }
 
 /// A jump target with the values for its block parameters.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct BlockCall {
     pub block: Block,
     pub args: Vec<Value>,
@@ -197,7 +197,7 @@ impl BlockCall {
 }
 
 /// An instruction. Results stand in [`Function::results`](crate::Function::results).
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum InstData {
     /// A constant of the result type: an integer zero-extended from its width, or the bits of a float.
     Const {

@@ -1,1 +1,117 @@
 //! Optimisation passes over the SSA IR.
+//!
+//! [`PIPELINE`] is the list of passes in their order; each is one file with its idea on top. All take time near linear in
+//! the size of the program and never recurse by it: a PLC block can have tens of thousands of lines.
+//!
+//! **Invariant**: a pass keeps what an observer of PLC memory can see: memory at calls, at runtime functions that may run
+//! organization blocks, and at the end of the block.
+
+mod addresses;
+mod control_flow;
+mod dead_code;
+mod dead_stores;
+mod extents;
+mod fold;
+mod forward;
+mod frames;
+mod interfaces;
+mod known_bits;
+mod values;
+
+use plcc_ir::Module;
+
+/// A pass with the name that `--print-after` and tests use.
+#[derive(Clone, Copy)]
+pub struct Pass {
+    pub name: &'static str,
+    pub run: fn(&mut Module),
+}
+
+/// Every pass once, in the order of the files.
+const FOLD: Pass = Pass { name: "fold", run: fold::fold };
+const CONTROL_FLOW: Pass = Pass { name: "control-flow", run: control_flow::simplify_control_flow };
+const ADDRESSES: Pass = Pass { name: "addresses", run: addresses::resolve_addresses };
+const VALUES: Pass = Pass { name: "values", run: values::share_values };
+const FORWARD: Pass = Pass { name: "forward", run: forward::forward_memory };
+const INTERFACES: Pass = Pass { name: "interfaces", run: interfaces::simplify_interfaces };
+const DEAD_STORES: Pass = Pass { name: "dead-stores", run: dead_stores::eliminate_dead_stores };
+const DEAD_CODE: Pass = Pass { name: "dead-code", run: dead_code::eliminate_dead_code };
+const COMPACT: Pass = Pass { name: "compact", run: compact };
+
+/// What `-O2` does, in order.
+pub const PIPELINE: &[Pass] = &[
+    FOLD,
+    CONTROL_FLOW,
+    ADDRESSES,
+    VALUES,
+    FORWARD,
+    FOLD,
+    CONTROL_FLOW,
+    INTERFACES,
+    DEAD_CODE,
+    COMPACT,
+    FOLD,
+    CONTROL_FLOW,
+    ADDRESSES,
+    VALUES,
+    FORWARD,
+    FOLD,
+    DEAD_STORES,
+    DEAD_CODE,
+    CONTROL_FLOW,
+    COMPACT,
+];
+
+/// Names of the passes.
+pub const PASSES: &[&str] = &[
+    FOLD.name,
+    CONTROL_FLOW.name,
+    ADDRESSES.name,
+    VALUES.name,
+    FORWARD.name,
+    INTERFACES.name,
+    DEAD_STORES.name,
+    DEAD_CODE.name,
+    COMPACT.name,
+];
+
+/// Optimises a module that the verifier passes.
+pub fn optimize(module: &mut Module) {
+    optimize_with(module, &mut |name, module| {
+        if cfg!(debug_assertions) {
+            check(name, module);
+        }
+    });
+}
+
+/// As [`optimize`]; calls `after` with the name of each pass and what it made.
+pub fn optimize_with(module: &mut Module, after: &mut dyn FnMut(&'static str, &Module)) {
+    for pass in PIPELINE {
+        (pass.run)(module);
+        after(pass.name, module);
+    }
+}
+
+/// Runs the pass called `name`; false if there is none.
+pub fn run_pass(module: &mut Module, name: &str) -> bool {
+    let pass = PIPELINE.iter().find(|pass| pass.name == name);
+    if let Some(pass) = pass {
+        (pass.run)(module);
+    }
+    pass.is_some()
+}
+
+/// Panics if the verifier rejects what the pass `name` made: a bug of the pass.
+pub fn check(name: &str, module: &Module) {
+    if let Err(errors) = plcc_ir::verify::verify(module) {
+        panic!("after {name}: {}\n{}", errors[0], plcc_ir::print::module_text(module));
+    }
+}
+
+/// Drops blocks, instructions and values that earlier passes took out, and numbers the rest anew.
+fn compact(module: &mut Module) {
+    module.functions.values_mut().for_each(plcc_ir::Function::compact);
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,303 @@
+//! Removal of stores that are overwritten before anybody reads them.
+//!
+//! Walking a block backward, the pass keeps the ranges that are surely written before they can be read. At the end of a
+//! block that is nothing, except before `ret`, where the own frame is dead. A load takes its range out, and from
+//! regions that it may alias everything; a call and a runtime function that may run organization blocks take out
+//! everything.
+//!
+//! Local data are looked at as a whole beside that: in a private frame (see `frames`) bytes that are never read anywhere need
+//! no store and no `clear`.
+
+use plcc_abi::functions::Effect;
+use plcc_ir::{FuncId, Function, Inst, InstData, Module, Region, Value};
+use rustc_hash::FxHashMap;
+
+use crate::extents::{Access, Extents};
+use crate::frames::Frames;
+
+/// Removes dead stores from all functions.
+pub fn eliminate_dead_stores(module: &mut Module) {
+    let frames = Frames::new(module);
+    for id in module.functions.keys() {
+        let function = &mut module.functions[id];
+        remove_overwritten(function, id, &frames);
+        remove_unread_local_data(function, id, &frames);
+    }
+}
+
+/// Ranges behind each base of a region.
+type Bases = Vec<(Option<Value>, Extents<()>)>;
+
+/// Ranges that are written before they are read.
+#[derive(Default)]
+struct Overwritten {
+    ranges: FxHashMap<Region, Bases>,
+    /// The whole frame is dead, indexed or not, but for what a read took out.
+    frame_ends: bool,
+}
+
+impl Overwritten {
+    fn contains(&self, access: &Access) -> bool {
+        if self.frame_ends && access.region == Region::L {
+            return true;
+        }
+        let Some(bases) = self.ranges.get(&access.region) else { return false };
+        let same = bases.iter().find(|(base, _)| *base == access.base);
+        same.is_some_and(|(_, extents)| extents.covering(access.start, access.end).is_some())
+    }
+
+    fn write(&mut self, access: &Access) {
+        if access.start == access.end {
+            return;
+        }
+        let bases = self.ranges.entry(access.region).or_default();
+        let index = bases.iter().position(|(base, _)| *base == access.base).unwrap_or_else(|| {
+            bases.push((access.base, Extents::default()));
+            bases.len() - 1
+        });
+        let extents = &mut bases[index].1;
+        extents.cut(access.start, access.end, |()| true);
+        extents.insert(access.start, access.end, (), true);
+    }
+
+    fn read(&mut self, access: &Access) {
+        if matches!(access.region, Region::L | Region::Any) {
+            self.frame_ends = false;
+        }
+        self.ranges.retain(|&region, bases| {
+            if region == access.region {
+                bases.retain_mut(|(base, extents)| {
+                    let same = *base == access.base;
+                    if same {
+                        extents.cut(access.start, access.end, |()| true);
+                    }
+                    same && !extents.is_empty()
+                });
+                !bases.is_empty()
+            } else {
+                !region.may_alias(access.region)
+            }
+        });
+    }
+
+    fn read_all(&mut self, keep_frame: bool) {
+        self.ranges.retain(|&region, _| keep_frame && region == Region::L);
+        self.frame_ends &= keep_frame;
+    }
+}
+
+fn remove_overwritten(function: &mut Function, id: FuncId, frames: &Frames) {
+    for index in 0..function.layout.len() {
+        let block = function.layout[index];
+        let mut insts = std::mem::take(&mut function.blocks[block].insts);
+        let mut overwritten = Overwritten::default();
+        let mut dead: Vec<Inst> = Vec::new();
+        for &inst in insts.iter().rev() {
+            if visit(function, id, frames, inst, &mut overwritten) {
+                dead.push(inst);
+            }
+        }
+        // The dead ones were found from the end.
+        if !dead.is_empty() {
+            insts.retain(|inst| {
+                let is_dead = dead.last() == Some(inst);
+                if is_dead {
+                    dead.pop();
+                }
+                !is_dead
+            });
+        }
+        function.blocks[block].insts = insts;
+    }
+}
+
+/// Goes back over one instruction; true if it is a dead store.
+fn visit(function: &mut Function, id: FuncId, frames: &Frames, inst: Inst, overwritten: &mut Overwritten) -> bool {
+    let write = |access: Access, overwritten: &mut Overwritten| {
+        let dead = overwritten.contains(&access);
+        if !dead {
+            overwritten.write(&access);
+        }
+        dead
+    };
+    match &mut function.insts[inst] {
+        InstData::Load { addr } => {
+            let addr = *addr;
+            let ty = function.ty(function.result(inst));
+            overwritten.read(&Access::of_type(&addr, ty));
+            false
+        }
+        InstData::LoadBit { addr, bit } => {
+            overwritten.read(&Access::bit(addr, *bit));
+            false
+        }
+        InstData::Store { addr, value } => {
+            let (addr, ty) = (*addr, function.values[*value].ty);
+            write(Access::of_type(&addr, ty), overwritten)
+        }
+        InstData::StoreBit { addr, bit, .. } => write(Access::bit(addr, *bit), overwritten),
+        InstData::Clear { addr, len } => {
+            let access = Access::bytes(addr, *len);
+            if write(access, overwritten) {
+                return true;
+            }
+            false
+        }
+        InstData::Copy { to, from, len } => {
+            let dead = write(Access::bytes(to, *len), overwritten);
+            if !dead {
+                overwritten.read(&Access::bytes(from, *len));
+            }
+            dead
+        }
+        InstData::Call { callee, .. } => {
+            overwritten.read_all(!frames.call_touches(id, *callee));
+            false
+        }
+        InstData::CallRuntime { function, .. } => {
+            match function.effect() {
+                Effect::Pure | Effect::Cells => {}
+                Effect::Io => {
+                    overwritten.ranges.remove(&Region::Q);
+                    overwritten.ranges.remove(&Region::Any);
+                }
+                Effect::All => overwritten.read_all(frames.is_private(id)),
+            }
+            false
+        }
+        InstData::Return { .. } => {
+            overwritten.frame_ends = true;
+            false
+        }
+        InstData::Const { .. }
+        | InstData::Unary { .. }
+        | InstData::Binary { .. }
+        | InstData::IntCompare { .. }
+        | InstData::FloatCompare { .. }
+        | InstData::Convert { .. }
+        | InstData::Select { .. }
+        | InstData::AddressOf { .. }
+        | InstData::DbBase { .. }
+        | InstData::DbLength { .. }
+        | InstData::FrameBase { .. }
+        | InstData::Jump { .. }
+        | InstData::Branch { .. }
+        | InstData::Switch { .. } => false,
+    }
+}
+
+/// Removes stores to local data that nobody reads, and shortens `clear`.
+fn remove_unread_local_data(function: &mut Function, id: FuncId, frames: &Frames) {
+    let Some(read) = local_data_read(function, id, frames) else { return };
+    let overlap = |access: &Access| access.base.is_some() || read.overlaps(access.start, access.end);
+    for index in 0..function.layout.len() {
+        let block = function.layout[index];
+        let mut insts = std::mem::take(&mut function.blocks[block].insts);
+        insts.retain(|&inst| match &mut function.insts[inst] {
+            InstData::Store { addr, value } if addr.region == Region::L => {
+                overlap(&Access::of_type(addr, function.values[*value].ty))
+            }
+            InstData::StoreBit { addr, bit, .. } if addr.region == Region::L => overlap(&Access::bit(addr, *bit)),
+            InstData::Copy { to, len, .. } if to.region == Region::L => overlap(&Access::bytes(to, *len)),
+            InstData::Clear { addr, len } if addr.region == Region::L && addr.base.is_none() => {
+                let access = Access::bytes(addr, *len);
+                let mut needed = read.iter().filter(|item| item.start < access.end && access.start < item.end);
+                let Some(first) = needed.next() else { return false };
+                let last = needed.last().unwrap_or(first);
+                let start = first.start.max(access.start) / 8;
+                let end = last.end.min(access.end).div_ceil(8);
+                (addr.offset, *len) = (start as u32, (end - start) as u32);
+                true
+            }
+            _ => true,
+        });
+        function.blocks[block].insts = insts;
+    }
+}
+
+/// Ranges of local data that are read anywhere; `None` if that cannot be told.
+fn local_data_read(function: &Function, id: FuncId, frames: &Frames) -> Option<Extents<()>> {
+    if !frames.is_private(id) || function.frame_bytes == 0 {
+        return None;
+    }
+    let mut read = Extents::default();
+    let mut note = |access: Access| -> Option<()> {
+        match access.region {
+            Region::L if access.base.is_none() => {
+                read.cut(access.start, access.end, |()| true);
+                read.insert(access.start, access.end, (), true);
+                Some(())
+            }
+            Region::L | Region::Any => None,
+            Region::State | Region::I | Region::Q | Region::M | Region::V | Region::Db(_) | Region::AnyDb => Some(()),
+        }
+    };
+    for block in function.layout.iter().map(|&block| &function.blocks[block]) {
+        for &inst in &block.insts {
+            match &function.insts[inst] {
+                InstData::Load { addr } => note(Access::of_type(addr, function.ty(function.result(inst))))?,
+                InstData::LoadBit { addr, bit } => note(Access::bit(addr, *bit))?,
+                InstData::Copy { from, len, .. } if *len > 0 => note(Access::bytes(from, *len))?,
+                InstData::Call { callee, .. } if frames.call_touches(id, *callee) => return None,
+                _ => {}
+            }
+        }
+    }
+    Some(read)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::tests::check_pass;
+
+    fn check(body: &str, expected: &str) {
+        let around = |body: &str| {
+            format!(
+                "db 5 at 0x400000 length 20\nfunc @F -> i32 frame 16 {{\nb0(v0: i32, v1: i1):\n{body}\n}}\nfunc @G \
+                 {{\nb0:\nret\n}}\nfunc @H {{\nb0:\nv0 = load.i8 V 0\nret\n}}\n"
+            )
+        };
+        check_pass("dead-stores", &around(body), &around(expected));
+    }
+
+    #[test]
+    fn the_last_store_counts() {
+        check(
+            "store.bit M 1.0, v1\nstore.i32 M 4, v0\nstore.bit M 1.0, v1\nstore.i32 M 4, v0\nret v0",
+            "store.bit M 1.0, v1\nstore.i32 M 4, v0\nret v0",
+        );
+    }
+
+    #[test]
+    fn reads_and_calls_keep_stores() {
+        for between in
+            ["v2 = load.i8 M 1", "v2 = load.i8 M[v0]+7", "v2 = load.i8 any[v0]+7", "call @G()", "copy Q 0, M 0, 2"]
+        {
+            let text = format!("store.bit M 1.0, v1\n{between}\nstore.bit M 1.0, v1\nret v0");
+            check(&text, &text);
+        }
+        check(
+            "store.i32 M 0, v0\nv2 = load.i32 DB5 0\nv3 = rt @timer_scan(v0)\nstore.i32 M 0, v2\nret v0",
+            "v2 = load.i32 DB5 0\nv3 = rt @timer_scan(v0)\nstore.i32 M 0, v2\nret v0",
+        );
+    }
+
+    #[test]
+    fn a_byte_is_not_overwritten_by_its_bits() {
+        let text = "store.i32 M 0, v0\nstore.bit M 0.0, v1\nret v0";
+        check(text, text);
+        check("store.bit M 0.0, v1\nstore.i32 M 0, v0\nret v0", "store.i32 M 0, v0\nret v0");
+    }
+
+    #[test]
+    fn local_data_die_with_the_call() {
+        check("store.i32 L 0, v0\nstore.i32 M 0, v0\nret v0", "store.i32 M 0, v0\nret v0");
+        check(
+            "clear L 0, 16\nbranch v1, b1, b2\nb1:\nv2 = load.i16 L 4\njump b2\nb2:\nret v0",
+            "clear L 4, 2\nbranch v1, b1, b2\nb1:\nv2 = load.i16 L 4\njump b2\nb2:\nret v0",
+        );
+        check("store.i32 L 0, v0\ncall @G()\nret v0", "call @G()\nret v0");
+        let text = "store.i32 L 0, v0\ncall @H()\nret v0";
+        check(text, text);
+    }
+}

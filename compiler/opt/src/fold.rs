@@ -1,0 +1,272 @@
+//! Constant folding, Boolean and algebraic simplification.
+//!
+//! Blocks are visited in reverse postorder, so that the operands of an instruction have been simplified before it. Each
+//! instruction is rewritten until no rule fits. The rules that matter most for PLC code:
+//!
+//! ```text
+//! v3 = and v1, -65536        ; the high word of ACCU1 is kept ...
+//! v4 = zext.i32 v2
+//! v5 = or v3, v4
+//! v6 = trunc.i16 v5          ; ... and nobody asks for it: v6 is v2
+//!
+//! v7 = slt v1, v2            ; CC0
+//! v8 = sgt v1, v2            ; CC1
+//! v9 = or v7, v8             ; `JN` after a comparison: ne v1, v2
+//! ```
+//!
+//! Every rule gives the same bits for all operands; NaN patterns included, which is why floats know few rules. A division is
+//! folded only if it is defined. No rule makes an instruction that was not there on a path before.
+
+mod compare;
+pub(crate) mod integer;
+
+use plcc_ir::analysis::ControlFlow;
+use plcc_ir::{BinaryOp, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Module, Type, UnaryOp, Value, eval};
+
+/// Applies the rules to all functions.
+pub fn fold(module: &mut Module) {
+    module.functions.values_mut().for_each(fold_function);
+}
+
+fn fold_function(function: &mut Function) {
+    let cfg = ControlFlow::new(function);
+    let mut folder = Folder { function, out: Vec::new(), loc: Loc(0) };
+    for &block in &cfg.rpo {
+        let insts = std::mem::take(&mut folder.function.blocks[block].insts);
+        folder.out = Vec::with_capacity(insts.len());
+        for inst in insts {
+            folder.visit(inst);
+        }
+        folder.function.blocks[block].insts = std::mem::take(&mut folder.out);
+    }
+    function.resolve_aliases();
+}
+
+/// What becomes of an instruction.
+enum Change {
+    /// Its result is this value.
+    Value(Value),
+    /// It is this instruction instead.
+    Data(InstData),
+}
+
+/// Rules chain at most this often at one instruction; more would be two rules that undo each other.
+const STEPS_MAX: usize = 16;
+
+struct Folder<'a> {
+    function: &'a mut Function,
+    /// The instructions of the block so far.
+    out: Vec<Inst>,
+    loc: Loc,
+}
+
+impl Folder<'_> {
+    fn visit(&mut self, inst: Inst) {
+        self.loc = self.function.locs[inst];
+        let mut data = std::mem::replace(&mut self.function.insts[inst], InstData::Const { bits: 0 });
+        data.map_uses(|value| self.function.resolve(value));
+        for _ in 0..STEPS_MAX {
+            match self.step(inst, &data) {
+                None => break,
+                Some(Change::Data(new)) => data = new,
+                Some(Change::Value(value)) => {
+                    let result = self.function.result(inst);
+                    self.function.replace_value(result, value);
+                    return;
+                }
+            }
+        }
+        self.function.insts[inst] = data;
+        self.out.push(inst);
+    }
+
+    fn step(&mut self, inst: Inst, data: &InstData) -> Option<Change> {
+        let result_type = |f: &Function| f.ty(f.result(inst));
+        match data {
+            InstData::Unary { op, arg } => self.unary(*op, *arg),
+            InstData::Binary { op, args } => self.binary(*op, *args),
+            InstData::IntCompare { cc, args } => self.int_compare(*cc, *args),
+            InstData::FloatCompare { cc, args } => self.float_compare(*cc, *args),
+            InstData::Convert { op, arg } => self.convert(*op, result_type(self.function), *arg),
+            InstData::Select { cond, if_true, if_false } => self.select(*cond, *if_true, *if_false),
+            InstData::Branch { cond, then_to, else_to } => self.branch(*cond, then_to, else_to),
+            InstData::Switch { value, targets, default } => {
+                let target = match self.function.constant(*value) {
+                    Some(bits) => targets.get(bits as usize).unwrap_or(default),
+                    None if targets.iter().all(|target| target == default) => default,
+                    None => return None,
+                };
+                Some(Change::Data(InstData::Jump { target: target.clone() }))
+            }
+            InstData::Const { .. }
+            | InstData::Load { .. }
+            | InstData::Store { .. }
+            | InstData::LoadBit { .. }
+            | InstData::StoreBit { .. }
+            | InstData::AddressOf { .. }
+            | InstData::Clear { .. }
+            | InstData::Copy { .. }
+            | InstData::DbBase { .. }
+            | InstData::DbLength { .. }
+            | InstData::Call { .. }
+            | InstData::CallRuntime { .. }
+            | InstData::FrameBase { .. }
+            | InstData::Jump { .. }
+            | InstData::Return { .. } => None,
+        }
+    }
+
+    fn ty(&self, value: Value) -> Type {
+        self.function.ty(value)
+    }
+
+    fn constant(&self, value: Value) -> Option<u64> {
+        self.function.constant(value)
+    }
+
+    /// Puts an instruction before the one that is visited.
+    fn emit(&mut self, data: InstData, ty: Type) -> Value {
+        let inst = self.function.make_inst(data, &[ty], self.loc);
+        self.out.push(inst);
+        self.function.result(inst)
+    }
+
+    fn emit_const(&mut self, ty: Type, bits: u64) -> Value {
+        self.emit(InstData::Const { bits: eval::mask(ty, bits) }, ty)
+    }
+
+    /// The operand of a one's complement (of an i1 a negation).
+    fn negated(&self, value: Value) -> Option<Value> {
+        match self.function.defining(value) {
+            Some(InstData::Binary { op: BinaryOp::Xor, args: [a, b] }) => {
+                let ones = eval::mask(self.ty(value), u64::MAX);
+                (self.constant(*b) == Some(ones)).then_some(*a)
+            }
+            _ => None,
+        }
+    }
+
+    fn unary(&mut self, op: UnaryOp, arg: Value) -> Option<Change> {
+        let ty = self.ty(arg);
+        if let Some(bits) = self.constant(arg) {
+            return constant(eval::mask(ty, eval::unary(op, ty, bits)));
+        }
+        match (op, self.function.defining(arg)) {
+            (UnaryOp::Bswap | UnaryOp::Fneg, Some(InstData::Unary { op: inner, arg: x })) if *inner == op => {
+                Some(Change::Value(*x))
+            }
+            (UnaryOp::Fabs, Some(InstData::Unary { op: UnaryOp::Fabs, .. })) => Some(Change::Value(arg)),
+            (UnaryOp::Fabs, Some(InstData::Unary { op: UnaryOp::Fneg, arg: x })) => {
+                Some(Change::Data(InstData::Unary { op, arg: *x }))
+            }
+            _ => None,
+        }
+    }
+
+    fn convert(&mut self, op: ConvertOp, to: Type, arg: Value) -> Option<Change> {
+        let from = self.ty(arg);
+        if let Some(bits) = self.constant(arg) {
+            return constant(eval::convert(op, from, to, bits));
+        }
+        if op == ConvertOp::Trunc
+            && let Some(change) = self.trunc_of_parts(to, arg)
+        {
+            return Some(change);
+        }
+        if let (ConvertOp::Trunc, Some(&InstData::Select { cond, if_true, if_false })) =
+            (op, self.function.defining(arg))
+            && let (Some(t), Some(f)) = (self.constant(if_true), self.constant(if_false))
+        {
+            let (if_true, if_false) = (self.emit_const(to, t), self.emit_const(to, f));
+            return Some(Change::Data(InstData::Select { cond, if_true, if_false }));
+        }
+        let Some(&InstData::Convert { op: inner, arg: x }) = self.function.defining(arg) else { return None };
+        let narrow = self.ty(x);
+        let again = |op| Some(Change::Data(InstData::Convert { op, arg: x }));
+        match (op, inner) {
+            (ConvertOp::Zext, ConvertOp::Zext)
+            | (ConvertOp::Sext, ConvertOp::Sext)
+            | (ConvertOp::Trunc, ConvertOp::Trunc) => again(op),
+            // The sign of what was filled with 0 is 0.
+            (ConvertOp::Sext, ConvertOp::Zext) => again(ConvertOp::Zext),
+            (ConvertOp::Trunc, ConvertOp::Zext | ConvertOp::Sext) => {
+                if to == narrow {
+                    Some(Change::Value(x))
+                } else if to.bits() < narrow.bits() {
+                    again(ConvertOp::Trunc)
+                } else {
+                    again(inner)
+                }
+            }
+            (ConvertOp::Bitcast, ConvertOp::Bitcast) => Some(Change::Value(x)),
+            _ => None,
+        }
+    }
+
+    fn select(&mut self, cond: Value, if_true: Value, if_false: Value) -> Option<Change> {
+        if if_true == if_false {
+            return Some(Change::Value(if_true));
+        }
+        if let Some(bits) = self.constant(cond) {
+            return Some(Change::Value(if bits != 0 { if_true } else { if_false }));
+        }
+        let ty = self.ty(if_true);
+        let (t, f) = (self.constant(if_true), self.constant(if_false));
+        if t.is_some() && t == f {
+            return Some(Change::Value(if_true));
+        }
+        if let Some(x) = self.negated(cond) {
+            return Some(Change::Data(InstData::Select { cond: x, if_true: if_false, if_false: if_true }));
+        }
+        if ty == Type::I1 {
+            let binary = |op, other| Some(Change::Data(InstData::Binary { op, args: [cond, other] }));
+            return match (t, f) {
+                (Some(1), Some(0)) => Some(Change::Value(cond)),
+                (Some(0), Some(1)) => binary(BinaryOp::Xor, if_false),
+                (Some(1), None) => binary(BinaryOp::Or, if_false),
+                (None, Some(0)) => binary(BinaryOp::And, if_true),
+                (Some(0), None) => {
+                    let not = self.emit_not(cond);
+                    Some(Change::Data(InstData::Binary { op: BinaryOp::And, args: [not, if_false] }))
+                }
+                (None, Some(1)) => {
+                    let not = self.emit_not(cond);
+                    Some(Change::Data(InstData::Binary { op: BinaryOp::Or, args: [not, if_true] }))
+                }
+                _ => None,
+            };
+        }
+        match (ty.is_int(), t, f) {
+            (true, Some(1), Some(0)) => Some(Change::Data(InstData::Convert { op: ConvertOp::Zext, arg: cond })),
+            (true, Some(0), Some(1)) => {
+                let not = self.emit_not(cond);
+                Some(Change::Data(InstData::Convert { op: ConvertOp::Zext, arg: not }))
+            }
+            _ => None,
+        }
+    }
+
+    fn emit_not(&mut self, cond: Value) -> Value {
+        let one = self.emit_const(Type::I1, 1);
+        self.emit(InstData::Binary { op: BinaryOp::Xor, args: [cond, one] }, Type::I1)
+    }
+
+    fn branch(&mut self, cond: Value, then_to: &BlockCall, else_to: &BlockCall) -> Option<Change> {
+        let jump = |target: &BlockCall| Some(Change::Data(InstData::Jump { target: target.clone() }));
+        if then_to == else_to {
+            return jump(then_to);
+        }
+        if let Some(bits) = self.constant(cond) {
+            return jump(if bits != 0 { then_to } else { else_to });
+        }
+        let cond = self.negated(cond)?;
+        Some(Change::Data(InstData::Branch { cond, then_to: else_to.clone(), else_to: then_to.clone() }))
+    }
+}
+
+fn constant(bits: u64) -> Option<Change> {
+    Some(Change::Data(InstData::Const { bits }))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,239 @@
+//! Rules for operations with two operands, and for taking words out of wider values.
+
+use plcc_ir::{BinaryOp, ConvertOp, InstData, Type, Value, eval};
+
+use super::{Change, Folder, constant};
+use crate::known_bits::{known_zero, shift_count};
+
+impl Folder<'_> {
+    pub(super) fn binary(&mut self, op: BinaryOp, [a, b]: [Value; 2]) -> Option<Change> {
+        let ty = self.ty(a);
+        let (ca, cb) = (self.constant(a), self.constant(b));
+        if let (Some(ca), Some(cb)) = (ca, cb) {
+            return eval::binary(op, ty, ca, cb).and_then(constant);
+        }
+        if !ty.is_int() {
+            return None;
+        }
+        // Constants stand on the right.
+        if ca.is_some() && is_commutative(op) {
+            return Some(Change::Data(InstData::Binary { op, args: [b, a] }));
+        }
+        if let Some(cb) = cb
+            && let Some(change) = self.binary_with_constant(op, ty, a, b, cb)
+        {
+            return Some(change);
+        }
+        match op {
+            BinaryOp::And | BinaryOp::Or if a == b => Some(Change::Value(a)),
+            BinaryOp::Xor | BinaryOp::Isub if a == b => constant(0),
+            BinaryOp::And | BinaryOp::Or => self
+                .complements(op, ty, a, b)
+                .or_else(|| self.absorbed(op, a, b))
+                .or_else(|| if ty == Type::I1 { self.combined_compares(op, a, b) } else { self.disjoint(op, a, b) }),
+            BinaryOp::Xor => match (self.negated(a), self.negated(b)) {
+                (Some(x), Some(y)) => Some(Change::Data(InstData::Binary { op, args: [x, y] })),
+                _ if ty == Type::I1 => self.combined_compares(op, a, b),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    fn binary_with_constant(&mut self, op: BinaryOp, ty: Type, a: Value, b: Value, cb: u64) -> Option<Change> {
+        let all = eval::mask(ty, u64::MAX);
+        let zeros = known_zero(self.function, a);
+        match op {
+            BinaryOp::And => {
+                if !zeros & !cb & all == 0 {
+                    return Some(Change::Value(a));
+                }
+                if !zeros & cb == 0 {
+                    return constant(0);
+                }
+            }
+            BinaryOp::Or => {
+                if cb == 0 {
+                    return Some(Change::Value(a));
+                }
+                if cb == all {
+                    return constant(all);
+                }
+            }
+            BinaryOp::Xor => {
+                if cb == 0 {
+                    return Some(Change::Value(a));
+                }
+                if cb == 1
+                    && ty == Type::I1
+                    && let Some(change) = self.inverted_compare(a)
+                {
+                    return Some(change);
+                }
+            }
+            BinaryOp::Iadd if cb == 0 => return Some(Change::Value(a)),
+            BinaryOp::Isub => {
+                if cb == 0 {
+                    return Some(Change::Value(a));
+                }
+                let minus = self.emit_const(ty, cb.wrapping_neg());
+                return Some(Change::Data(InstData::Binary { op: BinaryOp::Iadd, args: [a, minus] }));
+            }
+            BinaryOp::Imul => match cb {
+                0 => return constant(0),
+                1 => return Some(Change::Value(a)),
+                _ if cb.is_power_of_two() => {
+                    let count = self.emit_const(ty, u64::from(cb.trailing_zeros()));
+                    return Some(Change::Data(InstData::Binary { op: BinaryOp::Shl, args: [a, count] }));
+                }
+                _ => {}
+            },
+            BinaryOp::Sdiv if cb == 1 => return Some(Change::Value(a)),
+            BinaryOp::Shl | BinaryOp::Lshr | BinaryOp::Ashr | BinaryOp::Rotl | BinaryOp::Rotr => {
+                if shift_count(self.function, ty, b) == Some(0) {
+                    return Some(Change::Value(a));
+                }
+                return self.shift_of_shift(op, ty, a, b).or_else(|| self.shift_of_parts(op, ty, a, b));
+            }
+            BinaryOp::Iadd
+            | BinaryOp::Sdiv
+            | BinaryOp::Srem
+            | BinaryOp::Fadd
+            | BinaryOp::Fsub
+            | BinaryOp::Fmul
+            | BinaryOp::Fdiv => {}
+        }
+        self.reassociated(op, ty, a, cb)
+            .or_else(|| if op == BinaryOp::And { self.and_of_parts(a, b, cb) } else { None })
+    }
+
+    /// `(x op c1) op c2` is `x op (c1 op c2)`.
+    fn reassociated(&mut self, op: BinaryOp, ty: Type, a: Value, cb: u64) -> Option<Change> {
+        if !matches!(op, BinaryOp::Iadd | BinaryOp::And | BinaryOp::Or | BinaryOp::Xor) {
+            return None;
+        }
+        let Some(&InstData::Binary { op: inner, args: [x, c] }) = self.function.defining(a) else { return None };
+        let bits = eval::binary(op, ty, self.constant(c)?, cb)?;
+        if inner != op {
+            return None;
+        }
+        let both = self.emit_const(ty, bits);
+        Some(Change::Data(InstData::Binary { op, args: [x, both] }))
+    }
+
+    /// `and x, (not x)` is 0, `or x, (not x)` has all bits.
+    fn complements(&self, op: BinaryOp, ty: Type, a: Value, b: Value) -> Option<Change> {
+        if self.negated(a) != Some(b) && self.negated(b) != Some(a) {
+            return None;
+        }
+        constant(if op == BinaryOp::And { 0 } else { eval::mask(ty, u64::MAX) })
+    }
+
+    /// `and x, (or x, y)` and `or x, (and x, y)` are x; the same with the inner operation repeated.
+    fn absorbed(&self, op: BinaryOp, a: Value, b: Value) -> Option<Change> {
+        for (x, other) in [(a, b), (b, a)] {
+            if let Some(&InstData::Binary { op: inner, args }) = self.function.defining(other)
+                && args.contains(&x)
+            {
+                match (op, inner) {
+                    (BinaryOp::And, BinaryOp::Or) | (BinaryOp::Or, BinaryOp::And) => return Some(Change::Value(x)),
+                    (BinaryOp::And, BinaryOp::And) | (BinaryOp::Or, BinaryOp::Or) => return Some(Change::Value(other)),
+                    _ => {}
+                }
+            }
+        }
+        None
+    }
+
+    /// An `or` or `and` one of whose operands is 0 in all bits where it could matter.
+    fn disjoint(&self, op: BinaryOp, a: Value, b: Value) -> Option<Change> {
+        let possible = |value| !known_zero(self.function, value);
+        match op {
+            BinaryOp::And if possible(a) & possible(b) == 0 => constant(0),
+            BinaryOp::Or if possible(a) == 0 => Some(Change::Value(b)),
+            BinaryOp::Or if possible(b) == 0 => Some(Change::Value(a)),
+            _ => None,
+        }
+    }
+
+    /// The operand of `or a, b` or `xor a, b` that alone has bits in `wanted`.
+    fn part_with(&self, value: Value, wanted: u64) -> Option<Value> {
+        match self.function.defining(value) {
+            Some(&InstData::Binary { op: BinaryOp::Or | BinaryOp::Xor, args: [a, b] }) => {
+                let possible = |value| !known_zero(self.function, value) & wanted;
+                if possible(a) == 0 {
+                    Some(b)
+                } else if possible(b) == 0 {
+                    Some(a)
+                } else {
+                    None
+                }
+            }
+            Some(&InstData::Binary { op: BinaryOp::And, args: [a, b] }) => {
+                let mask = self.constant(b)?;
+                (mask & wanted == wanted).then_some(a)
+            }
+            _ => None,
+        }
+    }
+
+    fn and_of_parts(&self, a: Value, b: Value, mask: u64) -> Option<Change> {
+        let part = self.part_with(a, mask)?;
+        Some(Change::Data(InstData::Binary { op: BinaryOp::And, args: [part, b] }))
+    }
+
+    /// A shift whose other part is shifted out.
+    fn shift_of_parts(&self, op: BinaryOp, ty: Type, a: Value, b: Value) -> Option<Change> {
+        let count = shift_count(self.function, ty, b)?;
+        let all = eval::mask(ty, u64::MAX);
+        let wanted = match op {
+            BinaryOp::Shl => all >> count,
+            BinaryOp::Lshr => all >> count << count,
+            _ => return None,
+        };
+        let part = self.part_with(a, wanted)?;
+        Some(Change::Data(InstData::Binary { op, args: [part, b] }))
+    }
+
+    /// Two shifts in the same direction are one.
+    fn shift_of_shift(&mut self, op: BinaryOp, ty: Type, a: Value, b: Value) -> Option<Change> {
+        let Some(&InstData::Binary { op: inner, args: [x, c] }) = self.function.defining(a) else { return None };
+        let (outer_count, inner_count) = (shift_count(self.function, ty, b)?, shift_count(self.function, ty, c)?);
+        if inner != op || !matches!(op, BinaryOp::Shl | BinaryOp::Lshr) {
+            return None;
+        }
+        let count = outer_count + inner_count;
+        if count >= ty.bits() {
+            return constant(0);
+        }
+        let count = self.emit_const(ty, u64::from(count));
+        Some(Change::Data(InstData::Binary { op, args: [x, count] }))
+    }
+
+    /// The low word of something put together from words.
+    pub(super) fn trunc_of_parts(&mut self, to: Type, arg: Value) -> Option<Change> {
+        let wanted = eval::mask(to, u64::MAX);
+        let part = self.part_with(arg, wanted)?;
+        Some(Change::Data(InstData::Convert { op: ConvertOp::Trunc, arg: part }))
+    }
+}
+
+/// True if the operands may change places.
+pub(crate) fn is_commutative(op: BinaryOp) -> bool {
+    match op {
+        BinaryOp::Iadd | BinaryOp::Imul | BinaryOp::And | BinaryOp::Or | BinaryOp::Xor => true,
+        // Not the floats: of two NaN the first one's bits come out.
+        BinaryOp::Isub
+        | BinaryOp::Sdiv
+        | BinaryOp::Srem
+        | BinaryOp::Shl
+        | BinaryOp::Lshr
+        | BinaryOp::Ashr
+        | BinaryOp::Rotl
+        | BinaryOp::Rotr
+        | BinaryOp::Fadd
+        | BinaryOp::Fsub
+        | BinaryOp::Fmul
+        | BinaryOp::Fdiv => false,
+    }
+}

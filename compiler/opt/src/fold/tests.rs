@@ -1,0 +1,100 @@
+//! What the rules make of typical code. Each expectation is checked after dead code is gone.
+
+use plcc_ir::parse::parse_module;
+use plcc_ir::print::module_text;
+
+#[track_caller]
+fn check(body: &str, expected: &str) {
+    let around = |body: &str| {
+        let text = format!("func @F -> i32 {{\nb0(v0: i32, v1: i32, v2: i1, v3: i16, v4: f32, v5: i1):\n{body}\n}}\n");
+        parse_module(&text).expect("text is well formed")
+    };
+    let mut module = around(body);
+    crate::check("parsing", &module);
+    super::fold(&mut module);
+    crate::dead_code::eliminate_dead_code(&mut module);
+    crate::check("fold", &module);
+    module.functions.values_mut().for_each(plcc_ir::Function::compact);
+    assert_eq!(module_text(&module), module_text(&around(expected)));
+}
+
+#[test]
+fn the_low_word_of_an_accumulator() {
+    check(
+        "v10 = const.i32 4294901760\nv11 = and v0, v10\nv12 = zext.i32 v3\nv13 = or v11, v12\nv14 = trunc.i16 v13\nstore.i16 \
+         M 0, v14\nret v13",
+        "v10 = const.i32 4294901760\nv11 = and v0, v10\nv12 = zext.i32 v3\nv13 = or v11, v12\nstore.i16 M 0, v3\nret v13",
+    );
+    check(
+        "v10 = const.i32 16\nv11 = shl v0, v10\nv12 = zext.i32 v3\nv13 = or v11, v12\nv14 = lshr v13, v10\nret v14",
+        "v10 = const.i32 16\nv11 = shl v0, v10\nv14 = lshr v11, v10\nret v14",
+    );
+}
+
+#[test]
+fn comparisons_combine() {
+    check(
+        "v10 = slt v0, v1\nv11 = sgt v0, v1\nv12 = or v10, v11\nstore.bit M 0.0, v12\nret v0",
+        "v10 = ne v0, v1\nstore.bit M 0.0, v10\nret v0",
+    );
+    check(
+        "v10 = slt v0, v1\nv11 = slt v1, v0\nv12 = or v10, v11\nv13 = const.i1 1\nv14 = xor v12, v13\nstore.bit M 0.0, v14\nret v0",
+        "v10 = eq v0, v1\nstore.bit M 0.0, v10\nret v0",
+    );
+    // Signed and unsigned orders do not mix.
+    let text = "v10 = slt v0, v1\nv11 = ugt v0, v1\nv12 = or v10, v11\nstore.bit M 0.0, v12\nret v0";
+    check(text, text);
+    // The negation of `<` is no comparison if an operand is NaN.
+    let text = "v10 = flt v4, v4x\nv11 = const.i1 1\nv12 = xor v10, v11\nstore.bit M 0.0, v12\nret v0";
+    let text = text.replace("v4x", "v20");
+    let text = format!("v20 = fneg v4\n{text}");
+    check(&text, &text);
+}
+
+#[test]
+fn bounds_checks_are_decided_by_ranges() {
+    check(
+        "v10 = zext.i32 v3\nv11 = const.i32 65536\nv12 = ult v10, v11\nbranch v12, b1, b2\nb1:\nret v0\nb2:\nret v1",
+        "jump b1\nb1:\nret v0",
+    );
+    check(
+        "v10 = const.i32 255\nv11 = and v0, v10\nv12 = const.i32 4\nv13 = iadd v11, v12\nv14 = const.i32 300\nv15 = ugt v13, \
+         v14\nstore.bit M 0.0, v15\nret v0",
+        "v10 = const.i1 0\nstore.bit M 0.0, v10\nret v0",
+    );
+}
+
+#[test]
+fn bits_as_words_and_back() {
+    check(
+        "v10 = zext.i32 v2\nv11 = const.i32 0\nv12 = ne v10, v11\nstore.bit M 0.0, v12\nret v0",
+        "store.bit M 0.0, v2\nret v0",
+    );
+    check(
+        "v10 = const.i32 1\nv11 = const.i32 0\nv12 = select v2, v10, v11\nv13 = eq v12, v11\nbranch v13, b1, b2\nb1:\nret \
+         v0\nb2:\nret v1",
+        "branch v2, b2, b1\nb1:\nret v0\nb2:\nret v1",
+    );
+    check(
+        "v10 = const.i1 1\nv11 = xor v2, v10\nv12 = and v2, v11\nv13 = or v5, v12\nv14 = and v5, v13\nstore.bit M 0.0, \
+         v14\nret v0",
+        "store.bit M 0.0, v5\nret v0",
+    );
+}
+
+#[test]
+fn arithmetic_on_constants() {
+    check(
+        "v10 = const.i32 5\nv11 = isub v0, v10\nv12 = const.i32 3\nv13 = iadd v12, v11\nret v13",
+        "v10 = const.i32 4294967294\nv11 = iadd v0, v10\nret v11",
+    );
+    check(
+        "v10 = const.i32 0\nv11 = const.i32 7\nv12 = sdiv v11, v10\nret v12",
+        "v10 = const.i32 0\nv11 = const.i32 7\nv12 = sdiv v11, v10\nret v12",
+    );
+}
+
+#[test]
+fn a_known_switch_is_a_jump() {
+    check("v10 = const.i32 1\nswitch v10 [b1, b2], b1\nb1:\nret v0\nb2:\nret v1", "jump b1\nb1:\nret v1");
+}

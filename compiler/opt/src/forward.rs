@@ -1,0 +1,506 @@
+//! Store-to-load forwarding and removal of redundant loads and stores.
+//!
+//! Walking forward, the pass keeps what is known about memory: ranges of bits that hold a value, or 0 behind a `clear`. A load of
+//! such a range is the value, or a part of it; a store of what is there already goes away.
+//!
+//! ```text
+//! store.bit M 10.0, v1
+//! v2 = load.bit M 10.0       ; v2 is v1
+//! store.i16 DB5 2, v3
+//! v4 = load.bit M 10.0       ; v1 again: DB5 is not M
+//! v5 = load.bit DB5 3.0      ; bit 0 of v3
+//! ```
+//!
+//! A store makes unknown what it may overlap: in the same region and with the same base what really overlaps; with another
+//! base everything in the region and in those that may alias it. A call makes everything unknown, except a private frame
+//! (see `frames`) that the callee does not touch.
+//!
+//! A block with one predecessor begins with what that one knew at its end; a join with what all predecessors know alike; a loop
+//! head and a cold block with nothing. What is known is bounded, so that time stays linear.
+
+use std::rc::Rc;
+
+use plcc_abi::functions::Effect;
+use plcc_abi::layout::state;
+use plcc_ir::analysis::ControlFlow;
+use plcc_ir::entities::EntityVec;
+use plcc_ir::{
+    Address, BinaryOp, Block, ConvertOp, FuncId, Function, Inst, InstData, Loc, Module, Region, Type, Value,
+};
+use rustc_hash::FxHashMap;
+
+use crate::extents::{Access, Extent, Extents};
+use crate::frames::Frames;
+
+/// Ranges that are known for one base; more are forgotten.
+const RANGES_MAX: usize = 256;
+/// Regions with their bases.
+const BASES_MAX: usize = 64;
+const DB_FACTS_MAX: usize = 32;
+
+/// Forwards memory in all functions.
+pub fn forward_memory(module: &mut Module) {
+    let frames = Frames::new(module);
+    for id in module.functions.keys() {
+        forward_in_function(&mut module.functions[id], id, &frames);
+    }
+}
+
+fn forward_in_function(function: &mut Function, id: FuncId, frames: &Frames) {
+    let cfg = ControlFlow::new(function);
+    let mut at_end: EntityVec<Block, Option<AtEnd>> = EntityVec::new();
+    for _ in function.blocks.keys() {
+        at_end.push(None);
+    }
+    let mut pass = Forward { function, id, frames, known: Memory::default(), out: Vec::new(), loc: Loc(0) };
+    for &block in &cfg.rpo {
+        pass.known = known_at_start(pass.function, &cfg, block, &mut at_end);
+        let insts = std::mem::take(&mut pass.function.blocks[block].insts);
+        pass.out = Vec::with_capacity(insts.len());
+        for inst in insts {
+            pass.visit(inst);
+        }
+        pass.function.blocks[block].insts = std::mem::take(&mut pass.out);
+        let readers =
+            cfg.successors(block).iter().filter(|&&next| takes_from(pass.function, &cfg, block, next)).count();
+        if readers > 0 {
+            at_end[block] = Some(AtEnd { memory: std::mem::take(&mut pass.known), readers });
+        }
+    }
+    function.resolve_aliases();
+}
+
+/// What is known at the end of a block, and how many jumps have yet to carry it on.
+struct AtEnd {
+    memory: Memory,
+    readers: usize,
+}
+
+/// True if `next`, which comes later in the walk, begins with what is known at the end of `block`.
+fn takes_from(function: &Function, cfg: &ControlFlow, block: Block, next: Block) -> bool {
+    !function.blocks[next].cold && cfg.rpo_index(block) < cfg.rpo_index(next)
+}
+
+fn known_at_start(
+    function: &Function,
+    cfg: &ControlFlow,
+    block: Block,
+    at_end: &mut EntityVec<Block, Option<AtEnd>>,
+) -> Memory {
+    let mut known: Option<Memory> = None;
+    let mut complete = true;
+    for &pred in cfg.predecessors(block) {
+        if !takes_from(function, cfg, pred, block) {
+            complete = false;
+            continue;
+        }
+        let Some(end) = &mut at_end[pred] else {
+            complete = false;
+            continue;
+        };
+        end.readers -= 1;
+        let memory = if end.readers == 0 {
+            std::mem::take(&mut end.memory)
+        } else {
+            end.memory.bound();
+            end.memory.clone()
+        };
+        if end.readers == 0 {
+            at_end[pred] = None;
+        }
+        match &mut known {
+            None => known = Some(memory),
+            Some(known) => known.intersect(&memory),
+        }
+    }
+    if complete { known.unwrap_or_default() } else { Memory::default() }
+}
+
+/// What a range of memory holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Content {
+    Value(Value),
+    /// All bits are 0.
+    Zero,
+}
+
+/// What is known behind each base of a region.
+type Bases = Vec<(Option<Value>, Rc<Extents<Content>>)>;
+
+/// What is known about memory.
+#[derive(Clone, Default)]
+struct Memory {
+    regions: FxHashMap<Region, Bases>,
+    /// Entries of the DB table: (number, wants the length, value).
+    dbs: Vec<(Value, bool, Value)>,
+}
+
+impl Memory {
+    fn bound(&mut self) {
+        if self.regions.values().map(Vec::len).sum::<usize>() > BASES_MAX {
+            self.regions.clear();
+        }
+    }
+
+    fn find(&self, access: &Access) -> Option<&Extents<Content>> {
+        let bases = self.regions.get(&access.region)?;
+        bases.iter().find(|(base, _)| *base == access.base).map(|(_, extents)| &**extents)
+    }
+
+    /// Notes what an access has read or written; the range is unknown so far.
+    fn learn(&mut self, access: &Access, content: Content) {
+        let bases = self.regions.entry(access.region).or_default();
+        let index = match bases.iter().position(|(base, _)| *base == access.base) {
+            Some(index) => index,
+            None => {
+                if bases.len() >= BASES_MAX {
+                    bases.clear();
+                }
+                bases.push((access.base, Rc::default()));
+                bases.len() - 1
+            }
+        };
+        let extents = Rc::make_mut(&mut bases[index].1);
+        if extents.len() >= RANGES_MAX {
+            extents.clear();
+        }
+        extents.insert(access.start, access.end, content, content == Content::Zero);
+    }
+
+    /// Forgets what a write to `access` may change.
+    fn forget(&mut self, access: &Access) {
+        match access.region {
+            Region::State | Region::I | Region::Q | Region::M | Region::L | Region::V => {
+                self.forget_in(access.region, access);
+            }
+            Region::Db(_) => {
+                self.forget_in(access.region, access);
+                self.regions.remove(&Region::AnyDb);
+            }
+            Region::AnyDb => {
+                self.forget_in(access.region, access);
+                self.regions.retain(|&region, _| region == Region::AnyDb || !region.may_alias(Region::AnyDb));
+            }
+            Region::Any => {
+                self.forget_in(access.region, access);
+                self.regions.retain(|&region, _| region == Region::Any || !region.may_alias(Region::Any));
+            }
+        }
+        if !matches!(access.region, Region::State | Region::Any) {
+            self.regions.remove(&Region::Any);
+        }
+    }
+
+    /// Forgets in one region: what overlaps behind the same base, everything behind others.
+    fn forget_in(&mut self, region: Region, access: &Access) {
+        let Some(bases) = self.regions.get_mut(&region) else { return };
+        bases.retain(|(base, _)| *base == access.base);
+        for (_, extents) in bases {
+            if extents.overlaps(access.start, access.end) {
+                Rc::make_mut(extents).cut(access.start, access.end, |content| content == Content::Zero);
+            }
+        }
+    }
+
+    /// Forgets everything but, perhaps, the own frame.
+    fn forget_all(&mut self, keep_frame: bool) {
+        self.regions.retain(|&region, _| keep_frame && region == Region::L);
+        self.dbs.clear();
+    }
+
+    fn intersect(&mut self, other: &Memory) {
+        self.regions.retain(|region, bases| {
+            let Some(others) = other.regions.get(region) else { return false };
+            bases.retain_mut(|(base, extents)| {
+                let Some((_, other)) = others.iter().find(|(other_base, _)| other_base == base) else { return false };
+                if !Rc::ptr_eq(extents, other) {
+                    Rc::make_mut(extents).retain(|item| other.covering(item.start, item.end) == Some(*item));
+                }
+                !extents.is_empty()
+            });
+            !bases.is_empty()
+        });
+        self.dbs.retain(|entry| other.dbs.contains(entry));
+    }
+}
+
+/// What to do with an instruction.
+enum Step {
+    Keep,
+    /// It does nothing.
+    Drop,
+    /// Its result is this value.
+    Replace(Value),
+}
+
+struct Forward<'a> {
+    function: &'a mut Function,
+    id: FuncId,
+    frames: &'a Frames,
+    known: Memory,
+    out: Vec<Inst>,
+    loc: Loc,
+}
+
+impl Forward<'_> {
+    fn visit(&mut self, inst: Inst) {
+        let function = &mut *self.function;
+        self.loc = function.locs[inst];
+        let mut data = std::mem::replace(&mut function.insts[inst], InstData::Const { bits: 0 });
+        data.map_uses(|value| function.resolve(value));
+        let step = self.step(inst, &data);
+        self.function.insts[inst] = data;
+        match step {
+            Step::Keep => self.out.push(inst),
+            Step::Drop => {}
+            Step::Replace(value) => {
+                let result = self.function.result(inst);
+                self.function.replace_value(result, value);
+            }
+        }
+    }
+
+    fn step(&mut self, inst: Inst, data: &InstData) -> Step {
+        match data {
+            InstData::Load { addr } => {
+                let result = self.function.result(inst);
+                let ty = self.function.ty(result);
+                self.load(&Access::of_type(addr, ty), ty, result)
+            }
+            InstData::LoadBit { addr, bit } => {
+                self.load(&Access::bit(addr, *bit), Type::I1, self.function.result(inst))
+            }
+            InstData::Store { addr, value } => self.store(&Access::of_type(addr, self.function.ty(*value)), *value),
+            InstData::StoreBit { addr, bit, value } => self.store(&Access::bit(addr, *bit), *value),
+            InstData::Clear { addr, len } => self.clear(addr, *len),
+            InstData::Copy { to, len, .. } => {
+                self.known.forget(&Access::bytes(to, *len));
+                Step::Keep
+            }
+            InstData::DbBase { number } => self.db_entry(inst, *number, false),
+            InstData::DbLength { number } => self.db_entry(inst, *number, true),
+            InstData::Call { callee, .. } => {
+                self.known.forget_all(!self.frames.call_touches(self.id, *callee));
+                Step::Keep
+            }
+            InstData::CallRuntime { function, .. } => {
+                match function.effect() {
+                    Effect::Pure | Effect::Cells => {}
+                    Effect::Io => {
+                        self.known.regions.remove(&Region::Q);
+                        self.known.regions.remove(&Region::Any);
+                    }
+                    Effect::All => self.known.forget_all(self.frames.is_private(self.id)),
+                }
+                Step::Keep
+            }
+            InstData::Const { .. }
+            | InstData::Unary { .. }
+            | InstData::Binary { .. }
+            | InstData::IntCompare { .. }
+            | InstData::FloatCompare { .. }
+            | InstData::Convert { .. }
+            | InstData::Select { .. }
+            | InstData::AddressOf { .. }
+            | InstData::FrameBase { .. }
+            | InstData::Jump { .. }
+            | InstData::Branch { .. }
+            | InstData::Switch { .. }
+            | InstData::Return { .. } => Step::Keep,
+        }
+    }
+
+    fn load(&mut self, access: &Access, ty: Type, result: Value) -> Step {
+        if is_attention(access) {
+            return Step::Keep;
+        }
+        if let Some(extents) = self.known.find(access) {
+            if let Some(extent) = extents.covering(access.start, access.end) {
+                return match self.part_of(extent, access, ty) {
+                    Some(value) => Step::Replace(value),
+                    None => Step::Keep,
+                };
+            }
+            // What is known about its parts, above all bits, is worth more than the whole.
+            if extents.overlaps(access.start, access.end) {
+                return Step::Keep;
+            }
+        }
+        self.known.learn(access, Content::Value(result));
+        Step::Keep
+    }
+
+    /// The value of type `ty` that `access` reads from a range that contains it.
+    fn part_of(&mut self, extent: Extent<Content>, access: &Access, ty: Type) -> Option<Value> {
+        let whole = match extent.known {
+            Content::Zero => return Some(self.emit(InstData::Const { bits: 0 }, ty)),
+            Content::Value(value) => self.function.resolve(value),
+        };
+        let whole_type = self.function.ty(whole);
+        if (extent.start, extent.end) == (access.start, access.end) {
+            if whole_type == ty {
+                return Some(whole);
+            }
+            // An i32 of which an f32 is read.
+            let same_width = whole_type.bits() == ty.bits() && whole_type.is_int() != ty.is_int();
+            return same_width.then(|| self.emit(InstData::Convert { op: ConvertOp::Bitcast, arg: whole }, ty));
+        }
+        if !whole_type.is_int() || !ty.is_int() || access.region == Region::State {
+            return None;
+        }
+        // Memory is big-endian: bytes behind the part are below it. Within its byte a bit has its own number.
+        let bytes_behind = (extent.end - access.end.next_multiple_of(8)) / 8;
+        let shift = bytes_behind * 8 + if ty == Type::I1 { access.start % 8 } else { 0 };
+        let shifted = if shift == 0 {
+            whole
+        } else {
+            let count = self.emit(InstData::Const { bits: shift }, whole_type);
+            self.emit(InstData::Binary { op: BinaryOp::Lshr, args: [whole, count] }, whole_type)
+        };
+        Some(self.emit(InstData::Convert { op: ConvertOp::Trunc, arg: shifted }, ty))
+    }
+
+    fn emit(&mut self, data: InstData, ty: Type) -> Value {
+        let inst = self.function.make_inst(data, &[ty], self.loc);
+        self.out.push(inst);
+        self.function.result(inst)
+    }
+
+    fn store(&mut self, access: &Access, value: Value) -> Step {
+        if is_attention(access) {
+            return Step::Keep;
+        }
+        if let Some(extent) = self.known.find(access).and_then(|extents| extents.covering(access.start, access.end)) {
+            let same = match extent.known {
+                Content::Zero => self.function.constant(value) == Some(0),
+                Content::Value(known) => {
+                    (extent.start, extent.end) == (access.start, access.end) && self.is_same(known, value)
+                }
+            };
+            if same {
+                return Step::Drop;
+            }
+        }
+        self.known.forget(access);
+        self.known.learn(access, Content::Value(value));
+        Step::Keep
+    }
+
+    fn is_same(&self, a: Value, b: Value) -> bool {
+        let (a, b) = (self.function.resolve(a), self.function.resolve(b));
+        let constant = self.function.constant(a);
+        a == b
+            || self.function.ty(a) == self.function.ty(b) && constant.is_some() && constant == self.function.constant(b)
+    }
+
+    fn clear(&mut self, addr: &Address, len: u32) -> Step {
+        let access = Access::bytes(addr, len);
+        if len == 0 {
+            return Step::Drop;
+        }
+        let known = self.known.find(&access).and_then(|extents| extents.covering(access.start, access.end));
+        if known.is_some_and(|extent| extent.known == Content::Zero) {
+            return Step::Drop;
+        }
+        self.known.forget(&access);
+        self.known.learn(&access, Content::Zero);
+        Step::Keep
+    }
+
+    fn db_entry(&mut self, inst: Inst, number: Value, length: bool) -> Step {
+        let result = self.function.result(inst);
+        if let Some(&(_, _, value)) = self.known.dbs.iter().find(|entry| (entry.0, entry.1) == (number, length)) {
+            return Step::Replace(value);
+        }
+        if self.known.dbs.len() >= DB_FACTS_MAX {
+            self.known.dbs.clear();
+        }
+        self.known.dbs.push((number, length, result));
+        Step::Keep
+    }
+}
+
+/// The one word of memory that changes by itself: signals set it.
+fn is_attention(access: &Access) -> bool {
+    let start = u64::from(state::ATTENTION) * 8;
+    access.region == Region::State && (access.base.is_some() || access.start < start + 32 && start < access.end)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::tests::check_pass;
+
+    fn check(body: &str, expected: &str) {
+        let around = |body: &str| {
+            format!(
+                "db 5 at 0x400000 length 20\nfunc @F -> i32 frame 16 {{\nb0(v0: i32, v1: i1):\n{body}\n}}\nfunc @G \
+                 {{\nb0:\nret\n}}\nfunc @H {{\nb0:\nv0 = load.i8 V 0\nret\n}}\n"
+            )
+        };
+        check_pass("forward", &around(body), &around(expected));
+    }
+
+    #[test]
+    fn bits_are_forwarded_past_other_bits_and_regions() {
+        check(
+            "store.bit M 10.0, v1\nstore.bit M 10.1, v1\nstore.i32 DB5 0, v0\nv2 = load.bit M 10.0\nstore.bit Q 0.0, \
+             v2\nret v0",
+            "store.bit M 10.0, v1\nstore.bit M 10.1, v1\nstore.i32 DB5 0, v0\nstore.bit Q 0.0, v1\nret v0",
+        );
+    }
+
+    #[test]
+    fn a_bit_makes_its_byte_unknown() {
+        let text = "store.i32 M 10, v0\nstore.bit M 12.3, v1\nv2 = load.i32 M 10\nret v2";
+        check(text, text);
+    }
+
+    #[test]
+    fn parts_come_out_of_the_whole() {
+        check(
+            "store.i32 M 10, v0\nv2 = load.bit M 11.5\nstore.bit Q 0.0, v2\nv3 = load.i16 M 12\nstore.i16 Q 2, v3\nret v0",
+            "store.i32 M 10, v0\nv2 = const.i32 21\nv3 = lshr v0, v2\nv4 = trunc.i1 v3\nstore.bit Q 0.0, v4\nv5 = trunc.i16 \
+             v0\nstore.i16 Q 2, v5\nret v0",
+        );
+    }
+
+    #[test]
+    fn other_bases_may_be_the_same_place() {
+        let text = "store.i32 M 10, v0\nstore.bit M[v0]+0.0, v1\nv2 = load.i32 M 10\nret v2";
+        check(text, text);
+        let text = "store.i32 DB5 0, v0\nstore.bit anydb[v0]+0.0, v1\nv2 = load.i32 DB5 0\nret v2";
+        check(text, text);
+        let text = "store.i32 anydb[v0]+0, v0\nstore.bit DB5 0.0, v1\nv2 = load.i32 anydb[v0]+0\nret v2";
+        check(text, text);
+    }
+
+    #[test]
+    fn calls_forget_all_but_a_private_frame() {
+        check(
+            "store.i32 M 0, v0\nstore.i32 L 0, v0\ncall @G()\nv2 = load.i32 M 0\nv3 = load.i32 L 0\nv4 = iadd v2, v3\nret v4",
+            "store.i32 M 0, v0\nstore.i32 L 0, v0\ncall @G()\nv2 = load.i32 M 0\nv4 = iadd v2, v0\nret v4",
+        );
+        let text = "store.i32 L 0, v0\ncall @H()\nv2 = load.i32 L 0\nret v2";
+        check(text, text);
+        let text = "store.i32 L 0, v0\nv2 = address L 8\nstore.i32 M 0, v2\ncall @G()\nv3 = load.i32 L 0\nret v3";
+        check(text, text);
+    }
+
+    #[test]
+    fn cleared_memory_reads_0() {
+        check(
+            "clear L 0, 16\nstore.i16 L 4, v1x\nv2 = load.i32 L 8\nret v2".replace("store.i16 L 4, v1x\n", "").as_str(),
+            "clear L 0, 16\nv2 = const.i32 0\nret v2",
+        );
+    }
+
+    #[test]
+    fn joins_keep_what_both_sides_know() {
+        check(
+            "store.i32 M 0, v0\nbranch v1, b1, b2\nb1:\nstore.i32 M 4, v0\njump b2\nb2:\nv2 = load.i32 M 0\nv3 = load.i32 M \
+             4\nv4 = iadd v2, v3\nret v4",
+            "store.i32 M 0, v0\nbranch v1, b1, b2\nb1:\nstore.i32 M 4, v0\njump b2\nb2:\nv3 = load.i32 M 4\nv4 = iadd v0, \
+             v3\nret v4",
+        );
+    }
+}

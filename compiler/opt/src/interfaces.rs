@@ -1,0 +1,290 @@
+//! What functions hand over, seen from both sides.
+//!
+//! - A returned value that is always the same constant, or always the same parameter, is known to the caller without asking:
+//!   most blocks leave the address registers and many status bits as they were.
+//! - A parameter that all callers set to the same constant is that constant.
+//!
+//! What is not needed any more is then dead code.
+
+use plcc_ir::entities::{Entity, EntityVec};
+use plcc_ir::function::ValueDef;
+use plcc_ir::{FuncId, Function, InstData, Loc, Module, Value};
+
+/// Rounds over the module: knowledge goes up one level of calls with each.
+const ROUNDS_MAX: usize = 4;
+
+/// Spreads what is known about parameters and returned values.
+pub fn simplify_interfaces(module: &mut Module) {
+    for _ in 0..ROUNDS_MAX {
+        let returned = returned_values(module);
+        let changed = use_returned_values(module, &returned);
+        let constants = constant_params(module);
+        if !use_constant_params(module, &constants) && !changed {
+            break;
+        }
+    }
+}
+
+/// What is known about a value that crosses the border of a function.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Known {
+    /// Nothing has been seen yet.
+    Nothing,
+    Constant(u64),
+    /// The parameter with this number.
+    Param(usize),
+    Unknown,
+}
+
+impl Known {
+    fn join(self, other: Known) -> Known {
+        match (self, other) {
+            (Known::Nothing, known) | (known, Known::Nothing) => known,
+            (a, b) if a == b => a,
+            _ => Known::Unknown,
+        }
+    }
+}
+
+fn known_of(function: &Function, value: Value) -> Known {
+    let value = function.resolve(value);
+    if let Some(bits) = function.constant(value) {
+        return Known::Constant(bits);
+    }
+    match function.values[value].def {
+        ValueDef::Param(block, index) if block == function.entry() => Known::Param(index as usize),
+        ValueDef::Param(..) | ValueDef::Result(..) | ValueDef::Alias(_) => Known::Unknown,
+    }
+}
+
+fn returned_values(module: &Module) -> EntityVec<FuncId, Vec<Known>> {
+    let mut all = EntityVec::new();
+    for function in module.functions.values() {
+        let mut known = vec![Known::Nothing; function.returns.len()];
+        for &block in &function.layout {
+            if let Some(inst) = function.terminator(block)
+                && let InstData::Return { values } = &function.insts[inst]
+            {
+                for (known, &value) in known.iter_mut().zip(values) {
+                    *known = known.join(known_of(function, value));
+                }
+            }
+        }
+        all.push(known);
+    }
+    all
+}
+
+fn use_returned_values(module: &mut Module, returned: &EntityVec<FuncId, Vec<Known>>) -> bool {
+    let mut changed = false;
+    for function in module.functions.values_mut() {
+        let used = used_values(function);
+        let mut replaced = false;
+        for index in 0..function.layout.len() {
+            let block = function.layout[index];
+            let mut position = 0;
+            while let Some(&inst) = function.blocks[block].insts.get(position) {
+                position += 1;
+                let InstData::Call { callee, args } = &function.insts[inst] else { continue };
+                let (callee, args) = (*callee, args.clone());
+                let mut constants = Vec::new();
+                for (number, known) in returned[callee].iter().enumerate() {
+                    let result = function.results[inst][number];
+                    if !used[result.index()] {
+                        continue;
+                    }
+                    match *known {
+                        Known::Constant(bits) => {
+                            let ty = function.ty(result);
+                            let new = function.make_inst(InstData::Const { bits }, &[ty], function.locs[inst]);
+                            constants.push(new);
+                            let value = function.result(new);
+                            replace_uses_of_result(function, result, value);
+                        }
+                        Known::Param(param) => replace_uses_of_result(function, result, args[param]),
+                        Known::Nothing | Known::Unknown => continue,
+                    }
+                    replaced = true;
+                }
+                let count = constants.len();
+                function.blocks[block].insts.splice(position..position, constants);
+                position += count;
+            }
+        }
+        if replaced {
+            settle_results(function);
+            changed = true;
+        }
+    }
+    changed
+}
+
+fn used_values(function: &Function) -> Vec<bool> {
+    let mut used = vec![false; function.values.len()];
+    for &block in &function.layout {
+        for &inst in &function.blocks[block].insts {
+            function.insts[inst].for_each_use(|value| used[function.resolve(value).index()] = true);
+        }
+    }
+    used
+}
+
+/// Makes `result` a name of `value`. The call keeps its result until [`settle_results`].
+fn replace_uses_of_result(function: &mut Function, result: Value, value: Value) {
+    if function.resolve(value) != result {
+        function.replace_value(result, value);
+    }
+}
+
+/// Gives calls results of their own again where these have become names of other values.
+fn settle_results(function: &mut Function) {
+    function.resolve_aliases();
+    for index in 0..function.layout.len() {
+        for &inst in &function.blocks[function.layout[index]].insts {
+            for (number, &result) in (0u32..).zip(&function.results[inst]) {
+                function.values[result].def = ValueDef::Result(inst, number);
+            }
+        }
+    }
+}
+
+fn constant_params(module: &Module) -> EntityVec<FuncId, Vec<Known>> {
+    let mut all = EntityVec::new();
+    let mut called = vec![false; module.functions.len()];
+    for function in module.functions.values() {
+        all.push(vec![Known::Nothing; function.params().count()]);
+    }
+    for (id, function) in module.functions.iter() {
+        for &block in &function.layout {
+            for &inst in &function.blocks[block].insts {
+                let InstData::Call { callee, args } = &function.insts[inst] else { continue };
+                called[callee.index()] |= *callee != id;
+                for (index, &arg) in args.iter().enumerate() {
+                    let known = match known_of(function, arg) {
+                        // A recursive call hands on what the first one got.
+                        Known::Param(param) if *callee == id && param == index => Known::Nothing,
+                        Known::Param(_) => Known::Unknown,
+                        known => known,
+                    };
+                    all[*callee][index] = all[*callee][index].join(known);
+                }
+            }
+        }
+    }
+    // A function that no other calls may be called from outside.
+    for (known, called) in all.values_mut().zip(called) {
+        if !called {
+            known.clear();
+        }
+    }
+    all
+}
+
+fn use_constant_params(module: &mut Module, constants: &EntityVec<FuncId, Vec<Known>>) -> bool {
+    let mut changed = false;
+    for id in module.functions.keys() {
+        let function = &mut module.functions[id];
+        let known = &constants[id];
+        if !known.iter().any(|known| matches!(known, Known::Constant(_))) {
+            continue;
+        }
+        let used = used_values(function);
+        let entry = function.entry();
+        let mut constants = Vec::new();
+        let params = function.blocks[entry].params.clone();
+        for (&param, known) in params.iter().zip(known) {
+            let Known::Constant(bits) = *known else { continue };
+            if !used[param.index()] {
+                continue;
+            }
+            let ty = function.ty(param);
+            let inst = function.make_inst(InstData::Const { bits }, &[ty], Loc(0));
+            constants.push(inst);
+            let value = function.result(inst);
+            function.replace_value(param, value);
+        }
+        if constants.is_empty() {
+            continue;
+        }
+        changed = true;
+        function.blocks[entry].insts.splice(0..0, constants);
+        function.resolve_aliases();
+        for (index, &param) in (0u32..).zip(&params) {
+            function.values[param].def = ValueDef::Param(entry, index);
+        }
+    }
+    changed
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::tests::check_pass;
+
+    #[test]
+    fn callers_know_constants_and_what_they_passed() {
+        check_pass(
+            "interfaces",
+            "func @F -> i32, i32 {
+            b0(v0: i32):
+            v1, v2, v3 = call @G(v0)
+            v4 = iadd v1, v2
+            ret v4, v3
+            }
+            func @G -> i32, i32, i32 {
+            b0(v0: i32):
+            v1 = const.i32 5
+            v2 = load.i32 M 0
+            ret v0, v1, v2
+            }",
+            "func @F -> i32, i32 {
+            b0(v0: i32):
+            v1, v2, v3 = call @G(v0)
+            v4 = const.i32 5
+            v5 = iadd v0, v4
+            ret v5, v3
+            }
+            func @G -> i32, i32, i32 {
+            b0(v0: i32):
+            v1 = const.i32 5
+            v2 = load.i32 M 0
+            ret v0, v1, v2
+            }",
+        );
+    }
+
+    #[test]
+    fn callees_know_constants() {
+        check_pass(
+            "interfaces",
+            "func @F {
+            b0(v0: i32):
+            v1 = const.i32 5
+            call @G(v1, v0)
+            v2 = const.i32 5
+            call @G(v2, v1)
+            ret
+            }
+            func @G {
+            b0(v0: i32, v1: i32):
+            v2 = iadd v0, v1
+            store.i32 M 0, v2
+            ret
+            }",
+            "func @F {
+            b0(v0: i32):
+            v1 = const.i32 5
+            call @G(v1, v0)
+            v2 = const.i32 5
+            call @G(v2, v1)
+            ret
+            }
+            func @G {
+            b0(v0: i32, v1: i32):
+            v4 = const.i32 5
+            v2 = iadd v4, v1
+            store.i32 M 0, v2
+            ret
+            }",
+        );
+    }
+}

@@ -1,0 +1,187 @@
+//! Sharing of equal computations (global value numbering).
+//!
+//! Blocks are visited in the order of the dominator tree. A pure instruction that computes what another one has computed
+//! whose block dominates this one is replaced by it. Where a block is reached by one arm of a branch only, the condition is
+//! known in it and in all that it dominates: `JC` behind another `JC` on the same RLO needs no test.
+
+use std::collections::hash_map::Entry;
+
+use plcc_abi::functions::Effect;
+use plcc_ir::analysis::{ControlFlow, Dominators};
+use plcc_ir::entities::{Entity, EntityVec};
+use plcc_ir::{Block, Function, Inst, InstData, Loc, Module, Type, Value};
+use rustc_hash::FxHashMap;
+
+use crate::fold::integer::is_commutative;
+
+/// Shares equal computations in all functions.
+pub fn share_values(module: &mut Module) {
+    module.functions.values_mut().for_each(share_in_function);
+}
+
+/// A condition that is known behind a block.
+#[derive(Clone, Copy)]
+struct Known {
+    block: Block,
+    value: Value,
+}
+
+fn share_in_function(function: &mut Function) {
+    let cfg = ControlFlow::new(function);
+    let dominators = Dominators::new(function, &cfg);
+    let mut uses: EntityVec<Value, u32> = EntityVec::new();
+    for _ in function.values.keys() {
+        uses.push(0);
+    }
+    for data in function.insts.values() {
+        data.for_each_use(|value| uses[value] += 1);
+    }
+    let mut computed: FxHashMap<(Type, InstData), (Value, Block)> = FxHashMap::default();
+    let mut conditions: FxHashMap<Value, Known> = FxHashMap::default();
+    for &block in &dominators.preorder {
+        let insts = std::mem::take(&mut function.blocks[block].insts);
+        let mut out = Vec::with_capacity(insts.len() + 1);
+        if let Some((cond, bit)) = known_condition(function, &cfg, block)
+            && uses.get(cond).is_none_or(|&count| count > 1)
+        {
+            let inst = function.make_inst(InstData::Const { bits: u64::from(bit) }, &[Type::I1], Loc(0));
+            out.push(inst);
+            conditions.insert(cond, Known { block, value: function.result(inst) });
+        }
+        for inst in insts {
+            let mut data = std::mem::replace(&mut function.insts[inst], InstData::Const { bits: 0 });
+            data.map_uses(|value| {
+                let value = function.resolve(value);
+                match conditions.get(&value) {
+                    Some(known) if dominators.dominates(known.block, block) => known.value,
+                    _ => value,
+                }
+            });
+            function.insts[inst] = data;
+            if let Some(key) = key_of(function, inst) {
+                match computed.entry(key) {
+                    Entry::Occupied(mut entry) => {
+                        let (value, at) = *entry.get();
+                        if dominators.dominates(at, block) {
+                            function.replace_value(function.result(inst), value);
+                            continue;
+                        }
+                        entry.insert((function.result(inst), block));
+                    }
+                    Entry::Vacant(entry) => {
+                        entry.insert((function.result(inst), block));
+                    }
+                }
+            }
+            out.push(inst);
+        }
+        function.blocks[block].insts = out;
+    }
+    function.resolve_aliases();
+}
+
+/// The condition of the only branch to `block`, and its value there.
+fn known_condition(function: &Function, cfg: &ControlFlow, block: Block) -> Option<(Value, bool)> {
+    let &[pred] = cfg.predecessors(block) else { return None };
+    match &function.insts[function.terminator(pred)?] {
+        InstData::Branch { cond, then_to, .. } => {
+            let cond = function.resolve(*cond);
+            function.constant(cond).is_none().then_some((cond, then_to.block == block))
+        }
+        _ => None,
+    }
+}
+
+/// What identifies the result of a pure instruction; constant addresses and runtime functions without effect included.
+fn key_of(function: &Function, inst: Inst) -> Option<(Type, InstData)> {
+    let data = match &function.insts[inst] {
+        InstData::Binary { op, args: [a, b] } if is_commutative(*op) && b.index() < a.index() => {
+            InstData::Binary { op: *op, args: [*b, *a] }
+        }
+        data @ (InstData::Const { .. }
+        | InstData::Unary { .. }
+        | InstData::Binary { .. }
+        | InstData::IntCompare { .. }
+        | InstData::FloatCompare { .. }
+        | InstData::Convert { .. }
+        | InstData::Select { .. }
+        | InstData::AddressOf { .. }
+        | InstData::FrameBase { .. }) => data.clone(),
+        data @ InstData::CallRuntime { function, .. } if function.effect() == Effect::Pure => data.clone(),
+        InstData::Load { .. }
+        | InstData::Store { .. }
+        | InstData::LoadBit { .. }
+        | InstData::StoreBit { .. }
+        | InstData::Clear { .. }
+        | InstData::Copy { .. }
+        | InstData::DbBase { .. }
+        | InstData::DbLength { .. }
+        | InstData::Call { .. }
+        | InstData::CallRuntime { .. }
+        | InstData::Jump { .. }
+        | InstData::Branch { .. }
+        | InstData::Switch { .. }
+        | InstData::Return { .. } => return None,
+    };
+    Some((function.ty(function.result(inst)), data))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::tests::check_pass;
+
+    #[test]
+    fn equal_computations_are_shared_where_one_dominates() {
+        check_pass(
+            "values",
+            "func @F -> i32, i32 {
+            b0(v0: i32, v1: i32, v2: i1):
+            v3 = iadd v0, v1
+            branch v2, b1, b2
+            b1:
+            v4 = iadd v1, v0
+            v5 = xor v0, v1
+            ret v4, v5
+            b2:
+            v6 = xor v0, v1
+            ret v6, v3
+            }",
+            "func @F -> i32, i32 {
+            b0(v0: i32, v1: i32, v2: i1):
+            v3 = iadd v0, v1
+            branch v2, b1, b2
+            b1:
+            v4 = xor v0, v1
+            ret v3, v4
+            b2:
+            v5 = xor v0, v1
+            ret v5, v3
+            }",
+        );
+    }
+
+    #[test]
+    fn a_condition_is_known_behind_its_branch() {
+        check_pass(
+            "values",
+            "func @F -> i1 {
+            b0(v0: i1):
+            branch v0, b1, b2
+            b1:
+            ret v0
+            b2:
+            ret v0
+            }",
+            "func @F -> i1 {
+            b0(v0: i1):
+            branch v0, b1, b2
+            b1:
+            v1 = const.i1 1
+            ret v1
+            b2:
+            v2 = const.i1 0
+            ret v2
+            }",
+        );
+    }
+}
