@@ -42,9 +42,9 @@ pub enum ReturnPlace {
     State(u32),
 }
 
-/// Return registers of one class that every supported machine has in the conventions below.
-const FAST_REGISTERS: usize = 2;
-const TAIL_REGISTERS: usize = 8;
+/// Return registers of each class in the convention `Tail` where it has many, and in `Fast` everywhere.
+const WIDE_RETURNS: usize = 8;
+const FEW_RETURNS: usize = 2;
 
 /// The CLIF type of a value.
 pub fn clif_type(ty: Type) -> cranelift_codegen::ir::Type {
@@ -155,11 +155,9 @@ fn function_abi(function: &Function, entry: bool, frames: FrameUse, isa: &dyn Ta
         signature.params.extend([pointer, AbiParam::new(types::I32), AbiParam::new(types::I32)]);
         return FunctionAbi { entry, frame: true, caller_frame: true, returns: Vec::new(), signature };
     }
-    // `Tail` returns more in registers, `Fast` keeps more of the caller's registers.
-    let floats = function.returns.iter().filter(|ty| !ty.is_int()).count();
-    let few = floats <= FAST_REGISTERS && function.returns.len() - floats <= FAST_REGISTERS;
+    // `Tail` returns more in registers.
     let (call_conv, registers) =
-        if few || !has_wide_returns(isa) { (CallConv::Fast, FAST_REGISTERS) } else { (CallConv::Tail, TAIL_REGISTERS) };
+        if has_wide_returns(isa) { (CallConv::Tail, WIDE_RETURNS) } else { (CallConv::Fast, FEW_RETURNS) };
     let mut signature = Signature::new(call_conv);
     signature.params.push(pointer);
     signature.params.extend(frames.own.then_some(pointer));
@@ -182,7 +180,7 @@ fn function_abi(function: &Function, entry: bool, frames: FrameUse, isa: &dyn Ta
     FunctionAbi { entry, frame: frames.own, caller_frame: frames.caller, returns, signature }
 }
 
-/// True if the convention `Tail` has [`TAIL_REGISTERS`] return registers of each class.
+/// True if the convention `Tail` has [`WIDE_RETURNS`] return registers of each class.
 fn has_wide_returns(isa: &dyn TargetIsa) -> bool {
     matches!(isa.name(), "x64" | "aarch64")
 }

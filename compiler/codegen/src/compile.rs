@@ -20,8 +20,9 @@ use crate::isa::{Placement, Tuning, isa};
 use crate::lower::{self, Target};
 use crate::{CodegenError, CodegenOptions};
 
-/// Functions with more instructions than this get quick register allocation.
-const LARGE_INSTRUCTIONS: usize = 60_000;
+/// Functions with more instructions than this get quick register allocation: the better one takes quadratic time (about a
+/// second for this many).
+const LARGE_INSTRUCTIONS: usize = 50_000;
 
 /// Stack of a compiling thread, only touched as far as needed.
 const STACK_BYTES: usize = 64 << 20;

@@ -374,31 +374,30 @@ impl<'m, 'f> Lowering<'m, 'f> {
         let both_clean = [self.bit(args[0])?, self.bit(args[1])?].iter().all(|bit| matches!(bit, Bit::Clean(_)));
         let [x, y] = [self.low(args[0])?, self.low(args[1])?];
         let value = match op {
-            BinaryOp::And | BinaryOp::Imul => self.b.ins().band(x, y),
+            BinaryOp::And => self.b.ins().band(x, y),
             BinaryOp::Or => self.b.ins().bor(x, y),
-            // One bit wide, adding and subtracting are the same.
-            BinaryOp::Xor | BinaryOp::Iadd | BinaryOp::Isub => self.b.ins().bxor(x, y),
-            // A count modulo 1 is 0.
-            BinaryOp::Shl | BinaryOp::Lshr | BinaryOp::Ashr | BinaryOp::Rotl | BinaryOp::Rotr => x,
-            // The only division that is defined is 0 by -1.
-            BinaryOp::Sdiv | BinaryOp::Srem => self.b.ins().iconst(types::I8, 0),
-            BinaryOp::Fadd | BinaryOp::Fsub | BinaryOp::Fmul | BinaryOp::Fdiv => {
-                return Err(invalid(format!("{} of bits", op.name())));
-            }
+            BinaryOp::Xor => self.b.ins().bxor(x, y),
+            BinaryOp::Iadd
+            | BinaryOp::Isub
+            | BinaryOp::Imul
+            | BinaryOp::Sdiv
+            | BinaryOp::Srem
+            | BinaryOp::Shl
+            | BinaryOp::Lshr
+            | BinaryOp::Ashr
+            | BinaryOp::Rotl
+            | BinaryOp::Rotr
+            | BinaryOp::Fadd
+            | BinaryOp::Fsub
+            | BinaryOp::Fmul
+            | BinaryOp::Fdiv => return Err(invalid(format!("{} of bits", op.name()))),
         };
         Ok(if both_clean { Bit::Clean(value) } else { Bit::Low(value) })
     }
 
     fn int_compare(&mut self, cc: IntCc, args: [Value; 2], result: Value) -> Result<(), CodegenError> {
-        let mut operands = args;
-        let mut cc = int_cc(cc);
-        if self.function.ty(args[0]) == Type::I1 && cc != cc.unsigned() {
-            // As a signed number, the bit 1 is -1.
-            operands.swap(0, 1);
-            cc = cc.unsigned();
-        }
-        let [x, y] = [self.value(operands[0])?, self.value(operands[1])?];
-        let value = self.b.ins().icmp(cc, x, y);
+        let [x, y] = [self.value(args[0])?, self.value(args[1])?];
+        let value = self.b.ins().icmp(int_cc(cc), x, y);
         self.define(result, value);
         Ok(())
     }
@@ -430,22 +429,11 @@ impl<'m, 'f> Lowering<'m, 'f> {
             }
             ConvertOp::FromSint => {
                 let arg = self.value(arg)?;
-                let wide = if from.bits() < 32 { self.sign_extend(from, Type::I32, arg) } else { arg };
-                self.b.ins().fcvt_from_sint(clif_to, wide)
+                self.b.ins().fcvt_from_sint(clif_to, arg)
             }
             ConvertOp::ToSint => {
                 let arg = self.value(arg)?;
-                if to.bits() >= 32 {
-                    self.b.ins().fcvt_to_sint_sat(clif_to, arg)
-                } else {
-                    let wide = self.b.ins().fcvt_to_sint_sat(types::I32, arg);
-                    let narrow = self.b.ins().ireduce(clif_to, wide);
-                    if to == Type::I1 {
-                        self.define_bit(result, Bit::Low(narrow));
-                        return Ok(());
-                    }
-                    narrow
-                }
+                self.b.ins().fcvt_to_sint_sat(clif_to, arg)
             }
             ConvertOp::Fpromote => {
                 let arg = self.value(arg)?;

@@ -5,3 +5,4 @@ mod harness;
 mod memory;
 mod operations;
 mod outputs;
+mod random;
