@@ -35,6 +35,7 @@ pub fn isa(placement: Placement, options: &CodegenOptions, tuning: Tuning) -> Re
         ("regalloc_algorithm", regalloc),
         ("is_pic", if placement == Placement::Object { "true" } else { "false" }),
         ("enable_verifier", if options.verify { "true" } else { "false" }),
+        ("log2_min_function_alignment", "4"),
         // A program runs in its own process; nobody can be spied on.
         ("enable_table_access_spectre_mitigation", "false"),
         ("enable_heap_access_spectre_mitigation", "false"),

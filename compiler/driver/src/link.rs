@@ -70,3 +70,30 @@ fn argument(path: &Path) -> OsString {
     }
     path.as_os_str().to_os_string()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NO_OBJECTS: [&Path; 0] = [];
+
+    #[test]
+    fn a_missing_linker_is_named() {
+        let error = link(&NO_OBJECTS, Path::new("out"), Some("/no/such/linker")).expect_err("there is none");
+        assert!(matches!(error, LinkError::Start { .. }));
+        assert!(error.to_string().contains("`/no/such/linker`"), "{error}");
+    }
+
+    #[test]
+    fn a_failing_linker_is_shown_with_its_command() {
+        let error = link(&NO_OBJECTS, Path::new("out"), Some("false")).expect_err("it fails");
+        assert!(matches!(error, LinkError::Failed { .. }));
+        assert!(error.to_string().contains("plcc-runtime.o"), "{error}");
+    }
+
+    #[test]
+    fn paths_are_no_options() {
+        assert_eq!(argument(Path::new("-out")), OsString::from("./-out"));
+        assert_eq!(argument(Path::new("a/-out")), OsString::from("a/-out"));
+    }
+}

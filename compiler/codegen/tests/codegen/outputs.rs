@@ -1,8 +1,9 @@
 //! Object files and texts.
 
 use plcc_abi::Type;
+use plcc_abi::image::{BlockKind, Site};
 use plcc_codegen::{CodegenError, CodegenOptions, JitProgram, asm_text, clif_text, compile_object};
-use plcc_ir::{Address, FunctionBuilder, Region, RuntimeFn};
+use plcc_ir::{Address, FunctionBuilder, Loc, Module, Region, RuntimeFn};
 
 use crate::harness::{entry, func, module};
 
@@ -19,6 +20,25 @@ fn an_object_exports_what_the_runtime_needs() {
     }
     let again = compile_object(&module, b"image", &CodegenOptions::default()).expect("it compiles");
     assert!(object == again, "the same module gives the same bytes");
+}
+
+#[test]
+fn an_object_has_a_line_table_if_the_module_knows_lines() {
+    let mut module = entry(|b| {
+        b.set_loc(Loc(2));
+        let value = b.load(Type::I8, Address::direct(Region::M, 0));
+        b.store(Address::direct(Region::M, 1), value);
+    });
+    let has_lines = |module: &Module| {
+        let object = compile_object(module, b"image", &CodegenOptions::default()).expect("it compiles");
+        object.windows(12).any(|window| window == b".debug_line\0")
+    };
+    assert!(!has_lines(&module));
+    module.files = vec![String::new(), "main.stl".to_string()];
+    for line in [1, 70_000] {
+        module.sites.push(Site { file: 1, line, block: BlockKind::Ob, block_number: 1, network: 1 });
+    }
+    assert!(has_lines(&module));
 }
 
 #[test]
