@@ -18,7 +18,7 @@ use plcc_ir::{FuncId, Module};
 use crate::abi::{self, FunctionAbi};
 use crate::isa::{Placement, Tuning, isa};
 use crate::lower::{self, Target};
-use crate::{CodegenError, CodegenOptions};
+use crate::{CodegenError, CodegenOptions, rounding};
 
 /// Functions with more instructions than this get quick register allocation: the better one takes quadratic time (about a
 /// second for this many).
@@ -84,7 +84,13 @@ impl<'m> Compiler<'m> {
     }
 
     fn target<'a>(&'a self, isa: &'a dyn TargetIsa) -> Target<'a> {
-        Target { module: self.module, abis: &self.abis, isa, near_runtime: self.placement == Placement::Object }
+        Target {
+            module: self.module,
+            abis: &self.abis,
+            isa,
+            near_runtime: self.placement == Placement::Object,
+            native_rounding: rounding::is_native(isa),
+        }
     }
 
     /// The CLIF of function `id`.

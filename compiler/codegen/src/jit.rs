@@ -103,47 +103,12 @@ fn fill(
     code.finalize_definitions().map_err(output)
 }
 
-/// What Cranelift calls for operations that the baseline instruction set lacks.
-fn library_functions() -> Vec<(&'static str, *const u8)> {
+/// What generated code calls from the C library: for clearing and copying of many bytes.
+fn library_functions() -> [(&'static str, *const u8); 2] {
     use std::ffi::{c_int, c_void};
     unsafe extern "C" {
         fn memset(to: *mut c_void, byte: c_int, len: usize) -> *mut c_void;
         fn memmove(to: *mut c_void, from: *const c_void, len: usize) -> *mut c_void;
     }
-    extern "C" fn ceilf(x: f32) -> f32 {
-        x.ceil()
-    }
-    extern "C" fn ceil(x: f64) -> f64 {
-        x.ceil()
-    }
-    extern "C" fn floorf(x: f32) -> f32 {
-        x.floor()
-    }
-    extern "C" fn floor(x: f64) -> f64 {
-        x.floor()
-    }
-    extern "C" fn truncf(x: f32) -> f32 {
-        x.trunc()
-    }
-    extern "C" fn trunc(x: f64) -> f64 {
-        x.trunc()
-    }
-    extern "C" fn nearbyintf(x: f32) -> f32 {
-        x.round_ties_even()
-    }
-    extern "C" fn nearbyint(x: f64) -> f64 {
-        x.round_ties_even()
-    }
-    vec![
-        ("memset", memset as *const u8),
-        ("memmove", memmove as *const u8),
-        ("ceilf", ceilf as *const u8),
-        ("ceil", ceil as *const u8),
-        ("floorf", floorf as *const u8),
-        ("floor", floor as *const u8),
-        ("truncf", truncf as *const u8),
-        ("trunc", trunc as *const u8),
-        ("nearbyintf", nearbyintf as *const u8),
-        ("nearbyint", nearbyint as *const u8),
-    ]
+    [("memset", memset as *const u8), ("memmove", memmove as *const u8)]
 }

@@ -2,7 +2,8 @@
 //!
 //! - [`isa`](mod@isa): the target and its settings.
 //! - [`abi`]: how functions of a module call each other and the runtime.
-//! - [`lower`]: one function of the IR to CLIF, with [`memory`] for accesses to PLC memory and [`bits`] for i1 values.
+//! - [`lower`]: one function of the IR to CLIF, with [`memory`] for accesses to PLC memory, [`bits`] for i1 values and
+//!   [`rounding`] for floats.
 //! - [`compile`]: all functions of a module to bytes, on several threads.
 //! - [`object`], [`jit`], [`text`]: what is made of the bytes.
 //! - [`lines`]: DWARF line tables of an object file.
@@ -18,6 +19,7 @@ mod lines;
 mod lower;
 mod memory;
 mod object;
+mod rounding;
 mod text;
 
 use std::fmt;

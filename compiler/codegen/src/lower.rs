@@ -22,6 +22,7 @@ use crate::CodegenError;
 use crate::abi::{FunctionAbi, ReturnPlace, clif_type, runtime_signature, takes_memory};
 use crate::bits::Bit;
 use crate::memory::{Address, BitValue, Memory, constant};
+use crate::rounding::{self, Rounding};
 
 /// A switch with at most this many targets becomes a chain of comparisons.
 const COMPARED_TARGETS_MAX: usize = 3;
@@ -33,6 +34,8 @@ pub struct Target<'m> {
     pub isa: &'m dyn TargetIsa,
     /// Runtime functions are near enough for a direct call: they are linked into the same executable.
     pub near_runtime: bool,
+    /// The machine can round to integral values.
+    pub native_rounding: bool,
 }
 
 impl Target<'_> {
@@ -247,7 +250,7 @@ impl<'m, 'f> Lowering<'m, 'f> {
             InstData::Const { .. } => {}
             InstData::Unary { op, arg } => {
                 let arg = self.value(*arg)?;
-                let value = unary(&mut self.b, *op, arg);
+                let value = unary(&mut self.b, *op, arg, self.target.native_rounding);
                 self.define(only()?, value);
             }
             InstData::Binary { op, args } => self.binary(*op, *args, only()?)?,
@@ -589,18 +592,23 @@ impl<'m, 'f> Lowering<'m, 'f> {
     }
 }
 
-fn unary(b: &mut FunctionBuilder<'_>, op: UnaryOp, arg: ClifValue) -> ClifValue {
+fn unary(b: &mut FunctionBuilder<'_>, op: UnaryOp, arg: ClifValue, native_rounding: bool) -> ClifValue {
+    let is_byte = b.func.dfg.value_type(arg) == types::I8;
+    let mut rounded = |rounding| match native_rounding {
+        true => rounding::native(b, rounding, arg),
+        false => rounding::by_addition(b, rounding, arg),
+    };
     match op {
         // One byte has no order.
-        UnaryOp::Bswap if b.func.dfg.value_type(arg) == types::I8 => arg,
+        UnaryOp::Bswap if is_byte => arg,
         UnaryOp::Bswap => b.ins().bswap(arg),
         UnaryOp::Fneg => b.ins().fneg(arg),
         UnaryOp::Fabs => b.ins().fabs(arg),
         UnaryOp::Fsqrt => b.ins().sqrt(arg),
-        UnaryOp::Fceil => b.ins().ceil(arg),
-        UnaryOp::Ffloor => b.ins().floor(arg),
-        UnaryOp::Ftrunc => b.ins().trunc(arg),
-        UnaryOp::Fnearest => b.ins().nearest(arg),
+        UnaryOp::Fceil => rounded(Rounding::Up),
+        UnaryOp::Ffloor => rounded(Rounding::Down),
+        UnaryOp::Ftrunc => rounded(Rounding::TowardsZero),
+        UnaryOp::Fnearest => rounded(Rounding::Nearest),
     }
 }
 
