@@ -16,7 +16,9 @@ pub fn based(text: &str, base: &str, value: &str) -> Result<Literal, LiteralErro
 /// `B#16#1E`, `B#(1,8)`, `B#(1,14,100,120)`.
 pub fn byte(text: &str, value: &str) -> Result<Literal, LiteralError> {
     if let Some(list) = value.trim_start().strip_prefix('(') {
-        let list = list.trim_end().strip_suffix(')').unwrap_or(list);
+        let Some(list) = list.trim_end().strip_suffix(')') else {
+            return Err(LiteralError::malformed(text, "`)` is missing", "write the bytes as `B#(1,8)`"));
+        };
         let mut bytes = Vec::new();
         for item in list.split(',') {
             let number = integer(text, item.trim())?;

@@ -6,6 +6,7 @@
 //! ```
 
 mod actions;
+mod block_check;
 mod check;
 mod context;
 pub mod instructions;
@@ -14,6 +15,7 @@ mod messages;
 mod mnemonics;
 mod pragma;
 mod raw;
+mod reference;
 mod suggest;
 mod token;
 
@@ -27,9 +29,10 @@ use std::fmt::Write as _;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ParseOptions;
-use crate::ast::SourceUnit;
+use crate::ast::{Block, SourceUnit};
 
 pub use instructions::{Mnemonics, OperandClass, StlInsn};
+pub use reference::reference;
 
 /// Parses a source. Errors are recovered; what could not be parsed is left out or is an error node.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
@@ -60,12 +63,38 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
         }
     };
     diagnostics.append(&mut context.diagnostics);
+    for block in &blocks {
+        if let Block::Code(block) = block {
+            block_check::check(text, block, &mut diagnostics);
+        }
+    }
+    if diagnostics.iter().any(|diagnostic| diagnostic.code == Code::NotASource) {
+        diagnostics.retain(|diagnostic| diagnostic.code != Code::MixedMnemonics);
+    }
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     (SourceUnit { mnemonics: detected.set, blocks, pragmas: laid.pragmas }, diagnostics)
 }
 
-/// A file that is not worth parsing: a template that was never filled in.
+/// A file that is not worth parsing: no source, or a template that was never filled in.
 fn refuse(file: FileId, text: &str, raw: &raw::RawText) -> Option<Diagnostic> {
+    let spanned = |token: &raw::RawToken| Span { file, start: token.start, end: token.end };
+    let first = raw.tokens.first()?;
+    if first.kind == raw::RawKind::Less {
+        return Some(layout::not_a_source(spanned(first), "XML begins here"));
+    }
+    if let Some(at) = text.find('\0') {
+        return Some(layout::not_a_source(Span::new(file, at..at + 1), "a zero byte: the file is not text"));
+    }
+    let listing = raw.tokens.windows(3).find(|tokens| {
+        tokens[0].first_on_line
+            && tokens[1].kind == raw::RawKind::Minus
+            && matches!(text[tokens[0].range()].to_ascii_uppercase().as_str(), "AWL" | "STL")
+            && text[tokens[2].range()].eq_ignore_ascii_case("code")
+    });
+    if let Some(tokens) = listing {
+        let span = spanned(&tokens[0]).to(spanned(&tokens[2]));
+        return Some(layout::not_a_source(span, "head of a listing of machine code"));
+    }
     let marker = raw.tokens.iter().find(|token| match token.kind {
         raw::RawKind::Marker => true,
         raw::RawKind::Quoted => {

@@ -1,5 +1,7 @@
 //! Assertion pragmas: comment lines `//@ …`.
 
+use std::ops::Range;
+
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ast::{AssertPragma, Pragma};
@@ -17,29 +19,32 @@ pub fn is_for_file(pragma: &Pragma) -> bool {
     matches!(pragma.text.split_ascii_whitespace().next(), Some("cpu" | "test"))
 }
 
-/// Reads the pragma in `comment`, which begins at byte `start`.
-pub fn parse(file: FileId, comment: &str, start: usize, diagnostics: &mut Vec<Diagnostic>) -> Pragma {
-    let comment = comment.trim_end();
-    let text = comment.trim_start_matches("//@").trim();
+/// Reads the pragma in the comment at `range` of the file's text.
+pub fn parse(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<Diagnostic>) -> Pragma {
+    let start = range.start;
+    let comment = source[range].trim_end();
+    let text = comment.strip_prefix("//@").unwrap_or(comment).trim();
     let span = Span::new(file, start..start + comment.len());
     let mut pragma = Pragma { text: text.to_owned(), span, assert: None };
     if let Some(sides) = text.strip_prefix("assert")
         && !sides.starts_with(|c: char| c.is_alphanumeric() || c == '_')
     {
-        let offset = start + comment.len() - sides.len();
-        pragma.assert = parse_assert(file, sides, offset, span, diagnostics).map(Box::new);
+        let sides = start + comment.len() - sides.len()..start + comment.len();
+        pragma.assert = parse_assert(file, source, sides, span, diagnostics).map(Box::new);
     }
     pragma
 }
 
 fn parse_assert(
     file: FileId,
-    sides: &str,
-    offset: usize,
+    source: &str,
+    range: Range<usize>,
     span: Span,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<AssertPragma> {
     let help = "write e.g. `assert MW 10 == 5`, `assert ACCU1 == W#16#8000` or `assert STW.OV == 1`";
+    let offset = range.start;
+    let sides = &source[range];
     let (tokens, mut found) = lay_out_operand(file, sides, raw::scan(sides), offset);
     if let Some(first) = found.drain(..).next() {
         let mut diagnostic =
@@ -50,7 +55,7 @@ fn parse_assert(
         diagnostics.push(diagnostic);
         return None;
     }
-    let mut context = Context::new(file, "", &[]);
+    let mut context = Context::new(file, source, &[]);
     let end = span.end as usize;
     match grammar::AssertionParser::new().parse(&mut context, tokens.into_iter().map(Ok::<_, ()>)) {
         Ok(assertion) => {

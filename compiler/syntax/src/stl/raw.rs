@@ -42,7 +42,7 @@ pub enum RawKind {
     UnterminatedText,
     /// `@@NAME@@`, `{{name}}`.
     #[regex(r"@@[^@\n]*@@")]
-    #[regex(r"\{\{[^}\n]*\}\}")]
+    #[regex(r"\{\{[^{}\n]*\}\}")]
     Marker,
 
     #[token(":")]
@@ -268,8 +268,10 @@ fn literal_length(form: LiteralForm, rest: &str) -> Option<usize> {
     match form {
         LiteralForm::Number => Some(number_length(rest)),
         LiteralForm::Byte if rest.trim_start_matches([' ', '\t']).starts_with('(') => {
-            let line = rest.find(['\n', ';']).unwrap_or(rest.len());
-            Some(rest[..line].find(')').map_or(0, |at| at + 1))
+            let open = rest.find('(').map_or(0, |at| at + 1);
+            let list = rest[open..].find(|c: char| !is_word(c) && !matches!(c, ',' | ' ' | '\t' | '-')).unwrap_or(rest.len() - open);
+            let closed = rest[open + list..].starts_with(')');
+            Some(open + list + usize::from(closed))
         }
         LiteralForm::Byte => Some(number_length(rest)),
         LiteralForm::Duration => {

@@ -463,21 +463,27 @@ impl<'a> Layout<'a> {
 
     /// Whether `name.part[1] :=` stands at hand.
     fn assigns_path(&self) -> bool {
-        let mut index = self.at;
-        while let Some(token) = self.raw_at(index) {
-            match token.kind {
-                RawKind::Assign => return index > self.at,
-                _ if index > self.at && token.first_on_line => return false,
-                RawKind::Word
-                | RawKind::Quoted
-                | RawKind::Hash
-                | RawKind::Dot
-                | RawKind::LeftBracket
-                | RawKind::RightBracket
-                | RawKind::Number
-                | RawKind::Comma => index += 1,
-                _ => return false,
+        let mut before = RawKind::Dot;
+        for index in self.at.. {
+            let Some(token) = self.raw_at(index) else { return false };
+            let first = index == self.at;
+            let fits = match token.kind {
+                RawKind::Assign => return !first,
+                RawKind::Hash => first,
+                RawKind::Word | RawKind::Quoted => {
+                    matches!(before, RawKind::Dot | RawKind::Hash | RawKind::LeftBracket | RawKind::Comma)
+                }
+                RawKind::Dot | RawKind::LeftBracket => {
+                    matches!(before, RawKind::Word | RawKind::Quoted | RawKind::RightBracket) && !first
+                }
+                RawKind::Number => matches!(before, RawKind::LeftBracket | RawKind::Comma) && !first,
+                RawKind::Comma | RawKind::RightBracket => matches!(before, RawKind::Number | RawKind::Word) && !first,
+                _ => false,
+            };
+            if !fits || !first && token.first_on_line {
+                return false;
             }
+            before = token.kind;
         }
         false
     }
@@ -485,9 +491,14 @@ impl<'a> Layout<'a> {
     /// SCL in a statement list: reported once, the rest of the block is skipped.
     fn foreign(&mut self) {
         let token = self.raw[self.at];
-        let word = self.slice(token);
+        let assign = (self.at + 1..self.raw.len())
+            .take_while(|index| !self.raw[*index].first_on_line)
+            .find(|index| self.raw[*index].kind == RawKind::Assign);
+        let end = assign.map_or(token, |assign| self.raw[assign]).end;
+        let span = self.span_of(token.start as usize, end as usize);
+        let word = &self.text[span.range()];
         self.report(
-            Diagnostic::new(Code::ForeignLanguage, self.span(token), format!("`{word}` begins a statement of SCL, not of STL"))
+            Diagnostic::new(Code::ForeignLanguage, span, format!("`{word}` begins a statement of SCL, not of STL"))
                 .label("the rest of this block is not checked")
                 .help("write the block in one language: in STL `A`, `JC` and labels take the place of IF, `L` and `T` that of `:=`"),
         );

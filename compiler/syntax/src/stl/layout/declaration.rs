@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{BRACKET_DEPTH_MAX, Layout, STRUCT_DEPTH_MAX, is_end_of_block, is_section, unquoted};
+use super::{ARRAY_DEPTH_MAX, BRACKET_DEPTH_MAX, Layout, STRUCT_DEPTH_MAX, is_end_of_block, is_section, unquoted};
 use crate::ast::SectionKind;
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
@@ -73,6 +73,7 @@ impl<'a> Layout<'a> {
         let base = depth;
         let mut open: Vec<RawToken> = Vec::new();
         let mut brackets = 0usize;
+        let mut arrays = 0usize;
         while let Some(token) = self.peek() {
             self.file_pragmas(token.start);
             let upper = self.upper(self.at);
@@ -116,11 +117,16 @@ impl<'a> Layout<'a> {
                 }
                 RawKind::Semicolon => {
                     brackets = 0;
+                    arrays = 0;
                     if at_start {
                         self.at += 1;
                     } else {
                         self.take(Tok::Semicolon);
                     }
+                }
+                RawKind::Word if word == "OF" && arrays == ARRAY_DEPTH_MAX => {
+                    self.too_deep("arrays");
+                    break;
                 }
                 RawKind::Word | RawKind::Quoted
                     if token.first_on_line
@@ -137,6 +143,7 @@ impl<'a> Layout<'a> {
                     if !self.bracket_depth(token.kind, &mut brackets) {
                         break;
                     }
+                    arrays += usize::from(word == "OF");
                     self.declaration_token();
                 }
             }

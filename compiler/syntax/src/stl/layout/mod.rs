@@ -28,8 +28,13 @@ use crate::stl::{Mnemonics, pragma};
 
 /// How deep STRUCTs may stand in one another. STEP 7 takes 8 levels; the rest is for other tools.
 const STRUCT_DEPTH_MAX: usize = 64;
+/// How many `ARRAY … OF` one declaration may have. STEP 7 takes one.
+const ARRAY_DEPTH_MAX: usize = 8;
 /// How deep parentheses and brackets may stand in one another outside statements.
 const BRACKET_DEPTH_MAX: usize = 16;
+
+/// From this many lines that are no statements on, and more than there are statements, a text is taken for no source.
+const NO_SOURCE_STATEMENTS_MIN: usize = 3;
 
 /// What the layout of a file gives.
 pub struct Laid<'a> {
@@ -148,8 +153,19 @@ impl<'a> Layout<'a> {
     fn implied_ob(&mut self) {
         let start = self.peek().map_or(self.text.len(), |token| token.start as usize);
         let start = self.next_pragma(start as u32).map_or(start, |pragma| pragma.start as usize);
+        let (first_token, first_message) = (self.out.len(), self.diagnostics.len());
         self.push(start, Tok::ImpliedOb, start);
         self.code();
+        let tokens = &self.out[first_token..];
+        let bad = tokens.iter().filter(|(_, token, _)| *token == Tok::BadStatement).count();
+        let good = tokens.iter().filter(|(_, token, _)| matches!(token, Tok::Insn(_) | Tok::Jump(_) | Tok::Call)).count();
+        if bad >= NO_SOURCE_STATEMENTS_MIN && bad > good {
+            let (start, _, end) = tokens.iter().find(|(_, token, _)| *token == Tok::BadStatement).expect("some were counted");
+            let span = self.span_of(*start, *end);
+            self.out.truncate(first_token);
+            self.diagnostics.truncate(first_message);
+            return self.report(not_a_source(span, "no statement of STL and no block begins here"));
+        }
         let end = self.last_end();
         self.push(end, Tok::EndBlock, end);
     }
@@ -271,7 +287,7 @@ impl<'a> Layout<'a> {
     fn read_pragma(&mut self, comment: Comment) -> Pragma {
         self.next_comment += 1;
         let range = comment.start as usize..comment.end as usize;
-        pragma::parse(self.file, &self.text[range.clone()], range.start, &mut self.diagnostics)
+        pragma::parse(self.file, self.text, range, &mut self.diagnostics)
     }
 
     /// Pragmas before byte `before` that stand in no code belong to the file.
@@ -373,6 +389,13 @@ impl<'a> Layout<'a> {
         self.report(diagnostic);
         self.take(Tok::BadOperand);
     }
+}
+
+/// The text at `span` belongs to no PLC source.
+pub fn not_a_source(span: Span, label: &str) -> Diagnostic {
+    Diagnostic::new(Code::NotASource, span, "this file holds no PLC source")
+        .label(label)
+        .help("pass an STL source as STEP 7 exports it: blocks, or statements such as `A I 0.0`; a printout or a listing of machine code is none")
 }
 
 fn stray_help(c: char) -> &'static str {

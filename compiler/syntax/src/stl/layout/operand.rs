@@ -25,6 +25,13 @@ impl<'a> Layout<'a> {
             };
             if let Some(comparison) = comparison {
                 self.take(Tok::Compare(comparison));
+            } else if token.kind == RawKind::Equal {
+                self.report(
+                    Diagnostic::new(Code::Syntax, self.span(token), "an assertion compares with `==`, not with `=`")
+                        .label("no comparison")
+                        .help("comparisons are `== <> >= <= > <`"),
+                );
+                self.take(Tok::Compare(AssertOp::Eq));
             } else if !self.assert_register() {
                 self.operand_token();
             }
@@ -165,7 +172,8 @@ impl<'a> Layout<'a> {
         }
         let bracket = next == Some(RawKind::LeftBracket);
         let numbered = bracket || matches!(next, Some(RawKind::Number | RawKind::Real));
-        let alone = letters.len() == 1 && !matches!(next, Some(RawKind::Dot));
+        // Area letters are reserved; without a number their address is missing. In assertions a name may be meant.
+        let alone = !self.both_sets && !matches!(next, Some(RawKind::Dot));
         if digits.is_empty() && (numbered || alone) {
             if let Some((area, width)) = mnemonics::area(letters, set) {
                 return self.take(Tok::Area(area, width));
