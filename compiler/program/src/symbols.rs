@@ -172,26 +172,30 @@ impl Reader<'_> {
         }
     }
 
-    /// Quoted or bare fields. Each line is read by itself, so that a missing quote spoils one row only.
+    /// Quoted or bare fields. A line with a quote too few is left out before, so that it spoils no other row.
     fn delimited(&mut self, delimiter: u8) {
         let text = self.text;
-        let mut builder = csv::ReaderBuilder::new();
-        builder.delimiter(delimiter).has_headers(false).flexible(true).buffer_capacity(512).trim(csv::Trim::All);
-        let mut record = csv::StringRecord::new();
-        for (index, (start, line)) in lines(text).enumerate() {
+        let mut rows = Vec::new();
+        let mut clean = String::with_capacity(text.len());
+        for (start, line) in lines(text) {
             let bare = line.trim_start_matches('\u{feff}');
             if bare.trim().is_empty() {
                 continue;
             }
-            match builder.from_reader(bare.as_bytes()).read_record(&mut record) {
-                Ok(true) => {}
-                Ok(false) => continue,
-                Err(_) => {
-                    self.bad(start, line, "its fields cannot be told apart");
-                    continue;
-                }
+            if bare.bytes().filter(|&letter| letter == b'"').count() % 2 == 1 {
+                self.bad(start, line, "a quote is missing");
+                continue;
             }
-            if record.len() < 2 {
+            rows.push((start, line));
+            clean.push_str(bare.trim_start());
+            clean.push('\n');
+        }
+        let mut builder = csv::ReaderBuilder::new();
+        builder.delimiter(delimiter).has_headers(false).flexible(true).trim(csv::Trim::All);
+        let mut reader = builder.from_reader(clean.as_bytes());
+        let mut record = csv::StringRecord::new();
+        for (index, (start, line)) in rows.into_iter().enumerate() {
+            if !reader.read_record(&mut record).unwrap_or(false) || record.len() < 2 {
                 self.bad(start, line, "it has no field for the address");
                 continue;
             }
@@ -202,9 +206,7 @@ impl Reader<'_> {
             }
             // Exports of the portal tool have three flags between the type and the comment.
             let comment = if record.len() > 6 { field(6) } else { field(3) };
-            let (name, address, ty) = (field(0).to_string(), field(1).to_string(), field(2).to_string());
-            let comment = comment.to_string();
-            self.row(start, line, &name, &address, &ty, &comment);
+            self.row(start, line, field(0), field(1), field(2), comment);
         }
     }
 
@@ -244,8 +246,7 @@ impl Reader<'_> {
                 }
                 continue;
             }
-            if let Some(kind) = line.strip_prefix("-1,") {
-                let _ = kind;
+            if line.starts_with("-1,") {
                 let Some((_, word)) = lines.next() else { break };
                 self.finish_dif_row(&mut row, &mut row_start);
                 match word {

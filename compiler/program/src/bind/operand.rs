@@ -314,15 +314,25 @@ impl Binder<'_> {
                 }
                 None => self.unfit(class, mnemonic, span, &Settled::Literal(literal)),
             },
-            (Class::AddConstant, Settled::Literal(literal @ (Literal::Int(_) | Literal::Dint(_)))) => {
-                self.loaded(literal, span)
-            }
-            (Class::WordConstOrNone, Settled::Literal(literal)) => match value::loaded(literal) {
-                Ok((value, false)) => Some(Operand::Const { value, wide: false }),
-                Ok((_, true)) | Err(_) => self.unfit(class, mnemonic, span, &Settled::Literal(literal)),
+            (
+                Class::AddConstant,
+                Settled::Literal(
+                    literal @ (Literal::Int(_)
+                    | Literal::Dint(_)
+                    | Literal::Byte(_)
+                    | Literal::Word(_)
+                    | Literal::Dword(_)
+                    | Literal::Bits { .. }),
+                ),
+            ) => self.loaded(literal, span),
+            (Class::WordConstOrNone, Settled::Literal(literal)) => match (value::loaded(literal), literal) {
+                (Ok((value, false)), _) | (Ok((value @ ..=0xFFFF, true)), Literal::Bits { .. }) => {
+                    Some(Operand::Const { value, wide: false })
+                }
+                (Ok((_, true)) | Err(_), _) => self.unfit(class, mnemonic, span, &Settled::Literal(literal)),
             },
             (Class::DwordConstOrNone, Settled::Literal(literal)) => match (value::loaded(literal), literal) {
-                (Ok((value, true)), _) | (Ok((value, false)), Literal::Bits { .. }) => {
+                (Ok((value, true)), _) | (Ok((value, false)), Literal::Bits { .. } | Literal::Text(_)) => {
                     Some(Operand::Const { value, wide: true })
                 }
                 (Ok((_, false)) | Err(_), _) => self.unfit(class, mnemonic, span, &Settled::Literal(literal)),

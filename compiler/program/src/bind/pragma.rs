@@ -98,14 +98,8 @@ impl Binder<'_> {
     }
 
     fn assert(&mut self, ctx: &mut Ctx, pragma: &Pragma) -> Option<StlStatementKind> {
-        let Some(sides) = &pragma.assert else {
-            self.bad_pragma(
-                pragma.span,
-                "this assertion is not built as `assert LHS OP RHS`",
-                "write for example `//@ assert MW 10 == W#16#0100`; OP is == <> >= <= > <",
-            );
-            return None;
-        };
+        // One that is not built as `assert LHS OP RHS` was reported when it was read.
+        let sides = pragma.assert.as_ref()?;
         let left = self.assert_side(ctx, &sides.left, pragma.span);
         let right = self.assert_side(ctx, &sides.right, pragma.span);
         let (left, right) = (left?, right?);
