@@ -21,7 +21,7 @@ pub fn from_int(value: u32, digits: u32) -> u32 {
     let mut rest = value;
     let mut result = 0;
     for digit in 0..digits.min(8) {
-        result |= rest % 10 << (4 * digit);
+        result |= (rest % 10) << (4 * digit);
         rest /= 10;
     }
     result

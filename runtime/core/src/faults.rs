@@ -12,6 +12,23 @@ use crate::events::{Event, Missing, StartInfo};
 pub(crate) const TIME_ERROR_TWICE: u32 = 2;
 pub(crate) const TIME_ERROR_HANG: u32 = 3;
 
+/// Mask bits of SFC 36-38 for programming errors and access errors that exist.
+pub(crate) const MASKABLE: [u32; 2] = [0xF43F_03FE, 0x0000_0018];
+
+/// The bit of a synchronous error in the masks, with 0 for programming and 1 for access errors. Source: spec F.6.
+fn mask_bit(code: u8) -> Option<(usize, u32)> {
+    let bit = match code {
+        0x21..=0x29 => code - 0x20,
+        0x30..=0x35 => code - 0x30 + 16,
+        0x3A => 26,
+        0x3C..=0x3F => code - 0x3C + 28,
+        sync::IO_READ => return Some((1, 1 << 3)),
+        sync::IO_WRITE => return Some((1, 1 << 4)),
+        _ => return None,
+    };
+    Some((0, 1 << bit))
+}
+
 impl Cpu {
     /// Writes to the diagnostic buffer.
     pub(crate) fn log(&self, event: u16, site: u32, info: u32) -> Entry {
@@ -40,6 +57,9 @@ impl Cpu {
         }
         let memory = &self.memory;
         memory.set_host32(state::SUBSTITUTE, 0);
+        if self.is_masked(code) {
+            return 0;
+        }
         let io = matches!(code, sync::IO_READ | sync::IO_WRITE);
         let (ob, class, stop_event) = if io { (122, 0x29, 0x4563) } else { (121, 0x25, 0x4562) };
         let cause = self.log(u16::from(class) << 8 | u16::from(code), site, info);
@@ -64,6 +84,17 @@ impl Cpu {
         memory.set_host32(state::SUBSTITUTE, self.running.substitute.replace(outer.1));
         self.running.replaceable.set(outer.0);
         self.stop_result()
+    }
+
+    /// True if the error is masked (SFC 36); notes that it occurred.
+    fn is_masked(&self, code: u8) -> bool {
+        let (Some((kind, bit)), mut masks) = (mask_bit(code), self.running.masks.get()) else { return false };
+        let masked = masks.masked[kind] & bit != 0;
+        if masked {
+            masks.occurred[kind] |= bit;
+            self.running.masks.set(masks);
+        }
+        masked
     }
 
     /// Block type and number of the place, which an S7-400 gives in the start information.

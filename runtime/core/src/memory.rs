@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use plcc_abi::layout::{self, state};
 
-const PAGE: usize = 4096;
+/// Alignment of the base. Not more than the allocator's own: only then zeroed pages come untouched from the system.
+const BASE_ALIGN: usize = plcc_abi::layout::DB_ALIGN as usize;
 
 /// The allocation. Pages that nobody touches cost nothing.
 pub struct Memory {
@@ -30,7 +31,7 @@ impl Memory {
     }
 
     fn layout(size: u32) -> Layout {
-        Layout::from_size_align(size as usize, PAGE).expect("a u32 size with page alignment is a valid layout")
+        Layout::from_size_align(size as usize, BASE_ALIGN).expect("a u32 size with a small alignment is a valid layout")
     }
 
     pub fn base(&self) -> *mut u8 {

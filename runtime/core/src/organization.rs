@@ -8,7 +8,7 @@
 use std::cell::Cell;
 
 use plcc_abi::image::{BlockEntry, BlockKind};
-use plcc_abi::layout::{self, state};
+use plcc_abi::layout::{self, CpuRegister, state};
 
 use crate::cpu::Cpu;
 use crate::events::StartInfo;
@@ -23,7 +23,7 @@ const ERROR_LEVELS: u32 = (layout::L_CLASSES - ERROR_CLASS) * layout::L_CLASS_BY
 /// Synchronous error OBs active in one class.
 const ERROR_DEPTH_MAX: u32 = 3;
 
-const REGISTER_SLOTS: usize = layout::CpuRegister::ALL.len();
+const REGISTER_SLOTS: usize = CpuRegister::ALL.len();
 const RETURN_SLOTS: usize = 16;
 
 /// What is running now.
@@ -41,9 +41,21 @@ pub struct Running {
     pub(crate) replaceable: Cell<Option<bool>>,
     /// The value that SFC 44 gave.
     pub(crate) substitute: Cell<u32>,
+    /// Synchronous errors that are masked in the running class, and those of them that occurred.
+    pub(crate) masks: Cell<Masks>,
+    /// Start information of the running OB and of the last startup OB.
+    pub(crate) info: Cell<[u8; 12]>,
+    pub(crate) startup_info: Cell<[u8; 12]>,
     /// Active synchronous error OBs, in all classes and in this one.
     error_levels: Cell<u32>,
     error_depth: Cell<u32>,
+}
+
+/// Masked synchronous errors, as the double words of SFC 36-38: programming errors and access errors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Masks {
+    pub masked: [u32; 2],
+    pub occurred: [u32; 2],
 }
 
 /// CPU registers and nesting of a class that is interrupted.
@@ -63,6 +75,7 @@ impl Cpu {
         let running = &self.running;
         let before = (running.priority.get(), running.ob.get(), running.delayed.get(), running.error_depth.get());
         let replaceable = running.replaceable.take();
+        let masks = running.masks.take();
         let class = u32::from(priority).min(ERROR_CLASS - 1);
         let bit = 1u128 << (ob as usize % events::OB_NUMBERS);
         running.priority.set(priority);
@@ -78,6 +91,7 @@ impl Cpu {
         running.delayed.set(before.2);
         running.error_depth.set(before.3);
         running.replaceable.set(replaceable);
+        running.masks.set(masks);
     }
 
     /// Runs OB 121 or OB 122 inside the running class. False: nested too deep.
@@ -110,7 +124,12 @@ impl Cpu {
         }
         let saved = self.save();
         memory.clear(base, block.frame.max(events::START_INFO_BYTES as u32));
-        memory.set_bytes(base, info.byte(2, priority).0);
+        let info = info.byte(2, priority).0;
+        let outer_info = self.running.info.replace(info);
+        if matches!(block.number, 100..=102) {
+            self.running.startup_info.set(info);
+        }
+        memory.set_bytes(base, info);
         memory.set_bytes(base + 12, datetime::encode(self.clock.wall()));
         memory.clear(state::REGISTERS, 4 * REGISTER_SLOTS as u32);
         memory.set_host32(state::DEPTH, 1);
@@ -118,6 +137,7 @@ impl Cpu {
         memory.set_host32(state::L_END, base + limit);
         self.code.call(block.entry, memory.base(), base, base);
         self.restore(&saved);
+        self.running.info.set(outer_info);
     }
 
     fn save(&self) -> Saved {
@@ -159,7 +179,9 @@ impl Cpu {
         let Ok(short) = u16::try_from(number) else { return self.sync_error(site, too_large, 0, number) };
         let Some(block) = self.block(kind, short) else {
             if kind == BlockKind::Sfc && crate::system::is_without_parameters(short) {
-                return self.system_function(site, number, layout::SCRATCH, vbase) >> 1;
+                let result = self.system_function(site, number, layout::SCRATCH, vbase);
+                self.memory.set_host32(CpuRegister::Br.slot(), result & 1);
+                return result >> 1;
             }
             return self.sync_error(site, missing, 0, number);
         };

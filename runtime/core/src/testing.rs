@@ -149,7 +149,7 @@ pub fn test(image: ProgramImage, code: Rc<dyn Code>, options: &TestOptions) -> T
         }
     };
     let cycle_time = options.cycle_time.unwrap_or(10 * NS_PER_MS);
-    let until_stop = options.cycles.is_none() && cpu.image.stops_itself;
+    let until_stop = options.cycles.is_none() && cpu.image.stops_itself && scenario.entries.is_empty();
     let cycles = match options.cycles {
         Some(cycles) => cycles,
         None if until_stop => CYCLES_UNTIL_STOP_MAX,

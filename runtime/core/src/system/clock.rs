@@ -25,6 +25,6 @@ pub(super) fn read_clk(call: &Call) -> Outcome {
 
 /// Milliseconds since the start, 0..=2147483647, then from 0 again.
 pub(super) fn time_tck(call: &Call) -> Outcome {
-    call.set_dword(0, (call.cpu.clock.now() / NS_PER_MS & 0x7FFF_FFFF) as u32);
+    call.set_dword(0, ((call.cpu.clock.now() / NS_PER_MS) & 0x7FFF_FFFF) as u32);
     Outcome::Plain
 }

@@ -1,9 +1,16 @@
-//! SFC 43 RE_TRIGR, SFC 44 REPL_VAL, SFC 46 STP, SFC 47 WAIT.
+//! SFC 6 RD_SINFO, SFC 43 RE_TRIGR, SFC 44 REPL_VAL, SFC 46 STP, SFC 47 WAIT.
 
 use plcc_abi::codes::stop;
 
 use super::parameters::Call;
 use super::{OK, Outcome, error};
+
+/// Start information of the running OB and of the last startup OB.
+pub(super) fn rd_sinfo(call: &Call) -> Outcome {
+    call.set_start_info(1, call.cpu.running.info.get());
+    call.set_start_info(2, call.cpu.running.startup_info.get());
+    OK
+}
 
 /// Restarts the cycle-time monitor.
 pub(super) fn re_trigr(call: &Call) -> Outcome {

@@ -11,6 +11,9 @@ mod control;
 mod data_blocks;
 mod delay;
 mod disable;
+mod distributed;
+mod masks;
+mod output_bits;
 mod parameters;
 mod time_of_day;
 
@@ -63,6 +66,9 @@ macro_rules! system_functions {
 system_functions! {
      0 SET_CLK  (DateAndTime)             -> (Word)            = clock::set_clk;
      1 READ_CLK ()                        -> (Word, DateAndTime) = clock::read_clk;
+     6 RD_SINFO ()                        -> (Word, StartInfo, StartInfo) = control::rd_sinfo;
+    14 DPRD_DAT (Word)                    -> (Word, Any)       = distributed::dprd_dat;
+    15 DPWR_DAT (Word, Any)               -> (Word)            = distributed::dpwr_dat;
     20 BLKMOV   (Any)                     -> (Word, Any)       = block_move::blkmov;
     21 FILL     (Any)                     -> (Word, Any)       = block_move::fill;
     22 CREAT_DB (Word, Word, Word)        -> (Word, Word)      = data_blocks::creat_db;
@@ -75,6 +81,9 @@ system_functions! {
     32 SRT_DINT (Word, Dword, Word)       -> (Word)            = delay::srt_dint;
     33 CAN_DINT (Word)                    -> (Word)            = delay::can_dint;
     34 QRY_DINT (Word)                    -> (Word, Word)      = delay::qry_dint;
+    36 MSK_FLT  (Dword, Dword)            -> (Word, Dword, Dword) = masks::msk_flt;
+    37 DMSK_FLT (Dword, Dword)            -> (Word, Dword, Dword) = masks::dmsk_flt;
+    38 READ_ERR (Dword, Dword)            -> (Word, Dword, Dword) = masks::read_err;
     39 DIS_IRT  (Byte, Word)              -> (Word)            = disable::dis_irt;
     40 EN_IRT   (Byte, Word)              -> (Word)            = disable::en_irt;
     41 DIS_AIRT ()                        -> (Word)            = disable::dis_airt;
@@ -84,6 +93,8 @@ system_functions! {
     46 STP      ()                        -> ()                = control::stp;
     47 WAIT     (Word)                    -> ()                = control::wait;
     64 TIME_TCK ()                        -> (Dword)           = clock::time_tck;
+    79 SET      (Word)                    -> (Word, Pointer)   = output_bits::set;
+    80 RSET     (Word)                    -> (Word, Pointer)   = output_bits::rset;
     81 UBLKMOV  (Any)                     -> (Word, Any)       = block_move::ublkmov;
 }
 
@@ -118,7 +129,7 @@ impl Cpu {
             }
             Outcome::Plain => true,
         };
-        (if br { BR } else { 0 }) | self.stop_result() * STOPPED
+        (if br { BR } else { 0 }) | (self.stop_result() * STOPPED)
     }
 }
 

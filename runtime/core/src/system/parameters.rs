@@ -14,6 +14,10 @@ pub(super) enum Kind {
     Dword,
     DateAndTime,
     Any,
+    /// POINTER: DB number and area pointer.
+    Pointer,
+    /// Twelve bytes of start information.
+    StartInfo,
 }
 
 impl Kind {
@@ -24,6 +28,8 @@ impl Kind {
             Kind::Dword => 4,
             Kind::DateAndTime => 8,
             Kind::Any => 10,
+            Kind::Pointer => 6,
+            Kind::StartInfo => 12,
         }
     }
 }
@@ -83,6 +89,14 @@ impl Call<'_> {
 
     pub fn set_dword(&self, index: usize, value: u32) {
         self.cpu.memory.set_dword(self.at(index), value);
+    }
+
+    pub fn pointer(&self, index: usize) -> [u8; 6] {
+        self.cpu.memory.bytes(self.at(index))
+    }
+
+    pub fn set_start_info(&self, index: usize, value: [u8; 12]) {
+        self.cpu.memory.set_bytes(self.at(index), value);
     }
 
     pub fn set_date_and_time(&self, index: usize, value: [u8; 8]) {

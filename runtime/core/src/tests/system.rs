@@ -252,3 +252,68 @@ fn unknown_system_function() {
     run(&cpu, 1);
     assert_eq!(cpu.stopped().unwrap().cause.unwrap().event, 0x253D);
 }
+
+#[test]
+fn masked_errors_are_noted() {
+    in_ob1(|cpu, lbase| {
+        let call = |number, program: u32, access: u32| {
+            cpu.memory.set_dword(AT, program);
+            cpu.memory.set_dword(AT + 4, access);
+            cpu.system_function(0, number, AT, lbase);
+            (cpu.memory.word(AT + 8), cpu.memory.dword(AT + 10), cpu.memory.dword(AT + 14))
+        };
+        assert_eq!(call(36, 1 << 2, 1 << 3), (0, 0x0BC0_FC01 | 1 << 2, !0x10));
+        assert_eq!(cpu.sync_error(0, 0x22, 0, 0), 0);
+        assert_eq!(cpu.sync_error(0, 0x42, 0, 0), 0);
+        assert_eq!(call(38, 0xFFFF_FFFF, 1 << 3), (1, 1 << 2, 1 << 3));
+        assert_eq!(call(38, 1 << 2, 1 << 3), (0, 0, 0));
+        assert_eq!(call(36, 1 << 2, 0).0, 1);
+        assert_eq!(call(37, 1 << 2, 1 << 3), (0, 0x0BC0_FC01, !0x18));
+        assert_eq!(call(37, 1 << 2, 0).0, 1);
+    });
+}
+
+#[test]
+fn start_information_can_be_read() {
+    in_ob1(|cpu, lbase| {
+        assert_eq!(cpu.system_function(0, 6, AT, lbase), 1);
+        assert_eq!(cpu.memory.bytes::<4>(AT + 2), [0x11, 1, 1, 1]);
+        assert_eq!(cpu.memory.bytes::<4>(AT + 14), [0; 4]);
+    });
+}
+
+#[test]
+fn output_bits_in_a_row() {
+    in_ob1(|cpu, lbase| {
+        let call = |number, count, area, first: u32| {
+            cpu.memory.set_word(AT, count);
+            cpu.memory.set_word(AT + 4, 0);
+            cpu.memory.set_dword(AT + 6, u32::from(area) << 24 | first);
+            cpu.system_function(0, number, AT, lbase);
+            cpu.memory.word(AT + 2)
+        };
+        assert_eq!(call(79, 12, 0x80u8, 8 * 4 + 6), 0);
+        assert_eq!(cpu.memory.bytes::<4>(layout::Q + 4), [0xC0, 0xFF, 0x03, 0]);
+        assert_eq!(call(80, 2, 0x80, 8 * 5 + 1), 0);
+        assert_eq!((cpu.memory.byte(layout::Q + 5), cpu.driver.output(5, 1)), (0xF9, 0xF9));
+        assert_eq!(call(79, 1, 0x83, 0), 0x8325);
+        assert_eq!(call(79, 9, 0x80, 65_535 * 8), 0x8343);
+    });
+}
+
+#[test]
+fn distributed_data() {
+    in_ob1(|cpu, lbase| {
+        cpu.driver.set_input(512, 4, 0x0102_0304);
+        cpu.memory.set_word(AT, 512);
+        cpu.memory.set_bytes(AT + 4, any(2, 4, 0, 0x83, 0));
+        assert_eq!(cpu.system_function(0, 14, AT, lbase), 1);
+        assert_eq!(cpu.memory.dword(layout::M), 0x0102_0304);
+        cpu.memory.set_bytes(AT + 2, any(2, 4, 0, 0x83, 0));
+        assert_eq!(cpu.system_function(0, 15, AT, lbase), 1);
+        assert_eq!(cpu.driver.output(512, 4), 0x0102_0304);
+        cpu.memory.set_bytes(AT + 2, any(4, 2, 0, 0x83, 0));
+        assert_eq!(cpu.system_function(0, 15, AT, lbase), 0);
+        assert_eq!(cpu.memory.word(AT + 12), 0x8092);
+    });
+}
