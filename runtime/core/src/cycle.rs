@@ -8,6 +8,7 @@ use plcc_abi::layout;
 
 use crate::clock::NS_PER_MS;
 use crate::cpu::{Area, Cpu};
+use crate::diagnostics::NO_SITE;
 use crate::events::StartInfo;
 
 /// Who looks at the CPU between the phases: scenario, trace.
@@ -71,7 +72,7 @@ impl Cpu {
 
     fn start_up(&self, observer: &mut dyn Observer) {
         let ob = self.image.config.startup;
-        self.log(0x4301, 0, 0);
+        self.log(0x4301, NO_SITE, 0);
         self.arm_hang();
         observer.before(self, 0, self.clock.now());
         self.set_configured_times();
@@ -87,7 +88,7 @@ impl Cpu {
             self.dispatch();
         }
         if !self.is_stopped() {
-            self.log(0x4302, 0, 0);
+            self.log(0x4302, NO_SITE, 0);
             self.start_interrupts(self.clock.now());
         }
         observer.after(self, 0, self.clock.now());

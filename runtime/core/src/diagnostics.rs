@@ -13,7 +13,10 @@ use crate::datetime;
 /// Entries that the ring holds.
 pub const CAPACITY: usize = 500;
 
-/// An entry. `site` is 0 where no place in the program is known, else index into `ProgramImage::sites` plus 1.
+/// No place in the program is known.
+pub const NO_SITE: u32 = u32::MAX;
+
+/// An entry. `site` is an index into `ProgramImage::sites`, or [`NO_SITE`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
     pub event: u16,
@@ -57,9 +60,9 @@ impl Diagnostics {
     }
 }
 
-/// Source place of a 1-based site number.
+/// Source place of a site number.
 pub fn site(image: &ProgramImage, site: u32) -> Option<&Site> {
-    image.sites.get(site.checked_sub(1)? as usize)
+    image.sites.get(site as usize)
 }
 
 /// `FC 3, network 2, main.stl:17`, or the running OB where no site is known.
@@ -156,7 +159,7 @@ mod tests {
     fn ring_keeps_the_newest() {
         let diagnostics = Diagnostics::default();
         for info in 0..CAPACITY as u32 + 3 {
-            diagnostics.push(Entry { event: 1, info, site: 0, ob: 0, wall: 0 });
+            diagnostics.push(Entry { event: 1, info, site: NO_SITE, ob: 0, wall: 0 });
         }
         let infos: Vec<u32> = diagnostics.newest_first().iter().map(|entry| entry.info).collect();
         assert_eq!(infos.len(), CAPACITY);

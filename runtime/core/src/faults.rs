@@ -5,7 +5,7 @@ use plcc_abi::image::{BlockKind, Family};
 use plcc_abi::layout::state;
 
 use crate::cpu::{Cpu, Stop};
-use crate::diagnostics::{self, Entry};
+use crate::diagnostics::{self, Entry, NO_SITE};
 use crate::events::{Event, Missing, StartInfo};
 
 /// Second word of a STOP 16#4568: which time error.
@@ -126,7 +126,7 @@ impl Cpu {
             Missing::Continue => {}
             Missing::Stop(number) => {
                 let about = if event.ob == 85 { event.info.0[11] } else { 0 };
-                self.stop_by(number, 0, u32::from(about));
+                self.stop_by(number, NO_SITE, u32::from(about));
             }
             Missing::ClassError => self.class_error(event),
         }
@@ -135,9 +135,9 @@ impl Cpu {
     /// OB 85, fault A1: the OB of `event` is not loaded.
     fn class_error(&self, event: Event) {
         let ob = u32::from(event.ob);
-        let cause = self.log(0x35A1, 0, ob);
+        let cause = self.log(0x35A1, NO_SITE, ob);
         if !self.has_ob(85) {
-            self.stop_because(0x456D, 0, ob, Some(cause));
+            self.stop_because(0x456D, NO_SITE, ob, Some(cause));
             return;
         }
         let info = StartInfo::new(0x35, 0xA1, 85)
@@ -150,7 +150,7 @@ impl Cpu {
 
     /// OB 80 with fault `cause` about the OB of `event`.
     pub(crate) fn time_error(&self, cause: u8, event: Event) {
-        self.log(0x3500 | u16::from(cause), 0, u32::from(event.ob));
+        self.log(0x3500 | u16::from(cause), NO_SITE, u32::from(event.ob));
         let info = StartInfo::new(0x35, cause, 80)
             .byte(8, event.info.0[0])
             .byte(9, event.info.0[1])
@@ -161,14 +161,14 @@ impl Cpu {
 
     /// The cycle took longer than allowed, `ms` milliseconds.
     pub(crate) fn cycle_time_exceeded(&self, ms: u32) {
-        let cause = self.log(0x3501, 0, ms);
+        let cause = self.log(0x3501, NO_SITE, ms);
         let monitor = &self.schedule.monitor;
         monitor.overruns.set(monitor.overruns.get() + 1);
         monitor.restart(self.clock.now());
         if monitor.overruns.get() >= 2 || self.running.active.get() >> 80 & 1 != 0 {
-            self.stop_because(0x4568, 0, TIME_ERROR_TWICE, Some(cause));
+            self.stop_because(0x4568, NO_SITE, TIME_ERROR_TWICE, Some(cause));
         } else if !self.has_ob(80) {
-            self.stop_because(0x4568, 0, 0, Some(cause));
+            self.stop_because(0x4568, NO_SITE, 0, Some(cause));
         } else {
             self.request(Event { ob: 80, info: StartInfo::new(0x35, 0x01, 80).word(6, ms.min(0xFFFF) as u16) });
         }

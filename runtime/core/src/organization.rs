@@ -3,7 +3,7 @@
 //! Each priority class has its own L stack. Synchronous error OBs run inside the class that caused them; where its L stack
 //! ends is known only to the code that was left, so they get a slice of the classes above the highest priority each.
 //!
-//! Block depth is counted by the caller: `DEPTH` is the number of active blocks of the class; an OB starts with 1.
+//! Block depth is counted and checked by the calling code: `DEPTH` is the number of active blocks of the class; an OB starts with 1.
 
 use std::cell::Cell;
 
@@ -11,6 +11,7 @@ use plcc_abi::image::{BlockEntry, BlockKind};
 use plcc_abi::layout::{self, CpuRegister, state};
 
 use crate::cpu::Cpu;
+use crate::diagnostics::NO_SITE;
 use crate::events::StartInfo;
 use crate::{datetime, events};
 
@@ -119,7 +120,7 @@ impl Cpu {
     fn enter(&self, block: &BlockEntry, base: u32, limit: u32, depth_max: u32, priority: u8, info: StartInfo) {
         let memory = &self.memory;
         if block.frame.max(events::START_INFO_BYTES as u32) > limit {
-            self.stop_by(plcc_abi::codes::stop::LOCAL_DATA, 0, 0);
+            self.stop_by(plcc_abi::codes::stop::LOCAL_DATA, NO_SITE, 0);
             return;
         }
         let saved = self.save();
@@ -166,7 +167,7 @@ impl Cpu {
         memory.set_host32(state::SUBSTITUTE, saved.substitute);
     }
 
-    /// Calls the block with entry `block` from generated code: frame at `lbase`, the caller's at `vbase`.
+    /// Calls a block by number for generated code, which has counted the depth: frame at `lbase`, the caller's at `vbase`.
     pub(crate) fn call_block(&self, site: u32, kind: u32, number: u32, lbase: u32, vbase: u32) -> u32 {
         use plcc_abi::codes::sync;
         let (kind, too_large, missing) = match kind {
@@ -186,15 +187,10 @@ impl Cpu {
             return self.sync_error(site, missing, 0, number);
         };
         let memory = &self.memory;
-        let depth = memory.host32(state::DEPTH);
-        if depth >= memory.host32(state::DEPTH_MAX) {
-            self.stop_by(plcc_abi::codes::stop::BLOCK_DEPTH, site, 0);
-        } else if lbase.saturating_add(block.frame) > memory.host32(state::L_END) {
+        if lbase.saturating_add(block.frame) > memory.host32(state::L_END) {
             self.stop_by(plcc_abi::codes::stop::LOCAL_DATA, site, 0);
         } else {
-            memory.set_host32(state::DEPTH, depth + 1);
             self.code.call(block.entry, memory.base(), lbase, vbase);
-            memory.set_host32(state::DEPTH, depth);
         }
         self.stop_result()
     }

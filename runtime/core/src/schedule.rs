@@ -13,6 +13,7 @@ use plcc_abi::image::{BlockEntry, BlockKind};
 use crate::clock::NS_PER_MS;
 use crate::cpu::Cpu;
 use crate::datetime::{self, Period};
+use crate::diagnostics::NO_SITE;
 use crate::events::{self, Event, OB_NUMBERS, StartInfo};
 
 /// Events that can wait.
@@ -162,7 +163,7 @@ impl Cpu {
             full
         };
         if full && event.ob == 80 {
-            self.stop_by(0x4568, 0, crate::faults::TIME_ERROR_TWICE);
+            self.stop_by(0x4568, NO_SITE, crate::faults::TIME_ERROR_TWICE);
         } else if full {
             // Make room for OB 80: the newest waiting event is lost, too.
             self.schedule.queue.borrow_mut().pop();
@@ -382,14 +383,14 @@ impl Cpu {
             return;
         }
         let ms = (schedule.hang_limit.get() / NS_PER_MS) as u32;
-        let cause = self.log(0x3501, 0, ms);
+        let cause = self.log(0x3501, NO_SITE, ms);
         let in_time_error = self.running.active.get() >> 80 & 1 != 0;
         if self.has_ob(80) && !in_time_error {
             self.arm_hang();
             let info = StartInfo::new(0x35, 0x01, 80).word(6, ms.min(0xFFFF) as u16);
             self.run_ob(80, self.priority_of(80).max(self.running.priority.get()), info);
         }
-        self.stop_because(0x4568, 0, crate::faults::TIME_ERROR_HANG, Some(cause));
+        self.stop_because(0x4568, NO_SITE, crate::faults::TIME_ERROR_HANG, Some(cause));
     }
 
     /// Starts the hang limit anew.

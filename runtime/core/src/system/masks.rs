@@ -44,9 +44,9 @@ pub(super) fn msk_flt(call: &Call) -> Outcome {
 pub(super) fn dmsk_flt(call: &Call) -> Outcome {
     let (given, mut masks) = (given(call), call.cpu.running.masks.get());
     let missing = (0..2).any(|kind| given[kind] & !masks.masked[kind] != 0);
-    for kind in 0..2 {
-        masks.masked[kind] &= !given[kind];
-        masks.occurred[kind] &= !given[kind];
+    for (kind, bits) in given.into_iter().enumerate() {
+        masks.masked[kind] &= !bits;
+        masks.occurred[kind] &= !bits;
     }
     call.cpu.running.masks.set(masks);
     give_masked(call);
@@ -57,9 +57,9 @@ pub(super) fn dmsk_flt(call: &Call) -> Outcome {
 pub(super) fn read_err(call: &Call) -> Outcome {
     let (given, mut masks) = (given(call), call.cpu.running.masks.get());
     let missing = (0..2).any(|kind| given[kind] & !masks.masked[kind] != 0);
-    for kind in 0..2 {
-        call.set_dword(3 + kind, masks.occurred[kind] & given[kind]);
-        masks.occurred[kind] &= !given[kind];
+    for (kind, bits) in given.into_iter().enumerate() {
+        call.set_dword(3 + kind, masks.occurred[kind] & bits);
+        masks.occurred[kind] &= !bits;
     }
     call.cpu.running.masks.set(masks);
     outcome(missing)

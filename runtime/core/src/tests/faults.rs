@@ -16,7 +16,7 @@ fn site() -> Site {
 
 #[test]
 fn missing_ob_121_stops_with_place_and_cause() {
-    let ob1: Block = Box::new(|cpu, _| assert_eq!(cpu.sync_error(1, sync::DB_MISSING, 0, 12), 1));
+    let ob1: Block = Box::new(|cpu, _| assert_eq!(cpu.sync_error(0, sync::DB_MISSING, 0, 12), 1));
     let cpu = cpu_with(vec![(1, ob1)], |image| {
         image.sites.push(site());
         image.files.push("main.stl".to_string());
@@ -41,7 +41,7 @@ fn ob_121_gets_its_start_information_inside_the_class() {
         assert_eq!(cpu.system_function(0, 44, block, lbase), 1);
     });
     let ob1: Block = Box::new(|cpu, lbase| {
-        assert_eq!(cpu.sync_error(1, sync::LENGTH_READ, 0x24, 0x1234), 0);
+        assert_eq!(cpu.sync_error(0, sync::LENGTH_READ, 0x24, 0x1234), 0);
         assert_eq!(cpu.memory.host32(state::SUBSTITUTE), 0xAABB_CCDD);
         assert_eq!(cpu.system_function(0, 44, layout::SCRATCH, lbase), 0, "8080 outside of OB 121");
         assert_eq!(cpu.memory.word(layout::SCRATCH + 4), 0x8080);
@@ -88,17 +88,17 @@ fn too_much_local_data() {
 #[test]
 fn calls_by_number() {
     let ob1: Block = Box::new(|cpu, lbase| {
-        cpu.memory.set_host32(state::DEPTH, 16);
-        assert_eq!(cpu.call_block(0, BlockKind::Fc as u32, 7, lbase + 24, lbase), 1);
+        let end = cpu.memory.host32(state::L_END);
+        assert_eq!(cpu.call_block(0, BlockKind::Fc as u32, 7, end - 24, lbase), 0);
+        assert_eq!(cpu.memory.byte(layout::M), 1);
+        assert_eq!(cpu.call_block(0, BlockKind::Fc as u32, 7, end - 16, lbase), 1);
     });
-    let cpu = cpu_with(vec![(1, ob1)], |image| {
-        let mut fc = image.blocks[0].clone();
-        fc.kind = BlockKind::Fc;
-        fc.number = 7;
-        image.blocks.push(fc);
+    let fc: Block = Box::new(|cpu, _| cpu.memory.set_byte(layout::M, 1));
+    let cpu = cpu_with(vec![(1, ob1), (7, fc)], |image| {
+        image.blocks[1].kind = BlockKind::Fc;
     });
     run(&cpu, 1);
-    assert_eq!(cpu.stopped().unwrap().entry.event, 0x4575);
+    assert_eq!(cpu.stopped().unwrap().entry.event, 0x4576);
 }
 
 #[test]
