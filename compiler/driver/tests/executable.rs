@@ -1,0 +1,91 @@
+//! A module of the IR becomes an executable that runs.
+
+use std::path::Path;
+use std::process::Command;
+
+use plcc_abi::image::{BlockEntry, BlockKind, Config, Family, Profile, ProgramImage};
+use plcc_abi::{RuntimeFn, Type};
+use plcc_codegen::{CodegenOptions, compile_object};
+use plcc_driver::link::link;
+use plcc_ir::{Address, FunctionBuilder, Module, Region};
+
+/// OB 1 adds 1 to MW 0 and sets Q 4.0; MD 4 becomes the sine of 1.0.
+fn module() -> Module {
+    let mut b = FunctionBuilder::new("OB1", &[], &[]);
+    let count = b.load(Type::I16, Address::direct(Region::M, 0));
+    let one = b.iconst(Type::I16, 1);
+    let count = b.iadd(count, one);
+    b.store(Address::direct(Region::M, 0), count);
+    let set = b.bool_const(true);
+    b.store_bit(Address::direct(Region::Q, 4), 0, set);
+    let x = b.f32_const(1.0);
+    let y = b.call_pure(RuntimeFn::Sin, &[x]);
+    b.store(Address::direct(Region::M, 4), y);
+    b.ret(&[]);
+    let mut module = Module::default();
+    let id = module.functions.push(b.finish());
+    module.entries.push(id);
+    module
+}
+
+fn image() -> ProgramImage {
+    let profile = Profile {
+        name: "s7-300".to_string(),
+        family: Family::S7300,
+        accumulators: 2,
+        inputs: 2048,
+        outputs: 2048,
+        bit_memory: 8192,
+        timers: 2048,
+        counters: 2048,
+        local_data: 32768,
+        db_bytes_max: 65534,
+        block_depth: 16,
+        error_depth: 4,
+        limits_checked: false,
+    };
+    let ob1 = BlockEntry { kind: BlockKind::Ob, number: 1, name: String::new(), entry: 0, frame: 32 };
+    ProgramImage {
+        name: "test".to_string(),
+        profile,
+        config: Config::default(),
+        blocks: vec![ob1],
+        dbs: Vec::new(),
+        db_end: plcc_abi::layout::DB_DATA,
+        sites: Vec::new(),
+        files: Vec::new(),
+        asserts: Vec::new(),
+        symbols: Vec::new(),
+        stops_itself: false,
+    }
+}
+
+#[test]
+fn an_executable_runs_the_program() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let object = folder.path().join("program.o");
+    let executable = folder.path().join("program");
+    let image = postcard::to_stdvec(&image()).expect("an image can be encoded");
+    let code = compile_object(&module(), &image, &CodegenOptions::default()).expect("it compiles");
+    std::fs::write(&object, code).expect("the folder can be written");
+    link(&[&object], &executable, None).expect("it links");
+    let output = Command::new(&executable)
+        .args(["--cycles", "5", "--clock", "virtual", "--print", "MW0,Q4.0,MD4"])
+        .output()
+        .expect("it starts");
+    let sine = format!("MD4 = 16#{:08X}", 1.0f32.sin().to_bits());
+    let text = String::from_utf8_lossy(&output.stdout);
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines, ["MW0 = 16#0005", "Q4.0 = 1", sine.as_str()], "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.status.code(), Some(0));
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_an_error() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let object = folder.path().join("program.o");
+    let code = compile_object(&module(), b"", &CodegenOptions::default()).expect("it compiles");
+    std::fs::write(&object, code).expect("the folder can be written");
+    let error = link(&[object], Path::new("/no/such/folder/program"), None).expect_err("there is no such folder");
+    assert!(error.to_string().contains("/no/such/folder/program"), "{error}");
+}
