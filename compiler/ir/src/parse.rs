@@ -766,7 +766,7 @@ mod tests {
 
     #[test]
     fn every_form_of_line_round_trips() {
-        let text = include_str!("../tests/every_line.ir");
+        let text = include_str!("../../../tests/ir/every_line.ir");
         let module = parse_module(text).expect("text is well formed");
         let printed = module_text(&module);
         assert_eq!(printed, text);

@@ -259,8 +259,23 @@ impl Folder<'_> {
         if let Some(bits) = self.constant(cond) {
             return jump(if bits != 0 { then_to } else { else_to });
         }
+        if then_to.block == else_to.block {
+            // Both arms go to one place: only the values differ.
+            let pairs: Vec<_> = then_to.args.iter().copied().zip(else_to.args.iter().copied()).collect();
+            let args = pairs.into_iter().map(|(if_true, if_false)| self.chosen(cond, if_true, if_false)).collect();
+            return Some(Change::Data(InstData::Jump { target: BlockCall { block: then_to.block, args } }));
+        }
         let cond = self.negated(cond)?;
         Some(Change::Data(InstData::Branch { cond, then_to: else_to.clone(), else_to: then_to.clone() }))
+    }
+
+    /// One of two values, by `cond`.
+    fn chosen(&mut self, cond: Value, if_true: Value, if_false: Value) -> Value {
+        if if_true == if_false {
+            return if_true;
+        }
+        let ty = self.ty(if_true);
+        self.emit(InstData::Select { cond, if_true, if_false }, ty)
     }
 }
 

@@ -101,6 +101,26 @@ pub fn run_pass(module: &mut Module, name: &str) -> bool {
     pass.is_some()
 }
 
+/// Runs the passes that the first line of an IR text names, `; passes: fold, dead-code`, and prints the canonical result: what a
+/// file under `tests/opt` expects.
+///
+/// Errors: text, first line, or module are wrong.
+pub fn run_listed_passes(text: &str) -> Result<String, String> {
+    let list = text.lines().next().and_then(|line| line.strip_prefix("; passes:"));
+    let list = list.ok_or("the first line is expected to be `; passes: NAME, NAME`")?;
+    let mut module = plcc_ir::parse::parse_module(text).map_err(|error| error.to_string())?;
+    let verify = |module: &Module| plcc_ir::verify::verify(module).map_err(|errors| errors[0].to_string());
+    verify(&module)?;
+    for name in list.split(',').map(str::trim) {
+        if !run_pass(&mut module, name) {
+            return Err(format!("there is no pass `{name}`"));
+        }
+        verify(&module).map_err(|error| format!("after {name}: {error}"))?;
+    }
+    compact(&mut module);
+    Ok(plcc_ir::print::module_text(&module))
+}
+
 /// Panics if the verifier rejects what the pass `name` made: a bug of the pass.
 pub fn check(name: &str, module: &Module) {
     if let Err(errors) = plcc_ir::verify::verify(module) {

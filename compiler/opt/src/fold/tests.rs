@@ -98,3 +98,11 @@ fn arithmetic_on_constants() {
 fn a_known_switch_is_a_jump() {
     check("v10 = const.i32 1\nswitch v10 [b1, b2], b1\nb1:\nret v0\nb2:\nret v1", "jump b1\nb1:\nret v1");
 }
+
+#[test]
+fn arms_that_differ_in_values_only_are_a_choice() {
+    check(
+        "branch v2, b1(v0, v1), b1(v1, v1)\nb1(v10: i32, v11: i32):\nv12 = iadd v10, v11\nret v12",
+        "v10 = select v2, v0, v1\njump b1(v10, v1)\nb1(v11: i32, v12: i32):\nv13 = iadd v11, v12\nret v13",
+    );
+}
