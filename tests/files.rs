@@ -121,18 +121,7 @@ fn read_module(path: &Path) -> Result<plcc_ir::Module, String> {
 /// Runs the passes that the first line names, and compares the IR behind them.
 fn check_opt(path: &Path) -> Result<(), String> {
     let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
-    let first = text.lines().next().unwrap_or_default();
-    let names = first.strip_prefix("; passes:").ok_or("the first line does not name passes: `; passes: a,b`")?;
-    let passes: Vec<&str> = names.split(',').map(str::trim).collect();
-    let mut module = read_module(path)?;
-    for pass in passes {
-        if !plcc_opt::PASSES.contains(&pass) {
-            return Err(format!("there is no pass `{pass}`; the passes are {}", plcc_opt::PASSES.join(", ")));
-        }
-        plcc_opt::run_pass(&mut module, pass);
-        plcc_ir::verify::verify(&module).map_err(|errors| format!("behind {pass}: {errors:?}"))?;
-    }
-    expect_file(&path.with_extension("expect"), &plcc_ir::print::module_text(&module))
+    expect_file(&path.with_extension("expect"), &plcc_opt::run_listed_passes(&text)?)
 }
 
 fn check_clif(path: &Path) -> Result<(), String> {
