@@ -76,16 +76,15 @@ fn marked(read: &Read, plan: &Plan, outcome: &mut Outcome) -> Option<Vec<TestPro
     Some(Vec::new())
 }
 
-/// The messages that caret lines must mark: blocks alone may stand in such a file, so OB 1 may be missing.
+/// The messages that caret lines must mark.
 fn messages_of(read: &Read, plan: &Plan) -> (Vec<Diagnostic>, SourceMap) {
-    let settings = Settings { require_main: false, ..settings(plan) };
     let again = Read {
         name: read.name.clone(),
         sources: read.sources.clone(),
         units: read.units.clone(),
         ..Read::default()
     };
-    let bound = pipeline::front(again, &settings);
+    let bound = pipeline::front(again, &settings(plan));
     (bound.diagnostics, bound.sources)
 }
 
