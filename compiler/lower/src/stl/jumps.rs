@@ -31,13 +31,16 @@ impl Context<'_, '_> {
     fn jump_to_label(&mut self, condition: Value, operand: &Operand) {
         let label = Self::label(operand);
         let target = self.label_target(label);
+        if self.b.constant_bits(condition) == Some(1) {
+            self.b.jump(target, &[]);
+            self.jump_done(label, target);
+            return;
+        }
         let next = self.b.create_block();
         self.b.branch(condition, target, next);
         self.jump_done(label, target);
         self.b.seal_block(next);
-        if self.b.constant_bits(condition) != Some(1) {
-            self.b.switch_to(next);
-        }
+        self.b.switch_to(next);
     }
 
     pub fn jump_if(&mut self, condition: Condition, operand: &Operand) {
