@@ -24,7 +24,7 @@ pub trait Observer {
 pub struct Pace {
     /// Number of OB 1 cycles; `None`: until STOP or [`end_requested`](crate::run::end_requested).
     pub cycles: Option<u64>,
-    /// Nanoseconds from one cycle start to the next.
+    /// Nanoseconds from one cycle start to the next; virtual time moves by it at the end of each cycle.
     pub cycle_time: u64,
     /// Nanoseconds of host time for a cycle under the virtual clock.
     pub hang_limit: u64,
@@ -63,7 +63,9 @@ impl Cpu {
             }
             self.run_cycle(cycle, start, &times, observer);
             if !self.is_stopped() {
-                self.advance(start.saturating_add(pace.cycle_time).max(self.clock.now()), false);
+                // Real cycles start so far apart; virtual time moves by it, beside what passed within the cycle.
+                let from = if self.clock.is_virtual() { self.clock.now() } else { start };
+                self.advance(from.saturating_add(pace.cycle_time), false);
             }
         }
         self.watchdog.set(u64::MAX);

@@ -372,14 +372,14 @@ impl Cpu {
         let monitor = &self.schedule.monitor;
         let now = self.clock.now();
         if now >= monitor.deadline.get() {
-            self.cycle_time_exceeded(((now - monitor.since.get()) / NS_PER_MS) as u32);
+            self.cycle_time_exceeded((now.saturating_sub(monitor.since.get()) / NS_PER_MS) as u32);
         }
     }
 
     /// An endless loop under the virtual clock: OB 80 once, then STOP.
     fn check_hang(&self) {
         let schedule = &self.schedule;
-        if self.watchdog.host_now() < schedule.hang_deadline.get() {
+        if self.is_stopped() || self.watchdog.host_now() < schedule.hang_deadline.get() {
             return;
         }
         let ms = (schedule.hang_limit.get() / NS_PER_MS) as u32;
@@ -424,6 +424,7 @@ impl Cpu {
                 self.check_cycle_time();
             }
             self.dispatch();
+            self.check_hang();
         }
         self.clock.move_to(target);
         self.update_clock_memory();
@@ -455,15 +456,12 @@ impl Cpu {
 
     /// SFC 47 and `//@ sleep`: `ns` nanoseconds pass. Result for generated code.
     pub(crate) fn pass_time(&self, ns: u64, monitored: bool) -> u32 {
-        let before = self.clock.now();
-        self.advance(before.saturating_add(ns), monitored);
-        if !monitored {
-            let monitor = &self.schedule.monitor;
-            if monitor.deadline.get() != NEVER {
-                monitor.deadline.set(monitor.deadline.get().saturating_add(ns));
-                monitor.since.set(monitor.since.get().saturating_add(ns));
-            }
+        let monitor = &self.schedule.monitor;
+        if !monitored && monitor.deadline.get() != NEVER {
+            monitor.deadline.set(monitor.deadline.get().saturating_add(ns));
+            monitor.since.set(monitor.since.get().saturating_add(ns));
         }
+        self.advance(self.clock.now().saturating_add(ns), monitored);
         self.stop_result()
     }
 }

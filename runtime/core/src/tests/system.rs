@@ -317,3 +317,27 @@ fn distributed_data() {
         assert_eq!(cpu.memory.word(AT + 12), 0x8092);
     });
 }
+
+#[test]
+fn a_jump_of_the_wall_clock_skips_time_of_day_interrupts() {
+    let ob80: Block = Box::new(|cpu, lbase| {
+        assert_eq!(cpu.memory.bytes::<2>(lbase), [0x35, 0x05]);
+        assert_eq!(cpu.memory.byte(lbase + 11), 10);
+        cpu.memory.set_byte(layout::M, 1);
+    });
+    let ob1: Block = Box::new(|cpu, lbase| {
+        cpu.memory.set_bytes(AT, datetime::encode(datetime::VIRTUAL_START + 86_400_000_000_000));
+        cpu.system_function(0, 0, AT, lbase);
+        assert_eq!(cpu.safepoint(), 0);
+        assert_eq!(cpu.memory.byte(layout::M), 1);
+    });
+    let cpu = cpu_with(vec![(1, ob1), (10, Box::new(|_: &Cpu, _| ())), (80, ob80)], |image| {
+        image.config.time_of_day.push(plcc_abi::image::TimeOfDay {
+            ob: 10,
+            start: "1994-01-01T06:00:00".to_string(),
+            period: 0x1001,
+        });
+    });
+    run(&cpu, 1);
+    assert!(!cpu.is_stopped());
+}

@@ -11,6 +11,8 @@ pub(super) struct Waveform<W: Write> {
     writer: vcd::Writer<W>,
     codes: Vec<(IdCode, u32)>,
     last: Vec<Option<Bits>>,
+    /// Time of the last sample that had changes.
+    stamp: Option<u64>,
 }
 
 impl<W: Write> Waveform<W> {
@@ -27,20 +29,20 @@ impl<W: Write> Waveform<W> {
         }
         writer.upscope()?;
         writer.enddefinitions()?;
-        Ok(Waveform { writer, last: vec![None; codes.len()], codes })
+        Ok(Waveform { writer, last: vec![None; codes.len()], codes, stamp: None })
     }
 }
 
 impl<W: Write> Sink for Waveform<W> {
     fn sample(&mut self, _cycle: u64, time: u64, values: &[Bits]) -> Result<()> {
-        let mut stamped = false;
+        let time = time / 1000;
         for ((&(code, bits), last), &value) in self.codes.iter().zip(&mut self.last).zip(values) {
             if last.replace(value) == Some(value) {
                 continue;
             }
-            if !stamped {
-                self.writer.timestamp(time / 1000)?;
-                stamped = true;
+            if self.stamp != Some(time) {
+                self.writer.timestamp(time)?;
+                self.stamp = Some(time);
             }
             let bit = |index: u32| if value >> index & 1 != 0 { Value::V1 } else { Value::V0 };
             if bits == 1 {

@@ -1,0 +1,70 @@
+//! Playing a scenario.
+
+use plcc_abi::layout;
+
+use super::helpers::{Block, cpu, run_observed};
+use crate::scenario::{Player, Scenario};
+
+const TEXT: &str = r#"
+[[at]]
+cycle = 0
+set = { "M10.0" = 1 }
+[[at]]
+cycle = 2
+set = { "I0.0" = 1, "PIW256" = "16#1234" }
+event = "OB40"
+expect = { "Q0.0" = 1, "MW2" = "16#0028", "MB10" = 2 }
+[[at]]
+time = "25ms"
+set = { "I0.0" = false }
+expect = { "Q0.0" = 0 }
+[[at]]
+cycle = 9
+expect = { "Q0.0" = 0 }
+"#;
+
+#[test]
+fn settings_events_and_expectations() {
+    let ob1: Block = Box::new(|cpu, _| cpu.memory.set_byte(layout::Q, cpu.memory.byte(layout::I)));
+    let ob40: Block = Box::new(|cpu, _| {
+        assert_eq!(cpu.memory.byte(layout::I), 1, "the inputs of the cycle are there");
+        assert_eq!(cpu.peripheral_read(256, 2), 0x1234);
+        cpu.memory.set_word(layout::M + 2, 40);
+    });
+    let cpu = cpu(vec![(1, ob1), (40, ob40)]);
+    let mut player = Player::new(Scenario::parse("s.toml", TEXT, &cpu.image).unwrap(), &cpu).unwrap();
+    run_observed(&cpu, 5, &mut player);
+    assert_eq!((player.expectations(), player.expectations_met()), (5, 3));
+    let failures: Vec<_> = player.failures().into_iter().map(|f| (f.line, f.text, f.left)).collect();
+    assert_eq!(
+        failures,
+        [
+            (9, "MB10 = 16#02".to_string(), "16#01".to_string()),
+            (16, "Q0.0 = 0".to_string(), "(not reached)".to_string()),
+        ]
+    );
+}
+
+#[test]
+fn addresses_outside_are_told_before_the_run() {
+    let cpu = cpu(Vec::new());
+    let scenario = Scenario::parse("s.toml", "[[at]]\ncycle = 1\nset = { \"MB9000\" = 1 }\n", &cpu.image).unwrap();
+    let message = Player::new(scenario, &cpu).err().unwrap();
+    assert_eq!(message, "s.toml:3: MB9000: byte 9000 is outside of the bit memory, which has 8192 bytes");
+}
+
+#[test]
+fn sleep_in_one_block_and_wait_in_another() {
+    let ob1: Block = Box::new(|cpu, _| {
+        cpu.pass_time(1_000_000_000, false);
+    });
+    let ob35: Block = Box::new(|cpu, _| {
+        cpu.pass_time(1_000_000, true);
+    });
+    let cpu = cpu(vec![(1, ob1), (35, ob35)]);
+    let mut player = Player::new(Scenario::default(), &cpu).unwrap();
+    run_observed(&cpu, 1, &mut player);
+    assert!(!cpu.is_stopped());
+    // The tenth OB 35 is due when the sleep ends and takes a millisecond; then the cycle time passes.
+    assert_eq!(cpu.clock.now(), 1_011_000_000);
+}
