@@ -24,8 +24,9 @@ impl Placer {
             let (byte, bit) = match self.bits {
                 Some((byte, bit)) if bit < 8 => (byte, bit),
                 _ => {
-                    self.next += 1;
-                    (self.next - 1, 0)
+                    let byte = self.next;
+                    self.next = byte.saturating_add(1);
+                    (byte, 0)
                 }
             };
             self.bits = Some((byte, bit + 1));

@@ -13,6 +13,9 @@ use crate::model::{BlockKey, DataBlock};
 use crate::symbols::SymbolTarget;
 use crate::types::{DataType, StructType};
 
+/// All data blocks together, in bytes; no CPU has as much work memory.
+const ALL_BYTES_MAX: u64 = 128 << 20;
+
 /// A data block with its layout.
 pub struct BoundDb {
     pub block: DataBlock,
@@ -25,12 +28,27 @@ impl Binder<'_> {
         numbers.sort_unstable();
         for number in numbers {
             let source = self.data[&number];
-            if let Some((typed, instance_of)) = self.db_content(source) {
+            if let Some((typed, instance_of)) = self.db_content(source)
+                && self.fits_with_others(typed.ty.bytes, source.name.span())
+            {
                 let db = self.make_db(number, source, typed, instance_of);
                 self.dbs.insert(number, db);
             }
         }
         self.generate_instances();
+    }
+
+    /// Adds a data block to those that there are; false if they are too much together, which is reported once.
+    fn fits_with_others(&mut self, bytes: u32, span: Span) -> bool {
+        let before = self.db_bytes;
+        self.db_bytes += u64::from(bytes);
+        if before <= ALL_BYTES_MAX && self.db_bytes > ALL_BYTES_MAX {
+            self.report.push(
+                Diagnostic::new(Code::LayoutTooLarge, span, "the data blocks are too large together")
+                    .label(format!("with this one they pass {ALL_BYTES_MAX} bytes")),
+            );
+        }
+        self.db_bytes <= ALL_BYTES_MAX
     }
 
     /// Layout of DB `number`, if it is known.
@@ -188,6 +206,9 @@ impl Binder<'_> {
             else {
                 continue;
             };
+            if !self.fits_with_others(typed.ty.bytes, instance.span) {
+                return;
+            }
             let block = DataBlock {
                 number,
                 name: self.block_name(BlockPrefix::Db, number),

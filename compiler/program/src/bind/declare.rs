@@ -160,8 +160,9 @@ impl<'a> Binder<'a> {
         }
         let element = self.resolve_type(element, Use::Component)?;
         let bytes = layout::array_bytes(&limits, &element.ty);
-        if bytes > BYTES_MAX {
-            self.too_large(span, "this array", bytes);
+        let count = layout::element_count(&limits);
+        if bytes > BYTES_MAX || count > 8 * BYTES_MAX {
+            self.too_large(span, "this array", bytes.max(count / 8));
             return None;
         }
         let array = ArrayType { bounds: limits, element: element.ty, bytes: bytes as u32 };
@@ -581,6 +582,17 @@ impl<'a> Binder<'a> {
             return;
         }
         bound.temp_bytes = bytes as u32;
+        let profile = &self.input.profile;
+        if bound.temp_bytes > profile.local_data {
+            let code = if profile.limits_checked { Code::LayoutTooLarge } else { Code::CpuLimit };
+            let name = profile.name.clone();
+            let limit = profile.local_data;
+            self.report.push(
+                Diagnostic::new(code, block.name.span(), "the temporary data of this block is more than the CPU has")
+                    .label(format!("{bytes} bytes; the profile {name} has {limit} bytes of local data"))
+                    .help("move data to a data block, or name a larger CPU with --cpu"),
+            );
+        }
         if key.kind == BlockKind::Ob {
             bound.temp_bytes = bound.temp_bytes.max(super::OB_START_INFORMATION_BYTES);
         }

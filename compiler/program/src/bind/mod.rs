@@ -143,6 +143,8 @@ struct Binder<'a> {
     udts: FxHashMap<u16, State<Option<TypedStruct>>>,
     interfaces: FxHashMap<BlockKey, State<Option<Rc<BoundInterface>>>>,
     dbs: FxHashMap<u16, data::BoundDb>,
+    /// Bytes of all data blocks so far.
+    db_bytes: u64,
     /// Types inside types, at the moment.
     depth: u32,
     /// Components by folded name; the structure is kept so that its address stays its own.
@@ -182,6 +184,7 @@ impl<'a> Binder<'a> {
             udts: FxHashMap::default(),
             interfaces: FxHashMap::default(),
             dbs: FxHashMap::default(),
+            db_bytes: 0,
             depth: 0,
             member_index: FxHashMap::default(),
             system: Vec::new(),

@@ -2,7 +2,7 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind, OperandKind, StatementKind};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Binder;
@@ -91,6 +91,38 @@ fn frame(block: &ast::Block) -> (BlockPrefix, &BlockName) {
     }
 }
 
+/// Block numbers that the statements of a block name, so that no other block takes them.
+fn numbers_in(block: &ast::Block) -> Vec<(BlockPrefix, u32)> {
+    let ast::Block::Code(code) = block else { return Vec::new() };
+    let mut numbers = Vec::new();
+    let mut note = |operand: &ast::Operand| {
+        let name = match &operand.kind {
+            OperandKind::Block(name) | OperandKind::DbAbsolute { db: name, .. } => name,
+            OperandKind::Path(ast::Path { root: ast::PathRoot::Block(name), .. }) => name,
+            _ => return,
+        };
+        if let BlockName::Numbered { prefix, number, .. } = name {
+            let prefix = if *prefix == BlockPrefix::Di { BlockPrefix::Db } else { *prefix };
+            numbers.push((prefix, *number));
+        }
+    };
+    for statement in code.networks.iter().flat_map(|network| &network.statements) {
+        match &statement.kind {
+            StatementKind::Instruction { operand: Some(operand), .. } => note(operand),
+            StatementKind::Call(call) => {
+                note(&call.target);
+                call.instance.iter().for_each(&mut note);
+                call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref()).for_each(&mut note);
+            }
+            StatementKind::Instruction { operand: None, .. }
+            | StatementKind::Empty
+            | StatementKind::Pragma(_)
+            | StatementKind::Error => {}
+        }
+    }
+    numbers
+}
+
 impl<'a> Binder<'a> {
     /// Reads the symbol tables and gives every block of the sources its number.
     pub fn collect(&mut self) {
@@ -105,6 +137,14 @@ impl<'a> Binder<'a> {
         let mut unnumbered = Vec::new();
         for &block in &blocks {
             let (prefix, name) = frame(block);
+            if matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb) {
+                self.report.push(
+                    Diagnostic::new(Code::BlockFrame, name.span(), "system blocks belong to the CPU")
+                        .label("a program cannot define this block")
+                        .help("make it an FC or FB"),
+                );
+                continue;
+            }
             match name {
                 BlockName::Numbered { number, span, .. } => {
                     let limit = if prefix == BlockPrefix::Ob { 255 } else { 65_535 };
@@ -142,6 +182,9 @@ impl<'a> Binder<'a> {
                     None => unnumbered.push((block, prefix, name, *span)),
                 },
             }
+        }
+        if !unnumbered.is_empty() {
+            used.extend(blocks.iter().flat_map(|block| numbers_in(block)));
         }
         let mut next: FxHashMap<BlockPrefix, u32> = FxHashMap::default();
         for (block, prefix, name, span) in unnumbered {

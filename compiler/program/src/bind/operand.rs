@@ -239,9 +239,16 @@ impl Binder<'_> {
             (Class::Timer, Settled::Cell { kind: CellKind::Timer, number }) => {
                 Some(Operand::Cell { kind: CellKind::Timer, number })
             }
-            (Class::LoadSource, Settled::Memory { place, width, .. })
-                if width != Width::Bit && !is_peripheral(&place, Area::Pq) =>
-            {
+            (Class::LoadSource, Settled::Memory { place, width, .. }) if width != Width::Bit => {
+                if is_peripheral(&place, Area::Pq) {
+                    let text = self.text(span);
+                    self.report.push(
+                        Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be read"))
+                            .label("a peripheral output")
+                            .help("read the process image, e.g. `QW 4`"),
+                    );
+                    return None;
+                }
                 Some(Operand::Memory { place, width })
             }
             (Class::LoadSource, Settled::Special(special)) => Some(Operand::Special(special)),

@@ -6,6 +6,9 @@ use rustc_hash::FxHashMap;
 
 use super::names::prefix_letters;
 
+/// Up to here a block number alone is no hint at a library block.
+const LOW_NUMBERS: u16 = 40;
+
 /// The messages so far.
 pub struct Report {
     pub diagnostics: Vec<Diagnostic>,
@@ -82,9 +85,10 @@ impl Report {
             let name = format!("{} {number}", prefix_letters(prefix));
             let message = Diagnostic::new(Code::UnknownBlock, span, format!("{name} is not defined"))
                 .label("no source of the program defines this block");
-            let library = plcc_stdlib::LIBRARY
-                .iter()
-                .find(|block| block.number == number && block.fb == (prefix == BlockPrefix::Fb));
+            // Low numbers are mostly the user's own.
+            let library = plcc_stdlib::LIBRARY.iter().find(|block| {
+                block.number == number && block.fb == (prefix == BlockPrefix::Fb) && number > LOW_NUMBERS
+            });
             match (prefix, library) {
                 (BlockPrefix::Fc | BlockPrefix::Fb, Some(block)) => message.help(format!(
                     "add the source that defines it; {name} is often the number of the library block `{}`, which is not shipped yet",

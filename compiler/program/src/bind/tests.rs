@@ -360,3 +360,12 @@ fn library_blocks_are_known_by_name_only() {
     assert_eq!(codes("CALL \"SCALE\"\n"), ["P0303"]);
     assert_eq!(codes("CALL FC 105\n"), ["P0302"]);
 }
+
+#[test]
+fn numbers_that_statements_name_stay_free() {
+    let program = good(
+        "DATA_BLOCK \"Shared\"\nSTRUCT x : INT; END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\nFUNCTION_BLOCK FB 1\nVAR x : INT; END_VAR\nBEGIN\nNOP 0;\nEND_FUNCTION_BLOCK\nORGANIZATION_BLOCK OB 1\nBEGIN\nCALL FB 1 , DB 1;\nL \"Shared\".x;\nEND_ORGANIZATION_BLOCK\n",
+    );
+    let dbs: Vec<(u16, &str)> = program.dbs.iter().map(|db| (db.number, db.name.as_str())).collect();
+    assert_eq!(dbs, [(1, ""), (2, "Shared")]);
+}

@@ -306,6 +306,7 @@ impl Binder<'_> {
             }
         };
         self.report.push(match ty {
+            DataType::Elementary(_) if problem == Mismatch::Range => message,
             DataType::Elementary(elementary) => message.help(format!("write it as {}", example(*elementary))),
             DataType::String(_) => message.help("write a text in quotes: 'text'"),
             DataType::DateAndTime => message.help("write it as DT#1993-12-25-8:12:34.567"),
