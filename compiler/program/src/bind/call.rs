@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::{self, BlockPrefix};
+use plcc_syntax::ast::{self, BlockPrefix, OperandKind};
 use rustc_hash::FxHashMap;
 
 use super::declare::BoundInterface;
@@ -34,22 +34,10 @@ pub struct PointerUse {
 
 impl Binder<'_> {
     pub fn bind_call(&mut self, ctx: &mut Ctx, call: &ast::Call, span: Span) -> Option<Call> {
-        let target_span = call.target.span;
-        let (key, multi) = match self.settle(ctx, &call.target)? {
-            Settled::Block { prefix, number: Number::Known(number) } if callable(prefix).is_some() => {
-                (BlockKey { kind: callable(prefix)?, number }, None)
-            }
-            Settled::Complex(variable) => match (&variable.ty, variable.base) {
-                (DataType::Struct(structure), Base::Instance) if structure.instance_of.is_some() => {
-                    let (sfb, number) = structure.instance_of?;
-                    let kind = if sfb { BlockKind::Sfb } else { BlockKind::Fb };
-                    (BlockKey { kind, number }, Some(variable.byte))
-                }
-                _ => return self.not_callable(target_span),
-            },
-            _ => return self.not_callable(target_span),
+        let Some((key, multi, bound)) = self.call_target(ctx, call) else {
+            self.note_names(ctx, call);
+            return None;
         };
-        let bound = self.interface(key, target_span)?;
         let instance = self.instance(ctx, call, key, multi);
         let mut arguments = self.arguments(ctx, call, key, &bound)?;
         arguments.sort_by_key(|argument| argument.parameter);
@@ -67,7 +55,38 @@ impl Binder<'_> {
         Some(Call { target: key, instance, arguments })
     }
 
-    fn not_callable(&mut self, span: Span) -> Option<Call> {
+    /// The block of a call, the place of a multi-instance, and the interface; `None` after a message.
+    fn call_target(&mut self, ctx: &mut Ctx, call: &ast::Call) -> Option<(BlockKey, Option<u32>, Rc<BoundInterface>)> {
+        let span = call.target.span;
+        let (key, multi) = match self.settle(ctx, &call.target)? {
+            Settled::Block { prefix, number: Number::Known(number) } if callable(prefix).is_some() => {
+                (BlockKey { kind: callable(prefix)?, number }, None)
+            }
+            Settled::Complex(variable) => match (&variable.ty, variable.base) {
+                (DataType::Struct(structure), Base::Instance) if structure.instance_of.is_some() => {
+                    let (sfb, number) = structure.instance_of?;
+                    let kind = if sfb { BlockKind::Sfb } else { BlockKind::Fb };
+                    (BlockKey { kind, number }, Some(variable.byte))
+                }
+                _ => return self.not_callable(span),
+            },
+            _ => return self.not_callable(span),
+        };
+        let bound = self.interface(key, span)?;
+        Some((key, multi, bound))
+    }
+
+    /// Names in a call that cannot be checked are looked up all the same, so that all undefined ones are told of.
+    fn note_names(&mut self, ctx: &mut Ctx, call: &ast::Call) {
+        let actuals = call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref());
+        for operand in call.instance.iter().chain(actuals) {
+            if !matches!(operand.kind, OperandKind::Block(_)) {
+                self.settle(ctx, operand);
+            }
+        }
+    }
+
+    fn not_callable<T>(&mut self, span: Span) -> Option<T> {
         let text = self.text(span);
         self.report.push(
             Diagnostic::new(Code::OperandKind, span, format!("`CALL` calls a block, but `{text}` is none"))

@@ -20,7 +20,7 @@ pub struct Report {
 /// Something that is used and defined nowhere.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum MissingKey {
-    /// A symbol, folded.
+    /// A symbol or a data type, folded.
     Symbol(String),
     /// A block to call.
     Block(BlockPrefix, u16),
@@ -30,8 +30,6 @@ pub enum MissingKey {
     Db(u16),
     /// A data block whose components are named.
     DbLayout(u16),
-    /// A data type.
-    Type(String),
 }
 
 struct Missing {
@@ -73,7 +71,7 @@ impl Report {
     }
 
     pub fn missing_type(&mut self, name: &str, span: Span) {
-        self.missing(MissingKey::Type(super::names::fold(name)), || {
+        self.missing(MissingKey::Symbol(super::names::fold(name)), || {
             Diagnostic::new(Code::UnknownType, span, format!("the data type `{name}` is not defined"))
                 .label("neither a type of STL nor a UDT or FB of the program")
                 .help("add the source that defines it")
@@ -137,8 +135,14 @@ impl Report {
 
     /// All messages; what is defined nowhere comes last, in one list.
     pub fn finish(self) -> Vec<Diagnostic> {
-        let Report { mut diagnostics, missing, partial, .. } = self;
+        let Report { mut diagnostics, missing, index, partial } = self;
         for Missing { key, mut diagnostic, uses } in missing {
+            // That a DB is not there is told once.
+            if let MissingKey::Db(number) = key
+                && index.contains_key(&MissingKey::DbLayout(number))
+            {
+                continue;
+            }
             if uses > 1 {
                 let label = std::mem::take(&mut diagnostic.primary.text);
                 diagnostic.primary.text = format!("{label}; the first of {uses} places");
