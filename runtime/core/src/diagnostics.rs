@@ -92,7 +92,7 @@ pub fn event_text(entry: &Entry) -> String {
         0x4568 => "STOP: time error and no OB 80".to_string(),
         0x456A => "STOP: diagnostic interrupt and no OB 82".to_string(),
         0x456B => "STOP: module removed or inserted and no OB 83".to_string(),
-        0x456C => format!("STOP: priority class error (about OB {info}) and no OB 85"),
+        0x456D if info == 0 => "STOP: priority class error and no OB 85".to_string(),
         0x456D => format!("STOP: OB {info} is requested but not loaded, and no OB 85"),
         0x456E => "STOP: communication error and no OB 87".to_string(),
         0x456F => "STOP: rack or DP failure and no OB 86".to_string(),

@@ -62,7 +62,7 @@ pub fn missing(ob: u16, family: Family) -> Missing {
         80 => Missing::Stop(0x4568),
         82 => Missing::Stop(0x456A),
         83 => Missing::Stop(0x456B),
-        85 => Missing::Stop(0x456C),
+        85 => Missing::Stop(0x456D),
         86 => Missing::Stop(0x456F),
         87 if family == Family::S7300 => Missing::Stop(0x456E),
         88 => Missing::Stop(0x4570),

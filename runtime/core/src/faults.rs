@@ -125,8 +125,7 @@ impl Cpu {
         match crate::events::missing(event.ob, self.image.profile.family) {
             Missing::Continue => {}
             Missing::Stop(number) => {
-                let about = if event.ob == 85 { event.info.0[11] } else { 0 };
-                self.stop_by(number, NO_SITE, u32::from(about));
+                self.stop_by(number, NO_SITE, 0);
             }
             Missing::ClassError => self.class_error(event),
         }

@@ -25,6 +25,13 @@ pub const EXIT_FAULT: u8 = 1;
 /// A flag or file is wrong.
 pub const EXIT_USAGE: u8 = 2;
 
+/// Writes a line to standard error; a closed one is no reason to stop a plant.
+macro_rules! say {
+    ($($arg:tt)*) => {{
+        let _ = writeln!(std::io::stderr(), $($arg)*);
+    }};
+}
+
 static END: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
 /// True after SIGINT or SIGTERM.
@@ -81,7 +88,7 @@ pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 
     let (printed, mut session) = match prepared {
         Ok(prepared) => prepared,
         Err(message) => {
-            eprintln!("runtime: {message}");
+            say!("runtime: {message}");
             return EXIT_USAGE;
         }
     };
@@ -104,26 +111,26 @@ fn finish(cpu: &Cpu, options: &RunOptions, printed: &[(String, Address)], sessio
     }
     for failure in session.player.failures() {
         let (file, line, text) = (failure.file, failure.line, failure.text);
-        eprintln!("{file}:{line}: expected {text}, but it is {}", failure.left);
+        say!("{file}:{line}: expected {text}, but it is {}", failure.left);
         exit = EXIT_FAULT;
     }
     let stop = cpu.stopped();
     match stop {
         Some(stop) if !stop.asked => {
-            eprintln!("{}", cpu.stop_text(&stop));
+            say!("{}", cpu.stop_text(&stop));
             exit = EXIT_FAULT;
         }
-        Some(_) if !options.quiet => eprintln!("stopped by the program after {cycles} cycles"),
-        None if !options.quiet => eprintln!("ended after {cycles} cycles"),
+        Some(_) if !options.quiet => say!("stopped by the program after {cycles} cycles"),
+        None if !options.quiet => say!("ended after {cycles} cycles"),
         Some(_) | None => {}
     }
     if options.diag {
         for entry in cpu.diagnostics.newest_first() {
-            eprintln!("{}", diagnostics::line(&cpu.image, &entry));
+            say!("{}", diagnostics::line(&cpu.image, &entry));
         }
     }
     if let Some(Err(error)) = session.recorder.map(Recorder::finish) {
-        eprintln!("runtime: the trace is not complete: {error}");
+        say!("runtime: the trace is not complete: {error}");
         exit = EXIT_USAGE;
     }
     exit

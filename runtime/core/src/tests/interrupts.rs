@@ -110,7 +110,7 @@ fn missing_error_obs() {
         (82, Some(0x456A)),
         (83, Some(0x456B)),
         (84, None),
-        (85, Some(0x456C)),
+        (85, Some(0x456D)),
         (86, Some(0x456F)),
         (87, Some(0x456E)),
         (88, Some(0x4570)),
