@@ -761,6 +761,8 @@ impl<'a> Cursor<'a> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
     use crate::print::module_text;
 
@@ -806,5 +808,33 @@ mod tests {
         assert_eq!(line_of("func @F {\nb0:\n ret\n"), (3, "function @F has no end `}`".into()));
         assert_eq!(line_of("func @F {\nb0:\n v1 = const.i32 1\n store.i16 M 0, v1\n}").0, 4);
         assert_eq!(line_of("entry @F").0, 1);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// Whatever stands in a text, it is read or rejected, and what is read can be verified and printed.
+        #[test]
+        fn damaged_texts_do_no_harm(edits in prop::collection::vec((any::<prop::sample::Index>(), 0..4u8, ".{0,3}"), 1..6)) {
+            let mut text: Vec<char> = include_str!("../../../tests/ir/every_line.ir").chars().collect();
+            for (at, kind, new) in edits {
+                let at = at.index(text.len());
+                let other = (at * 7 + 13) % text.len();
+                match kind {
+                    0 => drop(text.remove(at)),
+                    1 => drop(text.splice(at..at, new.chars())),
+                    2 => text[at] = text[other],
+                    _ => drop(text.drain(at.min(other)..at.min(other) + 5.min(text.len() - at.max(other)))),
+                }
+            }
+            let text: String = text.into_iter().collect();
+            if let Ok(mut module) = parse_module(&text) {
+                let sound = crate::verify::verify(&module).is_ok();
+                let again = parse_module(&module_text(&module));
+                prop_assert_eq!(again.as_ref(), Ok(&module));
+                module.functions.values_mut().for_each(Function::compact);
+                prop_assert!(!sound || crate::verify::verify(&module).is_ok());
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Checks that a module is well formed. These are the rules:
 //!
 //! Module
-//! - Function names are unique; entries exist and take and return nothing.
+//! - Function names are unique, not empty, and have no space, `(`, `{`, `;` or `"`; entries exist and take and return nothing.
 //! - DBs are sorted by number, each number once; their data lies behind `layout::DB_DATA`, at most 64 KiB each.
 //! - A frame is a multiple of `layout::FRAME_ALIGN` and at most `layout::L_CLASS_BYTES`.
 //!
@@ -90,6 +90,11 @@ fn verify_module(module: &Module, errors: &mut Vec<VerifyError>) {
     for function in module.functions.values() {
         if !names.insert(&function.name) {
             report(&function.name, "the name is not unique".into());
+        }
+        if function.name.is_empty()
+            || function.name.contains(|c: char| c.is_whitespace() || matches!(c, '(' | '{' | ';' | '"'))
+        {
+            report(&function.name, "the name cannot be read back".into());
         }
     }
     for &entry in &module.entries {

@@ -565,7 +565,7 @@ fn run(module: &Module, seed: u8, word: u32, bit: bool) -> Outcome {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1000, max_shrink_iters: 20_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1000, max_shrink_iters: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn optimisation_keeps_the_meaning(
