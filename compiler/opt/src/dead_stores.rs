@@ -25,6 +25,9 @@ pub fn eliminate_dead_stores(module: &mut Module) {
     }
 }
 
+/// Ranges that are kept for one base; more are forgotten, so that time stays linear.
+const RANGES_MAX: usize = 1024;
+
 /// Ranges behind each base of a region.
 type Bases = Vec<(Option<Value>, Extents<()>)>;
 
@@ -46,6 +49,24 @@ impl Overwritten {
         same.is_some_and(|(_, extents)| extents.covering(access.start, access.end).is_some())
     }
 
+    /// The range of an access without the parts at its ends that are overwritten.
+    fn rest_of(&self, access: &Access) -> (u64, u64) {
+        let (mut start, mut end) = (access.start, access.end);
+        let bases = self.ranges.get(&access.region);
+        let same = bases.and_then(|bases| bases.iter().find(|(base, _)| *base == access.base));
+        if let Some((_, extents)) = same
+            && start < end
+        {
+            if let Some(first) = extents.covering(start, start + 1) {
+                start = first.end.min(end);
+            }
+            if let Some(last) = extents.covering(end - 1, end) {
+                end = last.start.max(start);
+            }
+        }
+        (start, end)
+    }
+
     fn write(&mut self, access: &Access) {
         if access.start == access.end {
             return;
@@ -56,6 +77,9 @@ impl Overwritten {
             bases.len() - 1
         });
         let extents = &mut bases[index].1;
+        if extents.len() >= RANGES_MAX {
+            extents.clear();
+        }
         extents.cut(access.start, access.end, |()| true);
         extents.insert(access.start, access.end, (), true);
     }
@@ -138,10 +162,13 @@ fn visit(function: &mut Function, id: FuncId, frames: &Frames, inst: Inst, overw
         InstData::StoreBit { addr, bit, .. } => write(Access::bit(addr, *bit), overwritten),
         InstData::Clear { addr, len } => {
             let access = Access::bytes(addr, *len);
-            if write(access, overwritten) {
-                return true;
+            let (start, end) = overwritten.rest_of(&access);
+            let dead = write(access, overwritten);
+            if !dead {
+                // Its ends may be overwritten already.
+                (addr.offset, *len) = ((start / 8) as u32, (end.div_ceil(8) - start / 8) as u32);
             }
-            false
+            dead
         }
         InstData::Copy { to, from, len } => {
             let dead = write(Access::bytes(to, *len), overwritten);
@@ -295,6 +322,10 @@ mod tests {
         check(
             "clear L 0, 16\nbranch v1, b1, b2\nb1:\nv2 = load.i16 L 4\njump b2\nb2:\nret v0",
             "clear L 4, 2\nbranch v1, b1, b2\nb1:\nv2 = load.i16 L 4\njump b2\nb2:\nret v0",
+        );
+        check(
+            "v9 = trunc.i16 v0\nclear M 0, 16\nstore.i32 M 0, v0\nstore.i16 M 13, v9\nv3 = load.i8 M 15\nret v0",
+            "v9 = trunc.i16 v0\nclear M 4, 12\nstore.i32 M 0, v0\nstore.i16 M 13, v9\nv3 = load.i8 M 15\nret v0",
         );
         check("store.i32 L 0, v0\ncall @G()\nret v0", "call @G()\nret v0");
         let text = "store.i32 L 0, v0\ncall @H()\nret v0";
