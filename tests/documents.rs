@@ -47,7 +47,9 @@ fn snake_case(row: &str) -> String {
 #[test]
 fn links_in_documents_lead_somewhere() {
     let mut documents = files(&root().join("docs"), "md");
-    documents.extend(["README.md", "CONTRIBUTING.md"].map(|name| root().join(name)).into_iter().filter(|path| path.is_file()));
+    documents.extend(
+        ["README.md", "CONTRIBUTING.md"].map(|name| root().join(name)).into_iter().filter(|path| path.is_file()),
+    );
     let mut broken = Vec::new();
     for document in &documents {
         let text = fs::read_to_string(document).unwrap();

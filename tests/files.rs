@@ -192,6 +192,8 @@ fn check_trace(project: &Path, scenario: &Path, expected: &Path) -> Result<(), S
 /// The largest `cycle = N` of a scenario; a trace lasts until then.
 fn last_cycle(scenario: &Path) -> u64 {
     let text = fs::read_to_string(scenario).unwrap_or_default();
-    let cycles = text.lines().filter_map(|line| line.trim().strip_prefix("cycle")?.trim().strip_prefix('=')?.trim().parse().ok());
+    let cycles = text
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("cycle")?.trim().strip_prefix('=')?.trim().parse().ok());
     cycles.max().unwrap_or(1)
 }

@@ -60,8 +60,16 @@ fn constant() -> impl Strategy<Value = String> {
         any::<u32>().prop_map(|value| format!("DW#16#{value:08X}")),
         (-1000i32..1000).prop_map(|value| format!("{}.{:02}", value, value.unsigned_abs() % 100)),
         prop::sample::select(vec![
-            "DW#16#7F800000", "DW#16#FF800000", "DW#16#FFFFFFFF", "DW#16#00000001", "L#-2147483648", "L#2147483647",
-            "DW#16#7F7FFFFF", "0", "-1", "1",
+            "DW#16#7F800000",
+            "DW#16#FF800000",
+            "DW#16#FFFFFFFF",
+            "DW#16#00000001",
+            "L#-2147483648",
+            "L#2147483647",
+            "DW#16#7F7FFFFF",
+            "0",
+            "-1",
+            "1",
         ])
         .prop_map(str::to_string),
     ]
@@ -69,21 +77,120 @@ fn constant() -> impl Strategy<Value = String> {
 
 /// Instructions on the accumulators and the status word alone.
 const OPERATIONS: &[&str] = &[
-    "+I", "-I", "*I", "/I", "+D", "-D", "*D", "/D", "MOD", "+R", "-R", "*R", "/R", "ABS", "NEGR", "SQR", "SQRT", "SIN",
-    "ATAN", "EXP", "LN", "==I", "<>I", ">I", "<I", ">=I", "<=I", "==D", "<>D", ">D", "<D", ">=D", "<=D", "==R", "<>R", ">R",
-    "<R", ">=R", "<=R", "ITB", "DTB", "ITD", "DTR", "RND", "RND+", "RND-", "TRUNC", "INVI", "INVD", "NEGI", "NEGD", "CAW",
-    "CAD", "AW", "OW", "XOW", "AD", "OD", "XOD", "SLW", "SRW", "SLD", "SRD", "SSI", "SSD", "RLD", "RRD", "RLDA", "RRDA",
-    "TAK", "PUSH", "POP", "INC 7", "DEC 200", "+ 5", "+ -300", "+ L#70000", "SLW 3", "SRW 5", "SLD 17", "SRD 32", "SSI 15",
-    "SSD 1", "RLD 9", "RRD 31", "AW W#16#0FF0", "OD DW#16#80000001", "SET", "CLR", "NOT", "SAVE", "L STW", "A BR", "A OV",
-    "O OS", "X >0", "AN <0", "A ==0", "ON <>0", "A UO", "O", "TAR1", "TAR2", "CAR", "+AR1 P#1.3", "LAR1 P#4.0", "T STW",
+    "+I",
+    "-I",
+    "*I",
+    "/I",
+    "+D",
+    "-D",
+    "*D",
+    "/D",
+    "MOD",
+    "+R",
+    "-R",
+    "*R",
+    "/R",
+    "ABS",
+    "NEGR",
+    "SQR",
+    "SQRT",
+    "SIN",
+    "ATAN",
+    "EXP",
+    "LN",
+    "==I",
+    "<>I",
+    ">I",
+    "<I",
+    ">=I",
+    "<=I",
+    "==D",
+    "<>D",
+    ">D",
+    "<D",
+    ">=D",
+    "<=D",
+    "==R",
+    "<>R",
+    ">R",
+    "<R",
+    ">=R",
+    "<=R",
+    "ITB",
+    "DTB",
+    "ITD",
+    "DTR",
+    "RND",
+    "RND+",
+    "RND-",
+    "TRUNC",
+    "INVI",
+    "INVD",
+    "NEGI",
+    "NEGD",
+    "CAW",
+    "CAD",
+    "AW",
+    "OW",
+    "XOW",
+    "AD",
+    "OD",
+    "XOD",
+    "SLW",
+    "SRW",
+    "SLD",
+    "SRD",
+    "SSI",
+    "SSD",
+    "RLD",
+    "RRD",
+    "RLDA",
+    "RRDA",
+    "TAK",
+    "PUSH",
+    "POP",
+    "INC 7",
+    "DEC 200",
+    "+ 5",
+    "+ -300",
+    "+ L#70000",
+    "SLW 3",
+    "SRW 5",
+    "SLD 17",
+    "SRD 32",
+    "SSI 15",
+    "SSD 1",
+    "RLD 9",
+    "RRD 31",
+    "AW W#16#0FF0",
+    "OD DW#16#80000001",
+    "SET",
+    "CLR",
+    "NOT",
+    "SAVE",
+    "L STW",
+    "A BR",
+    "A OV",
+    "O OS",
+    "X >0",
+    "AN <0",
+    "A ==0",
+    "ON <>0",
+    "A UO",
+    "O",
+    "TAR1",
+    "TAR2",
+    "CAR",
+    "+AR1 P#1.3",
+    "LAR1 P#4.0",
+    "T STW",
 ];
 
 const BIT_OPERATIONS: &[&str] = &["A", "AN", "O", "ON", "X", "XN", "=", "S", "R", "FP", "FN"];
 const SCANS: &[&str] = &["A", "AN", "O", "ON", "X", "XN"];
 const NESTS: &[&str] = &["A(", "AN(", "O(", "ON(", "X(", "XN("];
-const JUMPS: &[&str] = &[
-    "JU", "JC", "JCN", "JCB", "JNB", "JBI", "JNBI", "JO", "JOS", "JZ", "JN", "JP", "JM", "JPZ", "JMZ", "JUO",
-];
+const JUMPS: &[&str] =
+    &["JU", "JC", "JCN", "JCB", "JNB", "JBI", "JNBI", "JO", "JOS", "JZ", "JN", "JP", "JM", "JPZ", "JMZ", "JUO"];
 
 fn line() -> impl Strategy<Value = String> {
     let select = |list: &'static [&'static str]| prop::sample::select(list);
@@ -117,7 +224,8 @@ fn piece() -> impl Strategy<Value = Piece> {
         prop_oneof![
             (prop::sample::select(JUMPS), pieces.clone()).prop_map(|(jump, over)| Piece::Skip { jump, over }),
             (1..4u8, pieces.clone()).prop_map(|(count, body)| Piece::Loop { count, body }),
-            (0..MEMORY_BYTES, prop::collection::vec(pieces, 1..4)).prop_map(|(byte, arms)| Piece::JumpList { byte, arms }),
+            (0..MEMORY_BYTES, prop::collection::vec(pieces, 1..4))
+                .prop_map(|(byte, arms)| Piece::JumpList { byte, arms }),
         ]
     })
 }
@@ -265,7 +373,10 @@ fn program(pieces: &[Piece], seed: &[u32]) -> String {
     for address in ["QD 0", "QD 4", "DB2.DBD 0", "DB2.DBD 4", "DB2.DBW 8"] {
         writeln!(writer.text, "//@ assert {address} == DW#16#DEADBEEF").expect("a string takes all");
     }
-    format!("{BLOCKS}ORGANIZATION_BLOCK OB 1\nVAR_TEMP\n  t : ARRAY [0 .. 19] OF BYTE;\nEND_VAR\nBEGIN\n{}END_ORGANIZATION_BLOCK\n", writer.text)
+    format!(
+        "{BLOCKS}ORGANIZATION_BLOCK OB 1\nVAR_TEMP\n  t : ARRAY [0 .. 19] OF BYTE;\nEND_VAR\nBEGIN\n{}END_ORGANIZATION_BLOCK\n",
+        writer.text
+    )
 }
 
 /// Compiles `source`, checks that its IR prints and parses back, and runs it in three ways.

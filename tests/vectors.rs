@@ -63,7 +63,8 @@ fn batch_programs(path: &Path) -> Vec<TestProgram> {
                     assert_cell(cell, &mut asserts);
                 }
             }
-            let source = text(&batch["source"]).replace("END_ORGANIZATION_BLOCK", &format!("{asserts}END_ORGANIZATION_BLOCK"));
+            let source =
+                text(&batch["source"]).replace("END_ORGANIZATION_BLOCK", &format!("{asserts}END_ORGANIZATION_BLOCK"));
             let number = &batch["batch"];
             TestProgram { name: number.as_str().map_or_else(|| number.to_string(), str::to_string), source }
         })
@@ -114,4 +115,3 @@ fn run(programs: &[TestProgram]) -> Result<(), String> {
         .collect();
     if failed.is_empty() { Ok(()) } else { Err(failed.concat()) }
 }
-

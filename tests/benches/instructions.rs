@@ -38,8 +38,8 @@ const KERNELS: &[(&str, &[&str])] = &[
 /// How often a kernel stands in OB 1.
 const REPETITIONS: usize = 250;
 
-/// Cycles of one run.
-const CYCLES: u64 = 200;
+/// Cycles of one run: enough that making the CPU does not count.
+const CYCLES: u64 = 2000;
 
 const BLOCKS: &str = "
 DATA_BLOCK DB 1
@@ -92,7 +92,7 @@ fn run(compiled: &Compiled, code: &Rc<dyn Code>) {
 /// Shortest time of a few runs, in nanoseconds.
 fn nanoseconds(compiled: &Compiled) -> f64 {
     let code = code::jit(compiled).expect("the kernels compile");
-    let times = (0..5).map(|_| {
+    let times = (0..9).map(|_| {
         let start = Instant::now();
         run(compiled, &code);
         start.elapsed().as_nanos() as f64

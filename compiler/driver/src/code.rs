@@ -18,10 +18,7 @@ pub fn jit(compiled: &Compiled) -> Result<Rc<dyn Code>, CodegenError> {
 
 /// The IR in its interpreter.
 pub fn interpreter(compiled: &Compiled) -> Rc<dyn Code> {
-    Rc::new(Interpreted {
-        interpreter: Interpreter::new(&compiled.module),
-        entries: compiled.module.entries.clone(),
-    })
+    Rc::new(Interpreted { interpreter: Interpreter::new(&compiled.module), entries: compiled.module.entries.clone() })
 }
 
 struct Interpreted {

@@ -17,7 +17,9 @@ pub fn tokens(read: &Read, settings: &Settings) -> String {
 
 /// Syntax tree of each source.
 pub fn ast(parsed: &Parsed) -> String {
-    join(parsed.units.iter().map(|(file, unit)| (parsed.sources.file(*file).name.as_str(), plcc_syntax::ast_text(unit))))
+    join(
+        parsed.units.iter().map(|(file, unit)| (parsed.sources.file(*file).name.as_str(), plcc_syntax::ast_text(unit))),
+    )
 }
 
 /// One text alone, several with the name of their file before each.

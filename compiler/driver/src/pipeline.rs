@@ -111,6 +111,8 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     });
     diagnostics.extend(messages);
     plcc_diag::sort(&mut diagnostics);
+    // Two stages may see the same fault; it is one problem.
+    diagnostics.dedup_by_key(|d| (d.code, d.primary.span));
     Bound { sources, program, diagnostics }
 }
 

@@ -192,9 +192,15 @@ impl Context {
                 config.time_of_day.push(TimeOfDay { ob, start: start.get_ref().clone(), period });
             }
             (Some(key), _) | (None, Some(key)) if time_of_day.is_none() => {
-                self.report(key.span(), format!("OB {ob} is no time-of-day interrupt"), "OB 10 to OB 17 start at a time of day");
+                self.report(
+                    key.span(),
+                    format!("OB {ob} is no time-of-day interrupt"),
+                    "OB 10 to OB 17 start at a time of day",
+                );
             }
-            (_, Some(key)) => self.report(key.span(), "`every` without `start`", "write `start = \"2026-01-31T06:00:00\"`"),
+            (_, Some(key)) => {
+                self.report(key.span(), "`every` without `start`", "write `start = \"2026-01-31T06:00:00\"`")
+            }
             (Some(_), None) => {}
         }
     }
@@ -277,7 +283,9 @@ fn duration_ms(text: &str) -> Option<u32> {
 /// `2026-01-31T06:00:00`, of the years that an S7 clock knows.
 fn is_date_and_time(text: &str) -> bool {
     match text.parse::<toml::value::Datetime>() {
-        Ok(toml::value::Datetime { date: Some(date), time: Some(_), offset: None }) => (1990..=2089).contains(&date.year),
+        Ok(toml::value::Datetime { date: Some(date), time: Some(_), offset: None }) => {
+            (1990..=2089).contains(&date.year)
+        }
         Ok(_) | Err(_) => false,
     }
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use plcc_runtime::testing::{TestJob, TEST_VARIABLE};
+use plcc_runtime::testing::{TEST_VARIABLE, TestJob};
 use plcc_runtime::{TestOptions, TestReport};
 
 use super::in_parallel;
@@ -92,6 +92,10 @@ fn report_of(executable: &Path, job: &TestJob) -> Result<TestReport, String> {
     let job = serde_json::to_string(job).map_err(|error| error.to_string())?;
     let output = Command::new(executable).env(TEST_VARIABLE, job).output().map_err(|error| error.to_string())?;
     serde_json::from_slice(&output.stdout).map_err(|error| {
-        format!("{error} in the report of the executable ({}): {}", output.status, String::from_utf8_lossy(&output.stderr))
+        format!(
+            "{error} in the report of the executable ({}): {}",
+            output.status,
+            String::from_utf8_lossy(&output.stderr)
+        )
     })
 }

@@ -27,7 +27,10 @@ pub struct TestProgram {
 /// Where a form of a program stands.
 pub enum VariantState {
     /// An executable: the object that is to be linked, and what its symbols begin with.
-    Object { prefix: String, bytes: Vec<u8> },
+    Object {
+        prefix: String,
+        bytes: Vec<u8>,
+    },
     Done(TestReport),
     /// It could not be run, which is a fault of plcc.
     Broken(String),
@@ -78,12 +81,8 @@ fn marked(read: &Read, plan: &Plan, outcome: &mut Outcome) -> Option<Vec<TestPro
 
 /// The messages that caret lines must mark.
 fn messages_of(read: &Read, plan: &Plan) -> (Vec<Diagnostic>, SourceMap) {
-    let again = Read {
-        name: read.name.clone(),
-        sources: read.sources.clone(),
-        units: read.units.clone(),
-        ..Read::default()
-    };
+    let again =
+        Read { name: read.name.clone(), sources: read.sources.clone(), units: read.units.clone(), ..Read::default() };
     let bound = pipeline::front(again, &settings(plan));
     (bound.diagnostics, bound.sources)
 }
