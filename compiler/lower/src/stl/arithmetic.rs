@@ -153,26 +153,52 @@ impl Context<'_, '_> {
         let (a, b) = (self.accu2(), self.accu1());
         let (a, b) = (self.b.bitcast(Type::F32, a), self.b.bitcast(Type::F32, b));
         let result = self.b.binary(op, a, b);
-        self.set_real(result);
+        // A zero that is not exact is an underflow; sums are exact there.
+        let inexact_zero = match op {
+            BinaryOp::Fmul => {
+                let (a, b) = (self.is_not(a, 0.0), self.is_not(b, 0.0));
+                self.b.and(a, b)
+            }
+            BinaryOp::Fdiv => {
+                let magnitude = self.b.unary(UnaryOp::Fabs, b);
+                let (a, b) = (self.is_not(a, 0.0), self.is_not(magnitude, f32::INFINITY));
+                self.b.and(a, b)
+            }
+            _ => self.b.bool_const(false),
+        };
+        self.set_real(result, inexact_zero);
         self.shift_down();
     }
 
     pub fn square(&mut self) {
         let x = self.accu1_real();
         let result = self.b.binary(BinaryOp::Fmul, x, x);
-        self.set_real(result);
+        let inexact_zero = self.is_not(x, 0.0);
+        self.set_real(result, inexact_zero);
     }
 
     pub fn square_root(&mut self) {
         let x = self.accu1_real();
         let result = self.b.unary(UnaryOp::Fsqrt, x);
-        self.set_real(result);
+        let never = self.b.bool_const(false);
+        self.set_real(result, never);
     }
 
     pub fn real_function(&mut self, function: RuntimeFn) {
         let x = self.accu1_real();
         let result = self.b.call_pure(function, &[x]);
-        self.set_real(result);
+        // Of the functions only EXP comes so near to 0; the others are 0 where their argument is, or LN and ACOS of 1.
+        let inexact_zero = match function {
+            RuntimeFn::Exp => self.is_not(x, f32::NEG_INFINITY),
+            _ => self.b.bool_const(false),
+        };
+        self.set_real(result, inexact_zero);
+    }
+
+    /// i1: `x` differs from `value`.
+    fn is_not(&mut self, x: Value, value: f32) -> Value {
+        let value = self.b.f32_const(value);
+        self.b.fcmp(FloatCc::Ne, x, value)
     }
 
     /// `ABS`, `NEGR`: the sign alone, NaN included; no status.
@@ -186,9 +212,9 @@ impl Context<'_, '_> {
         self.set_accu1(value);
     }
 
-    /// A REAL result into ACCU1 with its status bits. Infinities, NaN and denormal numbers set OV; a denormal number counts as 0
-    /// for CC1 and CC0.
-    fn set_real(&mut self, result: Value) {
+    /// A REAL result into ACCU1 with its status bits. Infinities, NaN, denormal numbers, and a zero where `inexact_zero` (an i1)
+    /// says that the true result is another, set OV; a denormal number counts as 0 for CC1 and CC0.
+    fn set_real(&mut self, result: Value, inexact_zero: Value) {
         let nan = self.b.fcmp(FloatCc::Uno, result, result);
         let bits = self.b.bitcast(Type::I32, result);
         let pattern = self.b.i32_const(NAN);
@@ -205,7 +231,10 @@ impl Context<'_, '_> {
         let not_zero = self.b.icmp_imm(IntCc::Ne, magnitude, 0);
         let above_least = self.b.binary_imm(BinaryOp::Isub, magnitude, LEAST_NORMAL);
         let not_normal = self.b.icmp_imm(IntCc::Uge, above_least, INFINITY - LEAST_NORMAL);
-        let overflow = self.b.and(not_zero, not_normal);
+        let not_representable = self.b.and(not_zero, not_normal);
+        let zero = self.b.not(not_zero);
+        let underflow = self.b.and(zero, inexact_zero);
+        let overflow = self.b.or(not_representable, underflow);
         self.set_overflow(overflow);
     }
 
