@@ -188,7 +188,8 @@ impl Out {
                 self.line(format_args!("{label}{} {}", insn.row(), operand(actual)));
             }
             StatementKind::Call(call) => {
-                let instance = call.instance.as_ref().map_or(String::new(), |instance| format!(", {}", operand(instance)));
+                let instance =
+                    call.instance.as_ref().map_or(String::new(), |instance| format!(", {}", operand(instance)));
                 self.line(format_args!("{label}call {}{instance}", operand(&call.target)));
                 self.inside(|out| {
                     for parameter in &call.parameters {
@@ -247,7 +248,8 @@ fn type_text(ty: &TypeRef) -> String {
         TypeKind::String(None) => "STRING".to_owned(),
         TypeKind::String(Some(length)) => format!("STRING[{}]", bound(length)),
         TypeKind::Array { bounds, element } => {
-            let bounds: Vec<String> = bounds.iter().map(|(low, high)| format!("{}..{}", bound(low), bound(high))).collect();
+            let bounds: Vec<String> =
+                bounds.iter().map(|(low, high)| format!("{}..{}", bound(low), bound(high))).collect();
             format!("ARRAY[{}] OF {}", bounds.join(", "), type_text(element))
         }
         TypeKind::Struct(_) => "STRUCT".to_owned(),
@@ -367,9 +369,13 @@ fn operand(operand_node: &Operand) -> String {
         OperandKind::DbAbsolute { db, width, byte, bit } => {
             format!("{}.{} {}", block_name(db), letters(Area::Db, *width), address(*width, *byte, *bit))
         }
-        OperandKind::MemoryIndirect { area, width, pointer } => format!("{} [{}]", letters(*area, *width), operand(pointer)),
+        OperandKind::MemoryIndirect { area, width, pointer } => {
+            format!("{} [{}]", letters(*area, *width), operand(pointer))
+        }
         OperandKind::CellIndirect { kind, pointer } => format!("{} [{}]", cell(*kind), operand(pointer)),
-        OperandKind::BlockIndirect { prefix: letters, pointer } => format!("{} [{}]", prefix(*letters), operand(pointer)),
+        OperandKind::BlockIndirect { prefix: letters, pointer } => {
+            format!("{} [{}]", prefix(*letters), operand(pointer))
+        }
         OperandKind::RegisterIndirect { area, width, register: base, offset } => {
             let letters = area.map_or_else(
                 || match width {

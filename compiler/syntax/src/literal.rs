@@ -133,3 +133,69 @@ pub fn parse(text: &str) -> Result<Literal, LiteralError> {
 pub const fn pointer_bits(byte: u32, bit: u8) -> u32 {
     byte << 3 | bit as u32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(text: &str, value: Literal) {
+        assert_eq!(parse(text), Ok(value), "{text}");
+    }
+
+    fn refuse(text: &str, code: Code) {
+        assert_eq!(parse(text).map_err(|error| error.code), Err(code), "{text}");
+    }
+
+    /// Source: spec B.3.
+    #[test]
+    fn s5time_takes_the_finest_base_and_cuts_off() {
+        check("S5T#2M_3S_400MS", Literal::S5Time(0x2123));
+        check("S5T#1H2M3S400MS", Literal::S5Time(0x3372));
+        check("S5T#2h_1m_0s_5ms", Literal::S5Time(0x3726));
+        check("S5T#1M_2S_100MS", Literal::S5Time(0x1621));
+        check("S5TIME#400MS", Literal::S5Time(0x0040));
+        check("S5T#10s", Literal::S5Time(0x1100));
+        check("S5T#9S_990MS", Literal::S5Time(0x0999));
+        check("S5T#5MS", Literal::S5Time(0));
+        check("S5T#2H_46M_30S", Literal::S5Time(0x3999));
+        refuse("S5T#2H_46M_30S_1MS", Code::LiteralRange);
+        refuse("S5T#-1S", Code::LiteralRange);
+    }
+
+    /// Source: spec B.1, B.4.
+    #[test]
+    fn dates_and_times() {
+        check("D#1990-1-1", Literal::Date(0));
+        check("DATE#2168-12-31", Literal::Date(65_378));
+        check("T#-24D_20H_31M_23S_648MS", Literal::Time(i32::MIN));
+        check("TIME_OF_DAY#1:10:3.3", Literal::TimeOfDay(4_203_300));
+        check("DT#1991-2-3-4:5:6.789", Literal::DateAndTime([0x91, 0x02, 0x03, 0x04, 0x05, 0x06, 0x78, 0x91]));
+        refuse("DT#2090-1-1-0:0:0", Code::LiteralRange);
+        refuse("T#1S_1H", Code::BadLiteral);
+    }
+
+    /// Source: spec B.4.
+    #[test]
+    fn pointers() {
+        check("P#10.3", Literal::Pointer(0x53));
+        check("P#M10.0", Literal::AreaPointer { db: 0, pointer: 0x8300_0050 });
+        check("P#A 0.0", Literal::AreaPointer { db: 0, pointer: 0x8200_0000 });
+        check("P#DB 10 . DBX 20.0", Literal::AreaPointer { db: 10, pointer: 0x8400_00A0 });
+        check("P#DB11.DBX 20.0 INT 10", Literal::Any([0x10, 5, 0, 10, 0, 11, 0x84, 0, 0, 0xA0]));
+        check("P#P 0.0 VOID 0", Literal::Any([0x10, 0, 0, 0, 0, 0, 0x80, 0, 0, 0]));
+        refuse("P#M 10.8", Code::LiteralRange);
+        refuse("P#M 10", Code::BadLiteral);
+    }
+
+    #[test]
+    fn texts_and_numbers() {
+        check("'$R\"#$$$'$41ä'", Literal::Text(vec![13, b'"', b'#', b'$', b'\'', b'A', 0xE4]));
+        check("1.250000e+003", Literal::Real(1250.0));
+        check("2#1010_0001", Literal::Bits { value: 0xA1, digits: 8 });
+        check("B#(1,14,100,120)", Literal::Bytes4([1, 14, 100, 120]));
+        check("L#-7", Literal::Dint(-7));
+        check("c#20", Literal::Counter(0x20));
+        refuse("W#A2EB", Code::BadLiteral);
+        refuse("W#16#1_0000", Code::LiteralRange);
+    }
+}

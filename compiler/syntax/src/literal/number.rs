@@ -4,7 +4,11 @@ use super::{Literal, LiteralError};
 
 /// `930`, `-5`, `1.5`, `1e3`.
 pub fn plain(text: &str) -> Result<Literal, LiteralError> {
-    if text.contains(['.', 'e', 'E']) { real(text, text).map(Literal::Real) } else { integer(text, text).map(Literal::Int) }
+    if text.contains(['.', 'e', 'E']) {
+        real(text, text).map(Literal::Real)
+    } else {
+        integer(text, text).map(Literal::Int)
+    }
 }
 
 /// `16#FF`, `2#1010`, `8#17`.
@@ -54,16 +58,16 @@ pub fn dint(text: &str, value: &str) -> Result<Literal, LiteralError> {
         return base_digits(text, base, digits).map(|(bits, _)| Literal::Dint(bits as i32));
     }
     let number = integer(text, value)?;
-    i32::try_from(number).map(Literal::Dint).map_err(|_| {
-        LiteralError::range(text, "no DINT", "a DINT is a number from L#-2147483648 to L#2147483647")
-    })
+    i32::try_from(number)
+        .map(Literal::Dint)
+        .map_err(|_| LiteralError::range(text, "no DINT", "a DINT is a number from L#-2147483648 to L#2147483647"))
 }
 
 pub fn int(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let number = integer(text, value)?;
-    i16::try_from(number).map(|number| Literal::Int(number.into())).map_err(|_| {
-        LiteralError::range(text, "no INT", "an INT is a number from -32768 to 32767")
-    })
+    i16::try_from(number)
+        .map(|number| Literal::Int(number.into()))
+        .map_err(|_| LiteralError::range(text, "no INT", "an INT is a number from -32768 to 32767"))
 }
 
 pub fn typed_real(text: &str, value: &str) -> Result<Literal, LiteralError> {
@@ -85,7 +89,7 @@ pub fn counter(text: &str, value: &str) -> Result<Literal, LiteralError> {
         return Err(LiteralError::range(text, "no counter value", "a counter counts from C#0 to C#999"));
     }
     let number = number as u16;
-    Ok(Literal::Counter(number / 100 << 8 | number / 10 % 10 << 4 | number % 10))
+    Ok(Literal::Counter((number / 100) << 8 | (number / 10 % 10) << 4 | (number % 10)))
 }
 
 /// The bits behind `B#`, `W#`, `DW#`, which have a base of their own: `W#16#FF`, `W#2#1`.
@@ -139,8 +143,9 @@ fn base_digits(text: &str, base: &str, digits: &str) -> Result<(u32, u8), Litera
     if written == 0 {
         return Err(LiteralError::malformed(text, "no digit", "write the digits behind `#`"));
     }
-    let value = u32::try_from(value)
-        .map_err(|_| LiteralError::range(text, "more than 32 bits", "a constant has 32 bits at most: `DW#16#FFFF_FFFF`"))?;
+    let value = u32::try_from(value).map_err(|_| {
+        LiteralError::range(text, "more than 32 bits", "a constant has 32 bits at most: `DW#16#FFFF_FFFF`")
+    })?;
     Ok((value, written.min(32) as u8))
 }
 
@@ -154,9 +159,10 @@ fn integer(text: &str, value: &str) -> Result<i64, LiteralError> {
     if !digits.starts_with(|c: char| c.is_ascii_digit()) || digits.contains(|c: char| !c.is_ascii_digit() && c != '_') {
         return Err(LiteralError::malformed(text, "no decimal number", "write decimal digits, e.g. `10` or `-5`"));
     }
-    let number = digits.bytes().filter(u8::is_ascii_digit).fold(0i64, |number, digit| {
-        number.saturating_mul(10).saturating_add(i64::from(digit - b'0'))
-    });
+    let number = digits
+        .bytes()
+        .filter(u8::is_ascii_digit)
+        .fold(0i64, |number, digit| number.saturating_mul(10).saturating_add(i64::from(digit - b'0')));
     if number > 1 << 40 {
         return Err(LiteralError::range(
             text,
@@ -169,9 +175,8 @@ fn integer(text: &str, value: &str) -> Result<i64, LiteralError> {
 
 fn real(text: &str, value: &str) -> Result<f32, LiteralError> {
     let digits: String = value.chars().filter(|c| !matches!(c, '_' | ' ' | '\t')).collect();
-    let number: f32 = digits
-        .parse()
-        .map_err(|_| LiteralError::malformed(text, "no REAL", "write a REAL as `1.5` or `1.5e+3`"))?;
+    let number: f32 =
+        digits.parse().map_err(|_| LiteralError::malformed(text, "no REAL", "write a REAL as `1.5` or `1.5e+3`"))?;
     if !number.is_finite() || !digits.contains(|c: char| c.is_ascii_digit()) {
         return Err(LiteralError::range(text, "no REAL", "a REAL lies between -3.402823e+38 and 3.402823e+38"));
     }

@@ -96,7 +96,9 @@ pub fn pointer(text: &str, value: &str) -> Result<Literal, LiteralError> {
 fn data_block<'t>(text: &str, value: &'t str) -> Result<(Option<u16>, &'t str), LiteralError> {
     let prefix = value.get(..2).unwrap_or("");
     let rest = value.get(2..).unwrap_or("").trim_start();
-    if !(prefix.eq_ignore_ascii_case("DB") || prefix.eq_ignore_ascii_case("DI")) || !rest.starts_with(|c: char| c.is_ascii_digit()) {
+    if !(prefix.eq_ignore_ascii_case("DB") || prefix.eq_ignore_ascii_case("DI"))
+        || !rest.starts_with(|c: char| c.is_ascii_digit())
+    {
         return Ok((None, value));
     }
     let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
@@ -112,9 +114,9 @@ fn data_block<'t>(text: &str, value: &'t str) -> Result<(Option<u16>, &'t str), 
 
 /// `10.3` as bits.
 fn address_bits(text: &str, address: &str) -> Result<u32, LiteralError> {
-    let (byte, bit) = address.split_once('.').ok_or_else(|| {
-        LiteralError::malformed(text, "the bit number is missing", format!("write `{text}.0`"))
-    })?;
+    let (byte, bit) = address
+        .split_once('.')
+        .ok_or_else(|| LiteralError::malformed(text, "the bit number is missing", format!("write `{text}.0`")))?;
     let digits = |number: &str| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
     if !digits(byte) || !digits(bit) {
         return Err(LiteralError::malformed(text, "no address", FORM));

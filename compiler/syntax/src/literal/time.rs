@@ -22,7 +22,7 @@ pub fn s5time(text: &str, value: &str) -> Result<Literal, LiteralError> {
         .find(|(_, unit_ms)| ms / unit_ms <= 999)
         .unwrap_or((3, 10_000));
     let units = (ms / unit_ms).min(999) as u16;
-    Ok(Literal::S5Time(base << 12 | units / 100 << 8 | units / 10 % 10 << 4 | units % 10))
+    Ok(Literal::S5Time(base << 12 | (units / 100) << 8 | (units / 10 % 10) << 4 | (units % 10)))
 }
 
 /// `T#-1S_100MS`.
@@ -30,11 +30,7 @@ pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let ms = milliseconds(text, value, TIME_FORM)?;
     let signed = if value.starts_with('-') { -ms } else { ms };
     i32::try_from(signed).map(Literal::Time).map_err(|_| {
-        LiteralError::range(
-            text,
-            "no TIME",
-            "a TIME lies between T#-24D_20H_31M_23S_648MS and T#24D_20H_31M_23S_647MS",
-        )
+        LiteralError::range(text, "no TIME", "a TIME lies between T#-24D_20H_31M_23S_648MS and T#24D_20H_31M_23S_647MS")
     })
 }
 
@@ -71,7 +67,7 @@ pub fn date_and_time(text: &str, value: &str) -> Result<Literal, LiteralError> {
     }
     // 1990-01-01 was a Monday.
     let weekday = (days_since_1990(year, month, day) + 1) % 7 + 1;
-    let bcd = |number: u32| (number / 10 << 4 | number % 10) as u8;
+    let bcd = |number: u32| (((number / 10) << 4) | (number % 10)) as u8;
     let [hour, minute, second, ms] = time;
     Ok(Literal::DateAndTime([
         bcd(year % 100),
@@ -81,7 +77,7 @@ pub fn date_and_time(text: &str, value: &str) -> Result<Literal, LiteralError> {
         bcd(minute),
         bcd(second),
         bcd(ms / 10),
-        (ms % 10 << 4 | weekday) as u8,
+        ((ms % 10) << 4 | weekday) as u8,
     ]))
 }
 

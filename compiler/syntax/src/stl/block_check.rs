@@ -41,14 +41,12 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
                     );
                 }
             }
-            StlInsn::CloseNest => {
-                if open.pop().is_none() {
-                    diagnostics.push(
-                        Diagnostic::new(Code::Nesting, span, "`)` closes a parenthesis that was never opened")
-                            .label("no parenthesis is open here")
-                            .help("remove it, or open the parenthesis with e.g. `A(`"),
-                    );
-                }
+            StlInsn::CloseNest if open.pop().is_none() => {
+                diagnostics.push(
+                    Diagnostic::new(Code::Nesting, span, "`)` closes a parenthesis that was never opened")
+                        .label("no parenthesis is open here")
+                        .help("remove it, or open the parenthesis with e.g. `A(`"),
+                );
             }
             StlInsn::BlockEnd | StlInsn::BlockEndUnconditional | StlInsn::BlockEndConditional => {
                 if let Some(opening) = open.last() {

@@ -2,7 +2,9 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 
-use crate::ast::{Area, AddressRegister, BlockName, BlockPrefix, CellKind, Operand, OperandKind, SpecialRegister, Width};
+use crate::ast::{
+    AddressRegister, Area, BlockName, BlockPrefix, CellKind, Operand, OperandKind, SpecialRegister, Width,
+};
 use crate::literal::Literal;
 use crate::stl::actions::NO_BIT;
 use crate::stl::messages::operand_phrase;
@@ -153,8 +155,7 @@ fn form(kind: &OperandKind) -> Form {
 fn fits(class: OperandClass, kind: &OperandKind) -> bool {
     let form = form(kind);
     if matches!(form, Form::Any) {
-        return class != OperandClass::Label && class != OperandClass::Byte
-            || matches!(kind, OperandKind::Error);
+        return class != OperandClass::Label && class != OperandClass::Byte || matches!(kind, OperandKind::Error);
     }
     let bit = matches!(form, Form::Memory(area, Width::Bit) if !matches!(area, Some(Area::Pi | Area::Pq)));
     let wide = matches!(form, Form::Memory(_, Width::Byte | Width::Word | Width::Dword));
@@ -188,7 +189,9 @@ fn fits(class: OperandClass, kind: &OperandKind) -> bool {
         OperandClass::TransferAr1 => double_word || *kind == OperandKind::Register(AddressRegister::Ar2),
         OperandClass::TransferAr2 => double_word,
         OperandClass::PointerOrNone => matches!(kind, OperandKind::Literal(Literal::Pointer(bits)) if *bits < 4096 * 8),
-        OperandClass::Byte => matches!(kind, OperandKind::Literal(Literal::Int(_) | Literal::Bits { .. } | Literal::Byte(_))),
+        OperandClass::Byte => {
+            matches!(kind, OperandKind::Literal(Literal::Int(_) | Literal::Bits { .. } | Literal::Byte(_)))
+        }
         OperandClass::AddConstant => {
             matches!(kind, OperandKind::Literal(value) if matches!(value,
                 Literal::Int(_) | Literal::Dint(_) | Literal::Byte(_) | Literal::Word(_) | Literal::Dword(_) | Literal::Bits { .. }))
@@ -210,7 +213,9 @@ fn fits(class: OperandClass, kind: &OperandKind) -> bool {
                 _ => false,
             })
         }
-        OperandClass::ShiftCount16 | OperandClass::ShiftCount32 => matches!(kind, OperandKind::Literal(Literal::Int(_))),
+        OperandClass::ShiftCount16 | OperandClass::ShiftCount32 => {
+            matches!(kind, OperandKind::Literal(Literal::Int(_)))
+        }
         OperandClass::Label => matches!(kind, OperandKind::Label(_)),
         OperandClass::Block => {
             matches!(form, Form::Block(BlockPrefix::Fc | BlockPrefix::Fb | BlockPrefix::Sfc | BlockPrefix::Sfb))
@@ -247,7 +252,11 @@ fn loadable(value: &Literal) -> bool {
 fn constant_range(class: OperandClass, written: &str, shown: &str, operand: &Operand) -> Option<Diagnostic> {
     let OperandKind::Literal(Literal::Int(number)) = operand.kind else { return None };
     let range = |code, label: &str, help: String| {
-        Some(Diagnostic::new(code, operand.span, format!("`{shown}` is too large for `{written}`")).label(label).help(help))
+        Some(
+            Diagnostic::new(code, operand.span, format!("`{shown}` is too large for `{written}`"))
+                .label(label)
+                .help(help),
+        )
     };
     match class {
         OperandClass::LoadSource | OperandClass::AddConstant | OperandClass::WordConstOrNone
@@ -264,7 +273,9 @@ fn constant_range(class: OperandClass, written: &str, shown: &str, operand: &Ope
             )
         }
         // NOP and BLD do nothing, with any number.
-        OperandClass::Byte if !(0..=255).contains(&number) && !matches!(written.to_ascii_uppercase().as_str(), "NOP" | "BLD") => {
+        OperandClass::Byte
+            if !(0..=255).contains(&number) && !matches!(written.to_ascii_uppercase().as_str(), "NOP" | "BLD") =>
+        {
             range(Code::LiteralRange, "no byte", "write a number from 0 to 255".to_owned())
         }
         OperandClass::ShiftCount16 if !(0..=15).contains(&number) => range(
@@ -330,15 +341,20 @@ fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (St
         {
             (
                 format!("`{written}` moves bytes, words and double words, but `{shown}` is one bit"),
-                format!("name a byte, word or double word, or use `{}` for the bit", if insn == StlInsn::Load { "A" } else { "=" }),
+                format!(
+                    "name a byte, word or double word, or use `{}` for the bit",
+                    if insn == StlInsn::Load { "A" } else { "=" }
+                ),
             )
         }
-        (_, Form::Memory(Some(Area::Pi), _)) if class == OperandClass::TransferTarget => {
-            (format!("`{shown}` is a peripheral input and cannot be written"), "write to the output side, e.g. `PQW 256`".to_owned())
-        }
-        (_, Form::Memory(Some(Area::Pq), _)) if class == OperandClass::LoadSource => {
-            (format!("`{shown}` is a peripheral output and cannot be read"), "read the process image, e.g. `QW 4`, or the input side `PIW`".to_owned())
-        }
+        (_, Form::Memory(Some(Area::Pi), _)) if class == OperandClass::TransferTarget => (
+            format!("`{shown}` is a peripheral input and cannot be written"),
+            "write to the output side, e.g. `PQW 256`".to_owned(),
+        ),
+        (_, Form::Memory(Some(Area::Pq), _)) if class == OperandClass::LoadSource => (
+            format!("`{shown}` is a peripheral output and cannot be read"),
+            "read the process image, e.g. `QW 4`, or the input side `PIW`".to_owned(),
+        ),
         _ => (format!("`{shown}` is no operand of `{written}`"), takes),
     }
 }

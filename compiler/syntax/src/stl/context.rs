@@ -5,9 +5,9 @@ use std::ops::Range;
 use lalrpop_util::ErrorRecovery;
 use plcc_diag::{Diagnostic, FileId, Span};
 
-use crate::stl::{Mnemonics, messages};
 use crate::stl::raw::Comment;
 use crate::stl::token::{Spanned, Tok};
+use crate::stl::{Mnemonics, messages};
 
 /// Where a syntax error was recovered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,7 +10,9 @@ use crate::stl::token::{Spanned, Tok};
 pub fn error_range(error: &ParseError<usize, Tok<'_>, ()>) -> Option<(usize, usize)> {
     match error {
         ParseError::UnrecognizedToken { token, .. } | ParseError::ExtraToken { token } => Some((token.0, token.2)),
-        ParseError::UnrecognizedEof { location, .. } | ParseError::InvalidToken { location } => Some((*location, *location)),
+        ParseError::UnrecognizedEof { location, .. } | ParseError::InvalidToken { location } => {
+            Some((*location, *location))
+        }
         ParseError::User { .. } => None,
     }
 }
@@ -60,7 +62,10 @@ fn ends(token: &Tok) -> bool {
 }
 
 fn begins(token: &Tok) -> bool {
-    matches!(token, Tok::Label(_) | Tok::Begin | Tok::Network | Tok::Title(_) | Tok::Section(_) | Tok::Struct | Tok::LeftBrace)
+    matches!(
+        token,
+        Tok::Label(_) | Tok::Begin | Tok::Network | Tok::Title(_) | Tok::Section(_) | Tok::Struct | Tok::LeftBrace
+    )
 }
 
 fn statement_error(context: &Context, index: usize, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
@@ -70,16 +75,24 @@ fn statement_error(context: &Context, index: usize, at: Option<&Spanned>, before
             let example = if width.bits() == 1 { "0.0" } else { "10" };
             let (start, _, end) = before.expect("it has an area token");
             let text = &context.text[*start..*end];
-            return Diagnostic::new(Code::MissingOperand, context.span(*start, *end), format!("`{text}` has no address"))
-                .label("a number is missing behind this")
-                .help(format!("write e.g. `{text} {example}`; a local variable is written `#{text}`"));
+            return Diagnostic::new(
+                Code::MissingOperand,
+                context.span(*start, *end),
+                format!("`{text}` has no address"),
+            )
+            .label("a number is missing behind this")
+            .help(format!("write e.g. `{text} {example}`; a local variable is written `#{text}`"));
         }
         Some(Tok::Cell(_)) if incomplete => {
             let (start, _, end) = before.expect("it has a cell token");
             let text = &context.text[*start..*end];
-            return Diagnostic::new(Code::MissingOperand, context.span(*start, *end), format!("`{text}` has no number"))
-                .label("a number is missing behind this")
-                .help(format!("write e.g. `{text} 5`; a local variable is written `#{text}`"));
+            return Diagnostic::new(
+                Code::MissingOperand,
+                context.span(*start, *end),
+                format!("`{text}` has no number"),
+            )
+            .label("a number is missing behind this")
+            .help(format!("write e.g. `{text} 5`; a local variable is written `#{text}`"));
         }
         Some(Tok::Call) if incomplete => {
             return message(context, at, before, Code::MissingOperand, "call")
@@ -90,7 +103,10 @@ fn statement_error(context: &Context, index: usize, at: Option<&Spanned>, before
     let start = context.tokens[..index].iter().rposition(|(_, token, _)| ends(token)).map_or(0, |end| end + 1);
     let first = context.tokens[start..index].iter().find(|(_, token, _)| !begins(token));
     let help = match first.map(|(_, token, _)| token) {
-        Some(Tok::Call) => "write `CALL block, instance ( name := operand, … )`, or each `name := operand` on a line of its own".to_owned(),
+        Some(Tok::Call) => {
+            "write `CALL block, instance ( name := operand, … )`, or each `name := operand` on a line of its own"
+                .to_owned()
+        }
         Some(Tok::Insn(insn)) => format!("`{}` takes {}", insn.mnemonic(context.set), operand_phrase(insn.operand())),
         Some(Tok::Jump(insn)) => format!("`{}` takes a label", insn.mnemonic(context.set)),
         _ => "a statement is: label `:`, mnemonic, operand, and `;` or the end of the line".to_owned(),
@@ -105,7 +121,9 @@ fn parameter_error(context: &Context, at: Option<&Spanned>, before: Option<&Span
 
 fn declaration_error(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
     let help = match before.map(|(_, token, _)| token) {
-        Some(Tok::Name(_)) if !matches!(at, Some((_, Tok::Colon, _))) => "`:` stands between name and data type, e.g. `speed : INT;`",
+        Some(Tok::Name(_)) if !matches!(at, Some((_, Tok::Colon, _))) => {
+            "`:` stands between name and data type, e.g. `speed : INT;`"
+        }
         Some(Tok::Colon | Tok::Of) => "a data type is missing, e.g. `INT`, `ARRAY [1..10] OF REAL`, `UDT 5`",
         Some(Tok::Array | Tok::DotDot) => "an array is written `ARRAY [1..10] OF INT`",
         _ => "write `name : type := value;`, e.g. `speed : INT := 5;`",

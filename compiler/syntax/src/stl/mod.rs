@@ -38,7 +38,10 @@ pub use reference::reference;
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let raw = raw::scan(text);
     if let Some(refusal) = refuse(file, text, &raw) {
-        return (SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), ..SourceUnit::default() }, vec![refusal]);
+        return (
+            SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), ..SourceUnit::default() },
+            vec![refusal],
+        );
     }
     let detected = mnemonics::detect(text, &raw, options.mnemonics);
     let mut diagnostics = Vec::new();

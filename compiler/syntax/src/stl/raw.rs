@@ -152,10 +152,11 @@ pub fn scan(text: &str) -> RawText {
                 comments.push(Comment { start, end, own_line: first_on_line, block: true });
                 first_on_line |= lexer.slice().contains('\n');
             }
-            RawKind::Stray if let Some(before) = tokens.last_mut()
-                && before.kind == RawKind::Stray
-                && before.end == start
-                && !first_on_line =>
+            RawKind::Stray
+                if let Some(before) = tokens.last_mut()
+                    && before.kind == RawKind::Stray
+                    && before.end == start
+                    && !first_on_line =>
             {
                 before.end = end;
             }
@@ -269,7 +270,9 @@ fn literal_length(form: LiteralForm, rest: &str) -> Option<usize> {
         LiteralForm::Number => Some(number_length(rest)),
         LiteralForm::Byte if rest.trim_start_matches([' ', '\t']).starts_with('(') => {
             let open = rest.find('(').map_or(0, |at| at + 1);
-            let list = rest[open..].find(|c: char| !is_word(c) && !matches!(c, ',' | ' ' | '\t' | '-')).unwrap_or(rest.len() - open);
+            let list = rest[open..]
+                .find(|c: char| !is_word(c) && !matches!(c, ',' | ' ' | '\t' | '-'))
+                .unwrap_or(rest.len() - open);
             let closed = rest[open + list..].starts_with(')');
             Some(open + list + usize::from(closed))
         }
@@ -356,7 +359,8 @@ fn pointer_length(rest: &str) -> Option<usize> {
     }
     let blanks = |at: usize| at + rest[at..].len() - rest[at..].trim_start_matches([' ', '\t']).len();
     let digits = |at: usize| at + rest[at..].len() - rest[at..].trim_start_matches(|c: char| c.is_ascii_digit()).len();
-    let letters = |at: usize| at + rest[at..].len() - rest[at..].trim_start_matches(|c: char| c.is_ascii_alphabetic()).len();
+    let letters =
+        |at: usize| at + rest[at..].len() - rest[at..].trim_start_matches(|c: char| c.is_ascii_alphabetic()).len();
     let word = |at: usize| at + word_length(&rest[at..]);
     let mut at = letters(0);
     let area = &rest[..at];

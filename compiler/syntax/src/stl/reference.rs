@@ -11,7 +11,12 @@ use crate::stl::{Mnemonics, StlInsn};
 const FAMILIES: &[(&str, &str, StlInsn, StlInsn)] = &[
     ("Bit logic", "1 Bit Logic Instructions", StlInsn::And, StlInsn::EdgeNegative),
     ("Load and transfer", "9 Load and Transfer Instructions", StlInsn::Load, StlInsn::SwapAr),
-    ("Accumulators and address registers", "14 Accumulator and Address Register Instructions", StlInsn::AddAr1, StlInsn::Nop),
+    (
+        "Accumulators and address registers",
+        "14 Accumulator and Address Register Instructions",
+        StlInsn::AddAr1,
+        StlInsn::Nop,
+    ),
     ("Integer arithmetic", "7 Integer Math Instructions", StlInsn::AddConst, StlInsn::ModD),
     ("REAL arithmetic and functions", "8 Floating-Point Math Instructions", StlInsn::AddR, StlInsn::AtanR),
     ("Comparison", "2 Comparison Instructions", StlInsn::CompareEqI, StlInsn::CompareLeR),
@@ -21,7 +26,12 @@ const FAMILIES: &[(&str, &str, StlInsn, StlInsn)] = &[
     ("Timers", "12 Timer Instructions", StlInsn::TimerPulse, StlInsn::Enable),
     ("Counters", "4 Counter Instructions", StlInsn::CountUp, StlInsn::CountDown),
     ("Jumps", "6 Logic Control Instructions", StlInsn::Jump, StlInsn::Loop),
-    ("Block calls and block ends", "10 Program Control Instructions", StlInsn::CallUnconditional, StlInsn::BlockEndConditional),
+    (
+        "Block calls and block ends",
+        "10 Program Control Instructions",
+        StlInsn::CallUnconditional,
+        StlInsn::BlockEndConditional,
+    ),
     ("Data blocks", "5 Data Block Instructions", StlInsn::OpenDb, StlInsn::SwapDb),
     ("Master control relay", "10 Program Control Instructions", StlInsn::McrActivate, StlInsn::McrClose),
 ];

@@ -1,7 +1,7 @@
 //! Tokens as the grammar sees them: each says what it means at its place.
 
-use crate::ast::{Area, BlockPrefix, CellKind, Pragma, SectionKind, SpecialRegister, StatusOperand, Width};
 use crate::ast::{AddressRegister, AssertOp, AssertRegister};
+use crate::ast::{Area, BlockPrefix, CellKind, Pragma, SectionKind, SpecialRegister, StatusOperand, Width};
 use crate::literal::Literal;
 use crate::stl::StlInsn;
 

@@ -13,8 +13,25 @@ use crate::stl::{Mnemonics, OperandClass, StlInsn, pragma, suggest};
 
 /// Words that begin statements of SCL, met in lists that are no STL.
 const FOREIGN_WORDS: &[&str] = &[
-    "IF", "ELSIF", "ELSE", "END_IF", "FOR", "END_FOR", "WHILE", "END_WHILE", "REPEAT", "UNTIL", "END_REPEAT", "CASE",
-    "END_CASE", "RETURN", "GOTO", "EXIT", "CONTINUE", "REGION", "END_REGION",
+    "IF",
+    "ELSIF",
+    "ELSE",
+    "END_IF",
+    "FOR",
+    "END_FOR",
+    "WHILE",
+    "END_WHILE",
+    "REPEAT",
+    "UNTIL",
+    "END_REPEAT",
+    "CASE",
+    "END_CASE",
+    "RETURN",
+    "GOTO",
+    "EXIT",
+    "CONTINUE",
+    "REGION",
+    "END_REGION",
 ];
 
 impl<'a> Layout<'a> {
@@ -224,7 +241,8 @@ impl<'a> Layout<'a> {
         let first = self.out.len();
         let mut open_brackets = 0usize;
         while let Some(token) = self.peek() {
-            let behind_operand = self.out.len() > first && !matches!(self.last(), Some(Tok::Dot | Tok::LeftBracket | Tok::Comma));
+            let behind_operand =
+                self.out.len() > first && !matches!(self.last(), Some(Tok::Dot | Tok::LeftBracket | Tok::Comma));
             let continues = open_brackets > 0 || required && self.out.len() == first;
             if token.kind == RawKind::Semicolon
                 || self.ends_code(self.at)
@@ -360,9 +378,9 @@ impl<'a> Layout<'a> {
         match (self.kind_at(index), self.kind_at(index + 1)) {
             (Some(RawKind::Word | RawKind::Quoted), Some(RawKind::Assign)) => true,
             (Some(RawKind::Word), Some(RawKind::Equal)) => {
-                let operandless = self.mnemonic_at(index).is_some_and(|(insn, _)| {
-                    matches!(insn.operand(), OperandClass::None | OperandClass::BitOrNone)
-                });
+                let operandless = self
+                    .mnemonic_at(index)
+                    .is_some_and(|(insn, _)| matches!(insn.operand(), OperandClass::None | OperandClass::BitOrNone));
                 !operandless && !self.raw[index + 1].first_on_line
             }
             _ => false,
@@ -424,9 +442,13 @@ impl<'a> Layout<'a> {
                         let end = self.last_end();
                         if !token.first_on_line {
                             self.report(
-                                Diagnostic::new(Code::Syntax, self.span(token), "`,` is missing between two parameters")
-                                    .label("another parameter begins here")
-                                    .help("separate parameters with `,`"),
+                                Diagnostic::new(
+                                    Code::Syntax,
+                                    self.span(token),
+                                    "`,` is missing between two parameters",
+                                )
+                                .label("another parameter begins here")
+                                .help("separate parameters with `,`"),
                             );
                         }
                         self.push(end, Tok::Comma, end);
@@ -525,7 +547,8 @@ impl<'a> Layout<'a> {
     fn no_instruction(&mut self, token: RawToken) {
         let span = self.span(token);
         let slice = self.slice(token);
-        let upper = self.upper(self.at);
+        let index = self.at;
+        let upper = self.upper(index);
         match token.kind {
             RawKind::Word if is_section(upper.as_str()) || upper.as_str() == "END_VAR" => {
                 self.report(
@@ -558,7 +581,7 @@ impl<'a> Layout<'a> {
             RawKind::Stray | RawKind::UnterminatedText | RawKind::UnterminatedQuoted => {
                 self.stray();
                 self.out.pop();
-                self.at -= 1;
+                self.at = index;
                 self.bad_statement();
             }
             _ => {
@@ -581,7 +604,10 @@ impl<'a> Layout<'a> {
                 self.at += 1;
                 return;
             }
-            if is_end_of_block(upper.as_str()) || upper.as_str() == "NETWORK" || token.first_on_line && self.block_keyword(self.at).is_some() {
+            if is_end_of_block(upper.as_str())
+                || upper.as_str() == "NETWORK"
+                || token.first_on_line && self.block_keyword(self.at).is_some()
+            {
                 return;
             }
             self.at += 1;

@@ -235,7 +235,14 @@ impl<'a> Layout<'a> {
             RawKind::Equal => self.equal_for_assign(),
             kind => match sign(kind) {
                 Some(tok) => self.take(tok),
-                None => self.stray(),
+                None => {
+                    self.stray();
+                    if matches!(kind, RawKind::UnterminatedText | RawKind::UnterminatedQuoted) {
+                        // The `;` is inside what was not closed.
+                        let end = self.last_end();
+                        self.push(end, Tok::Semicolon, end);
+                    }
+                }
             },
         }
     }
@@ -307,8 +314,9 @@ impl<'a> Layout<'a> {
                         self.take(Tok::Semicolon);
                     }
                 }
-                RawKind::Word if matches!(self.last(), Some(Tok::Assign | Tok::LeftParen | Tok::Comma))
-                    && matches!(upper.as_str(), "TRUE" | "FALSE") =>
+                RawKind::Word
+                    if matches!(self.last(), Some(Tok::Assign | Tok::LeftParen | Tok::Comma))
+                        && matches!(upper.as_str(), "TRUE" | "FALSE") =>
                 {
                     let tok = self.literal_token(self.slice(token), self.span(token));
                     self.take(tok);

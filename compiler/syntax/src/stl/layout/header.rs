@@ -59,7 +59,8 @@ impl<'a> Layout<'a> {
                         .label("the block's number or name is missing")
                         .help("write e.g. `FUNCTION FC 1 : VOID`, `DATA_BLOCK DB 10` or `FUNCTION_BLOCK \"Motor\"`"),
                 );
-                if found.is_some_and(|token| !token.first_on_line && matches!(token.kind, RawKind::UnterminatedQuoted)) {
+                if found.is_some_and(|token| !token.first_on_line && matches!(token.kind, RawKind::UnterminatedQuoted))
+                {
                     self.at += 1;
                 }
                 self.push(end, Tok::Name(""), end);
@@ -105,7 +106,11 @@ impl<'a> Layout<'a> {
         let upper = self.upper(index);
         let word = upper.as_str();
         let field = header_field(word).is_some() && self.kind_at(index + 1) == Some(RawKind::Colon);
-        field || header_flag(word).is_some() || is_section(word) || is_end_of_block(word) || matches!(word, "BEGIN" | "NETWORK")
+        field
+            || header_flag(word).is_some()
+            || is_section(word)
+            || is_end_of_block(word)
+            || matches!(word, "BEGIN" | "NETWORK")
     }
 
     /// Everything behind the name: header, declarations, then code or values.
@@ -175,12 +180,18 @@ impl<'a> Layout<'a> {
         let token = self.raw[self.at];
         let what = if frame == Frame::Data { "data block" } else { "data type" };
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{}` cannot stand in a {what}", self.slice(token)))
-                .label("not a part of the header, and no declaration")
-                .help(match frame {
-                    Frame::Data => "a data block holds `STRUCT … END_STRUCT` or the name of a UDT or FB, then `BEGIN` and values",
-                    Frame::Code | Frame::Type => "a data type holds `STRUCT … END_STRUCT;`",
-                }),
+            Diagnostic::new(
+                Code::BlockFrame,
+                self.span(token),
+                format!("`{}` cannot stand in a {what}", self.slice(token)),
+            )
+            .label("not a part of the header, and no declaration")
+            .help(match frame {
+                Frame::Data => {
+                    "a data block holds `STRUCT … END_STRUCT` or the name of a UDT or FB, then `BEGIN` and values"
+                }
+                Frame::Code | Frame::Type => "a data type holds `STRUCT … END_STRUCT;`",
+            }),
         );
         self.at += 1;
         while let Some(token) = self.peek() {

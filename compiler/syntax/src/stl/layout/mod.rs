@@ -51,16 +51,16 @@ pub fn lay_out<'a>(file: FileId, text: &'a str, raw: RawText, detected: &Detecte
     layout.obey_pragmas = pragmas;
     layout.mixed = detected.first[1].is_some();
     layout.file();
-    Laid {
-        tokens: layout.out,
-        diagnostics: layout.diagnostics,
-        pragmas: layout.pragmas,
-        comments: layout.comments,
-    }
+    Laid { tokens: layout.out, diagnostics: layout.diagnostics, pragmas: layout.pragmas, comments: layout.comments }
 }
 
 /// Lays out the text of an assertion's side: operands, area letters of both sets. `offset`: where `text` begins in the file.
-pub fn lay_out_operand<'a>(file: FileId, text: &'a str, raw: RawText, offset: usize) -> (Vec<Spanned<'a>>, Vec<Diagnostic>) {
+pub fn lay_out_operand<'a>(
+    file: FileId,
+    text: &'a str,
+    raw: RawText,
+    offset: usize,
+) -> (Vec<Spanned<'a>>, Vec<Diagnostic>) {
     let mut layout = Layout::new(file, text, raw, Mnemonics::En);
     layout.both_sets = true;
     layout.assertion();
@@ -138,9 +138,13 @@ impl<'a> Layout<'a> {
                 RawKind::Word if is_end_of_block(self.upper(self.at).as_str()) => {
                     let word = self.slice(token);
                     self.report(
-                        Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` ends a block that never began"))
-                            .label("no block is open here")
-                            .help("remove it, or write the header of its block before the statements"),
+                        Diagnostic::new(
+                            Code::BlockFrame,
+                            self.span(token),
+                            format!("`{word}` ends a block that never began"),
+                        )
+                        .label("no block is open here")
+                        .help("remove it, or write the header of its block before the statements"),
                     );
                     self.at += 1;
                 }
@@ -158,9 +162,11 @@ impl<'a> Layout<'a> {
         self.code();
         let tokens = &self.out[first_token..];
         let bad = tokens.iter().filter(|(_, token, _)| *token == Tok::BadStatement).count();
-        let good = tokens.iter().filter(|(_, token, _)| matches!(token, Tok::Insn(_) | Tok::Jump(_) | Tok::Call)).count();
+        let good =
+            tokens.iter().filter(|(_, token, _)| matches!(token, Tok::Insn(_) | Tok::Jump(_) | Tok::Call)).count();
         if bad >= NO_SOURCE_STATEMENTS_MIN && bad > good {
-            let (start, _, end) = tokens.iter().find(|(_, token, _)| *token == Tok::BadStatement).expect("some were counted");
+            let (start, _, end) =
+                tokens.iter().find(|(_, token, _)| *token == Tok::BadStatement).expect("some were counted");
             let span = self.span_of(*start, *end);
             self.out.truncate(first_token);
             self.diagnostics.truncate(first_message);
@@ -276,7 +282,10 @@ impl<'a> Layout<'a> {
             if comment.start >= before {
                 return None;
             }
-            if comment.own_line && !comment.block && pragma::is_pragma(&self.text[comment.start as usize..comment.end as usize]) {
+            if comment.own_line
+                && !comment.block
+                && pragma::is_pragma(&self.text[comment.start as usize..comment.end as usize])
+            {
                 return Some(comment);
             }
             self.next_comment += 1;
@@ -364,9 +373,11 @@ impl<'a> Layout<'a> {
         let span = self.span(token);
         let slice = self.slice(token);
         let diagnostic = match token.kind {
-            RawKind::UnterminatedText => Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
-                .label("begins here")
-                .help("close it with `'`; a quote inside is written `$'`"),
+            RawKind::UnterminatedText => {
+                Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
+                    .label("begins here")
+                    .help("close it with `'`; a quote inside is written `$'`")
+            }
             RawKind::UnterminatedQuoted => {
                 Diagnostic::new(Code::UnterminatedText, span, "the symbol is not closed on its line")
                     .label("begins here")
@@ -388,6 +399,18 @@ impl<'a> Layout<'a> {
         };
         self.report(diagnostic);
         self.take(Tok::BadOperand);
+        if token.kind == RawKind::Stray {
+            // What follows a character of no meaning has none either.
+            while self.peek().is_some_and(|next| {
+                !next.first_on_line
+                    && !matches!(
+                        next.kind,
+                        RawKind::Semicolon | RawKind::Comma | RawKind::RightParen | RawKind::RightBracket
+                    )
+            }) {
+                self.at += 1;
+            }
+        }
     }
 }
 

@@ -279,7 +279,11 @@ impl<'a> Layout<'a> {
         self.push(start, letters, start + letter_count);
         let bit = match (self.raw_at(self.at + 1), self.raw_at(self.at + 2)) {
             (Some(dot), Some(bit))
-                if !cell && dot.kind == RawKind::Dot && bit.kind == RawKind::Number && !dot.first_on_line && !bit.first_on_line =>
+                if !cell
+                    && dot.kind == RawKind::Dot
+                    && bit.kind == RawKind::Number
+                    && !dot.first_on_line
+                    && !bit.first_on_line =>
             {
                 Some(bit)
             }
