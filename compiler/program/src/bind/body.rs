@@ -1,4 +1,4 @@
-//! Statements of a block: labels, parentheses, jump lists, and the instructions themselves.
+//! Statements of a block: labels, jump lists, and the instructions themselves. The parser has checked that parentheses match.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, OperandKind, Statement, StatementKind};
@@ -8,8 +8,6 @@ use rustc_hash::FxHashMap;
 use super::{Binder, Ctx};
 use crate::model::{LabelId, Operand, StlStatement, StlStatementKind};
 
-/// Parentheses inside each other. Source: STL reference, nesting stack.
-const NESTING_MAX: usize = 7;
 /// Entries of a jump list.
 const JUMP_LIST_MAX: usize = 255;
 
@@ -55,7 +53,7 @@ impl Binder<'_> {
                     kind
                 }
                 StatementKind::Instruction { insn, mnemonic_span, operand } => {
-                    self.check_instruction(*insn, *mnemonic_span, flow.regions[at - 1]);
+                    self.check_instruction(*insn, *mnemonic_span);
                     self.instruction(ctx, &flow, at - 1, *insn, *mnemonic_span, operand.as_ref())
                 }
                 StatementKind::Call(call) => {
@@ -98,21 +96,17 @@ impl Binder<'_> {
             zones: Vec::with_capacity(statements.len()),
             statements: Vec::new(),
         };
-        let last_instruction = statements.iter().rposition(|(_, statement)| {
-            matches!(statement.kind, StatementKind::Instruction { .. } | StatementKind::Call(_) | StatementKind::Error)
-        });
-        let mut open: Vec<(u32, Span)> = Vec::new();
+        let mut open: Vec<u32> = Vec::new();
         let mut regions = 0;
         let mut zones = 0u32;
-        let mut too_deep = false;
-        for (at, (_, statement)) in statements.iter().enumerate() {
-            let region = open.last().map_or(0, |(region, _)| *region);
+        for (_, statement) in &statements {
+            let region = open.last().copied().unwrap_or(0);
             flow.regions.push(region);
             flow.zones.push(zones);
             if let Some(label) = &statement.label {
-                self.define_label(&mut flow, label, region, last_instruction.is_some_and(|last| at <= last));
+                self.define_label(&mut flow, label, region);
             }
-            let StatementKind::Instruction { insn, mnemonic_span, .. } = &statement.kind else { continue };
+            let StatementKind::Instruction { insn, .. } = &statement.kind else { continue };
             match insn {
                 StlInsn::AndNest
                 | StlInsn::AndNotNest
@@ -121,42 +115,21 @@ impl Binder<'_> {
                 | StlInsn::XorNest
                 | StlInsn::XorNotNest => {
                     regions += 1;
-                    open.push((regions, *mnemonic_span));
-                    if open.len() > NESTING_MAX && !too_deep {
-                        too_deep = true;
-                        self.report.push(
-                            Diagnostic::new(Code::Nesting, *mnemonic_span, "too many parentheses inside each other")
-                                .label(format!("the nesting stack of the CPU has {NESTING_MAX} entries"))
-                                .help("store an intermediate result in a bit, e.g. `= L 0.0`"),
-                        );
-                    }
+                    open.push(regions);
                 }
                 StlInsn::CloseNest => {
-                    let opened = open.pop();
-                    if opened.is_none() {
-                        self.report.push(
-                            Diagnostic::new(Code::Nesting, *mnemonic_span, "this parenthesis was never opened")
-                                .label("no `A(`, `O(` or `X(` stands before it"),
-                        );
-                    }
+                    open.pop();
                 }
                 StlInsn::McrOpen => zones += 1,
                 StlInsn::McrClose => zones = zones.saturating_sub(1),
                 _ => {}
             }
         }
-        for (_, span) in open {
-            self.report.push(
-                Diagnostic::new(Code::Nesting, span, "this parenthesis is never closed")
-                    .label("opened here")
-                    .help("write `)` behind the last bit of the parenthesis"),
-            );
-        }
         flow.statements = statements;
         flow
     }
 
-    fn define_label<'b>(&mut self, flow: &mut Flow<'b>, label: &'b ast::Label, region: u32, followed: bool) {
+    fn define_label<'b>(&mut self, flow: &mut Flow<'b>, label: &'b ast::Label, region: u32) {
         if let Some(first) = flow.labels.get(label.name.as_str()) {
             let first = first.span;
             self.report.push(
@@ -167,22 +140,11 @@ impl Binder<'_> {
             );
             return;
         }
-        if !followed {
-            self.report.push(
-                Diagnostic::new(
-                    Code::LabelWithoutStatement,
-                    label.span,
-                    format!("no instruction follows the label `{}`", label.name),
-                )
-                .label("a jump needs an instruction to go to")
-                .help("write `NOP 0` or `BE` behind it"),
-            );
-        }
         let id = LabelId(flow.labels.len() as u32);
         flow.labels.insert(&label.name, LabelInfo { id, span: label.span, region });
     }
 
-    fn check_instruction(&mut self, insn: StlInsn, mnemonic: Span, region: u32) {
+    fn check_instruction(&mut self, insn: StlInsn, mnemonic: Span) {
         if matches!(insn, StlInsn::Enter | StlInsn::Leave) && self.input.profile.accumulators < 4 {
             let profile = &self.input.profile.name;
             let name = self.text(mnemonic);
@@ -190,15 +152,6 @@ impl Binder<'_> {
                 Diagnostic::new(Code::CpuInstruction, mnemonic, format!("`{name}` needs a CPU with 4 accumulators"))
                     .label(format!("the profile {profile} has 2 accumulators"))
                     .help("name such a CPU, e.g. --cpu s7-400, or store the value in a double word"),
-            );
-        }
-        let ends = matches!(insn, StlInsn::BlockEnd | StlInsn::BlockEndUnconditional | StlInsn::BlockEndConditional);
-        if ends && region != 0 {
-            let name = self.text(mnemonic);
-            self.report.push(
-                Diagnostic::new(Code::Nesting, mnemonic, format!("`{name}` stands inside a parenthesis"))
-                    .label("a block cannot end here")
-                    .help("close the parenthesis first"),
             );
         }
     }

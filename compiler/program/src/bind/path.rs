@@ -13,6 +13,9 @@ use crate::model::Place;
 use crate::symbols::SymbolTarget;
 use crate::types::{DataType, Elementary, Member, StructType};
 
+/// Largest and actual length, before the characters.
+const STRING_HEADER_BYTES: u32 = 2;
+
 /// Where a variable lies, without its offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Base {
@@ -237,6 +240,17 @@ impl Binder<'_> {
                         }
                     }
                 }
+                (PathPart::Index { values, span }, DataType::String(length)) => {
+                    let (length, place) = (*length, *span);
+                    let [index] = values.as_slice() else { return self.bad_character(place, length) };
+                    match self.bound(index)? {
+                        index if (1..=i64::from(length)).contains(&index) => {
+                            variable.byte += STRING_HEADER_BYTES + index as u32 - 1;
+                            variable.ty = DataType::Elementary(Elementary::Char);
+                        }
+                        _ => return self.bad_character(place, length),
+                    }
+                }
                 (PathPart::Member { name, span }, ty) => {
                     self.report.push(
                         Diagnostic::new(Code::UnknownMember, *span, format!("there is no component `{name}` here"))
@@ -254,6 +268,14 @@ impl Binder<'_> {
             }
         }
         Some(variable)
+    }
+
+    fn bad_character(&mut self, span: Span, length: u8) -> Option<Variable> {
+        self.report.push(
+            Diagnostic::new(Code::ArrayIndex, span, "this character is outside the STRING")
+                .label(format!("the STRING has the characters 1 to {length}")),
+        );
+        None
     }
 
     /// The component of a structure by name. Large structures are indexed once.

@@ -369,3 +369,23 @@ fn numbers_that_statements_name_stay_free() {
     let dbs: Vec<(u16, &str)> = program.dbs.iter().map(|db| (db.number, db.name.as_str())).collect();
     assert_eq!(dbs, [(1, ""), (2, "Shared")]);
 }
+
+#[test]
+fn characters_of_a_string() {
+    let program = good(&format!("{TANK}ORGANIZATION_BLOCK OB 1\nBEGIN\nL DB5.s[3];\nEND_ORGANIZATION_BLOCK\n"));
+    let place = Place::Db { number: 5, byte: 12, bit: 0 };
+    assert_eq!(operands(&program), [Operand::Memory { place, width: crate::model::Width::Byte }]);
+    assert_eq!(
+        codes(&format!("{TANK}ORGANIZATION_BLOCK OB 1\nBEGIN\nL DB5.s[4];\nEND_ORGANIZATION_BLOCK\n")),
+        ["P0403"]
+    );
+}
+
+#[test]
+fn a_name_that_is_defined_nowhere_is_told_of_once() {
+    let source = "FUNCTION_BLOCK FB 1\nVAR x : \"Valve\"; END_VAR\nBEGIN\nCALL \"Valve\" , \"Db\" ( a := \"s\" );\nL \"Db\".y;\nL DB9.y; OPN DB 9;\nEND_FUNCTION_BLOCK\n";
+    let (_, diagnostics) = bind_text(source, "", true);
+    let codes: Vec<&str> = diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect();
+    assert_eq!(codes, ["P0315", "P0301", "P0301", "P0302"]);
+    assert!(diagnostics.iter().all(|diagnostic| diagnostic.severity == Severity::Warning));
+}
