@@ -281,6 +281,15 @@ impl<'a> Binder<'a> {
     }
 
     fn no_main_block(&mut self) {
+        // A text in which no block was found is no source, which was told when it was read.
+        let is_code = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
+        let unread = self.input.units.iter().any(|(file, unit)| {
+            let source = self.input.sources.files().nth(file.0 as usize);
+            unit.blocks.is_empty() && source.is_some_and(|(_, source)| source.text.lines().any(is_code))
+        });
+        if unread {
+            return;
+        }
         let first = self.input.units.iter().flat_map(|(_, unit)| &unit.blocks).next();
         let span = match first {
             Some(ast::Block::Code(code)) => code.name.span(),
