@@ -8,7 +8,9 @@ use plcc_syntax::stl::{Mnemonics, StlInsn};
 pub enum Content {
     Stl,
     SymbolTable,
-    /// Not for us; what it seems to be instead.
+    /// Text that does not look like any of them.
+    Prose,
+    /// Not for us; what it is instead.
     Other(&'static str),
 }
 
@@ -51,7 +53,7 @@ pub fn of(text: &str) -> Content {
     if lines().any(begins_like_stl) || lines().all(|line| line.split_whitespace().count() <= 4) {
         Content::Stl
     } else {
-        Content::Other("text in another language")
+        Content::Prose
     }
 }
 
@@ -94,9 +96,6 @@ mod tests {
         assert_eq!(of("%PDF-1.4\n1 0 obj\n"), Content::Other("a PDF document"));
         assert_eq!(of("<?xml version=\"1.0\"?>\n<Document/>"), Content::Other("XML"));
         assert_eq!(of("A\0B"), Content::Other("binary data"));
-        assert_eq!(
-            of("# Tank\n\nA program that fills a tank when the level is low.\n"),
-            Content::Other("text in another language")
-        );
+        assert_eq!(of("# Tank\n\nA program that fills a tank when the level is low.\n"), Content::Prose);
     }
 }

@@ -118,12 +118,13 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
         }
     };
     let content = content::of(&text);
-    if wanted == Wanted::No && matches!(content, Content::Other(_)) {
+    if wanted == Wanted::No && matches!(content, Content::Prose | Content::Other(_)) {
         return;
     }
     let file = read.sources.add(SourceFile::new(path.display().to_string(), text));
     match content {
-        Content::Stl => {
+        // The parser says best why a text is no source.
+        Content::Stl | Content::Prose => {
             if read.name.is_empty() {
                 read.name = stem(path);
             }
@@ -268,9 +269,13 @@ mod tests {
     #[test]
     fn a_named_file_must_be_a_source() {
         let folder = folder(&[("notes.md", "# Notes\n\nThis is prose that explains the program.\n")]);
-        let code = |path: &str| read(&[folder.path().join(path)]).diagnostics[0].code;
-        assert_eq!(code("notes.md"), Code::NotASource);
-        assert_eq!(code("missing.stl"), Code::Unreadable);
+        fs::write(folder.path().join("block.xml"), "<?xml version=\"1.0\"?>\n<Document/>\n").unwrap();
+        let codes = |path: &str| -> Vec<Code> {
+            read(&[folder.path().join(path)]).diagnostics.iter().map(|message| message.code).collect()
+        };
+        assert_eq!(codes("block.xml"), [Code::NotASource]);
+        assert_eq!(codes("missing.stl"), [Code::Unreadable]);
+        assert_eq!(codes("notes.md"), []);
     }
 
     #[test]

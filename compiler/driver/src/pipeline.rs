@@ -107,7 +107,8 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         config: project.map(|project| project.config).unwrap_or_default(),
         partial: settings.partial,
         pragmas: settings.pragmas,
-        require_main: settings.require_main,
+        // Without a source there is another message already.
+        require_main: settings.require_main && !units.is_empty(),
     });
     diagnostics.extend(messages);
     plcc_diag::sort(&mut diagnostics);
