@@ -124,7 +124,7 @@ fn pragma_profile(settings: &Settings, units: &[(plcc_diag::FileId, SourceUnit)]
     }
     let pragmas = units.iter().flat_map(|(_, unit)| &unit.pragmas);
     let names = pragmas.filter_map(|pragma| pragma.text.strip_prefix("cpu")).map(str::trim);
-    names.filter_map(profile_named).last()
+    names.filter_map(profile_named).next_back()
 }
 
 fn profile_named(name: &str) -> Option<Profile> {
