@@ -52,7 +52,10 @@ impl<'a> Context<'a> {
         let found = messages::error_range(&error.error).unwrap_or((range.end, range.end));
         let (start, end) = (range.start.min(found.0), range.end.max(found.1));
         let first = self.reported.partition_point(|&reported| (reported as usize) < start);
-        if self.reported.get(first).is_some_and(|&reported| (reported as usize) <= end) {
+        let inside = |reported: u32| (start..=end).contains(&(reported as usize));
+        if self.reported.get(first).is_some_and(|&reported| inside(reported))
+            || self.diagnostics.last().is_some_and(|last| inside(last.primary.span.start))
+        {
             return;
         }
         let diagnostic = messages::syntax_error(self, found.0, place);

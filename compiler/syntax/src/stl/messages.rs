@@ -5,6 +5,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use crate::stl::context::{Context, Place};
 use crate::stl::token::{Spanned, Tok};
+use crate::stl::{Mnemonics, mnemonics};
 
 /// Bytes of the token at which a parse error was found.
 pub fn error_range(error: &ParseError<usize, Tok<'_>, ()>) -> Option<(usize, usize)> {
@@ -35,24 +36,60 @@ pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic
     }
 }
 
-/// `… cannot stand here in a …`, at the token, or behind the last one if the line ends too early.
+/// `… cannot stand behind … in this …`, at the token, or behind the last one if the line ends too early.
 fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, code: Code, what: &str) -> Diagnostic {
     match at {
         Some((start, token, end)) if start < end && !ends(token) => {
-            let text = &context.text[*start..*end];
+            let (start, end) = phrase(context, *start, *end);
+            let text = &context.text[start..end];
             let title = match before {
                 Some((b_start, b_token, b_end)) if b_start < b_end && !ends(b_token) && !begins(b_token) => {
-                    format!("`{text}` cannot stand behind `{}` in this {what}", &context.text[*b_start..*b_end])
+                    let (b_start, b_end) = phrase(context, *b_start, *b_end);
+                    format!("`{text}` cannot stand behind `{}` in this {what}", &context.text[b_start..b_end])
                 }
                 _ => format!("`{text}` cannot begin this {what}"),
             };
-            Diagnostic::new(code, context.span(*start, *end), title).label("not expected here")
+            Diagnostic::new(code, context.span(start, end), title).label("not expected here")
         }
         _ => {
-            let (start, end) = before.map_or((0, 0), |(start, _, end)| (*start, *end));
+            let (start, end) = before.map_or((0, 0), |(start, _, end)| phrase(context, *start, *end));
             Diagnostic::new(code, context.span(start, end), format!("this {what} is not complete"))
                 .label("something is missing behind this")
         }
+    }
+}
+
+/// The bytes of a token, with the letters or the number that make an address of it: `MW` and `10`.
+fn phrase(context: &Context, start: usize, end: usize) -> (usize, usize) {
+    let index = context.tokens.partition_point(|(token_start, ..)| *token_start < start);
+    let letters = |token: Option<&Spanned>| {
+        token.filter(|(_, token, _)| matches!(token, Tok::Area(..) | Tok::Cell(_))).map(|(start, ..)| *start)
+    };
+    let number = |token: Option<&Spanned>| {
+        token.filter(|(_, token, _)| matches!(token, Tok::Address(_) | Tok::BitAddress(..))).map(|(.., end)| *end)
+    };
+    let before = index.checked_sub(1).and_then(|before| context.tokens.get(before));
+    match (context.tokens.get(index), context.tokens.get(index + 1)) {
+        (at, _) if number(at).is_some() => (letters(before).unwrap_or(start), end),
+        (at, next) if letters(at).is_some() => (start, number(next).unwrap_or(end)),
+        _ => (start, end),
+    }
+}
+
+/// Letters that name an area only in the other mnemonic set.
+fn foreign_letters(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>) -> Option<String> {
+    let (Some((_, Tok::Literal(_), end)), Some((start, Tok::Name(name), _))) = (at, before) else { return None };
+    let letters = mnemonics::Upper::new(name);
+    let (area, width) = mnemonics::area(letters.as_str(), Some(mnemonics::other(context.set)))?;
+    let own = mnemonics::letters(area, width, context.set)?;
+    let number = &context.text[start + name.len()..*end];
+    Some(format!("write `{own}{number}`: the file has {} mnemonics", set_name(context.set)))
+}
+
+pub fn set_name(set: Mnemonics) -> &'static str {
+    match set {
+        Mnemonics::En => "international",
+        Mnemonics::De => "German",
     }
 }
 
@@ -99,6 +136,9 @@ fn statement_error(context: &Context, index: usize, at: Option<&Spanned>, before
                 .help("write e.g. `CALL FC 1`, `CALL FB 1, DB 1` or `CALL \"Motor\"`");
         }
         _ => {}
+    }
+    if let Some(help) = foreign_letters(context, at, before) {
+        return message(context, at, before, Code::Syntax, "statement").help(help);
     }
     let start = context.tokens[..index].iter().rposition(|(_, token, _)| ends(token)).map_or(0, |end| end + 1);
     let first = context.tokens[start..index].iter().find(|(_, token, _)| !begins(token));

@@ -92,6 +92,19 @@ pub fn area(letters: &str, set: Option<Mnemonics>) -> Option<(Area, Width)> {
     }
 }
 
+/// The letters of an area and width in `set`.
+pub fn letters(area: Area, width: Width, set: Mnemonics) -> Option<String> {
+    let (name, ..) = AREAS.iter().find(|(_, known, own)| *known == area && own.is_none_or(|own| own == set))?;
+    let suffix = match width {
+        Width::Bit if matches!(area, Area::Db | Area::Di) => "X",
+        Width::Bit => "",
+        Width::Byte => "B",
+        Width::Word => "W",
+        Width::Dword => "D",
+    };
+    Some(format!("{name}{suffix}"))
+}
+
 /// `T`, `C` (German `Z`).
 pub fn cell(letters: &str, set: Option<Mnemonics>) -> Option<CellKind> {
     match letters {

@@ -145,10 +145,7 @@ fn report_mixture(
 ) {
     let [own, Some(foreign)] = detected.first else { return };
     let span = |token: raw::RawToken| Span { file, start: token.start, end: token.end };
-    let name = |set| match set {
-        Mnemonics::En => "international",
-        Mnemonics::De => "German",
-    };
+    let name = messages::set_name;
     let word = &text[foreign.range()];
     let set = name(detected.set);
     let mut diagnostic = Diagnostic::new(

@@ -60,7 +60,9 @@ fn parse_assert(
     match grammar::AssertionParser::new().parse(&mut context, tokens.into_iter().map(Ok::<_, ()>)) {
         Ok(assertion) => {
             if let Some(first) = context.diagnostics.drain(..).next() {
-                diagnostics.push(Diagnostic::new(Code::Pragma, first.primary.span, first.title).help(help));
+                diagnostics.push(
+                    Diagnostic::new(Code::Pragma, first.primary.span, first.title).label(first.primary.text).help(help),
+                );
                 return None;
             }
             Some(assertion)

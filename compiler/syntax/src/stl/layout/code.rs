@@ -9,7 +9,7 @@ use super::{Layout, header, is_end_of_block, is_section, unquoted};
 use crate::stl::mnemonics::{instruction, other};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
-use crate::stl::{Mnemonics, OperandClass, StlInsn, pragma, suggest};
+use crate::stl::{OperandClass, StlInsn, messages, pragma, suggest};
 
 /// Words that begin statements of SCL, met in lists that are no STL.
 const FOREIGN_WORDS: &[&str] = &[
@@ -47,7 +47,9 @@ impl<'a> Layout<'a> {
                 RawKind::Word => {
                     let upper = self.upper(self.at);
                     let word = upper.as_str();
-                    if self.kind_at(self.at + 1) == Some(RawKind::Colon) {
+                    if word == "TITLE" && matches!(self.last(), Some(Tok::Network | Tok::Begin)) {
+                        self.title_without_sign();
+                    } else if self.kind_at(self.at + 1) == Some(RawKind::Colon) {
                         self.label();
                     } else if is_end_of_block(word) || self.block_keyword(self.at).is_some() {
                         break;
@@ -567,14 +569,18 @@ impl<'a> Layout<'a> {
                 self.at += 1;
             }
             RawKind::Word => {
-                let set = match self.set {
-                    Mnemonics::En => "international",
-                    Mnemonics::De => "German",
+                let label = self.raw_at(index + 1).is_some_and(|next| !next.first_on_line)
+                    && self.kind_at(index + 1) == Some(RawKind::Word)
+                    && self.begins_statement(index + 1);
+                let help = if label {
+                    format!("a label ends with `:`, write `{slice}:`")
+                } else {
+                    suggest::instruction(upper.as_str(), slice, self.set)
                 };
                 self.report(
                     Diagnostic::new(Code::UnknownInstruction, span, format!("STL has no instruction `{slice}`"))
-                        .label(format!("not a mnemonic of the {set} set"))
-                        .help(suggest::instruction(upper.as_str(), slice, self.set)),
+                        .label(format!("not a mnemonic of the {} set", messages::set_name(self.set)))
+                        .help(help),
                 );
                 self.bad_statement();
             }

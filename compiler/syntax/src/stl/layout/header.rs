@@ -127,6 +127,7 @@ impl<'a> Layout<'a> {
                     self.take(Tok::Title(text));
                 }
                 RawKind::LeftBrace => self.attributes(),
+                RawKind::Word if word == "TITLE" => self.title_without_sign(),
                 RawKind::Word if is_end_of_block(word) || self.block_keyword(self.at).is_some() => return,
                 RawKind::Word if word == "BEGIN" => {
                     self.take(Tok::Begin);
@@ -202,6 +203,21 @@ impl<'a> Layout<'a> {
             }
             self.at += 1;
         }
+    }
+
+    /// `TITLE : text`, `TITLE text`: accepted as `TITLE = text`.
+    pub(super) fn title_without_sign(&mut self) {
+        let start = self.raw[self.at].start as usize;
+        self.at += 1;
+        if self.peek().is_some_and(|token| !token.first_on_line && token.kind == RawKind::Colon) {
+            self.at += 1;
+        }
+        let text_start = self.last_end();
+        while self.peek().is_some_and(|token| !token.first_on_line) {
+            self.at += 1;
+        }
+        let end = self.last_end();
+        self.push(start, Tok::Title(self.text[text_start..end].trim()), end);
     }
 
     /// `AUTHOR : text`: to the end of the line, or to the next header keyword on it.

@@ -5,10 +5,10 @@ use plcc_diag::{Code, Diagnostic};
 use super::declaration::sign;
 use super::{Layout, unquoted};
 use crate::ast::{AssertOp, AssertRegister, BlockPrefix, StatusOperand, Width};
-use crate::stl::Mnemonics;
 use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
+use crate::stl::{Mnemonics, messages};
 
 impl<'a> Layout<'a> {
     /// The two sides of an assertion and what stands between them.
@@ -337,7 +337,10 @@ impl<'a> Layout<'a> {
             Some("MO" | "IO" | "QO" | "EO" | "AO") => {
                 format!("write the digit 0 in place of the letter O: `{}0{}`", &text[..1], &text[2..])
             }
-            _ => "components have names; an address is written as `M 10.0`".to_owned(),
+            _ => match self.own_letters(text) {
+                Some(address) => format!("write `{address}`: the file has {} mnemonics", messages::set_name(self.set)),
+                None => "components have names; an address is written as `M 10.0`".to_owned(),
+            },
         };
         self.report(
             Diagnostic::new(Code::Syntax, self.span_of(begin, end), format!("`{text}` is no address and no name"))
@@ -345,5 +348,12 @@ impl<'a> Layout<'a> {
                 .help(help),
         );
         self.push(begin, Tok::BadOperand, end);
+    }
+
+    /// `E0.0` with the letters of the file's set: `I0.0`; `None` if the letters name no area of the other set.
+    fn own_letters(&self, text: &str) -> Option<String> {
+        let letters = text.find(|c: char| !c.is_ascii_alphabetic())?;
+        let (area, width) = mnemonics::area(&text[..letters].to_ascii_uppercase(), Some(mnemonics::other(self.set)))?;
+        Some(format!("{}{}", mnemonics::letters(area, width, self.set)?, &text[letters..]))
     }
 }
