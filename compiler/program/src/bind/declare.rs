@@ -1,4 +1,4 @@
-//! Declarations: data types with their initial values, and the interfaces of blocks.
+//! Data types of declarations, with the values that variables of them start with.
 
 use std::rc::Rc;
 
@@ -9,9 +9,9 @@ use rustc_hash::FxHashMap;
 
 use super::names::{elementary, fold};
 use super::path::Base;
-use super::{Binder, CodeSource, State};
+use super::{Binder, State};
 use crate::layout::{self, BYTES_MAX, Placer};
-use crate::model::{BlockKey, Direction, Interface, Parameter, Passing};
+use crate::model::{BlockKey, Interface};
 use crate::types::{ArrayType, DataType, Elementary, Member, ParameterType, StructType};
 
 /// Types inside types, at most; STEP 7 allows 8 structures.
@@ -54,7 +54,7 @@ pub struct BoundInterface {
 
 /// Where a type is used.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Use {
+pub enum Use {
     /// A component of a structure, a UDT or a DB.
     Component,
     Parameter(SectionKind),
@@ -65,7 +65,7 @@ enum Use {
 
 impl<'a> Binder<'a> {
     /// Finds out a type; `None` if it is not known, which is reported.
-    fn resolve_type(&mut self, ty: &TypeRef, used: Use) -> Option<Typed> {
+    pub fn resolve_type(&mut self, ty: &TypeRef, used: Use) -> Option<Typed> {
         if self.depth >= DEPTH_MAX {
             self.report.push(
                 Diagnostic::new(Code::LayoutTooLarge, ty.span, "types are nested too deep")
@@ -176,7 +176,7 @@ impl<'a> Binder<'a> {
         Some(Typed { ty: DataType::Array(Rc::new(array)), image: Rc::from(image) })
     }
 
-    fn too_large(&mut self, span: Span, what: &str, bytes: u64) {
+    pub fn too_large(&mut self, span: Span, what: &str, bytes: u64) {
         self.report.push(
             Diagnostic::new(Code::LayoutTooLarge, span, format!("{what} is too large"))
                 .label(format!("it takes {bytes} bytes; {BYTES_MAX} are possible")),
@@ -272,7 +272,7 @@ impl<'a> Binder<'a> {
         typed
     }
 
-    fn recursive(&mut self, name: &str, span: Span) {
+    pub fn recursive(&mut self, name: &str, span: Span) {
         self.report.push(
             Diagnostic::new(Code::RecursiveType, span, format!("{name} contains itself"))
                 .label("this component closes the circle")
@@ -296,7 +296,7 @@ impl<'a> Binder<'a> {
         self.finish_structure(builder, name, None, span)
     }
 
-    fn finish_structure(
+    pub fn finish_structure(
         &mut self,
         builder: StructBuilder,
         name: String,
@@ -314,7 +314,7 @@ impl<'a> Binder<'a> {
         Some(TypedStruct { ty: Rc::new(ty), image: Rc::from(image) })
     }
 
-    fn declare_name(&mut self, names: &mut FxHashMap<String, Span>, variable: &ast::Variable) {
+    pub fn declare_name(&mut self, names: &mut FxHashMap<String, Span>, variable: &ast::Variable) {
         if let Some(first) = names.insert(fold(&variable.name), variable.name_span) {
             self.report.push(
                 Diagnostic::new(
@@ -330,7 +330,7 @@ impl<'a> Binder<'a> {
     }
 
     /// Applies the initial value of a declaration. An unknown type becomes VOID, which stands for it from here on.
-    fn with_initial(&mut self, typed: Option<Typed>, variable: &ast::Variable) -> Typed {
+    pub fn with_initial(&mut self, typed: Option<Typed>, variable: &ast::Variable) -> Typed {
         let Some(mut typed) = typed else {
             return Typed { ty: DataType::Void, image: Rc::from([]) };
         };
@@ -342,7 +342,7 @@ impl<'a> Binder<'a> {
         typed
     }
 
-    fn no_initial(&mut self, variable: &ast::Variable, why: &str) {
+    pub fn no_initial(&mut self, variable: &ast::Variable, why: &str) {
         if let Some(initial) = &variable.initial {
             self.report.push(
                 Diagnostic::new(
@@ -355,294 +355,18 @@ impl<'a> Binder<'a> {
             );
         }
     }
-
-    /// The interface of a block of the program or the system; a block that is defined nowhere is reported at `span`.
-    pub fn interface(&mut self, key: BlockKey, span: Span) -> Option<Rc<BoundInterface>> {
-        match self.interfaces.get(&key) {
-            Some(State::Done(done)) => {
-                let done = done.clone();
-                if done.is_some() && matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb) {
-                    self.use_system(key, span);
-                }
-                return done;
-            }
-            Some(State::Running) => {
-                self.recursive(&key.to_string(), span);
-                return None;
-            }
-            None => {}
-        }
-        let source = self.code_source(key, span)?;
-        self.interfaces.insert(key, State::Running);
-        let bound = self.bind_interface(key, source.block()).map(Rc::new);
-        self.interfaces.insert(key, State::Done(bound.clone()));
-        bound
-    }
-
-    /// The syntax tree of a block; one of the system is parsed when it is first used.
-    fn code_source(&mut self, key: BlockKey, span: Span) -> Option<CodeSource<'a>> {
-        let system = matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb);
-        if system && !self.use_system(key, span) {
-            return None;
-        }
-        if !self.code.contains_key(&key) {
-            self.unknown_block(super::names::kind_prefix(key.kind), key.number, span);
-            return None;
-        }
-        self.code.get(&key).cloned()
-    }
-
-    fn bind_interface(&mut self, key: BlockKey, block: &ast::CodeBlock) -> Option<BoundInterface> {
-        let mut bound = BoundInterface::default();
-        bound.interface.code_version1 = block.header.code_version1;
-        let mut names = FxHashMap::default();
-        self.check_sections(key, block);
-        match key.kind {
-            BlockKind::Fb | BlockKind::Sfb => self.instance_interface(key, block, &mut bound, &mut names)?,
-            BlockKind::Ob | BlockKind::Fc | BlockKind::Sfc | BlockKind::Db => {
-                self.function_interface(key, block, &mut bound, &mut names);
-            }
-        }
-        self.temporaries(key, block, &mut bound, &mut names);
-        self.overlays(block, &mut bound, &mut names);
-        Some(bound)
-    }
-
-    fn check_sections(&mut self, key: BlockKey, block: &ast::CodeBlock) {
-        for section in &block.sections {
-            let allowed = match key.kind {
-                BlockKind::Ob => section.kind == SectionKind::Temp,
-                BlockKind::Fc | BlockKind::Sfc => section.kind != SectionKind::Static,
-                BlockKind::Fb | BlockKind::Sfb | BlockKind::Db => true,
-            };
-            if !allowed {
-                self.report.push(
-                    Diagnostic::new(
-                        Code::SectionNotAllowed,
-                        section.span,
-                        match key.kind {
-                            BlockKind::Ob => {
-                                format!("{key} is called by the system and has no parameters or static data")
-                            }
-                            _ => format!("{key} is a function and has no static data"),
-                        },
-                    )
-                    .label("this section is not possible here")
-                    .help(match key.kind {
-                        BlockKind::Ob => "use VAR_TEMP, bit memory or a data block",
-                        _ => "make it a FUNCTION_BLOCK, or use a data block",
-                    }),
-                );
-            }
-        }
-    }
-
-    fn instance_interface(
-        &mut self,
-        key: BlockKey,
-        block: &ast::CodeBlock,
-        bound: &mut BoundInterface,
-        names: &mut FxHashMap<String, Span>,
-    ) -> Option<()> {
-        let mut builder = StructBuilder::default();
-        for kind in [SectionKind::Input, SectionKind::Output, SectionKind::InOut, SectionKind::Static] {
-            builder.placer.align();
-            for variable in variables(block, kind).filter(|variable| variable.at.is_none()) {
-                self.declare_name(names, variable);
-                let used = if kind == SectionKind::Static { Use::Static } else { Use::Parameter(kind) };
-                let typed = self.resolve_type(&variable.ty, used);
-                if let Some(Typed { ty: DataType::Parameter(parameter), .. }) = &typed {
-                    self.no_initial(variable, "a parameter of this type points to its actual");
-                    if kind == SectionKind::Output {
-                        let name = layout::type_name(&DataType::Parameter(*parameter));
-                        self.report.push(
-                            Diagnostic::new(
-                                Code::SectionNotAllowed,
-                                variable.ty.span,
-                                format!("an output of a function block cannot be of type {name}"),
-                            )
-                            .label("not possible in VAR_OUTPUT")
-                            .help("declare it in VAR_INPUT or VAR_IN_OUT"),
-                        );
-                    }
-                }
-                let complex = typed.as_ref().is_some_and(|typed| is_complex(&typed.ty));
-                let pointer = complex && kind == SectionKind::InOut;
-                if pointer {
-                    self.no_initial(variable, "a complex IN_OUT parameter points to its actual");
-                }
-                let points = matches!(&typed, Some(Typed { ty: DataType::Parameter(_), .. }));
-                let typed = if pointer || points {
-                    typed.unwrap_or(Typed { ty: DataType::Void, image: Rc::from([]) })
-                } else {
-                    self.with_initial(typed, variable)
-                };
-                let stored = if pointer {
-                    Typed { ty: DataType::Parameter(ParameterType::Pointer), image: Rc::from([0u8; 6]) }
-                } else {
-                    typed.clone()
-                };
-                let (byte, bit) = builder.add(variable.name.clone(), &stored);
-                if builder.too_large() {
-                    break;
-                }
-                if let Some(direction) = direction(kind)
-                    && let Some(passing) = passing(&typed.ty)
-                {
-                    let name = variable.name.clone();
-                    bound.interface.parameters.push(Parameter {
-                        name,
-                        direction,
-                        ty: typed.ty.clone(),
-                        byte,
-                        bit,
-                        passing,
-                    });
-                }
-                let (base, byte, bit) =
-                    if pointer { (Base::ThroughPointer(byte), 0, 0) } else { (Base::Instance, byte, bit) };
-                add_local(&mut bound.locals, variable, typed.ty, base, byte, bit);
-            }
-        }
-        let prefix = super::names::kind_prefix(key.kind);
-        let name = match self.block_name(prefix, key.number) {
-            name if name.is_empty() => key.to_string(),
-            name => name,
-        };
-        let instance_of = Some((key.kind == BlockKind::Sfb, key.number));
-        let instance = self.finish_structure(builder, name, instance_of, block.name.span())?;
-        bound.interface.bytes = instance.ty.bytes;
-        bound.interface.instance = instance.ty.members.clone();
-        bound.instance = Some(instance);
-        Some(())
-    }
-
-    fn function_interface(
-        &mut self,
-        key: BlockKey,
-        block: &ast::CodeBlock,
-        bound: &mut BoundInterface,
-        names: &mut FxHashMap<String, Span>,
-    ) {
-        let system = key.kind == BlockKind::Sfc;
-        let mut placer = Placer::default();
-        for kind in [SectionKind::Input, SectionKind::Output, SectionKind::InOut] {
-            if kind == SectionKind::Output && system {
-                self.result(block, bound, names, &mut placer);
-            }
-            for variable in variables(block, kind).filter(|variable| variable.at.is_none()) {
-                self.declare_name(names, variable);
-                self.no_initial(variable, "a function has no memory of its own");
-                let ty = self.resolve_type(&variable.ty, Use::Parameter(kind)).map_or(DataType::Void, |typed| typed.ty);
-                let direction = direction(kind).expect("the three sections of this loop are parameters");
-                add_parameter(bound, &mut placer, variable.name.clone(), direction, ty);
-            }
-            if kind == SectionKind::Output && !system {
-                self.result(block, bound, names, &mut placer);
-            }
-        }
-        bound.interface.bytes = placer.size();
-    }
-
-    /// The result of a function is its output RET_VAL.
-    fn result(
-        &mut self,
-        block: &ast::CodeBlock,
-        bound: &mut BoundInterface,
-        names: &mut FxHashMap<String, Span>,
-        placer: &mut Placer,
-    ) {
-        let Some(ty) = &block.return_type else { return };
-        if matches!(&ty.kind, TypeKind::Named(word) if word == "VOID") {
-            return;
-        }
-        names.insert(fold("RET_VAL"), ty.span);
-        let resolved = self.resolve_type(ty, Use::Result).map_or(DataType::Void, |typed| typed.ty);
-        add_parameter(bound, placer, "RET_VAL".to_string(), Direction::Output, resolved);
-    }
-
-    fn temporaries(
-        &mut self,
-        key: BlockKey,
-        block: &ast::CodeBlock,
-        bound: &mut BoundInterface,
-        names: &mut FxHashMap<String, Span>,
-    ) {
-        let mut placer = Placer::default();
-        for variable in variables(block, SectionKind::Temp).filter(|variable| variable.at.is_none()) {
-            self.declare_name(names, variable);
-            self.no_initial(variable, "temporary data begins anew at each call");
-            let ty = self.resolve_type(&variable.ty, Use::Temp).map_or(DataType::Void, |typed| typed.ty);
-            let (byte, bit) = placer.place(&ty);
-            add_local(&mut bound.locals, variable, ty, Base::L, byte, bit);
-        }
-        let bytes = u64::from(placer.size());
-        if bytes > u64::from(plcc_abi::layout::L_CLASS_BYTES) {
-            self.too_large(block.name.span(), "the temporary data of this block", bytes);
-            return;
-        }
-        bound.temp_bytes = bytes as u32;
-        let profile = &self.input.profile;
-        if bound.temp_bytes > profile.local_data {
-            let code = if profile.limits_checked { Code::LayoutTooLarge } else { Code::CpuLimit };
-            let name = profile.name.clone();
-            let limit = profile.local_data;
-            self.report.push(
-                Diagnostic::new(code, block.name.span(), "the temporary data of this block is more than the CPU has")
-                    .label(format!("{bytes} bytes; the profile {name} has {limit} bytes of local data"))
-                    .help("move data to a data block, or name a larger CPU with --cpu"),
-            );
-        }
-        if key.kind == BlockKind::Ob {
-            bound.temp_bytes = bound.temp_bytes.max(super::OB_START_INFORMATION_BYTES);
-        }
-    }
-
-    /// `b AT a : TYPE`: the place of `a`, seen as another type.
-    fn overlays(&mut self, block: &ast::CodeBlock, bound: &mut BoundInterface, names: &mut FxHashMap<String, Span>) {
-        for section in &block.sections {
-            for variable in &section.variables {
-                let Some((base, span)) = &variable.at else { continue };
-                self.declare_name(names, variable);
-                let Some(under) = bound.locals.get(&fold(base)).cloned() else {
-                    self.report.push(
-                        Diagnostic::new(Code::UnknownLocal, *span, format!("`{base}` is not declared"))
-                            .label("AT names a variable of this block that is declared before"),
-                    );
-                    continue;
-                };
-                self.no_initial(variable, "it lies where the other variable lies");
-                let ty = self.resolve_type(&variable.ty, Use::Component).map_or(DataType::Void, |typed| typed.ty);
-                if layout::bytes(&ty) > layout::bytes(&under.ty).next_multiple_of(2) {
-                    self.report.push(
-                        Diagnostic::new(
-                            Code::WidthMismatch,
-                            variable.ty.span,
-                            format!("`{}` is longer than `{base}`", variable.name),
-                        )
-                        .label(format!(
-                            "{} bytes over {} bytes",
-                            layout::bytes(&ty),
-                            layout::bytes(&under.ty)
-                        )),
-                    );
-                }
-                add_local(&mut bound.locals, variable, ty, under.base, under.byte, under.bit);
-            }
-        }
-    }
 }
 
 /// Components one after the other, with the bytes they start with.
 #[derive(Default)]
-struct StructBuilder {
-    placer: Placer,
+pub struct StructBuilder {
+    pub placer: Placer,
     members: Vec<Member>,
     image: Vec<u8>,
 }
 
 impl StructBuilder {
-    fn add(&mut self, name: String, typed: &Typed) -> (u32, u8) {
+    pub fn add(&mut self, name: String, typed: &Typed) -> (u32, u8) {
         let (byte, bit) = self.placer.place(&typed.ty);
         let end = byte as usize + typed.image.len();
         if end as u64 <= 2 * BYTES_MAX {
@@ -655,7 +379,7 @@ impl StructBuilder {
         (byte, bit)
     }
 
-    fn too_large(&self) -> bool {
+    pub fn too_large(&self) -> bool {
         u64::from(self.placer.clone().size()) > BYTES_MAX
     }
 }
@@ -668,61 +392,6 @@ fn put(image: &mut [u8], byte: u32, bit: u8, ty: &DataType, bytes: &[u8]) {
         image[at] = if bytes.first().is_some_and(|&value| value != 0) { image[at] | mask } else { image[at] & !mask };
     } else {
         image[at..at + bytes.len()].copy_from_slice(bytes);
-    }
-}
-
-fn variables(block: &ast::CodeBlock, kind: SectionKind) -> impl Iterator<Item = &ast::Variable> {
-    block.sections.iter().filter(move |section| section.kind == kind).flat_map(|section| &section.variables)
-}
-
-fn add_local(
-    locals: &mut FxHashMap<String, Local>,
-    variable: &ast::Variable,
-    ty: DataType,
-    base: Base,
-    byte: u32,
-    bit: u8,
-) {
-    let local = Local { name: variable.name.clone(), ty, base, byte, bit };
-    locals.entry(fold(&variable.name)).or_insert(local);
-}
-
-fn add_parameter(bound: &mut BoundInterface, placer: &mut Placer, name: String, direction: Direction, ty: DataType) {
-    let (byte, bit) = placer.place(&ty);
-    let index = bound.interface.parameters.len();
-    let local = Local { name: name.clone(), ty: ty.clone(), base: Base::Parameter(index), byte: 0, bit: 0 };
-    bound.locals.entry(fold(&name)).or_insert(local);
-    // A parameter of unknown type keeps its place in the list; the call is not checked against it.
-    let passing = passing(&ty).unwrap_or(Passing::Complex { bytes: 0 });
-    bound.interface.parameters.push(Parameter { name, direction, ty, byte, bit, passing });
-}
-
-const fn direction(kind: SectionKind) -> Option<Direction> {
-    match kind {
-        SectionKind::Input => Some(Direction::Input),
-        SectionKind::Output => Some(Direction::Output),
-        SectionKind::InOut => Some(Direction::InOut),
-        SectionKind::Static | SectionKind::Temp => None,
-    }
-}
-
-fn passing(ty: &DataType) -> Option<Passing> {
-    match ty {
-        DataType::Elementary(elementary) => Some(Passing::Elementary(layout::width(*elementary))),
-        DataType::DateAndTime | DataType::String(_) | DataType::Array(_) | DataType::Struct(_) => {
-            Some(Passing::Complex { bytes: layout::bytes(ty) })
-        }
-        DataType::Parameter(ParameterType::Pointer) => Some(Passing::Pointer),
-        DataType::Parameter(ParameterType::Any) => Some(Passing::Any),
-        DataType::Parameter(
-            ParameterType::Timer
-            | ParameterType::Counter
-            | ParameterType::BlockFb
-            | ParameterType::BlockFc
-            | ParameterType::BlockDb
-            | ParameterType::BlockSdb,
-        ) => Some(Passing::Number),
-        DataType::Void => Some(Passing::Complex { bytes: 0 }),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Binding: syntax trees and symbol tables in, the bound program out.
 //!
 //! 1. [`names`] reads the tables and numbers the blocks of all sources, so that order does not matter.
-//! 2. [`declare`] lays out types and interfaces, each when it is first wanted; [`data`] makes the data blocks.
+//! 2. [`declare`] lays out types, [`interface`] the interfaces of blocks, each when it is first wanted; [`data`] makes the data blocks.
 //! 3. [`body`] binds statements: [`path`] turns names into places, [`operand`] checks operands against the instruction table,
 //!    [`call`] and [`actual`] check calls, [`pragma`] binds assertions.
 //! 4. Blocks of the system join when something uses them.
@@ -14,6 +14,7 @@ mod body;
 mod call;
 mod data;
 mod declare;
+mod interface;
 mod names;
 mod operand;
 mod path;

@@ -1,0 +1,349 @@
+//! Interfaces of blocks: parameters, static and temporary data with their places.
+
+use std::rc::Rc;
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{self, SectionKind, TypeKind};
+use rustc_hash::FxHashMap;
+
+use super::declare::{BoundInterface, Local, StructBuilder, Typed, Use, is_complex};
+use super::names::fold;
+use super::path::Base;
+use super::{Binder, CodeSource, State};
+use crate::layout::{self, Placer};
+use crate::model::{BlockKey, Direction, Parameter, Passing};
+use crate::types::{DataType, ParameterType};
+
+impl<'a> Binder<'a> {
+    /// The interface of a block of the program or the system; a block that is defined nowhere is reported at `span`.
+    pub fn interface(&mut self, key: BlockKey, span: Span) -> Option<Rc<BoundInterface>> {
+        match self.interfaces.get(&key) {
+            Some(State::Done(done)) => {
+                let done = done.clone();
+                if done.is_some() && matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb) {
+                    self.use_system(key, span);
+                }
+                return done;
+            }
+            Some(State::Running) => {
+                self.recursive(&key.to_string(), span);
+                return None;
+            }
+            None => {}
+        }
+        let source = self.code_source(key, span)?;
+        self.interfaces.insert(key, State::Running);
+        let bound = self.bind_interface(key, source.block()).map(Rc::new);
+        self.interfaces.insert(key, State::Done(bound.clone()));
+        bound
+    }
+
+    /// The syntax tree of a block; one of the system is parsed when it is first used.
+    fn code_source(&mut self, key: BlockKey, span: Span) -> Option<CodeSource<'a>> {
+        let system = matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb);
+        if system && !self.use_system(key, span) {
+            return None;
+        }
+        if !self.code.contains_key(&key) {
+            self.unknown_block(super::names::kind_prefix(key.kind), key.number, span);
+            return None;
+        }
+        self.code.get(&key).cloned()
+    }
+
+    fn bind_interface(&mut self, key: BlockKey, block: &ast::CodeBlock) -> Option<BoundInterface> {
+        let mut bound = BoundInterface::default();
+        bound.interface.code_version1 = block.header.code_version1;
+        let mut names = FxHashMap::default();
+        self.check_sections(key, block);
+        match key.kind {
+            BlockKind::Fb | BlockKind::Sfb => self.instance_interface(key, block, &mut bound, &mut names)?,
+            BlockKind::Ob | BlockKind::Fc | BlockKind::Sfc | BlockKind::Db => {
+                self.function_interface(key, block, &mut bound, &mut names);
+            }
+        }
+        self.temporaries(key, block, &mut bound, &mut names);
+        self.overlays(block, &mut bound, &mut names);
+        Some(bound)
+    }
+
+    fn check_sections(&mut self, key: BlockKey, block: &ast::CodeBlock) {
+        for section in &block.sections {
+            let allowed = match key.kind {
+                BlockKind::Ob => section.kind == SectionKind::Temp,
+                BlockKind::Fc | BlockKind::Sfc => section.kind != SectionKind::Static,
+                BlockKind::Fb | BlockKind::Sfb | BlockKind::Db => true,
+            };
+            if !allowed {
+                self.report.push(
+                    Diagnostic::new(
+                        Code::SectionNotAllowed,
+                        section.span,
+                        match key.kind {
+                            BlockKind::Ob => {
+                                format!("{key} is called by the system and has no parameters or static data")
+                            }
+                            _ => format!("{key} is a function and has no static data"),
+                        },
+                    )
+                    .label("this section is not possible here")
+                    .help(match key.kind {
+                        BlockKind::Ob => "use VAR_TEMP, bit memory or a data block",
+                        _ => "make it a FUNCTION_BLOCK, or use a data block",
+                    }),
+                );
+            }
+        }
+    }
+
+    fn instance_interface(
+        &mut self,
+        key: BlockKey,
+        block: &ast::CodeBlock,
+        bound: &mut BoundInterface,
+        names: &mut FxHashMap<String, Span>,
+    ) -> Option<()> {
+        let mut builder = StructBuilder::default();
+        for kind in [SectionKind::Input, SectionKind::Output, SectionKind::InOut, SectionKind::Static] {
+            builder.placer.align();
+            for variable in variables(block, kind).filter(|variable| variable.at.is_none()) {
+                self.declare_name(names, variable);
+                let used = if kind == SectionKind::Static { Use::Static } else { Use::Parameter(kind) };
+                let typed = self.resolve_type(&variable.ty, used);
+                if let Some(Typed { ty: DataType::Parameter(parameter), .. }) = &typed {
+                    self.no_initial(variable, "a parameter of this type points to its actual");
+                    if kind == SectionKind::Output {
+                        let name = layout::type_name(&DataType::Parameter(*parameter));
+                        self.report.push(
+                            Diagnostic::new(
+                                Code::SectionNotAllowed,
+                                variable.ty.span,
+                                format!("an output of a function block cannot be of type {name}"),
+                            )
+                            .label("not possible in VAR_OUTPUT")
+                            .help("declare it in VAR_INPUT or VAR_IN_OUT"),
+                        );
+                    }
+                }
+                let complex = typed.as_ref().is_some_and(|typed| is_complex(&typed.ty));
+                let pointer = complex && kind == SectionKind::InOut;
+                if pointer {
+                    self.no_initial(variable, "a complex IN_OUT parameter points to its actual");
+                }
+                let points = matches!(&typed, Some(Typed { ty: DataType::Parameter(_), .. }));
+                let typed = if pointer || points {
+                    typed.unwrap_or(Typed { ty: DataType::Void, image: Rc::from([]) })
+                } else {
+                    self.with_initial(typed, variable)
+                };
+                let stored = if pointer {
+                    Typed { ty: DataType::Parameter(ParameterType::Pointer), image: Rc::from([0u8; 6]) }
+                } else {
+                    typed.clone()
+                };
+                let (byte, bit) = builder.add(variable.name.clone(), &stored);
+                if builder.too_large() {
+                    break;
+                }
+                if let Some(direction) = direction(kind)
+                    && let Some(passing) = passing(&typed.ty)
+                {
+                    let name = variable.name.clone();
+                    bound.interface.parameters.push(Parameter {
+                        name,
+                        direction,
+                        ty: typed.ty.clone(),
+                        byte,
+                        bit,
+                        passing,
+                    });
+                }
+                let (base, byte, bit) =
+                    if pointer { (Base::ThroughPointer(byte), 0, 0) } else { (Base::Instance, byte, bit) };
+                add_local(&mut bound.locals, variable, typed.ty, base, byte, bit);
+            }
+        }
+        let prefix = super::names::kind_prefix(key.kind);
+        let name = match self.block_name(prefix, key.number) {
+            name if name.is_empty() => key.to_string(),
+            name => name,
+        };
+        let instance_of = Some((key.kind == BlockKind::Sfb, key.number));
+        let instance = self.finish_structure(builder, name, instance_of, block.name.span())?;
+        bound.interface.bytes = instance.ty.bytes;
+        bound.interface.instance = instance.ty.members.clone();
+        bound.instance = Some(instance);
+        Some(())
+    }
+
+    fn function_interface(
+        &mut self,
+        key: BlockKey,
+        block: &ast::CodeBlock,
+        bound: &mut BoundInterface,
+        names: &mut FxHashMap<String, Span>,
+    ) {
+        let system = key.kind == BlockKind::Sfc;
+        let mut placer = Placer::default();
+        for kind in [SectionKind::Input, SectionKind::Output, SectionKind::InOut] {
+            if kind == SectionKind::Output && system {
+                self.result(block, bound, names, &mut placer);
+            }
+            for variable in variables(block, kind).filter(|variable| variable.at.is_none()) {
+                self.declare_name(names, variable);
+                self.no_initial(variable, "a function has no memory of its own");
+                let ty = self.resolve_type(&variable.ty, Use::Parameter(kind)).map_or(DataType::Void, |typed| typed.ty);
+                let direction = direction(kind).expect("the three sections of this loop are parameters");
+                add_parameter(bound, &mut placer, variable.name.clone(), direction, ty);
+            }
+            if kind == SectionKind::Output && !system {
+                self.result(block, bound, names, &mut placer);
+            }
+        }
+        bound.interface.bytes = placer.size();
+    }
+
+    /// The result of a function is its output RET_VAL.
+    fn result(
+        &mut self,
+        block: &ast::CodeBlock,
+        bound: &mut BoundInterface,
+        names: &mut FxHashMap<String, Span>,
+        placer: &mut Placer,
+    ) {
+        let Some(ty) = &block.return_type else { return };
+        if matches!(&ty.kind, TypeKind::Named(word) if word == "VOID") {
+            return;
+        }
+        names.insert(fold("RET_VAL"), ty.span);
+        let resolved = self.resolve_type(ty, Use::Result).map_or(DataType::Void, |typed| typed.ty);
+        add_parameter(bound, placer, "RET_VAL".to_string(), Direction::Output, resolved);
+    }
+
+    fn temporaries(
+        &mut self,
+        key: BlockKey,
+        block: &ast::CodeBlock,
+        bound: &mut BoundInterface,
+        names: &mut FxHashMap<String, Span>,
+    ) {
+        let mut placer = Placer::default();
+        for variable in variables(block, SectionKind::Temp).filter(|variable| variable.at.is_none()) {
+            self.declare_name(names, variable);
+            self.no_initial(variable, "temporary data begins anew at each call");
+            let ty = self.resolve_type(&variable.ty, Use::Temp).map_or(DataType::Void, |typed| typed.ty);
+            let (byte, bit) = placer.place(&ty);
+            add_local(&mut bound.locals, variable, ty, Base::L, byte, bit);
+        }
+        let bytes = u64::from(placer.size());
+        if bytes > u64::from(plcc_abi::layout::L_CLASS_BYTES) {
+            self.too_large(block.name.span(), "the temporary data of this block", bytes);
+            return;
+        }
+        bound.temp_bytes = bytes as u32;
+        let profile = &self.input.profile;
+        if bound.temp_bytes > profile.local_data {
+            let code = if profile.limits_checked { Code::LayoutTooLarge } else { Code::CpuLimit };
+            let name = profile.name.clone();
+            let limit = profile.local_data;
+            self.report.push(
+                Diagnostic::new(code, block.name.span(), "the temporary data of this block is more than the CPU has")
+                    .label(format!("{bytes} bytes; the profile {name} has {limit} bytes of local data"))
+                    .help("move data to a data block, or name a larger CPU with --cpu"),
+            );
+        }
+        if key.kind == BlockKind::Ob {
+            bound.temp_bytes = bound.temp_bytes.max(super::OB_START_INFORMATION_BYTES);
+        }
+    }
+
+    /// `b AT a : TYPE`: the place of `a`, seen as another type.
+    fn overlays(&mut self, block: &ast::CodeBlock, bound: &mut BoundInterface, names: &mut FxHashMap<String, Span>) {
+        for section in &block.sections {
+            for variable in &section.variables {
+                let Some((base, span)) = &variable.at else { continue };
+                self.declare_name(names, variable);
+                let Some(under) = bound.locals.get(&fold(base)).cloned() else {
+                    self.report.push(
+                        Diagnostic::new(Code::UnknownLocal, *span, format!("`{base}` is not declared"))
+                            .label("AT names a variable of this block that is declared before"),
+                    );
+                    continue;
+                };
+                self.no_initial(variable, "it lies where the other variable lies");
+                let ty = self.resolve_type(&variable.ty, Use::Component).map_or(DataType::Void, |typed| typed.ty);
+                if layout::bytes(&ty) > layout::bytes(&under.ty).next_multiple_of(2) {
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::WidthMismatch,
+                            variable.ty.span,
+                            format!("`{}` is longer than `{base}`", variable.name),
+                        )
+                        .label(format!(
+                            "{} bytes over {} bytes",
+                            layout::bytes(&ty),
+                            layout::bytes(&under.ty)
+                        )),
+                    );
+                }
+                add_local(&mut bound.locals, variable, ty, under.base, under.byte, under.bit);
+            }
+        }
+    }
+}
+
+fn variables(block: &ast::CodeBlock, kind: SectionKind) -> impl Iterator<Item = &ast::Variable> {
+    block.sections.iter().filter(move |section| section.kind == kind).flat_map(|section| &section.variables)
+}
+
+fn add_local(
+    locals: &mut FxHashMap<String, Local>,
+    variable: &ast::Variable,
+    ty: DataType,
+    base: Base,
+    byte: u32,
+    bit: u8,
+) {
+    let local = Local { name: variable.name.clone(), ty, base, byte, bit };
+    locals.entry(fold(&variable.name)).or_insert(local);
+}
+
+fn add_parameter(bound: &mut BoundInterface, placer: &mut Placer, name: String, direction: Direction, ty: DataType) {
+    let (byte, bit) = placer.place(&ty);
+    let index = bound.interface.parameters.len();
+    let local = Local { name: name.clone(), ty: ty.clone(), base: Base::Parameter(index), byte: 0, bit: 0 };
+    bound.locals.entry(fold(&name)).or_insert(local);
+    // A parameter of unknown type keeps its place in the list; the call is not checked against it.
+    let passing = passing(&ty).unwrap_or(Passing::Complex { bytes: 0 });
+    bound.interface.parameters.push(Parameter { name, direction, ty, byte, bit, passing });
+}
+
+const fn direction(kind: SectionKind) -> Option<Direction> {
+    match kind {
+        SectionKind::Input => Some(Direction::Input),
+        SectionKind::Output => Some(Direction::Output),
+        SectionKind::InOut => Some(Direction::InOut),
+        SectionKind::Static | SectionKind::Temp => None,
+    }
+}
+
+fn passing(ty: &DataType) -> Option<Passing> {
+    match ty {
+        DataType::Elementary(elementary) => Some(Passing::Elementary(layout::width(*elementary))),
+        DataType::DateAndTime | DataType::String(_) | DataType::Array(_) | DataType::Struct(_) => {
+            Some(Passing::Complex { bytes: layout::bytes(ty) })
+        }
+        DataType::Parameter(ParameterType::Pointer) => Some(Passing::Pointer),
+        DataType::Parameter(ParameterType::Any) => Some(Passing::Any),
+        DataType::Parameter(
+            ParameterType::Timer
+            | ParameterType::Counter
+            | ParameterType::BlockFb
+            | ParameterType::BlockFc
+            | ParameterType::BlockDb
+            | ParameterType::BlockSdb,
+        ) => Some(Passing::Number),
+        DataType::Void => Some(Passing::Complex { bytes: 0 }),
+    }
+}
