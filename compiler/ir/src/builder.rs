@@ -11,6 +11,7 @@
 use plcc_abi::functions::Effect;
 use plcc_abi::{RuntimeFn, Type};
 
+use crate::analysis::ControlFlow;
 use crate::entities::{Block, Entity, EntityVec, FuncId, Inst, Loc, Value, Var};
 use crate::eval;
 use crate::function::{Function, ValueDef};
@@ -69,13 +70,16 @@ impl FunctionBuilder {
         builder
     }
 
-    /// Ends building. Every block is sealed and ends with a terminator.
+    /// Ends building. Every block is sealed and ends with a terminator; those that cannot be reached are left out.
     pub fn finish(mut self) -> Function {
         for block in self.function.layout.clone() {
             assert!(self.states[block].sealed, "{block} of {} is not sealed", self.function.name);
             assert!(self.function.terminator(block).is_some(), "{block} of {} has no end", self.function.name);
         }
         self.function.resolve_aliases();
+        // In a circle that nothing enters, a value can be defined by itself: such text would not parse back.
+        let flow = ControlFlow::new(&self.function);
+        self.function.layout.retain(|&block| flow.is_reachable(block));
         self.function
     }
 
