@@ -239,6 +239,8 @@ impl<'a> Layout<'a> {
                 | OperandClass::DwordConstOrNone
                 | OperandClass::ShiftCount16
                 | OperandClass::ShiftCount32
+                // Taken already, so that a line which begins with `+ 5` is a statement of its own.
+                | OperandClass::Label
         );
         let first = self.out.len();
         let mut open_brackets = 0usize;
