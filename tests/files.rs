@@ -9,7 +9,7 @@
 //! | `opt/` | IR; `; passes: a,b` in its first line | `x.expect` |
 //! | `clif/` | STL | `x.clif` |
 //! | `messages/` | STL | `x.txt`: its messages as drawn |
-//! | `../samples/*/` | a project with scenarios | `x.trace.csv`, `x.vcd` beside `x.toml` |
+//! | `../samples/*/` | a project with scenarios | `x.trace.csv`, `x.vcd` beside `x.toml`, with the signals of its `# trace-signals:` line |
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -169,8 +169,9 @@ fn check_trace(project: &Path, scenario: &Path, expected: &Path) -> Result<(), S
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let suffix = if expected.extension().is_some_and(|ending| ending == "vcd") { "trace.vcd" } else { "trace.csv" };
     let trace = folder.path().join(suffix);
-    let cycles = last_cycle(scenario).to_string();
-    let arguments: Vec<std::ffi::OsString> = vec![
+    let text = fs::read_to_string(scenario).map_err(|error| error.to_string())?;
+    let cycles = last_cycle(&text)?.to_string();
+    let mut arguments: Vec<std::ffi::OsString> = vec![
         "plcc".into(),
         "run".into(),
         project.into(),
@@ -184,16 +185,33 @@ fn check_trace(project: &Path, scenario: &Path, expected: &Path) -> Result<(), S
         "--trace".into(),
         trace.clone().into(),
     ];
+    if let Some(signals) = text.lines().find_map(|line| line.strip_prefix(SIGNALS_LINE)) {
+        arguments.extend(["--trace-signals".into(), signals.trim().into()]);
+    }
     let code = plcc_driver::main_with(arguments);
     let text = fs::read_to_string(&trace).map_err(|error| format!("exit code {code}, no trace: {error}"))?;
     expect_file(expected, &text)
 }
 
-/// The largest `cycle = N` of a scenario; a trace lasts until then.
-fn last_cycle(scenario: &Path) -> u64 {
-    let text = fs::read_to_string(scenario).unwrap_or_default();
-    let cycles = text
-        .lines()
-        .filter_map(|line| line.trim().strip_prefix("cycle")?.trim().strip_prefix('=')?.trim().parse().ok());
-    cycles.max().unwrap_or(1)
+/// A comment line of a scenario that names what its trace records, in place of the symbols.
+const SIGNALS_LINE: &str = "# trace-signals:";
+
+/// The cycle of a scenario's last entry, at 10 ms a cycle; a trace lasts until then.
+fn last_cycle(scenario: &str) -> Result<u64, String> {
+    const CYCLE_MS: u64 = 10;
+    let mut last = 1;
+    for line in scenario.lines() {
+        let Some((key, value)) = line.split('#').next().and_then(|line| line.split_once('=')) else { continue };
+        let value = value.trim().trim_matches('"');
+        let unreadable = |_| format!("a trace of an entry at `{value}` is not possible");
+        match key.trim() {
+            "cycle" => last = last.max(value.parse().map_err(unreadable)?),
+            "time" => {
+                let ms: u64 = value.trim_end_matches("ms").parse().map_err(unreadable)?;
+                last = last.max(ms.div_ceil(CYCLE_MS) + 1);
+            }
+            _ => {}
+        }
+    }
+    Ok(last)
 }
