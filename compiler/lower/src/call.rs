@@ -78,17 +78,17 @@ impl Context<'_, '_> {
                         if parameter.direction != Direction::Input {
                             copies_back.push((place.clone(), width, temporary));
                         }
-                        self.reference(Target::at(temporary, BitNumber::Known(0)), width)
+                        self.reference(Target::at(temporary, BitNumber::Known(0)), width, place::Direction::Write)
                     }
                     Actual::Place(place) => {
                         let direction = access_direction(parameter.direction);
                         let target = self.target(place, width, direction);
-                        self.reference(target, width)
+                        self.reference(target, width, direction)
                     }
                     Actual::Const(bytes) => {
                         let temporary = self.temporary(bytes.len() as u32);
                         self.store_bytes(temporary, bytes);
-                        self.reference(Target::at(temporary, BitNumber::Known(0)), width)
+                        self.reference(Target::at(temporary, BitNumber::Known(0)), width, place::Direction::Write)
                     }
                     Actual::Number(_) | Actual::PointerBytes(_) | Actual::PointerTo { .. } | Actual::PointerCopy(_) => {
                         unreachable!("the binder gives elementary formals values")
@@ -118,7 +118,7 @@ impl Context<'_, '_> {
                 let fields = self.pointer_fields(place);
                 self.store_pointer_fields(pointer, fields);
                 let target = self.target(place, Width::Byte, place::Direction::Read);
-                let reference = self.reference(target, Width::Byte);
+                let reference = self.reference(target, Width::Byte, place::Direction::Read);
                 references.push(self.b.i32_const(pointer.offset));
                 references.push(reference);
             }
@@ -159,13 +159,10 @@ impl Context<'_, '_> {
     }
 
     /// A reference to `target` as an FC takes it. Where the address is faulty it refers to scratch memory.
-    fn reference(&mut self, target: Target, width: Width) -> Value {
-        let mut checks = target.checks;
+    fn reference(&mut self, target: Target, width: Width, direction: place::Direction) -> Value {
+        let (addr, bit, mut checks) = self.in_memory(target, width, direction);
         checks.retain(|check| self.b.constant_bits(check.ok) != Some(1));
         let reference = |context: &mut Self| {
-            let TargetKind::Memory { addr, bit } = target.kind else {
-                unreachable!("peripheral actuals are copied");
-            };
             let address = context.b.address_of(addr);
             if width != Width::Bit {
                 return address;
@@ -299,13 +296,10 @@ impl Context<'_, '_> {
         let direction = if inward { place::Direction::Read } else { place::Direction::Write };
         let variable = self.target(place, Width::Byte, direction);
         self.set(self.regs.db, db);
-        let mut checks = variable.checks;
-        checks.extend(instance.checks);
-        let (TargetKind::Memory { addr: variable, .. }, TargetKind::Memory { addr: instance, .. }) =
-            (variable.kind, instance.kind)
-        else {
-            unreachable!("complex variables lie in memory");
-        };
+        let instance_checks = instance.checks;
+        let (variable, _, mut checks) = self.in_memory(variable, Width::Byte, direction);
+        let TargetKind::Memory { addr: instance, .. } = instance.kind else { unreachable!("instances lie in memory") };
+        checks.extend(instance_checks);
         let guard = self.begin_guard(checks, Substitute::None);
         let (to, from) = if inward { (instance, variable) } else { (variable, instance) };
         self.b.copy(to, from, bytes);

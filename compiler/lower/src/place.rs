@@ -483,6 +483,44 @@ impl Context<'_, '_> {
         self.area_crossing(address, offset, db, di, width, direction)
     }
 
+    /// Area V below the caller's frame, where the pointers of its callers point that it hands on: whether `byte` lies there
+    /// (i1), and the offset from the memory base. Addresses wrap inside the L stack of the priority class.
+    fn below_caller(&mut self, caller: Value, byte: Value, width: Width) -> (Value, Value) {
+        let inside = i64::from(layout::L_CLASS_BYTES) - 1;
+        let sum = self.b.iadd(caller, byte);
+        let wrapped = self.b.binary_imm(BinaryOp::And, sum, inside);
+        let stack = self.b.binary_imm(BinaryOp::And, caller, !inside);
+        let address = self.b.or(stack, wrapped);
+        let end = self.b.binary_imm(BinaryOp::Iadd, address, i64::from(width.bytes()));
+        let is_below = self.b.icmp(IntCc::Ule, end, caller);
+        (is_below, address)
+    }
+
+    /// A target that is memory. What turns out to be peripheral is the error of a wrong area.
+    pub fn in_memory(
+        &mut self,
+        target: Target,
+        width: Width,
+        direction: Direction,
+    ) -> (Address, BitNumber, Vec<Check>) {
+        let mut checks = target.checks;
+        match target.kind {
+            TargetKind::Memory { addr, bit } => (addr, bit, checks),
+            TargetKind::Either { is_peripheral, addr, bit, .. } => {
+                let code = if direction == Direction::Read { sync::AREA_READ } else { sync::AREA_WRITE };
+                let code = self.b.i32_const(u32::from(code));
+                let ok = self.b.not(is_peripheral);
+                let access = self.b.i32_const(access_byte(width, access_area::P));
+                let info = self.b.i32_const(u32::from(layout::area::P));
+                checks.push(Check { ok, code, access, info });
+                (addr, bit, checks)
+            }
+            TargetKind::Peripheral { .. } => {
+                unreachable!("the binder gives no peripheral address where memory is needed")
+            }
+        }
+    }
+
     /// An address whose area code is in the pointer: `W [AR1,P#0.0]`. `db` and `di` are the DBs of areas DB and DI.
     pub fn area_crossing(
         &mut self,
@@ -522,6 +560,14 @@ impl Context<'_, '_> {
             base = self.b.select(is_area, area_base, base);
             limit = self.b.select(is_area, area_limit, limit);
         }
+        let below = self.plan.hands_on_pointers.then(|| {
+            let is_local = self.b.icmp_imm(IntCc::Eq, code, i64::from(area::V));
+            let (is_below, address) = self.below_caller(caller, effective.byte, width);
+            let is_below = self.b.and(is_local, is_below);
+            let stack = self.b.i32_const(layout::L_CLASS_BYTES);
+            limit = self.b.select(is_below, stack, limit);
+            (is_below, address)
+        });
         if width == Width::Bit {
             // The peripheral area has no bits.
             let not_peripheral = self.b.not(is_peripheral);
@@ -545,6 +591,10 @@ impl Context<'_, '_> {
             }
         }
         let address = self.b.iadd(base, effective.byte);
+        let address = match below {
+            Some((is_below, below)) => self.b.select(is_below, below, address),
+            None => address,
+        };
         let addr = Address::indexed(Region::Any, address, 0);
         let bit = BitNumber::Dynamic(effective.bit);
         let kind = match self.b.constant_bits(is_peripheral) {

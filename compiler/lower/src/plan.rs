@@ -7,7 +7,7 @@ use plcc_ir::StaticDb;
 use plcc_ir::entities::{Entity, FuncId};
 use plcc_program::Program;
 use plcc_program::model::{
-    AddressRegister, BlockKey, Body, CodeBlock, Number, Operand, Passing, StlStatement, StlStatementKind,
+    Actual, AddressRegister, BlockKey, Body, CodeBlock, Number, Operand, Passing, Place, StlStatement, StlStatementKind,
 };
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
@@ -30,6 +30,8 @@ pub struct Plan<'a> {
     /// Calls must count depth and local data at run time, since neither is bounded at compile time.
     pub checks_depth: bool,
     pub stops_itself: bool,
+    /// A block gives a pointer that it was given to a block that it calls: area V then reaches beyond the caller.
+    pub hands_on_pointers: bool,
     functions: Vec<Option<FuncId>>,
     index: FxHashMap<BlockKey, usize>,
     changes_ar2: Vec<bool>,
@@ -66,6 +68,7 @@ impl<'a> Plan<'a> {
             has_dynamic_calls: facts.iter().any(|facts| facts.dynamic_calls),
             checks_depth: false,
             stops_itself: facts.iter().any(|facts| facts.stops),
+            hands_on_pointers: facts.iter().any(|facts| facts.hands_on_pointers),
             functions,
             index,
             changes_ar2: Vec::new(),
@@ -261,6 +264,7 @@ struct BlockFacts {
     changes_ar2: bool,
     dynamic_calls: bool,
     stops: bool,
+    hands_on_pointers: bool,
     /// Upper bound of its frame.
     frame_estimate: u32,
 }
@@ -273,6 +277,7 @@ impl BlockFacts {
             changes_ar2: false,
             dynamic_calls: false,
             stops: false,
+            hands_on_pointers: false,
             frame_estimate: block.temp_bytes,
         };
         if let Body::Stl(statements) = &block.body {
@@ -307,6 +312,7 @@ impl BlockFacts {
             StlStatementKind::Call(call) => {
                 self.stops |= call.target == BlockKey { kind: BlockKind::Sfc, number: SFC_STP };
                 self.calls.push(call.target);
+                self.hands_on_pointers |= call.arguments.iter().any(|argument| hands_on_pointer(&argument.actual));
                 if call.instance.is_none() {
                     self.passes_ar2_to.push(call.target);
                 }
@@ -319,6 +325,17 @@ impl BlockFacts {
             | StlStatementKind::Assert(_)
             | StlStatementKind::Sleep(_) => {}
         }
+    }
+}
+
+/// True if the actual parameter may be a pointer that the calling block was given itself.
+fn hands_on_pointer(actual: &Actual) -> bool {
+    match actual {
+        Actual::PointerCopy(_) => true,
+        Actual::Place(place) | Actual::PointerTo { place, .. } => {
+            matches!(place, Place::Parameter { .. } | Place::ThroughPointer { .. })
+        }
+        Actual::Const(_) | Actual::Number(_) | Actual::PointerBytes(_) => false,
     }
 }
 

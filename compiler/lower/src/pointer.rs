@@ -1,7 +1,8 @@
 //! POINTER and ANY structures. Source: STL reference, composite encodings.
 
+use plcc_abi::image::BlockKind;
 use plcc_abi::layout::area;
-use plcc_ir::{Address, BinaryOp, Value};
+use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
 use plcc_program::model::{Actual, Passing, Place, Width};
 
 use crate::context::Context;
@@ -10,6 +11,8 @@ use crate::context::Context;
 const ANY_S7: u32 = 0x10;
 /// Data type ids inside an ANY stand before its POINTER: id, type, repetition factor.
 const ANY_HEAD_BYTES: u32 = 4;
+/// Byte and bit address of a pointer.
+const POINTER_BITS: i64 = 0x0007_FFFF;
 
 /// The two fields of a POINTER.
 #[derive(Clone, Copy)]
@@ -39,6 +42,7 @@ impl Context<'_, '_> {
                 let db = self.read(&Place::Instance { byte: pointer, bit: 0 }, Width::Word);
                 let start = self.read(&Place::Instance { byte: pointer + 2, bit: 0 }, Width::Dword);
                 let pointer = self.b.binary_imm(BinaryOp::Iadd, start, i64::from(8 * byte + u32::from(bit)));
+                let pointer = self.handed_on(pointer);
                 return PointerFields { db, pointer };
             }
             Place::Indirect { .. } | Place::Register { .. } => {
@@ -65,6 +69,7 @@ impl Context<'_, '_> {
                 let db = self.read_parameter_structure(parameter, 0, Width::Word);
                 let start = self.read_parameter_structure(parameter, 2, Width::Dword);
                 let pointer = self.b.binary_imm(BinaryOp::Iadd, start, i64::from(8 * byte + u32::from(bit)));
+                let pointer = self.handed_on(pointer);
                 PointerFields { db, pointer }
             }
             Passing::Elementary(_) | Passing::Number | Passing::Pointer | Passing::Any => {
@@ -73,10 +78,25 @@ impl Context<'_, '_> {
         }
     }
 
+    /// A pointer that this block was given, as a block that it calls sees it. Area V is the caller's local data here, but this
+    /// block's there, so its addresses are moved by the distance of the two frames. They wrap inside the L stack.
+    fn handed_on(&mut self, pointer: Value) -> Value {
+        let frame = self.b.address_of(Address::direct(Region::L, 0));
+        let caller = self.b.address_of(Address::direct(Region::V, 0));
+        let distance = self.b.isub(frame, caller);
+        let bits = self.b.binary_imm(BinaryOp::Shl, distance, 3);
+        let moved = self.b.isub(pointer, bits);
+        let moved = self.b.binary_imm(BinaryOp::And, moved, POINTER_BITS);
+        let moved = self.b.binary_imm(BinaryOp::Or, moved, i64::from(area::V) << 24);
+        let code = self.b.binary_imm(BinaryOp::Lshr, pointer, 24);
+        let is_local = self.b.icmp_imm(IntCc::Eq, code, i64::from(area::V));
+        self.b.select(is_local, moved, pointer)
+    }
+
     /// Reads from the structure that the caller put into its frame for a formal parameter.
     fn read_parameter_structure(&mut self, parameter: usize, offset: u32, width: Width) -> Value {
         let base = self.parameters[parameter][0];
-        self.load_zero_extended(Address::indexed(plcc_ir::Region::V, base, offset), width)
+        self.load_zero_extended(Address::indexed(Region::V, base, offset), width)
     }
 
     pub fn store_pointer_fields(&mut self, addr: Address, fields: PointerFields) {
@@ -105,6 +125,12 @@ impl Context<'_, '_> {
                 let guard = self.begin_guard(source.checks, crate::fault::Substitute::None);
                 if let crate::place::TargetKind::Memory { addr: from, .. } = source.kind {
                     self.b.copy(addr, from, bytes);
+                    if self.block.kind != BlockKind::Ob {
+                        let field = moved(addr, bytes - 4);
+                        let pointer = self.load_zero_extended(field, Width::Dword);
+                        let pointer = self.handed_on(pointer);
+                        self.store_low(field, Width::Dword, pointer);
+                    }
                 }
                 self.end_guard(guard);
             }
