@@ -45,6 +45,11 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
             let function = stl::lower_block(&plan, &mut output, block, statements);
             let id = output.module.functions.push(function);
             debug_assert_eq!(Some(id), plan.function(index), "functions are numbered in the order of the blocks");
+            let frame = output.module.functions[id].frame_bytes;
+            debug_assert!(
+                frame <= plan.frame_estimate(block.key()),
+                "the plan has counted what calls put into the frame"
+            );
         }
     }
     for (index, block) in program.blocks.iter().enumerate() {

@@ -7,7 +7,8 @@ use plcc_ir::StaticDb;
 use plcc_ir::entities::{Entity, FuncId};
 use plcc_program::Program;
 use plcc_program::model::{
-    Actual, AddressRegister, BlockKey, Body, CodeBlock, Number, Operand, Passing, Place, StlStatement, StlStatementKind,
+    Actual, AddressRegister, BlockKey, Body, Call, CodeBlock, Number, Operand, Parameter, Passing, Place, StlStatement,
+    StlStatementKind,
 };
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
@@ -52,8 +53,10 @@ impl<'a> Plan<'a> {
                 })
             })
             .collect();
-        let index = program.blocks.iter().enumerate().map(|(index, block)| (block.key(), index)).collect();
-        let facts: Vec<BlockFacts> = program.blocks.iter().map(BlockFacts::new).collect();
+        let index: FxHashMap<BlockKey, usize> =
+            program.blocks.iter().enumerate().map(|(index, block)| (block.key(), index)).collect();
+        let facts: Vec<BlockFacts> =
+            program.blocks.iter().map(|block| BlockFacts::new(block, program, &index)).collect();
         let mut plan = Plan {
             program,
             registers: CpuRegister::ALL
@@ -270,7 +273,7 @@ struct BlockFacts {
 }
 
 impl BlockFacts {
-    fn new(block: &CodeBlock) -> BlockFacts {
+    fn new(block: &CodeBlock, program: &Program, index: &FxHashMap<BlockKey, usize>) -> BlockFacts {
         let mut facts = BlockFacts {
             calls: Vec::new(),
             passes_ar2_to: Vec::new(),
@@ -284,7 +287,12 @@ impl BlockFacts {
             facts.frame_estimate = local_bytes(block, statements);
             let mut temporaries = 0;
             for statement in statements {
-                facts.scan(statement, &mut temporaries);
+                facts.scan(statement);
+                if let StlStatementKind::Call(call) = &statement.kind
+                    && let Some(&callee) = index.get(&call.target)
+                {
+                    temporaries = temporaries.max(temporary_bytes(&program.blocks[callee], call));
+                }
             }
             facts.frame_estimate = layout::frame_bytes(facts.frame_estimate + temporaries);
         }
@@ -293,7 +301,7 @@ impl BlockFacts {
         facts
     }
 
-    fn scan(&mut self, statement: &StlStatement, temporaries: &mut u32) {
+    fn scan(&mut self, statement: &StlStatement) {
         match &statement.kind {
             StlStatementKind::Instruction { insn, operand } => {
                 self.changes_ar2 |= changes_ar2(*insn, operand);
@@ -316,9 +324,6 @@ impl BlockFacts {
                 if call.instance.is_none() {
                     self.passes_ar2_to.push(call.target);
                 }
-                // Each argument takes at most a pointer and a value; complex ones of system functions more, which their
-                // structure of parameters counts.
-                *temporaries = (*temporaries).max(16 * call.arguments.len() as u32 + 512);
             }
             StlStatementKind::Label(_)
             | StlStatementKind::JumpList { .. }
@@ -326,6 +331,34 @@ impl BlockFacts {
             | StlStatementKind::Sleep(_) => {}
         }
     }
+}
+
+/// Most that a call puts into the frame of the calling block, in bytes: pointers, constants and copies for an FC, the structure
+/// of parameters for a system function, nothing for an FB.
+fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
+    if !matches!(callee.body, Body::Stl(_)) {
+        return callee.interface.bytes.max(2);
+    }
+    if call.instance.is_some() {
+        return 0;
+    }
+    let of_parameter = |(index, parameter): (usize, &Parameter)| {
+        let argument = call.arguments.iter().find(|argument| argument.parameter == index);
+        let value = match argument.map(|argument| &argument.actual) {
+            Some(Actual::Const(bytes)) => (bytes.len() as u32).next_multiple_of(2),
+            Some(Actual::Place(Place::Pi { .. } | Place::Pq { .. })) => 4,
+            Some(Actual::Place(_) | Actual::Number(_) | Actual::PointerBytes(_) | Actual::PointerTo { .. })
+            | Some(Actual::PointerCopy(_))
+            | None => 0,
+        };
+        match parameter.passing {
+            Passing::Elementary(_) => value,
+            Passing::Complex { .. } => 6 + value,
+            Passing::Number => 0,
+            Passing::Pointer | Passing::Any => 10,
+        }
+    };
+    callee.interface.parameters.iter().enumerate().map(of_parameter).sum()
 }
 
 /// True if the actual parameter may be a pointer that the calling block was given itself.
