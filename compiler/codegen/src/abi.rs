@@ -115,33 +115,12 @@ fn direct_frame_use(function: &Function) -> (FrameUse, Vec<FuncId>) {
     };
     for &block in &function.layout {
         for &inst in &function.blocks[block].insts {
-            match &function.insts[inst] {
-                InstData::Load { addr }
-                | InstData::Store { addr, .. }
-                | InstData::LoadBit { addr, .. }
-                | InstData::StoreBit { addr, .. }
-                | InstData::AddressOf { addr }
-                | InstData::Clear { addr, .. } => touch(addr.region),
-                InstData::Copy { to, from, .. } => {
-                    touch(to.region);
-                    touch(from.region);
-                }
+            let data = &function.insts[inst];
+            data.for_each_address(|addr| touch(addr.region));
+            match data {
                 InstData::FrameBase { .. } => touch(Region::L),
                 InstData::Call { callee, .. } => called.push(*callee),
-                InstData::Const { .. }
-                | InstData::Unary { .. }
-                | InstData::Binary { .. }
-                | InstData::IntCompare { .. }
-                | InstData::FloatCompare { .. }
-                | InstData::Convert { .. }
-                | InstData::Select { .. }
-                | InstData::DbBase { .. }
-                | InstData::DbLength { .. }
-                | InstData::CallRuntime { .. }
-                | InstData::Jump { .. }
-                | InstData::Branch { .. }
-                | InstData::Switch { .. }
-                | InstData::Return { .. } => {}
+                _ => {}
             }
         }
     }

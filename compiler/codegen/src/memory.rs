@@ -14,7 +14,7 @@ use cranelift_codegen::ir::{AliasRegion, AliasRegionData, InstBuilder, MemFlagsD
 use cranelift_codegen::isa::TargetFrontendConfig;
 use cranelift_frontend::FunctionBuilder;
 use plcc_abi::{Type, layout};
-use plcc_ir::{Function, InstData, Module, Region};
+use plcc_ir::{Function, Module, Region};
 
 use crate::CodegenError;
 use crate::abi::clif_type;
@@ -400,35 +400,12 @@ fn integer_of(ty: ClifType) -> ClifType {
     }
 }
 
+/// True if an instruction names the region that may be anywhere.
 fn uses_any(function: &Function) -> bool {
-    let any = |region| region == Region::Any;
     function.layout.iter().flat_map(|&block| &function.blocks[block].insts).any(|&inst| {
-        match &function.insts[inst] {
-            InstData::Load { addr }
-            | InstData::Store { addr, .. }
-            | InstData::LoadBit { addr, .. }
-            | InstData::StoreBit { addr, .. }
-            | InstData::Clear { addr, .. } => any(addr.region),
-            InstData::Copy { to, from, .. } => any(to.region) || any(from.region),
-            // These touch no area.
-            InstData::AddressOf { .. }
-            | InstData::Const { .. }
-            | InstData::Unary { .. }
-            | InstData::Binary { .. }
-            | InstData::IntCompare { .. }
-            | InstData::FloatCompare { .. }
-            | InstData::Convert { .. }
-            | InstData::Select { .. }
-            | InstData::DbBase { .. }
-            | InstData::DbLength { .. }
-            | InstData::Call { .. }
-            | InstData::CallRuntime { .. }
-            | InstData::FrameBase { .. }
-            | InstData::Jump { .. }
-            | InstData::Branch { .. }
-            | InstData::Switch { .. }
-            | InstData::Return { .. } => false,
-        }
+        let mut uses = false;
+        function.insts[inst].for_each_address(|addr| uses |= addr.region == Region::Any);
+        uses
     })
 }
 

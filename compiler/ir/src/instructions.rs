@@ -375,12 +375,35 @@ impl InstData {
         }
     }
 
-    pub fn targets_mut(&mut self) -> Vec<&mut BlockCall> {
+    /// Calls `f` with each address that the instruction names; `Copy` has two.
+    pub fn for_each_address(&self, mut f: impl FnMut(&Address)) {
         match self {
-            InstData::Jump { target } => vec![target],
-            InstData::Branch { then_to, else_to, .. } => vec![then_to, else_to],
-            InstData::Switch { targets, default, .. } => targets.iter_mut().chain([default]).collect(),
-            _ => Vec::new(),
+            InstData::Load { addr }
+            | InstData::Store { addr, .. }
+            | InstData::LoadBit { addr, .. }
+            | InstData::StoreBit { addr, .. }
+            | InstData::AddressOf { addr }
+            | InstData::Clear { addr, .. } => f(addr),
+            InstData::Copy { to, from, .. } => {
+                f(to);
+                f(from);
+            }
+            InstData::Const { .. }
+            | InstData::Unary { .. }
+            | InstData::Binary { .. }
+            | InstData::IntCompare { .. }
+            | InstData::FloatCompare { .. }
+            | InstData::Convert { .. }
+            | InstData::Select { .. }
+            | InstData::DbBase { .. }
+            | InstData::DbLength { .. }
+            | InstData::Call { .. }
+            | InstData::CallRuntime { .. }
+            | InstData::FrameBase { .. }
+            | InstData::Jump { .. }
+            | InstData::Branch { .. }
+            | InstData::Switch { .. }
+            | InstData::Return { .. } => {}
         }
     }
 }

@@ -33,8 +33,4 @@ impl Module {
     pub fn db(&self, number: u16) -> Option<&StaticDb> {
         self.dbs.binary_search_by_key(&number, |db| db.number).ok().map(|index| &self.dbs[index])
     }
-
-    pub fn function_named(&self, name: &str) -> Option<FuncId> {
-        self.functions.iter().find(|(_, function)| function.name == name).map(|(id, _)| id)
-    }
 }

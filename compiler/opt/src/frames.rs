@@ -49,39 +49,8 @@ fn facts_of(function: &Function) -> Facts {
                 InstData::FrameBase { .. } => facts.is_private = false,
                 _ => {}
             }
-            for_each_region(data, |region| facts.touches_caller |= region == Region::V);
+            data.for_each_address(|addr| facts.touches_caller |= addr.region == Region::V);
         }
     }
     facts
-}
-
-fn for_each_region(data: &InstData, mut f: impl FnMut(Region)) {
-    match data {
-        InstData::Load { addr }
-        | InstData::Store { addr, .. }
-        | InstData::LoadBit { addr, .. }
-        | InstData::StoreBit { addr, .. }
-        | InstData::AddressOf { addr }
-        | InstData::Clear { addr, .. } => f(addr.region),
-        InstData::Copy { to, from, .. } => {
-            f(to.region);
-            f(from.region);
-        }
-        InstData::Const { .. }
-        | InstData::Unary { .. }
-        | InstData::Binary { .. }
-        | InstData::IntCompare { .. }
-        | InstData::FloatCompare { .. }
-        | InstData::Convert { .. }
-        | InstData::Select { .. }
-        | InstData::DbBase { .. }
-        | InstData::DbLength { .. }
-        | InstData::Call { .. }
-        | InstData::CallRuntime { .. }
-        | InstData::FrameBase { .. }
-        | InstData::Jump { .. }
-        | InstData::Branch { .. }
-        | InstData::Switch { .. }
-        | InstData::Return { .. } => {}
-    }
 }

@@ -68,6 +68,23 @@ pub enum BlockPrefix {
     Vat,
 }
 
+impl BlockPrefix {
+    /// As written in the international mnemonics, `"FC"`.
+    pub const fn letters(self) -> &'static str {
+        match self {
+            BlockPrefix::Ob => "OB",
+            BlockPrefix::Fc => "FC",
+            BlockPrefix::Fb => "FB",
+            BlockPrefix::Sfc => "SFC",
+            BlockPrefix::Sfb => "SFB",
+            BlockPrefix::Db => "DB",
+            BlockPrefix::Di => "DI",
+            BlockPrefix::Udt => "UDT",
+            BlockPrefix::Vat => "VAT",
+        }
+    }
+}
+
 /// Title, attributes and author data of a block.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Header {
@@ -287,6 +304,22 @@ pub enum Area {
     Db,
     /// Open instance DB.
     Di,
+}
+
+impl Area {
+    /// As written in the international mnemonics, `"PI"`.
+    pub const fn letters(self) -> &'static str {
+        match self {
+            Area::I => "I",
+            Area::Q => "Q",
+            Area::M => "M",
+            Area::Pi => "PI",
+            Area::Pq => "PQ",
+            Area::L => "L",
+            Area::Db => "DB",
+            Area::Di => "DI",
+        }
+    }
 }
 
 /// Width of an access.

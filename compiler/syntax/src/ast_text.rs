@@ -221,23 +221,9 @@ impl Out {
     }
 }
 
-fn prefix(prefix: BlockPrefix) -> &'static str {
-    match prefix {
-        BlockPrefix::Ob => "OB",
-        BlockPrefix::Fc => "FC",
-        BlockPrefix::Fb => "FB",
-        BlockPrefix::Sfc => "SFC",
-        BlockPrefix::Sfb => "SFB",
-        BlockPrefix::Db => "DB",
-        BlockPrefix::Di => "DI",
-        BlockPrefix::Udt => "UDT",
-        BlockPrefix::Vat => "VAT",
-    }
-}
-
 fn block_name(name: &BlockName) -> String {
     match name {
-        BlockName::Numbered { prefix: letters, number, .. } => format!("{} {number}", prefix(*letters)),
+        BlockName::Numbered { prefix, number, .. } => format!("{} {number}", prefix.letters()),
         BlockName::Symbol { name, .. } => format!("{name:?}"),
     }
 }
@@ -322,16 +308,7 @@ fn path(path: &Path) -> String {
 }
 
 fn letters(area: Area, width: Width) -> String {
-    let name = match area {
-        Area::I => "I",
-        Area::Q => "Q",
-        Area::M => "M",
-        Area::Pi => "PI",
-        Area::Pq => "PQ",
-        Area::L => "L",
-        Area::Db => "DB",
-        Area::Di => "DI",
-    };
+    let name = area.letters();
     let width = match width {
         Width::Bit if matches!(area, Area::Db | Area::Di) => "X",
         Width::Bit => "",
@@ -374,7 +351,7 @@ fn operand(operand_node: &Operand) -> String {
         }
         OperandKind::CellIndirect { kind, pointer } => format!("{} [{}]", cell(*kind), operand(pointer)),
         OperandKind::BlockIndirect { prefix: letters, pointer } => {
-            format!("{} [{}]", prefix(*letters), operand(pointer))
+            format!("{} [{}]", letters.letters(), operand(pointer))
         }
         OperandKind::RegisterIndirect { area, width, register: base, offset } => {
             let letters = area.map_or_else(

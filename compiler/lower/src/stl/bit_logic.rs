@@ -148,12 +148,7 @@ impl Context<'_, '_> {
     /// Parentheses in code that cannot be reached: only their number counts.
     pub fn skip_nesting(&mut self, insn: StlInsn) {
         match insn {
-            StlInsn::AndNest
-            | StlInsn::AndNotNest
-            | StlInsn::OrNest
-            | StlInsn::OrNotNest
-            | StlInsn::XorNest
-            | StlInsn::XorNotNest => {
+            insn if insn.opens_nesting() => {
                 let nesting = self.new_nesting(insn);
                 self.nesting.push(nesting);
             }

@@ -108,12 +108,7 @@ impl Binder<'_> {
             }
             let StatementKind::Instruction { insn, .. } = &statement.kind else { continue };
             match insn {
-                StlInsn::AndNest
-                | StlInsn::AndNotNest
-                | StlInsn::OrNest
-                | StlInsn::OrNotNest
-                | StlInsn::XorNest
-                | StlInsn::XorNotNest => {
+                insn if insn.opens_nesting() => {
                     regions += 1;
                     open.push(regions);
                 }

@@ -430,16 +430,7 @@ impl<'a> Binder<'a> {
 
 /// An address as the runtime reads it: `Q4.0`, `MW20`.
 fn address_text(area: Area, width: Width, byte: u32, bit: u8) -> String {
-    let area = match area {
-        Area::I => "I",
-        Area::Q => "Q",
-        Area::M => "M",
-        Area::Pi => "PI",
-        Area::Pq => "PQ",
-        Area::L => "L",
-        Area::Db => "DB",
-        Area::Di => "DI",
-    };
+    let area = area.letters();
     match width {
         Width::Bit => format!("{area}{byte}.{bit}"),
         Width::Byte => format!("{area}B{byte}"),

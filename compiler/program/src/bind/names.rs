@@ -26,20 +26,6 @@ pub fn fold(name: &str) -> String {
     if name.is_ascii() { name.to_ascii_lowercase() } else { name.to_lowercase() }
 }
 
-pub const fn prefix_letters(prefix: BlockPrefix) -> &'static str {
-    match prefix {
-        BlockPrefix::Ob => "OB",
-        BlockPrefix::Fc => "FC",
-        BlockPrefix::Fb => "FB",
-        BlockPrefix::Sfc => "SFC",
-        BlockPrefix::Sfb => "SFB",
-        BlockPrefix::Db => "DB",
-        BlockPrefix::Di => "DI",
-        BlockPrefix::Udt => "UDT",
-        BlockPrefix::Vat => "VAT",
-    }
-}
-
 /// The block kind of code that `prefix` names.
 pub const fn code_kind(prefix: BlockPrefix) -> Option<BlockKind> {
     match prefix {
@@ -153,7 +139,7 @@ impl<'a> Binder<'a> {
                             Diagnostic::new(
                                 Code::AddressRange,
                                 *span,
-                                format!("{} {number} is no block number", prefix_letters(prefix)),
+                                format!("{} {number} is no block number", prefix.letters()),
                             )
                             .label(format!("numbers go up to {limit}"))
                             .help("take another number; DB 0 is reserved"),
@@ -173,9 +159,9 @@ impl<'a> Binder<'a> {
                             Diagnostic::new(
                                 Code::DuplicateName,
                                 *span,
-                                format!("`{name}` is no {} in the symbol table", prefix_letters(prefix)),
+                                format!("`{name}` is no {} in the symbol table", prefix.letters()),
                             )
-                            .label(format!("a {} by this name", prefix_letters(prefix)))
+                            .label(format!("a {} by this name", prefix.letters()))
                             .also(global.span, "the symbol"),
                         );
                     }
@@ -254,14 +240,10 @@ impl<'a> Binder<'a> {
         if let Some(first) = self.defined.insert((prefix, number), span) {
             self.defined.insert((prefix, number), first);
             self.report.push(
-                Diagnostic::new(
-                    Code::DuplicateBlock,
-                    span,
-                    format!("{} {number} is defined twice", prefix_letters(prefix)),
-                )
-                .label("the second definition")
-                .also(first, "the first definition")
-                .help("give one of them another number"),
+                Diagnostic::new(Code::DuplicateBlock, span, format!("{} {number} is defined twice", prefix.letters()))
+                    .label("the second definition")
+                    .also(first, "the first definition")
+                    .help("give one of them another number"),
             );
             return;
         }
@@ -290,7 +272,7 @@ impl<'a> Binder<'a> {
                         Diagnostic::new(
                             Code::AddressRange,
                             *span,
-                            format!("{} {number} is no block number", prefix_letters(*prefix)),
+                            format!("{} {number} is no block number", prefix.letters()),
                         )
                         .label("numbers go up to 65535"),
                     );

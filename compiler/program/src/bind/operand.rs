@@ -10,7 +10,7 @@ use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::{OperandClass, StlInsn};
 
 use super::declare::is_complex;
-use super::names::{code_kind, prefix_letters};
+use super::names::code_kind;
 use super::path::{Base, Resolved, Variable};
 use super::value;
 use super::{Binder, Ctx};
@@ -139,42 +139,17 @@ impl Binder<'_> {
     }
 
     fn without_operand(&mut self, class: OperandClass, mnemonic: Span) -> Option<Operand> {
-        match class {
-            OperandClass::None
-            | OperandClass::BitOrNone
-            | OperandClass::LoadAr1
-            | OperandClass::LoadAr2
-            | OperandClass::TransferAr1
-            | OperandClass::TransferAr2
-            | OperandClass::PointerOrNone
-            | OperandClass::WordConstOrNone
-            | OperandClass::DwordConstOrNone
-            | OperandClass::ShiftCount16
-            | OperandClass::ShiftCount32 => Some(Operand::None),
-            OperandClass::Bit
-            | OperandClass::BitWrite
-            | OperandClass::BitWriteOrCounter
-            | OperandClass::BitWriteOrCell
-            | OperandClass::LoadSource
-            | OperandClass::TransferTarget
-            | OperandClass::Timer
-            | OperandClass::Counter
-            | OperandClass::Cell
-            | OperandClass::Byte
-            | OperandClass::AddConstant
-            | OperandClass::Label
-            | OperandClass::Block
-            | OperandClass::DataBlock => {
-                let (does, help) = wanted(class);
-                let name = self.text(mnemonic);
-                self.report.push(
-                    Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{name}` {does} and needs an operand"))
-                        .label("the operand is missing")
-                        .help(help),
-                );
-                None
-            }
+        if class.may_be_missing() {
+            return Some(Operand::None);
         }
+        let (does, help) = wanted(class);
+        let name = self.text(mnemonic);
+        self.report.push(
+            Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{name}` {does} and needs an operand"))
+                .label("the operand is missing")
+                .help(help),
+        );
+        None
     }
 
     /// Reports an operand that does not fit its instruction.
@@ -198,7 +173,7 @@ impl Binder<'_> {
             ),
             Settled::Cell { kind: CellKind::Timer, .. } => (Code::OperandKind, "is a timer".to_string()),
             Settled::Cell { kind: CellKind::Counter, .. } => (Code::OperandKind, "is a counter".to_string()),
-            Settled::Block { prefix, .. } => (Code::OperandKind, format!("is a block ({})", prefix_letters(*prefix))),
+            Settled::Block { prefix, .. } => (Code::OperandKind, format!("is a block ({})", prefix.letters())),
             Settled::Literal(literal) => (Code::OperandKind, format!("is {}", value::literal_kind(literal))),
             Settled::Pointer(_) | Settled::ParameterPointer(_) => (Code::OperandKind, "is a pointer".to_string()),
             Settled::Status(_) => (Code::OperandKind, "is a status bit".to_string()),

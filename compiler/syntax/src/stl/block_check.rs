@@ -25,12 +25,7 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
         let StatementKind::Instruction { insn, mnemonic_span, .. } = &statement.kind else { continue };
         let span = *mnemonic_span;
         match insn {
-            StlInsn::AndNest
-            | StlInsn::AndNotNest
-            | StlInsn::OrNest
-            | StlInsn::OrNotNest
-            | StlInsn::XorNest
-            | StlInsn::XorNotNest => {
+            insn if insn.opens_nesting() => {
                 open.push(span);
                 if open.len() == NESTING_DEPTH_MAX + 1 {
                     diagnostics.push(

@@ -15,7 +15,7 @@ pub fn operand(text: &str, insn: StlInsn, mnemonic: Span, operand: Option<&Opera
     let class = insn.operand();
     let written = text[mnemonic.range()].to_owned();
     let Some(operand) = operand else {
-        return (!may_be_missing(class)).then(|| {
+        return (!class.may_be_missing()).then(|| {
             Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{written}` has no operand"))
                 .label("an operand is missing behind this")
                 .help(format!("`{written}` takes {}", operand_phrase(class)))
@@ -102,23 +102,6 @@ pub fn address(text: &str, span: Span, width: Width, byte: u32, bit: u8) -> Opti
                 .help(format!("remove `.{bit}`, or name the bit without the letter of the width")),
         ),
     }
-}
-
-fn may_be_missing(class: OperandClass) -> bool {
-    matches!(
-        class,
-        OperandClass::None
-            | OperandClass::BitOrNone
-            | OperandClass::LoadAr1
-            | OperandClass::LoadAr2
-            | OperandClass::TransferAr1
-            | OperandClass::TransferAr2
-            | OperandClass::PointerOrNone
-            | OperandClass::WordConstOrNone
-            | OperandClass::DwordConstOrNone
-            | OperandClass::ShiftCount16
-            | OperandClass::ShiftCount32
-    )
 }
 
 /// What an operand is, as far as its form tells.

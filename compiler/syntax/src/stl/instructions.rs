@@ -60,6 +60,39 @@ pub enum OperandClass {
     DataBlock,
 }
 
+impl OperandClass {
+    /// True if the instruction can stand without an operand.
+    pub const fn may_be_missing(self) -> bool {
+        match self {
+            OperandClass::None
+            | OperandClass::BitOrNone
+            | OperandClass::LoadAr1
+            | OperandClass::LoadAr2
+            | OperandClass::TransferAr1
+            | OperandClass::TransferAr2
+            | OperandClass::PointerOrNone
+            | OperandClass::WordConstOrNone
+            | OperandClass::DwordConstOrNone
+            | OperandClass::ShiftCount16
+            | OperandClass::ShiftCount32 => true,
+            OperandClass::Bit
+            | OperandClass::BitWrite
+            | OperandClass::BitWriteOrCounter
+            | OperandClass::BitWriteOrCell
+            | OperandClass::LoadSource
+            | OperandClass::TransferTarget
+            | OperandClass::Timer
+            | OperandClass::Counter
+            | OperandClass::Cell
+            | OperandClass::Byte
+            | OperandClass::AddConstant
+            | OperandClass::Label
+            | OperandClass::Block
+            | OperandClass::DataBlock => false,
+        }
+    }
+}
+
 macro_rules! stl_instructions {
     ($( $(#[doc = $doc:literal])* $variant:ident { en: $en:literal, de: $de:literal, operand: $operand:ident, status: $status:literal } )*) => {
         /// An instruction of STL.
@@ -83,6 +116,19 @@ macro_rules! stl_instructions {
 
             pub const fn operand(self) -> OperandClass {
                 match self { $(StlInsn::$variant => OperandClass::$operand),* }
+            }
+
+            /// True for `A( AN( O( ON( X( XN(`.
+            pub const fn opens_nesting(self) -> bool {
+                matches!(
+                    self,
+                    StlInsn::AndNest
+                        | StlInsn::AndNotNest
+                        | StlInsn::OrNest
+                        | StlInsn::OrNotNest
+                        | StlInsn::XorNest
+                        | StlInsn::XorNotNest
+                )
             }
 
             /// Effect on BR CC1 CC0 OV OS OR STA RLO /FC; see the module comment.

@@ -226,22 +226,8 @@ impl<'a> Layout<'a> {
 
     /// Operand tokens up to the end of the statement.
     fn operands(&mut self, class: OperandClass) {
-        let required = !matches!(
-            class,
-            OperandClass::None
-                | OperandClass::BitOrNone
-                | OperandClass::LoadAr1
-                | OperandClass::LoadAr2
-                | OperandClass::TransferAr1
-                | OperandClass::TransferAr2
-                | OperandClass::PointerOrNone
-                | OperandClass::WordConstOrNone
-                | OperandClass::DwordConstOrNone
-                | OperandClass::ShiftCount16
-                | OperandClass::ShiftCount32
-                // Taken already, so that a line which begins with `+ 5` is a statement of its own.
-                | OperandClass::Label
-        );
+        // A label is taken already, so that a line which begins with `+ 5` is a statement of its own.
+        let required = class != OperandClass::Label && !class.may_be_missing();
         let first = self.out.len();
         let mut open_brackets = 0usize;
         while let Some(token) = self.peek() {
