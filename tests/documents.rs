@@ -1,4 +1,5 @@
-//! Documents that must agree with the code: generated references, pages of diagnostics, links, one test file an instruction.
+//! Documents that must agree with the code: generated references, pages of diagnostics, decisions, links; one test file an instruction,
+//! and a pair of them a diagnostic code.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -44,12 +45,68 @@ fn snake_case(row: &str) -> String {
     name
 }
 
+/// Codes that no STL file alone can show; the examples on their pages are the tests.
+const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
+    (Code::SymbolTable, "needs a symbol table"),
+    (Code::Project, "needs a plc.toml"),
+    (Code::UnknownCpu, "needs a plc.toml or `--cpu`"),
+    (Code::Unreadable, "needs a file that cannot be read"),
+    (Code::AssertionNotReached, "comes when a test has run"),
+];
+
+#[test]
+fn every_code_has_a_failing_and_a_passing_file() {
+    let check_files = files(&tests_folder().join("check"), "stl");
+    let names: Vec<String> =
+        check_files.iter().map(|path| path.file_stem().unwrap().to_string_lossy().into()).collect();
+    let has_pair = |code: Code| {
+        names.iter().any(|name| {
+            name.starts_with(&format!("{}-", code.name()))
+                && !name.ends_with("-ok")
+                && names.contains(&format!("{name}-ok"))
+        })
+    };
+    for &code in Code::ALL {
+        let reason = WITHOUT_CHECK_FILE.iter().find(|(other, _)| *other == code).map(|(_, reason)| reason);
+        match reason {
+            None => assert!(has_pair(code), "tests/check has no {0}-NAME.stl with its {0}-NAME-ok.stl", code.name()),
+            Some(reason) => assert!(!has_pair(code), "{} has a pair of files, although it {reason}", code.name()),
+        }
+    }
+}
+
+#[test]
+fn decisions_are_numbered_and_name_tests_that_exist() {
+    for (index, path) in files(&root().join("docs/decisions"), "md").iter().enumerate() {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let text = fs::read_to_string(path).unwrap();
+        assert!(name.starts_with(&format!("{:04}-", index + 1)), "{name}: the next number is {}", index + 1);
+        assert!(text.starts_with(&format!("# {}. ", index + 1)), "{name}: the heading has another number");
+        let tests = text.split_once("**Tests.**").unwrap_or_else(|| panic!("{name} names no tests")).1;
+        let patterns: Vec<&str> = tests.split('`').skip(1).step_by(2).collect();
+        assert!(!patterns.is_empty(), "{name} names no tests");
+        for pattern in patterns {
+            assert!(names_a_file(pattern), "{name}: there is no {pattern}");
+        }
+    }
+}
+
+/// True if a file has the path `pattern`, seen from the workspace; one `*` in its name stands for anything.
+fn names_a_file(pattern: &str) -> bool {
+    let path = root().join(pattern);
+    let name = path.file_name().unwrap().to_string_lossy().into_owned();
+    let Some((begin, end)) = name.split_once('*') else { return path.is_file() };
+    let entries = fs::read_dir(path.parent().unwrap()).into_iter().flatten().flatten();
+    entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .any(|file| file.len() >= begin.len() + end.len() && file.starts_with(begin) && file.ends_with(end))
+}
+
 #[test]
 fn links_in_documents_lead_somewhere() {
-    let mut documents = files(&root().join("docs"), "md");
-    documents.extend(
-        ["README.md", "CONTRIBUTING.md"].map(|name| root().join(name)).into_iter().filter(|path| path.is_file()),
-    );
+    let folders = ["docs", "samples", "stdlib", "tests"].map(|folder| files(&root().join(folder), "md"));
+    let mut documents = folders.concat();
+    documents.push(root().join("README.md"));
     let mut broken = Vec::new();
     for document in &documents {
         let text = fs::read_to_string(document).unwrap();

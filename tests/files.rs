@@ -2,7 +2,7 @@
 //!
 //! | Folder | A test | Beside it |
 //! | --- | --- | --- |
-//! | `run/` | STL with assertions, in all forms at -O0 and -O2 | `x.scenario.toml` |
+//! | `run/` | STL with assertions, in all forms at -O0 and -O2; the verifier passes the IR behind each pass | `x.scenario.toml` |
 //! | `check/` | STL with caret lines | |
 //! | `parse/` | STL | `x.ast`, and `x.tokens` if it is there |
 //! | `ir/` | IR that prints as it stands | |
@@ -69,8 +69,34 @@ fn run_trials(paths: &[PathBuf], trials: &mut Vec<Trial>) {
 }
 
 fn run_group(paths: &[PathBuf]) -> Result<(), String> {
+    paths.iter().try_for_each(|path| verify_passes(path))?;
     let inputs: Vec<TestInput> = paths.iter().cloned().map(TestInput::File).collect();
     all_passed(&testing::run(&inputs, &plan(all_variants())))
+}
+
+/// The verifier passes the IR of the program behind lowering and behind each pass.
+fn verify_passes(path: &Path) -> Result<(), String> {
+    let settings = Settings { pragmas: true, require_main: true, ..Settings::default() };
+    let bound = pipeline::front(inputs::read(&[path.to_path_buf()]), &settings);
+    if bound.has_errors() {
+        return Ok(());
+    }
+    let mut module = pipeline::lower(&bound, Level::O0).module;
+    let mut failure = verified(&module).err().map(|error| ("lowering", error));
+    plcc_opt::optimize_with(&mut module, &mut |pass, module| {
+        if failure.is_none() {
+            failure = verified(module).err().map(|error| (pass, error));
+        }
+    });
+    match failure {
+        Some((stage, error)) => Err(format!("{}: behind {stage}: {error}\n", shown(path))),
+        None => Ok(()),
+    }
+}
+
+/// Errors: the first thing that the verifier says.
+fn verified(module: &plcc_ir::Module) -> Result<(), String> {
+    plcc_ir::verify::verify(module).map_err(|errors| errors[0].to_string())
 }
 
 /// Errors: everything that failed, with the messages of the compiler.

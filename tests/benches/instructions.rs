@@ -1,7 +1,7 @@
 //! Cost of the instruction classes: time and machine code of one instruction, in JIT code at -O2.
 //!
 //! Each kernel is a short sequence, repeated in OB 1; the same OB without it is subtracted. `cargo bench` prints a table, then the
-//! distribution of each kernel's run.
+//! distribution of each kernel's run. How to read it: docs/benchmarks.md.
 
 use std::rc::Rc;
 use std::time::Instant;
@@ -15,21 +15,24 @@ use plcc_driver::inputs::Read;
 use plcc_driver::pipeline::{self, Compiled, Settings};
 use plcc_runtime::{Code, TestOptions, functions};
 
-/// Name, instructions. Operands change from one repetition to the next: `{b}` is a byte address, `{x}` a bit.
+/// Name, instructions. Operands change from one repetition to the next: `{b}` is the address of a word, `{d}` of a double word,
+/// `{x}` a bit, `{n}` the number of the repetition.
 const KERNELS: &[(&str, &[&str])] = &[
     ("bit logic", &["A I {b}.{x}", "AN M {b}.{x}", "O M {b}.1", "= Q {b}.{x}"]),
     ("set and reset", &["A I {b}.{x}", "S M {b}.{x}", "AN I {b}.{x}", "R M {b}.{x}"]),
     ("edges", &["A I {b}.{x}", "FP M {b}.{x}", "= Q {b}.{x}"]),
     ("load and transfer", &["L MW {b}", "T QW {b}"]),
-    ("load and transfer in a DB", &["L DB1.DBW {b}", "T DB1.DBD {b}"]),
+    ("load and transfer in a DB", &["L DB1.DBW {b}", "T DB2.DBW {b}"]),
     ("16-bit arithmetic", &["L MW {b}", "L IW {b}", "+I", "T QW {b}"]),
-    ("32-bit arithmetic", &["L MD {b}", "L ID {b}", "*D", "T QD {b}"]),
-    ("REAL arithmetic", &["L MD {b}", "L ID {b}", "+R", "T QD {b}"]),
+    ("32-bit arithmetic", &["L MD {d}", "L ID {d}", "*D", "T QD {d}"]),
+    ("REAL arithmetic", &["L MD {d}", "L ID {d}", "+R", "T QD {d}"]),
     ("comparison", &["L MW {b}", "L IW {b}", ">I", "= Q {b}.{x}"]),
     ("word logic", &["L MW {b}", "L IW {b}", "XOW", "T QW {b}"]),
     ("shift", &["L MW {b}", "SLW 3", "T QW {b}"]),
-    ("conversion", &["L MW {b}", "ITD", "DTR", "T QD {b}"]),
-    ("memory-indirect", &["L P#{b}.0", "T MD 4000", "L MW [MD 4000]", "T QW {b}"]),
+    ("conversion", &["L MW {b}", "ITD", "DTR", "T QD {d}"]),
+    ("memory-indirect", &["L MW [MD {d}]", "T QW {b}"]),
+    ("register-indirect", &["LAR1 MD {d}", "L MW [AR1, P#{b}.0]", "T QW {b}"]),
+    ("jump", &["A I {b}.{x}", "JC m{n}", "L MW {b}", "T QW {b}", "m{n}: NOP 0"]),
     ("timer", &["A I {b}.{x}", "L S5T#1S", "SD T {b}", "A T {b}", "= Q {b}.{x}"]),
     ("counter", &["A I {b}.{x}", "CU C {b}", "L C {b}", "T QW {b}"]),
     ("block call", &["CALL FC 1 (a := MW {b}, b := QW {b});"]),
@@ -39,10 +42,19 @@ const KERNELS: &[(&str, &[&str])] = &[
 const REPETITIONS: usize = 250;
 
 /// Cycles of one run: enough that making the CPU does not count.
-const CYCLES: u64 = 2000;
+const CYCLES: u64 = 4000;
+
+/// Runs that a row of the table is the median of.
+const RUNS: usize = 21;
 
 const BLOCKS: &str = "
 DATA_BLOCK DB 1
+STRUCT
+  r : ARRAY [0 .. 599] OF BYTE;
+END_STRUCT;
+BEGIN
+END_DATA_BLOCK
+DATA_BLOCK DB 2
 STRUCT
   r : ARRAY [0 .. 599] OF BYTE;
 END_STRUCT;
@@ -66,7 +78,9 @@ fn compile(kernel: &[&str], repetitions: usize) -> Compiled {
     let mut source = format!("{BLOCKS}ORGANIZATION_BLOCK OB 1\nBEGIN\n");
     for index in 0..repetitions {
         for line in kernel {
-            let line = line.replace("{b}", &(2 * index).to_string()).replace("{x}", &(index % 8).to_string());
+            let places = [("{b}", 2 * index), ("{d}", 1000 + 4 * index), ("{x}", index % 8), ("{n}", index)];
+            let line =
+                places.iter().fold(line.to_string(), |line, (mark, number)| line.replace(mark, &number.to_string()));
             source.push_str(&format!("      {line}\n"));
         }
     }
@@ -89,27 +103,30 @@ fn run(compiled: &Compiled, code: &Rc<dyn Code>) {
     assert_eq!(report.stopped, None);
 }
 
-/// Shortest time of a few runs, in nanoseconds.
-fn nanoseconds(compiled: &Compiled) -> f64 {
+/// Shortest and median time of a run, in nanoseconds.
+fn nanoseconds(compiled: &Compiled) -> [f64; 2] {
     let code = code::jit(compiled).expect("the kernels compile");
-    let times = (0..9).map(|_| {
+    let mut times = [0.0; RUNS];
+    for time in &mut times {
         let start = Instant::now();
         run(compiled, &code);
-        start.elapsed().as_nanos() as f64
-    });
-    times.fold(f64::INFINITY, f64::min)
+        *time = start.elapsed().as_nanos() as f64;
+    }
+    times.sort_by(f64::total_cmp);
+    [times[0], times[RUNS / 2]]
 }
 
 fn print_table() {
     let empty = compile(&[], 0);
-    let (empty_bytes, empty_time) = (code_bytes(&empty), nanoseconds(&empty));
-    println!("{:<28}{:>16}{:>20}", "class", "ns/instruction", "bytes/instruction");
+    let (empty_bytes, empty_times) = (code_bytes(&empty), nanoseconds(&empty));
+    println!("{:<28}{:>12}{:>12}{:>20}", "class", "fastest ns", "median ns", "bytes/instruction");
     for (name, kernel) in KERNELS {
         let compiled = compile(kernel, REPETITIONS);
         let instructions = (kernel.len() * REPETITIONS) as f64;
-        let time = (nanoseconds(&compiled) - empty_time).max(0.0) / instructions / CYCLES as f64;
+        let times = nanoseconds(&compiled);
+        let [fastest, median] = [0, 1].map(|at| (times[at] - empty_times[at]) / instructions / CYCLES as f64);
         let bytes = code_bytes(&compiled).saturating_sub(empty_bytes) as f64 / instructions;
-        println!("{name:<28}{time:>16.2}{bytes:>20.1}");
+        println!("{name:<28}{fastest:>12.2}{median:>12.2}{bytes:>20.1}");
     }
     println!();
 }
@@ -122,10 +139,11 @@ fn main() {
     divan::main();
 }
 
-#[divan::bench(args = 0..KERNELS.len())]
-fn kernel(bencher: divan::Bencher, index: usize) {
-    let compiled = compile(KERNELS[index].1, REPETITIONS);
+#[divan::bench(args = KERNELS.iter().map(|(name, _)| *name), sample_count = 20, sample_size = 1)]
+fn kernel(bencher: divan::Bencher, name: &str) {
+    let (_, lines) = KERNELS.iter().find(|(other, _)| *other == name).expect("the argument comes from the table");
+    let compiled = compile(lines, REPETITIONS);
     let code = code::jit(&compiled).expect("the kernels compile");
-    let instructions = KERNELS[index].1.len() * REPETITIONS * CYCLES as usize;
+    let instructions = lines.len() * REPETITIONS * CYCLES as usize;
     bencher.counter(ItemsCount::new(instructions)).bench_local(|| run(&compiled, &code));
 }

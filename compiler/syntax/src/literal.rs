@@ -1,7 +1,7 @@
 //! Constants as values, the same for every language.
 //!
 //! [`parse`] reads a constant as STEP 7 writes it; the text comes from a lexer, without sign unless the constant has one inside.
-//! Source: spec sections B.1 to B.4.
+//! Source: Programming with STEP 7, data types.
 
 mod number;
 mod pointer;
@@ -146,7 +146,7 @@ mod tests {
         assert_eq!(parse(text).map_err(|error| error.code), Err(code), "{text}");
     }
 
-    /// Source: spec B.3.
+    /// Source: Programming with STEP 7, format of S5TIME.
     #[test]
     fn s5time_takes_the_finest_base_and_cuts_off() {
         check("S5T#2M_3S_400MS", Literal::S5Time(0x2123));
@@ -162,7 +162,7 @@ mod tests {
         refuse("S5T#-1S", Code::LiteralRange);
     }
 
-    /// Source: spec B.1, B.4.
+    /// Source: Programming with STEP 7, data types.
     #[test]
     fn dates_and_times() {
         check("D#1990-1-1", Literal::Date(0));
@@ -174,7 +174,7 @@ mod tests {
         refuse("T#1S_1H", Code::BadLiteral);
     }
 
-    /// Source: spec B.4.
+    /// Source: Programming with STEP 7, data types.
     #[test]
     fn pointers() {
         check("P#10.3", Literal::Pointer(0x53));

@@ -33,7 +33,7 @@ pub fn byte_to_int(byte: u8) -> Option<u8> {
     (high <= 9 && low <= 9).then_some(high * 10 + low)
 }
 
-/// Nanoseconds of time base 0..=3 of an S5TIME: 10 ms, 100 ms, 1 s, 10 s. Source: spec B.3.
+/// Nanoseconds of time base 0..=3 of an S5TIME: 10 ms, 100 ms, 1 s, 10 s. Source: Programming with STEP 7, format of S5TIME.
 pub const fn s5_base_ns(base: u8) -> u64 {
     [10_000_000, 100_000_000, 1_000_000_000, 10_000_000_000][(base & 3) as usize]
 }

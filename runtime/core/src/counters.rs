@@ -1,4 +1,4 @@
-//! Counters. Source: spec D.12.
+//! Counters. Source: Statement List (STL), chapter 4 (counters).
 
 use plcc_abi::layout::{self, COUNTER_CELL_BYTES, TIMERS_MAX};
 

@@ -1,4 +1,4 @@
-//! Startup and the cycle. Source: spec F.1, F.2.
+//! Startup and the cycle. Source: Programming with STEP 7, operating modes and the cycle.
 //!
 //! Startup OB, then again and again: inputs are set, process image of inputs, interrupts, OB 1, outputs, time passes.
 //!

@@ -31,7 +31,7 @@ pub fn moment(datetime: DateTime) -> i64 {
     i64::try_from(timestamp).unwrap_or(0)
 }
 
-/// The eight bytes of a DATE_AND_TIME. Source: spec B.4.
+/// The eight bytes of a DATE_AND_TIME. Source: Programming with STEP 7, format of DATE_AND_TIME.
 pub fn encode(moment: i64) -> [u8; 8] {
     let at = civil(moment);
     let two = |value: i64| bcd::from_int(value.unsigned_abs() as u32, 2) as u8;
@@ -84,7 +84,7 @@ pub enum Period {
 }
 
 impl Period {
-    /// Source: spec F.4, OB 10.
+    /// Source: System and standard functions, OB 10.
     pub fn from_code(code: u16) -> Option<Period> {
         Some(match code {
             0x0000 => Period::Once,

@@ -1,7 +1,7 @@
 //! Diagnostic buffer: what happened to the CPU, newest entry last here and first in print.
 //!
 //! Entries are plain numbers in a ring made before the first cycle; words are found when it is printed.
-//! Source of the event texts: spec F.5, F.6.
+//! Source of the event texts: event list of the CPUs.
 
 use std::cell::{Cell, RefCell};
 

@@ -1,4 +1,6 @@
-//! Events that start organization blocks, with their start information. Source: spec F.3, F.4.
+//! Events that start organization blocks, with their start information.
+//!
+//! Source: System and standard functions, organization blocks.
 
 use plcc_abi::image::{Family, Profile};
 
@@ -116,7 +118,9 @@ const fn field(name: &'static str, offset: usize, bytes: usize) -> Field {
 /// Fields of all start information.
 const COMMON: &[Field] = &[field("EV_CLASS", 0, 1), field("RESERVED_1", 4, 1), field("RESERVED_2", 5, 1)];
 
-/// Fields by OB range. Source: spec F.4.
+/// Fields by OB range.
+///
+/// Source: System and standard functions, organization blocks.
 const FIELDS: &[(std::ops::RangeInclusive<u16>, &[Field])] = &[
     (
         10..=17,

@@ -1,4 +1,6 @@
-//! Faults: synchronous errors, asynchronous errors, STOP. Source: spec F.3, F.5, F.6.
+//! Faults: synchronous errors, asynchronous errors, STOP.
+//!
+//! Source: System and standard functions, OB 121, OB 122.
 
 use plcc_abi::codes::{stop, sync};
 use plcc_abi::image::{BlockKind, Family};
@@ -15,7 +17,9 @@ pub(crate) const TIME_ERROR_HANG: u32 = 3;
 /// Mask bits of SFC 36-38 for programming errors and access errors that exist.
 pub(crate) const MASKABLE: [u32; 2] = [0xF43F_03FE, 0x0000_0018];
 
-/// The bit of a synchronous error in the masks, with 0 for programming and 1 for access errors. Source: spec F.6.
+/// The bit of a synchronous error in the masks, with 0 for programming and 1 for access errors.
+///
+/// Source: System and standard functions, SFC 36.
 fn mask_bit(code: u8) -> Option<(usize, u32)> {
     let bit = match code {
         0x21..=0x29 => code - 0x20,

@@ -2,7 +2,7 @@
 //!
 //! Each function is computed in `f64` and rounded once, which is within 1 ulp of the correctly rounded single result
 //! (for sine, cosine and tangent of any finite argument too, as `f64` reduces it exactly). A result that is NaN is always
-//! 16#FFFF_FFFF. Source: spec D.6.
+//! 16#FFFF_FFFF. Source: Statement List (STL), chapter 8 (floating-point math).
 
 /// The bit pattern of every NaN that an instruction produces.
 pub const NAN_BITS: u32 = 0xFFFF_FFFF;

@@ -1,4 +1,4 @@
-//! Scenarios: what happens to a program from outside, and what is expected of it. TOML, see DESIGN.md.
+//! Scenarios: what happens to a program from outside, and what is expected of it. TOML, see docs/testing.md.
 
 use std::collections::BTreeMap;
 use std::io::Write;

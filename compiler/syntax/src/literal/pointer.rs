@@ -2,7 +2,7 @@
 
 use super::{Literal, LiteralError, pointer_bits};
 
-/// Data types that an ANY pointer names, with their codes. Source: spec B.4.
+/// Data types that an ANY pointer names, with their codes. Source: Programming with STEP 7, format of POINTER and ANY.
 pub const ANY_TYPES: &[(&str, u8)] = &[
     ("VOID", 0x00),
     ("NIL", 0x00),
@@ -30,7 +30,7 @@ pub const ANY_TYPES: &[(&str, u8)] = &[
     ("TIMER", 0x1D),
 ];
 
-/// Area letters of pointers in both mnemonic sets, with area codes. Source: spec B.4.
+/// Area letters of pointers in both mnemonic sets, with area codes. Source: Programming with STEP 7, format of POINTER and ANY.
 const AREAS: &[(&str, u8)] = &[
     ("P", 0x80),
     ("I", 0x81),

@@ -11,7 +11,7 @@ const DT_FORM: &str = "write date and time: `DT#2000-6-20-5:45:00.5`";
 /// `S5T#2s`: the finest time base that holds the value; digits below it are cut off.
 ///
 /// Bits 13-12: time base (10 ms, 100 ms, 1 s, 10 s); bits 11-0: three BCD digits.
-/// Source: spec B.3.
+/// Source: Programming with STEP 7, format of S5TIME.
 pub fn s5time(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let ms = milliseconds(text, value, S5TIME_FORM)?;
     if value.starts_with('-') || ms > 9_990_000 {
@@ -54,7 +54,7 @@ pub fn time_of_day(text: &str, value: &str) -> Result<Literal, LiteralError> {
 
 /// `DT#1991-2-3-4:5:6.789`: eight BCD bytes, the last digit the weekday from 1 = Sunday.
 ///
-/// Source: spec B.4.
+/// Source: Programming with STEP 7, format of DATE_AND_TIME.
 pub fn date_and_time(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let malformed = || bad(text, DT_FORM);
     let (date, time) = value.rsplit_once('-').ok_or_else(malformed)?;

@@ -5,7 +5,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use crate::ast::{CodeBlock, Statement, StatementKind};
 use crate::stl::StlInsn;
 
-/// Entries of the nesting stack. Source: spec D.1, note 7.
+/// Entries of the nesting stack. Source: Statement List (STL), chapter 1 (bit logic), nesting.
 const NESTING_DEPTH_MAX: usize = 7;
 
 /// Reports what is wrong in the order of statements.

@@ -1,4 +1,6 @@
-//! ANY parameters: from ten bytes to a range of memory, with the checks of the CPU. Source: spec B.4, E.6.
+//! ANY parameters: from ten bytes to a range of memory, with the checks of the CPU.
+//!
+//! Source: Programming with STEP 7, format of ANY.
 
 use plcc_abi::layout::{self, area, state};
 

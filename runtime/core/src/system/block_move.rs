@@ -1,4 +1,6 @@
-//! SFC 20 BLKMOV, SFC 21 FILL, SFC 81 UBLKMOV. Source: spec G.1.
+//! SFC 20 BLKMOV, SFC 21 FILL, SFC 81 UBLKMOV.
+//!
+//! Source: System and standard functions, SFC 20, 21, 81.
 
 use plcc_abi::image::Family;
 

@@ -1,4 +1,6 @@
-//! SFC 14 DPRD_DAT, SFC 15 DPWR_DAT: consistent data of a DP slave. Source: spec G.1.
+//! SFC 14 DPRD_DAT, SFC 15 DPWR_DAT: consistent data of a DP slave.
+//!
+//! Source: System and standard functions, SFC 14, 15.
 //!
 //! LADDR is the first peripheral byte, RECORD an ANY of type BYTE. 8090 no module, 8092 type, 80B1 length.
 

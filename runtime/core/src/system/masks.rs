@@ -1,4 +1,6 @@
-//! Masking synchronous errors: SFC 36 MSK_FLT, SFC 37 DMSK_FLT, SFC 38 READ_ERR. Source: spec F.6, G.1.
+//! Masking synchronous errors: SFC 36 MSK_FLT, SFC 37 DMSK_FLT, SFC 38 READ_ERR.
+//!
+//! Source: System and standard functions, SFC 36 to 38.
 //!
 //! Masks hold in the running priority class until its OB ends. All three take a mask of programming errors and one of
 //! access errors, and give two back.

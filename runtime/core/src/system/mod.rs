@@ -1,8 +1,10 @@
 //! System functions (SFC).
 //!
 //! One table: number, name, parameters in the order of declaration, function. A call finds the parameters in memory as a
-//! structure by the layout rules (spec B.5) in the order IN, OUT with RET_VAL first, IN_OUT; so the offsets follow from
-//! the row. RET_VAL with bit 15 set is an error and gives BR 0. Source of the rows: spec G.1, E.6.
+//! structure by the layout rules of a STRUCT in the order IN, OUT with RET_VAL first, IN_OUT; so the offsets follow from
+//! the row. RET_VAL with bit 15 set is an error and gives BR 0.
+//!
+//! Source: System and standard functions, parameter tables.
 
 mod any;
 mod block_move;

@@ -1,4 +1,6 @@
-//! SFC 79 SET, SFC 80 RSET: N consecutive output bits, in the peripheral area and its process image. Source: spec G.1.
+//! SFC 79 SET, SFC 80 RSET: N consecutive output bits, in the peripheral area and its process image.
+//!
+//! Source: System and standard functions, SFC 79, 80.
 
 use plcc_abi::layout::{self, area};
 

@@ -34,7 +34,7 @@ impl Kind {
     }
 }
 
-/// Offset of parameter `index`: bytes anywhere, all else at even bytes. Source: spec B.5.
+/// Offset of parameter `index`: bytes anywhere, all else at even bytes. Source: Programming with STEP 7, layout of a STRUCT.
 pub(super) fn offset(kinds: &[Kind], index: usize) -> u32 {
     let even = |kind: Kind, at: u32| if kind.bytes() == 1 { at } else { at + at % 2 };
     let mut at = 0;

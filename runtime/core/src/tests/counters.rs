@@ -1,4 +1,4 @@
-//! Counters, spec D.12.
+//! Counters, Statement List (STL), chapter 4.
 
 use plcc_abi::layout;
 

@@ -1,4 +1,4 @@
-//! S5 timers, row by row of spec D.11, in virtual time.
+//! S5 timers, instruction by instruction, in virtual time.
 
 use plcc_abi::functions::TimerMode;
 use plcc_abi::layout;

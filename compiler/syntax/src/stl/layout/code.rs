@@ -1,7 +1,7 @@
 //! Layout of code: where statements begin and end, labels, mnemonics, calls, networks.
 //!
 //! A line end ends a statement unless the statement cannot be complete or the next line begins with `(`; `;` always ends it.
-//! Source: spec A.1, Decision.
+//! Source: docs/decisions/0001-both-statement-forms.md.
 
 use plcc_diag::{Code, Diagnostic};
 
