@@ -4,11 +4,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use plcc_diag::Code;
+use plcc_diag::{Code, SourceFile, SourceMap};
 use plcc_driver::cli::Level;
 use plcc_driver::inputs::{self, TestInput};
 use plcc_driver::pipeline::{self, Settings};
 use plcc_driver::testing::{self, Form, Variant};
+use plcc_syntax::ParseOptions;
+use plcc_syntax::ast::Block;
 use plcc_syntax::stl::StlInsn;
 use plcc_tests::{expect_file, files, plan, root, shown, tests_folder};
 
@@ -73,6 +75,27 @@ fn every_code_has_a_failing_and_a_passing_file() {
             Some(reason) => assert!(!has_pair(code), "{} has a pair of files, although it {reason}", code.name()),
         }
     }
+}
+
+#[test]
+fn the_runtime_has_the_system_functions_that_the_library_declares() {
+    let declared: Vec<(u16, &str, usize)> = plcc_stdlib::blocks()
+        .iter()
+        .filter(|block| !block.sfb && block.form == plcc_stdlib::Form::Runtime)
+        .map(|block| (block.number, block.name, parameters_of(block.source)))
+        .collect();
+    assert_eq!(declared, plcc_runtime::system::table().collect::<Vec<_>>());
+}
+
+/// Parameters that the source of one function declares, RET_VAL included.
+fn parameters_of(source: &str) -> usize {
+    let mut sources = SourceMap::default();
+    let file = sources.add(SourceFile::new("sfc.stl", source));
+    let (unit, messages) = plcc_syntax::parse(file, source, &ParseOptions::default());
+    assert!(messages.is_empty(), "{messages:?}");
+    let [Block::Code(block)] = unit.blocks.as_slice() else { panic!("one block: {source}") };
+    let variables = block.sections.iter().map(|section| section.variables.len()).sum::<usize>();
+    variables + usize::from(block.return_type.is_some())
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! SSA IR to machine code, in an object file or in memory; the only crate that names Cranelift.
 //!
-//! - [`isa`](mod@isa): the target and its settings.
-//! - [`abi`]: how functions of a module call each other and the runtime.
-//! - [`lower`]: one function of the IR to CLIF, with [`memory`] for accesses to PLC memory, [`bits`] for i1 values and
-//!   [`rounding`] for floats.
-//! - [`compile`]: all functions of a module to bytes, on several threads.
-//! - [`object`], [`jit`], [`text`]: what is made of the bytes.
-//! - [`lines`]: DWARF line tables of an object file.
+//! - `isa`: the target and its settings.
+//! - `abi`: how functions of a module call each other and the runtime.
+//! - `lower`: one function of the IR to CLIF, with `memory` for accesses to PLC memory, `bits` for i1 values and
+//!   `rounding` for floats.
+//! - `compile`: all functions of a module to bytes, on several threads.
+//! - `object`, `jit`, `text`: what is made of the bytes.
+//! - `lines`: DWARF line tables of an object file.
 //!
 //! **Invariant**: one lowering serves all outputs, and it knows no source language.
 

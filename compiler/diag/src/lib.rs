@@ -1,6 +1,6 @@
 //! Source files, spans, diagnostic codes and their drawing; knows no language.
 //!
-//! [`drawing`] shows messages to people, [`json`] and [`sarif`] to tools, [`reference`] is the page of all codes.
+//! [`drawing`] shows messages to people, [`json`] and [`sarif`] to tools, [`reference`](mod@reference) is the page of all codes.
 
 mod codes;
 mod diagnostic;

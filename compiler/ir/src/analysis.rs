@@ -48,6 +48,7 @@ impl ControlFlow {
         ControlFlow { rpo, position, successors, predecessors }
     }
 
+    /// True if a path leads from the entry to `block`.
     pub fn is_reachable(&self, block: Block) -> bool {
         self.position[block] != UNREACHABLE
     }

@@ -103,6 +103,7 @@ impl FunctionBuilder {
 
     // Blocks.
 
+    /// A block without instructions; nothing jumps to it until it is a target.
     pub fn create_block(&mut self) -> Block {
         let block = self.function.add_block();
         self.states.push(BlockState::default());
@@ -152,16 +153,19 @@ impl FunctionBuilder {
 
     // Variables.
 
+    /// A variable of the source program; the builder turns its definitions and uses into SSA values.
     pub fn declare_var(&mut self, ty: Type) -> Var {
         self.vars.push(ty)
     }
 
+    /// `var` has `value` from here on, in the current block.
     pub fn def_var(&mut self, var: Var, value: Value) {
         let block = self.block.expect("a variable is written inside a block");
         assert_eq!(self.vars[var], self.function.ty(value), "type of {var}");
         self.write_var(var, block, value);
     }
 
+    /// The value of `var` here; where several definitions meet, a block parameter.
     pub fn use_var(&mut self, var: Var) -> Value {
         let block = self.block.expect("a variable is read inside a block");
         self.read_var(var, block)
@@ -559,10 +563,12 @@ impl FunctionBuilder {
         self.push(InstData::StoreBit { addr, bit, value }, &[]);
     }
 
+    /// Reads the field of the CPU state at offset `field`, an i32.
     pub fn load_state(&mut self, field: u32) -> Value {
         self.load(Type::I32, Address::direct(Region::State, field))
     }
 
+    /// Writes the field of the CPU state at offset `field`.
     pub fn store_state(&mut self, field: u32, value: Value) {
         self.store(Address::direct(Region::State, field), value);
     }
@@ -572,26 +578,31 @@ impl FunctionBuilder {
         self.push_value(InstData::AddressOf { addr }, Type::I32)
     }
 
+    /// Sets `len` bytes to 0.
     pub fn clear(&mut self, addr: Address, len: u32) {
         if len > 0 {
             self.push(InstData::Clear { addr, len }, &[]);
         }
     }
 
+    /// Copies `len` bytes; the ranges may overlap.
     pub fn copy(&mut self, to: Address, from: Address, len: u32) {
         if len > 0 {
             self.push(InstData::Copy { to, from, len }, &[]);
         }
     }
 
+    /// See [`InstData::DbBase`].
     pub fn db_base(&mut self, number: Value) -> Value {
         self.push_value(InstData::DbBase { number }, Type::I32)
     }
 
+    /// See [`InstData::DbLength`].
     pub fn db_length(&mut self, number: Value) -> Value {
         self.push_value(InstData::DbLength { number }, Type::I32)
     }
 
+    /// See [`InstData::FrameBase`].
     pub fn frame_base(&mut self, callee: bool) -> Value {
         self.push_value(InstData::FrameBase { callee }, Type::I32)
     }

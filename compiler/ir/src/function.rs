@@ -65,6 +65,7 @@ impl Function {
         }
     }
 
+    /// The first block of the layout.
     pub fn entry(&self) -> Block {
         self.layout[0]
     }
@@ -167,6 +168,7 @@ impl Function {
         }
     }
 
+    /// The last instruction of `block`, if it ends the block.
     pub fn terminator(&self, block: Block) -> Option<Inst> {
         self.blocks[block].insts.last().copied().filter(|&inst| self.insts[inst].is_terminator())
     }

@@ -30,6 +30,7 @@ pub struct Module {
 }
 
 impl Module {
+    /// The DB `number`, if the module knows its address.
     pub fn db(&self, number: u16) -> Option<&StaticDb> {
         self.dbs.binary_search_by_key(&number, |db| db.number).ok().map(|index| &self.dbs[index])
     }

@@ -1,6 +1,6 @@
 //! Lowers the bound program to the SSA IR; the place where PLC semantics are written.
 //!
-//! - [`plan`](mod@plan) settles what blocks must know of each other: addresses of DBs, functions, depth of calls.
+//! - `plan` settles what blocks must know of each other: addresses of DBs, functions, depth of calls.
 //! - `context` holds the state of one block while it is lowered: the virtual CPU's registers as SSA variables.
 //! - `place` turns addresses into checked memory accesses, `fault` builds the cold paths.
 //! - `call` hands parameters over; `stl` has one function a family of instructions.

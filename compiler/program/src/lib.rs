@@ -1,4 +1,10 @@
 //! Symbols, data types, block interfaces and checks; gives the bound program.
+//!
+//! - [`symbols`]: symbol tables; [`profile`]: the CPUs and their limits.
+//! - [`types`], [`layout`]: data types and where their components lie.
+//! - [`bind()`] settles every name, type and address; [`model`] is what it gives.
+//!
+//! **Invariant**: what binds without errors lowers without errors.
 
 mod bind;
 pub mod layout;

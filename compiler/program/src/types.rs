@@ -35,6 +35,7 @@ impl Elementary {
         Elementary::TimeOfDay,
     ];
 
+    /// Size in bits; 1 for BOOL.
     pub const fn bits(self) -> u32 {
         match self {
             Elementary::Bool => 1,

@@ -18,6 +18,7 @@ pub struct SourceUnit {
     pub pragmas: Vec<Pragma>,
 }
 
+/// A block of a source.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Block {
     Code(CodeBlock),
@@ -105,6 +106,7 @@ pub struct Header {
     pub non_retain: bool,
 }
 
+/// OB, FC, FB, SFC or SFB.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CodeBlock {
     pub kind: CodeKind,
@@ -117,6 +119,7 @@ pub struct CodeBlock {
     pub span: Span,
 }
 
+/// `DATA_BLOCK … END_DATA_BLOCK`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataBlock {
     pub name: BlockName,
@@ -145,6 +148,7 @@ pub struct ValueAssignment {
     pub span: Span,
 }
 
+/// `TYPE … END_TYPE`: a UDT.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TypeBlock {
     pub name: BlockName,
@@ -163,6 +167,7 @@ pub enum SectionKind {
     Temp,
 }
 
+/// `VAR_INPUT … END_VAR` and its kin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
     pub kind: SectionKind,
@@ -183,12 +188,14 @@ pub struct Variable {
     pub comment: Option<String>,
 }
 
+/// A data type as written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TypeRef {
     pub kind: TypeKind,
     pub span: Span,
 }
 
+/// Forms of data types.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TypeKind {
     /// A type name that is a word: `INT`, `Date_And_Time`, `ANY`, `TIMER`, `BLOCK_DB`, `TON`; upper case.
@@ -212,12 +219,14 @@ pub enum Bound {
     Name(String, Span),
 }
 
+/// A value behind `:=` in a declaration or behind `BEGIN`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InitialValue {
     pub kind: InitialKind,
     pub span: Span,
 }
 
+/// Forms of initial values.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InitialKind {
     Literal(Literal),
@@ -238,6 +247,7 @@ pub struct Network {
     pub statements: Vec<Statement>,
 }
 
+/// A statement, with the label before it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statement {
     pub label: Option<Label>,
@@ -252,6 +262,7 @@ pub struct Label {
     pub span: Span,
 }
 
+/// Forms of statements.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StatementKind {
     /// A label alone, or `;`.
@@ -283,6 +294,7 @@ pub struct Parameter {
     pub actual: Option<Operand>,
 }
 
+/// What stands behind a mnemonic, or as actual parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Operand {
     pub kind: OperandKind,
@@ -388,6 +400,7 @@ pub enum SpecialRegister {
     DiNumber,
 }
 
+/// Forms of operands, before names are settled.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OperandKind {
     /// `I 0.0`, `MW 10`, `DBX 1.2`, `PIW 272`; `bit` only with width Bit.
@@ -457,6 +470,7 @@ pub struct Path {
     pub span: Span,
 }
 
+/// What a path begins with.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PathRoot {
     /// `#name` or a component in a DB's value part.
@@ -469,6 +483,7 @@ pub enum PathRoot {
     Block(BlockName),
 }
 
+/// A step into a structure or array.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PathPart {
     Member {
@@ -501,6 +516,7 @@ pub struct AssertPragma {
     pub right: AssertSide,
 }
 
+/// Comparison of an assertion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AssertOp {
     Eq,
@@ -511,6 +527,7 @@ pub enum AssertOp {
     Ge,
 }
 
+/// One side of an assertion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AssertSide {
     Operand(Operand),

@@ -1,4 +1,10 @@
 //! Lexers, parsers, syntax trees and instruction tables; knows no symbols.
+//!
+//! - [`ast`]: the syntax tree, [`ast_text`](fn@ast_text) prints it.
+//! - [`literal`]: constants, the same for every language.
+//! - [`stl`]: lexer, grammar and instruction table of STL for S7-300/400.
+//!
+//! **Invariant**: never fails; gives a tree and diagnostics.
 
 pub mod ast;
 mod ast_text;

@@ -52,6 +52,7 @@ impl Clock {
         self.wall_base.get().saturating_add(self.now() as i64)
     }
 
+    /// Sets the wall clock to `moment`; what is due by the other clock stays.
     pub fn set_wall(&self, moment: i64) {
         self.wall_base.set(moment.saturating_sub(self.now() as i64));
     }

@@ -7,7 +7,7 @@
 //! - [`system`]: system functions (SFC), one file a family.
 //! - [`io`]: the driver; [`address`], [`value`], [`scenario`], [`trace`], [`options`]: what a user says and sees.
 //! - [`guest`]: code that runs in the process of the compiler.
-//! - [`run`], [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
+//! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
 //! **Invariant**: the runtime knows no source language and never depends on the compiler.
 //! **Invariant**: no `&mut Cpu` exists; generated code and runtime enter each other at will, so all state is in cells.

@@ -62,6 +62,7 @@ impl Memory {
         unsafe { self.at(offset, N as u32).cast::<[u8; N]>().write_unaligned(bytes) }
     }
 
+    /// The byte at `offset` from the memory base.
     pub fn byte(&self, offset: u32) -> u8 {
         self.bytes::<1>(offset)[0]
     }
@@ -70,6 +71,7 @@ impl Memory {
         self.set_bytes(offset, [value]);
     }
 
+    /// The big-endian word at `offset`.
     pub fn word(&self, offset: u32) -> u16 {
         u16::from_be_bytes(self.bytes(offset))
     }
@@ -78,6 +80,7 @@ impl Memory {
         self.set_bytes(offset, value.to_be_bytes());
     }
 
+    /// The big-endian double word at `offset`.
     pub fn dword(&self, offset: u32) -> u32 {
         u32::from_be_bytes(self.bytes(offset))
     }
@@ -86,6 +89,7 @@ impl Memory {
         self.set_bytes(offset, value.to_be_bytes());
     }
 
+    /// Bit 0..8 of the byte at `offset`.
     pub fn bit(&self, offset: u32, bit: u8) -> bool {
         self.byte(offset) >> (bit & 7) & 1 != 0
     }
@@ -105,6 +109,7 @@ impl Memory {
         self.set_bytes(offset, value.to_ne_bytes());
     }
 
+    /// A field of the CPU state, in host order.
     pub fn host64(&self, offset: u32) -> u64 {
         u64::from_ne_bytes(self.bytes(offset))
     }
@@ -157,6 +162,7 @@ impl Memory {
         unsafe { AtomicU32::from_ptr(self.base.add(state::ATTENTION as usize).cast()) }
     }
 
+    /// The next safepoint calls the runtime.
     pub fn raise_attention(&self) {
         self.attention().store(1, Ordering::Relaxed);
     }
@@ -167,6 +173,7 @@ impl Memory {
         (self.host32(entry), self.host32(entry + 4))
     }
 
+    /// Enters DB `number` in the table; length 0: not loaded.
     pub fn set_db(&self, number: u16, address: u32, length: u32) {
         let entry = layout::db_table_entry(number);
         self.set_host32(entry, address);

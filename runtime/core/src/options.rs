@@ -17,13 +17,13 @@ pub enum ClockKind {
 /// Runtime flags.
 #[derive(Args, Clone, Debug, Default)]
 pub struct RunOptions {
-    /// End after N cycles of OB 1; without it run until STOP, SIGINT or SIGTERM
+    /// End after N cycles of OB 1; if left out run until STOP, SIGINT or SIGTERM
     #[arg(long, value_name = "N")]
     pub cycles: Option<u64>,
     /// Clock of the program
     #[arg(long, value_enum, default_value_t)]
     pub clock: ClockKind,
-    /// Time from one cycle start to the next (0: back to back), e.g. 10ms
+    /// Time from one cycle start to the next; 10ms if left out, 0: back to back
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub cycle_time: Option<Duration>,
     /// Set a value from before the startup OB, e.g. I0.0=1; several by commas or by repeating
@@ -35,13 +35,13 @@ pub struct RunOptions {
     /// Print the values as JSON
     #[arg(long)]
     pub json: bool,
-    /// Play a scenario (TOML)
+    /// Play a scenario, a TOML file (docs/testing.md)
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<PathBuf>,
     /// Record values after each cycle to FILE.vcd or FILE.csv
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// What to record; default: the values of --print and all symbols, without both Q0.0 to Q3.7
+    /// What to record; if left out the values of --print and all symbols, Q0.0 to Q3.7 if there are none
     #[arg(long, value_name = "ADDR,...")]
     pub trace_signals: Vec<String>,
     /// Print the diagnostic buffer at the end, newest entry first
@@ -50,7 +50,7 @@ pub struct RunOptions {
     /// Print nothing but the values of --print and faults
     #[arg(long)]
     pub quiet: bool,
-    /// Host time that a cycle may take under the virtual clock
+    /// Host time that a cycle may take under the virtual clock; 10s if left out
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub hang_limit: Option<Duration>,
 }
@@ -58,6 +58,12 @@ pub struct RunOptions {
 /// A time span in nanoseconds, as given to a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duration(pub u64);
+
+/// `--cycle-time`, if left out.
+pub const CYCLE_TIME_DEFAULT: Duration = Duration(10_000_000);
+
+/// `--hang-limit`, if left out.
+pub const HANG_LIMIT_DEFAULT: Duration = Duration(10_000_000_000);
 
 /// Parses `10ms`, `1.5s`, `500us`, `2m`, `0`. `Err`: what is wrong.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {

@@ -8,12 +8,12 @@ use std::sync::{Arc, OnceLock};
 use plcc_abi::ProgramImage;
 
 use crate::address::{self, Address};
-use crate::clock::{Clock, NS_PER_MS};
+use crate::clock::Clock;
 use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::{Observer, Pace};
 use crate::io::Simulated;
-use crate::options::{ClockKind, RunOptions, split_list};
+use crate::options::{CYCLE_TIME_DEFAULT, ClockKind, HANG_LIMIT_DEFAULT, RunOptions, split_list};
 use crate::scenario::{Player, Scenario};
 use crate::trace::{self, Recorder};
 use crate::{diagnostics, report, value};
@@ -95,8 +95,8 @@ pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 
     watch_signals();
     let pace = Pace {
         cycles: options.cycles,
-        cycle_time: options.cycle_time.map_or(10 * NS_PER_MS, |time| time.0),
-        hang_limit: options.hang_limit.map_or(10_000 * NS_PER_MS, |time| time.0),
+        cycle_time: options.cycle_time.unwrap_or(CYCLE_TIME_DEFAULT).0,
+        hang_limit: options.hang_limit.unwrap_or(HANG_LIMIT_DEFAULT).0,
     };
     let cycles = cpu.execute(&pace, &mut session);
     finish(&cpu, options, &printed, session, cycles)

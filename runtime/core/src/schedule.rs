@@ -1,8 +1,8 @@
 //! Interrupts: what falls due, what waits, and who may run now.
 //!
-//! Sources of interrupts (cyclic, delay, time of day, cycle monitor) each know their next due time. [`Cpu::poll`] turns
-//! what is due into events, [`Cpu::dispatch`] runs waiting events whose priority is above the running one, the highest
-//! first and first come first served among equals. Under the virtual clock only [`Cpu::advance`] moves time, and it
+//! Sources of interrupts (cyclic, delay, time of day, cycle monitor) each know their next due time. `Cpu::poll` turns
+//! what is due into events, `Cpu::dispatch` runs waiting events whose priority is above the running one, the highest
+//! first and first come first served among equals. Under the virtual clock only `Cpu::advance` moves time, and it
 //! stops at every due time; so the number of safepoints in the code changes nothing.
 
 use std::cell::{Cell, RefCell};

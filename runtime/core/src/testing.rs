@@ -8,11 +8,12 @@ use plcc_abi::ProgramImage;
 use plcc_abi::image::{AssertEntry, AssertOp};
 use serde::{Deserialize, Serialize};
 
-use crate::clock::{Clock, NS_PER_MS};
+use crate::clock::Clock;
 use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Pace;
 use crate::io::Simulated;
+use crate::options::{CYCLE_TIME_DEFAULT, HANG_LIMIT_DEFAULT};
 use crate::scenario::{Player, Scenario};
 
 /// Cycles that a program which stops itself may take.
@@ -148,14 +149,15 @@ pub fn test(image: ProgramImage, code: Rc<dyn Code>, options: &TestOptions) -> T
             return report;
         }
     };
-    let cycle_time = options.cycle_time.unwrap_or(10 * NS_PER_MS);
+    let cycle_time = options.cycle_time.unwrap_or(CYCLE_TIME_DEFAULT.0);
     let until_stop = options.cycles.is_none() && cpu.image.stops_itself && scenario.entries.is_empty();
     let cycles = match options.cycles {
         Some(cycles) => cycles,
         None if until_stop => CYCLES_UNTIL_STOP_MAX,
         None => scenario.last_cycle(cycle_time).unwrap_or(1).max(1),
     };
-    let pace = Pace { cycles: Some(cycles), cycle_time, hang_limit: options.hang_limit.unwrap_or(10_000 * NS_PER_MS) };
+    let pace =
+        Pace { cycles: Some(cycles), cycle_time, hang_limit: options.hang_limit.unwrap_or(HANG_LIMIT_DEFAULT.0) };
     let mut player = match Player::new(scenario, &cpu) {
         Ok(player) => player,
         Err(message) => {

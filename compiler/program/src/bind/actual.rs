@@ -10,8 +10,8 @@ use plcc_syntax::literal::Literal;
 
 use super::declare::is_complex;
 use super::names::code_kind;
-use super::operand::Settled;
 use super::path::{Base, Variable, type_of_width};
+use super::settle::Settled;
 use super::value::{self, Mismatch};
 use super::{Binder, Ctx};
 use crate::layout;

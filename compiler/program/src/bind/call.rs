@@ -9,8 +9,8 @@ use rustc_hash::FxHashMap;
 
 use super::declare::BoundInterface;
 use super::names::{code_kind, fold};
-use super::operand::Settled;
 use super::path::{Base, similar};
+use super::settle::Settled;
 use super::{Binder, Ctx};
 use crate::model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, Passing, Place};
 use crate::types::DataType;

@@ -20,6 +20,7 @@ mod operand;
 mod path;
 mod pragma;
 mod report;
+mod settle;
 mod value;
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, Pragma};
 use plcc_syntax::literal::Literal;
 
-use super::operand::Settled;
+use super::settle::Settled;
 use super::{Binder, Ctx};
 use crate::model::{Assert, AssertSide, Operand, StlStatementKind, TestSettings};
 use crate::profile;

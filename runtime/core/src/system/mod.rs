@@ -43,7 +43,6 @@ type Function = fn(&Call) -> Outcome;
 
 struct Row {
     number: u16,
-    #[allow(dead_code)] // for readers and tests
     name: &'static str,
     parameters: &'static [Kind],
     /// Index of RET_VAL in `parameters`.
@@ -103,6 +102,12 @@ system_functions! {
 fn row(number: u32) -> Option<&'static Row> {
     let number = u16::try_from(number).ok()?;
     TABLE.binary_search_by_key(&number, |row| row.number).ok().map(|index| &TABLE[index])
+}
+
+/// Number, standard name and number of parameters (RET_VAL included) of each system function: what the declarations of the
+/// standard library must agree with.
+pub fn table() -> impl Iterator<Item = (u16, &'static str, usize)> {
+    TABLE.iter().map(|row| (row.number, row.name, row.parameters.len()))
 }
 
 /// True for a system function that exists and may be called without parameters (`UC SFC 43`).
