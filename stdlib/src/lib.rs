@@ -19,7 +19,7 @@ pub enum Form {
     Source,
     /// In the runtime, under the block's number.
     Runtime,
-    /// Nowhere yet.
+    /// Nowhere: a program that uses it is told so.
     NotShipped,
 }
 

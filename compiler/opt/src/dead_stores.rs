@@ -275,16 +275,10 @@ fn local_data_read(function: &Function, id: FuncId, frames: &Frames) -> Option<E
 
 #[cfg(test)]
 mod tests {
-    use crate::tests::check_pass;
+    use crate::tests::check_body;
 
     fn check(body: &str, expected: &str) {
-        let around = |body: &str| {
-            format!(
-                "db 5 at 0x400000 length 20\nfunc @F -> i32 frame 16 {{\nb0(v0: i32, v1: i1):\n{body}\n}}\nfunc @G \
-                 {{\nb0:\nret\n}}\nfunc @H {{\nb0:\nv0 = load.i8 V 0\nret\n}}\n"
-            )
-        };
-        check_pass("dead-stores", &around(body), &around(expected));
+        check_body("dead-stores", body, expected);
     }
 
     #[test]

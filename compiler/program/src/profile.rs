@@ -53,7 +53,8 @@ const fn row(
 
 use Family::{S7200, S7300, S7400, S71200};
 
-/// Source: the generic profiles are design decisions; 313 from its technical data; the others are not checked yet.
+/// Source: the generic profiles are design decisions, 313 is from its technical data. The others are not `checked`: what exceeds one of
+/// their limits is a warning only.
 #[rustfmt::skip]
 const PROFILES: &[Row] = &[
     //  name            family  accus image     M     T     C      L     DB depth err checked

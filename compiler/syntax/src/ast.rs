@@ -1,4 +1,4 @@
-//! Syntax tree of block-framed sources (STL now; the frames, declarations and data blocks serve every textual language).
+//! Syntax tree of block-framed sources (the statements are those of STL; frames, declarations and data blocks serve every textual language).
 //!
 //! Names are kept as written; nothing is looked up here. What could not be parsed is left out or is an `Error` node,
 //! and a diagnostic tells of it.
