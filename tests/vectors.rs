@@ -1,4 +1,4 @@
-//! Recorded executions of STL instructions, `tests/vectors/stl300` (see the README there).
+//! Recorded executions of STL instructions, `../shared/vectors/stl300` beside the project (see the README there).
 //!
 //! Each batch is a program that leaves results in DB 1. The expected values become assertions at its end, so that all forms at
 //! both levels are compared with them, and with each other.
@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use libtest_mimic::{Arguments, Failed, Trial};
 use plcc_driver::inputs::TestInput;
 use plcc_driver::testing;
-use plcc_tests::{all_variants, plan, tests_folder};
+use plcc_tests::{all_variants, plan, root};
 use serde_json::Value;
 
 /// Programs of one trial.
@@ -19,7 +19,11 @@ const GROUP: usize = 24;
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    let folder = tests_folder().join("vectors/stl300");
+    let folder = root().join("../shared/vectors/stl300");
+    if !folder.is_dir() {
+        println!("skipped: the recorded vectors are not at {}", folder.display());
+        return ExitCode::SUCCESS;
+    }
     let mut programs = batch_programs(&folder.join("batches.jsonl"));
     programs.extend(error_programs(&folder.join("errors.jsonl")));
     let mut trials = Vec::new();
