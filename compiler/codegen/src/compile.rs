@@ -13,7 +13,7 @@ use cranelift_frontend::FunctionBuilderContext;
 use cranelift_module::{Module as CraneliftModule, ModuleReloc};
 use plcc_abi::RuntimeFn;
 use plcc_ir::entities::{Entity, EntityVec};
-use plcc_ir::{FuncId, Module};
+use plcc_ir::{Block, FuncId, Module};
 
 use crate::abi::{self, FunctionAbi};
 use crate::isa::{Placement, Tuning, isa};
@@ -23,6 +23,9 @@ use crate::{CodegenError, CodegenOptions, rounding};
 /// Functions with more instructions than this get quick register allocation: the better one takes quadratic time (about a
 /// second for this many).
 const LARGE_INSTRUCTIONS: usize = 50_000;
+
+/// Functions with more jumps back than this are not optimised by Cranelift, whose time grows with the depth of loops.
+const JUMPS_BACK_MAX: usize = 200;
 
 /// Stack of a compiling thread, only touched as far as needed.
 const STACK_BYTES: usize = 64 << 20;
@@ -45,7 +48,9 @@ pub struct Compiler<'m> {
     pub module: &'m Module,
     pub abis: EntityVec<FuncId, FunctionAbi>,
     pub isa: OwnedTargetIsa,
-    quick_isa: OwnedTargetIsa,
+    large_isa: OwnedTargetIsa,
+    tangled_isa: OwnedTargetIsa,
+    large_tangled_isa: OwnedTargetIsa,
     placement: Placement,
 }
 
@@ -55,9 +60,11 @@ impl<'m> Compiler<'m> {
         placement: Placement,
         options: &CodegenOptions,
     ) -> Result<Compiler<'m>, CodegenError> {
-        let target = isa(placement, options, Tuning::Asked)?;
-        let abis = abi::module_abi(module, &*target)?;
-        Ok(Compiler { module, abis, isa: target, quick_isa: isa(placement, options, Tuning::Quick)?, placement })
+        let target = |large, tangled| isa(placement, options, Tuning { large, tangled });
+        let isa = target(false, false)?;
+        let abis = abi::module_abi(module, &*isa)?;
+        let (large_isa, tangled_isa, large_tangled_isa) = (target(true, false)?, target(false, true)?, target(true, true)?);
+        Ok(Compiler { module, abis, isa, large_isa, tangled_isa, large_tangled_isa, placement })
     }
 
     /// Tells `output` the functions of the module and the runtime, so that their numbers there are those that lowering uses.
@@ -139,7 +146,12 @@ impl Worker<'_, '_> {
         let compiler = self.compiler;
         let function = &compiler.module.functions[id];
         let large = function.insts.len() > LARGE_INSTRUCTIONS;
-        let isa = if large { &*compiler.quick_isa } else { &*compiler.isa };
+        let isa = match (large, jumps_back(function) > JUMPS_BACK_MAX) {
+            (false, false) => &*compiler.isa,
+            (true, false) => &*compiler.large_isa,
+            (false, true) => &*compiler.tangled_isa,
+            (true, true) => &*compiler.large_tangled_isa,
+        };
         self.context.clear();
         self.context.func = lower::lower(&compiler.target(isa), id, &mut self.builder)?;
         self.context.set_disasm(self.want_text);
@@ -168,6 +180,18 @@ impl Worker<'_, '_> {
             callees: self.context.func.params.user_named_funcs().values().map(|name| name.index).collect(),
         })
     }
+}
+
+/// Number of jumps to a block that does not stand behind the jump.
+fn jumps_back(function: &plcc_ir::Function) -> usize {
+    let mut position = vec![usize::MAX; function.blocks.len()];
+    for (at, block) in function.layout.iter().enumerate() {
+        position[block.index()] = at;
+    }
+    let is_back = |at: usize, target: Block| position[target.index()] <= at;
+    let targets = |&block: &Block| function.successors(block);
+    let jumps = function.layout.iter().enumerate();
+    jumps.map(|(at, block)| targets(block).into_iter().filter(|&target| is_back(at, target)).count()).sum()
 }
 
 /// Linker symbol of a function of the module.

@@ -14,24 +14,23 @@ pub enum Placement {
     Memory,
 }
 
-/// Register allocation of [`Tuning::Quick`] is linear in the size of a function.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tuning {
-    /// As the options say.
-    Asked,
-    /// For functions so large that good register allocation would take too long.
-    Quick,
+/// What a function needs beside the options.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tuning {
+    /// So large that good register allocation would take too long: it is done in one pass.
+    pub large: bool,
+    /// So many jumps back that Cranelift's optimisation would take too long: it walks the loops around each value, and labels
+    /// that are jumped back to from everywhere nest them by the hundred.
+    pub tangled: bool,
 }
 
 /// The code generator of this computer's architecture.
 pub fn isa(placement: Placement, options: &CodegenOptions, tuning: Tuning) -> Result<OwnedTargetIsa, CodegenError> {
     let mut flags = settings::builder();
-    let regalloc = match tuning {
-        Tuning::Asked => "backtracking",
-        Tuning::Quick => "single_pass",
-    };
+    let regalloc = if tuning.large { "single_pass" } else { "backtracking" };
+    let optimize = options.optimize && !tuning.tangled;
     let settings = [
-        ("opt_level", if options.optimize { "speed" } else { "none" }),
+        ("opt_level", if optimize { "speed" } else { "none" }),
         ("regalloc_algorithm", regalloc),
         ("is_pic", if placement == Placement::Object { "true" } else { "false" }),
         ("enable_verifier", if options.verify { "true" } else { "false" }),

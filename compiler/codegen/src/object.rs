@@ -58,7 +58,7 @@ pub fn compile_object_as(
 
 /// The object file that makes one executable of the programs which export under `prefixes`; see the module comment.
 pub fn directory_object(prefixes: &[&str]) -> Result<Vec<u8>, CodegenError> {
-    let target = isa(Placement::Object, &CodegenOptions::default(), Tuning::Asked)?;
+    let target = isa(Placement::Object, &CodegenOptions::default(), Tuning::default())?;
     let builder = ObjectBuilder::new(target, "plcc", cranelift_module::default_libcall_names()).map_err(output)?;
     let mut object = ObjectModule::new(builder);
     let mut directory = described(vec![0; POINTER_BYTES * SUFFIXES.len() * prefixes.len()]);

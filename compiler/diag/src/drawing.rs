@@ -2,6 +2,8 @@
 //!
 //! The first line of each message begins with `error[CODE]:` or `warning[CODE]:`; no other line begins with `error`.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::ops::Range;
 
 use codespan_reporting::diagnostic as drawn;
@@ -117,13 +119,17 @@ pub(crate) fn one_line(text: &str) -> String {
 /// All symbols that nothing defines, as one list: what to look for in the symbol table that is missing.
 fn missing_symbols(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
     let mut symbols: Vec<(String, u32, String)> = Vec::new();
+    let mut known: HashMap<String, usize> = HashMap::new();
     for diagnostic in diagnostics.iter().filter(|d| d.code == Code::UnknownSymbol) {
         let span = diagnostic.primary.span;
         let file = sources.file(span.file);
         let name = one_line(file.text.get(span.range()).unwrap_or_default());
-        match symbols.iter_mut().find(|(known, ..)| known.eq_ignore_ascii_case(&name)) {
-            Some((_, count, _)) => *count += 1,
-            None => symbols.push((name, 1, format!("{}:{}", file.name, file.line(span.start)))),
+        match known.entry(name.to_ascii_lowercase()) {
+            Entry::Occupied(entry) => symbols[*entry.get()].1 += 1,
+            Entry::Vacant(entry) => {
+                entry.insert(symbols.len());
+                symbols.push((name, 1, format!("{}:{}", file.name, file.line(span.start))));
+            }
         }
     }
     if symbols.len() < 2 {

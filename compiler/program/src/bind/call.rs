@@ -179,11 +179,13 @@ impl Binder<'_> {
         let mut empty: Vec<usize> = Vec::new();
         let mut arguments = Vec::with_capacity(call.parameters.len());
         let mut good = true;
+        // Parameters that are given under a misspelt name: that they are missing is told already.
+        let mut misspelt: Vec<String> = Vec::new();
         for given in &call.parameters {
             let folded = fold(&given.name);
             let Some(index) = parameters.iter().position(|parameter| fold(&parameter.name) == folded) else {
                 good = false;
-                self.unknown_parameter(key, bound, given);
+                misspelt.extend(self.unknown_parameter(key, bound, given));
                 continue;
             };
             if let Some(first) = seen.insert(index, given.name_span) {
@@ -214,6 +216,7 @@ impl Binder<'_> {
                 .enumerate()
                 .filter(|(index, _)| !seen.contains_key(index) || empty.contains(index))
                 .map(|(_, parameter)| parameter.name.as_str())
+                .filter(|name| !misspelt.iter().any(|other| other == name))
                 .collect();
             if !missing.is_empty() {
                 good = false;
@@ -231,7 +234,8 @@ impl Binder<'_> {
         good.then_some(arguments)
     }
 
-    fn unknown_parameter(&mut self, key: BlockKey, bound: &BoundInterface, given: &ast::Parameter) {
+    /// Reports a parameter that the block does not have; gives the one that may be meant.
+    fn unknown_parameter(&mut self, key: BlockKey, bound: &BoundInterface, given: &ast::Parameter) -> Option<String> {
         let names = || bound.interface.parameters.iter().map(|parameter| parameter.name.as_str());
         let message = Diagnostic::new(
             Code::UnknownParameter,
@@ -240,7 +244,8 @@ impl Binder<'_> {
         )
         .label("no such parameter");
         let is_static = bound.locals.contains_key(&fold(&given.name));
-        self.report.push(match similar(&given.name, names()) {
+        let meant = similar(&given.name, names()).filter(|_| !is_static);
+        self.report.push(match meant {
             _ if is_static => message.help("it is static or temporary data of the block, which a call cannot supply"),
             Some(other) => message.help(format!("is `{other}` meant?")),
             None => {
@@ -251,6 +256,7 @@ impl Binder<'_> {
                 }
             }
         });
+        meant.map(str::to_owned)
     }
 
     /// Outputs that lie over other actuals of the call give values that depend on the order of copying.

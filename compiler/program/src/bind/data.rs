@@ -190,20 +190,24 @@ impl Binder<'_> {
         for call in calls {
             let Some(instance) = &call.instance else { continue };
             let Some((BlockPrefix::Db, number)) = self.named_number(instance) else { continue };
-            let kind = match self.named_number(&call.target) {
-                Some((BlockPrefix::Fb, _)) => BlockKind::Fb,
-                Some((BlockPrefix::Sfb, _)) => BlockKind::Sfb,
-                _ => continue,
-            };
             if number == 0 || self.data.contains_key(&number) || self.dbs.contains_key(&number) {
                 continue;
             }
-            let Some((_, fb)) = self.named_number(&call.target) else { continue };
+            let (kind, fb) = match self.named_number(&call.target) {
+                Some((BlockPrefix::Fb, fb)) => (BlockKind::Fb, fb),
+                Some((BlockPrefix::Sfb, fb)) => (BlockKind::Sfb, fb),
+                Some(_) => continue,
+                None => {
+                    self.unknown_instances.insert(number);
+                    continue;
+                }
+            };
             let key = BlockKey { kind, number: fb };
             let known = kind == BlockKind::Sfb || self.code.contains_key(&key);
             let Some(typed) =
                 known.then(|| self.interface(key, call.target.span)).flatten().and_then(|bound| bound.instance.clone())
             else {
+                self.unknown_instances.insert(number);
                 continue;
             };
             if !self.fits_with_others(typed.ty.bytes, instance.span) {

@@ -158,6 +158,8 @@ struct Binder<'a> {
     cells_told: FxHashSet<(CellKind, u32)>,
     /// Pointer parameters of instances: whether some call supplies them, and a call that does not.
     pointers: FxHashMap<(call::InstanceId, usize), call::PointerUse>,
+    /// Data blocks that calls name as instances of blocks that are not defined: nothing is known of them.
+    unknown_instances: FxHashSet<u16>,
 }
 
 /// What binding a block needs to know about it.
@@ -194,6 +196,7 @@ impl<'a> Binder<'a> {
             limits_told: FxHashSet::default(),
             cells_told: FxHashSet::default(),
             pointers: FxHashMap::default(),
+            unknown_instances: FxHashSet::default(),
         }
     }
 

@@ -68,6 +68,16 @@ pub fn elementary(word: &str) -> Option<Elementary> {
     }
 }
 
+/// The name in STEP 7 of a timer's data type of newer tools.
+fn classic_name(name: &str) -> &str {
+    match name.to_ascii_uppercase().as_str() {
+        "TP_TIME" => "TP",
+        "TON_TIME" => "TON",
+        "TOF_TIME" => "TOF",
+        _ => name,
+    }
+}
+
 /// Letters, number and name of a block of the sources.
 fn frame(block: &ast::Block) -> (BlockPrefix, &BlockName) {
     match block {
@@ -317,7 +327,7 @@ impl<'a> Binder<'a> {
         if let Some(global) = self.globals.get(&fold(name)) {
             return Some(global.target);
         }
-        let block = plcc_stdlib::find_name(name.trim())?;
+        let block = plcc_stdlib::find_name(classic_name(name.trim()))?;
         let prefix = if block.sfb { BlockPrefix::Sfb } else { BlockPrefix::Sfc };
         Some(SymbolTarget::Block { prefix, number: u32::from(block.number) })
     }

@@ -348,6 +348,220 @@ impl Binder<'_> {
         }
         Some(Operand::Block { kind, number })
     }
+
+    /// Notes the use of a DB by number; a DB that is not there is a warning.
+    pub fn use_db(&mut self, number: u16, span: Span) {
+        let known = self.dbs.contains_key(&number)
+            || self.data.contains_key(&number)
+            || self.unknown_instances.contains(&number);
+        if number != 0 && !known {
+            self.report.missing_db(number, span);
+        }
+    }
+
+    /// Finds out what an operand is; `None` if a message was given or it cannot be known.
+    pub fn settle<'o>(&mut self, ctx: &mut Ctx, operand: &'o ast::Operand) -> Option<Settled<'o>> {
+        let span = operand.span;
+        match &operand.kind {
+            OperandKind::Absolute { area, width, byte, bit } => {
+                self.check_address(ctx, *area, *width, *byte, span)?;
+                let place = Base::of_area(*area).at(*byte, *bit);
+                Some(Settled::Memory { place, width: *width, ty: None })
+            }
+            OperandKind::Cell { kind, number } => {
+                let number = Number::Known(self.check_cell(*kind, *number, span)?);
+                Some(Settled::Cell { kind: *kind, number })
+            }
+            OperandKind::DbAbsolute { db, width, byte, bit } => self.db_absolute(ctx, db, *width, *byte, *bit, span),
+            OperandKind::MemoryIndirect { area, width, pointer } => {
+                let place = self.pointer_place(ctx, pointer, Width::Dword)?;
+                let place = Place::Indirect { area: *area, pointer: Box::new(place) };
+                Some(Settled::Memory { place, width: *width, ty: None })
+            }
+            OperandKind::CellIndirect { kind, pointer } => {
+                let place = self.pointer_place(ctx, pointer, Width::Word)?;
+                Some(Settled::Cell { kind: *kind, number: Number::Word(Box::new(place)) })
+            }
+            OperandKind::BlockIndirect { prefix, pointer } => {
+                let place = self.pointer_place(ctx, pointer, Width::Word)?;
+                Some(Settled::Block { prefix: *prefix, number: Number::Word(Box::new(place)) })
+            }
+            OperandKind::RegisterIndirect { area, width, register, offset } => {
+                if *offset > OFFSET_MAX {
+                    self.report.push(
+                        Diagnostic::new(Code::AddressRange, span, "this offset is too large")
+                            .label("P#0.0 to P#4095.7"),
+                    );
+                    return None;
+                }
+                let place = Place::Register { area: *area, register: *register, offset: *offset };
+                Some(Settled::Memory { place, width: *width, ty: None })
+            }
+            OperandKind::Block(name) => {
+                let (prefix, number) = self.block_number(name)?;
+                Some(Settled::Block { prefix, number: Number::Known(number) })
+            }
+            OperandKind::Path(path) => self.settle_path(ctx, path),
+            OperandKind::AddressOf(path) => self.address_of(ctx, path, span),
+            OperandKind::Literal(literal) => Some(Settled::Literal(literal)),
+            OperandKind::Status(status) => Some(Settled::Status(*status)),
+            OperandKind::Special(special) => Some(Settled::Special(*special)),
+            OperandKind::Register(register) => Some(Settled::Register(*register)),
+            OperandKind::Label(_) => Some(Settled::Label),
+            OperandKind::Error => None,
+        }
+    }
+
+    fn db_absolute(
+        &mut self,
+        ctx: &mut Ctx,
+        db: &BlockName,
+        width: Width,
+        byte: u32,
+        bit: u8,
+        span: Span,
+    ) -> Option<Settled<'static>> {
+        let (prefix, number) = self.block_number(db)?;
+        if prefix != BlockPrefix::Db {
+            self.report.push(
+                Diagnostic::new(Code::OperandKind, db.span(), "this is no data block")
+                    .label("a data block is wanted before the point"),
+            );
+            return None;
+        }
+        self.check_address(ctx, Area::Db, width, byte, span)?;
+        self.use_db(number, span);
+        if let Some(db) = self.dbs.get(&number) {
+            let length = db.block.data.len() as u32;
+            if byte + width.bytes() > length {
+                let defined = db.block.span;
+                self.report.push(
+                    Diagnostic::new(Code::DbRange, span, format!("this address is behind the end of DB {number}"))
+                        .label(format!("the data block has {length} bytes"))
+                        .also(defined, "the data block")
+                        .help("at run time this is an error (OB 121)"),
+                );
+            }
+        }
+        Some(Settled::Memory { place: Place::Db { number, byte, bit }, width, ty: None })
+    }
+
+    /// The word or double word in the brackets of an indirect address.
+    fn pointer_place(&mut self, ctx: &mut Ctx, pointer: &ast::Operand, width: Width) -> Option<Place> {
+        let settled = self.settle(ctx, pointer)?;
+        match settled {
+            Settled::Memory { place, width: found, .. } if found == width && holds_pointer(&place) => Some(place),
+            _ => {
+                let text = self.text(pointer.span);
+                let (what, example) = match width {
+                    Width::Dword => ("a double word", "`[MD 10]`"),
+                    Width::Bit | Width::Byte | Width::Word => ("a word", "`[MW 10]`"),
+                };
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, pointer.span, format!("`{text}` cannot hold this address"))
+                        .label(format!("{what} of M, L, DB or DI is wanted"))
+                        .help(format!("write for example {example}, or name such a variable")),
+                );
+                None
+            }
+        }
+    }
+
+    fn settle_path(&mut self, ctx: &mut Ctx, path: &Path) -> Option<Settled<'static>> {
+        match self.resolve(ctx, path)? {
+            Resolved::Cell { kind, number } => {
+                let number = Number::Known(self.check_cell(kind, number, path.span)?);
+                Some(Settled::Cell { kind, number })
+            }
+            Resolved::Block { prefix, number } => Some(Settled::Block { prefix, number: Number::Known(number) }),
+            Resolved::Variable(variable) => self.settle_variable(ctx, variable),
+        }
+    }
+
+    fn settle_variable(&mut self, ctx: &mut Ctx, variable: Variable) -> Option<Settled<'static>> {
+        let number = || match variable.base {
+            Base::Parameter(parameter) => Number::Parameter(parameter),
+            base => Number::Word(Box::new(base.at(variable.byte, variable.bit))),
+        };
+        Some(match &variable.ty {
+            DataType::Elementary(ty) => {
+                if variable.base == Base::L {
+                    ctx.local_bytes = ctx.local_bytes.max(variable.byte + ty.bits().div_ceil(8));
+                }
+                let ty = *ty;
+                let width = layout::width(ty);
+                Settled::Memory { place: variable.place(), width, ty: (!variable.untyped).then_some(ty) }
+            }
+            DataType::Parameter(ParameterType::Timer) => Settled::Cell { kind: CellKind::Timer, number: number() },
+            DataType::Parameter(ParameterType::Counter) => Settled::Cell { kind: CellKind::Counter, number: number() },
+            DataType::Parameter(ParameterType::BlockFb) => Settled::Block { prefix: BlockPrefix::Fb, number: number() },
+            DataType::Parameter(ParameterType::BlockFc) => Settled::Block { prefix: BlockPrefix::Fc, number: number() },
+            DataType::Parameter(ParameterType::BlockDb | ParameterType::BlockSdb) => {
+                Settled::Block { prefix: BlockPrefix::Db, number: number() }
+            }
+            ty if is_complex(ty) => Settled::Complex(variable),
+            DataType::Parameter(ParameterType::Pointer | ParameterType::Any) => Settled::Complex(variable),
+            // Its type is unknown and reported.
+            _ => return None,
+        })
+    }
+
+    /// `P##name`: the address of a variable of this block.
+    ///
+    /// TEMP: a pointer into L. FB: the offset in the instance as a pointer into DI, without AR2. FC: complex, POINTER and ANY
+    /// parameters only. Source: STL reference, access to formal parameters.
+    fn address_of(&mut self, ctx: &mut Ctx, path: &Path, span: Span) -> Option<Settled<'static>> {
+        let Resolved::Variable(variable) = self.resolve(ctx, path)? else {
+            self.report.push(
+                Diagnostic::new(Code::OperandKind, span, "`P##` takes the address of a variable of this block")
+                    .label("this is none"),
+            );
+            return None;
+        };
+        let pointer = |area: u8, byte: u32, bit: u8| u32::from(area) << 24 | byte << 3 | u32::from(bit);
+        match variable.base {
+            Base::L => Some(Settled::Pointer(pointer(plcc_abi::layout::area::L, variable.byte, variable.bit))),
+            Base::Instance => Some(Settled::Pointer(pointer(plcc_abi::layout::area::DI, variable.byte, variable.bit))),
+            Base::ThroughPointer(at) if path.parts.is_empty() => {
+                Some(Settled::Pointer(pointer(plcc_abi::layout::area::DI, at, 0)))
+            }
+            Base::Parameter(parameter)
+                if path.parts.is_empty()
+                    && (is_complex(&variable.ty)
+                        || matches!(variable.ty, DataType::Parameter(ParameterType::Pointer | ParameterType::Any))) =>
+            {
+                Some(Settled::ParameterPointer(parameter))
+            }
+            Base::Parameter(_) | Base::ThroughPointer(_) => {
+                let text = self.text(span);
+                let name = layout::type_name(&variable.ty);
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` has no address in this block"))
+                        .label(format!("a parameter of type {name} that lies with the caller"))
+                        .help(
+                            "`P##` works for parameters of type POINTER, ANY, STRUCT, ARRAY, STRING and DATE_AND_TIME",
+                        ),
+                );
+                None
+            }
+            base => {
+                let place = base.at(variable.byte, variable.bit);
+                let text = self.text(span);
+                let help = match place {
+                    Place::I { byte, bit } => format!("write `P#I {byte}.{bit}`"),
+                    Place::Q { byte, bit } => format!("write `P#Q {byte}.{bit}`"),
+                    Place::M { byte, bit } => format!("write `P#M {byte}.{bit}`"),
+                    _ => "write a pointer constant such as `P#DBX 4.0`".to_string(),
+                };
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` is no variable of this block"))
+                        .label("`P##` takes the address of parameters, static and temporary data")
+                        .help(help),
+                );
+                None
+            }
+        }
+    }
 }
 
 /// A number that an instruction takes as a constant.

@@ -132,7 +132,7 @@ impl Binder<'_> {
             Resolved::Variable(variable) => variable,
             Resolved::Block { prefix: BlockPrefix::Db, number } => {
                 let Some(ty) = self.db_type(number) else {
-                    if !self.data.contains_key(&number) {
+                    if !self.data.contains_key(&number) && !self.unknown_instances.contains(&number) {
                         self.report.missing_db_layout(number, path.span);
                     }
                     return None;
@@ -312,7 +312,12 @@ impl Binder<'_> {
 pub fn similar<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     const CANDIDATES: usize = 500;
     let wanted = fold(name);
-    let limit = if wanted.chars().count() < 4 { 1 } else { 2 };
+    // Names of one letter resemble each other always.
+    let limit = match wanted.chars().count() {
+        0 | 1 => return None,
+        2 | 3 => 1,
+        _ => 2,
+    };
     names
         .take(CANDIDATES)
         .map(|other| (distance(&wanted, &fold(other)), other))

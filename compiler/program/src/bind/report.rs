@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::BlockPrefix;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Up to here a block number alone is no hint at a library block.
 const LOW_NUMBERS: u16 = 40;
@@ -33,8 +33,8 @@ pub enum MissingKey {
 struct Missing {
     key: MissingKey,
     diagnostic: Diagnostic,
-    /// How often it is used.
-    uses: u32,
+    /// Where it is used, each place once however often it is looked at.
+    places: FxHashSet<Span>,
 }
 
 impl Report {
@@ -46,19 +46,26 @@ impl Report {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Notes a use of something that is defined nowhere; it is told of once, at its first use.
-    fn missing(&mut self, key: MissingKey, make: impl FnOnce() -> Diagnostic) {
+    /// Notes a use of something that is defined nowhere; it is told of once, at its first use in the sources.
+    fn missing(&mut self, key: MissingKey, span: Span, make: impl FnOnce() -> Diagnostic) {
         match self.index.get(&key) {
-            Some(&at) => self.missing[at].uses += 1,
+            Some(&at) => {
+                let known = &mut self.missing[at];
+                known.places.insert(span);
+                let first = known.diagnostic.primary.span;
+                if (span.file, span.start) < (first.file, first.start) {
+                    known.diagnostic = make();
+                }
+            }
             None => {
                 self.index.insert(key.clone(), self.missing.len());
-                self.missing.push(Missing { key, diagnostic: make(), uses: 1 });
+                self.missing.push(Missing { key, diagnostic: make(), places: [span].into_iter().collect() });
             }
         }
     }
 
     pub fn missing_symbol(&mut self, name: &str, span: Span) {
-        self.missing(MissingKey::Symbol(super::names::fold(name)), || {
+        self.missing(MissingKey::Symbol(super::names::fold(name)), span, || {
             let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
                 .label("no symbol table and no block has this name");
             match misread_address(name) {
@@ -69,16 +76,20 @@ impl Report {
     }
 
     pub fn missing_type(&mut self, name: &str, span: Span) {
-        self.missing(MissingKey::Symbol(super::names::fold(name)), || {
+        self.missing(MissingKey::Symbol(super::names::fold(name)), span, || {
+            let types = crate::types::Elementary::ALL.into_iter().map(|ty| ty.name());
             Diagnostic::new(Code::UnknownType, span, format!("the data type `{name}` is not defined"))
                 .label("neither a type of STL nor a UDT or FB of the program")
-                .help("add the source that defines it")
+                .help(match super::path::similar(name, types).filter(|_| name.len() > 3) {
+                    Some(ty) => format!("is `{ty}` meant? Otherwise add the source that defines it"),
+                    None => "add the source that defines it".to_owned(),
+                })
         });
     }
 
     pub fn missing_block(&mut self, prefix: BlockPrefix, number: u16, span: Span) {
-        self.missing(MissingKey::Block(prefix, number), || {
-            let name = format!("{} {number}", prefix.letters());
+        self.missing(MissingKey::Block(prefix, number), span, || {
+            let name = format!("{} {number}", prefix_letters(prefix));
             let message = Diagnostic::new(Code::UnknownBlock, span, format!("{name} is not defined"))
                 .label("no source of the program defines this block");
             // Low numbers are mostly the user's own.
@@ -98,8 +109,8 @@ impl Report {
 
     /// A block that the CPU or a Siemens library has and plcc has not.
     pub fn not_shipped(&mut self, prefix: BlockPrefix, number: u16, name: &str, span: Span) {
-        self.missing(MissingKey::NotShipped(prefix, number), || {
-            let block = format!("{} {number}", prefix.letters());
+        self.missing(MissingKey::NotShipped(prefix, number), span, || {
+            let block = format!("{} {number}", prefix_letters(prefix));
             Diagnostic::new(Code::NotShipped, span, format!("{block} `{name}` is not shipped yet"))
                 .label("plcc knows this block but does not have it")
                 .help(match prefix {
@@ -111,7 +122,7 @@ impl Report {
 
     /// A DB that is addressed by number; it may be created at run time.
     pub fn missing_db(&mut self, number: u16, span: Span) {
-        self.missing(MissingKey::Db(number), || {
+        self.missing(MissingKey::Db(number), span, || {
             Diagnostic::new(Code::DbMissing, span, format!("DB {number} is not defined"))
                 .label("opening it is an error at run time unless the program creates it (SFC 22)")
                 .help("add the source that defines it")
@@ -120,7 +131,7 @@ impl Report {
 
     /// A DB whose components cannot be known.
     pub fn missing_db_layout(&mut self, number: u16, span: Span) {
-        self.missing(MissingKey::DbLayout(number), || {
+        self.missing(MissingKey::DbLayout(number), span, || {
             Diagnostic::new(
                 Code::UnknownBlock,
                 span,
@@ -134,7 +145,8 @@ impl Report {
     /// All messages; what is defined nowhere comes last, in one list.
     pub fn finish(self) -> Vec<Diagnostic> {
         let Report { mut diagnostics, missing, index, partial } = self;
-        for Missing { key, mut diagnostic, uses } in missing {
+        for Missing { key, mut diagnostic, places } in missing {
+            let uses = places.len();
             // That a DB is not there is told once.
             if let MissingKey::Db(number) = key
                 && index.contains_key(&MissingKey::DbLayout(number))

@@ -58,7 +58,11 @@ pub fn time_of_day(text: &str, value: &str) -> Result<Literal, LiteralError> {
 pub fn date_and_time(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let malformed = || bad(text, DT_FORM);
     let (date, time) = value.rsplit_once('-').ok_or_else(malformed)?;
-    let [year, month, day] = fields(date, '-').ok_or_else(malformed)?;
+    let [mut year, month, day] = fields(date, '-').ok_or_else(malformed)?;
+    // STEP 7 generates two digits, as the first byte of the value holds them: 90 to 99 lie before 2000.
+    if date.find('-') == Some(2) {
+        year += if year >= 90 { 1900 } else { 2000 };
+    }
     let time = time_ms(time).ok_or_else(malformed)?;
     check_date(text, year, month, day)?;
     check_time(text, time)?;

@@ -305,10 +305,12 @@ fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (St
                 "`M 10.0`".to_owned()
             };
             let combine = match (insn, width) {
-                (StlInsn::And | StlInsn::Or | StlInsn::Xor, Width::Word) => {
+                (StlInsn::Xor, Width::Word) => ", or use `XOW` to combine words in ACCU1".to_owned(),
+                (StlInsn::Xor, Width::Dword) => ", or use `XOD` to combine double words in ACCU1".to_owned(),
+                (StlInsn::And | StlInsn::Or, Width::Word) => {
                     format!(", or use `{written}W` to combine words in ACCU1")
                 }
-                (StlInsn::And | StlInsn::Or | StlInsn::Xor, Width::Dword) => {
+                (StlInsn::And | StlInsn::Or, Width::Dword) => {
                     format!(", or use `{written}D` to combine double words in ACCU1")
                 }
                 (StlInsn::Assign, _) => ", or use `T` to transfer ACCU1".to_owned(),
@@ -337,6 +339,14 @@ fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (St
         (_, Form::Memory(Some(Area::Pq), _)) if class == OperandClass::LoadSource => (
             format!("`{shown}` is a peripheral output and cannot be read"),
             "read the process image, e.g. `QW 4`, or the input side `PIW`".to_owned(),
+        ),
+        (OperandKind::Literal(Literal::Text(_)), _) if class == OperandClass::LoadSource => (
+            format!("`{shown}` does not fit into ACCU1"),
+            "`L` takes a text of one to four characters; copy longer ones with SFC 20 BLKMOV".to_owned(),
+        ),
+        (OperandKind::Literal(Literal::AreaPointer { db, .. }), _) if *db != 0 => (
+            format!("`{shown}` does not fit into 32 bits: the number of the data block has no room"),
+            format!("write the pointer without it, e.g. `P#DBX 0.0`, and open the block with `OPN DB {db}`"),
         ),
         _ => (format!("`{shown}` is no operand of `{written}`"), takes),
     }

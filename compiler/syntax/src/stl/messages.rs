@@ -86,6 +86,33 @@ fn foreign_letters(context: &Context, at: Option<&Spanned>, before: Option<&Span
     Some(format!("write `{own}{number}`: the file has {} mnemonics", set_name(context.set)))
 }
 
+/// What is meant by `1,5`, `M 1.O`, `[AR1]` or `[AR3,P#0.0]`.
+fn slip(context: &Context, index: usize, before: Option<&Spanned>) -> Option<String> {
+    let (_, before_token, before_end) = before?;
+    let (start, token, _) = context.tokens.get(index)?;
+    let next = context.tokens.get(index + 1);
+    match (before_token, token, next.map(|(_, token, _)| token)) {
+        (Tok::Literal(_), Tok::Comma, Some(Tok::Literal(_))) => {
+            let (b_start, ..) = before?;
+            let (_, _, end) = next?;
+            let number = context.text[*b_start..*end].replace(',', ".");
+            Some(format!("fractions have a point: write `{number}`"))
+        }
+        (Tok::Address(_), Tok::Dot, Some(Tok::Name(name))) if name.eq_ignore_ascii_case("o") && before_end == start => {
+            let (b_start, _, b_end) = before?;
+            let (b_start, b_end) = phrase(context, *b_start, *b_end);
+            Some(format!("write the digit 0 in place of the letter O: `{}.0`", &context.text[b_start..b_end]))
+        }
+        (Tok::Register(_), Tok::RightBracket, _) => Some("the offset is missing: write e.g. `[AR1,P#0.0]`".to_owned()),
+        (Tok::Name(name), Tok::Comma, _)
+            if name.len() == 3 && name.get(..2).is_some_and(|letters| letters.eq_ignore_ascii_case("ar")) =>
+        {
+            Some("the address registers are AR1 and AR2".to_owned())
+        }
+        _ => None,
+    }
+}
+
 pub fn set_name(set: Mnemonics) -> &'static str {
     match set {
         Mnemonics::En => "international",
@@ -137,7 +164,7 @@ fn statement_error(context: &Context, index: usize, at: Option<&Spanned>, before
         }
         _ => {}
     }
-    if let Some(help) = foreign_letters(context, at, before) {
+    if let Some(help) = foreign_letters(context, at, before).or_else(|| slip(context, index, before)) {
         return message(context, at, before, Code::Syntax, "statement").help(help);
     }
     let start = context.tokens[..index].iter().rposition(|(_, token, _)| ends(token)).map_or(0, |end| end + 1);

@@ -335,6 +335,7 @@ impl<'a> Layout<'a> {
                     self.behind_call();
                     break;
                 }
+                RawKind::LeftBrace if behind_operand => self.call_template(),
                 RawKind::Comma => self.take(Tok::Comma),
                 _ if self.ends_code(self.at) => break,
                 _ if behind_operand && self.is_parameter(self.at) => {
@@ -350,6 +351,34 @@ impl<'a> Layout<'a> {
             }
         }
         self.end_statement();
+    }
+
+    /// `{time_type := Time}` of newer tools: the data type for which a block of the system is called. All that are here have
+    /// one type, so it is read over.
+    fn call_template(&mut self) {
+        let opening = self.raw[self.at];
+        while let Some(token) = self.peek() {
+            if token.kind == RawKind::Semicolon && !self.closes_brace() || self.ends_code(self.at) {
+                break;
+            }
+            self.at += 1;
+            if token.kind == RawKind::RightBrace {
+                return;
+            }
+        }
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(opening), "the attribute list is not closed")
+                .label("begins here")
+                .help("close it with `}`"),
+        );
+    }
+
+    /// Whether a `}` stands further on in this line.
+    fn closes_brace(&self) -> bool {
+        self.raw[self.at + 1..]
+            .iter()
+            .take_while(|token| !token.first_on_line)
+            .any(|token| token.kind == RawKind::RightBrace)
     }
 
     /// What stands on the line behind the `)` of a call.

@@ -19,8 +19,19 @@ impl<'a> Layout<'a> {
             _ => SectionKind::Static,
         };
         self.take(Tok::Section(kind));
-        // `VAR RETAIN`, `VAR NON_RETAIN` of newer tools.
-        if matches!(self.upper(self.at).as_str(), "RETAIN" | "NON_RETAIN")
+        // `VAR RETAIN`, `VAR NON_RETAIN` and `VAR DB_SPECIFIC` of newer tools; `VAR CONSTANT` belongs to SCL.
+        let constants = self.upper(self.at).as_str() == "CONSTANT"
+            && !matches!(self.kind_at(self.at + 1), Some(RawKind::Colon | RawKind::Comma | RawKind::LeftBrace));
+        if constants {
+            let token = self.raw[self.at];
+            self.report(
+                Diagnostic::new(Code::DeclarationSyntax, self.span(token), "STL declares no constants")
+                    .label("a section of SCL")
+                    .help("declare static data with an initial value, or write the value where it is used"),
+            );
+            self.at += 1;
+        }
+        if matches!(self.upper(self.at).as_str(), "RETAIN" | "NON_RETAIN" | "DB_SPECIFIC")
             && !matches!(self.kind_at(self.at + 1), Some(RawKind::Colon | RawKind::Comma | RawKind::LeftBrace))
         {
             self.at += 1;
