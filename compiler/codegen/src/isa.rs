@@ -27,7 +27,8 @@ pub struct Tuning {
 /// The code generator of this computer's architecture.
 pub fn isa(placement: Placement, options: &CodegenOptions, tuning: Tuning) -> Result<OwnedTargetIsa, CodegenError> {
     let mut flags = settings::builder();
-    let regalloc = if tuning.large { "single_pass" } else { "backtracking" };
+    // One pass takes quadratic time where many values live over many jumps back.
+    let regalloc = if tuning.large && !tuning.tangled { "single_pass" } else { "backtracking" };
     let optimize = options.optimize && !tuning.tangled;
     let settings = [
         ("opt_level", if optimize { "speed" } else { "none" }),

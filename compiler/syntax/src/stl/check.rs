@@ -33,6 +33,13 @@ pub fn operand(text: &str, insn: StlInsn, mnemonic: Span, operand: Option<&Opera
     if let Some(diagnostic) = constant_range(class, &written, shown, operand) {
         return Some(diagnostic);
     }
+    if class == OperandClass::DataBlock && matches!(shown.to_ascii_uppercase().as_str(), "DB" | "DI") {
+        return Some(
+            Diagnostic::new(Code::MissingOperand, operand.span, format!("`{shown}` has no number"))
+                .label("a number is missing behind this")
+                .help(format!("write e.g. `{shown} 5`, or `{shown} [MW 10]` for a number found at run time")),
+        );
+    }
     if fits(class, &operand.kind) {
         return None;
     }

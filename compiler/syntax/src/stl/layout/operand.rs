@@ -4,7 +4,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use super::declaration::sign;
 use super::{Layout, unquoted};
-use crate::ast::{AssertOp, AssertRegister, BlockPrefix, StatusOperand, Width};
+use crate::ast::{Area, AssertOp, AssertRegister, BlockPrefix, StatusOperand, Width};
 use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
@@ -307,6 +307,58 @@ impl<'a> Layout<'a> {
     }
 
     fn push_address(&mut self, start: usize, byte: &str, bit: Option<&str>, end: usize) {
+        if bit.is_none() && self.comma_for_point(byte) {
+            return;
+        }
+        self.push_number(start, byte, bit, end);
+        self.peripheral();
+    }
+
+    /// `I 0,1`: reported and taken; `false`: something else stands here.
+    fn comma_for_point(&mut self, byte: &str) -> bool {
+        let (Some(comma), Some(bit)) = (self.raw_at(self.at), self.raw_at(self.at + 1)) else { return false };
+        let slip = matches!(self.last(), Some(Tok::Area(_, Width::Bit)))
+            && comma.kind == RawKind::Comma
+            && bit.kind == RawKind::Number
+            && !comma.first_on_line
+            && self.adjacent(self.at);
+        if !slip {
+            return false;
+        }
+        let (begin, _, letters_end) = self.out.pop().expect("its area was last");
+        let end = bit.end as usize;
+        let letters = &self.text[begin..letters_end];
+        let meant = format!("{letters} {byte}.{}", self.slice(bit));
+        let title = format!("`{}` is no address", &self.text[begin..end]);
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span_of(begin, end), title)
+                .label("byte and bit stand on both sides of a point")
+                .help(format!("write `{meant}`")),
+        );
+        self.at += 2;
+        self.push(begin, Tok::BadOperand, end);
+        true
+    }
+
+    /// `IW64:P` of newer tools is `PIW64`.
+    fn peripheral(&mut self) {
+        let marked = self.kind_at(self.at) == Some(RawKind::Colon)
+            && self.adjacent(self.at)
+            && self.upper(self.at + 1).as_str() == "P"
+            && self.kind_at(self.at + 2) != Some(RawKind::Colon);
+        let Some([(_, Tok::Area(area, width), _), (_, Tok::Address(_), end)]) = self.out.last_chunk_mut() else { return };
+        if marked && *width != Width::Bit {
+            *area = match area {
+                Area::I => Area::Pi,
+                Area::Q => Area::Pq,
+                _ => return,
+            };
+            *end = self.raw[self.at + 1].end as usize;
+            self.at += 2;
+        }
+    }
+
+    fn push_number(&mut self, start: usize, byte: &str, bit: Option<&str>, end: usize) {
         let byte = byte.parse::<u32>().ok().filter(|byte| *byte <= 0x00FF_FFFF);
         let bit_number = bit.map(|bit| bit.parse::<u8>().ok().filter(|bit| *bit <= 7));
         match (byte, bit_number) {
