@@ -63,7 +63,8 @@ impl<'m> Compiler<'m> {
         let target = |large, tangled| isa(placement, options, Tuning { large, tangled });
         let isa = target(false, false)?;
         let abis = abi::module_abi(module, &*isa)?;
-        let (large_isa, tangled_isa, large_tangled_isa) = (target(true, false)?, target(false, true)?, target(true, true)?);
+        let (large_isa, tangled_isa, large_tangled_isa) =
+            (target(true, false)?, target(false, true)?, target(true, true)?);
         Ok(Compiler { module, abis, isa, large_isa, tangled_isa, large_tangled_isa, placement })
     }
 

@@ -346,7 +346,9 @@ impl<'a> Layout<'a> {
             && self.adjacent(self.at)
             && self.upper(self.at + 1).as_str() == "P"
             && self.kind_at(self.at + 2) != Some(RawKind::Colon);
-        let Some([(_, Tok::Area(area, width), _), (_, Tok::Address(_), end)]) = self.out.last_chunk_mut() else { return };
+        let Some([(_, Tok::Area(area, width), _), (_, Tok::Address(_), end)]) = self.out.last_chunk_mut() else {
+            return;
+        };
         if marked && *width != Width::Bit {
             *area = match area {
                 Area::I => Area::Pi,
