@@ -107,7 +107,8 @@ impl Context<'_, '_> {
         self.b.branch(due, cold, next);
         self.b.seal_block(cold);
         self.b.switch_to(cold);
-        let stop = self.b.call_runtime(RuntimeFn::Safepoint, &[]).expect("safepoint has a result");
+        let site = self.b.i32_const(self.site);
+        let stop = self.b.call_runtime(RuntimeFn::Safepoint, &[site]).expect("safepoint has a result");
         self.leave_if(stop, next);
         self.b.seal_block(next);
         self.b.switch_to(next);

@@ -102,8 +102,9 @@ macro_rules! runtime_functions {
 }
 
 runtime_functions! {
-    /// Something is due (interrupt, STOP, end of the test): runs it. Result not 0: the CPU goes to STOP, leave the block at once.
-    Safepoint = "safepoint"() -> I32, All;
+    /// Something is due at `site` (interrupt, STOP, end of the test): runs it. Result not 0: the CPU goes to STOP, leave the block
+    /// at once.
+    Safepoint = "safepoint"(site: I32) -> I32, All;
     /// Synchronous error `code` (see `codes::sync`) at `site`; `access` is the access byte, `info` the fault register
     /// (address or number). Runs OB 121 or OB 122, else STOP. Result as `Safepoint`; afterwards SUBSTITUTE holds what a
     /// read gives.
@@ -115,8 +116,9 @@ runtime_functions! {
     /// caller's does. A missing block is a synchronous error. Result as `Safepoint`.
     CallBlock = "call_block"(site: I32, kind: I32, number: I32, lbase: I32, vbase: I32) -> I32, All;
     /// Calls system function `number`; its parameters lie at `block`, laid out like a structure (IN, OUT, IN_OUT).
-    /// `lbase` is the caller's frame, to which L and V pointers among them refer. Result: bit 0 BR, bit 1 as `Safepoint`.
-    SystemFunction = "system_function"(site: I32, number: I32, block: I32, lbase: I32) -> I32, All;
+    /// L pointers among them refer to `lbase`, the caller's frame, V pointers to `vbase`, the frame of the caller's caller.
+    /// Result: bit 0 BR, bit 1 as `Safepoint`.
+    SystemFunction = "system_function"(site: I32, number: I32, block: I32, lbase: I32, vbase: I32) -> I32, All;
 
     /// Starts timer `number` (already checked) in `mode` (a [`TimerMode`]) with the S5TIME in `value`, by the edge of `rlo`.
     /// Result: bit 0 an invalid BCD value (synchronous error to be raised by the caller), bit 1 OV := bit 2 (only SD).

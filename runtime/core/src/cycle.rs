@@ -76,6 +76,7 @@ impl Cpu {
         let ob = self.image.config.startup;
         self.log(0x4301, NO_SITE, 0);
         self.arm_hang();
+        self.rearm();
         observer.before(self, 0, self.clock.now());
         self.set_configured_times();
         let cause = match ob {

@@ -1,6 +1,7 @@
 //! `main` of a compiled program: its image and code are linked beside the runtime.
 
 use std::ffi::{CStr, OsString, c_char, c_int};
+use std::io::Write;
 use std::os::unix::ffi::OsStringExt;
 use std::rc::Rc;
 
@@ -54,15 +55,25 @@ pub unsafe extern "C" fn main(argc: c_int, argv: *const *const c_char) -> c_int 
     });
     let run = match CommandLine::try_parse_from(arguments) {
         Ok(command) => command.run,
-        Err(error) => {
-            let _ = error.print();
-            return error.exit_code();
-        }
+        Err(error) => return usage(&error),
     };
     match linked_program(0) {
         Ok((image, code)) => c_int::from(crate::run::run(image, code, &run)),
         Err(error) => damaged(&error),
     }
+}
+
+/// Help goes to standard output; what is wrong with the flags to standard error, with no line that begins like a message about
+/// a source.
+fn usage(error: &clap::Error) -> c_int {
+    if !error.use_stderr() {
+        let _ = error.print();
+        return c_int::from(crate::run::EXIT_OK);
+    }
+    let text = error.render().to_string();
+    // A closed standard error changes nothing.
+    let _ = writeln!(std::io::stderr(), "runtime: {}", text.strip_prefix("error: ").unwrap_or(&text).trim_end());
+    c_int::from(crate::run::EXIT_USAGE)
 }
 
 fn damaged(error: &str) -> c_int {

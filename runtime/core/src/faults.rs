@@ -14,6 +14,9 @@ use crate::events::{Event, Missing, StartInfo};
 pub(crate) const TIME_ERROR_TWICE: u32 = 2;
 pub(crate) const TIME_ERROR_HANG: u32 = 3;
 
+/// STOP from outside.
+pub(crate) const STOP_BY_REQUEST: u16 = 0x4303;
+
 /// Mask bits of SFC 36-38 for programming errors and access errors that exist.
 pub(crate) const MASKABLE: [u32; 2] = [0xF43F_03FE, 0x0000_0018];
 
@@ -49,7 +52,7 @@ impl Cpu {
     pub(crate) fn stop_because(&self, event: u16, site: u32, info: u32, cause: Option<Entry>) {
         if !self.is_stopped() {
             let entry = self.log(event, site, info);
-            self.stop.set(Some(Stop { entry, cause, asked: event == stop::SFC_46 }));
+            self.stop.set(Some(Stop { entry, cause, asked: matches!(event, stop::SFC_46 | STOP_BY_REQUEST) }));
         }
         self.memory.raise_attention();
     }
@@ -162,16 +165,16 @@ impl Cpu {
         self.request(Event { ob: 80, info });
     }
 
-    /// The cycle took longer than allowed, `ms` milliseconds.
-    pub(crate) fn cycle_time_exceeded(&self, ms: u32) {
-        let cause = self.log(0x3501, NO_SITE, ms);
+    /// The cycle took longer than allowed, `ms` milliseconds; this was found at `site`.
+    pub(crate) fn cycle_time_exceeded(&self, ms: u32, site: u32) {
+        let cause = self.log(0x3501, site, ms);
         let monitor = &self.schedule.monitor;
         monitor.overruns.set(monitor.overruns.get() + 1);
         monitor.restart(self.clock.now());
         if monitor.overruns.get() >= 2 || self.running.active.get() >> 80 & 1 != 0 {
-            self.stop_because(0x4568, NO_SITE, TIME_ERROR_TWICE, Some(cause));
+            self.stop_because(0x4568, site, TIME_ERROR_TWICE, Some(cause));
         } else if !self.has_ob(80) {
-            self.stop_because(0x4568, NO_SITE, 0, Some(cause));
+            self.stop_because(0x4568, site, 0, Some(cause));
         } else {
             self.request(Event { ob: 80, info: StartInfo::new(0x35, 0x01, 80).word(6, ms.min(0xFFFF) as u16) });
         }

@@ -102,7 +102,7 @@ macro_rules! functions {
 
 functions! {
     memory {
-        Safepoint = plcc_rt_safepoint(cpu) -> u32 { cpu.safepoint() }
+        Safepoint = plcc_rt_safepoint(cpu, site) -> u32 { cpu.safepoint(site) }
         SyncError = plcc_rt_sync_error(cpu, site, code, access, info) -> u32 {
             cpu.sync_error(site, code as u8, access as u8, info)
         }
@@ -110,8 +110,8 @@ functions! {
         CallBlock = plcc_rt_call_block(cpu, site, kind, number, lbase, vbase) -> u32 {
             cpu.call_block(site, kind, number, lbase, vbase)
         }
-        SystemFunction = plcc_rt_system_function(cpu, site, number, block, lbase) -> u32 {
-            cpu.system_function(site, number, block, lbase)
+        SystemFunction = plcc_rt_system_function(cpu, site, number, block, lbase, vbase) -> u32 {
+            cpu.system_function(site, number, block, lbase, vbase)
         }
         TimerStart = plcc_rt_timer_start(cpu, number, mode, value, rlo) -> u32 {
             match TimerMode::ALL.get(mode as usize) {

@@ -12,6 +12,7 @@ use crate::clock::Clock;
 use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::{Observer, Pace};
+use crate::faults::STOP_BY_REQUEST;
 use crate::io::Simulated;
 use crate::options::{CYCLE_TIME_DEFAULT, ClockKind, HANG_LIMIT_DEFAULT, RunOptions, split_list};
 use crate::scenario::{Player, Scenario};
@@ -119,6 +120,11 @@ fn finish(cpu: &Cpu, options: &RunOptions, printed: &[(String, Address)], sessio
         Some(stop) if !stop.asked => {
             say!("{}", cpu.stop_text(&stop));
             exit = EXIT_FAULT;
+        }
+        Some(stop) if stop.entry.event == STOP_BY_REQUEST => {
+            if !options.quiet {
+                say!("ended in startup");
+            }
         }
         Some(_) if !options.quiet => say!("stopped by the program after {cycles} cycles"),
         None if !options.quiet => say!("ended after {cycles} cycles"),

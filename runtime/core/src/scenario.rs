@@ -85,7 +85,7 @@ impl Scenario {
             |offset: usize| text.as_bytes().iter().take(offset).filter(|&&byte| byte == b'\n').count() as u32 + 1;
         let raw: FileText = toml::from_str(text).map_err(|error| {
             let at = error.span().map_or(1, |span| line(span.start));
-            format!("{file}:{at}: {}", error.message())
+            format!("{file}:{at}: {}", in_words(error.message()))
         })?;
         let reader = Reader { file, line: &line, image };
         let entries = raw.at.into_iter().map(|entry| reader.entry(entry)).collect::<Result<_, _>>()?;
@@ -131,9 +131,14 @@ impl Reader<'_> {
                 .map(|address| (name.get_ref().clone(), address))
                 .or_else(|message| self.error(name.span().start, &message))
         });
+        let set = self.settings(&entry.set)?;
+        if let Some(cell) = set.iter().find(|one| matches!(one.address.place, Place::Timer(_) | Place::Counter(_))) {
+            let message = format!("{}: timers and counters cannot be set", cell.name);
+            return Err(format!("{}:{}: {message}", self.file, cell.line));
+        }
         Ok(At {
             when,
-            set: self.settings(&entry.set)?,
+            set,
             event: entry.event.map(|event| self.event(&event)).transpose()?,
             expect: self.settings(&entry.expect)?,
             print: print.collect::<Result<_, _>>()?,
@@ -158,6 +163,17 @@ impl Reader<'_> {
     fn event(&self, event: &Spanned<toml::Value>) -> Result<Event, String> {
         parse_event(event.get_ref()).or_else(|message| self.error(event.span().start, &message))
     }
+}
+
+/// What the TOML reader expected, without the names of its types.
+fn in_words(message: &str) -> String {
+    [
+        ("expected u64", "expected a whole number, 0 or more"),
+        ("expected a sequence", "expected a list"),
+        ("expected a map", "expected a table"),
+    ]
+    .iter()
+    .fold(message.to_string(), |text, (from, to)| text.replace(from, to))
 }
 
 /// A TOML value as the text that `value::parse` takes.
@@ -231,6 +247,11 @@ impl Player {
                     .map_err(|message| format!("{}:{}: {}: {message}", scenario.file, setting.line, setting.name))?;
             }
         }
+        for (name, address) in scenario.entries.iter().flat_map(|at| &at.print) {
+            if !matches!(address.place, Place::Db(..)) {
+                cpu.check_address(address).map_err(|message| format!("{}: print {name}: {message}", scenario.file))?;
+            }
+        }
         for setting in scenario.entries.iter().flat_map(|at| &at.set) {
             cpu.name_input(&setting.address);
         }
@@ -287,9 +308,9 @@ impl Observer for Player {
                     self.failures.push(AssertFailure {
                         file: self.scenario.file.clone(),
                         line: setting.line,
-                        text: format!("set {}", setting.name),
+                        text: format!("{} to be set", setting.name),
                         left: message,
-                        right: String::new(),
+                        right: value::text(setting.value, setting.address.width),
                     });
                 }
             }
@@ -364,5 +385,10 @@ mod tests {
         assert!(message("[[at]]\ncycle = 1\nevent = { ob = \"OB40\", x = 1 }\n").contains("no field `x`"));
         assert!(message("[[at]]\ntime = \"soon\"\n").starts_with("s.toml:2: `soon` is not a time"));
         assert!(message("[[at]\n").starts_with("s.toml:1: "));
+        assert!(message("[[at]]\ncycle = -1\n").ends_with("expected a whole number, 0 or more"));
+        assert_eq!(
+            message("[[at]]\ncycle = 1\nset = { \"T5\" = 1 }\n"),
+            "s.toml:3: T5: timers and counters cannot be set"
+        );
     }
 }

@@ -19,6 +19,9 @@ use crate::events::{self, Event, OB_NUMBERS, StartInfo};
 /// Events that can wait.
 const QUEUE_MAX: usize = 64;
 
+/// How often a startup under the real clock looks whether the process is asked to end.
+const STARTUP_LOOK: u64 = 100 * NS_PER_MS;
+
 /// Never due.
 pub(crate) const NEVER: u64 = u64::MAX;
 
@@ -305,8 +308,11 @@ impl Cpu {
             self.watchdog.set(schedule.hang_deadline.get());
             return;
         }
-        let due = if schedule.in_run.get() { self.next_due() } else { NEVER }.min(schedule.monitor.deadline.get());
-        let left = due.saturating_sub(self.clock.now());
+        let now = self.clock.now();
+        // Startup has no time limit; it only looks whether the process is asked to end.
+        let due = if schedule.in_run.get() { self.next_due() } else { now.saturating_add(STARTUP_LOOK) };
+        let due = due.min(schedule.monitor.deadline.get());
+        let left = due.saturating_sub(now);
         self.watchdog.set(if due == NEVER { NEVER } else { self.watchdog.host_now().saturating_add(left) });
     }
 
@@ -349,15 +355,18 @@ impl Cpu {
         best.map(|(index, priority)| (queue.remove(index), priority))
     }
 
-    /// Safepoint of generated code: something may be due. Result for generated code.
-    pub(crate) fn safepoint(&self) -> u32 {
+    /// Safepoint of generated code at `site`: something may be due. Result for generated code.
+    pub(crate) fn safepoint(&self, site: u32) -> u32 {
         self.memory.attention().store(0, std::sync::atomic::Ordering::Relaxed);
         if !self.is_stopped() {
             if self.clock.is_virtual() {
-                self.check_hang();
+                self.check_hang(site);
             } else {
+                if !self.schedule.in_run.get() && crate::run::end_requested() {
+                    self.stop_by(crate::faults::STOP_BY_REQUEST, site, 0);
+                }
                 self.poll();
-                self.check_cycle_time();
+                self.check_cycle_time(site);
                 self.rearm();
             }
             self.dispatch();
@@ -368,29 +377,29 @@ impl Cpu {
         self.stop_result()
     }
 
-    fn check_cycle_time(&self) {
+    fn check_cycle_time(&self, site: u32) {
         let monitor = &self.schedule.monitor;
         let now = self.clock.now();
         if now >= monitor.deadline.get() {
-            self.cycle_time_exceeded((now.saturating_sub(monitor.since.get()) / NS_PER_MS) as u32);
+            self.cycle_time_exceeded((now.saturating_sub(monitor.since.get()) / NS_PER_MS) as u32, site);
         }
     }
 
     /// An endless loop under the virtual clock: OB 80 once, then STOP.
-    fn check_hang(&self) {
+    fn check_hang(&self, site: u32) {
         let schedule = &self.schedule;
         if self.is_stopped() || self.watchdog.host_now() < schedule.hang_deadline.get() {
             return;
         }
         let ms = (schedule.hang_limit.get() / NS_PER_MS) as u32;
-        let cause = self.log(0x3501, NO_SITE, ms);
+        let cause = self.log(0x3501, site, ms);
         let in_time_error = self.running.active.get() >> 80 & 1 != 0;
         if self.has_ob(80) && !in_time_error {
             self.arm_hang();
             let info = StartInfo::new(0x35, 0x01, 80).word(6, ms.min(0xFFFF) as u16);
             self.run_ob(80, self.priority_of(80).max(self.running.priority.get()), info);
         }
-        self.stop_because(0x4568, NO_SITE, crate::faults::TIME_ERROR_HANG, Some(cause));
+        self.stop_because(0x4568, site, crate::faults::TIME_ERROR_HANG, Some(cause));
     }
 
     /// Starts the hang limit anew.
@@ -421,10 +430,10 @@ impl Cpu {
             self.update_clock_memory();
             self.poll();
             if monitored {
-                self.check_cycle_time();
+                self.check_cycle_time(NO_SITE);
             }
             self.dispatch();
-            self.check_hang();
+            self.check_hang(NO_SITE);
         }
         self.clock.move_to(target);
         self.update_clock_memory();
@@ -437,7 +446,7 @@ impl Cpu {
         while !self.is_stopped() && !self.schedule_ended() {
             self.poll();
             if monitored {
-                self.check_cycle_time();
+                self.check_cycle_time(NO_SITE);
             }
             self.dispatch();
             self.update_clock_memory();

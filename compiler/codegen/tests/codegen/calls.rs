@@ -129,7 +129,8 @@ fn recursion_with_many_values() {
 #[test]
 fn runtime_calls() {
     let module = harness::entry(|b| {
-        let stopped = b.call_runtime(RuntimeFn::Safepoint, &[]).expect("it has a result");
+        let site = b.i32_const(0);
+        let stopped = b.call_runtime(RuntimeFn::Safepoint, &[site]).expect("it has a result");
         b.store(result(0), stopped);
         // The runtime wrote it meanwhile.
         let substitute = b.load_state(layout::state::SUBSTITUTE);

@@ -79,7 +79,7 @@ pub fn run(module: &Module) -> Vec<u8> {
 
 /// Runtime functions for tests: the integer ones record their arguments in the CPU state.
 fn runtime(function: RuntimeFn) -> *const u8 {
-    extern "C" fn safepoint(mem: *mut u8) -> u32 {
+    extern "C" fn safepoint(mem: *mut u8, _site: u32) -> u32 {
         // SAFETY: generated code passes its memory base.
         unsafe { mem.add(layout::state::SUBSTITUTE as usize).cast::<u32>().write(77) };
         5

@@ -10,7 +10,8 @@ use crate::harness::{entry, func, module};
 #[test]
 fn an_object_exports_what_the_runtime_needs() {
     let module = entry(|b| {
-        b.call_runtime(RuntimeFn::Safepoint, &[]);
+        let site = b.i32_const(0);
+        b.call_runtime(RuntimeFn::Safepoint, &[site]);
     });
     let object = compile_object(&module, b"image", &CodegenOptions::default()).expect("it compiles");
     assert_eq!(&object[..4], b"\x7fELF");
@@ -49,7 +50,8 @@ fn texts_name_functions() {
     let mut caller = FunctionBuilder::new("OB1", &[], &[]);
     let zero = caller.load(Type::I32, Address::direct(Region::M, 0));
     caller.call(func(0), vec![zero], &[Type::I32]);
-    caller.call_runtime(RuntimeFn::Safepoint, &[]);
+    let site = caller.i32_const(0);
+    caller.call_runtime(RuntimeFn::Safepoint, &[site]);
     caller.ret(&[]);
     let module = module(vec![callee.finish(), caller.finish()]);
     let clif = clif_text(&module, &CodegenOptions::default()).expect("it compiles");

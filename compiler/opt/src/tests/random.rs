@@ -374,7 +374,8 @@ impl Builder<'_> {
                 self.b.call_runtime(RuntimeFn::PeripheralWrite, &[from, from, from]);
             }
             Statement::Safepoint(to) => {
-                let value = self.b.call_runtime(RuntimeFn::Safepoint, &[]).expect("it has a result");
+                let site = self.b.i32_const(0);
+                let value = self.b.call_runtime(RuntimeFn::Safepoint, &[site]).expect("it has a result");
                 self.set_word(*to, value);
             }
             Statement::Bcd(to, from) => {

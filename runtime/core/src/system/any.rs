@@ -5,7 +5,7 @@
 use plcc_abi::layout::{self, area, state};
 
 use super::parameters::Call;
-use crate::cpu::Area;
+use crate::cpu::{Area, Cpu};
 
 /// Direction of an access, which decides the error code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +48,11 @@ pub(super) fn code(index: usize, yy: u16) -> u16 {
     0x8000 | (index as u16 + 1) << 8 | yy
 }
 
+/// The DB is write-protected.
+fn is_read_only(cpu: &Cpu, number: u16) -> bool {
+    cpu.image.dbs.iter().any(|db| db.number == number && db.read_only)
+}
+
 /// Decodes parameter `index`. A range that is only partly there is no error here: the callers differ in what they say.
 /// `Err`: RET_VAL. `Ok(None)`: a NIL pointer or a length of 0.
 pub(super) fn decode(call: &Call, index: usize, access: Access) -> Result<Option<Range>, u16> {
@@ -81,20 +86,18 @@ pub(super) fn decode(call: &Call, index: usize, access: Access) -> Result<Option
         area::Q => call.cpu.area(Area::Outputs),
         area::M => call.cpu.area(Area::BitMemory),
         area::DB | area::DI => {
-            let (address, length) = memory.db(u16::from_be_bytes([db_high, db_low]));
+            let number = u16::from_be_bytes([db_high, db_low]);
+            let (address, length) = memory.db(number);
             if length == 0 {
                 return Err(code(index, 0x3A));
+            }
+            if access == Access::Write && is_read_only(call.cpu, number) {
+                return Err(code(index, 0x30));
             }
             (address, length)
         }
         area::L => (call.lbase, memory.host32(state::L_END).saturating_sub(call.lbase)),
-        area::V => {
-            // Below the caller's frame lies what the caller was given itself: addresses wrap inside the L stack.
-            let stack = call.lbase & !(layout::L_CLASS_BYTES - 1);
-            let start = stack | (call.lbase + byte) & (layout::L_CLASS_BYTES - 1);
-            let existing = memory.host32(state::L_END).saturating_sub(start).min(bytes);
-            return Ok(Some(Range { offset: start, bytes, existing, type_code }));
-        }
+        area::V => (call.vbase, memory.host32(state::L_END).saturating_sub(call.vbase)),
         _ => return Err(by_access(0x24, 0x25)),
     };
     let length = length.min(layout::AREA_BYTES);

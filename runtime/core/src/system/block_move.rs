@@ -66,19 +66,7 @@ pub(super) fn fill(call: &Call) -> Outcome {
 fn ranges(call: &Call) -> Result<Option<(Range, Range)>, u16> {
     let source = any::decode(call, SOURCE, Access::Read)?;
     let destination = any::decode(call, DESTINATION, Access::Write)?;
-    let destination_db = destination.is_some() && is_read_only(call);
-    if destination_db {
-        return Err(any::code(DESTINATION, 0x30));
-    }
     Ok(source.zip(destination))
-}
-
-/// The destination lies in a write-protected DB.
-fn is_read_only(call: &Call) -> bool {
-    let bytes = call.any_bytes(DESTINATION);
-    let in_db = matches!(bytes[6], plcc_abi::layout::area::DB | plcc_abi::layout::area::DI);
-    let number = u16::from_be_bytes([bytes[4], bytes[5]]);
-    in_db && call.cpu.image.dbs.iter().any(|db| db.number == number && db.read_only)
 }
 
 /// A STRING gives its characters only.

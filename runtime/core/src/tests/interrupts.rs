@@ -7,6 +7,7 @@ use plcc_abi::layout;
 
 use super::helpers::{Block, cpu, cpu_with, run};
 use crate::cpu::Cpu;
+use crate::diagnostics::NO_SITE;
 use crate::events;
 
 type Log = Rc<RefCell<Vec<String>>>;
@@ -51,7 +52,7 @@ fn sleep_is_interrupted_by_higher_priority_only() {
         outer.borrow_mut().push(format!("40@{}", cpu.clock.now() / 1_000_000));
         request(cpu, 20);
         request(cpu, 41);
-        cpu.safepoint();
+        cpu.safepoint(NO_SITE);
         outer.borrow_mut().push("/40".to_string());
     });
     let blocks = vec![
@@ -80,7 +81,7 @@ fn registers_survive_an_interrupt() {
         cpu.memory.set_host32(layout::state::DEPTH, 5);
         request(cpu, 40);
         assert_eq!(cpu.memory.host32(layout::state::ATTENTION), 1);
-        assert_eq!(cpu.safepoint(), 0);
+        assert_eq!(cpu.safepoint(NO_SITE), 0);
         assert_eq!(cpu.memory.host32(layout::state::ATTENTION), 0);
         assert_eq!(cpu.memory.host32(layout::CpuRegister::Accu1.slot()), 7);
         assert_eq!(cpu.memory.host64(layout::state::RETURN_VALUES), 8);
@@ -128,7 +129,7 @@ fn errors_interrupt_the_startup_and_interrupts_wait() {
     let ob100: Block = Box::new(move |cpu, _| {
         request(cpu, 40);
         request(cpu, 82);
-        cpu.safepoint();
+        cpu.safepoint(NO_SITE);
         outer.borrow_mut().push("100".to_string());
     });
     run(&cpu(vec![(100, ob100), (40, log(&entries, "40")), (82, log(&entries, "82"))]), 1);

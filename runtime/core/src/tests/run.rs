@@ -8,6 +8,7 @@ use plcc_abi::layout;
 
 use super::helpers::{Block, Closures, cpu, image, run as run_cycles};
 use crate::cpu::Cpu;
+use crate::diagnostics::NO_SITE;
 use crate::functions;
 use crate::options::{ClockKind, Duration, RunOptions};
 use crate::testing::{TestOptions, test};
@@ -94,7 +95,7 @@ fn real_clock_interrupts_a_running_block() {
     let ob1: Block = Box::new(|cpu, _| {
         let flag = cpu.memory.attention();
         while cpu.memory.byte(layout::M) == 0 {
-            if flag.load(std::sync::atomic::Ordering::Relaxed) != 0 && cpu.safepoint() != 0 {
+            if flag.load(std::sync::atomic::Ordering::Relaxed) != 0 && cpu.safepoint(NO_SITE) != 0 {
                 return;
             }
         }
@@ -116,7 +117,7 @@ fn real_clock_interrupts_a_running_block() {
 fn real_clock_monitors_the_cycle() {
     let ob1: Block = Box::new(|cpu, _| {
         let flag = cpu.memory.attention();
-        while flag.load(std::sync::atomic::Ordering::Relaxed) == 0 || cpu.safepoint() == 0 {}
+        while flag.load(std::sync::atomic::Ordering::Relaxed) == 0 || cpu.safepoint(NO_SITE) == 0 {}
     });
     let options = RunOptions { quiet: true, ..RunOptions::default() };
     let mut image = image(&[(BlockKind::Ob, 1)]);
