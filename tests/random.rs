@@ -379,6 +379,87 @@ fn program(pieces: &[Piece], seed: &[u32]) -> String {
     )
 }
 
+/// A pointer, mostly to somewhere that does not exist: every area code, and offsets at the ends of areas.
+fn pointer() -> impl Strategy<Value = u32> {
+    let code =
+        prop::sample::select(vec![0x00, 0x01, 0x04, 0x7F, 0x80, 0x81, 0x82, 0x83, 0x84, 0x85, 0x86, 0x87, 0x88, 0xFF]);
+    (code, offset()).prop_map(|(code, offset): (u32, u32)| code << 24 | offset)
+}
+
+/// An offset in bits.
+fn offset() -> impl Strategy<Value = u32> {
+    let ends = [10, 60, 72, 2048, 8192, 0x8000, 0x1_0000];
+    prop_oneof![
+        (prop::sample::select(ends.to_vec()), 0..40u32).prop_map(|(byte, back)| 8 * byte - back),
+        (0..80u32).prop_map(|byte| 8 * byte),
+        prop::sample::select(vec![0x7_FFFF, 0x8_0000, 0xFF_FFFF]),
+    ]
+}
+
+/// An instruction through a pointer or a number that may not exist.
+fn wild() -> impl Strategy<Value = String> {
+    let access = || prop::sample::select(vec!["L", "T"]);
+    let width = || prop::sample::select(vec!["B", "W", "D"]);
+    let area = || prop::sample::select(vec!["M", "I", "Q", "DB", "DI", "L"]);
+    let shift = || prop::sample::select(vec![0u32, 1, 8, 70, 4095]);
+    let numbered = prop::sample::select(vec![
+        "OPN DB [MW 100]",
+        "OPN DI [MW 100]",
+        "UC FC [MW 100]",
+        "UC FB [MW 100]",
+        "L T [MW 100]",
+        "LC C [MW 100]",
+        "A T [MW 100]",
+        "CU C [MW 100]",
+        "SP T [MW 100]",
+        "R C [MW 100]",
+        "FR T [MW 100]",
+        "S C [MW 100]",
+        "BTI",
+        "BTD",
+    ]);
+    prop_oneof![
+        (pointer(), access(), width(), shift()).prop_map(|(p, access, width, shift)| format!(
+            "L DW#16#{p:X}\n      LAR1\n      {access} {width} [AR1,P#{shift}.0]"
+        )),
+        (pointer(), prop::sample::select(BIT_OPERATIONS), shift(), 0..8u8).prop_map(
+            |(p, operation, shift, bit)| format!("L DW#16#{p:X}\n      LAR2\n      {operation} [AR2,P#{shift}.{bit}]")
+        ),
+        (offset(), access(), area(), width(), shift()).prop_map(|(p, access, area, width, shift)| format!(
+            "L DW#16#{p:X}\n      LAR1\n      {access} {area}{width} [AR1,P#{shift}.0]"
+        )),
+        (pointer(), access(), area(), width()).prop_map(|(p, access, area, width)| format!(
+            "L DW#16#{p:X}\n      T MD 100\n      {access} {area}{width} [MD 100]"
+        )),
+        (prop::sample::select(vec![0i32, 1, 2, 3, 99, 2047, 2048, 32767, -1]), numbered)
+            .prop_map(|(number, line)| format!("L {number}\n      T MW 100\n      {line}")),
+        (access(), width(), 0..90u32).prop_map(|(access, width, byte)| format!("{access} DI{width} {byte}")),
+        (access(), width(), 0..90u32).prop_map(|(access, width, byte)| format!("{access} DB{width} {byte}")),
+        line(),
+    ]
+}
+
+/// Error OBs that put what they are told into the compared memory.
+const ERROR_BLOCKS: &str = "
+ORGANIZATION_BLOCK OB 121
+VAR_TEMP
+  t : ARRAY [0 .. 19] OF BYTE;
+END_VAR
+BEGIN
+      L     LD 0
+      L     MD 56
+      XOD
+      RLD   3
+      T     MD 56
+      L     LD 4
+      L     MD 60
+      XOD
+      RLD   5
+      T     MD 60
+      CALL  SFC 44 (VAL := DW#16#12345678, RET_VAL := MW 104);
+END_ORGANIZATION_BLOCK
+";
+
 /// Compiles `source`, checks that its IR prints and parses back, and runs it in three ways.
 fn reports(source: &str) -> Result<[TestReport; 3], String> {
     let mut read = Read { name: "random".to_string(), ..Read::default() };
@@ -412,6 +493,22 @@ proptest! {
         seed in prop::collection::vec(any::<u32>(), 16),
     ) {
         let source = program(&pieces, &seed);
+        let text = source.clone();
+        let result = plcc_driver::on_large_stack(move || reports(&text)).and_then(|result| result);
+        let [interpreted, plain, optimised] = result.map_err(|error| TestCaseError::fail(format!("{error}\n{source}")))?;
+        prop_assert_eq!(&interpreted, &plain, "jit -O0\n{}", source);
+        prop_assert_eq!(&interpreted, &optimised, "jit -O2\n{}", source);
+    }
+
+    /// Faults and all: pointers into every area and out of it, with OB 121 or without.
+    #[test]
+    fn wild_pointers_leave_the_same_memory(
+        lines in prop::collection::vec(wild(), 1..30),
+        seed in prop::collection::vec(any::<u32>(), 16),
+        error_block in prop::bool::weighted(0.8),
+    ) {
+        let pieces: Vec<Piece> = lines.into_iter().map(Piece::Line).collect();
+        let source = format!("{}{}", if error_block { ERROR_BLOCKS } else { "" }, program(&pieces, &seed));
         let text = source.clone();
         let result = plcc_driver::on_large_stack(move || reports(&text)).and_then(|result| result);
         let [interpreted, plain, optimised] = result.map_err(|error| TestCaseError::fail(format!("{error}\n{source}")))?;

@@ -20,7 +20,8 @@ pub(super) fn rset(call: &Call) -> Outcome {
 }
 
 fn write(call: &Call, value: bool) -> Outcome {
-    let count = u32::from(call.word(0));
+    // A negative number sets nothing.
+    let count = u32::try_from(call.word(0) as i16).unwrap_or(0);
     let [_, _, area_code, a, b, c] = call.pointer(SA);
     let first = u32::from_be_bytes([0, a, b, c]) & 0x7_FFFF;
     if area_code != area::P {

@@ -1,0 +1,72 @@
+//! What an executable says about its flags and about an endless loop, and that `plcc run` says the same.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+const PLCC: &str = env!("CARGO_BIN_EXE_plcc");
+
+/// Writes the source into a folder and builds `program` there.
+fn build(folder: &Path, source: &str) {
+    std::fs::write(folder.join("program.stl"), source).expect("the folder can be written");
+    let output = command(PLCC, folder, &["build", "program.stl", "-o", "program"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+fn command(program: &str, folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(program).current_dir(folder).args(arguments).output().expect("it starts")
+}
+
+/// Runs the executable and `plcc run`; both exit with `code` and write the same. Gives standard error.
+fn both(folder: &Path, flags: &[&str], code: i32) -> String {
+    let executable = folder.join("program").display().to_string();
+    let built = command(&executable, folder, flags);
+    let run = command(PLCC, folder, &[&["run", "program.stl"], flags].concat());
+    let errors = String::from_utf8_lossy(&built.stderr).into_owned();
+    assert_eq!(built.status.code(), Some(code), "{errors}");
+    assert_eq!(run.status.code(), Some(code), "{errors}");
+    assert_eq!(built.stdout, run.stdout);
+    assert!(!errors.lines().any(|line| line.starts_with("error")), "{errors}");
+    errors
+}
+
+#[test]
+fn wrong_flags_are_usage_errors() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    build(folder, "      L     MW 0\n      +     1\n      T     MW 0\n");
+    for (flags, says) in [
+        (&["--no-such-flag"][..], "--no-such-flag"),
+        (&["--cycles", "many"], "--cycles"),
+        (&["--cycle-time", "10"], "is not a time"),
+        (&["--clock", "fast"], "--clock"),
+        (&["--set", "I0.0=2"], "does not fit into a bit"),
+        (&["--set", "MW0"], "write ADDR=VALUE"),
+        (&["--print", "L0.0"], "`L0.0` is neither an address"),
+        (&["--trace", "trace.txt"], ".vcd or .csv"),
+        (&["--scenario", "missing.toml"], "missing.toml"),
+    ] {
+        let errors = both(folder, flags, 2);
+        assert!(errors.contains(says), "{flags:?}: {errors}");
+    }
+    both(folder, &["--cycles", "3", "--cycle-time", "0", "--print", "MW0", "--quiet"], 0);
+    let scenario = |text: &str| std::fs::write(folder.join("s.toml"), text).expect("the folder can be written");
+    for (text, says) in [
+        ("[[at]]\ncycle = 1\nset = { \"T5\" = 1 }\n", "s.toml:3: T5: timers and counters cannot be set"),
+        ("[[at]]\ncycle = 1\nprint = [\"MW9999\"]\n", "print MW9999: byte 9999 is outside"),
+        ("[[at]]\ncycle = -1\n", "s.toml:2: "),
+    ] {
+        scenario(text);
+        let errors = both(folder, &["--clock", "virtual", "--cycles", "2", "--scenario", "s.toml"], 2);
+        assert!(errors.contains(says), "{errors}");
+    }
+}
+
+#[test]
+fn an_endless_loop_is_named_by_its_line() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    build(folder.path(), "      NOP   0\nm:    L     MW 0\n      JU    m\n");
+    for flags in [&["--clock", "virtual", "--hang-limit", "200ms"][..], &["--clock", "real"]] {
+        let errors = both(folder.path(), flags, 1);
+        assert!(errors.contains("OB 1, network 1, program.stl:3"), "{errors}");
+    }
+}
