@@ -70,3 +70,15 @@ fn an_endless_loop_is_named_by_its_line() {
         assert!(errors.contains("OB 1, network 1, program.stl:3"), "{errors}");
     }
 }
+
+#[test]
+fn a_signal_ends_an_endless_startup() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let startup = "ORGANIZATION_BLOCK OB 100\nBEGIN\nm:    JU    m\nEND_ORGANIZATION_BLOCK\n";
+    build(folder.path(), &format!("{startup}ORGANIZATION_BLOCK OB 1\nBEGIN\nEND_ORGANIZATION_BLOCK\n"));
+    let mut child = Command::new(folder.path().join("program")).spawn().expect("it starts");
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let kill = Command::new("kill").arg(child.id().to_string()).status().expect("there is a kill command");
+    assert!(kill.success());
+    assert_eq!(child.wait().expect("it ends").code(), Some(0));
+}
