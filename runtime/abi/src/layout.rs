@@ -2,20 +2,22 @@
 //!
 //! All areas of a CPU lie in one allocation. Generated code reaches each of them as `base + offset`; the offsets
 //! below are bytes from that base and hold for every profile, so that a profile changes limits only, never addresses.
+//! Areas do not begin at the same offset of a memory page: processors take a load for dependent on an earlier store
+//! whose address ends in the same 12 bits, and programs use low addresses of every area.
 //! PLC areas are big-endian, as on the CPU; the CPU state is in host byte order.
 
 /// CPU state: the fields of [`state`], host byte order.
 pub const STATE: u32 = 0;
 /// Process image of inputs.
-pub const I: u32 = 0x0001_0000;
+pub const I: u32 = 0x0001_0400;
 /// Process image of outputs.
-pub const Q: u32 = 0x0002_0000;
+pub const Q: u32 = 0x0002_0800;
 /// Bit memory.
-pub const M: u32 = 0x0003_0000;
+pub const M: u32 = 0x0003_0C00;
 /// Timer cells, [`TIMER_CELL_BYTES`] each; only the runtime looks inside.
-pub const T: u32 = 0x0004_0000;
+pub const T: u32 = 0x0004_1000;
 /// Counter cells, [`COUNTER_CELL_BYTES`] each; only the runtime looks inside.
-pub const C: u32 = 0x0005_0000;
+pub const C: u32 = 0x0005_2000;
 /// Local data: one stack of [`L_CLASS_BYTES`] for each priority class.
 pub const L: u32 = 0x0010_0000;
 /// DB table: for each number 0..=65535 the offset of its data and its length, two host-order `u32`. Length 0: not loaded.
@@ -25,7 +27,7 @@ pub const SCRATCH: u32 = 0x0038_0000;
 /// Data of the DBs, then the pool for DBs made at run time.
 pub const DB_DATA: u32 = 0x0040_0000;
 
-/// Distance between the fixed areas I, Q, M.
+/// Room of each of the areas I, Q, M.
 pub const AREA_BYTES: u32 = 0x0001_0000;
 /// Largest number of timers and of counters.
 pub const TIMERS_MAX: u32 = 2048;
