@@ -8,8 +8,8 @@ use plcc_program::model::Program;
 use plcc_program::symbols::{self, SymbolTable};
 use plcc_program::{BindInput, profile};
 use plcc_syntax::ParseOptions;
-use plcc_syntax::ast::SourceUnit;
-use plcc_syntax::stl::Mnemonics;
+use plcc_syntax::ast::{Block, SourceUnit, StatementKind};
+use plcc_syntax::stl::{Mnemonics, StlInsn};
 
 use crate::cli::{CompileArgs, Level};
 use crate::inputs::Read;
@@ -96,7 +96,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     let Parsed { name, mut sources, units, tables, project, mut diagnostics } = parsed;
     let profile = match pragma_profile(settings, &units) {
         Some(profile) => profile,
-        None => profile_of(settings, project.as_ref(), &mut sources, &mut diagnostics),
+        None => profile_of(settings, project.as_ref(), &units, &mut sources, &mut diagnostics),
     };
     let (program, messages) = plcc_program::bind(&BindInput {
         name,
@@ -136,14 +136,15 @@ fn profile_named(name: &str) -> Option<Profile> {
     }
 }
 
-/// The CPU: of the command line, else of plc.toml, else the generic one of the family of the sources.
+/// The CPU: of the command line, else of plc.toml, else the one that the sources imply.
 fn profile_of(
     settings: &Settings,
     project: Option<&Project>,
+    units: &[(plcc_diag::FileId, SourceUnit)],
     sources: &mut SourceMap,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Profile {
-    let generic = profile::generic(Family::S7300);
+    let generic = implied_profile(units);
     let (name, span) = match (&settings.cpu, project.and_then(|project| project.cpu.clone())) {
         (Some(name), _) => (name.clone(), None),
         (None, Some((name, span))) => (name, Some(span)),
@@ -158,6 +159,26 @@ fn profile_of(
     let help = format!("one of {}", profile::names().join(", "));
     diagnostics.push(Diagnostic::new(Code::UnknownCpu, span, title).help(help));
     generic
+}
+
+/// The CPU of sources that name none: the generic S7-300, or the S7-400 if an instruction needs its accumulators. What exceeds
+/// its limits is a warning, since the plant's CPU may have more.
+fn implied_profile(units: &[(plcc_diag::FileId, SourceUnit)]) -> Profile {
+    let statements = units
+        .iter()
+        .flat_map(|(_, unit)| &unit.blocks)
+        .filter_map(|block| match block {
+            Block::Code(code) => Some(&code.networks),
+            Block::Data(_) | Block::Type(_) => None,
+        })
+        .flatten()
+        .flat_map(|network| &network.statements);
+    let mut instructions = statements.filter_map(|statement| match &statement.kind {
+        StatementKind::Instruction { insn, .. } => Some(*insn),
+        StatementKind::Empty | StatementKind::Call(_) | StatementKind::Pragma(_) | StatementKind::Error => None,
+    });
+    let four = instructions.any(|insn| matches!(insn, StlInsn::Enter | StlInsn::Leave));
+    Profile { limits_checked: false, ..profile::generic(if four { Family::S7400 } else { Family::S7300 }) }
 }
 
 /// Parses and binds.

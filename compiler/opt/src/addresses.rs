@@ -236,7 +236,10 @@ mod tests {
         check(
             "v1 = address L 4\nv2 = load.i32 any[v1]+8\nv3 = load.i32 any[v1]+12\nv4 = address M 6\nv5 = load.i8 any[v4]+1\nret \
              v2",
-            "v1 = address L 4\nv2 = load.i32 L 12\nv3 = load.i32 any[v1]+12\nv4 = const.i32 196614\nv5 = load.i8 M 7\nret v2",
+            &format!(
+                "v1 = address L 4\nv2 = load.i32 L 12\nv3 = load.i32 any[v1]+12\nv4 = const.i32 {}\nv5 = load.i8 M 7\nret v2",
+                plcc_abi::layout::M + 6
+            ),
         );
     }
 
