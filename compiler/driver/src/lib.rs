@@ -8,4 +8,69 @@
 //!
 //! **Invariant**: the only compiler crate that does I/O.
 
+use std::ffi::OsString;
+
+use clap::Parser;
+
+pub mod cli;
+pub mod code;
+pub mod command;
+pub mod content;
+pub mod emit;
+pub mod inputs;
 pub mod link;
+pub mod pipeline;
+pub mod project;
+pub mod report;
+pub mod testing;
+
+use cli::{Cli, Command};
+use command::exit;
+
+/// Stack of the threads that compile, in bytes: nesting in a source is recursion in the compiler. Only used pages cost.
+pub const COMPILE_STACK_BYTES: usize = 256 << 20;
+
+/// Runs the command that `args` (with the name of the program first) give; the result is the exit code.
+pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
+    match Cli::try_parse_from(args) {
+        Ok(cli) => on_large_stack(move || dispatch(&cli)).unwrap_or_else(|fault| {
+            report::say(&format!("internal fault, please report it: {fault}"));
+            exit::COMPILE
+        }),
+        Err(error) => usage(&error),
+    }
+}
+
+fn dispatch(cli: &Cli) -> u8 {
+    match &cli.command {
+        Command::Build(args) => command::build::build(args),
+        Command::Run(args) => command::run::run(args),
+        Command::Test(args) => command::test::test(args),
+        Command::Check(args) => command::check::check(args),
+        Command::Explain { code } => command::explain::explain(code),
+    }
+}
+
+/// Runs `work` in a thread with a large stack. Errors: what a panic said.
+pub fn on_large_stack<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, String> {
+    let thread = std::thread::Builder::new().stack_size(COMPILE_STACK_BYTES).spawn(work).map_err(|e| e.to_string())?;
+    thread.join().map_err(|panic| panic_text(panic.as_ref()))
+}
+
+/// What a panic said.
+pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(ToString::to_string);
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic without words".to_string())
+}
+
+/// Help and version go to standard output; what is wrong with the arguments to standard error, with no line that begins like
+/// a message about a source.
+fn usage(error: &clap::Error) -> u8 {
+    if !error.use_stderr() {
+        let _ = error.print();
+        return exit::OK;
+    }
+    let text = error.render().to_string();
+    report::say(text.strip_prefix("error: ").unwrap_or(&text).trim_end());
+    exit::USAGE
+}

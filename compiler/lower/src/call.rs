@@ -104,7 +104,7 @@ impl Context<'_, '_> {
             Passing::Pointer | Passing::Any => {
                 let bytes = if parameter.passing == Passing::Any { 10 } else { 6 };
                 let temporary = self.temporary(bytes);
-                self.store_pointer(temporary, actual, parameter.passing == Passing::Any, area::V);
+                self.store_pointer(temporary, actual, parameter.passing == Passing::Any);
                 references.push(self.b.i32_const(temporary.offset));
             }
         }
@@ -115,7 +115,7 @@ impl Context<'_, '_> {
         let pointer = self.temporary(6);
         match actual {
             Actual::Place(place) => {
-                let fields = self.pointer_fields(place, area::V);
+                let fields = self.pointer_fields(place);
                 self.store_pointer_fields(pointer, fields);
                 let target = self.target(place, Width::Byte, place::Direction::Read);
                 let reference = self.reference(target, Width::Byte, place::Direction::Read);
@@ -125,7 +125,7 @@ impl Context<'_, '_> {
             Actual::Const(bytes) => {
                 let temporary = self.temporary(bytes.len() as u32);
                 self.store_bytes(temporary, bytes);
-                let fields = self.pointer_fields(&Place::L { byte: temporary.offset, bit: 0 }, area::V);
+                let fields = self.pointer_fields(&Place::L { byte: temporary.offset, bit: 0 });
                 self.store_pointer_fields(pointer, fields);
                 references.push(self.b.i32_const(pointer.offset));
                 let address = self.b.address_of(temporary);
@@ -244,7 +244,7 @@ impl Context<'_, '_> {
             }
             (Passing::Complex { .. }, actual) if is_reference(parameter) => {
                 let Actual::Place(place) = actual else { unreachable!("the binder gives IN_OUT variables") };
-                let fields = self.pointer_fields(place, area::V);
+                let fields = self.pointer_fields(place);
                 let target = self.instance_target(base, byte, Width::Dword);
                 self.store_at(target, |context, addr| context.store_pointer_fields(addr, fields));
             }
@@ -263,7 +263,7 @@ impl Context<'_, '_> {
             (Passing::Pointer | Passing::Any, actual) => {
                 let any = parameter.passing == Passing::Any;
                 let target = self.instance_target(base, byte, Width::Byte);
-                self.store_at(target, |context, addr| context.store_pointer(addr, actual, any, area::V));
+                self.store_at(target, |context, addr| context.store_pointer(addr, actual, any));
             }
             (Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number, _) => {
                 unreachable!("the binder gives each formal an actual of its kind")
@@ -354,10 +354,9 @@ impl Context<'_, '_> {
         let number = self.b.i32_const(u32::from(callee.number));
         let block = self.b.address_of(structure);
         let frame = self.b.frame_base(false);
-        let caller = self.b.address_of(Address::direct(Region::V, 0));
         let answer = self
             .b
-            .call_runtime(RuntimeFn::SystemFunction, &[site, number, block, frame, caller])
+            .call_runtime(RuntimeFn::SystemFunction, &[site, number, block, frame])
             .expect("system_function has a result");
         let stop = self.b.binary_imm(BinaryOp::And, answer, 2);
         self.stop_check(stop);
@@ -391,8 +390,7 @@ impl Context<'_, '_> {
                 self.store_low(addr, Width::Word, value);
             }
             (Passing::Pointer | Passing::Any, actual) => {
-                // A system function has no frame: to it, local data of this block are L and those of its caller V.
-                self.store_pointer(addr, actual, parameter.passing == Passing::Any, area::L);
+                self.store_pointer(addr, actual, parameter.passing == Passing::Any);
             }
             (Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number, _) => {
                 unreachable!("the binder gives each formal an actual of its kind")

@@ -24,15 +24,14 @@ pub struct PointerFields {
 }
 
 impl Context<'_, '_> {
-    /// A pointer to `place` as the callee sees it. `local` is the area code that local data of this block have there: V for
-    /// a block.
-    pub fn pointer_fields(&mut self, place: &Place, local: u8) -> PointerFields {
+    /// A pointer to `place` as a called block sees it: local data of this block are the callee's area V.
+    pub fn pointer_fields(&mut self, place: &Place) -> PointerFields {
         let known = |code: u8, byte: u32, bit: u8| (u32::from(code) << 24) | (byte << 3) | u32::from(bit);
         let (db, pointer) = match *place {
             Place::I { byte, bit } => (None, known(area::I, byte, bit)),
             Place::Q { byte, bit } => (None, known(area::Q, byte, bit)),
             Place::M { byte, bit } => (None, known(area::M, byte, bit)),
-            Place::L { byte, bit } => (None, known(local, byte, bit)),
+            Place::L { byte, bit } => (None, known(area::V, byte, bit)),
             Place::Pi { byte } | Place::Pq { byte } => (None, known(area::P, byte, 0)),
             Place::Db { number, byte, bit } => (Some(self.b.i32_const(u32::from(number))), known(area::DB, byte, bit)),
             Place::OpenDb { byte, bit } => (Some(self.get(self.regs.db)), known(area::DB, byte, bit)),
@@ -105,13 +104,12 @@ impl Context<'_, '_> {
         self.store_low(moved(addr, 2), Width::Dword, fields.pointer);
     }
 
-    /// Writes the POINTER (6 bytes) or ANY (10 bytes) of an actual parameter to `addr`; `local` as in
-    /// [`pointer_fields`](Context::pointer_fields).
-    pub fn store_pointer(&mut self, addr: Address, actual: &Actual, any: bool, local: u8) {
+    /// Writes the POINTER (6 bytes) or ANY (10 bytes) of an actual parameter to `addr`.
+    pub fn store_pointer(&mut self, addr: Address, actual: &Actual, any: bool) {
         match actual {
             Actual::PointerBytes(bytes) | Actual::Const(bytes) => self.store_bytes(addr, bytes),
             Actual::PointerTo { place, type_code, count } => {
-                let fields = self.pointer_fields(place, local);
+                let fields = self.pointer_fields(place);
                 if any {
                     let head = ANY_S7 << 24 | u32::from(*type_code) << 16 | u32::from(*count);
                     let head = self.b.i32_const(head);

@@ -116,9 +116,8 @@ runtime_functions! {
     /// caller's does. A missing block is a synchronous error. Result as `Safepoint`.
     CallBlock = "call_block"(site: I32, kind: I32, number: I32, lbase: I32, vbase: I32) -> I32, All;
     /// Calls system function `number`; its parameters lie at `block`, laid out like a structure (IN, OUT, IN_OUT).
-    /// L pointers among them refer to `lbase`, the caller's frame, V pointers to `vbase`, the frame of the caller's caller.
-    /// Result: bit 0 BR, bit 1 as `Safepoint`.
-    SystemFunction = "system_function"(site: I32, number: I32, block: I32, lbase: I32, vbase: I32) -> I32, All;
+    /// `lbase` is the caller's frame, to which L and V pointers among them refer. Result: bit 0 BR, bit 1 as `Safepoint`.
+    SystemFunction = "system_function"(site: I32, number: I32, block: I32, lbase: I32) -> I32, All;
 
     /// Starts timer `number` (already checked) in `mode` (a [`TimerMode`]) with the S5TIME in `value`, by the edge of `rlo`.
     /// Result: bit 0 an invalid BCD value (synchronous error to be raised by the caller), bit 1 OV := bit 2 (only SD).

@@ -110,8 +110,8 @@ functions! {
         CallBlock = plcc_rt_call_block(cpu, site, kind, number, lbase, vbase) -> u32 {
             cpu.call_block(site, kind, number, lbase, vbase)
         }
-        SystemFunction = plcc_rt_system_function(cpu, site, number, block, lbase, vbase) -> u32 {
-            cpu.system_function(site, number, block, lbase, vbase)
+        SystemFunction = plcc_rt_system_function(cpu, site, number, block, lbase) -> u32 {
+            cpu.system_function(site, number, block, lbase)
         }
         TimerStart = plcc_rt_timer_start(cpu, number, mode, value, rlo) -> u32 {
             match TimerMode::ALL.get(mode as usize) {

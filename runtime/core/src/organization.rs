@@ -180,7 +180,7 @@ impl Cpu {
         let Ok(short) = u16::try_from(number) else { return self.sync_error(site, too_large, 0, number) };
         let Some(block) = self.block(kind, short) else {
             if kind == BlockKind::Sfc && crate::system::is_without_parameters(short) {
-                let result = self.system_function(site, number, layout::SCRATCH, vbase, vbase);
+                let result = self.system_function(site, number, layout::SCRATCH, vbase);
                 self.memory.set_host32(CpuRegister::Br.slot(), result & 1);
                 return result >> 1;
             }

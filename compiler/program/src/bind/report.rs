@@ -89,7 +89,7 @@ impl Report {
 
     pub fn missing_block(&mut self, prefix: BlockPrefix, number: u16, span: Span) {
         self.missing(MissingKey::Block(prefix, number), span, || {
-            let name = format!("{} {number}", prefix_letters(prefix));
+            let name = format!("{} {number}", prefix.letters());
             let message = Diagnostic::new(Code::UnknownBlock, span, format!("{name} is not defined"))
                 .label("no source of the program defines this block");
             // Low numbers are mostly the user's own.
@@ -110,7 +110,7 @@ impl Report {
     /// A block that the CPU or a Siemens library has and plcc has not.
     pub fn not_shipped(&mut self, prefix: BlockPrefix, number: u16, name: &str, span: Span) {
         self.missing(MissingKey::NotShipped(prefix, number), span, || {
-            let block = format!("{} {number}", prefix_letters(prefix));
+            let block = format!("{} {number}", prefix.letters());
             Diagnostic::new(Code::NotShipped, span, format!("{block} `{name}` is not shipped yet"))
                 .label("plcc knows this block but does not have it")
                 .help(match prefix {

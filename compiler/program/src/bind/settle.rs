@@ -50,7 +50,10 @@ pub enum Settled<'o> {
 impl Binder<'_> {
     /// Notes the use of a DB by number; a DB that is not there is a warning.
     pub fn use_db(&mut self, number: u16, span: Span) {
-        if number != 0 && !self.dbs.contains_key(&number) && !self.data.contains_key(&number) {
+        let known = self.dbs.contains_key(&number)
+            || self.data.contains_key(&number)
+            || self.unknown_instances.contains(&number);
+        if number != 0 && !known {
             self.report.missing_db(number, span);
         }
     }

@@ -97,7 +97,13 @@ pub(super) fn decode(call: &Call, index: usize, access: Access) -> Result<Option
             (address, length)
         }
         area::L => (call.lbase, memory.host32(state::L_END).saturating_sub(call.lbase)),
-        area::V => (call.vbase, memory.host32(state::L_END).saturating_sub(call.vbase)),
+        area::V => {
+            // Below the caller's frame lies what the caller was given itself: addresses wrap inside the L stack.
+            let stack = call.lbase & !(layout::L_CLASS_BYTES - 1);
+            let start = stack | (call.lbase + byte) & (layout::L_CLASS_BYTES - 1);
+            let existing = memory.host32(state::L_END).saturating_sub(start).min(bytes);
+            return Ok(Some(Range { offset: start, bytes, existing, type_code }));
+        }
         _ => return Err(by_access(0x24, 0x25)),
     };
     let length = length.min(layout::AREA_BYTES);

@@ -120,13 +120,13 @@ const BR: u32 = 1;
 const STOPPED: u32 = 2;
 
 impl Cpu {
-    /// Calls system function `number` with parameters at `block`; `lbase` is the caller's frame, `vbase` that of its caller.
+    /// Calls system function `number` with parameters at `block`; `lbase` is the caller's frame.
     /// Result: bit 0 BR, bit 1 STOP.
-    pub(crate) fn system_function(&self, site: u32, number: u32, block: u32, lbase: u32, vbase: u32) -> u32 {
+    pub(crate) fn system_function(&self, site: u32, number: u32, block: u32, lbase: u32) -> u32 {
         let Some(row) = row(number) else {
             return self.sync_error(site, sync::SFC_MISSING, 0, number) * STOPPED;
         };
-        let call = Call { cpu: self, site, block, lbase, vbase, parameters: row.parameters };
+        let call = Call { cpu: self, site, block, lbase, parameters: row.parameters };
         let br = match (row.function)(&call) {
             Outcome::RetVal(value) => {
                 if let Some(index) = row.ret_val {

@@ -51,8 +51,6 @@ pub(super) struct Call<'a> {
     pub block: u32,
     /// Frame of the caller.
     pub lbase: u32,
-    /// Frame of the block that called the caller.
-    pub vbase: u32,
     pub parameters: &'static [Kind],
 }
 

@@ -39,12 +39,12 @@ fn ob_121_gets_its_start_information_inside_the_class() {
         keep.borrow_mut().push(cpu.memory.bytes(lbase));
         let block = layout::SCRATCH;
         cpu.memory.set_dword(block, 0xAABB_CCDD);
-        assert_eq!(cpu.system_function(0, 44, block, lbase, lbase), 1);
+        assert_eq!(cpu.system_function(0, 44, block, lbase), 1);
     });
     let ob1: Block = Box::new(|cpu, lbase| {
         assert_eq!(cpu.sync_error(0, sync::LENGTH_READ, 0x24, 0x1234), 0);
         assert_eq!(cpu.memory.host32(state::SUBSTITUTE), 0xAABB_CCDD);
-        assert_eq!(cpu.system_function(0, 44, layout::SCRATCH, lbase, lbase), 0, "8080 outside of OB 121");
+        assert_eq!(cpu.system_function(0, 44, layout::SCRATCH, lbase), 0, "8080 outside of OB 121");
         assert_eq!(cpu.memory.word(layout::SCRATCH + 4), 0x8080);
     });
     let cpu = cpu_with(vec![(1, ob1), (121, ob121)], |image| {
@@ -121,7 +121,7 @@ fn wait(ms: u32) -> Block {
     Box::new(move |cpu, lbase| {
         for _ in 0..ms {
             cpu.memory.set_word(layout::SCRATCH, 1000);
-            if cpu.system_function(0, 47, layout::SCRATCH, lbase, lbase) & 2 != 0 {
+            if cpu.system_function(0, 47, layout::SCRATCH, lbase) & 2 != 0 {
                 return;
             }
         }
@@ -155,7 +155,7 @@ fn sleep_is_not_monitored_and_sfc_43_restarts() {
     let ob1: Block = Box::new(|cpu, lbase| {
         cpu.pass_time(1_000_000_000, false);
         wait(149)(cpu, lbase);
-        cpu.system_function(0, 43, layout::SCRATCH, lbase, lbase);
+        cpu.system_function(0, 43, layout::SCRATCH, lbase);
         wait(149)(cpu, lbase);
     });
     let cpu = cpu(vec![(1, ob1)]);

@@ -44,7 +44,7 @@ fn any(code: u8, count: u16, db: u16, area: u8, byte: u32) -> [u8; 10] {
 fn block_move(cpu: &Cpu, lbase: u32, number: u32, from: [u8; 10], to: [u8; 10]) -> u16 {
     cpu.memory.set_bytes(AT, from);
     cpu.memory.set_bytes(AT + 12, to);
-    let br = cpu.system_function(0, number, AT, lbase, lbase);
+    let br = cpu.system_function(0, number, AT, lbase);
     let value = cpu.memory.word(AT + 10);
     assert_eq!(br == 1, value & 0x8000 == 0);
     value
@@ -99,7 +99,7 @@ fn data_blocks_come_and_go() {
     in_ob1(|cpu, lbase| {
         let create = |low, high, count| {
             words(cpu, &[low, high, count]);
-            cpu.system_function(0, 22, AT, lbase, lbase);
+            cpu.system_function(0, 22, AT, lbase);
             (cpu.memory.word(AT + 6), cpu.memory.word(AT + 8))
         };
         assert_eq!(create(10, 12, 100), (0, 11));
@@ -109,7 +109,7 @@ fn data_blocks_come_and_go() {
         assert_eq!(create(20, 30, 51), (0x80A2, 0));
         let delete = |number| {
             words(cpu, &[number]);
-            cpu.system_function(0, 23, AT, lbase, lbase);
+            cpu.system_function(0, 23, AT, lbase);
             cpu.memory.word(AT + 2)
         };
         cpu.memory.set_byte(cpu.memory.db(11).0, 0xFF);
@@ -118,7 +118,7 @@ fn data_blocks_come_and_go() {
         assert_eq!(cpu.memory.byte(cpu.memory.db(11).0), 0, "contents are 0");
         let test = |number| {
             words(cpu, &[number]);
-            cpu.system_function(0, 24, AT, lbase, lbase);
+            cpu.system_function(0, 24, AT, lbase);
             (cpu.memory.word(AT + 2), cpu.memory.word(AT + 4))
         };
         assert_eq!((test(11), test(10), test(99)), ((0, 90), (0, 20), (0x80B1, 0)));
@@ -131,7 +131,7 @@ fn pool_is_finite() {
         let mut made = 0;
         loop {
             words(cpu, &[100, 60_000, 65_534]);
-            cpu.system_function(0, 22, AT, lbase, lbase);
+            cpu.system_function(0, 22, AT, lbase);
             match cpu.memory.word(AT + 6) {
                 0 => made += 1,
                 code => {
@@ -148,14 +148,14 @@ fn pool_is_finite() {
 fn clock_functions() {
     in_ob1(|cpu, lbase| {
         cpu.memory.set_bytes(AT, [0x20, 0x02, 0x29, 0x12, 0x30, 0, 0, 0]);
-        assert_eq!(cpu.system_function(0, 0, AT, lbase, lbase), 1);
+        assert_eq!(cpu.system_function(0, 0, AT, lbase), 1);
         cpu.pass_time(1_500_000_000, false);
-        assert_eq!(cpu.system_function(0, 1, AT, lbase, lbase), 1);
+        assert_eq!(cpu.system_function(0, 1, AT, lbase), 1);
         assert_eq!(cpu.memory.bytes::<8>(AT + 2), [0x20, 0x02, 0x29, 0x12, 0x30, 0x01, 0x50, 0x07]);
-        assert_eq!(cpu.system_function(0, 64, AT, lbase, lbase), 1);
+        assert_eq!(cpu.system_function(0, 64, AT, lbase), 1);
         assert_eq!(cpu.memory.dword(AT), 1500);
         cpu.memory.set_byte(AT + 1, 0x13);
-        assert_eq!(cpu.system_function(0, 0, AT, lbase, lbase), 0);
+        assert_eq!(cpu.system_function(0, 0, AT, lbase), 0);
         assert_eq!(cpu.memory.word(AT + 8), 0x8080);
     });
 }
@@ -165,9 +165,9 @@ fn delay_interrupt() {
     let ob1: Block = Box::new(|cpu, lbase| {
         if cpu.memory.byte(lbase + 1) == 1 {
             words(cpu, &[20, 0, 25, 0xABCD]);
-            assert_eq!(cpu.system_function(0, 32, AT, lbase, lbase), 1);
+            assert_eq!(cpu.system_function(0, 32, AT, lbase), 1);
             words(cpu, &[20]);
-            cpu.system_function(0, 34, AT, lbase, lbase);
+            cpu.system_function(0, 34, AT, lbase);
             assert_eq!(cpu.memory.word(AT + 4), 0b1_0100);
         }
     });
@@ -176,7 +176,7 @@ fn delay_interrupt() {
         assert_eq!(cpu.memory.bytes::<12>(lbase), [0x11, 0x21, 3, 20, 0, 0, 0xAB, 0xCD, 0, 0, 0, 25]);
         cpu.memory.set_byte(layout::M, 1);
         words(cpu, &[20]);
-        assert_eq!(cpu.system_function(0, 33, AT, lbase, lbase), 0);
+        assert_eq!(cpu.system_function(0, 33, AT, lbase), 0);
         assert_eq!(cpu.memory.word(AT + 2), 0x80A0);
     });
     let cpu = cpu(vec![(1, ob1), (20, ob20)]);
@@ -190,11 +190,11 @@ fn time_of_day_interrupt_every_minute() {
         words(cpu, &[10]);
         cpu.memory.set_bytes(AT + 2, datetime::encode(datetime::VIRTUAL_START + 60_000_000_000));
         cpu.memory.set_word(AT + 10, 0x0201);
-        assert_eq!(cpu.system_function(0, 28, AT, lbase, lbase), 1);
+        assert_eq!(cpu.system_function(0, 28, AT, lbase), 1);
         words(cpu, &[10]);
-        assert_eq!(cpu.system_function(0, 30, AT, lbase, lbase), 1);
+        assert_eq!(cpu.system_function(0, 30, AT, lbase), 1);
         words(cpu, &[11]);
-        assert_eq!(cpu.system_function(0, 30, AT, lbase, lbase), 0);
+        assert_eq!(cpu.system_function(0, 30, AT, lbase), 0);
         assert_eq!(cpu.memory.word(AT + 2), 0x80A0);
     });
     let ob10: Block = Box::new(|cpu, lbase| {
@@ -214,21 +214,21 @@ fn interrupts_can_be_delayed_and_disabled() {
     let ob1: Block = Box::new(|cpu, lbase| {
         let event = crate::events::usual(40).unwrap();
         let runs = || cpu.memory.byte(layout::M);
-        cpu.system_function(0, 41, AT, lbase, lbase);
-        cpu.system_function(0, 41, AT, lbase, lbase);
+        cpu.system_function(0, 41, AT, lbase);
+        cpu.system_function(0, 41, AT, lbase);
         assert_eq!(cpu.memory.word(AT), 2);
         cpu.request(event);
         cpu.safepoint(NO_SITE);
-        cpu.system_function(0, 42, AT, lbase, lbase);
+        cpu.system_function(0, 42, AT, lbase);
         assert_eq!(runs(), 0);
-        cpu.system_function(0, 42, AT, lbase, lbase);
+        cpu.system_function(0, 42, AT, lbase);
         assert_eq!((cpu.memory.word(AT), runs()), (0, 1));
-        assert_eq!(cpu.system_function(0, 42, AT, lbase, lbase), 0);
+        assert_eq!(cpu.system_function(0, 42, AT, lbase), 0);
         assert_eq!(cpu.memory.word(AT), 0x8080);
         let select = |number, mode, ob| {
             cpu.memory.set_byte(AT, mode);
             cpu.memory.set_word(AT + 2, ob);
-            cpu.system_function(0, number, AT, lbase, lbase);
+            cpu.system_function(0, number, AT, lbase);
             cpu.memory.word(AT + 4)
         };
         assert_eq!((select(39, 2, 39), select(39, 3, 40), select(39, 1, 40)), (0x8090, 0x8091, 0));
@@ -248,7 +248,7 @@ fn interrupts_can_be_delayed_and_disabled() {
 
 #[test]
 fn unknown_system_function() {
-    let ob1: Block = Box::new(|cpu, lbase| assert_eq!(cpu.system_function(0, 999, AT, lbase, lbase), 2));
+    let ob1: Block = Box::new(|cpu, lbase| assert_eq!(cpu.system_function(0, 999, AT, lbase), 2));
     let cpu = cpu(vec![(1, ob1)]);
     run(&cpu, 1);
     assert_eq!(cpu.stopped().unwrap().cause.unwrap().event, 0x253D);
@@ -260,7 +260,7 @@ fn masked_errors_are_noted() {
         let call = |number, program: u32, access: u32| {
             cpu.memory.set_dword(AT, program);
             cpu.memory.set_dword(AT + 4, access);
-            cpu.system_function(0, number, AT, lbase, lbase);
+            cpu.system_function(0, number, AT, lbase);
             (cpu.memory.word(AT + 8), cpu.memory.dword(AT + 10), cpu.memory.dword(AT + 14))
         };
         assert_eq!(call(36, 1 << 2, 1 << 3), (0, 0x0BC0_FC01 | 1 << 2, !0x10));
@@ -277,7 +277,7 @@ fn masked_errors_are_noted() {
 #[test]
 fn start_information_can_be_read() {
     in_ob1(|cpu, lbase| {
-        assert_eq!(cpu.system_function(0, 6, AT, lbase, lbase), 1);
+        assert_eq!(cpu.system_function(0, 6, AT, lbase), 1);
         assert_eq!(cpu.memory.bytes::<4>(AT + 2), [0x11, 1, 1, 1]);
         assert_eq!(cpu.memory.bytes::<4>(AT + 14), [0; 4]);
     });
@@ -290,7 +290,7 @@ fn output_bits_in_a_row() {
             cpu.memory.set_word(AT, count);
             cpu.memory.set_word(AT + 4, 0);
             cpu.memory.set_dword(AT + 6, u32::from(area) << 24 | first);
-            cpu.system_function(0, number, AT, lbase, lbase);
+            cpu.system_function(0, number, AT, lbase);
             cpu.memory.word(AT + 2)
         };
         assert_eq!(call(79, 12, 0x80u8, 8 * 4 + 6), 0);
@@ -308,13 +308,13 @@ fn distributed_data() {
         cpu.driver.set_input(512, 4, 0x0102_0304);
         cpu.memory.set_word(AT, 512);
         cpu.memory.set_bytes(AT + 4, any(2, 4, 0, 0x83, 0));
-        assert_eq!(cpu.system_function(0, 14, AT, lbase, lbase), 1);
+        assert_eq!(cpu.system_function(0, 14, AT, lbase), 1);
         assert_eq!(cpu.memory.dword(layout::M), 0x0102_0304);
         cpu.memory.set_bytes(AT + 2, any(2, 4, 0, 0x83, 0));
-        assert_eq!(cpu.system_function(0, 15, AT, lbase, lbase), 1);
+        assert_eq!(cpu.system_function(0, 15, AT, lbase), 1);
         assert_eq!(cpu.driver.output(512, 4), 0x0102_0304);
         cpu.memory.set_bytes(AT + 2, any(4, 2, 0, 0x83, 0));
-        assert_eq!(cpu.system_function(0, 15, AT, lbase, lbase), 0);
+        assert_eq!(cpu.system_function(0, 15, AT, lbase), 0);
         assert_eq!(cpu.memory.word(AT + 12), 0x8092);
     });
 }
@@ -328,7 +328,7 @@ fn a_jump_of_the_wall_clock_skips_time_of_day_interrupts() {
     });
     let ob1: Block = Box::new(|cpu, lbase| {
         cpu.memory.set_bytes(AT, datetime::encode(datetime::VIRTUAL_START + 86_400_000_000_000));
-        cpu.system_function(0, 0, AT, lbase, lbase);
+        cpu.system_function(0, 0, AT, lbase);
         assert_eq!(cpu.safepoint(NO_SITE), 0);
         assert_eq!(cpu.memory.byte(layout::M), 1);
     });
