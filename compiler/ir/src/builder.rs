@@ -655,13 +655,6 @@ impl FunctionBuilder {
         assert_eq!(values.len(), self.function.returns.len(), "values returned");
         self.terminate(InstData::Return { values: values.to_vec() });
     }
-
-    /// Reads every variable in the current block, so that later reads find it here and need not look further back.
-    pub fn settle_vars(&mut self) {
-        for var in self.vars.keys() {
-            self.use_var(var);
-        }
-    }
 }
 
 #[cfg(test)]

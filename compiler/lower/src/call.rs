@@ -9,7 +9,7 @@ use plcc_abi::RuntimeFn;
 use plcc_abi::codes::{stop, sync};
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout::{self, CpuRegister, area, state};
-use plcc_ir::{Address, BinaryOp, FuncId, IntCc, Region, Type, Value};
+use plcc_ir::{Address, BinaryOp, FuncId, FunctionBuilder, IntCc, Region, Type, Value};
 use plcc_program::model::{
     Actual, Argument, BlockKey, Call, CodeBlock, Direction, Instance, Parameter, Passing, Place, Width,
 };
@@ -438,18 +438,24 @@ impl Context<'_, '_> {
         if !self.plan.checks_depth {
             return None;
         }
-        let depth = self.b.load_state(state::DEPTH);
-        let depth_max = self.b.load_state(state::DEPTH_MAX);
-        let ok = self.b.icmp(IntCc::Ult, depth, depth_max);
-        self.stop_unless(ok, stop::BLOCK_DEPTH);
+        let depth = self.count_depth();
         let frame = self.b.frame_base(true);
         let end = self.b.binary_imm(BinaryOp::Iadd, frame, i64::from(self.plan.frame_estimate(callee.key())));
         let limit = self.b.load_state(state::L_END);
         let ok = self.b.icmp(IntCc::Ule, end, limit);
         self.stop_unless(ok, stop::LOCAL_DATA);
+        Some(depth)
+    }
+
+    /// Goes one block deeper, or to STOP. Gives the depth before.
+    fn count_depth(&mut self) -> Value {
+        let depth = self.b.load_state(state::DEPTH);
+        let depth_max = self.b.load_state(state::DEPTH_MAX);
+        let ok = self.b.icmp(IntCc::Ult, depth, depth_max);
+        self.stop_unless(ok, stop::BLOCK_DEPTH);
         let deeper = self.b.binary_imm(BinaryOp::Iadd, depth, 1);
         self.b.store_state(state::DEPTH, deeper);
-        Some(depth)
+        depth
     }
 
     fn leave_call(&mut self, depth: Option<Value>) {
@@ -465,7 +471,8 @@ impl Context<'_, '_> {
             unreachable!("the binder lets calls of known blocks through only");
         };
         let (db, di) = (self.get(self.regs.db), self.get(self.regs.di));
-        let check = self.instance_check(callee);
+        let ar2 = self.get(self.regs.ar[1]);
+        let check = instance_check(&mut self.b, callee, di, ar2);
         let guard = self.begin_guard(check.into_iter().collect(), Substitute::None);
         let mut references = Vec::new();
         if callee.kind == BlockKind::Fc {
@@ -479,28 +486,6 @@ impl Context<'_, '_> {
         self.end_guard(guard);
     }
 
-    /// DI is long enough for the instance of `callee` at AR2, which its code relies on.
-    pub fn instance_check(&mut self, callee: &CodeBlock) -> Option<Check> {
-        if !matches!(callee.kind, BlockKind::Fb | BlockKind::Sfb) || callee.interface.bytes == 0 {
-            return None;
-        }
-        let (di, ar2) = (self.get(self.regs.di), self.get(self.regs.ar[1]));
-        let length = self.b.db_length(di);
-        let bits = self.b.binary_imm(BinaryOp::And, ar2, 0x00FF_FFFF);
-        let byte = self.b.binary_imm(BinaryOp::Lshr, bits, 3);
-        let end = self.b.binary_imm(BinaryOp::Iadd, byte, i64::from(callee.interface.bytes));
-        let long_enough = self.b.icmp(IntCc::Ule, end, length);
-        let bit = self.b.binary_imm(BinaryOp::And, ar2, 7);
-        let aligned = self.b.icmp_imm(IntCc::Eq, bit, 0);
-        let ok = self.b.and(long_enough, aligned);
-        let open = self.b.icmp_imm(IntCc::Ne, di, 0);
-        let (short, none) = (self.b.i32_const(sync::LENGTH_READ.into()), self.b.i32_const(sync::DI_NUMBER.into()));
-        let code = self.b.select(open, short, none);
-        let info = self.b.select(open, byte, di);
-        let access = self.b.i32_const(u32::from(plcc_abi::codes::access_area::DI));
-        Some(Check { ok, code, access, info })
-    }
-
     /// Calls the FC or FB whose number is known at run time only. Registers travel in the CPU state.
     pub fn call_by_number(&mut self, kind: BlockKind, number: Value) {
         let plan = self.plan;
@@ -509,15 +494,11 @@ impl Context<'_, '_> {
             let value = self.b.zext(Type::I32, value);
             self.b.store_state(register.slot(), value);
         }
+        let depth = self.count_depth();
         let site = self.b.i32_const(self.site);
+        self.b.store_state(state::SITE, site);
         let kind = self.b.i32_const(kind as u32);
         let (callee_frame, frame) = (self.b.frame_base(true), self.b.frame_base(false));
-        let depth = self.b.load_state(state::DEPTH);
-        let depth_max = self.b.load_state(state::DEPTH_MAX);
-        let ok = self.b.icmp(IntCc::Ult, depth, depth_max);
-        self.stop_unless(ok, stop::BLOCK_DEPTH);
-        let deeper = self.b.binary_imm(BinaryOp::Iadd, depth, 1);
-        self.b.store_state(state::DEPTH, deeper);
         let stop = self
             .b
             .call_runtime(RuntimeFn::CallBlock, &[site, kind, number, callee_frame, frame])
@@ -531,6 +512,27 @@ impl Context<'_, '_> {
         }
         self.safepoint();
     }
+}
+
+/// DB `di` is long enough for the instance of `callee` at `ar2`, which its code relies on; `None` if it has no instance.
+pub fn instance_check(b: &mut FunctionBuilder, callee: &CodeBlock, di: Value, ar2: Value) -> Option<Check> {
+    if !matches!(callee.kind, BlockKind::Fb | BlockKind::Sfb) || callee.interface.bytes == 0 {
+        return None;
+    }
+    let length = b.db_length(di);
+    let bits = b.binary_imm(BinaryOp::And, ar2, 0x00FF_FFFF);
+    let byte = b.binary_imm(BinaryOp::Lshr, bits, 3);
+    let end = b.binary_imm(BinaryOp::Iadd, byte, i64::from(callee.interface.bytes));
+    let long_enough = b.icmp(IntCc::Ule, end, length);
+    let bit = b.binary_imm(BinaryOp::And, ar2, 7);
+    let aligned = b.icmp_imm(IntCc::Eq, bit, 0);
+    let ok = b.and(long_enough, aligned);
+    let open = b.icmp_imm(IntCc::Ne, di, 0);
+    let (short, none) = (b.i32_const(sync::LENGTH_READ.into()), b.i32_const(sync::DI_NUMBER.into()));
+    let code = b.select(open, short, none);
+    let info = b.select(open, byte, di);
+    let access = b.i32_const(u32::from(plcc_abi::codes::access_area::DI));
+    Some(Check { ok, code, access, info })
 }
 
 fn access_direction(direction: Direction) -> place::Direction {

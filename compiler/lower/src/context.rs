@@ -13,8 +13,6 @@ use crate::plan::{self, Plan};
 
 /// Entries of the nesting stack. Source: STL reference, nesting expressions.
 pub const NESTING_MAX: usize = 7;
-/// A join of control flow settles all variables once in so many labels, which bounds how far reads walk back.
-const LABELS_BETWEEN_SETTLING: u32 = 32;
 
 /// An open parenthesis: its instruction, and the bits that were pushed.
 #[derive(Clone, Copy)]
@@ -106,7 +104,7 @@ struct LabelState {
 /// What lowering one block needs at hand.
 pub struct Context<'p, 'o> {
     pub plan: &'p Plan<'p>,
-    pub output: &'o mut Output,
+    pub output: &'o mut Output<'p>,
     pub block: &'p CodeBlock,
     pub b: FunctionBuilder,
     pub regs: Registers,
@@ -127,7 +125,6 @@ pub struct Context<'p, 'o> {
     pub uses_mcr: bool,
     exit: Option<Block>,
     labels: FxHashMap<LabelId, LabelState>,
-    labels_since_settling: u32,
     /// Result of an access that may fault, 32 bits or a bit.
     pub result: Var,
     pub result_bit: Var,
@@ -139,7 +136,7 @@ impl<'p, 'o> Context<'p, 'o> {
     /// A context at the start of the block's function, with registers as the caller hands them over.
     pub fn new(
         plan: &'p Plan<'p>,
-        output: &'o mut Output,
+        output: &'o mut Output<'p>,
         block: &'p CodeBlock,
         statements: &[StlStatement],
     ) -> Context<'p, 'o> {
@@ -169,7 +166,6 @@ impl<'p, 'o> Context<'p, 'o> {
             uses_mcr: false,
             exit: None,
             labels: FxHashMap::default(),
-            labels_since_settling: 0,
             result,
             result_bit,
             reference,
@@ -319,13 +315,9 @@ impl<'p, 'o> Context<'p, 'o> {
 
     /// Instructions built from now on belong to `statement`.
     pub fn set_statement(&mut self, statement: &StlStatement) {
-        let site = Site {
-            file: self.output.file(statement.span),
-            line: self.output.lines.line(statement.span),
-            block: self.block.kind,
-            block_number: self.block.number,
-            network: statement.network,
-        };
+        let (file, line) = self.output.place(statement.span);
+        let site =
+            Site { file, line, block: self.block.kind, block_number: self.block.number, network: statement.network };
         let sites = &mut self.output.module.sites;
         if sites.last() != Some(&site) {
             sites.push(site);
@@ -368,11 +360,6 @@ impl<'p, 'o> Context<'p, 'o> {
             self.b.seal_block(block);
         }
         self.b.switch_to(block);
-        self.labels_since_settling += 1;
-        if self.labels_since_settling == LABELS_BETWEEN_SETTLING {
-            self.labels_since_settling = 0;
-            self.b.settle_vars();
-        }
     }
 
     /// Whether a jump to `label` goes back.
@@ -380,8 +367,7 @@ impl<'p, 'o> Context<'p, 'o> {
         self.labels.get(&label).is_some_and(|state| state.placed)
     }
 
-    /// Block to jump to for `label`; a backward jump passes a safepoint on its way. `counted` jumps must reach the number
-    /// declared for the label.
+    /// Block to jump to for `label`; a backward jump passes a safepoint on its way.
     pub fn label_target(&mut self, label: LabelId) -> Block {
         let target = self.labels[&label].block;
         if !self.is_backward(label) {

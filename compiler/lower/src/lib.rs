@@ -26,9 +26,6 @@ use plcc_program::model::Body;
 
 use crate::plan::Plan;
 
-/// Stands for the sources of the standard library in messages.
-const LIBRARY_FILE: &str = "standard library";
-
 /// A lowered program: its code, and what the runtime must know about it.
 #[derive(Clone, Debug)]
 pub struct Lowered {
@@ -54,11 +51,12 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
     }
     for (index, block) in program.blocks.iter().enumerate() {
         let Some(function) = plan.function(index) else { continue };
-        let frame = output.module.functions[function].frame_bytes;
+        let mut frame = output.module.functions[function].frame_bytes;
         let entry = match block.kind {
             BlockKind::Ob => function,
             _ if plan.has_dynamic_calls => {
                 let wrapper = entry::lower_entry(&plan, block, function);
+                frame += wrapper.frame_bytes;
                 output.module.functions.push(wrapper)
             }
             _ => continue,
@@ -76,15 +74,14 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
 }
 
 /// What grows while blocks are lowered.
-pub(crate) struct Output {
+pub(crate) struct Output<'s> {
     pub module: Module,
     pub image: ProgramImage,
-    /// Where the sources' files stand in the image, by file id.
-    lines: LineTable,
+    sources: &'s SourceMap,
 }
 
-impl Output {
-    fn new(program: &Program, sources: &SourceMap, plan: &Plan) -> Output {
+impl<'s> Output<'s> {
+    fn new(program: &Program, sources: &'s SourceMap, plan: &Plan) -> Output<'s> {
         let files: Vec<String> = sources.files().map(|(_, file)| file.name.clone()).collect();
         let module = Module { dbs: plan.dbs.clone(), files, ..Module::default() };
         let image = ProgramImage {
@@ -112,50 +109,17 @@ impl Output {
             symbols: program.symbols.clone(),
             stops_itself: plan.stops_itself,
         };
-        Output { module, image, lines: LineTable::new(sources) }
+        Output { module, image, sources }
     }
 
-    /// Index of the span's file in the image. Blocks of the standard library come from no file of the user's.
-    pub fn file(&mut self, span: plcc_diag::Span) -> u32 {
-        if (span.file.0 as usize) < self.lines.starts.len() {
-            return span.file.0;
-        }
-        let files = &mut self.module.files;
-        if files.len() == self.lines.starts.len() {
-            files.push(LIBRARY_FILE.to_owned());
-        }
-        files.len() as u32 - 1
+    /// Index of the span's file in the image, and its line there. Blocks of the standard library have the spans of their first calls.
+    pub fn place(&self, span: plcc_diag::Span) -> (u32, u32) {
+        (span.file.0, self.sources.file(span.file).line(span.start))
     }
 
     fn finish(mut self) -> Lowered {
         self.image.files = self.module.files.clone();
         self.image.sites = self.module.sites.clone();
         Lowered { module: self.module, image: self.image }
-    }
-}
-
-/// Finds lines of spans; spans of one block come in rising order, so that the last line found is a good guess.
-pub(crate) struct LineTable {
-    starts: Vec<Vec<u32>>,
-}
-
-impl LineTable {
-    fn new(sources: &SourceMap) -> LineTable {
-        let starts = sources
-            .files()
-            .map(|(_, file)| {
-                std::iter::once(0)
-                    .chain(
-                        file.text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at as u32 + 1),
-                    )
-                    .collect()
-            })
-            .collect();
-        LineTable { starts }
-    }
-
-    /// 1-based line of `span`.
-    pub fn line(&self, span: plcc_diag::Span) -> u32 {
-        self.starts.get(span.file.0 as usize).map_or(0, |starts| starts.partition_point(|&at| at <= span.start) as u32)
     }
 }

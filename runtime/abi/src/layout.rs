@@ -58,6 +58,8 @@ pub mod state {
     pub const DEPTH_MAX: u32 = 0x14;
     /// End of the running priority class' L stack, as offset from the memory base.
     pub const L_END: u32 = 0x18;
+    /// Site of the call by number that is being made, for errors before its block begins.
+    pub const SITE: u32 = 0x1C;
     /// CPU registers at the border between generated code and the runtime, one `u32` each, in the order of
     /// [`CpuRegister`](super::CpuRegister).
     pub const REGISTERS: u32 = 0x40;

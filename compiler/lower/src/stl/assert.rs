@@ -11,7 +11,7 @@ use crate::context::Context;
 impl Context<'_, '_> {
     /// Enters an assertion in the program's list; its number there.
     pub fn register_assert(&mut self, assert: &Assert, span: Span) -> u32 {
-        let (file, line) = (self.output.file(span), self.output.lines.line(span));
+        let (file, line) = self.output.place(span);
         let asserts = &mut self.output.image.asserts;
         asserts.push(AssertEntry {
             file,

@@ -30,7 +30,12 @@ use self::bit_logic::Combine;
 use self::jumps::Condition;
 
 /// Lowers a block to a function.
-pub fn lower_block(plan: &Plan<'_>, output: &mut Output, block: &CodeBlock, statements: &[StlStatement]) -> Function {
+pub fn lower_block<'p>(
+    plan: &'p Plan<'p>,
+    output: &mut Output<'p>,
+    block: &'p CodeBlock,
+    statements: &[StlStatement],
+) -> Function {
     let mut context = Context::new(plan, output, block, statements);
     context.uses_mcr = statements.iter().any(|statement| {
         matches!(statement.kind, StlStatementKind::Instruction { insn: StlInsn::McrActivate | StlInsn::McrOpen, .. })
