@@ -98,7 +98,6 @@ impl<'s> Output<'s> {
                     address: plan.db_address(db.number),
                     data: db.data.clone(),
                     read_only: db.read_only,
-                    non_retain: db.non_retain,
                     unlinked: db.unlinked,
                 })
                 .collect(),

@@ -148,7 +148,6 @@ pub struct DataBlock {
     pub instance_of: Option<BlockKey>,
     pub read_only: bool,
     pub unlinked: bool,
-    pub non_retain: bool,
 }
 
 /// A statement of an STL block.

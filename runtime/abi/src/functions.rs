@@ -2,6 +2,7 @@
 //!
 //! One row gives the name, the parameters and the result; the linker symbol is `plcc_rt_` + name. The runtime defines
 //! each as `extern "C"`; unless a row is `pure`, a pointer to the memory base stands before the listed parameters.
+//! A `site` is an index into the sites of the program image.
 //! `i1`, `i8` and `i16` never cross this border: bits and bytes travel as `i32`, 0 or 1 for a bit.
 
 /// Types of the IR and of this border.
@@ -146,7 +147,8 @@ runtime_functions! {
     /// Writes `bytes` at peripheral address `address`, and the output image where it covers it. Result not 0: no module there.
     PeripheralWrite = "peripheral_write"(address: I32, bytes: I32, value: I32) -> I32, Io;
 
-    /// Checks assertion `id` of a test: `left` and `right` as 32-bit patterns. `as_real` not 0: ordered as REAL.
+    /// Checks assertion `id` of a test: `left` and `right` as 32-bit patterns. How they are compared is in the
+    /// program image.
     Assert = "assert"(id: I32, left: I32, right: I32), Cells;
     /// Lets `ms` milliseconds pass on the clock, due interrupts included. Result as `Safepoint`.
     Sleep = "sleep"(ms: I32) -> I32, All;

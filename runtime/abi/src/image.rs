@@ -98,9 +98,8 @@ pub struct DbEntry {
     pub address: u32,
     /// Current values as loaded; its length is the DB's.
     pub data: Vec<u8>,
-    /// Load memory values that a cold restart brings back, if they differ from `data`.
+    /// The program cannot write it.
     pub read_only: bool,
-    pub non_retain: bool,
     /// In load memory only: not accessible to the program.
     pub unlinked: bool,
 }

@@ -151,7 +151,6 @@ impl Binder<'_> {
             instance_of,
             read_only: source.header.read_only,
             unlinked: source.header.unlinked,
-            non_retain: source.header.non_retain,
         };
         BoundDb { block, ty: typed.ty }
     }
@@ -222,7 +221,6 @@ impl Binder<'_> {
                 instance_of: Some(key),
                 read_only: false,
                 unlinked: false,
-                non_retain: false,
             };
             self.dbs.insert(number, BoundDb { block, ty: typed.ty });
         }

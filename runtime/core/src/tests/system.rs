@@ -26,7 +26,6 @@ fn in_ob1_of(family: Family, body: impl Fn(&Cpu, u32) + 'static) {
             address: layout::DB_DATA,
             data: (0..20).collect(),
             read_only: false,
-            non_retain: false,
             unlinked: false,
         });
         image.db_end = layout::DB_DATA + 32;
