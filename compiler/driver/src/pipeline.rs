@@ -168,7 +168,7 @@ fn implied_profile(units: &[(plcc_diag::FileId, SourceUnit)]) -> Profile {
         .iter()
         .flat_map(|(_, unit)| &unit.blocks)
         .filter_map(|block| match block {
-            Block::Code(code) => Some(&code.networks),
+            Block::Code(code) => Some(code.networks()),
             Block::Data(_) | Block::Type(_) => None,
         })
         .flatten()

@@ -33,7 +33,7 @@ impl Placer {
             return (byte, bit);
         }
         self.bits = None;
-        if !matches!(ty, DataType::Elementary(Elementary::Byte | Elementary::Char)) {
+        if !matches!(ty, DataType::Elementary(ty) if ty.bits() == 8) {
             self.align();
         }
         let byte = self.next;
@@ -66,9 +66,11 @@ pub fn bytes(ty: &DataType) -> u32 {
         DataType::Elementary(elementary) => elementary.bits().div_ceil(8),
         DataType::DateAndTime => 8,
         DataType::String(length) => even(u32::from(*length) + 2),
+        DataType::WideString(length) => 2 * u32::from(*length) + 4,
         DataType::Array(array) => array.bytes,
         DataType::Struct(structure) => structure.bytes,
         DataType::Parameter(parameter) => parameter_bytes(*parameter),
+        DataType::OpenArray(array) => 6 + 8 * u32::from(array.dimensions),
         DataType::Void => 0,
     }
 }
@@ -93,7 +95,8 @@ pub const fn width(ty: Elementary) -> Width {
         1 => Width::Bit,
         8 => Width::Byte,
         16 => Width::Word,
-        _ => Width::Dword,
+        32 => Width::Dword,
+        _ => Width::Lword,
     }
 }
 
@@ -113,7 +116,7 @@ fn rows(array_bounds: &[(i32, i32)], element: &DataType) -> Option<(u64, u64)> {
 /// Distance between elements that do not share bytes.
 fn stride(element: &DataType) -> u32 {
     match element {
-        DataType::Elementary(Elementary::Byte | Elementary::Char) => 1,
+        DataType::Elementary(ty) if ty.bits() == 8 => 1,
         _ => even(bytes(element)),
     }
 }
@@ -185,6 +188,10 @@ pub fn type_name(ty: &DataType) -> String {
         DataType::Elementary(elementary) => elementary.name().to_string(),
         DataType::DateAndTime => "DATE_AND_TIME".to_string(),
         DataType::String(length) => format!("STRING[{length}]"),
+        DataType::WideString(length) => format!("WSTRING[{length}]"),
+        DataType::OpenArray(array) => {
+            format!("ARRAY[{}] OF {}", vec!["*"; usize::from(array.dimensions)].join(","), type_name(&array.element))
+        }
         DataType::Array(array) => {
             let bounds: Vec<String> = array.bounds.iter().map(|(low, high)| format!("{low}..{high}")).collect();
             format!("ARRAY[{}] OF {}", bounds.join(","), type_name(&array.element))

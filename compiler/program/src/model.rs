@@ -2,6 +2,8 @@
 //!
 //! All languages bind to these blocks and interfaces; bodies differ by language until they are lowered.
 
+pub mod scl;
+
 use plcc_abi::image::{AssertOp, BlockKind, Config, Profile, SymbolEntry};
 use plcc_diag::Span;
 pub use plcc_syntax::ast::{AddressRegister, AssertRegister, CellKind, SpecialRegister, StatusOperand, Width};
@@ -124,12 +126,18 @@ pub enum Passing {
     Number,
     Pointer,
     Any,
+    /// ARRAY[*]. FC: reference to the actual, then low and high bound of each dimension. FB IN_OUT: a POINTER in the instance, then the
+    /// bounds, a DINT each.
+    OpenArray {
+        dimensions: u8,
+    },
 }
 
 /// Code of a block.
 #[derive(Clone, Debug)]
 pub enum Body {
     Stl(Vec<StlStatement>),
+    Scl(scl::Body),
     /// A system function that the runtime implements, under its own number.
     Runtime,
 }

@@ -367,8 +367,8 @@ pub fn parse_address(text: &str) -> Option<SymbolTarget> {
     if let Some(&(_, area, width)) = MEMORY.iter().find(|row| row.0 == letters) {
         let bit = match (width, bit) {
             (Width::Bit, Some(bit)) => digits(bit).filter(|&bit| bit < 8)? as u8,
-            (Width::Bit, None) | (Width::Byte | Width::Word | Width::Dword, Some(_)) => return None,
-            (Width::Byte | Width::Word | Width::Dword, None) => 0,
+            (Width::Bit, None) | (_, Some(_)) => return None,
+            (_, None) => 0,
         };
         return Some(SymbolTarget::Memory { area, width, byte: number, bit });
     }

@@ -2,66 +2,7 @@
 
 use std::rc::Rc;
 
-/// Elementary types.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Elementary {
-    Bool,
-    Byte,
-    Word,
-    Dword,
-    Char,
-    Int,
-    Dint,
-    Real,
-    S5Time,
-    Time,
-    Date,
-    TimeOfDay,
-}
-
-impl Elementary {
-    pub const ALL: [Elementary; 12] = [
-        Elementary::Bool,
-        Elementary::Byte,
-        Elementary::Word,
-        Elementary::Dword,
-        Elementary::Char,
-        Elementary::Int,
-        Elementary::Dint,
-        Elementary::Real,
-        Elementary::S5Time,
-        Elementary::Time,
-        Elementary::Date,
-        Elementary::TimeOfDay,
-    ];
-
-    /// Size in bits; 1 for BOOL.
-    pub const fn bits(self) -> u32 {
-        match self {
-            Elementary::Bool => 1,
-            Elementary::Byte | Elementary::Char => 8,
-            Elementary::Word | Elementary::Int | Elementary::S5Time | Elementary::Date => 16,
-            Elementary::Dword | Elementary::Dint | Elementary::Real | Elementary::Time | Elementary::TimeOfDay => 32,
-        }
-    }
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            Elementary::Bool => "BOOL",
-            Elementary::Byte => "BYTE",
-            Elementary::Word => "WORD",
-            Elementary::Dword => "DWORD",
-            Elementary::Char => "CHAR",
-            Elementary::Int => "INT",
-            Elementary::Dint => "DINT",
-            Elementary::Real => "REAL",
-            Elementary::S5Time => "S5TIME",
-            Elementary::Time => "TIME",
-            Elementary::Date => "DATE",
-            Elementary::TimeOfDay => "TIME_OF_DAY",
-        }
-    }
-}
+pub use plcc_syntax::{Class, Elementary};
 
 /// Types that exist for parameters only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -86,9 +27,13 @@ pub enum DataType {
     DateAndTime,
     /// Largest length; 2 more bytes in memory.
     String(u8),
+    /// Largest length in characters of two bytes; 4 more bytes in memory, two words.
+    WideString(u16),
     Array(Rc<ArrayType>),
     Struct(Rc<StructType>),
     Parameter(ParameterType),
+    /// `ARRAY[*]`, a formal parameter whose bounds come with the actual.
+    OpenArray(Rc<OpenArrayType>),
     /// VOID, the type of an FC without a result.
     Void,
 }
@@ -100,6 +45,13 @@ pub struct ArrayType {
     pub element: DataType,
     /// Bytes in memory, rounded up to even.
     pub bytes: u32,
+}
+
+/// An array whose bounds are known at run time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OpenArrayType {
+    pub dimensions: u8,
+    pub element: DataType,
 }
 
 /// A structure, a UDT, or the instance memory of an FB.

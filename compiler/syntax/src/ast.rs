@@ -6,6 +6,7 @@
 use plcc_diag::Span;
 
 use crate::literal::Literal;
+use crate::scl;
 use crate::stl::{Mnemonics, StlInsn};
 
 /// A source file.
@@ -115,8 +116,37 @@ pub struct CodeBlock {
     pub return_type: Option<TypeRef>,
     pub header: Header,
     pub sections: Vec<Section>,
-    pub networks: Vec<Network>,
+    /// `VAR CONSTANT` and `CONST`.
+    pub constants: Vec<Constant>,
+    pub code: Code,
     pub span: Span,
+}
+
+impl CodeBlock {
+    /// Networks of a block in STL; none of other languages.
+    pub fn networks(&self) -> &[Network] {
+        match &self.code {
+            Code::Stl(networks) => networks,
+            Code::Scl(_) => &[],
+        }
+    }
+}
+
+/// Statements of a block, by language.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Code {
+    Stl(Vec<Network>),
+    Scl(scl::ast::Body),
+}
+
+/// A named constant of a block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constant {
+    pub name: String,
+    pub name_span: Span,
+    /// None in a classic CONST section: the type of the value.
+    pub ty: Option<TypeRef>,
+    pub value: scl::ast::Expr,
 }
 
 /// `DATA_BLOCK … END_DATA_BLOCK`.
@@ -136,6 +166,8 @@ pub enum DataContent {
     Struct(Vec<Variable>),
     /// A UDT, FB or SFB.
     OfType(TypeRef),
+    /// `ARRAY[..] OF type`, with its initial value.
+    Array(TypeRef, Option<InitialValue>),
     /// Nothing was declared.
     Empty,
 }
@@ -154,6 +186,8 @@ pub struct TypeBlock {
     pub name: BlockName,
     pub header: Header,
     pub members: Vec<Variable>,
+    /// `TYPE "x" : ARRAY[1..3] OF INT`: the type itself, when it is no STRUCT; `members` is empty then.
+    pub alias: Option<TypeRef>,
     pub span: Span,
 }
 
@@ -171,8 +205,20 @@ pub enum SectionKind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
     pub kind: SectionKind,
+    pub retain: Retain,
     pub variables: Vec<Variable>,
     pub span: Span,
+}
+
+/// What a section says of keeping its values when the power fails.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Retain {
+    #[default]
+    Unsaid,
+    Retain,
+    NonRetain,
+    /// Each instance DB may choose.
+    DbSpecific,
 }
 
 /// A declared variable or component; `a, b : BOOL` makes two.
@@ -202,11 +248,20 @@ pub enum TypeKind {
     Named(String),
     /// `STRING [20]`; 254 without length.
     String(Option<Bound>),
+    /// `WSTRING [20]`; 254 without length.
+    WideString(Option<Bound>),
     /// Low and high bound of each dimension.
     Array {
         bounds: Vec<(Bound, Bound)>,
         element: Box<TypeRef>,
     },
+    /// `ARRAY[*, *] OF INT`: bounds come with the actual parameter.
+    OpenArray {
+        dimensions: u8,
+        element: Box<TypeRef>,
+    },
+    /// `REF_TO INT`.
+    Reference(Box<TypeRef>),
     Struct(Vec<Variable>),
     /// `UDT 5`, `FB 10`, `SFB 4`, `"MotorType"`.
     Block(BlockName),
@@ -217,6 +272,8 @@ pub enum TypeKind {
 pub enum Bound {
     Number(i64, Span),
     Name(String, Span),
+    /// A constant expression.
+    Expr(Box<scl::ast::Expr>),
 }
 
 /// A value behind `:=` in a declaration or behind `BEGIN`.
@@ -234,9 +291,15 @@ pub enum InitialKind {
     List(Vec<InitialValue>),
     /// `6 (0)`, `3 (1, 2)`.
     Repeat {
-        count: u32,
+        count: Bound,
         values: Vec<InitialValue>,
     },
+    /// A constant expression of SCL.
+    Expr(Box<scl::ast::Expr>),
+    /// `(a := 1, b := 2)`, `(1, 2)`, `()`: components of a structure, by name or in order.
+    Fields(Vec<(Option<scl::ast::Name>, InitialValue)>),
+    /// Left empty between commas: the element keeps its default.
+    Default,
 }
 
 /// `NETWORK` with its statements. Statements before the first NETWORK are a network of their own.
@@ -341,6 +404,8 @@ pub enum Width {
     Byte,
     Word,
     Dword,
+    /// 64 bits; no operand of STL has it.
+    Lword,
 }
 
 impl Width {
@@ -351,6 +416,7 @@ impl Width {
             Width::Byte => 8,
             Width::Word => 16,
             Width::Dword => 32,
+            Width::Lword => 64,
         }
     }
 

@@ -7,6 +7,7 @@ use std::fmt::{Display, Write};
 
 use crate::ast::*;
 use crate::literal::Literal;
+use crate::scl;
 use crate::stl::Mnemonics;
 
 /// Text of a source's tree.
@@ -66,10 +67,25 @@ impl Out {
                     SectionKind::Static => "static",
                     SectionKind::Temp => "temp",
                 });
+                match section.retain {
+                    Retain::Unsaid => {}
+                    Retain::Retain => out.line("retain"),
+                    Retain::NonRetain => out.line("non_retain"),
+                    Retain::DbSpecific => out.line("db_specific"),
+                }
                 out.inside(|out| out.variables(&section.variables));
             }
-            for network in &block.networks {
-                out.network(network);
+            for constant in &block.constants {
+                let ty = constant.ty.as_ref().map_or(String::new(), |ty| format!(" : {}", type_text(ty)));
+                out.line(format_args!("constant {}{ty} := {}", constant.name, scl::text::expr(&constant.value)));
+            }
+            match &block.code {
+                Code::Stl(networks) => networks.iter().for_each(|network| out.network(network)),
+                Code::Scl(body) => {
+                    for (depth, line) in scl::text::body(body) {
+                        out.line(format_args!("{}{line}", "  ".repeat(depth)));
+                    }
+                }
             }
         });
     }
@@ -84,6 +100,11 @@ impl Out {
                     out.inside(|out| out.variables(members));
                 }
                 DataContent::OfType(ty) => out.line(format_args!("of {}", type_text(ty))),
+                DataContent::Array(ty, value) => {
+                    let value = value.as_ref().map_or(String::new(), |value| format!(" := {}", initial(value)));
+                    out.line(format_args!("array {}{value}", type_text(ty)));
+                    out.members_of(ty);
+                }
                 DataContent::Empty => {}
             }
             for value in &block.values {
@@ -97,6 +118,9 @@ impl Out {
         self.inside(|out| {
             out.header(&block.header);
             out.variables(&block.members);
+            if let Some(alias) = &block.alias {
+                out.line(format_args!("alias {}", type_text(alias)));
+            }
         });
     }
 
@@ -159,8 +183,12 @@ impl Out {
     fn members_of(&mut self, ty: &TypeRef) {
         match &ty.kind {
             TypeKind::Struct(members) => self.variables(members),
-            TypeKind::Array { element, .. } => self.members_of(element),
-            TypeKind::Named(_) | TypeKind::String(_) | TypeKind::Block(_) => {}
+            TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => self.members_of(element),
+            TypeKind::Named(_)
+            | TypeKind::String(_)
+            | TypeKind::WideString(_)
+            | TypeKind::Reference(_)
+            | TypeKind::Block(_) => {}
         }
     }
 
@@ -233,6 +261,12 @@ fn type_text(ty: &TypeRef) -> String {
         TypeKind::Named(name) => name.clone(),
         TypeKind::String(None) => "STRING".to_owned(),
         TypeKind::String(Some(length)) => format!("STRING[{}]", bound(length)),
+        TypeKind::WideString(None) => "WSTRING".to_owned(),
+        TypeKind::WideString(Some(length)) => format!("WSTRING[{}]", bound(length)),
+        TypeKind::OpenArray { dimensions, element } => {
+            format!("ARRAY[{}] OF {}", vec!["*"; usize::from(*dimensions)].join(", "), type_text(element))
+        }
+        TypeKind::Reference(target) => format!("REF_TO {}", type_text(target)),
         TypeKind::Array { bounds, element } => {
             let bounds: Vec<String> =
                 bounds.iter().map(|(low, high)| format!("{}..{}", bound(low), bound(high))).collect();
@@ -247,6 +281,7 @@ fn bound(bound: &Bound) -> String {
     match bound {
         Bound::Number(number, _) => number.to_string(),
         Bound::Name(name, _) => name.clone(),
+        Bound::Expr(value) => scl::text::expr(value),
     }
 }
 
@@ -255,7 +290,19 @@ fn initial(value: &InitialValue) -> String {
     match &value.kind {
         InitialKind::Literal(value) => literal(value),
         InitialKind::List(values) => format!("[{}]", list(values)),
-        InitialKind::Repeat { count, values } => format!("{count} ({})", list(values)),
+        InitialKind::Repeat { count, values } => format!("{} ({})", bound(count), list(values)),
+        InitialKind::Expr(value) => scl::text::expr(value),
+        InitialKind::Fields(fields) => {
+            let fields: Vec<String> = fields
+                .iter()
+                .map(|(name, value)| match name {
+                    Some(name) => format!("{} := {}", name.text, initial(value)),
+                    None => initial(value),
+                })
+                .collect();
+            format!("({})", fields.join(", "))
+        }
+        InitialKind::Default => "default".to_owned(),
     }
 }
 
@@ -315,6 +362,7 @@ fn letters(area: Area, width: Width) -> String {
         Width::Byte => "B",
         Width::Word => "W",
         Width::Dword => "D",
+        Width::Lword => "L",
     };
     format!("{name}{width}")
 }
@@ -360,6 +408,7 @@ fn operand(operand_node: &Operand) -> String {
                     Width::Byte => "B".to_owned(),
                     Width::Word => "W".to_owned(),
                     Width::Dword => "D".to_owned(),
+                    Width::Lword => "L".to_owned(),
                 },
                 |area| letters(area, *width),
             );

@@ -2,17 +2,21 @@
 //!
 //! - [`ast`]: the syntax tree, [`ast_text`](fn@ast_text) prints it.
 //! - [`literal`]: constants, the same for every language.
+//! - [`scl`]: lexer and grammar of SCL.
 //! - [`stl`]: lexer, grammar and instruction table of STL for S7-300/400.
 //!
 //! **Invariant**: never fails; gives a tree and diagnostics.
 
 pub mod ast;
 mod ast_text;
+mod elementary;
 mod encoding;
 pub mod literal;
+pub mod scl;
 pub mod stl;
 
 pub use ast_text::ast_text;
+pub use elementary::{Class, Elementary};
 pub use encoding::decode;
 
 use plcc_diag::{Diagnostic, FileId};

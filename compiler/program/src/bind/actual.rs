@@ -33,6 +33,18 @@ const fn type_code(ty: Elementary) -> u8 {
         Elementary::TimeOfDay => 0x0A,
         Elementary::Time => 0x0B,
         Elementary::S5Time => 0x0C,
+        Elementary::Wchar => 0x2C,
+        Elementary::Lword => 0x2D,
+        Elementary::Sint => 0x30,
+        Elementary::Usint => 0x31,
+        Elementary::Uint => 0x32,
+        Elementary::Udint => 0x33,
+        Elementary::Lreal => 0x34,
+        Elementary::Lint => 0x35,
+        Elementary::Ulint => 0x36,
+        Elementary::Ltime => 0x37,
+        Elementary::Ltod => 0x38,
+        Elementary::Ldt => 0x39,
     }
 }
 
@@ -57,7 +69,11 @@ fn any_of(ty: &DataType) -> (u8, u32) {
             _ => (CODE_BYTE, array.bytes),
         },
         DataType::String(length) => (CODE_BYTE, u32::from(*length) + 2),
-        DataType::Struct(_) | DataType::Parameter(_) | DataType::Void => (CODE_BYTE, layout::bytes(ty)),
+        DataType::Struct(_)
+        | DataType::WideString(_)
+        | DataType::Parameter(_)
+        | DataType::OpenArray(_)
+        | DataType::Void => (CODE_BYTE, layout::bytes(ty)),
     }
 }
 
@@ -141,7 +157,11 @@ impl Binder<'_> {
         }
         match &formal.ty {
             DataType::Elementary(ty) => self.elementary_actual(callee, formal, *ty, settled, span),
-            DataType::DateAndTime | DataType::String(_) | DataType::Array(_) | DataType::Struct(_) => {
+            DataType::DateAndTime
+            | DataType::String(_)
+            | DataType::WideString(_)
+            | DataType::Array(_)
+            | DataType::Struct(_) => {
                 self.complex_actual(callee, formal, settled, span)
             }
             DataType::Parameter(ParameterType::Pointer) => self.pointer_actual(callee, formal, settled, span),
@@ -154,6 +174,14 @@ impl Binder<'_> {
                 | ParameterType::BlockDb
                 | ParameterType::BlockSdb),
             ) => self.number_actual(callee, formal, *parameter, settled, span),
+            DataType::OpenArray(_) => {
+                self.report.push(
+                    Diagnostic::new(Code::TypeMismatch, span, format!("`{}` of {callee} is an ARRAY[*]", formal.name))
+                        .label("STL has no way to hand over the bounds")
+                        .help("call the block from SCL"),
+                );
+                None
+            }
             DataType::Void => None,
         }
     }
@@ -168,6 +196,7 @@ impl Binder<'_> {
                 Width::Byte => "a byte",
                 Width::Word => "a word",
                 Width::Dword => "a double word",
+                Width::Lword => "a long word",
             }
             .to_string(),
             Settled::Complex(variable) => layout::type_name(&variable.ty),
@@ -423,5 +452,6 @@ fn address_example(ty: Elementary) -> &'static str {
         Width::Byte => "a byte such as `MB 10`",
         Width::Word => "a word such as `MW 10`",
         Width::Dword => "a double word such as `MD 10`",
+        Width::Lword => "a variable of 64 bits",
     }
 }

@@ -82,7 +82,7 @@ impl Binder<'_> {
     /// First walk: labels, parentheses and MCR zones.
     fn flow<'b>(&mut self, block: &'b ast::CodeBlock) -> Flow<'b> {
         let statements: Vec<(u16, &Statement)> = block
-            .networks
+            .networks()
             .iter()
             .enumerate()
             .flat_map(|(network, content)| {

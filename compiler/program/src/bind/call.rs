@@ -312,7 +312,7 @@ impl Binder<'_> {
             let points = match parameter.passing {
                 Passing::Number | Passing::Pointer | Passing::Any => true,
                 Passing::Complex { .. } => parameter.direction == Direction::InOut,
-                Passing::Elementary(_) => false,
+                Passing::Elementary(_) | Passing::OpenArray { .. } => false,
             };
             if !points {
                 continue;

@@ -66,14 +66,19 @@ impl Binder<'_> {
                 let name = match &ty.kind {
                     TypeKind::Block(name) => name.clone(),
                     TypeKind::Named(word) => BlockName::Symbol { name: word.clone(), span: ty.span },
-                    TypeKind::String(_) | TypeKind::Array { .. } | TypeKind::Struct(_) => {
+                    TypeKind::String(_)
+                    | TypeKind::WideString(_)
+                    | TypeKind::Array { .. }
+                    | TypeKind::OpenArray { .. }
+                    | TypeKind::Reference(_)
+                    | TypeKind::Struct(_) => {
                         self.no_content(source, ty.span);
                         return None;
                     }
                 };
                 self.db_of_type(source, &name)
             }
-            DataContent::Empty => {
+            DataContent::Array(..) | DataContent::Empty => {
                 self.no_content(source, source.name.span());
                 None
             }
@@ -177,7 +182,7 @@ impl Binder<'_> {
                 ast::Block::Code(code) => Some(code),
                 ast::Block::Data(_) | ast::Block::Type(_) => None,
             })
-            .flat_map(|code| &code.networks)
+            .flat_map(|code| code.networks())
             .flat_map(|network| &network.statements)
             .filter_map(|statement| match &statement.kind {
                 ast::StatementKind::Call(call) => Some(call),

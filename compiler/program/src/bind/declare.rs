@@ -100,6 +100,13 @@ impl<'a> Binder<'a> {
                 Some(Typed { ty: DataType::Struct(typed.ty), image: typed.image })
             }
             TypeKind::Block(name) => self.block_type(name, used),
+            TypeKind::WideString(_) | TypeKind::OpenArray { .. } | TypeKind::Reference(_) => {
+                self.report.push(
+                    Diagnostic::new(Code::DeclarationSyntax, ty.span, "this type is not supported")
+                        .label("not possible here"),
+                );
+                None
+            }
         }
     }
 
@@ -187,6 +194,7 @@ impl<'a> Binder<'a> {
     pub fn bound(&mut self, bound: &Bound) -> Option<i64> {
         match bound {
             Bound::Number(number, _) => Some(*number),
+            Bound::Expr(_) => None,
             Bound::Name(name, span) => {
                 self.report.push(
                     Diagnostic::new(Code::ConstantRequired, *span, format!("`{name}` is no constant"))

@@ -331,9 +331,12 @@ const fn direction(kind: SectionKind) -> Option<Direction> {
 fn passing(ty: &DataType) -> Option<Passing> {
     match ty {
         DataType::Elementary(elementary) => Some(Passing::Elementary(layout::width(*elementary))),
-        DataType::DateAndTime | DataType::String(_) | DataType::Array(_) | DataType::Struct(_) => {
-            Some(Passing::Complex { bytes: layout::bytes(ty) })
-        }
+        DataType::DateAndTime
+        | DataType::String(_)
+        | DataType::WideString(_)
+        | DataType::Array(_)
+        | DataType::Struct(_) => Some(Passing::Complex { bytes: layout::bytes(ty) }),
+        DataType::OpenArray(array) => Some(Passing::OpenArray { dimensions: array.dimensions }),
         DataType::Parameter(ParameterType::Pointer) => Some(Passing::Pointer),
         DataType::Parameter(ParameterType::Any) => Some(Passing::Any),
         DataType::Parameter(

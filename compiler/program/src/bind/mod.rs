@@ -20,6 +20,7 @@ mod operand;
 mod path;
 mod pragma;
 mod report;
+mod scl;
 mod settle;
 mod value;
 
@@ -238,7 +239,7 @@ impl<'a> Binder<'a> {
         let bound = self.interface(key, fixed_span.unwrap_or(span))?;
         let mut ctx =
             Ctx { key, bound: Rc::clone(&bound), unknown_locals: FxHashSet::default(), local_bytes: 0, fixed_span };
-        let body = if runtime { Body::Runtime } else { Body::Stl(self.bind_body(&mut ctx, block)) };
+        let body = if runtime { Body::Runtime } else { self.bind_code(&mut ctx, block) };
         let name = match self.block_name(names::kind_prefix(key.kind), key.number) {
             name if name.is_empty() => match &block.header.name {
                 Some(name) if fixed_span.is_some() => name.trim().to_string(),
@@ -255,6 +256,13 @@ impl<'a> Binder<'a> {
             temp_bytes: bound.temp_bytes.max(ctx.local_bytes.next_multiple_of(2)),
             body,
         })
+    }
+
+    fn bind_code(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock) -> Body {
+        match &block.code {
+            ast::Code::Stl(_) => Body::Stl(self.bind_body(ctx, block)),
+            ast::Code::Scl(body) => Body::Scl(self.bind_scl(ctx, block, body)),
+        }
     }
 
     /// Notes the use of a block of the system; false if it is not there, which is reported.
@@ -439,6 +447,6 @@ fn address_text(area: Area, width: Width, byte: u32, bit: u8) -> String {
         Width::Bit => format!("{area}{byte}.{bit}"),
         Width::Byte => format!("{area}B{byte}"),
         Width::Word => format!("{area}W{byte}"),
-        Width::Dword => format!("{area}D{byte}"),
+        Width::Dword | Width::Lword => format!("{area}D{byte}"),
     }
 }

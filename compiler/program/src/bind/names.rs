@@ -102,7 +102,7 @@ fn numbers_in(block: &ast::Block) -> Vec<(BlockPrefix, u32)> {
             numbers.push((prefix, *number));
         }
     };
-    for statement in code.networks.iter().flat_map(|network| &network.statements) {
+    for statement in code.networks().iter().flat_map(|network| &network.statements) {
         match &statement.kind {
             StatementKind::Instruction { operand: Some(operand), .. } => note(operand),
             StatementKind::Call(call) => {

@@ -131,6 +131,7 @@ impl Binder<'_> {
                     Width::Byte => "is a byte".to_string(),
                     Width::Word => "is a word of 16 bits".to_string(),
                     Width::Dword => "is a double word of 32 bits".to_string(),
+                    Width::Lword => "is a long word of 64 bits".to_string(),
                 },
             ),
             Settled::Cell { kind: CellKind::Timer, .. } => (Code::OperandKind, "is a timer".to_string()),

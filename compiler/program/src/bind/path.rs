@@ -101,6 +101,7 @@ pub const fn type_of_width(width: Width) -> Elementary {
         Width::Byte => Elementary::Byte,
         Width::Word => Elementary::Word,
         Width::Dword => Elementary::Dword,
+        Width::Lword => Elementary::Lword,
     }
 }
 

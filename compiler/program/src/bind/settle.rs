@@ -154,7 +154,7 @@ impl Binder<'_> {
                 let text = self.text(pointer.span);
                 let (what, example) = match width {
                     Width::Dword => ("a double word", "`[MD 10]`"),
-                    Width::Bit | Width::Byte | Width::Word => ("a word", "`[MW 10]`"),
+                    Width::Bit | Width::Byte | Width::Word | Width::Lword => ("a word", "`[MW 10]`"),
                 };
                 self.report.push(
                     Diagnostic::new(Code::OperandKind, pointer.span, format!("`{text}` cannot hold this address"))

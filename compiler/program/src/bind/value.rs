@@ -87,6 +87,18 @@ pub const fn example(ty: Elementary) -> &'static str {
         Elementary::Time => "T#2S",
         Elementary::Date => "D#2000-6-20",
         Elementary::TimeOfDay => "TOD#5:45:00",
+        Elementary::Lword => "LWORD#16#3A2F",
+        Elementary::Wchar => "WCHAR#'E'",
+        Elementary::Sint => "SINT#-5",
+        Elementary::Usint => "USINT#5",
+        Elementary::Uint => "UINT#5",
+        Elementary::Udint => "UDINT#5",
+        Elementary::Lint => "LINT#-5",
+        Elementary::Ulint => "ULINT#5",
+        Elementary::Lreal => "LREAL#5.0",
+        Elementary::Ltime => "LT#2S",
+        Elementary::Ltod => "LTOD#5:45:00",
+        Elementary::Ldt => "LDT#2000-6-20-5:45:00",
     }
 }
 
@@ -170,7 +182,11 @@ impl Binder<'_> {
             (InitialKind::Repeat { .. }, DataType::Array(array)) => {
                 self.encode_elements(std::slice::from_ref(value), array, image, byte);
             }
-            (InitialKind::List(_) | InitialKind::Repeat { .. }, _) => self.report.push(
+            (InitialKind::Default, _) => {}
+            (
+                InitialKind::List(_) | InitialKind::Repeat { .. } | InitialKind::Expr(_) | InitialKind::Fields(_),
+                _,
+            ) => self.report.push(
                 Diagnostic::new(Code::InitialValue, value.span, "a list of values stands where one value is wanted")
                     .label(format!("the variable is of type {}", layout::type_name(ty)))
                     .help("write one constant; lists and repetition factors are for arrays"),
@@ -212,7 +228,8 @@ impl Binder<'_> {
         for value in values {
             match &value.kind {
                 InitialKind::Repeat { count: times, values: group } => {
-                    for _ in 0..*times {
+                    let Some(times) = self.bound(times) else { return };
+                    for _ in 0..times {
                         if *next >= count || group.is_empty() {
                             if !group.is_empty() {
                                 self.surplus(value.span);
@@ -227,6 +244,8 @@ impl Binder<'_> {
                     }
                 }
                 InitialKind::List(group) => self.encode_run(group, array, image, byte, count, next),
+                InitialKind::Expr(_) | InitialKind::Fields(_) => return,
+                InitialKind::Default => *next += 1,
                 InitialKind::Literal(literal) => {
                     if *next >= count {
                         self.surplus(value.span);
@@ -288,6 +307,8 @@ impl Binder<'_> {
                 | DataType::Array(_)
                 | DataType::Struct(_)
                 | DataType::Parameter(_)
+                | DataType::WideString(_)
+                | DataType::OpenArray(_)
                 | DataType::Void,
                 _,
             ) => Mismatch::Type,
@@ -310,7 +331,12 @@ impl Binder<'_> {
             DataType::Elementary(elementary) => message.help(format!("write it as {}", example(*elementary))),
             DataType::String(_) => message.help("write a text in quotes: 'text'"),
             DataType::DateAndTime => message.help("write it as DT#1993-12-25-8:12:34.567"),
-            DataType::Array(_) | DataType::Struct(_) | DataType::Parameter(_) | DataType::Void => message,
+            DataType::WideString(_)
+            | DataType::Array(_)
+            | DataType::Struct(_)
+            | DataType::Parameter(_)
+            | DataType::OpenArray(_)
+            | DataType::Void => message,
         });
     }
 }

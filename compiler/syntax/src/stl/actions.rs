@@ -71,7 +71,7 @@ pub fn code_block(
     let return_type = return_type.filter(|ty| ty.kind != TypeKind::Named("VOID".to_owned()));
     let span = context.span(range.start, range.end);
     let networks = body.map_or_else(Vec::new, |body| body.networks);
-    Some(Block::Code(CodeBlock { kind, name, return_type, header, sections, networks, span }))
+    Some(Block::Code(CodeBlock { kind, name, return_type, header, sections, constants: Vec::new(), code: crate::ast::Code::Stl(networks), span }))
 }
 
 /// The kind comes from the keyword; SFC and SFB are told by the letters of the number.
@@ -109,7 +109,8 @@ pub fn implied_ob(context: &mut Context, networks: Vec<Network>, range: Range<us
         return_type: None,
         header: Header::default(),
         sections: Vec::new(),
-        networks,
+        constants: Vec::new(),
+        code: crate::ast::Code::Stl(networks),
         span: context.span(range.start, range.end),
     })
 }
@@ -141,7 +142,7 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
     let (header, content) = data_parts(context, parts, range);
     let members = match content {
         DataContent::Struct(members) => members,
-        DataContent::OfType(_) | DataContent::Empty => {
+        DataContent::OfType(_) | DataContent::Array(..) | DataContent::Empty => {
             context.report(
                 Diagnostic::new(Code::DeclarationSyntax, name.span(), "the data type has no structure")
                     .label("nothing is declared in it")
@@ -150,7 +151,7 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
             Vec::new()
         }
     };
-    Block::Type(TypeBlock { name, header, members, span })
+    Block::Type(TypeBlock { name, header, members, alias: None, span })
 }
 
 fn data_parts(context: &mut Context, parts: Vec<Part>, range: Range<usize>) -> (Header, DataContent) {
@@ -164,7 +165,7 @@ fn data_parts(context: &mut Context, parts: Vec<Part>, range: Range<usize>) -> (
                 header_end = header_end.min(section.span.start as usize);
                 match &mut content {
                     DataContent::Struct(members) => members.extend(section.variables),
-                    DataContent::OfType(_) | DataContent::Empty => content = DataContent::Struct(section.variables),
+                    DataContent::OfType(_) | DataContent::Array(..) | DataContent::Empty => content = DataContent::Struct(section.variables),
                 }
             }
             Part::Struct(members, start) => {
@@ -272,7 +273,7 @@ pub fn repeated(
 ) -> Option<InitialValue> {
     let span = context.span(range.start, range.end);
     let count = match count {
-        Literal::Int(count @ 1..=65_536) => count as u32,
+        Literal::Int(count @ 1..=65_536) => count,
         _ => {
             context.report(
                 Diagnostic::new(Code::DeclarationSyntax, span, "the repetition factor is no number of elements")
@@ -284,7 +285,7 @@ pub fn repeated(
     };
     let bad = values.iter().any(Option::is_none);
     let values: Vec<InitialValue> = values.into_iter().flatten().collect();
-    if bad { None } else { Some(InitialValue { kind: InitialKind::Repeat { count, values }, span }) }
+    if bad { None } else { Some(InitialValue { kind: InitialKind::Repeat { count: Bound::Number(count, span), values }, span }) }
 }
 
 /// The networks of a block: statements before the first NETWORK are a network of their own.

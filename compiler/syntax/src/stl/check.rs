@@ -365,6 +365,7 @@ fn width_name(width: Width) -> &'static str {
         Width::Byte => "byte",
         Width::Word => "word",
         Width::Dword => "double word",
+        Width::Lword => "long word",
     }
 }
 

@@ -101,6 +101,7 @@ pub fn letters(area: Area, width: Width, set: Mnemonics) -> Option<String> {
         Width::Byte => "B",
         Width::Word => "W",
         Width::Dword => "D",
+        Width::Lword => return None,
     };
     Some(format!("{name}{suffix}"))
 }

@@ -1,0 +1,481 @@
+//! Bound SCL: a typed tree. Every name and address is settled, every expression has its final type, and implicit conversions are
+//! nodes of their own.
+
+use plcc_diag::Span;
+use plcc_syntax::Elementary;
+
+use super::{Assert, BlockKey, LabelId, Number, Place, PlaceArea, Width};
+use crate::types::DataType;
+
+/// Code of a block in SCL.
+#[derive(Clone, Debug, Default)]
+pub struct Body {
+    pub statements: Vec<Statement>,
+    /// Overflows, failed conversions and the like clear the block's OK/ENO bit; else only assignments change it.
+    pub sets_flag: bool,
+    /// A call ANDs the callee's ENO into the bit, if `sets_flag` (TIA); else it leaves the bit alone (classic).
+    pub calls_set_flag: bool,
+}
+
+#[derive(Clone, Debug)]
+pub struct Statement {
+    pub kind: StatementKind,
+    /// What a message at run time and a debugger show: of compound statements the head.
+    pub span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub enum StatementKind {
+    /// Elementary; `value` has the type of `target`.
+    Assign {
+        target: Access,
+        value: Expr,
+    },
+    /// STRING or WSTRING: text longer than the target's maximum is cut, which clears the bit.
+    AssignText {
+        target: Access,
+        value: Complex,
+    },
+    /// ARRAY, STRUCT, DATE_AND_TIME, as if through a buffer: the layouts are the same.
+    Copy {
+        target: Access,
+        source: Complex,
+        bytes: u32,
+    },
+    /// `OK := e`, `ENO := e`.
+    SetFlag(Expr),
+    /// A call whose value, if any, goes nowhere.
+    Call(Box<Call>),
+    /// An expression for its effects: a timer or counter function.
+    Evaluate(Expr),
+    If {
+        branches: Vec<(Expr, Vec<Statement>)>,
+        otherwise: Vec<Statement>,
+    },
+    Case {
+        /// Integer, bit string or character.
+        selector: Expr,
+        /// The first arm that holds the value runs.
+        arms: Vec<Arm>,
+        otherwise: Vec<Statement>,
+    },
+    For {
+        /// Integer; evaluated once.
+        variable: Access,
+        /// All of the variable's type.
+        start: Expr,
+        end: Expr,
+        step: Expr,
+        body: Vec<Statement>,
+    },
+    While {
+        condition: Expr,
+        body: Vec<Statement>,
+    },
+    Repeat {
+        body: Vec<Statement>,
+        until: Expr,
+    },
+    Exit,
+    Continue,
+    /// With a value: the bit is set to it first.
+    Return(Option<Expr>),
+    Goto(LabelId),
+    Label(LabelId),
+    Assert(Assert),
+    /// `//@ sleep N`, in milliseconds.
+    Sleep(u32),
+}
+
+/// An arm of CASE.
+#[derive(Clone, Debug)]
+pub struct Arm {
+    /// Inclusive ranges of values of the selector's type: a bit string or unsigned type zero-extended, a signed one sign-extended.
+    pub ranges: Vec<(i128, i128)>,
+    pub body: Vec<Statement>,
+}
+
+/// A value of an elementary type.
+#[derive(Clone, Debug)]
+pub struct Expr {
+    pub kind: ExprKind,
+    pub ty: Elementary,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub enum ExprKind {
+    /// The value's bits, zero-extended from the width of the type.
+    Const(u64),
+    Load(Box<Access>),
+    Unary {
+        op: UnaryOp,
+        operand: Box<Expr>,
+    },
+    /// Both operands are of the expression's type; for a shift or rotate the right one is an integer.
+    Binary {
+        op: BinaryOp,
+        left: Box<Expr>,
+        right: Box<Expr>,
+    },
+    /// Both operands are of one type; the expression is a BOOL.
+    Compare {
+        op: CompareOp,
+        left: Box<Expr>,
+        right: Box<Expr>,
+    },
+    Convert {
+        conversion: Conversion,
+        operand: Box<Expr>,
+    },
+    /// An elementary result of an FC or system function.
+    Call(Box<Call>),
+    Function {
+        function: Function,
+        arguments: Vec<Expr>,
+    },
+    /// S_PULSE, S_PEXT, S_ODT, S_ODTS, S_OFFDT: an S5TIME, the time left.
+    Timer(Box<TimerCall>),
+    /// S_CU, S_CD, S_CUD: a WORD, the count in BCD.
+    Counter(Box<CounterCall>),
+    /// Status bit of a timer or counter, a BOOL.
+    Cell {
+        kind: super::CellKind,
+        number: Number,
+    },
+    /// Bound of dimension `dimension` (0-based; a DINT expression, so that it may be computed) of the ARRAY[*] formal `parameter`: a DINT, 0
+    /// and the bit cleared if there is no such dimension.
+    Bound {
+        parameter: usize,
+        dimension: Box<Expr>,
+        upper: bool,
+    },
+    /// `OK`, in TIA `ENO`: this block's bit, a BOOL.
+    Flag,
+    /// Classic `ENO`: that of the last call in this block, TRUE before the first; a BOOL.
+    LastEno,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum UnaryOp {
+    /// Integers and TIME wrap, floats change sign.
+    Negate,
+    /// All bits of the type.
+    Not,
+    /// Least integer stays; floats lose their sign.
+    Abs,
+}
+
+/// Integers wrap; a division by 0 gives 0. What clears the bit stands in the SCL reference, operators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BinaryOp {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Modulo,
+    /// REAL or LREAL.
+    Power,
+    And,
+    Or,
+    Xor,
+    ShiftLeft,
+    /// Fills with the sign if the type is signed.
+    ShiftRight,
+    RotateLeft,
+    RotateRight,
+    /// As Add and Subtract, of a TIME_OF_DAY and milliseconds: modulo 24 hours, which clears the bit. LTOD likewise in nanoseconds.
+    AddDay,
+    SubtractDay,
+    /// The lesser, the greater; NaN gives NaN.
+    Min,
+    Max,
+}
+
+/// Floats: every comparison with NaN is FALSE.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum CompareOp {
+    Equal,
+    NotEqual,
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+}
+
+/// How a value becomes one of another type. What clears the bit stands in the SCL reference, explicit conversions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Conversion {
+    /// By value: integer to integer (low bits), integer to float, float to float, float to integer (to nearest, ties to even), TIME to
+    /// integer and back. Float to integer out of range: as [`Overflow`] says.
+    Value(Overflow),
+    /// As `Value` from float, towards zero, up, down.
+    Truncate(Overflow),
+    Ceil(Overflow),
+    Floor(Overflow),
+    /// The bits: zero-extended from a bit string, sign-extended from a signed integer, cut to the target. `checked`: lost bits clear the
+    /// bit.
+    Bits { checked: bool },
+    /// Anything to BOOL: bit 0; others that are 1 clear the bit.
+    ToBool,
+    /// WORD or DWORD in BCD to INT or DINT; a bad digit is OB 121 16#21 if `fault`, else 0 and the bit cleared.
+    FromBcd { fault: bool },
+    /// INT or DINT to BCD; out of range leaves the pattern and clears the bit.
+    ToBcd,
+    /// S5TIME to TIME.
+    FromS5Time,
+    /// TIME to S5TIME: cut to the time base; out of range clears the bit.
+    ToS5Time,
+    /// TIME to LTIME, TIME_OF_DAY to LTOD and back: milliseconds and nanoseconds.
+    MillisToNanos,
+    NanosToMillis,
+    /// Pattern stays; out of 0..=`max` clears the bit (DATE, TIME_OF_DAY).
+    Ranged { max: u32 },
+}
+
+/// Result of a float to integer conversion that is out of range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Overflow {
+    /// S7-300/400: the REAL's own bit pattern, low bits.
+    Pattern,
+    /// S7-1200/1500: low bits of the rounded value; NaN and infinity 0.
+    LowBits,
+}
+
+/// Functions that are computed in place. Arguments have the types of their signatures; results the type of the expression.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Function {
+    Sqr,
+    Sqrt,
+    Exp,
+    /// 10 to the x.
+    Expd,
+    Ln,
+    /// To base 10.
+    Log,
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    /// x minus its integral part.
+    Frac,
+    /// `(MN, IN, MX)`; MN > MX: IN, and the bit cleared.
+    Limit,
+    /// `(G, IN0, IN1)`
+    Select,
+    /// `(K, IN0, …, INn)`; K outside: the last argument if `has_else`, else 0; both clear the bit.
+    Mux { has_else: bool },
+    /// Bytes in reverse order.
+    Swap,
+    /// `(MIN, VALUE, MAX)`; the result is a float.
+    NormX,
+    /// `(MIN, VALUE, MAX)`; VALUE is a float, the rest of the type of the result.
+    ScaleX,
+    /// Number of the lowest 1; 0 and the bit cleared if there is none.
+    Encode,
+    /// 1 shifted left by the argument modulo the width.
+    Decode,
+    /// Number of bits that are 1: an INT.
+    BitSum,
+    /// Valid float: neither NaN nor infinite; a BOOL.
+    IsValid,
+}
+
+/// A place in memory that code reads, writes or hands over.
+#[derive(Clone, Debug)]
+pub struct Access {
+    pub base: Base,
+    /// Run-time indices, in the order of the text. Their distances from the lowest elements add to the base.
+    pub indices: Vec<Index>,
+    /// Type of what lies there, before `part`.
+    pub ty: DataType,
+    /// A slice `.%X3` of it.
+    pub part: Option<Part>,
+    pub span: Span,
+}
+
+/// Where an access begins.
+#[derive(Clone, Debug)]
+pub enum Base {
+    /// Never an open DB, never register-indirect.
+    Place(Place),
+    /// `MW[i]`, `M[b, i]`, `DB10.DW[i]`, PEEK, POKE.
+    Indexed {
+        area: IndexedArea,
+        /// DINT: the byte address.
+        byte: Box<Expr>,
+        /// INT or DINT: bit number; others than 0..=7 are an error of OB 121. Only for a BOOL.
+        bit: Option<Box<Expr>>,
+    },
+}
+
+#[derive(Clone, Debug)]
+pub enum IndexedArea {
+    /// I, Q, M, PI, PQ.
+    Memory(PlaceArea),
+    Db(u16),
+    /// WORD: the number of the DB, found at run time.
+    DynamicDb(Box<Expr>),
+    /// BYTE: the area as PEEK names it (16#81 I, 16#82 Q, 16#83 M, 16#84 DB, 1 PI, 2 PQ), and WORD: the number of the DB.
+    Coded { area: Box<Expr>, db: Box<Expr> },
+}
+
+/// A run-time index of one dimension.
+#[derive(Clone, Debug)]
+pub struct Index {
+    /// DINT.
+    pub value: Expr,
+    pub bounds: IndexBounds,
+    /// Distance of neighbours, in bits.
+    pub stride: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IndexBounds {
+    /// Inclusive.
+    Known(i32, i32),
+    /// Of the ARRAY[*] formal `parameter`, in its dimension. Distances of all but the last dimension multiply by the lengths of those
+    /// behind; `stride` is that of an element.
+    Open { parameter: usize, dimension: u8 },
+}
+
+/// A part of a bit string or integer, by value: 0 is the lowest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    pub width: Width,
+    pub index: u8,
+}
+
+impl Access {
+    /// The elementary type of what is read or written, the slice taken: BOOL, BYTE, WORD, DWORD for slices. None if it is complex.
+    pub fn elementary(&self) -> Option<Elementary> {
+        match self.part {
+            Some(part) => Some(match part.width {
+                Width::Bit => Elementary::Bool,
+                Width::Byte => Elementary::Byte,
+                Width::Word => Elementary::Word,
+                Width::Dword => Elementary::Dword,
+                Width::Lword => Elementary::Lword,
+            }),
+            None => match self.ty {
+                DataType::Elementary(ty) => Some(ty),
+                _ => None,
+            },
+        }
+    }
+}
+
+/// A value that is no elementary one.
+#[derive(Clone, Debug)]
+pub enum Complex {
+    Variable(Access),
+    /// Its bytes in memory; a STRING with its two length bytes.
+    Const(Vec<u8>),
+    /// Result of an FC: it lies in the frame until the end of the statement.
+    Call(Box<Call>),
+    /// A CHAR or WCHAR as a text of one character.
+    Character(Box<Expr>),
+}
+
+/// A call of a block.
+#[derive(Clone, Debug)]
+pub struct Call {
+    pub target: BlockKey,
+    pub instance: Option<Instance>,
+    /// In the order of the text, each parameter at most once; RET_VAL is none of them.
+    pub arguments: Vec<Argument>,
+    /// `EN := e`: FALSE skips the arguments and the call; the value is 0.
+    pub enable: Option<Expr>,
+    /// `ENO => x`: a BOOL variable.
+    pub eno: Option<Access>,
+    pub span: Span,
+}
+
+/// Instance memory of an FB call.
+#[derive(Clone, Debug)]
+pub enum Instance {
+    Db(u16),
+    /// A static variable, an element of an array of instances, an instance in a global DB, an IN_OUT of an FB type.
+    Variable(Access),
+}
+
+/// An actual parameter.
+#[derive(Clone, Debug)]
+pub struct Argument {
+    /// Index into the parameters of the callee.
+    pub parameter: usize,
+    pub actual: Actual,
+    pub span: Span,
+}
+
+/// What is handed over.
+#[derive(Clone, Debug)]
+pub enum Actual {
+    /// IN, elementary: a value of the formal's type.
+    Value(Expr),
+    /// OUT or IN_OUT, elementary. The variable may be of another type than the formal: then `back` converts what comes out; an IN_OUT
+    /// has the formal's type (or width). Slices are copied in and back.
+    Variable { access: Access, back: Option<Conversion> },
+    /// IN, complex. A text may be longer or shorter than the formal; the rest has the formal's layout.
+    Complex(Complex),
+    /// OUT or IN_OUT, complex. ARRAY[*] too.
+    Reference(Access),
+    /// TIMER, COUNTER, BLOCK_x.
+    Number(Number),
+    /// POINTER, ANY: the bytes are known.
+    PointerBytes(Vec<u8>),
+    /// POINTER, ANY: points at the variable; for an ANY, with bytes 1 to 3.
+    PointerTo { access: Access, type_code: u8, count: u16 },
+    /// POINTER, ANY: the structure lies at the place.
+    PointerCopy(Access),
+    /// ANY formal that takes a value: it lies in the frame.
+    PointerToValue { value: Expr, type_code: u8 },
+    /// ANY formal that takes a constant or a result: it lies in the frame.
+    PointerToComplex { value: Complex, type_code: u8, count: u16 },
+    /// OUT of which the result is dropped (`o => `).
+    Dropped,
+}
+
+/// The five timer functions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TimerKind {
+    Pulse,
+    ExtendedPulse,
+    OnDelay,
+    RetentiveOnDelay,
+    OffDelay,
+}
+
+#[derive(Clone, Debug)]
+pub struct TimerCall {
+    pub kind: TimerKind,
+    pub timer: Number,
+    /// BOOL.
+    pub start: Option<Expr>,
+    /// S5TIME or WORD: time base and BCD value.
+    pub value: Option<Expr>,
+    /// BOOL.
+    pub reset: Option<Expr>,
+    /// BOOL: the status.
+    pub q: Option<Access>,
+    /// WORD: the time left, binary.
+    pub bi: Option<Access>,
+}
+
+#[derive(Clone, Debug)]
+pub struct CounterCall {
+    pub counter: Number,
+    /// BOOL each; CU, then CD, then S, then R.
+    pub up: Option<Expr>,
+    pub down: Option<Expr>,
+    pub set: Option<Expr>,
+    /// WORD in BCD.
+    pub value: Option<Expr>,
+    pub reset: Option<Expr>,
+    /// BOOL: the count is not 0.
+    pub q: Option<Access>,
+    /// WORD: the count, binary.
+    pub cv: Option<Access>,
+}

@@ -1,0 +1,260 @@
+//! Syntax tree of SCL statements and expressions. Frames and declarations are those of [`crate::ast`].
+//!
+//! Names are kept as written; nothing is looked up here.
+
+use plcc_diag::Span;
+
+use crate::ast::{OperandKind, Pragma, Width};
+use crate::elementary::Elementary;
+
+/// The form of SCL that a file shows. It chooses defaults only; the grammar is one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Dialect {
+    /// No sign of either form.
+    #[default]
+    Either,
+    /// S7-SCL of STEP 7 V5.
+    Classic,
+    /// SCL of the TIA Portal. A file with signs of both forms counts as this one.
+    Tia,
+}
+
+/// Statements of a block.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Body {
+    pub dialect: Dialect,
+    /// Names of the LABEL section.
+    pub labels: Vec<Name>,
+    pub statements: Vec<Statement>,
+}
+
+/// A name and how it was written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Name {
+    /// Without `#` and quotes, outer blanks removed.
+    pub text: String,
+    pub form: NameForm,
+    pub span: Span,
+}
+
+/// How a name was written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum NameForm {
+    /// `level`: local if declared, else global.
+    Bare,
+    /// `#level`, `#"level"`: local.
+    Local,
+    /// `"level"`: global; in classic sources also local.
+    Quoted,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statement {
+    pub kind: StatementKind,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum StatementKind {
+    /// `;`
+    Empty,
+    /// `name:` before a statement.
+    Label(Name),
+    /// A call, or an expression whose value goes nowhere.
+    Expression(Expr),
+    /// `a := b += e`: targets from left to right, each with the operator behind it.
+    Assign {
+        targets: Vec<(Expr, AssignOp)>,
+        value: Expr,
+    },
+    If {
+        /// IF and each ELSIF.
+        branches: Vec<(Expr, Vec<Statement>)>,
+        otherwise: Vec<Statement>,
+    },
+    Case {
+        selector: Expr,
+        arms: Vec<Arm>,
+        otherwise: Vec<Statement>,
+    },
+    For {
+        variable: Expr,
+        start: Expr,
+        end: Expr,
+        step: Option<Expr>,
+        body: Vec<Statement>,
+    },
+    While {
+        condition: Expr,
+        body: Vec<Statement>,
+    },
+    Repeat {
+        body: Vec<Statement>,
+        until: Expr,
+    },
+    Exit,
+    Continue,
+    /// `RETURN`, `RETURN e` (sets ENO).
+    Return(Option<Expr>),
+    Goto(Name),
+    Pragma(Pragma),
+    /// Could not be parsed; reported.
+    Error,
+}
+
+/// Operators of assignments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AssignOp {
+    /// `:=`
+    Set,
+    /// `+=`
+    Add,
+    /// `-=`
+    Subtract,
+    /// `*=`
+    Multiply,
+    /// `/=`
+    Divide,
+    /// `?=`
+    Attempt,
+}
+
+/// An arm of CASE.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arm {
+    pub values: Vec<CaseValue>,
+    pub body: Vec<Statement>,
+    pub span: Span,
+}
+
+/// `3` or `3..5`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaseValue {
+    pub low: Expr,
+    pub high: Option<Expr>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expr {
+    pub kind: ExprKind,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum ExprKind {
+    Literal(Literal),
+    Name(Name),
+    /// An operand in one token: `I0.0`, `%MW10`, `%IW4:P`, `%DB1.DBX1.0`, `%T5`. Bare `MW10`, `T5`, `DB10` are names: see
+    /// [`absolute`](super::absolute).
+    Absolute(OperandKind),
+    /// `base.name`. Of classic `DB10.DW4` the member is the name `DW4`: see [`db_address`](super::db_address).
+    Member {
+        base: Box<Expr>,
+        name: Name,
+    },
+    /// `"Db".%DBX0.0`, `DB10.DX0.0`, `blk.DD10`: an address in the data block `base`, in one token.
+    MemberAbsolute {
+        base: Box<Expr>,
+        width: Width,
+        byte: u32,
+        bit: u8,
+    },
+    /// `.%X3`, `.%B1`, `.%W0`, `.%D0`: part `index` of that width, counted from the lowest value.
+    Slice {
+        base: Box<Expr>,
+        width: Width,
+        index: u32,
+    },
+    Index {
+        base: Box<Expr>,
+        indices: Vec<Expr>,
+    },
+    Call {
+        callee: Box<Expr>,
+        arguments: Vec<Argument>,
+    },
+    /// `r^`
+    Dereference(Box<Expr>),
+    /// `REF(x)`
+    Reference(Box<Expr>),
+    Unary {
+        op: UnaryOp,
+        operand: Box<Expr>,
+    },
+    Binary {
+        op: BinaryOp,
+        left: Box<Expr>,
+        right: Box<Expr>,
+        op_span: Span,
+    },
+    /// Could not be parsed; reported.
+    Error,
+}
+
+/// An argument of a call.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Argument {
+    /// The formal; none for a positional argument.
+    pub name: Option<Name>,
+    /// `=>` stands between.
+    pub output: bool,
+    /// None: left empty.
+    pub value: Option<Expr>,
+    pub span: Span,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum UnaryOp {
+    Plus,
+    Minus,
+    Not,
+}
+
+/// Binary operators, in the order of their precedence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BinaryOp {
+    Power,
+    Multiply,
+    Divide,
+    /// `DIV`
+    DivideInteger,
+    Modulo,
+    Add,
+    Subtract,
+    Less,
+    Greater,
+    LessEqual,
+    GreaterEqual,
+    Equal,
+    NotEqual,
+    And,
+    Xor,
+    Or,
+}
+
+/// A constant. Signs are operators and not part of it, except after a type prefix.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Literal {
+    /// `15`, `16#FF`: an integer without a type; `based` if it was written with a base.
+    Integer { value: u64, based: bool },
+    /// `1.5`, without a type.
+    Real(f64),
+    /// `TRUE`, `INT#-5`, `T#1s`, `CHAR#'A'`, `C#20` (a WORD): the value's bits, zero-extended from the width of the type.
+    Typed { ty: Elementary, bits: u64 },
+    /// `'text'`, `STRING#'text'` (`typed`), in Windows-1252. One character may be a CHAR.
+    Text { bytes: Vec<u8>, typed: bool },
+    /// `WSTRING#'text'`, in UTF-16.
+    WideText(Vec<u16>),
+    /// `DT#…`: eight BCD bytes.
+    DateAndTime([u8; 8]),
+    /// `DTL#…`: the twelve bytes of the structure.
+    Dtl([u8; 12]),
+    /// `P#M10.0`, `P#DB5.DBX0.0`: DB number, 0 for none, and area pointer.
+    Pointer { db: u16, pointer: u32 },
+    /// `P#DB5.DBX0.0 BYTE 12`: the ten bytes of an ANY.
+    Any([u8; 10]),
+    /// ANY that points nowhere.
+    Nil,
+    /// Reference that points nowhere.
+    Null,
+}
