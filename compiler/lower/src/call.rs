@@ -107,6 +107,7 @@ impl Context<'_, '_> {
                 self.store_pointer(temporary, actual, parameter.passing == Passing::Any);
                 references.push(self.b.i32_const(temporary.offset));
             }
+            Passing::OpenArray { .. } => unreachable!("the binder gives an ARRAY[*] to calls from SCL only"),
         }
     }
 
@@ -153,6 +154,15 @@ impl Context<'_, '_> {
                 let pointer = self.temporary(10);
                 self.b.clear(pointer, 10);
                 pointer.offset
+            }
+            Passing::OpenArray { dimensions } => {
+                references.push(self.b.i32_const(layout::SCRATCH));
+                // No element exists between 1 and 0.
+                for _ in 0..dimensions {
+                    references.push(self.b.i32_const(1));
+                    references.push(self.b.i32_const(0));
+                }
+                return;
             }
         };
         references.push(self.b.i32_const(scratch));
@@ -265,7 +275,7 @@ impl Context<'_, '_> {
                 let target = self.instance_target(base, byte, Width::Byte);
                 self.store_at(target, |context, addr| context.store_pointer(addr, actual, any));
             }
-            (Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number, _) => {
+            (Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number | Passing::OpenArray { .. }, _) => {
                 unreachable!("the binder gives each formal an actual of its kind")
             }
         }
@@ -286,7 +296,7 @@ impl Context<'_, '_> {
                 let from = self.instance_target(base, parameter.byte, Width::Byte);
                 self.copy_block(place, from, bytes, false);
             }
-            Passing::Number | Passing::Pointer | Passing::Any => {}
+            Passing::Number | Passing::Pointer | Passing::Any | Passing::OpenArray { .. } => {}
         }
     }
 
@@ -392,7 +402,7 @@ impl Context<'_, '_> {
             (Passing::Pointer | Passing::Any, actual) => {
                 self.store_pointer(addr, actual, parameter.passing == Passing::Any);
             }
-            (Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number, _) => {
+            (Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number | Passing::OpenArray { .. }, _) => {
                 unreachable!("the binder gives each formal an actual of its kind")
             }
         }
@@ -409,7 +419,7 @@ impl Context<'_, '_> {
                 self.set(self.regs.db, db);
             }
             Passing::Complex { bytes } => self.copy_block(place, Target::at(addr, BitNumber::Known(0)), bytes, false),
-            Passing::Number | Passing::Pointer | Passing::Any => {}
+            Passing::Number | Passing::Pointer | Passing::Any | Passing::OpenArray { .. } => {}
         }
     }
 

@@ -128,6 +128,8 @@ pub struct Context<'p, 'o> {
     /// Result of an access that may fault, 32 bits or a bit.
     pub result: Var,
     pub result_bit: Var,
+    /// As `result`, 64 bits.
+    pub result_long: Var,
     /// Reference to an actual parameter whose address may be faulty.
     pub reference: Var,
 }
@@ -147,6 +149,7 @@ impl<'p, 'o> Context<'p, 'o> {
         );
         let regs = Registers::new(&mut b);
         let (result, result_bit) = (b.declare_var(Type::I32), b.declare_var(Type::I1));
+        let result_long = b.declare_var(Type::I64);
         let reference = b.declare_var(Type::I32);
         let local_bytes = plan::local_bytes(block, statements);
         let mut context = Context {
@@ -168,6 +171,7 @@ impl<'p, 'o> Context<'p, 'o> {
             labels: FxHashMap::default(),
             result,
             result_bit,
+            result_long,
             reference,
         };
         context.start();

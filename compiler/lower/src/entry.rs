@@ -45,6 +45,15 @@ fn no_arguments(b: &mut FunctionBuilder, block: &CodeBlock, arguments: &mut Vec<
             // At the start of this frame.
             Passing::Complex { .. } => &[0, layout::SCRATCH],
             Passing::Pointer | Passing::Any => &[0],
+            Passing::OpenArray { dimensions } => {
+                arguments.push(b.i32_const(layout::SCRATCH));
+                // No element exists between 1 and 0.
+                for _ in 0..dimensions {
+                    arguments.push(b.i32_const(1));
+                    arguments.push(b.i32_const(0));
+                }
+                continue;
+            }
         };
         if !matches!(parameter.passing, Passing::Elementary(_) | Passing::Number) {
             b.set_frame_bytes(layout::frame_bytes(NO_POINTER_BYTES));

@@ -31,6 +31,8 @@ pub enum Substitute {
     Word,
     /// 0 in [`Context::result_bit`].
     Bit,
+    /// 0 in [`Context::result_long`].
+    Long,
 }
 
 impl Context<'_, '_> {
@@ -70,6 +72,10 @@ impl Context<'_, '_> {
             Substitute::Bit => {
                 let zero = self.b.bool_const(false);
                 self.b.def_var(self.result_bit, zero);
+            }
+            Substitute::Long => {
+                let zero = self.b.iconst(plcc_abi::Type::I64, 0);
+                self.b.def_var(self.result_long, zero);
             }
         }
         self.leave_if(stop, behind);

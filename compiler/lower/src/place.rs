@@ -74,7 +74,7 @@ impl Target {
 }
 
 impl Context<'_, '_> {
-    /// Reads `place`: an i32, zero-extended, or an i1 with width Bit. Faults give what the error OB supplies.
+    /// Reads `place`: an i32, zero-extended, an i1 with width Bit, an i64 with width Lword. Faults give what the error OB supplies.
     pub fn read(&mut self, place: &Place, width: Width) -> Value {
         let target = self.target(place, width, Direction::Read);
         self.read_target(target, width)
@@ -84,6 +84,7 @@ impl Context<'_, '_> {
         let (substitute, result) = match width {
             Width::Bit => (Substitute::Bit, self.result_bit),
             Width::Byte | Width::Word | Width::Dword => (Substitute::Word, self.result),
+            Width::Lword => (Substitute::Long, self.result_long),
         };
         let guard = self.begin_guard(target.checks, substitute);
         let value = match target.kind {
@@ -124,6 +125,7 @@ impl Context<'_, '_> {
                 self.b.trunc(Type::I1, shifted)
             }
             (Width::Byte | Width::Word | Width::Dword, _) => self.load_zero_extended(addr, width),
+            (Width::Lword, _) => self.b.load(Type::I64, addr),
         }
     }
 
@@ -200,6 +202,7 @@ impl Context<'_, '_> {
                 self.store_low(addr, Width::Byte, byte);
             }
             (Width::Byte | Width::Word | Width::Dword, _) => self.store_low(addr, width, value),
+            (Width::Lword, _) => self.b.store(addr, value),
         }
     }
 
@@ -472,6 +475,10 @@ impl Context<'_, '_> {
                 let base = self.parameters[parameter][0];
                 Target::at(Address::indexed(Region::V, base, byte), BitNumber::Known(bit))
             }
+            Passing::OpenArray { .. } => {
+                let base = self.parameters[parameter][0];
+                Target::at(Address::indexed(Region::Any, base, byte), BitNumber::Known(bit))
+            }
         }
     }
 
@@ -618,6 +625,7 @@ pub fn width_type(width: Width) -> Type {
         Width::Byte => Type::I8,
         Width::Word => Type::I16,
         Width::Dword => Type::I32,
+        Width::Lword => Type::I64,
     }
 }
 
@@ -627,7 +635,7 @@ fn access_byte(width: Width, area: u8) -> u32 {
         Width::Bit => access::BIT,
         Width::Byte => access::BYTE,
         Width::Word => access::WORD,
-        Width::Dword => access::DWORD,
+        Width::Dword | Width::Lword => access::DWORD,
     };
     u32::from(width | area)
 }

@@ -251,10 +251,12 @@ pub fn register_type(register: CpuRegister) -> Type {
 /// - complex: where its POINTER lies in the caller's frame, and the offset of the variable from the memory base
 /// - TIMER, COUNTER, BLOCK_x: the number
 /// - POINTER, ANY: where it lies in the caller's frame
+/// - ARRAY[*]: the offset of the array from the memory base, then low and high bound of each dimension (at most 6)
 pub fn parameter_types(passing: Passing) -> &'static [Type] {
     match passing {
         Passing::Elementary(_) | Passing::Number | Passing::Pointer | Passing::Any => &[Type::I32],
         Passing::Complex { .. } => &[Type::I32, Type::I32],
+        Passing::OpenArray { dimensions } => &[Type::I32; 1 + 2 * 6][..1 + 2 * usize::from(dimensions)],
     }
 }
 
@@ -354,7 +356,7 @@ fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
         match parameter.passing {
             Passing::Elementary(_) => value,
             Passing::Complex { .. } => 6 + value,
-            Passing::Number => 0,
+            Passing::Number | Passing::OpenArray { .. } => 0,
             Passing::Pointer | Passing::Any => 10,
         }
     };

@@ -72,7 +72,7 @@ impl Context<'_, '_> {
                 let pointer = self.handed_on(pointer);
                 PointerFields { db, pointer }
             }
-            Passing::Elementary(_) | Passing::Number | Passing::Pointer | Passing::Any => {
+            Passing::Elementary(_) | Passing::Number | Passing::Pointer | Passing::Any | Passing::OpenArray { .. } => {
                 unreachable!("the binder lets pointers to complex formals through only")
             }
         }

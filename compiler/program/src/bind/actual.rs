@@ -161,9 +161,7 @@ impl Binder<'_> {
             | DataType::String(_)
             | DataType::WideString(_)
             | DataType::Array(_)
-            | DataType::Struct(_) => {
-                self.complex_actual(callee, formal, settled, span)
-            }
+            | DataType::Struct(_) => self.complex_actual(callee, formal, settled, span),
             DataType::Parameter(ParameterType::Pointer) => self.pointer_actual(callee, formal, settled, span),
             DataType::Parameter(ParameterType::Any) => self.any_actual(callee, formal, settled, span),
             DataType::Parameter(

@@ -183,14 +183,17 @@ impl Binder<'_> {
                 self.encode_elements(std::slice::from_ref(value), array, image, byte);
             }
             (InitialKind::Default, _) => {}
-            (
-                InitialKind::List(_) | InitialKind::Repeat { .. } | InitialKind::Expr(_) | InitialKind::Fields(_),
-                _,
-            ) => self.report.push(
-                Diagnostic::new(Code::InitialValue, value.span, "a list of values stands where one value is wanted")
+            (InitialKind::List(_) | InitialKind::Repeat { .. } | InitialKind::Expr(_) | InitialKind::Fields(_), _) => {
+                self.report.push(
+                    Diagnostic::new(
+                        Code::InitialValue,
+                        value.span,
+                        "a list of values stands where one value is wanted",
+                    )
                     .label(format!("the variable is of type {}", layout::type_name(ty)))
                     .help("write one constant; lists and repetition factors are for arrays"),
-            ),
+                )
+            }
         }
     }
 

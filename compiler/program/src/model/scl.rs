@@ -215,11 +215,15 @@ pub enum Conversion {
     Floor(Overflow),
     /// The bits: zero-extended from a bit string, sign-extended from a signed integer, cut to the target. `checked`: lost bits clear the
     /// bit.
-    Bits { checked: bool },
+    Bits {
+        checked: bool,
+    },
     /// Anything to BOOL: bit 0; others that are 1 clear the bit.
     ToBool,
     /// WORD or DWORD in BCD to INT or DINT; a bad digit is OB 121 16#21 if `fault`, else 0 and the bit cleared.
-    FromBcd { fault: bool },
+    FromBcd {
+        fault: bool,
+    },
     /// INT or DINT to BCD; out of range leaves the pattern and clears the bit.
     ToBcd,
     /// S5TIME to TIME.
@@ -230,7 +234,9 @@ pub enum Conversion {
     MillisToNanos,
     NanosToMillis,
     /// Pattern stays; out of 0..=`max` clears the bit (DATE, TIME_OF_DAY).
-    Ranged { max: u32 },
+    Ranged {
+        max: u32,
+    },
 }
 
 /// Result of a float to integer conversion that is out of range.
@@ -266,7 +272,9 @@ pub enum Function {
     /// `(G, IN0, IN1)`
     Select,
     /// `(K, IN0, …, INn)`; K outside: the last argument if `has_else`, else 0; both clear the bit.
-    Mux { has_else: bool },
+    Mux {
+        has_else: bool,
+    },
     /// Bytes in reverse order.
     Swap,
     /// `(MIN, VALUE, MAX)`; the result is a float.
@@ -319,7 +327,10 @@ pub enum IndexedArea {
     /// WORD: the number of the DB, found at run time.
     DynamicDb(Box<Expr>),
     /// BYTE: the area as PEEK names it (16#81 I, 16#82 Q, 16#83 M, 16#84 DB, 1 PI, 2 PQ), and WORD: the number of the DB.
-    Coded { area: Box<Expr>, db: Box<Expr> },
+    Coded {
+        area: Box<Expr>,
+        db: Box<Expr>,
+    },
 }
 
 /// A run-time index of one dimension.

@@ -71,7 +71,16 @@ pub fn code_block(
     let return_type = return_type.filter(|ty| ty.kind != TypeKind::Named("VOID".to_owned()));
     let span = context.span(range.start, range.end);
     let networks = body.map_or_else(Vec::new, |body| body.networks);
-    Some(Block::Code(CodeBlock { kind, name, return_type, header, sections, constants: Vec::new(), code: crate::ast::Code::Stl(networks), span }))
+    Some(Block::Code(CodeBlock {
+        kind,
+        name,
+        return_type,
+        header,
+        sections,
+        constants: Vec::new(),
+        code: crate::ast::Code::Stl(networks),
+        span,
+    }))
 }
 
 /// The kind comes from the keyword; SFC and SFB are told by the letters of the number.
@@ -165,7 +174,9 @@ fn data_parts(context: &mut Context, parts: Vec<Part>, range: Range<usize>) -> (
                 header_end = header_end.min(section.span.start as usize);
                 match &mut content {
                     DataContent::Struct(members) => members.extend(section.variables),
-                    DataContent::OfType(_) | DataContent::Array(..) | DataContent::Empty => content = DataContent::Struct(section.variables),
+                    DataContent::OfType(_) | DataContent::Array(..) | DataContent::Empty => {
+                        content = DataContent::Struct(section.variables)
+                    }
                 }
             }
             Part::Struct(members, start) => {
@@ -285,7 +296,11 @@ pub fn repeated(
     };
     let bad = values.iter().any(Option::is_none);
     let values: Vec<InitialValue> = values.into_iter().flatten().collect();
-    if bad { None } else { Some(InitialValue { kind: InitialKind::Repeat { count: Bound::Number(count, span), values }, span }) }
+    if bad {
+        None
+    } else {
+        Some(InitialValue { kind: InitialKind::Repeat { count: Bound::Number(count, span), values }, span })
+    }
 }
 
 /// The networks of a block: statements before the first NETWORK are a network of their own.
