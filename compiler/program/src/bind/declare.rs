@@ -49,6 +49,8 @@ pub struct BoundInterface {
     pub instance: Option<TypedStruct>,
     /// Folded names.
     pub locals: FxHashMap<String, Local>,
+    /// `VAR CONSTANT` and CONST.
+    pub constants: super::constant::Constants,
     pub temp_bytes: u32,
 }
 

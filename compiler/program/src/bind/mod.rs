@@ -12,6 +12,7 @@
 mod actual;
 mod body;
 mod call;
+mod constant;
 mod data;
 mod declare;
 mod interface;

@@ -1,0 +1,28 @@
+//! What an expression is before its context decides on its type.
+
+use plcc_diag::Span;
+use plcc_syntax::ast::{BlockPrefix, CellKind};
+
+use crate::bind::constant::Constant;
+use crate::model::Number;
+use crate::model::scl::{Access, Complex, Expr};
+use crate::types::DataType;
+
+/// A bound expression.
+#[derive(Clone, Debug)]
+pub enum Value {
+    /// Of an elementary type; conversions may still wrap it.
+    Elementary(Expr),
+    /// A constant. An untyped one takes its type from its partner.
+    Constant(Constant, Span),
+    /// STRING, ARRAY, STRUCT, DATE_AND_TIME and the like.
+    Complex { value: Complex, ty: DataType, span: Span },
+    /// A variable of a type that only parameters have: POINTER, ANY, ARRAY[*].
+    Parameter { access: Access, span: Span },
+    /// A timer or counter, or a formal parameter that is one.
+    Cell { kind: CellKind, number: Number, span: Span },
+    /// A block, or a formal parameter of type BLOCK_x.
+    Block { prefix: BlockPrefix, number: Number, span: Span },
+    /// A call without a value, as a statement.
+    Nothing(Box<crate::model::scl::Call>),
+}
