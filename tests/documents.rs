@@ -81,7 +81,7 @@ fn every_code_has_a_failing_and_a_passing_file() {
 fn the_runtime_has_the_system_functions_that_the_library_declares() {
     let declared: Vec<(u16, &str, usize)> = plcc_stdlib::blocks()
         .iter()
-        .filter(|block| !block.sfb && block.form == plcc_stdlib::Form::Runtime)
+        .filter(|block| block.class == plcc_stdlib::BlockClass::Sfc && block.form == plcc_stdlib::Form::Runtime)
         .map(|block| (block.number, block.name, parameters_of(block.source)))
         .collect();
     assert_eq!(declared, plcc_runtime::system::table().collect::<Vec<_>>());

@@ -1,7 +1,11 @@
-//! System functions and function blocks, as PLC source where possible.
+//! Standard library: system functions and function blocks, and blocks of the libraries, as PLC source where possible.
 //!
-//! The sources under `stl/` are the declarations of all system blocks; the attribute `plcc` says where the code is. They are
-//! told apart by block once, without parsing them: a program pays only for what it names.
+//! The sources are the declarations of all these blocks; the attribute `plcc` says where the code is. They are told apart by block
+//! once, without parsing them: a program pays only for what it names.
+//!
+//! - SFC, SFB below [`TIA_NUMBERS`]: blocks of the CPU, by number and name.
+//! - FC, FB: blocks of the libraries of STEP 7 V5, by number and name. A block of the program by the same number replaces one.
+//! - SFC, SFB from [`TIA_NUMBERS`] on: instructions of the TIA Portal, which have a name and no number; see [`find_tia`].
 
 mod library;
 
@@ -9,10 +13,21 @@ use std::sync::OnceLock;
 
 pub use library::{LIBRARY, LibraryBlock};
 
-/// Sources of the system blocks.
-const SOURCES: [&str; 2] = [include_str!("../stl/sfc.stl"), include_str!("../stl/sfb.stl")];
+/// Language of a source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Language {
+    Stl,
+    Scl,
+}
 
-/// Where the code of a system block is.
+/// Sources of the blocks.
+const SOURCES: &[(Language, &str)] =
+    &[(Language::Stl, include_str!("../stl/sfc.stl")), (Language::Stl, include_str!("../stl/sfb.stl"))];
+
+/// SFCs and SFBs from this number on are instructions of the TIA Portal. No program calls them by number.
+pub const TIA_NUMBERS: u16 = 1000;
+
+/// Where the code of a block is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// In the source itself.
@@ -23,60 +38,96 @@ pub enum Form {
     NotShipped,
 }
 
-/// A system function (SFC) or system function block (SFB).
+/// Kind of a block of the library.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum BlockClass {
+    Fc,
+    Fb,
+    Sfc,
+    Sfb,
+}
+
+/// A block of the standard library.
 #[derive(Clone, Copy, Debug)]
 pub struct SystemBlock {
-    pub sfb: bool,
+    pub class: BlockClass,
     pub number: u16,
     /// Standard name, `BLKMOV`.
     pub name: &'static str,
     /// The block's own source.
     pub source: &'static str,
     pub form: Form,
+    pub language: Language,
 }
 
-/// All system blocks.
+impl SystemBlock {
+    /// True of instructions of the TIA Portal, which have no number for the user.
+    pub fn is_tia(&self) -> bool {
+        self.number >= TIA_NUMBERS && matches!(self.class, BlockClass::Sfc | BlockClass::Sfb)
+    }
+}
+
+/// All blocks.
 pub fn blocks() -> &'static [SystemBlock] {
     static BLOCKS: OnceLock<Vec<SystemBlock>> = OnceLock::new();
-    BLOCKS.get_or_init(|| SOURCES.iter().flat_map(|source| index(source)).collect())
+    BLOCKS.get_or_init(|| SOURCES.iter().flat_map(|(language, source)| index(*language, source)).collect())
 }
 
-/// SFC or SFB by number.
-pub fn find(sfb: bool, number: u16) -> Option<&'static SystemBlock> {
-    blocks().iter().find(|block| block.sfb == sfb && block.number == number)
+/// A block by kind and number.
+pub fn find(class: BlockClass, number: u16) -> Option<&'static SystemBlock> {
+    blocks().iter().find(|block| block.class == class && block.number == number)
 }
 
-/// SFC or SFB by standard name, in any letter case.
+/// A block of the CPU or of a library of STEP 7 V5 by standard name, in any letter case. A block of the CPU comes first.
 pub fn find_name(name: &str) -> Option<&'static SystemBlock> {
-    blocks().iter().find(|block| block.name.eq_ignore_ascii_case(name))
+    blocks()
+        .iter()
+        .filter(|block| !block.is_tia() && block.name.eq_ignore_ascii_case(name))
+        .max_by_key(|block| block.class)
 }
 
-/// Cuts a source at its block frames.
-fn index(source: &'static str) -> Vec<SystemBlock> {
+/// An instruction of the TIA Portal by name, in any letter case.
+pub fn find_tia(name: &str) -> Option<&'static SystemBlock> {
+    blocks().iter().find(|block| block.is_tia() && block.name.eq_ignore_ascii_case(name))
+}
+
+/// Cuts a source at its block frames, which begin and end at the start of a line.
+fn index(language: Language, source: &'static str) -> Vec<SystemBlock> {
     let mut found = Vec::new();
-    let mut rest = source;
-    while let Some(start) = rest.find("FUNCTION") {
-        let block = &rest[start..];
-        let Some(end_word) = block.find("\nEND_FUNCTION") else { break };
-        let end = block[end_word + 1..].find('\n').map_or(block.len(), |line| end_word + 1 + line + 1);
-        found.extend(described(&block[..end]));
-        rest = &block[end..];
+    let mut start = None;
+    let mut at = 0;
+    for line in source.split_inclusive('\n') {
+        let end = at + line.len();
+        if line.starts_with("FUNCTION") {
+            start = Some(at);
+        } else if line.starts_with("END_FUNCTION")
+            && let Some(start) = start.take()
+        {
+            found.extend(described(language, &source[start..end]));
+        }
+        at = end;
     }
     found
 }
 
-/// Reads number, name and form of the block `source`.
-fn described(source: &'static str) -> Option<SystemBlock> {
-    let mut words = source.split_whitespace();
-    let sfb = words.next()? == "FUNCTION_BLOCK";
-    let number = words.nth(1)?.parse().ok()?;
+/// Reads kind, number, name and form of the block `source`.
+fn described(language: Language, source: &'static str) -> Option<SystemBlock> {
+    let mut words = source.split_whitespace().skip(1);
+    let class = match words.next()? {
+        "FC" => BlockClass::Fc,
+        "FB" => BlockClass::Fb,
+        "SFC" => BlockClass::Sfc,
+        "SFB" => BlockClass::Sfb,
+        _ => return None,
+    };
+    let number = words.next()?.parse().ok()?;
     let name = source.lines().find_map(|line| line.strip_prefix("NAME : "))?.trim();
     let form = match source.lines().find_map(|line| line.strip_prefix("{ plcc := '"))?.split('\'').next()? {
         "source" => Form::Source,
         "runtime" => Form::Runtime,
         _ => Form::NotShipped,
     };
-    Some(SystemBlock { sfb, number, name, source, form })
+    Some(SystemBlock { class, number, name, source, form, language })
 }
 
 #[cfg(test)]
@@ -85,24 +136,26 @@ mod tests {
 
     #[test]
     fn every_block_is_indexed() {
-        let frames: usize = SOURCES.iter().map(|source| source.matches("\nEND_FUNCTION").count()).sum();
+        let frames: usize = SOURCES.iter().map(|(_, source)| source.matches("\nEND_FUNCTION").count()).sum();
         assert_eq!(blocks().len(), frames);
     }
 
     #[test]
     fn by_name_and_number() {
-        assert_eq!(find_name("blkmov").map(|block| (block.sfb, block.number)), Some((false, 20)));
-        assert_eq!(find(true, 4).map(|block| (block.name, block.form)), Some(("TON", Form::Source)));
-        assert_eq!(find(false, 64).map(|block| block.form), Some(Form::Runtime));
-        assert_eq!(find(false, 51).map(|block| block.form), Some(Form::NotShipped));
-        assert!(find(false, 9999).is_none());
+        assert_eq!(find_name("blkmov").map(|block| (block.class, block.number)), Some((BlockClass::Sfc, 20)));
+        assert_eq!(find(BlockClass::Sfb, 4).map(|block| (block.name, block.form)), Some(("TON", Form::Source)));
+        assert_eq!(find(BlockClass::Sfc, 64).map(|block| block.form), Some(Form::Runtime));
+        assert_eq!(find(BlockClass::Sfc, 51).map(|block| block.form), Some(Form::NotShipped));
+        assert!(find(BlockClass::Sfc, 9999).is_none());
     }
 
     #[test]
     fn names_and_numbers_are_unique() {
         for (at, block) in blocks().iter().enumerate() {
             for other in &blocks()[at + 1..] {
-                assert!((block.sfb, block.number) != (other.sfb, other.number) && block.name != other.name);
+                assert!((block.class, block.number) != (other.class, other.number), "{}", block.name);
+                let same_space = (block.class, block.is_tia()) == (other.class, other.is_tia());
+                assert!(!same_space || block.name != other.name, "{}", block.name);
             }
         }
     }

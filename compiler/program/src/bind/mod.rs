@@ -271,9 +271,8 @@ impl<'a> Binder<'a> {
         if self.system_used.contains(&key) {
             return true;
         }
-        let sfb = key.kind == BlockKind::Sfb;
         let prefix = names::kind_prefix(key.kind);
-        let Some(block) = plcc_stdlib::find(sfb, key.number) else {
+        let Some(block) = names::library_class(key.kind).and_then(|class| plcc_stdlib::find(class, key.number)) else {
             self.report.missing_block(prefix, key.number, span);
             return false;
         };

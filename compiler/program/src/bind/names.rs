@@ -3,6 +3,7 @@
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind, OperandKind, StatementKind};
+use plcc_stdlib::BlockClass;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Binder;
@@ -47,6 +48,26 @@ pub const fn kind_prefix(kind: BlockKind) -> BlockPrefix {
         BlockKind::Sfc => BlockPrefix::Sfc,
         BlockKind::Sfb => BlockPrefix::Sfb,
         BlockKind::Db => BlockPrefix::Db,
+    }
+}
+
+/// The kind of a block of the standard library.
+pub const fn library_class(kind: BlockKind) -> Option<BlockClass> {
+    match kind {
+        BlockKind::Fc => Some(BlockClass::Fc),
+        BlockKind::Fb => Some(BlockClass::Fb),
+        BlockKind::Sfc => Some(BlockClass::Sfc),
+        BlockKind::Sfb => Some(BlockClass::Sfb),
+        BlockKind::Ob | BlockKind::Db => None,
+    }
+}
+
+const fn library_prefix(class: BlockClass) -> BlockPrefix {
+    match class {
+        BlockClass::Fc => BlockPrefix::Fc,
+        BlockClass::Fb => BlockPrefix::Fb,
+        BlockClass::Sfc => BlockPrefix::Sfc,
+        BlockClass::Sfb => BlockPrefix::Sfb,
     }
 }
 
@@ -328,8 +349,7 @@ impl<'a> Binder<'a> {
             return Some(global.target);
         }
         let block = plcc_stdlib::find_name(classic_name(name.trim()))?;
-        let prefix = if block.sfb { BlockPrefix::Sfb } else { BlockPrefix::Sfc };
-        Some(SymbolTarget::Block { prefix, number: u32::from(block.number) })
+        Some(SymbolTarget::Block { prefix: library_prefix(block.class), number: u32::from(block.number) })
     }
 
     /// Symbol of a block, empty if it has none.

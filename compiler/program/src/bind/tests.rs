@@ -4,6 +4,7 @@
 
 use plcc_abi::image::{BlockKind, Config, Family};
 use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap};
+use plcc_stdlib::BlockClass;
 use plcc_syntax::ParseOptions;
 
 use super::{BindInput, bind};
@@ -184,9 +185,13 @@ fn every_system_block_binds() {
         if block.form == plcc_stdlib::Form::NotShipped {
             continue;
         }
-        let kind = if block.sfb { "SFB" } else { "SFC" };
-        let (_, diagnostics) =
-            bind_text(&format!("CALL {kind} {} {}\n", block.number, if block.sfb { ", DB 1" } else { "" }), "", false);
+        let (kind, instance) = match block.class {
+            BlockClass::Fc => ("FC", ""),
+            BlockClass::Fb => ("FB", ", DB 1"),
+            BlockClass::Sfc => ("SFC", ""),
+            BlockClass::Sfb => ("SFB", ", DB 1"),
+        };
+        let (_, diagnostics) = bind_text(&format!("CALL {kind} {} {instance}\n", block.number), "", false);
         // A call that leaves out the parameters of a function is the only fault.
         assert!(
             diagnostics.iter().all(|diagnostic| diagnostic.code == Code::MissingParameter),
