@@ -220,15 +220,14 @@ impl Binder<'_> {
                 .collect();
             if !missing.is_empty() {
                 good = false;
-                self.report.push(
-                    Diagnostic::new(
-                        Code::MissingParameter,
-                        call.target.span,
-                        format!("the call of {key} leaves out {}", missing.join(", ")),
-                    )
-                    .label("a function needs all its parameters")
-                    .help(format!("add `{} := ...`", missing[0])),
-                );
+                let message = Diagnostic::new(
+                    Code::MissingParameter,
+                    call.target.span,
+                    format!("the call of {key} leaves out {}", missing.join(", ")),
+                )
+                .label("a function needs all its parameters");
+                let help = format!("add `{} := ...`", missing[0]);
+                self.report.push(message.help(self.with_library_note(key, help)));
             }
         }
         good.then_some(arguments)
@@ -250,10 +249,11 @@ impl Binder<'_> {
             Some(other) => message.help(format!("is `{other}` meant?")),
             None => {
                 let all: Vec<&str> = names().take(12).collect();
-                match all.is_empty() {
-                    true => message.help("the block has no parameters"),
-                    false => message.help(format!("its parameters are {}", all.join(", "))),
-                }
+                let help = match all.is_empty() {
+                    true => "the block has no parameters".to_string(),
+                    false => format!("its parameters are {}", all.join(", ")),
+                };
+                message.help(self.with_library_note(key, help))
             }
         });
         meant.map(str::to_owned)

@@ -207,7 +207,7 @@ impl Binder<'_> {
                 }
             };
             let key = BlockKey { kind, number: fb };
-            let known = kind == BlockKind::Sfb || self.code.contains_key(&key);
+            let known = self.code.contains_key(&key) || self.in_library(key);
             let Some(typed) =
                 known.then(|| self.interface(key, call.target.span)).flatten().and_then(|bound| bound.instance.clone())
             else {

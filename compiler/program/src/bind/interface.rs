@@ -21,9 +21,6 @@ impl<'a> Binder<'a> {
         match self.interfaces.get(&key) {
             Some(State::Done(done)) => {
                 let done = done.clone();
-                if done.is_some() && matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb) {
-                    self.use_system(key, span);
-                }
                 return done;
             }
             Some(State::Running) => {
@@ -41,8 +38,7 @@ impl<'a> Binder<'a> {
 
     /// The syntax tree of a block; one of the system is parsed when it is first used.
     fn code_source(&mut self, key: BlockKey, span: Span) -> Option<CodeSource<'a>> {
-        let system = matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb);
-        if system && !self.use_system(key, span) {
+        if self.in_library(key) && !self.use_system(key, span) {
             return None;
         }
         if !self.code.contains_key(&key) {

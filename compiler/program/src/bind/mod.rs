@@ -4,7 +4,7 @@
 //! 2. [`declare`] lays out types, [`interface`] the interfaces of blocks, each when it is first wanted; [`data`] makes the data blocks.
 //! 3. [`body`] binds statements: [`path`] turns names into places, [`operand`] checks operands against the instruction table,
 //!    [`call`] and [`actual`] check calls, [`pragma`] binds assertions.
-//! 4. Blocks of the system join when something uses them.
+//! 4. Blocks of the [`library`] join when something uses them.
 //!
 //! With errors the program is incomplete and must not be lowered; the same holds for `partial` runs with warnings about
 //! undefined names.
@@ -16,6 +16,7 @@ mod constant;
 mod data;
 mod declare;
 mod interface;
+mod library;
 mod names;
 mod operand;
 mod path;
@@ -154,6 +155,8 @@ struct Binder<'a> {
     /// Components by folded name; the structure is kept so that its address stays its own.
     member_index: FxHashMap<*const StructType, (Rc<StructType>, FxHashMap<String, usize>)>,
     system: Vec<SystemUse>,
+    /// Blocks of libraries whose numbers the program uses for its own, by the number that they have instead.
+    moved: FxHashMap<BlockKey, &'static plcc_stdlib::SystemBlock>,
     system_used: FxHashSet<BlockKey>,
     /// Addresses beyond the CPU's limits that were told of.
     limits_told: FxHashSet<(Area, u32)>,
@@ -194,6 +197,7 @@ impl<'a> Binder<'a> {
             depth: 0,
             member_index: FxHashMap::default(),
             system: Vec::new(),
+            moved: FxHashMap::default(),
             system_used: FxHashSet::default(),
             limits_told: FxHashSet::default(),
             cells_told: FxHashSet::default(),
@@ -264,33 +268,6 @@ impl<'a> Binder<'a> {
             ast::Code::Stl(_) => Body::Stl(self.bind_body(ctx, block)),
             ast::Code::Scl(body) => Body::Scl(self.bind_scl(ctx, block, body)),
         }
-    }
-
-    /// Notes the use of a block of the system; false if it is not there, which is reported.
-    fn use_system(&mut self, key: BlockKey, span: Span) -> bool {
-        if self.system_used.contains(&key) {
-            return true;
-        }
-        let prefix = names::kind_prefix(key.kind);
-        let Some(block) = names::library_class(key.kind).and_then(|class| plcc_stdlib::find(class, key.number)) else {
-            self.report.missing_block(prefix, key.number, span);
-            return false;
-        };
-        if block.form == plcc_stdlib::Form::NotShipped {
-            self.report.not_shipped(prefix, key.number, block.name, span);
-            return false;
-        }
-        let options = plcc_syntax::ParseOptions { mnemonics: Some(plcc_syntax::stl::Mnemonics::En), pragmas: false };
-        let (unit, _) = plcc_syntax::parse(SYSTEM_FILE, block.source, &options);
-        let code = unit.blocks.into_iter().find_map(|block| match block {
-            ast::Block::Code(code) => Some(code),
-            ast::Block::Data(_) | ast::Block::Type(_) => None,
-        });
-        let code = code.expect("each source of the standard library holds one block, as its tests check");
-        self.system_used.insert(key);
-        self.code.insert(key, CodeSource::System(Rc::new(code)));
-        self.system.push(SystemUse { key, span, runtime: block.form == plcc_stdlib::Form::Runtime });
-        true
     }
 
     fn no_main_block(&mut self) {

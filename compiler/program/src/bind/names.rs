@@ -3,7 +3,6 @@
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind, OperandKind, StatementKind};
-use plcc_stdlib::BlockClass;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Binder;
@@ -48,26 +47,6 @@ pub const fn kind_prefix(kind: BlockKind) -> BlockPrefix {
         BlockKind::Sfc => BlockPrefix::Sfc,
         BlockKind::Sfb => BlockPrefix::Sfb,
         BlockKind::Db => BlockPrefix::Db,
-    }
-}
-
-/// The kind of a block of the standard library.
-pub const fn library_class(kind: BlockKind) -> Option<BlockClass> {
-    match kind {
-        BlockKind::Fc => Some(BlockClass::Fc),
-        BlockKind::Fb => Some(BlockClass::Fb),
-        BlockKind::Sfc => Some(BlockClass::Sfc),
-        BlockKind::Sfb => Some(BlockClass::Sfb),
-        BlockKind::Ob | BlockKind::Db => None,
-    }
-}
-
-const fn library_prefix(class: BlockClass) -> BlockPrefix {
-    match class {
-        BlockClass::Fc => BlockPrefix::Fc,
-        BlockClass::Fb => BlockPrefix::Fb,
-        BlockClass::Sfc => BlockPrefix::Sfc,
-        BlockClass::Sfb => BlockPrefix::Sfb,
     }
 }
 
@@ -236,6 +215,7 @@ impl<'a> Binder<'a> {
                 self.block_names.insert((prefix, number as u16), global.name.clone());
             }
         }
+        self.move_library(&used);
     }
 
     fn collect_tables(&mut self) {
@@ -297,7 +277,7 @@ impl<'a> Binder<'a> {
     pub fn block_number(&mut self, name: &BlockName) -> Option<(BlockPrefix, u16)> {
         match name {
             BlockName::Numbered { prefix, number, span } => match u16::try_from(*number) {
-                Ok(number) => Some((*prefix, number)),
+                Ok(number) => self.numbered_block(*prefix, number, *span),
                 Err(_) => {
                     self.report.push(
                         Diagnostic::new(
@@ -348,8 +328,9 @@ impl<'a> Binder<'a> {
         if let Some(global) = self.globals.get(&fold(name)) {
             return Some(global.target);
         }
-        let block = plcc_stdlib::find_name(classic_name(name.trim()))?;
-        Some(SymbolTarget::Block { prefix: library_prefix(block.class), number: u32::from(block.number) })
+        let name = classic_name(name.trim());
+        let key = self.library_key(plcc_stdlib::find_name(name).or_else(|| plcc_stdlib::find_tia(name))?);
+        Some(SymbolTarget::Block { prefix: kind_prefix(key.kind), number: u32::from(key.number) })
     }
 
     /// Symbol of a block, empty if it has none.

@@ -1,0 +1,151 @@
+//! Blocks of the standard library: which names and numbers mean them, and their joining the program.
+//!
+//! SFCs and SFBs belong to the CPU. FCs and FBs of libraries have the numbers of STEP 7 V5, and a block of the program always comes
+//! first: an FC or FB that no source defines is taken from the library if its symbol is a standard name, or if it has no symbol and
+//! its number is a standard one. Where the program has its own block by the number of a library block, the latter answers to its
+//! name alone and has another number in the compiled program.
+
+use std::rc::Rc;
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::Span;
+use plcc_stdlib::{BlockClass, Form, Language, SystemBlock};
+use plcc_syntax::ast::{self, BlockPrefix};
+use plcc_syntax::{ParseOptions, scl, stl};
+use rustc_hash::FxHashSet;
+
+use super::names::{fold, kind_prefix};
+use super::{Binder, CodeSource, SYSTEM_FILE, SystemUse};
+use crate::model::BlockKey;
+
+const fn class_of(kind: BlockKind) -> Option<BlockClass> {
+    match kind {
+        BlockKind::Fc => Some(BlockClass::Fc),
+        BlockKind::Fb => Some(BlockClass::Fb),
+        BlockKind::Sfc => Some(BlockClass::Sfc),
+        BlockKind::Sfb => Some(BlockClass::Sfb),
+        BlockKind::Ob | BlockKind::Db => None,
+    }
+}
+
+const fn kind_of(class: BlockClass) -> BlockKind {
+    match class {
+        BlockClass::Fc => BlockKind::Fc,
+        BlockClass::Fb => BlockKind::Fb,
+        BlockClass::Sfc => BlockKind::Sfc,
+        BlockClass::Sfb => BlockKind::Sfb,
+    }
+}
+
+impl Binder<'_> {
+    /// Gives blocks of libraries other numbers where the program uses theirs for blocks of its own. `used`: numbers that are taken.
+    pub fn move_library(&mut self, used: &FxHashSet<(BlockPrefix, u32)>) {
+        let mut free = u32::from(u16::MAX);
+        for block in plcc_stdlib::blocks() {
+            let kind = kind_of(block.class);
+            let prefix = kind_prefix(kind);
+            let taken = self.defined.contains_key(&(prefix, block.number))
+                || self.block_names.get(&(prefix, block.number)).is_some_and(|name| fold(name) != fold(block.name));
+            if matches!(block.class, BlockClass::Sfc | BlockClass::Sfb) || !taken {
+                continue;
+            }
+            while used.contains(&(prefix, free)) && free > 0 {
+                free -= 1;
+            }
+            self.moved.insert(BlockKey { kind, number: free as u16 }, block);
+            free = free.saturating_sub(1);
+        }
+    }
+
+    /// Kind and number of a block of the library in this program.
+    pub fn library_key(&self, block: &SystemBlock) -> BlockKey {
+        let moved = self.moved.iter().find(|(_, other)| (other.class, other.number) == (block.class, block.number));
+        match moved {
+            Some((key, _)) => *key,
+            None => BlockKey { kind: kind_of(block.class), number: block.number },
+        }
+    }
+
+    /// The block of the library that stands for `key`, if the program itself does not define it.
+    pub fn library_block(&self, key: BlockKey) -> Option<&'static SystemBlock> {
+        let class = class_of(key.kind)?;
+        if matches!(self.code.get(&key), Some(CodeSource::User(_))) {
+            return None;
+        }
+        if let Some(block) = self.moved.get(&key) {
+            return Some(block);
+        }
+        let name = self.block_name(kind_prefix(key.kind), key.number);
+        match class {
+            BlockClass::Fc | BlockClass::Fb if !name.is_empty() => plcc_stdlib::blocks()
+                .iter()
+                .find(|block| block.class == class && block.name.eq_ignore_ascii_case(&name)),
+            _ => plcc_stdlib::find(class, key.number),
+        }
+    }
+
+    /// True if a block can only come from the library; it may be missing there.
+    pub fn in_library(&self, key: BlockKey) -> bool {
+        matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb) || self.library_block(key).is_some()
+    }
+
+    /// A block called by letters and number. Instructions of the TIA Portal have no number.
+    pub fn numbered_block(&mut self, prefix: BlockPrefix, number: u16, span: Span) -> Option<(BlockPrefix, u16)> {
+        let system = matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb);
+        if system && number >= plcc_stdlib::TIA_NUMBERS && span.file != SYSTEM_FILE {
+            self.report.missing_block(prefix, number, span);
+            return None;
+        }
+        // A block of the library means those of the library.
+        let class = match prefix {
+            BlockPrefix::Fc if span.file == SYSTEM_FILE => BlockClass::Fc,
+            BlockPrefix::Fb if span.file == SYSTEM_FILE => BlockClass::Fb,
+            _ => return Some((prefix, number)),
+        };
+        let number = plcc_stdlib::find(class, number).map_or(number, |block| self.library_key(block).number);
+        Some((prefix, number))
+    }
+
+    /// A piece of advice, with the words that a block came from the library if the program may mean one of its own.
+    pub fn with_library_note(&self, key: BlockKey, help: String) -> String {
+        match self.library_block(key).filter(|_| matches!(key.kind, BlockKind::Fc | BlockKind::Fb)) {
+            Some(block) => format!("{help}; no source defines {key}, so it is `{}` of the standard library", block.name),
+            None => help,
+        }
+    }
+
+    /// Notes the use of a block of the library; false if it is not there, which is reported.
+    pub fn use_system(&mut self, key: BlockKey, span: Span) -> bool {
+        if self.system_used.contains(&key) {
+            return true;
+        }
+        let prefix = kind_prefix(key.kind);
+        let Some(block) = self.library_block(key) else {
+            self.report.missing_block(prefix, key.number, span);
+            return false;
+        };
+        if block.form == Form::NotShipped {
+            self.report.not_shipped(prefix, key.number, block.name, span);
+            return false;
+        }
+        let code = parsed(block);
+        self.system_used.insert(key);
+        self.code.insert(key, CodeSource::System(Rc::new(code)));
+        self.system.push(SystemUse { key, span, runtime: block.form == Form::Runtime });
+        true
+    }
+}
+
+/// The syntax tree of a block of the library.
+fn parsed(block: &SystemBlock) -> ast::CodeBlock {
+    let options = ParseOptions { mnemonics: Some(stl::Mnemonics::En), pragmas: false };
+    let (unit, _) = match block.language {
+        Language::Stl => stl::parse(SYSTEM_FILE, block.source, &options),
+        Language::Scl => scl::parse(SYSTEM_FILE, block.source, &options),
+    };
+    let code = unit.blocks.into_iter().find_map(|block| match block {
+        ast::Block::Code(code) => Some(code),
+        ast::Block::Data(_) | ast::Block::Type(_) => None,
+    });
+    code.expect("each source of the standard library holds one block, as its tests check")
+}
