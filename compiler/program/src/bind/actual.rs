@@ -19,7 +19,7 @@ use crate::model::{Actual, BlockKey, Direction, Number, Parameter, Place};
 use crate::types::{DataType, Elementary, ParameterType};
 
 /// Type codes of an ANY. Source: STL reference, table of type codes.
-const fn type_code(ty: Elementary) -> u8 {
+pub const fn type_code(ty: Elementary) -> u8 {
     match ty {
         Elementary::Bool => 0x01,
         Elementary::Byte => 0x02,
@@ -59,7 +59,7 @@ const CODE_TIMER: u8 = 0x1D;
 const ANY_SYNTAX: u8 = 0x10;
 
 /// Type code and repetition factor for a variable in an ANY.
-fn any_of(ty: &DataType) -> (u8, u32) {
+pub fn any_of(ty: &DataType) -> (u8, u32) {
     match ty {
         DataType::Elementary(ty) => (type_code(*ty), 1),
         DataType::DateAndTime => (CODE_DATE_AND_TIME, 1),
@@ -78,7 +78,7 @@ fn any_of(ty: &DataType) -> (u8, u32) {
 }
 
 /// The pointer to a place whose address is known: DB number and area pointer. Local data has another area for the callee.
-fn known_pointer(place: &Place) -> Option<(u16, u32)> {
+pub fn known_pointer(place: &Place) -> Option<(u16, u32)> {
     use plcc_abi::layout::area;
     let pointer = |area: u8, byte: u32, bit: u8| u32::from(area) << 24 | byte << 3 | u32::from(bit);
     match place {
@@ -99,13 +99,13 @@ fn known_pointer(place: &Place) -> Option<(u16, u32)> {
 }
 
 /// The place in L that a pointer constant names.
-fn local_place(pointer: u32) -> Option<Place> {
+pub fn local_place(pointer: u32) -> Option<Place> {
     let area = (pointer >> 24) as u8;
     (area == plcc_abi::layout::area::L)
         .then_some(Place::L { byte: (pointer & 0x00FF_FFFF) >> 3, bit: (pointer & 7) as u8 })
 }
 
-fn any_bytes(code: u8, count: u16, db: u16, pointer: u32) -> Vec<u8> {
+pub fn any_bytes(code: u8, count: u16, db: u16, pointer: u32) -> Vec<u8> {
     let mut bytes = vec![ANY_SYNTAX, code];
     bytes.extend(count.to_be_bytes());
     bytes.extend(db.to_be_bytes());
@@ -113,12 +113,27 @@ fn any_bytes(code: u8, count: u16, db: u16, pointer: u32) -> Vec<u8> {
     bytes
 }
 
-/// The ANY of a timer, counter or block.
-fn any_number(code: u8, number: u16) -> Vec<u8> {
+/// The ANY of a timer or counter.
+pub fn any_number_of_cell(kind: CellKind, number: u16) -> Vec<u8> {
+    let code = match kind {
+        CellKind::Timer => CODE_TIMER,
+        CellKind::Counter => CODE_COUNTER,
+    };
     any_bytes(code, 1, 0, u32::from(number))
 }
 
-fn pointer_bytes(db: u16, pointer: u32) -> Vec<u8> {
+/// The ANY of a block; some kinds have none.
+pub fn any_number_of_block(prefix: BlockPrefix, number: u16) -> Option<Vec<u8>> {
+    let code = match prefix {
+        BlockPrefix::Fb | BlockPrefix::Sfb => CODE_BLOCK_FB,
+        BlockPrefix::Fc | BlockPrefix::Sfc => CODE_BLOCK_FC,
+        BlockPrefix::Db | BlockPrefix::Di => CODE_BLOCK_DB,
+        BlockPrefix::Ob | BlockPrefix::Udt | BlockPrefix::Vat => return None,
+    };
+    Some(any_bytes(code, 1, 0, u32::from(number)))
+}
+
+pub fn pointer_bytes(db: u16, pointer: u32) -> Vec<u8> {
     let mut bytes = db.to_be_bytes().to_vec();
     bytes.extend(pointer.to_be_bytes());
     bytes
@@ -409,23 +424,12 @@ impl Binder<'_> {
                 Some(to(place.clone(), &DataType::Elementary(ty)))
             }
             Settled::Cell { kind, number: Number::Known(number) } => {
-                let code = match kind {
-                    CellKind::Timer => CODE_TIMER,
-                    CellKind::Counter => CODE_COUNTER,
-                };
-                Some(Actual::PointerBytes(any_number(code, *number)))
+                Some(Actual::PointerBytes(any_number_of_cell(*kind, *number)))
             }
-            Settled::Block { prefix, number: Number::Known(number) } => {
-                let code = match prefix {
-                    BlockPrefix::Fb | BlockPrefix::Sfb => CODE_BLOCK_FB,
-                    BlockPrefix::Fc | BlockPrefix::Sfc => CODE_BLOCK_FC,
-                    BlockPrefix::Db | BlockPrefix::Di => CODE_BLOCK_DB,
-                    BlockPrefix::Ob | BlockPrefix::Udt | BlockPrefix::Vat => {
-                        return self.mismatch(callee, formal, &settled, span);
-                    }
-                };
-                Some(Actual::PointerBytes(any_number(code, *number)))
-            }
+            Settled::Block { prefix, number: Number::Known(number) } => match any_number_of_block(*prefix, *number) {
+                Some(bytes) => Some(Actual::PointerBytes(bytes)),
+                None => self.mismatch(callee, formal, &settled, span),
+            },
             Settled::Complex(variable) => match &variable.ty {
                 DataType::Parameter(ParameterType::Any) => Some(Actual::PointerCopy(variable.place())),
                 DataType::Parameter(ParameterType::Pointer) => self.mismatch(callee, formal, &settled, span),

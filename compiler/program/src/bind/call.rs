@@ -39,7 +39,7 @@ impl Binder<'_> {
             return None;
         };
         let instance = self.instance(ctx, call, key, multi);
-        let mut arguments = self.arguments(ctx, call, key, &bound)?;
+        let mut arguments = self.call_arguments(ctx, call, key, &bound)?;
         arguments.sort_by_key(|argument| argument.parameter);
         self.check_overlaps(&bound, &arguments);
         let instance = instance?;
@@ -50,7 +50,8 @@ impl Binder<'_> {
                 Instance::Db(number) => InstanceId::Db(*number),
                 Instance::Multi { byte } => InstanceId::Multi(ctx.key, *byte),
             };
-            self.note_pointers(id, key, &bound, &arguments, span);
+            let supplied: Vec<usize> = arguments.iter().map(|argument| argument.parameter).collect();
+            self.note_pointers(id, key, &bound, &supplied, span);
         }
         Some(Call { target: key, instance, arguments })
     }
@@ -146,6 +147,12 @@ impl Binder<'_> {
                 return None;
             }
         };
+        self.check_instance_db(key, number, operand.span)?;
+        Some(Some(Instance::Db(number)))
+    }
+
+    /// Checks that a data block is an instance of a function block.
+    pub fn check_instance_db(&mut self, key: BlockKey, number: u16, span: Span) -> Option<()> {
         let Some(db) = self.dbs.get(&number) else {
             // The DB has an error of its own.
             return None;
@@ -157,17 +164,17 @@ impl Binder<'_> {
                 None => format!("DB {number} is a shared data block"),
             };
             self.report.push(
-                Diagnostic::new(Code::NoBlockFits, operand.span, format!("DB {number} is no instance of {key}"))
+                Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is no instance of {key}"))
                     .label(what)
                     .also(defined, "the data block")
                     .help(format!("name a data block of {key}; one that is not defined is made for the call")),
             );
             return None;
         }
-        Some(Some(Instance::Db(number)))
+        Some(())
     }
 
-    fn arguments(
+    fn call_arguments(
         &mut self,
         ctx: &mut Ctx,
         call: &ast::Call,
@@ -185,7 +192,7 @@ impl Binder<'_> {
             let folded = fold(&given.name);
             let Some(index) = parameters.iter().position(|parameter| fold(&parameter.name) == folded) else {
                 good = false;
-                misspelt.extend(self.unknown_parameter(key, bound, given));
+                misspelt.extend(self.unknown_parameter(key, bound, (&given.name, given.name_span)));
                 continue;
             };
             if let Some(first) = seen.insert(index, given.name_span) {
@@ -234,16 +241,17 @@ impl Binder<'_> {
     }
 
     /// Reports a parameter that the block does not have; gives the one that may be meant.
-    fn unknown_parameter(&mut self, key: BlockKey, bound: &BoundInterface, given: &ast::Parameter) -> Option<String> {
+    pub fn unknown_parameter(
+        &mut self,
+        key: BlockKey,
+        bound: &BoundInterface,
+        (name, span): (&str, Span),
+    ) -> Option<String> {
         let names = || bound.interface.parameters.iter().map(|parameter| parameter.name.as_str());
-        let message = Diagnostic::new(
-            Code::UnknownParameter,
-            given.name_span,
-            format!("{key} has no parameter `{}`", given.name),
-        )
-        .label("no such parameter");
-        let is_static = bound.locals.contains_key(&fold(&given.name));
-        let meant = similar(&given.name, names()).filter(|_| !is_static);
+        let message = Diagnostic::new(Code::UnknownParameter, span, format!("{key} has no parameter `{name}`"))
+            .label("no such parameter");
+        let is_static = bound.locals.contains_key(&fold(name));
+        let meant = similar(name, names()).filter(|_| !is_static);
         self.report.push(match meant {
             _ if is_static => message.help("it is static or temporary data of the block, which a call cannot supply"),
             Some(other) => message.help(format!("is `{other}` meant?")),
@@ -300,12 +308,13 @@ impl Binder<'_> {
         }
     }
 
-    fn note_pointers(
+    /// Notes which pointer parameters the call of an instance supplies.
+    pub fn note_pointers(
         &mut self,
         id: InstanceId,
         key: BlockKey,
         bound: &BoundInterface,
-        arguments: &[Argument],
+        supplied: &[usize],
         span: Span,
     ) {
         for (index, parameter) in bound.interface.parameters.iter().enumerate() {
@@ -317,7 +326,7 @@ impl Binder<'_> {
             if !points {
                 continue;
             }
-            let supplied = arguments.iter().any(|argument| argument.parameter == index);
+            let supplied = supplied.contains(&index);
             let entry = self.pointers.entry((id, index)).or_insert_with(|| PointerUse {
                 supplied,
                 span,

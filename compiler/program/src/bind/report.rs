@@ -75,6 +75,23 @@ impl Report {
         });
     }
 
+    /// A function of SCL by a name that means nothing, or that plcc does not have.
+    pub fn missing_function(&mut self, name: &str, span: Span, meant: Option<String>, known: bool) {
+        self.missing(MissingKey::Symbol(super::names::fold(name)), span, || match known {
+            true => Diagnostic::new(Code::NotShipped, span, format!("the function `{name}` is not supported"))
+                .label("plcc knows this function but does not have it")
+                .help("do without it, or write a function that does the work"),
+            false => {
+                let message = Diagnostic::new(Code::UnknownBlock, span, format!("the function `{name}` is not defined"))
+                    .label("neither a block of the program nor a function of SCL");
+                match meant {
+                    Some(other) => message.help(format!("is `{other}` meant?")),
+                    None => message.help("add the source that defines it, or the symbol table that names it"),
+                }
+            }
+        });
+    }
+
     pub fn missing_type(&mut self, name: &str, span: Span) {
         self.missing(MissingKey::Symbol(super::names::fold(name)), span, || {
             let types = crate::types::Elementary::ALL.into_iter().map(|ty| ty.name());

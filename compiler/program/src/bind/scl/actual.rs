@@ -1,0 +1,238 @@
+//! Actual parameters of SCL calls, by the type of the formal one.
+//!
+//! Source: SCL reference, parameters. Inputs are expressions and convert implicitly; outputs convert from the formal's type to the
+//! variable's; complex data goes by its type. What goes by pointer stands in `pointer`.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{BlockPrefix, CellKind};
+use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
+use plcc_syntax::{Class, Elementary};
+
+use super::message::described;
+use super::value::Value;
+use super::{Intent, coerce};
+use crate::bind::names::code_kind;
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::scl::{Access, Actual, Conversion, Expr, ExprKind};
+use crate::model::{BlockKey, Direction, Number, Parameter};
+use crate::types::{DataType, OpenArrayType, ParameterType};
+
+impl Binder<'_> {
+    /// Binds the actual of parameter `formal` of block `callee`; `None` after a message or if it cannot be known.
+    pub fn scl_actual(&mut self, ctx: &mut Ctx, callee: BlockKey, formal: &Parameter, node: &Node) -> Option<Actual> {
+        let intent = match formal.direction {
+            Direction::Input => Intent::Read,
+            Direction::Output => Intent::Write,
+            Direction::InOut => Intent::Both,
+        };
+        let by_number = matches!(
+            formal.ty,
+            DataType::Parameter(
+                ParameterType::Timer
+                    | ParameterType::Counter
+                    | ParameterType::BlockFb
+                    | ParameterType::BlockFc
+                    | ParameterType::BlockDb
+                    | ParameterType::BlockSdb
+            )
+        );
+        let points = matches!(formal.ty, DataType::Parameter(ParameterType::Pointer | ParameterType::Any));
+        if intent != Intent::Read && !by_number && !points && !is_variable(node) {
+            return self.not_writable(callee, formal, node.span);
+        }
+        match &formal.ty {
+            DataType::Elementary(ty) => match intent {
+                Intent::Read => Some(Actual::Value(self.scl_of_type(ctx, node, *ty)?)),
+                Intent::Write | Intent::Both => self.elementary_variable(ctx, callee, formal, *ty, node, intent),
+            },
+            DataType::DateAndTime
+            | DataType::String(_)
+            | DataType::WideString(_)
+            | DataType::Array(_)
+            | DataType::Struct(_) => match intent {
+                Intent::Read => Some(Actual::Complex(self.scl_complex(ctx, node, &formal.ty)?)),
+                Intent::Write | Intent::Both => {
+                    let access = self.scl_access(ctx, node, intent)?;
+                    if !coerce::assignable(ctx.scl.rules, &formal.ty, &access.ty) || access.part.is_some() {
+                        return self.wrong_actual(callee, formal, &access_type(&access), node.span);
+                    }
+                    Some(Actual::Reference(access))
+                }
+            },
+            DataType::OpenArray(array) => self.open_array(ctx, callee, formal, &array.clone(), node, intent),
+            DataType::Parameter(ParameterType::Pointer) => self.scl_pointer(ctx, callee, formal, node, intent),
+            DataType::Parameter(ParameterType::Any) => self.scl_any(ctx, callee, formal, node, intent),
+            DataType::Parameter(parameter) => self.scl_number(ctx, callee, formal, *parameter, node),
+            DataType::Void => None,
+        }
+    }
+
+    fn not_writable(&mut self, callee: BlockKey, formal: &Parameter, span: Span) -> Option<Actual> {
+        let text = self.text(span);
+        self.report.push(
+            Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
+                .label(format!("`{}` is written by {callee}", formal.name))
+                .help("name a variable or an address"),
+        );
+        None
+    }
+
+    /// An actual of another type than the formal's.
+    pub fn wrong_actual(&mut self, callee: BlockKey, formal: &Parameter, is: &str, span: Span) -> Option<Actual> {
+        let text = self.text(span);
+        let wanted = layout::type_name(&formal.ty);
+        let help = match &formal.ty {
+            DataType::Parameter(ParameterType::Any) => "write for example `P#M50.0 BYTE 10`, or name a variable".into(),
+            DataType::Parameter(ParameterType::Pointer) => "write for example `P#M50.0`, or name a variable".into(),
+            _ => format!("name a variable of type {wanted}"),
+        };
+        self.report.push(
+            Diagnostic::new(
+                Code::TypeMismatch,
+                span,
+                format!("`{}` of {callee} is of type {wanted}, but `{text}` is {is}", formal.name),
+            )
+            .label(is.to_string())
+            .help(help),
+        );
+        None
+    }
+
+    /// OUT and IN_OUT of elementary types.
+    fn elementary_variable(
+        &mut self,
+        ctx: &mut Ctx,
+        callee: BlockKey,
+        formal: &Parameter,
+        ty: Elementary,
+        node: &Node,
+        intent: Intent,
+    ) -> Option<Actual> {
+        let access = self.scl_access(ctx, node, intent)?;
+        let Some(found) = access.elementary() else {
+            return self.wrong_actual(callee, formal, &access_type(&access), node.span);
+        };
+        if found == ty {
+            return Some(Actual::Variable { access, back: None });
+        }
+        // An address says its width only; of two types one is a bit string then.
+        let same_width = found.bits() == ty.bits() && (found.class() == Class::Bits || ty.class() == Class::Bits);
+        if same_width && ty != Elementary::Bool {
+            return Some(Actual::Variable { access, back: Some(Conversion::Bits { checked: false }) });
+        }
+        if intent == Intent::Both {
+            if found.bits() == ty.bits() && ctx.scl.rules.is_300() {
+                return Some(Actual::Variable { access, back: Some(Conversion::Bits { checked: false }) });
+            }
+            return self.wrong_actual(callee, formal, &access_type(&access), node.span);
+        }
+        // What comes out converts as any value of the formal's type would.
+        let out = Expr { kind: ExprKind::Load(Box::new(access.clone())), ty, span: node.span };
+        match self.implicit(ctx, out, found)?.kind {
+            ExprKind::Convert { conversion, operand } if matches!(operand.kind, ExprKind::Load(_)) => {
+                Some(Actual::Variable { access, back: Some(conversion) })
+            }
+            _ => self.wrong_actual(callee, formal, &access_type(&access), node.span),
+        }
+    }
+
+    /// ARRAY[*]: an array of the same element type and number of dimensions, or a formal that is one.
+    fn open_array(
+        &mut self,
+        ctx: &mut Ctx,
+        callee: BlockKey,
+        formal: &Parameter,
+        wanted: &OpenArrayType,
+        node: &Node,
+        intent: Intent,
+    ) -> Option<Actual> {
+        if !is_variable(node) {
+            return self.wrong_actual(callee, formal, "no variable", node.span);
+        }
+        let access = self.scl_access(ctx, node, intent)?;
+        let fits = match &access.ty {
+            DataType::Array(array) => {
+                array.bounds.len() == usize::from(wanted.dimensions)
+                    && layout::same_type(&array.element, &wanted.element)
+            }
+            DataType::OpenArray(array) => {
+                array.dimensions == wanted.dimensions && layout::same_type(&array.element, &wanted.element)
+            }
+            _ => false,
+        };
+        if !fits {
+            return self.wrong_actual(callee, formal, &access_type(&access), node.span);
+        }
+        Some(Actual::Reference(access))
+    }
+
+    /// TIMER, COUNTER and BLOCK_x: the number of what is named.
+    fn scl_number(
+        &mut self,
+        ctx: &mut Ctx,
+        callee: BlockKey,
+        formal: &Parameter,
+        parameter: ParameterType,
+        node: &Node,
+    ) -> Option<Actual> {
+        let value = self.scl_value(ctx, node)?;
+        match (parameter, &value) {
+            (ParameterType::Timer, Value::Cell { kind: CellKind::Timer, number, .. })
+            | (ParameterType::Counter, Value::Cell { kind: CellKind::Counter, number, .. }) => {
+                Some(Actual::Number(number.clone()))
+            }
+            (ParameterType::BlockDb, Value::Block { prefix: BlockPrefix::Db, number, span }) => {
+                if let Number::Known(number) = number {
+                    self.use_db(*number, *span);
+                }
+                Some(Actual::Number(number.clone()))
+            }
+            (
+                ParameterType::BlockFb,
+                Value::Block { prefix: prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number, span },
+            )
+            | (
+                ParameterType::BlockFc,
+                Value::Block { prefix: prefix @ (BlockPrefix::Fc | BlockPrefix::Sfc), number, span },
+            ) => {
+                if let (Number::Known(number), Some(kind)) = (number, code_kind(*prefix)) {
+                    self.interface(BlockKey { kind, number: *number }, *span)?;
+                }
+                Some(Actual::Number(number.clone()))
+            }
+            _ => self.wrong_actual(callee, formal, &described(&value), node.span),
+        }
+    }
+}
+
+/// True of what may name a variable, as far as its form tells.
+pub fn is_variable(node: &Node) -> bool {
+    match &node.kind {
+        NodeKind::Name(_)
+        | NodeKind::Absolute(_)
+        | NodeKind::Member { .. }
+        | NodeKind::MemberAbsolute { .. }
+        | NodeKind::Slice { .. }
+        | NodeKind::Index { .. }
+        | NodeKind::Dereference(_) => true,
+        // `%MW(#i)`, as the TIA Portal prints indexed addresses.
+        NodeKind::Call { callee, .. } => match &callee.kind {
+            NodeKind::Name(name) => name.text.starts_with('%'),
+            _ => false,
+        },
+        NodeKind::Literal(_)
+        | NodeKind::Reference(_)
+        | NodeKind::Unary { .. }
+        | NodeKind::Binary { .. }
+        | NodeKind::Error => false,
+    }
+}
+
+/// The type of a variable, for messages.
+pub fn access_type(access: &Access) -> String {
+    match (access.part, access.elementary()) {
+        (Some(_), Some(ty)) => format!("a part of type {}", ty.name()),
+        _ => format!("of type {}", layout::type_name(&access.ty)),
+    }
+}

@@ -1,0 +1,295 @@
+//! The list of arguments of a block call: which parameter each supplies, and what is missing.
+//!
+//! Source: SCL reference, parameters. Named in any order, or all by position; EN and ENO belong to every block.
+
+use std::rc::Rc;
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, Name};
+use rustc_hash::FxHashMap;
+
+use super::call::is_result;
+use super::{Intent, Rules};
+use crate::bind::declare::BoundInterface;
+use crate::bind::names::fold;
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::{Access, Actual, Argument, Expr};
+use crate::model::{BlockKey, Direction, Parameter};
+
+/// The bound arguments of a call.
+#[derive(Default)]
+pub struct Arguments {
+    /// In the order of the text.
+    pub arguments: Vec<Argument>,
+    pub enable: Option<Expr>,
+    pub eno: Option<Access>,
+}
+
+impl Binder<'_> {
+    /// Binds the arguments of a call of `key`; `name` is the callee in the text.
+    pub fn arguments(
+        &mut self,
+        ctx: &mut Ctx,
+        key: BlockKey,
+        bound: &Rc<BoundInterface>,
+        given: &[Given],
+        name: Span,
+    ) -> Option<Arguments> {
+        let parameters = &bound.interface.parameters;
+        let mut list = Arguments::default();
+        let mut seen: FxHashMap<usize, Span> = FxHashMap::default();
+        // Parameters that are given under a misspelt name: that they are missing is told already.
+        let mut misspelt: Vec<String> = Vec::new();
+        let mut good = true;
+        let positions = match given.iter().all(|argument| argument.name.is_none()) {
+            true => Some(self.positions(ctx, key, parameters, given, name)?),
+            false => None,
+        };
+        for (at, argument) in given.iter().enumerate() {
+            let index = match (&positions, &argument.name) {
+                (Some(positions), _) => positions[at],
+                (None, Some(formal)) => match self.formal(key, bound, formal) {
+                    Formal::Parameter(index) => index,
+                    Formal::Enable => {
+                        good &= self.enable(ctx, &mut list, argument).is_some();
+                        continue;
+                    }
+                    Formal::Eno => {
+                        good &= self.eno(ctx, &mut list, argument).is_some();
+                        continue;
+                    }
+                    Formal::Unknown(meant) => {
+                        good = false;
+                        misspelt.extend(meant);
+                        self.note_arguments(ctx, std::slice::from_ref(argument));
+                        continue;
+                    }
+                },
+                (None, None) => {
+                    good = false;
+                    self.mixed_arguments(argument.span);
+                    continue;
+                }
+            };
+            let formal = &parameters[index];
+            let span = argument.name.as_ref().map_or(argument.span, |name| name.span);
+            if let Some(first) = seen.get(&index) {
+                good = false;
+                self.report.push(
+                    Diagnostic::new(
+                        Code::DuplicateParameter,
+                        span,
+                        format!("the parameter `{}` is given twice", formal.name),
+                    )
+                    .label("the second time")
+                    .also(*first, "the first time"),
+                );
+                continue;
+            }
+            if argument.output && formal.direction == Direction::Input {
+                good = false;
+                self.wrong_arrow(key, formal, argument);
+            }
+            let Some(value) = &argument.value else {
+                if argument.output || formal.direction == Direction::Output {
+                    seen.insert(index, span);
+                    if is_function(key) {
+                        list.arguments.push(Argument { parameter: index, actual: Actual::Dropped, span });
+                    }
+                }
+                continue;
+            };
+            seen.insert(index, span);
+            match self.scl_actual(ctx, key, formal, value) {
+                Some(actual) => list.arguments.push(Argument { parameter: index, actual, span: value.span }),
+                None => good = false,
+            }
+        }
+        if is_function(key) {
+            good &= self.check_missing(ctx, key, parameters, &seen, &misspelt, name, &mut list);
+        }
+        good.then_some(list)
+    }
+
+    /// What the name of an argument means.
+    fn formal(&mut self, key: BlockKey, bound: &BoundInterface, name: &Name) -> Formal {
+        let folded = fold(&name.text);
+        let found = bound
+            .interface
+            .parameters
+            .iter()
+            .position(|parameter| fold(&parameter.name) == folded && !is_result(key, parameter));
+        match (found, folded.as_str()) {
+            (Some(index), _) => Formal::Parameter(index),
+            (None, "en") => Formal::Enable,
+            (None, "eno") => Formal::Eno,
+            (None, "ret_val") if bound.interface.parameters.iter().any(|parameter| is_result(key, parameter)) => {
+                self.report.push(
+                    Diagnostic::new(Code::UnknownParameter, name.span, "RET_VAL is the value of the call")
+                        .label("no parameter in SCL")
+                        .help("write `result := Name(...);`"),
+                );
+                Formal::Unknown(None)
+            }
+            _ => Formal::Unknown(self.unknown_parameter(key, bound, (&name.text, name.span))),
+        }
+    }
+
+    /// The parameters that arguments without names supply.
+    fn positions(
+        &mut self,
+        ctx: &mut Ctx,
+        key: BlockKey,
+        parameters: &[Parameter],
+        given: &[Given],
+        name: Span,
+    ) -> Option<Vec<usize>> {
+        let all: Vec<usize> = (0..parameters.len()).filter(|&index| !is_result(key, &parameters[index])).collect();
+        let inputs: Vec<usize> =
+            all.iter().copied().filter(|&index| parameters[index].direction == Direction::Input).collect();
+        if given.is_empty() || given.len() == inputs.len() {
+            return Some(inputs);
+        }
+        if given.len() == all.len() {
+            return Some(all);
+        }
+        let names: Vec<&str> = all.iter().map(|&index| parameters[index].name.as_str()).collect();
+        let code = if given.len() > all.len() { Code::SurplusOperand } else { Code::MissingParameter };
+        let help = match names.is_empty() {
+            true => "the block has no parameters".to_string(),
+            false => format!("name them: its parameters are {}", names.join(", ")),
+        };
+        let message = Diagnostic::new(code, name, format!("{} arguments do not fit {key}", given.len()))
+            .label(format!("it has {} parameters, {} of them inputs", all.len(), inputs.len()))
+            .help(self.with_library_note(key, help));
+        self.report.push(message);
+        self.note_arguments(ctx, given);
+        None
+    }
+
+    fn mixed_arguments(&mut self, span: Span) {
+        self.report.push(
+            Diagnostic::new(Code::MissingOperand, span, "this argument names no parameter")
+                .label("others of this call are named")
+                .help("write `parameter := value`"),
+        );
+    }
+
+    fn wrong_arrow(&mut self, key: BlockKey, formal: &Parameter, argument: &Given) {
+        self.report.push(
+            Diagnostic::new(Code::AssignSign, argument.span, format!("`{}` of {key} is an input", formal.name))
+                .label("`=>` takes a value out of the block")
+                .help(format!("write `{} := ...`", formal.name)),
+        );
+    }
+
+    /// `EN := condition`.
+    fn enable(&mut self, ctx: &mut Ctx, list: &mut Arguments, argument: &Given) -> Option<()> {
+        let value = argument.value.as_ref()?;
+        list.enable = Some(self.scl_of_type(ctx, value, Elementary::Bool)?);
+        Some(())
+    }
+
+    /// `ENO => variable`.
+    fn eno(&mut self, ctx: &mut Ctx, list: &mut Arguments, argument: &Given) -> Option<()> {
+        // `ENO => ENO` says what happens anyway where the block looks at ENO.
+        let Some(value) = argument.value.as_ref().filter(|value| !names_eno(ctx, value)) else { return Some(()) };
+        list.eno = Some(self.variable_of_type(ctx, value, Elementary::Bool, Intent::Write)?);
+        Some(())
+    }
+
+    /// Parameters of a function that the call leaves out.
+    #[allow(clippy::too_many_arguments)]
+    fn check_missing(
+        &mut self,
+        ctx: &Ctx,
+        key: BlockKey,
+        parameters: &[Parameter],
+        seen: &FxHashMap<usize, Span>,
+        misspelt: &[String],
+        name: Span,
+        list: &mut Arguments,
+    ) -> bool {
+        let rules = ctx.scl.rules;
+        let mut missing: Vec<&str> = Vec::new();
+        let mut dropped: Vec<&str> = Vec::new();
+        for (index, formal) in parameters.iter().enumerate() {
+            if seen.contains_key(&index) || is_result(key, formal) || misspelt.contains(&formal.name) {
+                continue;
+            }
+            match formal.direction {
+                Direction::Output if rules != Rules::Classic => {
+                    dropped.push(&formal.name);
+                    list.arguments.push(Argument { parameter: index, actual: Actual::Dropped, span: name });
+                }
+                Direction::Input | Direction::Output | Direction::InOut => missing.push(&formal.name),
+            }
+        }
+        if !dropped.is_empty() {
+            let mut message = Diagnostic::new(
+                Code::MissingParameter,
+                name,
+                format!("the call of {key} drops {}", dropped.join(", ")),
+            )
+            .label("what the function gives there is lost")
+            .help(format!("add `{} => ...`; empty behind `=>` if it is not wanted", dropped[0]));
+            message.severity = Severity::Warning;
+            self.report.push(message);
+        }
+        if missing.is_empty() {
+            return true;
+        }
+        let help = format!("add `{} := ...`", missing[0]);
+        let message = Diagnostic::new(
+            Code::MissingParameter,
+            name,
+            format!("the call of {key} leaves out {}", missing.join(", ")),
+        )
+        .label("a function needs all its parameters")
+        .help(self.with_library_note(key, help));
+        self.report.push(message);
+        false
+    }
+
+    /// A variable that must be of an elementary type, or a bit string of its width.
+    pub fn variable_of_type(&mut self, ctx: &mut Ctx, node: &Node, ty: Elementary, intent: Intent) -> Option<Access> {
+        let access = self.scl_access(ctx, node, intent)?;
+        let found = access.elementary();
+        let fits = found.is_some_and(|found| found.bits() == ty.bits());
+        if !fits {
+            let is = found.map_or_else(|| crate::layout::type_name(&access.ty), |found| found.name().to_string());
+            self.wrong_type(node.span, &format!("of type {is}"), ty.name(), None);
+            return None;
+        }
+        Some(access)
+    }
+}
+
+enum Formal {
+    Parameter(usize),
+    Enable,
+    Eno,
+    /// Reported; the name that is meant.
+    Unknown(Option<String>),
+}
+
+/// True of blocks without memory: their parameters are all needed.
+pub const fn is_function(key: BlockKey) -> bool {
+    matches!(key.kind, BlockKind::Fc | BlockKind::Sfc)
+}
+
+/// True if a node is the predefined name ENO or OK.
+pub fn names_eno(ctx: &Ctx, node: &Node) -> bool {
+    use plcc_syntax::scl::ast::{ExprKind, NameForm};
+    match &node.kind {
+        ExprKind::Name(name) => {
+            let folded = fold(&name.text);
+            name.form == NameForm::Bare
+                && matches!(folded.as_str(), "eno" | "ok")
+                && !ctx.bound.locals.contains_key(&folded)
+        }
+        _ => false,
+    }
+}

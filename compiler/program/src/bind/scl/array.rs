@@ -1,0 +1,353 @@
+//! Parts of arrays: MOVE_BLK, FILL_BLK, and what is asked about bounds. Source: SCL reference, moves; S7-1200 reference, moves.
+
+use std::rc::Rc;
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
+
+use super::Intent;
+use super::memory::{binary, failed, load, minus_one, number, whole};
+use super::message::described;
+use super::pins::Pins;
+use super::value::Value;
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::Place;
+use crate::model::scl::{
+    Access, Base, BinaryOp, CompareOp, Complex, Expr, ExprKind, Function, Index, IndexBounds, Statement, StatementKind,
+};
+use crate::types::{ArrayType, DataType};
+
+/// Elements of an array from one on.
+struct Run {
+    /// The whole array.
+    array: Access,
+    element: DataType,
+    bounds: IndexBounds,
+    /// Distance of elements in bits.
+    stride: u32,
+    /// Number of the first element, a DINT; known if it is a constant.
+    first: Expr,
+}
+
+impl Run {
+    /// The element `first + offset`.
+    fn at(&self, first: &Expr, offset: Expr) -> Access {
+        let value = binary(BinaryOp::Add, first.clone(), offset);
+        self.element(value)
+    }
+
+    fn element(&self, value: Expr) -> Access {
+        let mut access = self.array.clone();
+        access.indices.push(Index { value, bounds: self.bounds, stride: self.stride });
+        access.ty = self.element.clone();
+        access
+    }
+
+    /// Number of the last element.
+    fn last(&self) -> Expr {
+        let span = self.array.span;
+        match self.bounds {
+            IndexBounds::Known(_, high) => number(high, span),
+            IndexBounds::Open { parameter, .. } => bound(parameter, number(0, span), true, span),
+        }
+    }
+}
+
+impl Binder<'_> {
+    pub fn move_block(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+        let source = self.run(ctx, pins.get("IN")?, Intent::Read);
+        let count = self.dint(ctx, pins.get("COUNT")?);
+        let target = self.run(ctx, pins.get("OUT")?, Intent::Write);
+        let (source, target, count) = (source?, target?, count?);
+        if !layout::same_type(&source.element, &target.element) {
+            let is = format!("an array of {}", layout::type_name(&source.element));
+            let wanted = format!("an array of {}", layout::type_name(&target.element));
+            self.wrong_type(source.array.span, &is, &wanted, None);
+            return None;
+        }
+        if let Some(copy) = whole_copy(&source, &target, &count) {
+            return Some(vec![copy]);
+        }
+        let mut code = Vec::new();
+        let from = self.kept(ctx, &mut code, source.first.clone());
+        let to = self.kept(ctx, &mut code, target.first.clone());
+        let left = self.temp(ctx, Elementary::Dint, span);
+        code.push(StatementKind::Assign { target: left.clone(), value: count });
+        code.push(shortened(ctx, &left, &source, &from, span));
+        code.push(shortened(ctx, &left, &target, &to, span));
+        let at = self.temp(ctx, Elementary::Dint, span);
+        let offset = || load(&at, Elementary::Dint);
+        let copy = copied(target.at(&to, offset()), &source.at(&from, offset()), &source.element);
+        let (zero, last) = (|| number(0, span), || minus_one(load(&left, Elementary::Dint)));
+        let (start, end, step) = match may_overlap(&source.array, &target.array) {
+            // Backwards if the target lies behind the source, as if through a buffer.
+            true => {
+                let behind = || Expr {
+                    kind: ExprKind::Compare {
+                        op: CompareOp::Greater,
+                        left: Box::new(to.clone()),
+                        right: Box::new(from.clone()),
+                    },
+                    ty: Elementary::Bool,
+                    span,
+                };
+                let choose = |no: Expr, yes: Expr| Expr {
+                    kind: ExprKind::Function { function: Function::Select, arguments: vec![behind(), no, yes] },
+                    ty: Elementary::Dint,
+                    span,
+                };
+                (choose(zero(), last()), choose(last(), zero()), choose(number(1, span), number(-1, span)))
+            }
+            false => (zero(), last(), number(1, span)),
+        };
+        let body = vec![Statement { kind: copy, span }];
+        code.push(StatementKind::For { variable: at, start, end, step, body });
+        Some(code)
+    }
+
+    pub fn fill_block(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+        let target = self.run(ctx, pins.get("OUT")?, Intent::Write)?;
+        let DataType::Elementary(ty) = target.element else {
+            let is = format!("an array of {}", layout::type_name(&target.element));
+            self.wrong_type(target.array.span, &is, "an array of an elementary type", None);
+            return None;
+        };
+        let value = self.scl_of_type(ctx, pins.get("IN")?, ty);
+        let count = self.dint(ctx, pins.get("COUNT")?);
+        let mut code = Vec::new();
+        let value = self.kept(ctx, &mut code, value?);
+        let to = self.kept(ctx, &mut code, target.first.clone());
+        let left = self.temp(ctx, Elementary::Dint, span);
+        code.push(StatementKind::Assign { target: left.clone(), value: count? });
+        code.push(shortened(ctx, &left, &target, &to, span));
+        let at = self.temp(ctx, Elementary::Dint, span);
+        let element = target.at(&to, load(&at, Elementary::Dint));
+        code.push(StatementKind::For {
+            variable: at,
+            start: number(0, span),
+            end: minus_one(load(&left, Elementary::Dint)),
+            step: number(1, span),
+            body: vec![Statement { kind: StatementKind::Assign { target: element, value }, span }],
+        });
+        Some(code)
+    }
+
+    /// `a[i]`, and all that follows in the array.
+    fn run(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Run> {
+        let NodeKind::Index { base, indices } = &node.kind else { return self.no_element(node.span) };
+        let [index] = indices.as_slice() else { return self.no_element(node.span) };
+        let array = self.scl_access(ctx, base, intent)?;
+        let (element, bounds) = match &array.ty {
+            DataType::Array(ty) if ty.bounds.len() == 1 => {
+                (ty.element.clone(), IndexBounds::Known(ty.bounds[0].0, ty.bounds[0].1))
+            }
+            DataType::OpenArray(ty) if ty.dimensions == 1 => {
+                let parameter = open_parameter(ctx, &array)?;
+                (ty.element.clone(), IndexBounds::Open { parameter, dimension: 0 })
+            }
+            _ => return self.no_element(node.span),
+        };
+        let first = self.dint(ctx, index)?;
+        if let (ExprKind::Const(value), IndexBounds::Known(low, high)) = (&first.kind, bounds)
+            && !(low..=high).contains(&(*value as u32 as i32))
+        {
+            self.report.push(
+                Diagnostic::new(
+                    Code::ArrayIndex,
+                    index.span,
+                    format!("index {} is outside the array", *value as u32 as i32),
+                )
+                .label(format!("the array goes from {low} to {high}")),
+            );
+            return None;
+        }
+        let stride = stride(&element);
+        Some(Run { array, element, bounds, stride, first })
+    }
+
+    fn no_element<T>(&mut self, span: Span) -> Option<T> {
+        let text = self.text(span);
+        self.report.push(
+            Diagnostic::new(Code::OperandKind, span, format!("`{text}` is no element of an array"))
+                .label("the first of the elements is wanted")
+                .help("name an element of an array of one dimension, for example `#data[0]`"),
+        );
+        None
+    }
+
+    /// LOWER_BOUND, UPPER_BOUND.
+    pub fn bound_function(&mut self, ctx: &mut Ctx, upper: bool, pins: &Pins, span: Span) -> Option<Value> {
+        let array = self.scl_value(ctx, pins.get("ARR")?);
+        let dimension = self.dint(ctx, pins.get("DIM")?);
+        match (array?, dimension?) {
+            (Value::Parameter { access, span: place }, dimension) if matches!(access.ty, DataType::OpenArray(_)) => {
+                let Some(parameter) = open_parameter(ctx, &access) else { return self.no_bounds(place) };
+                Some(Value::Elementary(bound(parameter, counted_from_0(dimension), upper, span)))
+            }
+            (Value::Complex { ty: DataType::Array(array), .. }, Expr { kind: ExprKind::Const(dimension), .. }) => {
+                let index = usize::try_from(dimension).ok().and_then(|dimension| dimension.checked_sub(1));
+                let bounds = index.and_then(|index| array.bounds.get(index));
+                let Some((low, high)) = bounds else {
+                    self.report.push(
+                        Diagnostic::new(Code::ArrayIndex, span, "the array does not have this dimension")
+                            .label(format!("it has {} dimensions", array.bounds.len())),
+                    );
+                    return None;
+                };
+                Some(Value::Elementary(number(if upper { *high } else { *low }, span)))
+            }
+            (other, _) => {
+                let place = other.span();
+                self.no_bounds(place)
+            }
+        }
+    }
+
+    fn no_bounds<T>(&mut self, span: Span) -> Option<T> {
+        let text = self.text(span);
+        self.report.push(
+            Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` has no bounds that could be asked for"))
+                .label("an ARRAY[*] parameter, or an array and a constant dimension, is wanted"),
+        );
+        None
+    }
+
+    /// CountOfElements: an UDINT, 0 for what is no array.
+    pub fn count_of_elements(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Value> {
+        let udint = |value: u64| Expr { kind: ExprKind::Const(value), ty: Elementary::Udint, span };
+        let count = match self.scl_value(ctx, pins.get("IN")?)? {
+            Value::Complex { ty: DataType::Array(array), .. } => udint(layout::element_count(&array.bounds)),
+            Value::Parameter { access, span: place } => match &access.ty {
+                DataType::OpenArray(array) => {
+                    let Some(parameter) = open_parameter(ctx, &access) else { return self.no_bounds(place) };
+                    let length = |dimension: i32| {
+                        let high = bound(parameter, number(dimension, span), true, span);
+                        let low = bound(parameter, number(dimension, span), false, span);
+                        binary(BinaryOp::Add, binary(BinaryOp::Subtract, high, low), number(1, span))
+                    };
+                    let lengths = (0..i32::from(array.dimensions)).map(length);
+                    let count = lengths.reduce(|a, b| binary(BinaryOp::Multiply, a, b))?;
+                    Expr { ty: Elementary::Udint, ..super::convert::converted(
+                        count,
+                        crate::model::scl::Conversion::Bits { checked: false },
+                        Elementary::Udint,
+                    ) }
+                }
+                _ => {
+                    let is = described(&Value::Parameter { access: access.clone(), span: place });
+                    self.wrong_type(place, &is, "an array", None);
+                    return None;
+                }
+            },
+            _ => udint(0),
+        };
+        Some(Value::Elementary(count))
+    }
+}
+
+/// The parameter that an ARRAY[*] is.
+fn open_parameter(ctx: &Ctx, access: &Access) -> Option<usize> {
+    match &access.base {
+        Base::Place(Place::Parameter { parameter, .. }) => Some(*parameter),
+        Base::Place(Place::ThroughPointer { pointer, .. }) => ctx
+            .bound
+            .interface
+            .parameters
+            .iter()
+            .position(|parameter| parameter.byte == *pointer && matches!(parameter.ty, DataType::OpenArray(_))),
+        _ => None,
+    }
+}
+
+/// A bound of an ARRAY[*]; `dimension` from 0.
+fn bound(parameter: usize, dimension: Expr, upper: bool, span: Span) -> Expr {
+    Expr {
+        kind: ExprKind::Bound { parameter, dimension: Box::new(dimension), upper },
+        ty: Elementary::Dint,
+        span,
+    }
+}
+
+fn counted_from_0(dimension: Expr) -> Expr {
+    match dimension.kind {
+        ExprKind::Const(value) => number((value as u32 as i32).wrapping_sub(1), dimension.span),
+        _ => minus_one(dimension),
+    }
+}
+
+/// Distance of neighbours in bits.
+fn stride(element: &DataType) -> u32 {
+    let bounds = vec![(0, 1)];
+    let bytes = u32::try_from(layout::array_bytes(&bounds, element)).unwrap_or(u32::MAX);
+    let array = Rc::new(ArrayType { bounds, element: element.clone(), bytes });
+    let (byte, bit) = layout::element_place(&array, 1);
+    byte * 8 + u32::from(bit)
+}
+
+/// True if two arrays may be the same memory.
+fn may_overlap(a: &Access, b: &Access) -> bool {
+    let far = |access: &Access| {
+        matches!(
+            access.base,
+            Base::Place(Place::Parameter { .. } | Place::ThroughPointer { .. }) | Base::Indexed { .. }
+        )
+    };
+    match (&a.base, &b.base) {
+        (Base::Place(a), Base::Place(b)) if a == b => true,
+        _ => far(a) || far(b) || !a.indices.is_empty() || !b.indices.is_empty(),
+    }
+}
+
+/// One copy, if all is constant and inside both arrays, and elements are whole bytes.
+fn whole_copy(source: &Run, target: &Run, count: &Expr) -> Option<StatementKind> {
+    let constant = |value: &Expr| match value.kind {
+        ExprKind::Const(bits) => Some(i64::from(bits as u32 as i32)),
+        _ => None,
+    };
+    let count = constant(count)?;
+    let fits = |run: &Run| match run.bounds {
+        IndexBounds::Known(_, high) => constant(&run.first).is_some_and(|first| first + count - 1 <= i64::from(high)),
+        IndexBounds::Open { .. } => false,
+    };
+    if count < 1 || source.stride % 8 != 0 || !fits(source) || !fits(target) {
+        return None;
+    }
+    let bytes = u32::try_from(count).ok()?.checked_mul(source.stride / 8)?;
+    Some(StatementKind::Copy {
+        target: target.element(target.first.clone()),
+        source: Complex::Variable(source.element(source.first.clone())),
+        bytes,
+    })
+}
+
+/// Makes `left` the number of elements that the array still has, if it is more.
+fn shortened(ctx: &Ctx, left: &Access, run: &Run, first: &Expr, span: Span) -> StatementKind {
+    let room = || {
+        let rest = binary(BinaryOp::Subtract, run.last(), first.clone());
+        binary(BinaryOp::Add, rest, number(1, span))
+    };
+    let condition = Expr {
+        kind: ExprKind::Compare {
+            op: CompareOp::Greater,
+            left: Box::new(load(left, Elementary::Dint)),
+            right: Box::new(room()),
+        },
+        ty: Elementary::Bool,
+        span,
+    };
+    let cut = StatementKind::Assign { target: left.clone(), value: room() };
+    let mut body = vec![Statement { kind: cut, span }];
+    body.extend(failed(ctx, span));
+    StatementKind::If { branches: vec![(condition, body)], otherwise: Vec::new() }
+}
+
+/// One element to another of the same type.
+fn copied(target: Access, source: &Access, element: &DataType) -> StatementKind {
+    match element {
+        DataType::Elementary(ty) => StatementKind::Assign { target, value: load(source, *ty) },
+        DataType::String(_) | DataType::WideString(_) => StatementKind::AssignText { target, value: whole(source) },
+        _ => StatementKind::Copy { target, source: whole(source), bytes: layout::bytes(element) },
+    }
+}

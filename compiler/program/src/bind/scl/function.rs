@@ -1,0 +1,277 @@
+//! The functions of the language: one row each, found by name with or without the suffix of a type.
+//!
+//! Pins are a list of words: `?` before one that may be missing, `>` before an output, `|` between spellings, `+` behind the first of
+//! numbered ones (`IN1+` is IN1, IN2, …). What each function computes stands in `number`, `timer`, `memory`, `text`; what is no row and
+//! no conversion is a block of the standard library.
+//! Source: SCL reference, functions.
+
+use plcc_diag::Span;
+use plcc_syntax::Elementary;
+use plcc_syntax::scl::ast::Argument as Given;
+
+use super::value::Value;
+use super::{convert, text};
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::{BinaryOp, Function, TimerKind};
+
+/// What a function computes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// Of a float, a float.
+    Float(Function),
+    /// Of a number, of the same type.
+    Absolute,
+    /// The least or greatest of many.
+    Extreme(BinaryOp),
+    Limit,
+    Select,
+    Mux,
+    Demux,
+    NormX,
+    ScaleX,
+    /// Float to integer, by the name that [`convert::rounding`] knows.
+    Round,
+    /// Shift or rotate.
+    Shift(BinaryOp),
+    Swap,
+    Encode,
+    Decode,
+    BitSum,
+    IsValid,
+    /// LOWER_BOUND, UPPER_BOUND.
+    Bound { upper: bool },
+    CountOfElements,
+    Timer(TimerKind),
+    /// S_CU, S_CD, S_CUD.
+    Counter,
+    Peek { bit: bool },
+    Poke { bit: bool },
+    PokeBlock,
+    MoveBlock,
+    FillBlock,
+    Scatter,
+    Gather,
+    /// Text to text, without a value.
+    MoveText,
+    Concat,
+    /// An operator as a function: T_ADD, T_SUB.
+    Operator(plcc_syntax::scl::ast::BinaryOp),
+    /// T_CONV: the value itself, which then converts to what is wanted.
+    Identity,
+}
+
+/// A function.
+#[derive(Debug)]
+pub struct Row {
+    pub name: &'static str,
+    pub pins: &'static str,
+    pub kind: Kind,
+    /// The name may carry a type behind `_`.
+    pub suffix: bool,
+}
+
+const fn row(name: &'static str, pins: &'static str, kind: Kind) -> Row {
+    Row { name, pins, kind, suffix: false }
+}
+
+const fn typed(name: &'static str, pins: &'static str, kind: Kind) -> Row {
+    Row { name, pins, kind, suffix: true }
+}
+
+const TIMER: &str = "T_NO ?S ?TV ?R ?>Q ?>BI";
+
+/// The functions that are computed in place.
+const ROWS: &[Row] = &[
+    typed("ABS", "IN", Kind::Absolute),
+    typed("SQR", "IN", Kind::Float(Function::Sqr)),
+    typed("SQRT", "IN", Kind::Float(Function::Sqrt)),
+    typed("EXP", "IN", Kind::Float(Function::Exp)),
+    typed("EXPD", "IN", Kind::Float(Function::Expd)),
+    typed("LN", "IN", Kind::Float(Function::Ln)),
+    typed("LOG", "IN", Kind::Float(Function::Log)),
+    typed("SIN", "IN", Kind::Float(Function::Sin)),
+    typed("COS", "IN", Kind::Float(Function::Cos)),
+    typed("TAN", "IN", Kind::Float(Function::Tan)),
+    typed("ASIN", "IN", Kind::Float(Function::Asin)),
+    typed("ACOS", "IN", Kind::Float(Function::Acos)),
+    typed("ATAN", "IN", Kind::Float(Function::Atan)),
+    typed("FRAC", "IN", Kind::Float(Function::Frac)),
+    typed("ROUND", "IN", Kind::Round),
+    typed("TRUNC", "IN", Kind::Round),
+    typed("CEIL", "IN", Kind::Round),
+    typed("FLOOR", "IN", Kind::Round),
+    typed("MIN", "IN1+", Kind::Extreme(BinaryOp::Min)),
+    typed("MAX", "IN1+", Kind::Extreme(BinaryOp::Max)),
+    typed("LIMIT", "MN|MIN IN MX|MAX", Kind::Limit),
+    typed("SEL", "G IN0 IN1", Kind::Select),
+    typed("MUX", "K IN0+ ?INELSE|ELSE", Kind::Mux),
+    row("DEMUX", "K IN >OUT0+ ?>OUTELSE|ELSE", Kind::Demux),
+    typed("NORM_X", "MIN VALUE MAX", Kind::NormX),
+    typed("SCALE_X", "MIN VALUE MAX", Kind::ScaleX),
+    typed("SHL", "IN N", Kind::Shift(BinaryOp::ShiftLeft)),
+    typed("SHR", "IN N", Kind::Shift(BinaryOp::ShiftRight)),
+    typed("ROL", "IN N", Kind::Shift(BinaryOp::RotateLeft)),
+    typed("ROR", "IN N", Kind::Shift(BinaryOp::RotateRight)),
+    typed("SWAP", "IN", Kind::Swap),
+    row("ENCO", "IN", Kind::Encode),
+    typed("DECO", "IN", Kind::Decode),
+    row("BITSUM", "IN", Kind::BitSum),
+    row("IS_VALID", "IN", Kind::IsValid),
+    row("LOWER_BOUND", "ARR DIM", Kind::Bound { upper: false }),
+    row("UPPER_BOUND", "ARR DIM", Kind::Bound { upper: true }),
+    row("CountOfElements", "IN", Kind::CountOfElements),
+    row("S_PULSE", TIMER, Kind::Timer(TimerKind::Pulse)),
+    row("S_PEXT", TIMER, Kind::Timer(TimerKind::ExtendedPulse)),
+    row("S_ODT", TIMER, Kind::Timer(TimerKind::OnDelay)),
+    row("S_ODTS", TIMER, Kind::Timer(TimerKind::RetentiveOnDelay)),
+    row("S_OFFDT", TIMER, Kind::Timer(TimerKind::OffDelay)),
+    row("S_CU", "C_NO ?CU ?S ?PV ?R ?>Q ?>CV", Kind::Counter),
+    row("S_CD", "C_NO ?CD ?S ?PV ?R ?>Q ?>CV", Kind::Counter),
+    row("S_CUD", "C_NO ?CU ?CD ?S ?PV ?R ?>Q ?>CV", Kind::Counter),
+    row("PEEK_BOOL", "AREA DBNUMBER BYTEOFFSET BITOFFSET", Kind::Peek { bit: true }),
+    typed("PEEK", "AREA DBNUMBER BYTEOFFSET", Kind::Peek { bit: false }),
+    row("POKE_BOOL", "AREA DBNUMBER BYTEOFFSET BITOFFSET VALUE", Kind::Poke { bit: true }),
+    row(
+        "POKE_BLK",
+        "AREA_SRC DBNUMBER_SRC BYTEOFFSET_SRC AREA_DEST DBNUMBER_DEST BYTEOFFSET_DEST COUNT",
+        Kind::PokeBlock,
+    ),
+    typed("POKE", "AREA DBNUMBER BYTEOFFSET VALUE", Kind::Poke { bit: false }),
+    row("MOVE_BLK", "IN COUNT >OUT", Kind::MoveBlock),
+    row("UMOVE_BLK", "IN COUNT >OUT", Kind::MoveBlock),
+    row("FILL_BLK", "IN COUNT >OUT", Kind::FillBlock),
+    row("UFILL_BLK", "IN COUNT >OUT", Kind::FillBlock),
+    row("SCATTER", "IN >OUT", Kind::Scatter),
+    row("GATHER", "IN >OUT", Kind::Gather),
+    row("S_MOVE", "IN >OUT", Kind::MoveText),
+    row("CONCAT", "IN1+", Kind::Concat),
+    row("CONCAT_STRING", "IN1+", Kind::Concat),
+    row("CONCAT_WSTRING", "IN1+", Kind::Concat),
+    row("T_ADD", "IN1 IN2", Kind::Operator(plcc_syntax::scl::ast::BinaryOp::Add)),
+    row("T_SUB", "IN1 IN2", Kind::Operator(plcc_syntax::scl::ast::BinaryOp::Subtract)),
+    row("T_DIFF", "IN1 IN2", Kind::Operator(plcc_syntax::scl::ast::BinaryOp::Subtract)),
+    row("T_CONV", "IN", Kind::Identity),
+];
+
+/// Functions that the tools of the vendor have and plcc has not, unless a block of the standard library is called so.
+const NOT_SUPPORTED: &[&str] = &[
+    "SCATTER_BLK", "GATHER_BLK", "MOVE_BLK_VARIANT", "VariantGet", "VariantPut", "TypeOf", "TypeOfElements", "IS_ARRAY",
+    "Serialize", "Deserialize", "READ_BIG", "READ_LITTLE", "WRITE_BIG", "WRITE_LITTLE", "ReadFromArrayDB",
+    "WriteToArrayDB", "ReadFromArrayDBL", "WriteToArrayDBL", "GET_ERROR", "GET_ERR_ID", "ENDIS_PW", "RUNTIME",
+    "RESET_TIMER", "PRESET_TIMER", "T_COMBINE", "RD_SYS_T", "WR_SYS_T", "RD_LOC_T", "WR_LOC_T", "S_CONV", "STRG_VAL",
+    "VAL_STRG", "Strg_TO_Chars", "Chars_TO_Strg", "ATH", "HTA", "MAX_LEN", "JOIN", "SPLIT", "ATTACH", "DETACH", "TCON",
+    "TSEND", "TRCV", "TDISCON", "TSEND_C", "TRCV_C", "MB_CLIENT", "MB_SERVER", "PUT", "GET", "DB_ANY_TO_VARIANT",
+    "VARIANT_TO_DB_ANY", "VARIANT_TO_ANY", "DB_ANY_TO_UINT", "UINT_TO_DB_ANY", "SEG", "BCDCPL", "GETIO", "SETIO",
+    "DPRD_DAT", "DPWR_DAT", "RDREC", "WRREC", "DeviceStates", "ModuleStates", "LED", "GET_DIAG", "Program_Alarm",
+];
+
+/// A function that a name means.
+#[derive(Clone, Debug)]
+pub enum Named {
+    Row { row: &'static Row, suffix: Option<Elementary> },
+    /// `INT_TO_REAL`, `TO_REAL`.
+    Convert { from: Option<Elementary>, to: Elementary },
+    /// Upper case.
+    Bcd(String),
+    /// `INT_TO_STRING`, `DTL_TO_DATE`: of types that are no single value. Upper case.
+    Text(String),
+}
+
+impl Named {
+    /// The function that `name` means, in any letter case.
+    pub fn find(name: &str) -> Option<Named> {
+        let upper = name.trim().to_ascii_uppercase();
+        if let Some(row) = find_row(&upper) {
+            return Some(Named::Row { row, suffix: None });
+        }
+        if convert::bcd(super::Rules::Classic, &upper).is_some() {
+            return Some(Named::Bcd(upper));
+        }
+        if let Some((from, to)) = convert::pair(&upper) {
+            return Some(Named::Convert { from: Some(from), to });
+        }
+        if let Some(to) = upper.strip_prefix("TO_").and_then(Elementary::from_word) {
+            return Some(Named::Convert { from: None, to });
+        }
+        if text::is_conversion(&upper) {
+            return Some(Named::Text(upper));
+        }
+        let (base, suffix) = upper.rsplit_once('_')?;
+        let suffix = Elementary::from_word(suffix)?;
+        find_row(base).filter(|row| row.suffix).map(|row| Named::Row { row, suffix: Some(suffix) })
+    }
+}
+
+fn find_row(upper: &str) -> Option<&'static Row> {
+    ROWS.iter().find(|row| row.name.eq_ignore_ascii_case(upper))
+}
+
+/// Names of the functions, for messages.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    ROWS.iter().map(|row| row.name)
+}
+
+/// True of a function that plcc knows by name only.
+pub fn not_supported(name: &str) -> bool {
+    NOT_SUPPORTED.iter().any(|known| known.eq_ignore_ascii_case(name.trim()))
+}
+
+impl Binder<'_> {
+    /// Binds the call of a function of the language.
+    pub fn function(
+        &mut self,
+        ctx: &mut Ctx,
+        named: &Named,
+        given: &[Given],
+        name: Span,
+        span: Span,
+        statement: bool,
+    ) -> Option<Value> {
+        let (row, suffix) = match named {
+            Named::Row { row, suffix } => (*row, *suffix),
+            Named::Convert { from, to } => return self.conversion(ctx, *from, *to, given, span),
+            Named::Bcd(name) => return self.bcd_conversion(ctx, name, given, span),
+            Named::Text(function) => return self.text_conversion(ctx, function, given, name, span),
+        };
+        let pins = self.pins(ctx, row, given, name)?;
+        match row.kind {
+            Kind::Float(_)
+            | Kind::Absolute
+            | Kind::Extreme(_)
+            | Kind::Limit
+            | Kind::Select
+            | Kind::Mux
+            | Kind::NormX
+            | Kind::ScaleX
+            | Kind::Round
+            | Kind::Shift(_)
+            | Kind::Swap
+            | Kind::Encode
+            | Kind::Decode
+            | Kind::BitSum
+            | Kind::IsValid => self.number_function(ctx, row, suffix, &pins, span),
+            Kind::Operator(op) => self.operator_function(ctx, op, &pins, span),
+            Kind::Identity => self.scl_value(ctx, pins.get("IN")?),
+            Kind::Bound { upper } => self.bound_function(ctx, upper, &pins, span),
+            Kind::CountOfElements => self.count_of_elements(ctx, &pins, span),
+            Kind::Timer(kind) => self.timer_function(ctx, kind, &pins, span),
+            Kind::Counter => self.counter_function(ctx, &pins, span),
+            Kind::Peek { bit } => self.peek(ctx, suffix, bit, &pins, span),
+            Kind::Concat => self.concat(ctx, &pins, name, span),
+            Kind::Demux
+            | Kind::Poke { .. }
+            | Kind::PokeBlock
+            | Kind::MoveBlock
+            | Kind::FillBlock
+            | Kind::Scatter
+            | Kind::Gather
+            | Kind::MoveText => {
+                if !statement {
+                    self.no_value(name);
+                    return None;
+                }
+                self.statement_function(ctx, row, suffix, &pins, span)
+            }
+        }
+    }
+}

@@ -1,0 +1,374 @@
+//! Functions that read or write memory by computed addresses, and moves of parts of arrays. Source: SCL reference, moves and memory.
+//!
+//! What moves several elements becomes a loop over them, in variables of the block's own local data.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::BlockPrefix;
+use plcc_syntax::scl::ast::Expr as Node;
+use plcc_syntax::{Class, Elementary};
+
+use super::Intent;
+use super::convert;
+use super::function::{Kind, Row};
+use super::message::described;
+use super::numeric::Shape;
+use super::pins::Pins;
+use super::value::Value;
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::scl::{
+    Access, Arm, Base, BinaryOp, Complex, Expr, ExprKind, IndexedArea, Statement, StatementKind,
+};
+use crate::model::{Number, Place};
+use crate::types::DataType;
+
+/// Memory areas that PEEK and POKE reach stand in [`IndexedArea::Coded`].
+struct Coded {
+    area: Box<Expr>,
+    db: Box<Expr>,
+    byte: Box<Expr>,
+}
+
+impl Binder<'_> {
+    /// Functions that are statements.
+    pub fn statement_function(
+        &mut self,
+        ctx: &mut Ctx,
+        row: &Row,
+        suffix: Option<Elementary>,
+        pins: &Pins,
+        span: Span,
+    ) -> Option<Value> {
+        let kinds = match row.kind {
+            Kind::Poke { bit } => self.poke(ctx, suffix, bit, pins, span)?,
+            Kind::PokeBlock => self.poke_block(ctx, pins, span)?,
+            Kind::MoveBlock => self.move_block(ctx, pins, span)?,
+            Kind::FillBlock => self.fill_block(ctx, pins, span)?,
+            Kind::Scatter => self.scatter(ctx, pins, span)?,
+            Kind::Gather => self.gather(ctx, pins, span)?,
+            Kind::Demux => self.demux(ctx, pins, span)?,
+            Kind::MoveText => {
+                let target = self.scl_access(ctx, pins.get("OUT")?, Intent::Write)?;
+                if !matches!(target.ty, DataType::String(_) | DataType::WideString(_)) {
+                    let is = format!("of type {}", layout::type_name(&target.ty));
+                    self.wrong_type(target.span, &is, "STRING", None);
+                    return None;
+                }
+                let value = self.scl_complex(ctx, pins.get("IN")?, &target.ty.clone())?;
+                vec![StatementKind::AssignText { target, value }]
+            }
+            _ => return None,
+        };
+        let statements = kinds.into_iter().map(|kind| Statement { kind, span }).collect();
+        Some(Value::Statements(statements, span))
+    }
+
+    pub fn peek(
+        &mut self,
+        ctx: &mut Ctx,
+        suffix: Option<Elementary>,
+        bit: bool,
+        pins: &Pins,
+        span: Span,
+    ) -> Option<Value> {
+        let ty = match bit {
+            true => Elementary::Bool,
+            false => suffix.unwrap_or(Elementary::Byte),
+        };
+        let access = self.coded_access(ctx, ty, bit, ("AREA", "DBNUMBER", "BYTEOFFSET"), pins, span)?;
+        Some(Value::Elementary(Expr { kind: ExprKind::Load(Box::new(access)), ty, span }))
+    }
+
+    fn poke(
+        &mut self,
+        ctx: &mut Ctx,
+        suffix: Option<Elementary>,
+        bit: bool,
+        pins: &Pins,
+        span: Span,
+    ) -> Option<Vec<StatementKind>> {
+        let value = self.scl_value(ctx, pins.get("VALUE")?)?;
+        let ty = match (bit, suffix, Shape::of(&value)) {
+            (true, ..) => Elementary::Bool,
+            (_, Some(ty), _) | (_, None, Shape::Of(ty)) if ty != Elementary::Bool => ty,
+            // A constant without a type is a byte.
+            (_, _, Shape::Integer(_)) => Elementary::Byte,
+            _ => {
+                let help = "to write a bit call POKE_BOOL".to_string();
+                self.wrong_type(value.span(), &described(&value), "a bit string or an integer", Some(help));
+                return None;
+            }
+        };
+        let value = self.scl_convert(ctx, value, ty);
+        let target = self.coded_access(ctx, ty, bit, ("AREA", "DBNUMBER", "BYTEOFFSET"), pins, span)?;
+        Some(vec![StatementKind::Assign { target, value: value? }])
+    }
+
+    fn coded_access(
+        &mut self,
+        ctx: &mut Ctx,
+        ty: Elementary,
+        bit: bool,
+        names: (&str, &str, &str),
+        pins: &Pins,
+        span: Span,
+    ) -> Option<Access> {
+        let coded = self.coded(ctx, names, pins);
+        let bit = match bit {
+            true => Some(Box::new(self.scl_of_type(ctx, pins.get("BITOFFSET")?, Elementary::Int)?)),
+            false => None,
+        };
+        let Coded { area, db, byte } = coded?;
+        let base = Base::Indexed { area: IndexedArea::Coded { area, db }, byte, bit };
+        Some(Access { base, indices: Vec::new(), ty: DataType::Elementary(ty), part: None, span })
+    }
+
+    fn coded(&mut self, ctx: &mut Ctx, names: (&str, &str, &str), pins: &Pins) -> Option<Coded> {
+        let area = self.scl_of_type(ctx, pins.get(names.0)?, Elementary::Byte);
+        let db = self.db_number(ctx, pins.get(names.1)?);
+        let byte = self.scl_of_type(ctx, pins.get(names.2)?, Elementary::Dint);
+        Some(Coded { area: Box::new(area?), db: Box::new(db?), byte: Box::new(byte?) })
+    }
+
+    /// The number of a data block: any integer, or the block itself.
+    fn db_number(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
+        let value = self.scl_value(ctx, node)?;
+        match (Shape::of(&value), &value) {
+            (_, Value::Block { prefix: BlockPrefix::Db, number: Number::Known(number), span }) => {
+                let (number, span) = (*number, *span);
+                self.use_db(number, span);
+                Some(Expr { kind: ExprKind::Const(u64::from(number)), ty: Elementary::Word, span })
+            }
+            (Shape::Of(ty), _) if ty.is_integer() || ty.class() == Class::Bits => {
+                let number = self.scl_own_type(ctx, value)?;
+                convert::explicit_expr(ctx.scl.rules, number, Elementary::Word)
+            }
+            _ => self.scl_convert(ctx, value, Elementary::Word),
+        }
+    }
+
+    fn poke_block(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+        let source = self.coded(ctx, ("AREA_SRC", "DBNUMBER_SRC", "BYTEOFFSET_SRC"), pins);
+        let target = self.coded(ctx, ("AREA_DEST", "DBNUMBER_DEST", "BYTEOFFSET_DEST"), pins);
+        let count = self.dint(ctx, pins.get("COUNT")?);
+        let (source, target, count) = (source?, target?, count?);
+        let mut code = Vec::new();
+        let last = minus_one(self.kept(ctx, &mut code, count));
+        let at = self.temp(ctx, Elementary::Dint, span);
+        let mut byte_at = |coded: Coded, code: &mut Vec<StatementKind>| {
+            let area = self.kept(ctx, code, *coded.area);
+            let db = self.kept(ctx, code, *coded.db);
+            let start = self.kept(ctx, code, *coded.byte);
+            let byte = Box::new(binary(BinaryOp::Add, start, load(&at, Elementary::Dint)));
+            let area = IndexedArea::Coded { area: Box::new(area), db: Box::new(db) };
+            let base = Base::Indexed { area, byte, bit: None };
+            Access { base, indices: Vec::new(), ty: DataType::Elementary(Elementary::Byte), part: None, span }
+        };
+        let source = byte_at(source, &mut code);
+        let target = byte_at(target, &mut code);
+        let copy = StatementKind::Assign { target, value: load(&source, Elementary::Byte) };
+        code.push(StatementKind::For {
+            variable: at,
+            start: number(0, span),
+            end: last,
+            step: number(1, span),
+            body: vec![Statement { kind: copy, span }],
+        });
+        Some(code)
+    }
+
+    /// SCATTER: bit i of IN to element i of OUT.
+    fn scatter(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+        let value = self.scl_value(ctx, pins.get("IN")?)?;
+        let value = self.scl_own_type(ctx, value)?;
+        let target = self.scl_access(ctx, pins.get("OUT")?, Intent::Write)?;
+        let bits = self.bits_of(&target, value.ty, pins.name)?;
+        let mut code = Vec::new();
+        let whole = self.temp(ctx, value.ty, span);
+        code.push(StatementKind::Assign { target: whole.clone(), value });
+        for (index, target) in bits.into_iter().enumerate() {
+            let value = load(&bit_of(&whole, index), Elementary::Bool);
+            code.push(StatementKind::Assign { target, value });
+        }
+        Some(code)
+    }
+
+    /// GATHER: element i of IN to bit i of OUT.
+    fn gather(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+        let source = self.scl_access(ctx, pins.get("IN")?, Intent::Read)?;
+        let target = self.scl_access(ctx, pins.get("OUT")?, Intent::Write)?;
+        let Some(ty) = target.elementary() else {
+            let is = format!("of type {}", layout::type_name(&target.ty));
+            self.wrong_type(target.span, &is, "a bit string", None);
+            return None;
+        };
+        let bits = self.bits_of(&source, ty, pins.name)?;
+        let whole = self.temp(ctx, ty, span);
+        let mut code = Vec::new();
+        for (index, bit) in bits.iter().enumerate() {
+            let value = load(bit, Elementary::Bool);
+            code.push(StatementKind::Assign { target: bit_of(&whole, index), value });
+        }
+        code.push(StatementKind::Assign { target, value: load(&whole, ty) });
+        Some(code)
+    }
+
+    /// The BOOLs of an array or structure that stand for the bits of a bit string of type `ty`.
+    fn bits_of(&mut self, access: &Access, ty: Elementary, name: Span) -> Option<Vec<Access>> {
+        let places: Option<Vec<(u32, u8)>> = match &access.ty {
+            DataType::Array(array) if array.element == DataType::Elementary(Elementary::Bool) => {
+                let count = layout::element_count(&array.bounds).min(65);
+                Some((0..count).map(|index| layout::element_place(array, index)).collect())
+            }
+            DataType::Struct(structure) => structure
+                .members
+                .iter()
+                .map(|member| {
+                    (member.ty == DataType::Elementary(Elementary::Bool)).then_some((member.byte, member.bit))
+                })
+                .collect(),
+            _ => None,
+        };
+        let Some(places) = places.filter(|places| places.len() == ty.bits() as usize && ty.bits() > 1) else {
+            let text = self.text(access.span);
+            self.report.push(
+                Diagnostic::new(
+                    Code::TypeMismatch,
+                    access.span,
+                    format!("`{text}` does not have one BOOL for each bit of {}", ty.name()),
+                )
+                .label(format!("of type {}", layout::type_name(&access.ty)))
+                .also(name, "the function")
+                .help(format!("name an ARRAY[0..{}] OF BOOL, or a structure of so many BOOLs", ty.bits() - 1)),
+            );
+            return None;
+        };
+        places.into_iter().map(|(byte, bit)| moved(access, byte, bit)).collect()
+    }
+
+    /// DEMUX: IN to the output that K names.
+    fn demux(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+        let selector = self.dint(ctx, pins.get("K")?);
+        let value = self.scl_value(ctx, pins.get("IN")?)?;
+        let value = self.scl_own_type(ctx, value)?;
+        let mut code = Vec::new();
+        let kept = self.kept(ctx, &mut code, value);
+        let mut assign = |node: &Node| {
+            let target = self.scl_access(ctx, node, Intent::Write)?;
+            let Some(ty) = target.elementary() else {
+                let is = format!("of type {}", layout::type_name(&target.ty));
+                self.wrong_type(target.span, &is, kept.ty.name(), None);
+                return None;
+            };
+            let value = self.implicit(ctx, kept.clone(), ty)?;
+            Some(vec![Statement { kind: StatementKind::Assign { target, value }, span }])
+        };
+        let mut arms = Vec::new();
+        for (index, node) in pins.numbered("OUT0").into_iter().enumerate() {
+            arms.push(Arm { ranges: vec![(index as i128, index as i128)], body: assign(node)? });
+        }
+        let mut otherwise = match pins.get("OUTELSE") {
+            Some(node) => assign(node)?,
+            None => Vec::new(),
+        };
+        otherwise.extend(failed(ctx, span));
+        code.push(StatementKind::Case { selector: selector?, arms, otherwise });
+        Some(code)
+    }
+
+    /// An integer of any type as DINT.
+    pub fn dint(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
+        let value = self.scl_value(ctx, node)?;
+        match Shape::of(&value) {
+            Shape::Of(ty) if ty.is_integer() || (ty.class() == Class::Bits && ty != Elementary::Bool) => {
+                let value = self.scl_own_type(ctx, value)?;
+                convert::explicit_expr(ctx.scl.rules, value, Elementary::Dint)
+            }
+            _ => self.scl_convert(ctx, value, Elementary::Dint),
+        }
+    }
+
+    /// A variable in the block's local data that no name of the program means.
+    pub fn temp(&mut self, ctx: &mut Ctx, ty: Elementary, span: Span) -> Access {
+        let byte = ctx.bound.temp_bytes.max(ctx.local_bytes).next_multiple_of(2);
+        ctx.local_bytes = byte + ty.bits().div_ceil(8);
+        let base = Base::Place(Place::L { byte, bit: 0 });
+        Access { base, indices: Vec::new(), ty: DataType::Elementary(ty), part: None, span }
+    }
+
+    /// A value that is used more than once: a constant as it is, anything else by way of a variable.
+    pub fn kept(&mut self, ctx: &mut Ctx, code: &mut Vec<StatementKind>, value: Expr) -> Expr {
+        if matches!(value.kind, ExprKind::Const(_)) {
+            return value;
+        }
+        let ty = value.ty;
+        let target = self.temp(ctx, ty, value.span);
+        let again = load(&target, ty);
+        code.push(StatementKind::Assign { target, value });
+        again
+    }
+}
+
+/// The statement that clears OK/ENO, if the block looks at it.
+pub fn failed(ctx: &Ctx, span: Span) -> Option<Statement> {
+    let value = Expr { kind: ExprKind::Const(0), ty: Elementary::Bool, span };
+    ctx.scl.sets_flag.then_some(Statement { kind: StatementKind::SetFlag(value), span })
+}
+
+pub fn load(access: &Access, ty: Elementary) -> Expr {
+    Expr { kind: ExprKind::Load(Box::new(access.clone())), ty, span: access.span }
+}
+
+/// A DINT.
+pub fn number(value: i32, span: Span) -> Expr {
+    Expr { kind: ExprKind::Const(u64::from(value as u32)), ty: Elementary::Dint, span }
+}
+
+/// `left op right`, both of one type.
+pub fn binary(op: BinaryOp, left: Expr, right: Expr) -> Expr {
+    let (ty, span) = (left.ty, left.span);
+    Expr { kind: ExprKind::Binary { op, left: Box::new(left), right: Box::new(right) }, ty, span }
+}
+
+/// One less, of a DINT.
+pub fn minus_one(value: Expr) -> Expr {
+    let span = value.span;
+    binary(BinaryOp::Subtract, value, number(1, span))
+}
+
+/// Bit `index` of a variable, 0 the lowest.
+fn bit_of(access: &Access, index: usize) -> Access {
+    let part = crate::model::scl::Part { width: crate::model::Width::Bit, index: index as u8 };
+    Access { part: Some(part), ..access.clone() }
+}
+
+/// The BOOL so many bytes and bits behind the start of a variable.
+fn moved(access: &Access, by: u32, at: u8) -> Option<Access> {
+    let mut moved = access.clone();
+    moved.ty = DataType::Elementary(Elementary::Bool);
+    match &mut moved.base {
+        Base::Place(
+            Place::I { byte, bit }
+            | Place::Q { byte, bit }
+            | Place::M { byte, bit }
+            | Place::L { byte, bit }
+            | Place::OpenDb { byte, bit }
+            | Place::OpenDi { byte, bit }
+            | Place::Db { byte, bit, .. }
+            | Place::Instance { byte, bit }
+            | Place::Parameter { byte, bit, .. }
+            | Place::ThroughPointer { byte, bit, .. },
+        ) => {
+            *byte += by;
+            *bit = at;
+            Some(moved)
+        }
+        Base::Place(Place::Pi { .. } | Place::Pq { .. } | Place::Indirect { .. } | Place::Register { .. })
+        | Base::Indexed { .. } => None,
+    }
+}
+
+/// The whole of a complex variable as a value.
+pub fn whole(access: &Access) -> Complex {
+    Complex::Variable(access.clone())
+}

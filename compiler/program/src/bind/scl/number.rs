@@ -1,0 +1,401 @@
+//! Functions of numbers and bits. Source: SCL reference, numbers, bits, rounding, conversions.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::scl::ast::{Argument as Given, BinaryOp as NodeOp, Expr as Node, ExprKind as NodeKind};
+use plcc_syntax::{Class, Elementary};
+
+use super::convert::{self, converted};
+use super::function::{Kind, Row};
+use super::message::described;
+use super::numeric::{self, Shape};
+use super::pins::Pins;
+use super::value::Value;
+use super::{Rules, constant};
+use crate::bind::constant::Constant;
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, UnaryOp};
+
+impl Binder<'_> {
+    pub fn number_function(
+        &mut self,
+        ctx: &mut Ctx,
+        row: &Row,
+        suffix: Option<Elementary>,
+        pins: &Pins,
+        span: Span,
+    ) -> Option<Value> {
+        let expr = match row.kind {
+            Kind::Float(function) => self.float_function(ctx, function, suffix, pins.get("IN")?, span),
+            Kind::Absolute => {
+                let (mut values, ty) = self.alike(ctx, &[pins.get("IN")?], suffix)?;
+                self.number_wanted(row, ty, pins.name)?;
+                let operand = Box::new(values.pop()?);
+                Some(Expr { kind: ExprKind::Unary { op: UnaryOp::Abs, operand }, ty, span })
+            }
+            Kind::Extreme(op) => {
+                let nodes = pins.numbered("IN1");
+                let (values, ty) = self.alike(ctx, &nodes, suffix)?;
+                let fold = |left: Expr, right: Expr| Expr {
+                    kind: ExprKind::Binary { op, left: Box::new(left), right: Box::new(right) },
+                    ty,
+                    span,
+                };
+                values.into_iter().reduce(fold)
+            }
+            Kind::Limit => {
+                let (arguments, ty) = self.alike(ctx, &[pins.get("MN")?, pins.get("IN")?, pins.get("MX")?], suffix)?;
+                Some(computed(Function::Limit, arguments, ty, span))
+            }
+            Kind::Select => {
+                let selector = self.scl_of_type(ctx, pins.get("G")?, Elementary::Bool);
+                let (mut arguments, ty) = self.alike(ctx, &[pins.get("IN0")?, pins.get("IN1")?], suffix)?;
+                arguments.insert(0, selector?);
+                Some(computed(Function::Select, arguments, ty, span))
+            }
+            Kind::Mux => self.mux(ctx, suffix, pins, span),
+            Kind::NormX => {
+                let nodes = [pins.get("MIN")?, pins.get("VALUE")?, pins.get("MAX")?];
+                let (arguments, ty) = self.alike(ctx, &nodes, None)?;
+                self.number_wanted(row, ty, pins.name)?;
+                let result = suffix.unwrap_or(if ty == Elementary::Lreal { ty } else { Elementary::Real });
+                self.float_suffix(row, result, pins.name)?;
+                Some(computed(Function::NormX, arguments, result, span))
+            }
+            Kind::ScaleX => {
+                let value = self.float_value(ctx, pins.get("VALUE")?, None);
+                let (mut arguments, ty) = self.alike(ctx, &[pins.get("MIN")?, pins.get("MAX")?], suffix)?;
+                self.number_wanted(row, ty, pins.name)?;
+                arguments.insert(1, value?);
+                Some(computed(Function::ScaleX, arguments, ty, span))
+            }
+            Kind::Round => self.round(ctx, row, suffix, pins, span),
+            Kind::Shift(op) => self.shift(ctx, op, suffix, pins, span),
+            Kind::Swap => {
+                let value = self.bits_value(ctx, pins.get("IN")?, suffix)?;
+                let ty = value.ty;
+                Some(computed(Function::Swap, vec![value], ty, span))
+            }
+            Kind::Encode => {
+                let value = self.bits_value(ctx, pins.get("IN")?, None)?;
+                Some(computed(Function::Encode, vec![value], Elementary::Int, span))
+            }
+            Kind::BitSum => {
+                let value = self.bits_value(ctx, pins.get("IN")?, None)?;
+                Some(computed(Function::BitSum, vec![value], Elementary::Int, span))
+            }
+            Kind::Decode => {
+                let ty = suffix.unwrap_or(Elementary::Dword);
+                if ty.class() != Class::Bits || ty == Elementary::Bool {
+                    return self.bad_suffix(row, ty, pins.name);
+                }
+                let value = self.count_value(ctx, pins.get("IN")?)?;
+                Some(computed(Function::Decode, vec![value], ty, span))
+            }
+            Kind::IsValid => {
+                let value = self.float_value(ctx, pins.get("IN")?, None)?;
+                Some(computed(Function::IsValid, vec![value], Elementary::Bool, span))
+            }
+            _ => None,
+        };
+        expr.map(Value::Elementary)
+    }
+
+    fn float_function(
+        &mut self,
+        ctx: &mut Ctx,
+        function: Function,
+        suffix: Option<Elementary>,
+        node: &Node,
+        span: Span,
+    ) -> Option<Expr> {
+        let value = self.float_value(ctx, node, suffix)?;
+        let ty = value.ty;
+        Some(computed(function, vec![value], ty, span))
+    }
+
+    /// A value as a float: LREAL stays, everything else becomes REAL.
+    fn float_value(&mut self, ctx: &mut Ctx, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
+        let value = self.scl_value(ctx, node)?;
+        let ty = match (suffix, Shape::of(&value)) {
+            (Some(ty), _) if ty.is_float() => ty,
+            (_, Shape::Of(Elementary::Lreal)) => Elementary::Lreal,
+            // What is computed of a constant alone is as exact as the CPU can.
+            (_, Shape::Real) => constant::default_type(ctx.scl.rules, &Constant::Real(0.0)),
+            // A DINT, which TIA converts to LREAL only, is meant all the same.
+            (_, Shape::Of(ty)) if ty.is_integer() => {
+                let expr = self.scl_own_type(ctx, value)?;
+                return convert::explicit_expr(ctx.scl.rules, expr, Elementary::Real);
+            }
+            _ => Elementary::Real,
+        };
+        self.scl_convert(ctx, value, ty)
+    }
+
+    /// A value as a bit string: of its own type, or of the suffix.
+    fn bits_value(&mut self, ctx: &mut Ctx, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
+        let value = self.scl_value(ctx, node)?;
+        let ty = match (suffix, Shape::of(&value)) {
+            (Some(ty), _) => ty,
+            (None, Shape::Of(ty)) if ty != Elementary::Bool => match numeric::bit_string(Rules::Tia1500, ty) {
+                Some(bits) if bits == ty => ty,
+                Some(bits) => {
+                    let expr = self.scl_own_type(ctx, value)?;
+                    return Some(converted(expr, Conversion::Bits { checked: false }, bits));
+                }
+                None => Elementary::Dword,
+            },
+            _ => Elementary::Dword,
+        };
+        self.scl_convert(ctx, value, ty)
+    }
+
+    /// A count: an integer of any type.
+    fn count_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
+        let value = self.scl_value(ctx, node)?;
+        if let Value::Constant(Constant::Integer { value: count, .. }, span) = &value
+            && *count < 0
+        {
+            let span = *span;
+            self.report.push(
+                Diagnostic::new(Code::ShiftCount, span, "this number is negative")
+                    .label("0 or more is wanted")
+                    .help("for the other direction call the other function"),
+            );
+            return None;
+        }
+        match Shape::of(&value) {
+            Shape::Of(ty) if ty.is_integer() => self.scl_own_type(ctx, value),
+            // A bit string counts by its value.
+            Shape::Of(ty) if ty.class() == Class::Bits && ty != Elementary::Bool => {
+                let expr = self.scl_own_type(ctx, value)?;
+                let target = match ty.bits() {
+                    8 => Elementary::Usint,
+                    16 => Elementary::Uint,
+                    32 => Elementary::Udint,
+                    _ => Elementary::Ulint,
+                };
+                Some(converted(expr, Conversion::Bits { checked: false }, target))
+            }
+            _ => self.scl_convert(ctx, value, Elementary::Int),
+        }
+    }
+
+    fn mux(&mut self, ctx: &mut Ctx, suffix: Option<Elementary>, pins: &Pins, span: Span) -> Option<Expr> {
+        let selector = self.count_value(ctx, pins.get("K")?);
+        let mut nodes = pins.numbered("IN0");
+        let otherwise = pins.get("INELSE");
+        nodes.extend(otherwise);
+        let (mut arguments, ty) = self.alike(ctx, &nodes, suffix)?;
+        arguments.insert(0, selector?);
+        Some(computed(Function::Mux { has_else: otherwise.is_some() }, arguments, ty, span))
+    }
+
+    fn round(
+        &mut self,
+        ctx: &mut Ctx,
+        row: &Row,
+        suffix: Option<Elementary>,
+        pins: &Pins,
+        span: Span,
+    ) -> Option<Expr> {
+        let ty = suffix.unwrap_or(Elementary::Dint);
+        let value = self.float_value(ctx, pins.get("IN")?, None)?;
+        if !ty.is_integer() {
+            return self.bad_suffix(row, ty, pins.name);
+        }
+        let conversion = convert::rounding(ctx.scl.rules, row.name)?;
+        Some(Expr { span, ..converted(value, conversion, ty) })
+    }
+
+    /// Shifts and rotates. In the classic form integers are bit strings here, so that zeros enter.
+    fn shift(
+        &mut self,
+        ctx: &mut Ctx,
+        op: BinaryOp,
+        suffix: Option<Elementary>,
+        pins: &Pins,
+        span: Span,
+    ) -> Option<Expr> {
+        let value = self.scl_value(ctx, pins.get("IN")?);
+        let count = self.count_value(ctx, pins.get("N")?);
+        let value = value?;
+        let ty = match (suffix, Shape::of(&value)) {
+            (Some(ty), _) | (None, Shape::Of(ty)) => ty,
+            _ => Elementary::Dword,
+        };
+        let possible = (ty.class() == Class::Bits && ty != Elementary::Bool) || ty.is_integer();
+        if !possible {
+            let is = described(&value);
+            self.wrong_type(value.span(), &is, "a bit string or an integer", None);
+            return None;
+        }
+        let left = self.scl_convert(ctx, value, ty)?;
+        let bits = numeric::bit_string(Rules::Tia1500, ty).filter(|bits| *bits != ty);
+        let make = |left: Expr, count: Expr| {
+            let ty = left.ty;
+            Expr { kind: ExprKind::Binary { op, left: Box::new(left), right: Box::new(count) }, ty, span }
+        };
+        Some(match bits {
+            Some(bits) if ctx.scl.rules.is_300() => {
+                let pattern = Conversion::Bits { checked: false };
+                converted(make(converted(left, pattern, bits), count?), pattern, ty)
+            }
+            _ => make(left, count?),
+        })
+    }
+
+    /// Values brought to one type: that of the suffix, or the widest of their own.
+    fn alike(&mut self, ctx: &mut Ctx, nodes: &[&Node], suffix: Option<Elementary>) -> Option<(Vec<Expr>, Elementary)> {
+        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+        let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
+        let ty = match suffix {
+            Some(ty) => ty,
+            None => self.widest(ctx, &values)?,
+        };
+        let bound: Vec<Option<Expr>> = values.into_iter().map(|value| self.scl_convert(ctx, value, ty)).collect();
+        Some((bound.into_iter().collect::<Option<_>>()?, ty))
+    }
+
+    /// The type that takes all of the values; what does not go together is reported.
+    fn widest(&mut self, ctx: &Ctx, values: &[Value]) -> Option<Elementary> {
+        let rules = ctx.scl.rules;
+        let mut shapes: Vec<(Shape, &Value)> = values.iter().map(|value| (Shape::of(value), value)).collect();
+        // Constants without a type follow the others.
+        shapes.sort_by_key(|(shape, _)| shape.is_untyped() || *shape == Shape::Letter);
+        let mut widest: Option<Shape> = None;
+        for (shape, value) in shapes {
+            let joined = match (widest, shape) {
+                (_, Shape::Other) => None,
+                (None, shape) => Some(shape),
+                (Some(Shape::Of(a)), Shape::Of(b)) if a == b => Some(shape),
+                (Some(Shape::Of(a)), Shape::Of(b)) if a.class() == Class::Bits && b.class() == Class::Bits => {
+                    Some(Shape::Of(if a.bits() >= b.bits() { a } else { b }))
+                }
+                // A bit string, duration or date beside a constant keeps its type.
+                (Some(Shape::Of(a)), Shape::Integer(_)) if !a.is_float() => Some(Shape::Of(a)),
+                (Some(Shape::Of(a)), Shape::Letter) => Some(Shape::Of(a)),
+                (Some(Shape::Letter), Shape::Letter) => Some(shape),
+                (Some(before), shape) => numeric::common(rules, before, shape).map(Shape::Of),
+            };
+            if joined.is_none() {
+                let is = described(value);
+                let wanted = match widest {
+                    Some(Shape::Of(ty)) => ty.name().to_string(),
+                    _ => "a single value".to_string(),
+                };
+                self.wrong_type(value.span(), &is, &wanted, None);
+                return None;
+            }
+            widest = joined;
+        }
+        match widest? {
+            Shape::Of(ty) => Some(ty),
+            Shape::Integer(value) => {
+                Some(constant::default_type(rules, &Constant::Integer { value, based: false }))
+            }
+            Shape::Real => Some(constant::default_type(rules, &Constant::Real(0.0))),
+            Shape::Letter | Shape::Other => Some(Elementary::Char),
+        }
+    }
+
+    fn number_wanted(&mut self, row: &Row, ty: Elementary, name: Span) -> Option<()> {
+        if ty.is_integer() || ty.is_float() {
+            return Some(());
+        }
+        self.wrong_type(name, &format!("called with {}", ty.name()), &format!("a number for {}", row.name), None);
+        None
+    }
+
+    fn float_suffix(&mut self, row: &Row, ty: Elementary, name: Span) -> Option<()> {
+        if ty.is_float() { Some(()) } else { self.bad_suffix(row, ty, name) }
+    }
+
+    fn bad_suffix<T>(&mut self, row: &Row, ty: Elementary, name: Span) -> Option<T> {
+        self.report.push(
+            Diagnostic::new(Code::TypeMismatch, name, format!("{} has no form for type {}", row.name, ty.name()))
+                .label("this type is not possible behind the name")
+                .help(format!("write {} alone, and convert its result", row.name)),
+        );
+        None
+    }
+
+    /// `X_TO_Y(value)`, `TO_Y(value)`.
+    pub fn conversion(
+        &mut self,
+        ctx: &mut Ctx,
+        from: Option<Elementary>,
+        to: Elementary,
+        given: &[Given],
+        span: Span,
+    ) -> Option<Value> {
+        let node = self.only_argument(ctx, given, span)?;
+        let value = match from {
+            Some(from) => self.scl_of_type(ctx, node, from)?,
+            None => {
+                let value = self.scl_value(ctx, node)?;
+                self.scl_own_type(ctx, value)?
+            }
+        };
+        let from = value.ty;
+        match convert::explicit_expr(ctx.scl.rules, value, to) {
+            Some(expr) => Some(Value::Elementary(Expr { span, ..expr })),
+            None => {
+                self.report.push(
+                    Diagnostic::new(
+                        Code::TypeMismatch,
+                        span,
+                        format!("there is no conversion from {} to {}", from.name(), to.name()),
+                    )
+                    .label("SCL does not have this function")
+                    .help("convert through a type between them, for example DINT or DWORD"),
+                );
+                None
+            }
+        }
+    }
+
+    /// `BCD_TO_INT` and its kin.
+    pub fn bcd_conversion(&mut self, ctx: &mut Ctx, name: &str, given: &[Given], span: Span) -> Option<Value> {
+        let node = self.only_argument(ctx, given, span)?;
+        let (from, conversion, to) = convert::bcd(ctx.scl.rules, name)?;
+        let value = self.scl_of_type(ctx, node, from)?;
+        Some(Value::Elementary(Expr { span, ..converted(value, conversion, to) }))
+    }
+
+    /// The argument of a function that takes one, whatever it is called.
+    pub fn only_argument<'n>(&mut self, ctx: &mut Ctx, given: &'n [Given], span: Span) -> Option<&'n Node> {
+        if let [Given { output: false, value: Some(value), .. }] = given {
+            return Some(value);
+        }
+        self.report.push(
+            Diagnostic::new(
+                if given.len() > 1 { Code::SurplusOperand } else { Code::MissingParameter },
+                span,
+                "this function takes one value",
+            )
+            .label(format!("{} arguments are given", given.len()))
+            .help("write the value in parentheses behind the name"),
+        );
+        self.note_arguments(ctx, given);
+        None
+    }
+
+    /// An operator as a function.
+    pub fn operator_function(&mut self, ctx: &mut Ctx, op: NodeOp, pins: &Pins, span: Span) -> Option<Value> {
+        let (left, right) = (pins.get("IN1")?, pins.get("IN2")?);
+        let node = Node {
+            kind: NodeKind::Binary {
+                op,
+                left: Box::new(left.clone()),
+                right: Box::new(right.clone()),
+                op_span: pins.name,
+            },
+            span,
+        };
+        self.scl_value(ctx, &node)
+    }
+}
+
+fn computed(function: Function, arguments: Vec<Expr>, ty: Elementary, span: Span) -> Expr {
+    Expr { kind: ExprKind::Function { function, arguments }, ty, span }
+}

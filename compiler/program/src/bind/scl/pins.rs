@@ -1,0 +1,182 @@
+//! Arguments of functions of the language, by the pins of their row.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::scl::ast::{Argument as Given, Expr as Node};
+
+use super::arguments::names_eno;
+use super::function::Row;
+use crate::bind::names::fold;
+use crate::bind::path::similar;
+use crate::bind::{Binder, Ctx};
+
+/// A pin of a row.
+#[derive(Clone, Copy)]
+struct Pin {
+    names: &'static str,
+    optional: bool,
+    output: bool,
+    /// The first of numbered ones.
+    numbered: bool,
+}
+
+impl Pin {
+    fn read(word: &'static str) -> Pin {
+        let (optional, word) = word.strip_prefix('?').map_or((false, word), |rest| (true, rest));
+        let (output, word) = word.strip_prefix('>').map_or((false, word), |rest| (true, rest));
+        let (numbered, names) = word.strip_suffix('+').map_or((false, word), |rest| (true, rest));
+        Pin { names, optional, output, numbered }
+    }
+
+    /// The name that messages use.
+    fn name(self) -> &'static str {
+        self.names.split('|').next().unwrap_or(self.names)
+    }
+
+    /// Position among numbered pins, 0 for others; `None`: another pin.
+    fn matches(self, name: &str) -> Option<usize> {
+        if !self.numbered {
+            return self.names.split('|').any(|own| own.eq_ignore_ascii_case(name)).then_some(0);
+        }
+        let letters = self.names.trim_end_matches(|letter: char| letter.is_ascii_digit());
+        let first: usize = self.names[letters.len()..].parse().ok()?;
+        let (head, digits) = name.split_at_checked(letters.len())?;
+        if !head.eq_ignore_ascii_case(letters) {
+            return None;
+        }
+        digits.parse::<usize>().ok()?.checked_sub(first)
+    }
+}
+
+/// Arguments of a function, each at its pin.
+pub struct Pins<'n> {
+    /// Name of the pin, position among numbered ones, argument.
+    given: Vec<(&'static str, usize, &'n Node)>,
+    /// Of the call's name.
+    pub name: Span,
+}
+
+impl<'n> Pins<'n> {
+    /// The argument of a pin that is not numbered.
+    pub fn get(&self, pin: &str) -> Option<&'n Node> {
+        self.given.iter().find(|(name, ..)| *name == pin).map(|(.., node)| *node)
+    }
+
+    /// The arguments of numbered pins, in order.
+    pub fn numbered(&self, first: &str) -> Vec<&'n Node> {
+        let mut list: Vec<(usize, &Node)> =
+            self.given.iter().filter(|(name, ..)| *name == first).map(|(_, at, node)| (*at, *node)).collect();
+        list.sort_by_key(|(at, _)| *at);
+        list.into_iter().map(|(_, node)| node).collect()
+    }
+}
+
+impl Binder<'_> {
+    /// Puts the arguments of a function at its pins; `None` after a message.
+    pub fn pins<'n>(&mut self, ctx: &mut Ctx, row: &Row, given: &'n [Given], name: Span) -> Option<Pins<'n>> {
+        let list: Vec<Pin> = row.pins.split_whitespace().map(Pin::read).collect();
+        let mut pins = Pins { given: Vec::with_capacity(given.len()), name };
+        let mut good = true;
+        for (at, argument) in given.iter().enumerate() {
+            let Some((pin, number)) = self.pin(ctx, row, &list, argument, at, &mut good) else { continue };
+            let span = argument.name.as_ref().map_or(argument.span, |name| name.span);
+            if pins.given.iter().any(|(name, other, _)| *name == pin.name() && *other == number) {
+                good = false;
+                self.report.push(
+                    Diagnostic::new(Code::DuplicateParameter, span, format!("`{}` is given twice", pin.name()))
+                        .label("the second time"),
+                );
+                continue;
+            }
+            if argument.output && !pin.output {
+                good = false;
+                self.report.push(
+                    Diagnostic::new(Code::AssignSign, argument.span, format!("`{}` is an input", pin.name()))
+                        .label("`=>` takes a value out of the function")
+                        .help(format!("write `{} := ...`", pin.name())),
+                );
+            }
+            if let Some(value) = &argument.value {
+                pins.given.push((pin.name(), number, value));
+            }
+        }
+        let missing: Vec<&str> = list
+            .iter()
+            .filter(|pin| !pin.optional && !pins.given.iter().any(|(name, ..)| *name == pin.name()))
+            .map(|pin| pin.name())
+            .collect();
+        if good && !missing.is_empty() {
+            good = false;
+            self.report.push(
+                Diagnostic::new(
+                    Code::MissingParameter,
+                    name,
+                    format!("the call of {} leaves out {}", row.name, missing.join(", ")),
+                )
+                .label("the function needs it")
+                .help(format!("add `{} := ...`", missing[0])),
+            );
+        }
+        if !good {
+            self.note_arguments(ctx, given);
+        }
+        good.then_some(pins)
+    }
+
+    /// The pin of one argument, with its position among numbered ones.
+    fn pin(
+        &mut self,
+        ctx: &Ctx,
+        row: &Row,
+        list: &[Pin],
+        argument: &Given,
+        at: usize,
+        good: &mut bool,
+    ) -> Option<(Pin, usize)> {
+        let Some(name) = &argument.name else {
+            // The rest of the arguments belongs to numbered pins.
+            let first = list.iter().position(|pin| pin.numbered);
+            let found = match first {
+                Some(first) if at >= first => Some((list[first], at - first)),
+                _ => list.get(at).map(|pin| (*pin, 0)),
+            };
+            if found.is_none() {
+                *good = false;
+                self.report.push(
+                    Diagnostic::new(Code::SurplusOperand, argument.span, format!("{} has no such argument", row.name))
+                        .label(format!("it takes {}", list.len())),
+                );
+            }
+            return found;
+        };
+        let found = list.iter().find_map(|pin| Some((*pin, pin.matches(&name.text)?)));
+        if found.is_some() {
+            return found;
+        }
+        let eno = fold(&name.text) == "eno";
+        if eno && argument.value.as_ref().is_none_or(|value| names_eno(ctx, value)) {
+            return None;
+        }
+        *good = false;
+        let message =
+            Diagnostic::new(Code::UnknownParameter, name.span, format!("{} has no parameter `{}`", row.name, name.text))
+                .label("no such parameter");
+        let names = list.iter().map(|pin| pin.name());
+        let all: Vec<&str> = names.clone().collect();
+        self.report.push(match similar(&name.text, names) {
+            _ if eno => message.help("read `ENO` in the statement behind it"),
+            Some(other) => message.help(format!("is `{other}` meant?")),
+            None => message.help(format!("its parameters are {}", all.join(", "))),
+        });
+        None
+    }
+
+    /// A function without a value inside an expression.
+    pub fn no_value(&mut self, span: Span) {
+        let text = self.text(span);
+        self.report.push(
+            Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` has no value"))
+                .label("a function without a result that an expression could use")
+                .help("call it in a statement of its own"),
+        );
+    }
+}

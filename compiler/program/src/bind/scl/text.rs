@@ -1,0 +1,200 @@
+//! Texts and dates: CONCAT of many, and conversions to and from types that are no single value. Each is a call of a block of the
+//! standard library. Source: SCL reference, strings, conversions.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::scl::ast::{Argument as Given, Expr as Node};
+
+use super::convert;
+use super::pins::Pins;
+use super::value::Value;
+use crate::bind::constant::Constant;
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::{Actual, Argument, Call, Complex, Expr};
+use crate::model::{BlockKey, Direction};
+use crate::types::DataType;
+
+/// Types of several bytes in names of conversions.
+const WORDS: [&str; 5] = ["STRING", "WSTRING", "DT", "DATE_AND_TIME", "DTL"];
+
+/// Blocks of STEP 7 V5 that convert under names of their own.
+const CLASSIC: &[(&str, &str)] = &[
+    ("INT_TO_STRING", "I_STRNG"),
+    ("DINT_TO_STRING", "DI_STRNG"),
+    ("REAL_TO_STRING", "R_STRNG"),
+    ("STRING_TO_INT", "STRNG_I"),
+    ("STRING_TO_DINT", "STRNG_DI"),
+    ("STRING_TO_REAL", "STRNG_R"),
+    ("DT_TO_DATE", "DT_DATE"),
+    ("DT_TO_TOD", "DT_TOD"),
+];
+
+/// True of `X_TO_Y` (upper case) where one of the types is no single value.
+pub fn is_conversion(name: &str) -> bool {
+    let known = |word: &str| WORDS.contains(&word) || Elementary::from_word(word).is_some();
+    name.split_once("_TO_").is_some_and(|(from, to)| {
+        known(from) && known(to) && (WORDS.contains(&from) || WORDS.contains(&to))
+    })
+}
+
+/// A type's name in names of conversions, shortened.
+fn short(word: &str) -> &str {
+    match word {
+        "DATE_AND_TIME" => "DT",
+        "TIME_OF_DAY" => "TOD",
+        "LTIME_OF_DAY" => "LTOD",
+        "LDATE_AND_TIME" => "LDT",
+        other => other,
+    }
+}
+
+/// The integer type whose texts hold those of `ty`.
+const fn wider(ty: Elementary) -> Option<Elementary> {
+    match ty {
+        Elementary::Sint | Elementary::Usint | Elementary::Byte => Some(Elementary::Int),
+        Elementary::Int | Elementary::Uint | Elementary::Word => Some(Elementary::Dint),
+        Elementary::Dint | Elementary::Udint | Elementary::Dword => Some(Elementary::Lint),
+        Elementary::Lword => Some(Elementary::Ulint),
+        _ => None,
+    }
+}
+
+impl Binder<'_> {
+    /// `INT_TO_STRING`, `STRING_TO_REAL`, `DTL_TO_DATE`.
+    pub fn text_conversion(
+        &mut self,
+        ctx: &mut Ctx,
+        function: &str,
+        given: &[Given],
+        name: Span,
+        span: Span,
+    ) -> Option<Value> {
+        let node = self.only_argument(ctx, given, span)?;
+        let (from, to) = function.split_once("_TO_")?;
+        let (from, to) = (short(from), short(to));
+        match (from, to) {
+            ("CHAR", "STRING") | ("WCHAR", "WSTRING") => {
+                let wide = from == "WCHAR";
+                let value = self.scl_of_type(ctx, node, if wide { Elementary::Wchar } else { Elementary::Char })?;
+                let ty = if wide { DataType::WideString(1) } else { DataType::String(1) };
+                return Some(Value::Complex { value: Complex::Character(Box::new(value)), ty, span });
+            }
+            _ => {}
+        }
+        if let Some(key) = self.conversion_block(ctx, from, to) {
+            return self.library_value(ctx, key, &[node], name, span);
+        }
+        // By way of a type that holds all values.
+        if let Some(own) = Elementary::from_word(from)
+            && let Some((through, key)) = self.wider_block(ctx, own, |word| (word.to_string(), to.to_string()))
+        {
+            let value = self.scl_of_type(ctx, node, own)?;
+            let value = convert::explicit_expr(ctx.scl.rules, value, through)?;
+            return self.library_call(ctx, key, vec![Value::Elementary(value)], name, span);
+        }
+        if let Some(own) = Elementary::from_word(to)
+            && let Some((_, key)) = self.wider_block(ctx, own, |word| (from.to_string(), word.to_string()))
+            && let Value::Elementary(value) = self.library_value(ctx, key, &[node], name, span)?
+        {
+            let value = convert::explicit_expr(ctx.scl.rules, value, own)?;
+            return Some(Value::Elementary(Expr { span, ..value }));
+        }
+        self.scl_value(ctx, node);
+        self.report.missing_function(function, name, None, true);
+        None
+    }
+
+    fn conversion_block(&self, ctx: &Ctx, from: &str, to: &str) -> Option<BlockKey> {
+        let name = format!("{from}_TO_{to}");
+        let classic = CLASSIC.iter().find(|(known, _)| *known == name).map(|(_, block)| *block);
+        self.library_function(ctx.scl.rules, &name)
+            .or_else(|| self.library_function(ctx.scl.rules, classic?))
+    }
+
+    fn wider_block(
+        &self,
+        ctx: &Ctx,
+        ty: Elementary,
+        names: impl Fn(&str) -> (String, String),
+    ) -> Option<(Elementary, BlockKey)> {
+        let mut ty = ty;
+        while let Some(next) = wider(ty) {
+            let (from, to) = names(next.name());
+            if let Some(key) = self.conversion_block(ctx, &from, &to) {
+                return Some((next, key));
+            }
+            ty = next;
+        }
+        None
+    }
+
+    /// CONCAT of two or more texts.
+    pub fn concat(&mut self, ctx: &mut Ctx, pins: &Pins, name: Span, span: Span) -> Option<Value> {
+        let nodes = pins.numbered("IN1");
+        if nodes.len() < 2 {
+            self.report.push(
+                Diagnostic::new(Code::MissingParameter, name, "CONCAT joins two texts or more")
+                    .label("one is given")
+                    .help("add `IN2 := ...`"),
+            );
+            return None;
+        }
+        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+        let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
+        let is_wide = values.iter().any(|value| match value {
+            Value::Complex { ty, .. } => matches!(ty, DataType::WideString(_)),
+            Value::Constant(constant, _) => matches!(constant, Constant::WideText(_)),
+            Value::Elementary(expr) => expr.ty == Elementary::Wchar,
+            _ => false,
+        });
+        let block = if is_wide { "CONCAT_WSTRING" } else { "CONCAT" };
+        let Some(key) = self.library_function(ctx.scl.rules, block) else {
+            self.report.missing_function(block, name, None, true);
+            return None;
+        };
+        let mut values = values.into_iter();
+        let mut joined = values.next()?;
+        for value in values {
+            joined = self.library_call(ctx, key, vec![joined, value], name, span)?;
+        }
+        Some(joined)
+    }
+
+    /// The value of a function of the library for arguments in its order.
+    fn library_value(
+        &mut self,
+        ctx: &mut Ctx,
+        key: BlockKey,
+        nodes: &[&Node],
+        name: Span,
+        span: Span,
+    ) -> Option<Value> {
+        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+        self.library_call(ctx, key, values.into_iter().collect::<Option<_>>()?, name, span)
+    }
+
+    /// A call of a function of the library with bound arguments in its order.
+    pub fn library_call(
+        &mut self,
+        ctx: &mut Ctx,
+        key: BlockKey,
+        values: Vec<Value>,
+        name: Span,
+        span: Span,
+    ) -> Option<Value> {
+        let bound = self.interface(key, name)?;
+        let inputs = bound.interface.parameters.iter().enumerate();
+        let inputs = inputs.filter(|(_, formal)| formal.direction == Direction::Input);
+        let mut arguments = Vec::with_capacity(values.len());
+        for ((parameter, formal), value) in inputs.zip(values) {
+            let span = value.span();
+            let actual = match &formal.ty {
+                DataType::Elementary(ty) => Actual::Value(self.scl_convert(ctx, value, *ty)?),
+                ty => Actual::Complex(self.scl_complex_value(ctx, value, ty)?),
+            };
+            arguments.push(Argument { parameter, actual, span });
+        }
+        let call = Call { target: key, instance: None, arguments, enable: None, eno: None, span };
+        self.call_value(call, false, name)
+    }
+}

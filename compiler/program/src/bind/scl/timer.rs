@@ -1,0 +1,125 @@
+//! Timer and counter functions: S_PULSE, S_PEXT, S_ODT, S_ODTS, S_OFFDT, S_CU, S_CD, S_CUD. Source: SCL reference, timers and counters.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::CellKind;
+use plcc_syntax::scl::ast::Expr as Node;
+
+use super::convert;
+use super::message::described;
+use super::numeric::Shape;
+use super::pins::Pins;
+use super::value::Value;
+use super::Intent;
+use crate::bind::constant::Constant;
+use crate::bind::{Binder, Ctx};
+use crate::model::Number;
+use crate::model::scl::{Access, CounterCall, Expr, ExprKind, TimerCall, TimerKind};
+
+impl Binder<'_> {
+    pub fn timer_function(&mut self, ctx: &mut Ctx, kind: TimerKind, pins: &Pins, span: Span) -> Option<Value> {
+        let timer = self.cell(ctx, CellKind::Timer, pins.get("T_NO")?);
+        let start = self.optional(ctx, pins.get("S"), Elementary::Bool);
+        let value = match pins.get("TV") {
+            Some(node) => self.timer_value(ctx, node).map(Some),
+            None => Some(None),
+        };
+        let reset = self.optional(ctx, pins.get("R"), Elementary::Bool);
+        let q = self.optional_output(ctx, pins.get("Q"), Elementary::Bool);
+        let bi = self.optional_output(ctx, pins.get("BI"), Elementary::Word);
+        let call = TimerCall { kind, timer: timer?, start: start?, value: value?, reset: reset?, q: q?, bi: bi? };
+        Some(Value::Elementary(Expr { kind: ExprKind::Timer(Box::new(call)), ty: Elementary::S5Time, span }))
+    }
+
+    pub fn counter_function(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Value> {
+        let counter = self.cell(ctx, CellKind::Counter, pins.get("C_NO")?);
+        let up = self.optional(ctx, pins.get("CU"), Elementary::Bool);
+        let down = self.optional(ctx, pins.get("CD"), Elementary::Bool);
+        let set = self.optional(ctx, pins.get("S"), Elementary::Bool);
+        let value = match pins.get("PV") {
+            Some(node) => self.counter_value(ctx, node).map(Some),
+            None => Some(None),
+        };
+        let reset = self.optional(ctx, pins.get("R"), Elementary::Bool);
+        let q = self.optional_output(ctx, pins.get("Q"), Elementary::Bool);
+        let cv = self.optional_output(ctx, pins.get("CV"), Elementary::Word);
+        let call = CounterCall {
+            counter: counter?,
+            up: up?,
+            down: down?,
+            set: set?,
+            value: value?,
+            reset: reset?,
+            q: q?,
+            cv: cv?,
+        };
+        Some(Value::Elementary(Expr { kind: ExprKind::Counter(Box::new(call)), ty: Elementary::Word, span }))
+    }
+
+    /// The timer or counter that a function works on.
+    fn cell(&mut self, ctx: &mut Ctx, wanted: CellKind, node: &Node) -> Option<Number> {
+        let value = self.scl_value(ctx, node)?;
+        match value {
+            Value::Cell { kind, number, .. } if kind == wanted => Some(number),
+            // TIA Portal, S7-300/400: the number itself.
+            Value::Constant(Constant::Integer { value, .. }, span) => {
+                let number = u32::try_from(value).unwrap_or(u32::MAX);
+                Some(Number::Known(self.check_cell(wanted, number, span)?))
+            }
+            other => {
+                let (name, example) = match wanted {
+                    CellKind::Timer => ("a timer", "T5"),
+                    CellKind::Counter => ("a counter", "C5"),
+                };
+                let help = format!("name one, for example {example}, or a parameter that is one");
+                self.wrong_type(node.span, &described(&other), name, Some(help));
+                None
+            }
+        }
+    }
+
+    /// The outer `None` after a message.
+    fn optional(&mut self, ctx: &mut Ctx, node: Option<&Node>, ty: Elementary) -> Option<Option<Expr>> {
+        match node {
+            Some(node) => self.scl_of_type(ctx, node, ty).map(Some),
+            None => Some(None),
+        }
+    }
+
+    fn optional_output(&mut self, ctx: &mut Ctx, node: Option<&Node>, ty: Elementary) -> Option<Option<Access>> {
+        match node {
+            Some(node) => self.variable_of_type(ctx, node, ty, Intent::Write).map(Some),
+            None => Some(None),
+        }
+    }
+
+    /// The time of a timer: S5TIME, a WORD in the form of one, or a TIME.
+    fn timer_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
+        let value = self.scl_value(ctx, node)?;
+        match Shape::of(&value) {
+            Shape::Of(Elementary::S5Time | Elementary::Word) => self.scl_own_type(ctx, value),
+            Shape::Of(Elementary::Time) => {
+                let time = self.scl_own_type(ctx, value)?;
+                convert::explicit_expr(ctx.scl.rules, time, Elementary::S5Time)
+            }
+            _ => self.scl_convert(ctx, value, Elementary::S5Time),
+        }
+    }
+
+    /// The preset of a counter: a WORD in BCD. A decimal number would be read as BCD, which nobody means.
+    fn counter_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
+        let value = self.scl_value(ctx, node)?;
+        if let Value::Constant(Constant::Integer { value: number, based: false }, span) = &value
+            && *number > 9
+        {
+            let (number, span) = (*number, *span);
+            self.report.push(
+                Diagnostic::new(Code::BadLiteral, span, "a counter takes its value in BCD")
+                    .label("a decimal number")
+                    .help(format!("write `C#{number}` or `16#{number}`")),
+            );
+            return None;
+        }
+        self.scl_convert(ctx, value, Elementary::Word)
+    }
+}
