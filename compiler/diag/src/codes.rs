@@ -104,6 +104,15 @@ codes! {
     EdgeBitLocal = "P0507" Warning "an edge memory bit in local data";
     CallInMcrZone = "P0508" Warning "a call with parameters inside an MCR zone";
     OverlappingActuals = "P0509" Warning "actual parameters that overlap";
+    Narrowing = "P0520" Warning "a value that may not fit where it goes";
+    AlwaysSame = "P0521" Warning "a comparison that always has the same result";
+    CaseValue = "P0522" Warning "a value of CASE that never matches";
+    EndlessLoop = "P0523" Error "a loop that cannot end";
+    LoopControl = "P0524" Error "EXIT or CONTINUE outside of a loop";
+    LoopVariable = "P0525" Error "a FOR variable that is changed in its loop";
+    JumpIntoStatement = "P0526" Error "a jump into a loop, an IF or a CASE";
+    NeverWritten = "P0527" Warning "temporary data that is read and never written";
+    ValueNeverSet = "P0528" Warning "a function whose value is never set";
     Project = "P0601" Error "a project file that cannot be used";
     UnknownCpu = "P0602" Error "a CPU that plcc does not know";
     Unreadable = "P0603" Error "a file that cannot be read";

@@ -114,7 +114,7 @@ fn rows(array_bounds: &[(i32, i32)], element: &DataType) -> Option<(u64, u64)> {
 }
 
 /// Distance between elements that do not share bytes.
-fn stride(element: &DataType) -> u32 {
+pub fn stride(element: &DataType) -> u32 {
     match element {
         DataType::Elementary(ty) if ty.bits() == 8 => 1,
         _ => even(bytes(element)),
@@ -148,6 +148,17 @@ pub fn element_place(array: &ArrayType, index: u64) -> (u32, u8) {
         }
         None => ((index * u64::from(stride(&array.element))) as u32, 0),
     }
+}
+
+/// Distance of neighbours in a dimension, in bits.
+pub fn distance(array: &ArrayType, dimension: usize) -> u32 {
+    let behind = array.bounds.get(dimension + 1..).unwrap_or(&[]);
+    let bits = match rows(&array.bounds, &array.element) {
+        Some(_) if behind.is_empty() => 1,
+        Some((_, row_bytes)) => row_bytes.saturating_mul(8).saturating_mul(element_count(&behind[..behind.len() - 1])),
+        None => u64::from(stride(&array.element)).saturating_mul(8).saturating_mul(element_count(behind)),
+    };
+    u32::try_from(bits).unwrap_or(u32::MAX)
 }
 
 /// 0-based number of the element at `indices`; `Err` names the dimension that is out of bounds.

@@ -177,6 +177,8 @@ struct Ctx {
     local_bytes: u32,
     /// Stands for all statements of a system block.
     fixed_span: Option<Span>,
+    /// Only while a block in SCL is bound.
+    scl: scl::Scope,
 }
 
 impl<'a> Binder<'a> {
@@ -242,8 +244,14 @@ impl<'a> Binder<'a> {
         let block = source.block();
         let span = block.name.span();
         let bound = self.interface(key, fixed_span.unwrap_or(span))?;
-        let mut ctx =
-            Ctx { key, bound: Rc::clone(&bound), unknown_locals: FxHashSet::default(), local_bytes: 0, fixed_span };
+        let mut ctx = Ctx {
+            key,
+            bound: Rc::clone(&bound),
+            unknown_locals: FxHashSet::default(),
+            local_bytes: 0,
+            fixed_span,
+            scl: scl::Scope::default(),
+        };
         let body = if runtime { Body::Runtime } else { self.bind_code(&mut ctx, block) };
         let name = match self.block_name(names::kind_prefix(key.kind), key.number) {
             name if name.is_empty() => match &block.header.name {

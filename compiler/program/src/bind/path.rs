@@ -151,13 +151,13 @@ impl Binder<'_> {
         self.walk(variable, &path.parts).map(Resolved::Variable)
     }
 
-    fn local(&self, ctx: &Ctx, name: &str) -> Option<Variable> {
+    pub fn local(&self, ctx: &Ctx, name: &str) -> Option<Variable> {
         let local = ctx.bound.locals.get(&fold(name))?;
         let (base, byte, bit, ty) = (local.base, local.byte, local.bit, local.ty.clone());
         Some(Variable { base, byte, bit, ty, untyped: false })
     }
 
-    fn unknown_local(&mut self, ctx: &mut Ctx, name: &str, span: Span) {
+    pub fn unknown_local(&mut self, ctx: &mut Ctx, name: &str, span: Span) {
         if !ctx.unknown_locals.insert(fold(name)) {
             return;
         }
@@ -170,7 +170,7 @@ impl Binder<'_> {
         });
     }
 
-    fn resolve_global(&mut self, ctx: &mut Ctx, name: &str, span: Span) -> Option<Resolved> {
+    pub fn resolve_global(&mut self, ctx: &mut Ctx, name: &str, span: Span) -> Option<Resolved> {
         let Some(target) = self.global(name) else {
             self.unknown_name(name, span);
             return None;
@@ -280,7 +280,7 @@ impl Binder<'_> {
     }
 
     /// The component of a structure by name. Large structures are indexed once.
-    fn member(&mut self, structure: &Rc<StructType>, name: &str) -> Option<Member> {
+    pub fn member(&mut self, structure: &Rc<StructType>, name: &str) -> Option<Member> {
         const INDEXED: usize = 12;
         let folded = fold(name);
         if structure.members.len() < INDEXED {
@@ -295,7 +295,7 @@ impl Binder<'_> {
         index.get(&folded).map(|&at| structure.members[at].clone())
     }
 
-    fn unknown_member(&mut self, structure: &StructType, name: &str, span: Span) {
+    pub fn unknown_member(&mut self, structure: &StructType, name: &str, span: Span) {
         let title = match structure.name.as_str() {
             "" => format!("the structure has no component `{name}`"),
             of => format!("`{of}` has no component `{name}`"),

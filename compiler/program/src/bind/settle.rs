@@ -130,9 +130,15 @@ impl Binder<'_> {
         }
         self.check_address(ctx, Area::Db, width, byte, span)?;
         self.use_db(number, span);
+        self.check_db_end(number, byte + width.bytes(), span);
+        Some(Settled::Memory { place: Place::Db { number, byte, bit }, width, ty: None })
+    }
+
+    /// Tells of an address behind the end of its data block, up to byte `end`.
+    pub fn check_db_end(&mut self, number: u16, end: u32, span: Span) {
         if let Some(db) = self.dbs.get(&number) {
             let length = db.block.data.len() as u32;
-            if byte + width.bytes() > length {
+            if end > length {
                 let defined = db.block.span;
                 self.report.push(
                     Diagnostic::new(Code::DbRange, span, format!("this address is behind the end of DB {number}"))
@@ -142,7 +148,6 @@ impl Binder<'_> {
                 );
             }
         }
-        Some(Settled::Memory { place: Place::Db { number, byte, bit }, width, ty: None })
     }
 
     /// The word or double word in the brackets of an indirect address.

@@ -1,34 +1,40 @@
 //! Binding of SCL: names, types and conversions of statements and expressions.
 //!
-//! - `statement`: statements, labels, loops.
-//! - `expression`: operators, and the types of what they combine; `convert`: implicit conversions of each dialect.
-//! - `access`: names, components, indices, slices, absolute addresses.
+//! - `statement`: statements and loops; `assign`: assignments; `case`: CASE; `flow`: labels, jumps and what is never written.
+//! - `expression`: operators; `numeric`: the types that they work in; `time`: dates and times; `compare`: comparisons.
+//! - `convert`: the conversions of each dialect; `coerce`: values in the type that is wanted; `constant`: constants in their context.
+//! - `access`: names, components, indices and slices; `place`: what they make; `indexed`: absolute and indexed addresses.
 //! - `call`: calls of blocks; `function`: the functions of the language, one table row each.
-//! - `value`: what an expression is before its context decides on its type.
+//! - `value`: what an expression is before its context decides on its type; `message`: messages that several of these give.
 
+mod access;
+mod assign;
+mod call;
+mod case;
+mod coerce;
+mod compare;
+mod constant;
+mod convert;
+mod expression;
+mod flow;
+mod indexed;
+mod message;
+mod numeric;
+mod place;
+mod rules;
+mod statement;
+mod time;
 mod value;
 
-use plcc_syntax::Elementary;
+#[cfg(test)]
+mod tests;
+
 use plcc_syntax::ast;
-use plcc_syntax::scl::ast::{Body as Tree, Expr as Node};
+use plcc_syntax::scl::ast::Body as Tree;
 
 use super::{Binder, Ctx};
-use crate::model::scl::{Access, Body, Complex, Expr};
-use crate::types::DataType;
-use value::Value;
-
-/// The rules that a block's source and the CPU choose together. Source: SCL reference, dialects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rules {
-    /// S7-SCL of STEP 7 V5.
-    Classic,
-    /// TIA Portal, S7-300/400.
-    Tia300,
-    /// TIA Portal, S7-1200.
-    Tia1200,
-    /// TIA Portal, S7-1500; also what a TIA source without a named CPU is taken for.
-    Tia1500,
-}
+use crate::model::scl::Body;
+pub use rules::{Rules, Scope};
 
 /// What an access is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,37 +47,12 @@ pub enum Intent {
 
 impl Binder<'_> {
     /// Binds the statements of a block.
-    pub fn bind_scl(&mut self, _ctx: &mut Ctx, _block: &ast::CodeBlock, _body: &Tree) -> Body {
-        Body::default()
-    }
-
-    /// Binds an expression, calls included.
-    fn scl_value(&mut self, _ctx: &mut Ctx, _node: &Node) -> Option<Value> {
-        None
-    }
-
-    /// Binds an expression that must give a value of type `ty`, by implicit conversion if need be.
-    fn scl_of_type(&mut self, _ctx: &mut Ctx, _node: &Node, _ty: Elementary) -> Option<Expr> {
-        None
-    }
-
-    /// Gives a bound value the type `ty`, by implicit conversion if need be; what has no conversion is reported.
-    fn scl_convert(&mut self, _ctx: &mut Ctx, _value: Value, _ty: Elementary) -> Option<Expr> {
-        None
-    }
-
-    /// Binds an expression that must give a value of the complex type `ty` (a text may have another length).
-    fn scl_complex(&mut self, _ctx: &mut Ctx, _node: &Node, _ty: &DataType) -> Option<Complex> {
-        None
-    }
-
-    /// Binds a variable.
-    fn scl_access(&mut self, _ctx: &mut Ctx, _node: &Node, _intent: Intent) -> Option<Access> {
-        None
-    }
-
-    /// Binds a call: of a block, an instance, a function of the language. `statement`: its value may be dropped.
-    fn scl_call(&mut self, _ctx: &mut Ctx, _node: &Node, _statement: bool) -> Option<Value> {
-        None
+    pub fn bind_scl(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, body: &Tree) -> Body {
+        ctx.scl = Scope::new(self.input, &block.header, body.dialect);
+        self.collect_labels(ctx, &body.statements);
+        let statements = self.statements(ctx, &body.statements);
+        self.unused_data(ctx, block, body);
+        let scope = &ctx.scl;
+        Body { statements, sets_flag: scope.sets_flag, calls_set_flag: scope.rules != Rules::Classic }
     }
 }

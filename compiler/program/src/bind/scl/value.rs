@@ -26,3 +26,17 @@ pub enum Value {
     /// A call without a value, as a statement.
     Nothing(Box<crate::model::scl::Call>),
 }
+
+impl Value {
+    pub fn span(&self) -> Span {
+        match self {
+            Value::Elementary(expr) => expr.span,
+            Value::Constant(_, span)
+            | Value::Complex { span, .. }
+            | Value::Parameter { span, .. }
+            | Value::Cell { span, .. }
+            | Value::Block { span, .. } => *span,
+            Value::Nothing(call) => call.span,
+        }
+    }
+}

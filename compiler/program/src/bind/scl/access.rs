@@ -1,0 +1,519 @@
+//! Names, components, indices and slices. Source: SCL reference, case and names; addressing.
+
+use std::rc::Rc;
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{Area, BlockName, BlockPrefix, CellKind, OperandKind, Width};
+use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Name, NameForm};
+use plcc_syntax::scl::{absolute, area_word, db_address, db_area_word};
+
+use super::Intent;
+use super::place::{Db, Root, Spot, Thing};
+use super::rules::TempUse;
+use super::value::Value;
+use crate::bind::names::fold;
+use crate::bind::path::{self, Resolved, Variable, type_of_width};
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::Number;
+use crate::model::scl::{Access, Complex, Expr, ExprKind, IndexedArea, Part};
+use crate::types::{DataType, ParameterType};
+
+impl Binder<'_> {
+    /// Binds a variable.
+    pub(super) fn scl_access(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Access> {
+        let spot = self.scl_spot(ctx, node, intent)?;
+        Some(spot.access(node.span))
+    }
+
+    /// Binds a variable, as its parts.
+    pub(super) fn scl_spot(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Spot> {
+        match self.thing(ctx, node, intent)? {
+            Thing::Spot(spot) => {
+                self.check_intent(ctx, &spot, intent, node.span)?;
+                Some(spot)
+            }
+            Thing::Db { db: Db::Known(number), .. } => Some(Spot::fixed(self.whole_db(number, node.span)?)),
+            Thing::Constant(_) => {
+                let text = self.text(node.span);
+                self.refuse(
+                    Code::Protected,
+                    node.span,
+                    &format!("`{text}` cannot be written"),
+                    "a constant",
+                    "name a variable",
+                );
+                None
+            }
+            Thing::Cell { .. } | Thing::Block { .. } | Thing::Db { .. } | Thing::Flag | Thing::LastEno => {
+                let text = self.text(node.span);
+                self.refuse(
+                    Code::OperandKind,
+                    node.span,
+                    &format!("`{text}` is no variable"),
+                    "a variable is wanted here",
+                    "name a variable or an address such as `MW10`",
+                );
+                None
+            }
+            Thing::Area(..) | Thing::DbArea(..) => {
+                self.no_address(node.span);
+                None
+            }
+        }
+    }
+
+    /// What an expression of names stands for.
+    pub(super) fn thing(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Thing> {
+        if ctx.scl.depth >= Self::DEPTH_MAX {
+            self.too_deep(node.span);
+            return None;
+        }
+        ctx.scl.depth += 1;
+        let thing = self.thing_inner(ctx, node, intent);
+        ctx.scl.depth -= 1;
+        thing
+    }
+
+    fn thing_inner(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Thing> {
+        let span = node.span;
+        match &node.kind {
+            NodeKind::Name(name) => self.name_thing(ctx, name, intent),
+            NodeKind::Absolute(operand) => self.operand_thing(ctx, operand, span),
+            NodeKind::Member { base, name } => {
+                let base = self.thing(ctx, base, intent)?;
+                self.member_thing(ctx, base, name, span)
+            }
+            NodeKind::MemberAbsolute { base, width, byte, bit } => {
+                let base = self.thing(ctx, base, intent)?;
+                let Thing::Db { db, .. } = base else {
+                    self.no_db(span);
+                    return None;
+                };
+                self.db_place(ctx, db, *width, *byte, *bit, span)
+            }
+            NodeKind::Slice { base, width, index } => {
+                let base = self.thing(ctx, base, intent)?;
+                self.slice(base, *width, *index, span)
+            }
+            NodeKind::Index { base, indices } => {
+                let base_span = base.span;
+                match self.thing(ctx, base, intent)? {
+                    Thing::Spot(spot) => self.element(ctx, spot, indices, span).map(Thing::Spot),
+                    Thing::Area(area, width) => self.indexed(ctx, IndexedArea::Memory(area), width, indices, span),
+                    Thing::DbArea(db, width) => {
+                        let area = self.indexed_db(db, base_span);
+                        self.indexed(ctx, area, width, indices, span)
+                    }
+                    _ => {
+                        self.refuse(Code::UnknownMember, span, "this is no array", "an index stands behind it", "");
+                        None
+                    }
+                }
+            }
+            NodeKind::Call { callee, arguments } => match self.indexed_call(ctx, callee, arguments, span) {
+                Some(thing) => thing,
+                None => {
+                    let help = "assign the result to a variable first";
+                    self.refuse(Code::OperandKind, span, "the result of a call is no variable", "a call", help);
+                    None
+                }
+            },
+            NodeKind::Dereference(_) | NodeKind::Reference(_) => {
+                self.no_references(span);
+                None
+            }
+            NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. } => {
+                let text = self.text(span);
+                self.refuse(
+                    Code::OperandKind,
+                    span,
+                    &format!("`{text}` is no variable"),
+                    "a variable is wanted here",
+                    "name a variable or an address such as `MW10`",
+                );
+                None
+            }
+            NodeKind::Error => None,
+        }
+    }
+
+    fn name_thing(&mut self, ctx: &mut Ctx, name: &Name, intent: Intent) -> Option<Thing> {
+        let text = name.text.as_str();
+        let global = self.globals.contains_key(&fold(text));
+        if !(name.form == NameForm::Quoted && global && !self.is_own_name(ctx, name)) {
+            let own = if self.is_own_name(ctx, name) { "RET_VAL" } else { text };
+            if let Some(variable) = self.local(ctx, text).or_else(|| self.local(ctx, own)) {
+                self.note_use(ctx, &variable, text, intent, name.span);
+                return self.local_thing(ctx, variable);
+            }
+            if let Some(constant) = ctx.bound.constants.get(&fold(text)) {
+                return Some(Thing::Constant(constant.clone()));
+            }
+        }
+        match name.form {
+            NameForm::Local => {
+                self.unknown_local(ctx, text, name.span);
+                return None;
+            }
+            NameForm::Bare if !global => {
+                if let Some(thing) = self.word_thing(ctx, text, name.span) {
+                    return thing;
+                }
+            }
+            NameForm::Bare | NameForm::Quoted => {}
+        }
+        match self.resolve_global(ctx, text, name.span)? {
+            Resolved::Variable(variable) => Some(Thing::Spot(Spot::fixed(variable))),
+            Resolved::Cell { kind, number } => self.cell(kind, number, name.span),
+            Resolved::Block { prefix, number } => Some(block_thing(prefix, Number::Known(number))),
+        }
+    }
+
+    /// Words with a meaning of their own: `OK`, `ENO`, `MW10`, `T5`, `DB10`, `MW` before an index.
+    fn word_thing(&mut self, ctx: &mut Ctx, text: &str, span: Span) -> Option<Option<Thing>> {
+        let rules = ctx.scl.rules;
+        if text.eq_ignore_ascii_case("OK") {
+            return Some(Some(Thing::Flag));
+        }
+        if text.eq_ignore_ascii_case("ENO") {
+            return Some(Some(if rules == super::Rules::Classic { Thing::LastEno } else { Thing::Flag }));
+        }
+        let word = text.strip_prefix('%').unwrap_or(text);
+        if let Some(operand) = absolute(word) {
+            return Some(self.operand_thing(ctx, &operand, span));
+        }
+        let (area, width) = area_word(word)?;
+        Some(Some(Thing::Area(area, width)))
+    }
+
+    /// The name is that of the function itself.
+    fn is_own_name(&self, ctx: &Ctx, name: &Name) -> bool {
+        use plcc_abi::image::BlockKind;
+        if !matches!(ctx.key.kind, BlockKind::Fc | BlockKind::Sfc) {
+            return false;
+        }
+        let wanted = fold(&name.text);
+        let prefix = crate::bind::names::kind_prefix(ctx.key.kind);
+        fold(&self.block_name(prefix, ctx.key.number)) == wanted
+            || wanted.split_whitespace().collect::<String>() == format!("fc{}", ctx.key.number)
+            || (ctx.key.number >= 1000 || ctx.key.kind == BlockKind::Sfc)
+                && self
+                    .code
+                    .get(&ctx.key)
+                    .is_some_and(|source| source.block().header.name.as_deref().is_some_and(|own| fold(own) == wanted))
+    }
+
+    fn note_use(&self, ctx: &mut Ctx, variable: &Variable, name: &str, intent: Intent, span: Span) {
+        let bytes = layout::bytes(&variable.ty);
+        match variable.base {
+            path::Base::L => {
+                let (first, end) = (variable.byte, variable.byte + bytes);
+                match intent {
+                    Intent::Read => {
+                        ctx.scl.temp_reads.push(TempUse { name: name.to_string(), first, end, span });
+                    }
+                    Intent::Write | Intent::Both => ctx.scl.temp_writes.push((first, end)),
+                }
+            }
+            path::Base::Parameter(index) if intent != Intent::Read => {
+                let parameter = ctx.bound.interface.parameters.get(index);
+                ctx.scl.value_set |= parameter.is_some_and(|parameter| parameter.name == "RET_VAL");
+            }
+            _ => {}
+        }
+    }
+
+    /// A variable of the block, by its type.
+    fn local_thing(&mut self, ctx: &Ctx, variable: Variable) -> Option<Thing> {
+        let number = match variable.base {
+            path::Base::Parameter(parameter) => Number::Parameter(parameter),
+            base => Number::Word(Box::new(base.at(variable.byte, variable.bit))),
+        };
+        Some(match &variable.ty {
+            DataType::Parameter(ParameterType::Timer) => Thing::Cell { kind: CellKind::Timer, number },
+            DataType::Parameter(ParameterType::Counter) => Thing::Cell { kind: CellKind::Counter, number },
+            DataType::Parameter(ParameterType::BlockFb) => Thing::Block { prefix: BlockPrefix::Fb, number },
+            DataType::Parameter(ParameterType::BlockFc) => Thing::Block { prefix: BlockPrefix::Fc, number },
+            DataType::Parameter(ParameterType::BlockDb | ParameterType::BlockSdb) => {
+                let span = ctx.fixed_span.unwrap_or_default();
+                let access = Spot::fixed(variable.clone()).access(span);
+                let load = Expr { kind: ExprKind::Load(Box::new(access)), ty: Elementary::Word, span };
+                Thing::Db { db: Db::Dynamic(load), number: Some(number) }
+            }
+            // Reported where it is declared.
+            DataType::Void => return None,
+            _ => Thing::Spot(Spot::fixed(variable)),
+        })
+    }
+
+    fn cell(&mut self, kind: CellKind, number: u32, span: Span) -> Option<Thing> {
+        let number = Number::Known(self.check_cell(kind, number, span)?);
+        Some(Thing::Cell { kind, number })
+    }
+
+    /// An operand in one token.
+    fn operand_thing(&mut self, ctx: &mut Ctx, operand: &OperandKind, span: Span) -> Option<Thing> {
+        match operand {
+            OperandKind::Absolute { area: Area::L | Area::Db | Area::Di, .. } => {
+                self.refuse(
+                    Code::OperandKind,
+                    span,
+                    "SCL has no addresses of local data and of open data blocks",
+                    "an address as in STL",
+                    "declare a variable in VAR_TEMP, or name the data block: `DB10.DBW4`",
+                );
+                None
+            }
+            OperandKind::Absolute { area, width, byte, bit } => {
+                self.check_address(ctx, *area, *width, *byte, span)?;
+                let ty = DataType::Elementary(type_of_width(*width));
+                let base = path::Base::of_area(*area);
+                let mut spot = Spot::fixed(Variable { base, byte: *byte, bit: *bit, ty, untyped: true });
+                // The peripheral has no bits; one is read out of its byte.
+                if matches!(area, Area::Pi | Area::Pq) && *width == Width::Bit {
+                    spot.ty = DataType::Elementary(Elementary::Byte);
+                    spot.bit = 0;
+                    spot.part = Some(Part { width: Width::Bit, index: *bit });
+                }
+                Some(Thing::Spot(spot))
+            }
+            OperandKind::Cell { kind, number } => self.cell(*kind, *number, span),
+            OperandKind::DbAbsolute { db, width, byte, bit } => {
+                let (prefix, number) = self.block_number(db)?;
+                if prefix != BlockPrefix::Db {
+                    self.no_db(span);
+                    return None;
+                }
+                self.db_place(ctx, Db::Known(number), *width, *byte, *bit, span)
+            }
+            OperandKind::Block(name @ BlockName::Numbered { .. }) => {
+                let (prefix, number) = self.block_number(name)?;
+                Some(block_thing(prefix, Number::Known(number)))
+            }
+            _ => {
+                self.refuse(Code::OperandKind, span, "this operand belongs to STL", "not possible in SCL", "");
+                None
+            }
+        }
+    }
+
+    fn member_thing(&mut self, ctx: &mut Ctx, base: Thing, name: &Name, span: Span) -> Option<Thing> {
+        match base {
+            Thing::Spot(spot) => self.component(spot, name).map(Thing::Spot),
+            Thing::Db { db, .. } => {
+                if let Db::Known(number) = db
+                    && let Some(ty) = self.db_type(number)
+                    && let Some(member) = self.member(&ty, &name.text)
+                {
+                    let base = path::Base::Db(number);
+                    let (byte, bit, ty) = (member.byte, member.bit, member.ty);
+                    if ty == DataType::Void {
+                        return None;
+                    }
+                    return Some(Thing::Spot(Spot::fixed(Variable { base, byte, bit, ty, untyped: false })));
+                }
+                let word = name.text.strip_prefix('%').unwrap_or(&name.text);
+                if name.form == NameForm::Bare {
+                    if let Some((width, byte)) = db_address(word) {
+                        return self.db_place(ctx, db, width, byte, 0, span);
+                    }
+                    if let Some(width) = db_area_word(word) {
+                        return Some(Thing::DbArea(db, width));
+                    }
+                }
+                match db {
+                    Db::Known(number) => {
+                        let variable = self.whole_db(number, span)?;
+                        self.component(Spot::fixed(variable), name).map(Thing::Spot)
+                    }
+                    Db::Dynamic(_) => {
+                        let help = "name an address in it: `.DW[i]`, `.DW4`, `.DX[b, i]`";
+                        let label = "a data block that is only known at run time";
+                        self.refuse(Code::UnknownMember, span, "the components of this block are unknown", label, help);
+                        None
+                    }
+                }
+            }
+            Thing::Constant(_)
+            | Thing::Cell { .. }
+            | Thing::Block { .. }
+            | Thing::Flag
+            | Thing::LastEno
+            | Thing::Area(..)
+            | Thing::DbArea(..) => {
+                self.report.push(
+                    Diagnostic::new(Code::UnknownMember, name.span, "only data blocks and structures have components")
+                        .label("what stands before the point is something else"),
+                );
+                None
+            }
+        }
+    }
+
+    /// A data block as one structure.
+    pub(super) fn whole_db(&mut self, number: u16, span: Span) -> Option<Variable> {
+        let Some(ty) = self.db_type(number) else {
+            if !self.data.contains_key(&number) && !self.unknown_instances.contains(&number) {
+                self.report.missing_db_layout(number, span);
+            }
+            return None;
+        };
+        Some(Variable { base: path::Base::Db(number), byte: 0, bit: 0, ty: DataType::Struct(ty), untyped: false })
+    }
+
+    fn component(&mut self, mut spot: Spot, name: &Name) -> Option<Spot> {
+        let DataType::Struct(structure) = &spot.ty else {
+            let ty = layout::type_name(&spot.ty);
+            let text = &name.text;
+            self.report.push(
+                Diagnostic::new(Code::UnknownMember, name.span, format!("there is no component `{text}` here"))
+                    .label(format!("what stands before it is of type {ty}")),
+            );
+            return None;
+        };
+        let structure = Rc::clone(structure);
+        let Some(member) = self.member(&structure, &name.text) else {
+            self.unknown_member(&structure, &name.text, name.span);
+            return None;
+        };
+        spot.byte += member.byte;
+        spot.bit = member.bit;
+        spot.ty = member.ty;
+        (spot.ty != DataType::Void).then_some(spot)
+    }
+
+    fn slice(&mut self, base: Thing, width: Width, index: u32, span: Span) -> Option<Thing> {
+        let Thing::Spot(mut spot) = base else {
+            let help = "slices are taken of variables: `word.%X3`";
+            self.refuse(Code::OperandKind, span, "this has no slices", "no variable stands before the point", help);
+            return None;
+        };
+        let whole = match (&spot.part, &spot.ty) {
+            (Some(part), _) => Some(part.width.bits()),
+            (None, DataType::Elementary(ty)) if super::numeric::bit_string(super::Rules::Tia1500, *ty).is_some() => {
+                Some(ty.bits()).filter(|bits| *bits > 1)
+            }
+            _ => None,
+        };
+        let Some(whole) = whole else {
+            let is = layout::type_name(&spot.ty);
+            let help = "slices are parts of bit strings and integers";
+            self.refuse(Code::OperandKind, span, &format!("a variable of type {is} has no slices"), &is, help);
+            return None;
+        };
+        let count = whole / width.bits();
+        if index >= count {
+            let label = match count {
+                0 => format!("the variable has {whole} bits"),
+                _ => format!("0 to {} are possible", count - 1),
+            };
+            self.refuse(Code::ArrayIndex, span, "this slice lies outside the variable", &label, "");
+            return None;
+        }
+        let before = spot.part.map_or(0, |part| u32::from(part.index) * part.width.bits());
+        let index = before / width.bits() + index;
+        spot.part = Some(Part { width, index: index as u8 });
+        Some(Thing::Spot(spot))
+    }
+
+    /// What an expression of names is worth.
+    pub(super) fn thing_value(&mut self, ctx: &mut Ctx, thing: Thing, span: Span) -> Option<Value> {
+        Some(match thing {
+            Thing::Spot(spot) => {
+                self.check_intent(ctx, &spot, Intent::Read, span)?;
+                let access = spot.access(span);
+                match (access.elementary(), access.ty.clone()) {
+                    (Some(ty), _) => Value::Elementary(Expr { kind: ExprKind::Load(Box::new(access)), ty, span }),
+                    (None, DataType::Parameter(_) | DataType::OpenArray(_)) => Value::Parameter { access, span },
+                    (None, DataType::Void) => return None,
+                    (None, ty) => Value::Complex { value: Complex::Variable(access), ty, span },
+                }
+            }
+            Thing::Constant(constant) => Value::Constant(constant, span),
+            Thing::Cell { kind, number } => Value::Cell { kind, number, span },
+            Thing::Block { prefix, number } => Value::Block { prefix, number, span },
+            Thing::Db { number: Some(number), .. } => Value::Block { prefix: BlockPrefix::Db, number, span },
+            // What this code reads, it wants to be set.
+            Thing::Flag => {
+                ctx.scl.sets_flag = true;
+                Value::Elementary(Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span })
+            }
+            Thing::LastEno => Value::Elementary(Expr { kind: ExprKind::LastEno, ty: Elementary::Bool, span }),
+            Thing::Area(..) | Thing::DbArea(..) | Thing::Db { number: None, .. } => {
+                self.no_address(span);
+                return None;
+            }
+        })
+    }
+
+    fn no_address(&mut self, span: Span) {
+        let text = self.text(span);
+        self.refuse(
+            Code::OperandKind,
+            span,
+            &format!("`{text}` alone is no address"),
+            "the number is missing",
+            "write for example `MW10`, `MW[i]` or `DB10.DW[i]`",
+        );
+    }
+
+    /// Whether a variable can be read or written as wanted.
+    fn check_intent(&mut self, ctx: &Ctx, spot: &Spot, intent: Intent, span: Span) -> Option<()> {
+        let text = self.text(span);
+        let area = match &spot.root {
+            Root::Fixed(path::Base::Pi) | Root::Indexed { area: IndexedArea::Memory(Area::Pi), .. } => Some(Area::Pi),
+            Root::Fixed(path::Base::Pq) | Root::Indexed { area: IndexedArea::Memory(Area::Pq), .. } => Some(Area::Pq),
+            _ => None,
+        };
+        let reads = intent != Intent::Write || spot.part.is_some();
+        if area == Some(Area::Pq) && reads {
+            let title = format!("`{text}` cannot be read");
+            self.refuse(Code::OperandKind, span, &title, "a peripheral output", "use the process image, e.g. `QW4`");
+            return None;
+        }
+        if intent == Intent::Read {
+            return Some(());
+        }
+        if area == Some(Area::Pi) {
+            let title = format!("`{text}` cannot be written");
+            self.refuse(Code::Protected, span, &title, "a peripheral input", "peripheral outputs are written: `PQW`");
+            return None;
+        }
+        if let DataType::Struct(structure) = &spot.ty
+            && structure.instance_of.is_some()
+            && intent == Intent::Write
+        {
+            let title = format!("`{text}` cannot be assigned");
+            self.refuse(Code::Protected, span, &title, "an instance", "assign its inputs one by one");
+            return None;
+        }
+        if let Some((_, head)) = ctx.scl.loop_variables.iter().rev().find(|(variable, _)| variable.is_same(spot)) {
+            let error = !ctx.scl.rules.is_300();
+            let mut message =
+                Diagnostic::new(Code::LoopVariable, span, format!("`{text}` counts this loop and is changed in it"))
+                    .label("changed here")
+                    .also(*head, "the loop")
+                    .help("use another variable, or a WHILE loop");
+            if !error {
+                message.severity = plcc_diag::Severity::Warning;
+            }
+            self.report.push(message);
+            if error {
+                return None;
+            }
+        }
+        Some(())
+    }
+}
+
+/// A block by its letters.
+fn block_thing(prefix: BlockPrefix, number: Number) -> Thing {
+    match (prefix, number) {
+        (BlockPrefix::Db | BlockPrefix::Di, Number::Known(known)) => {
+            Thing::Db { db: Db::Known(known), number: Some(Number::Known(known)) }
+        }
+        (prefix, number) => Thing::Block { prefix, number },
+    }
+}

@@ -1,0 +1,169 @@
+//! Assignments. Source: SCL reference, assignment.
+
+use plcc_diag::{Code, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::scl::ast::{AssignOp, BinaryOp as Operator, Expr as Node, ExprKind as NodeKind};
+
+use super::coerce::{access_has_call, copied_bytes};
+use super::place::Thing;
+use super::value::Value;
+use super::{Intent, message};
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::scl::{Access, Complex, Expr, ExprKind, Statement, StatementKind};
+use crate::types::DataType;
+
+impl Binder<'_> {
+    /// `a := b += e`: from right to left, a statement each.
+    pub(super) fn assign(
+        &mut self,
+        ctx: &mut Ctx,
+        targets: &[(Node, AssignOp)],
+        value: &Node,
+        span: Span,
+        bound: &mut Vec<Statement>,
+    ) {
+        let mut value = self.scl_value(ctx, value);
+        for (at, (target, op)) in targets.iter().enumerate().rev() {
+            let read = at > 0;
+            value = self.assign_one(ctx, target, *op, value, span, read, bound);
+        }
+    }
+
+    /// Assigns to one target; gives its value if `read`.
+    #[allow(clippy::too_many_arguments, reason = "the parts of one assignment")]
+    fn assign_one(
+        &mut self,
+        ctx: &mut Ctx,
+        target: &Node,
+        op: AssignOp,
+        value: Option<Value>,
+        span: Span,
+        read: bool,
+        bound: &mut Vec<Statement>,
+    ) -> Option<Value> {
+        if op == AssignOp::Attempt {
+            self.no_references(span);
+            return None;
+        }
+        if self.is_flag(ctx, target) {
+            return self.assign_flag(ctx, target, op, value?, span, read, bound);
+        }
+        let access = self.scl_access(ctx, target, Intent::Write);
+        let (access, value) = (access?, value?);
+        if (read || op != AssignOp::Set) && access_has_call(&access) {
+            self.refuse(
+                Code::OperandKind,
+                target.span,
+                "the place of this variable depends on a call and is used twice",
+                "a call in an index",
+                "assign the index to a variable first",
+            );
+            return None;
+        }
+        let current = |access: &Access| value_of(access, target.span);
+        let value = match operator(op) {
+            None => value,
+            Some(op) => {
+                let left = current(&access)?;
+                self.binary_value(ctx, op, target.span, left, value, span)?
+            }
+        };
+        let result = if read { current(&access) } else { None };
+        let kind = self.assignment(ctx, access, value)?;
+        bound.push(Statement { kind, span });
+        result
+    }
+
+    fn binary_value(
+        &mut self,
+        ctx: &mut Ctx,
+        op: Operator,
+        op_span: Span,
+        left: Value,
+        right: Value,
+        span: Span,
+    ) -> Option<Value> {
+        match self.time_arithmetic(ctx, op, op_span, left, right, span) {
+            Ok(value) => value,
+            Err((left, right)) => self.arithmetic(ctx, op, op_span, left, right, span),
+        }
+    }
+
+    /// The statement that assigns `value` to `target`, by the target's type.
+    fn assignment(&mut self, ctx: &mut Ctx, target: Access, value: Value) -> Option<StatementKind> {
+        if let Some(ty) = target.elementary() {
+            let value = self.scl_convert(ctx, value, ty)?;
+            return Some(StatementKind::Assign { target, value });
+        }
+        let ty = target.ty.clone();
+        match &ty {
+            DataType::Elementary(_) | DataType::Void => None,
+            DataType::String(_) | DataType::WideString(_) => {
+                let value = self.scl_complex_value(ctx, value, &ty)?;
+                Some(StatementKind::AssignText { target, value })
+            }
+            DataType::DateAndTime | DataType::Array(_) | DataType::Struct(_) | DataType::Parameter(_) => {
+                let source = self.scl_complex_value(ctx, value, &ty)?;
+                Some(StatementKind::Copy { target, source, bytes: copied_bytes(&ty) })
+            }
+            DataType::OpenArray(_) => {
+                let is = layout::type_name(&ty);
+                let help = "copy the elements in a loop, or with MOVE_BLK";
+                let title = format!("a variable of type {is} is not assigned as a whole");
+                self.refuse(Code::TypeMismatch, target.span, &title, &is, help);
+                None
+            }
+        }
+    }
+
+    /// The target is `OK` or `ENO`.
+    fn is_flag(&mut self, ctx: &mut Ctx, target: &Node) -> bool {
+        let NodeKind::Name(name) = &target.kind else { return false };
+        if !name.text.eq_ignore_ascii_case("OK") && !name.text.eq_ignore_ascii_case("ENO") {
+            return false;
+        }
+        matches!(self.thing(ctx, target, Intent::Write), Some(Thing::Flag | Thing::LastEno))
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "the parts of one assignment")]
+    fn assign_flag(
+        &mut self,
+        ctx: &mut Ctx,
+        target: &Node,
+        op: AssignOp,
+        value: Value,
+        span: Span,
+        read: bool,
+        bound: &mut Vec<Statement>,
+    ) -> Option<Value> {
+        if op != AssignOp::Set {
+            let is = message::described(&value);
+            self.wrong_type(target.span, "a BOOL", "a number", Some(format!("assign {is} with `:=`")));
+            return None;
+        }
+        let value = self.scl_convert(ctx, value, Elementary::Bool)?;
+        bound.push(Statement { kind: StatementKind::SetFlag(value), span });
+        read.then_some(Value::Elementary(Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span }))
+    }
+}
+
+/// The value of a variable.
+fn value_of(access: &Access, span: Span) -> Option<Value> {
+    Some(match (access.elementary(), &access.ty) {
+        (Some(ty), _) => Value::Elementary(Expr { kind: ExprKind::Load(Box::new(access.clone())), ty, span }),
+        (None, DataType::Parameter(_) | DataType::OpenArray(_)) => Value::Parameter { access: access.clone(), span },
+        (None, DataType::Void) => return None,
+        (None, ty) => Value::Complex { value: Complex::Variable(access.clone()), ty: ty.clone(), span },
+    })
+}
+
+const fn operator(op: AssignOp) -> Option<Operator> {
+    match op {
+        AssignOp::Add => Some(Operator::Add),
+        AssignOp::Subtract => Some(Operator::Subtract),
+        AssignOp::Multiply => Some(Operator::Multiply),
+        AssignOp::Divide => Some(Operator::Divide),
+        AssignOp::Set | AssignOp::Attempt => None,
+    }
+}

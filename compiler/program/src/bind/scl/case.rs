@@ -1,0 +1,151 @@
+//! CASE. Source: SCL reference, CASE.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::scl::ast::{Arm as ArmTree, CaseValue, Expr as Node, Statement as Tree};
+use plcc_syntax::{Class, Elementary};
+
+use super::value::Value;
+use super::{constant, message};
+use crate::bind::constant::Constant;
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::{Arm, Expr, StatementKind};
+
+impl Binder<'_> {
+    pub(super) fn case(
+        &mut self,
+        ctx: &mut Ctx,
+        selector: &Node,
+        arms: &[ArmTree],
+        otherwise: &[Tree],
+    ) -> Option<StatementKind> {
+        let selector = self.selector(ctx, selector);
+        let ty = selector.as_ref().map(|selector| selector.ty);
+        // Ranges so far, with their places.
+        let mut seen: Vec<(i128, i128, Span)> = Vec::new();
+        let mut bound = Vec::with_capacity(arms.len());
+        for arm in arms {
+            let ranges: Vec<(i128, i128)> =
+                arm.values.iter().filter_map(|value| self.case_range(ctx, value, ty?, &mut seen)).collect();
+            let body = self.statements(ctx, &arm.body);
+            bound.push(Arm { ranges, body });
+        }
+        self.doubled(seen);
+        let otherwise = self.statements(ctx, otherwise);
+        Some(StatementKind::Case { selector: selector?, arms: bound, otherwise })
+    }
+
+    fn selector(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
+        let value = self.scl_value(ctx, node)?;
+        let fits = match &value {
+            Value::Elementary(expr) => {
+                matches!(expr.ty.class(), Class::Bits | Class::Signed | Class::Unsigned | Class::Character)
+                    && expr.ty != Elementary::Bool
+            }
+            Value::Constant(_, _) => true,
+            _ => false,
+        };
+        if !fits {
+            let is = message::described(&value);
+            self.wrong_type(node.span, &is, "an integer", Some("for other values use IF and ELSIF".to_string()));
+            return None;
+        }
+        self.scl_own_type(ctx, value)
+    }
+
+    /// The values of one entry, if it can match.
+    fn case_range(
+        &mut self,
+        ctx: &mut Ctx,
+        value: &CaseValue,
+        ty: Elementary,
+        seen: &mut Vec<(i128, i128, Span)>,
+    ) -> Option<(i128, i128)> {
+        let low = self.case_value(ctx, &value.low, ty);
+        let high = match &value.high {
+            Some(high) => self.case_value(ctx, high, ty),
+            None => low,
+        };
+        let (low, high) = (low?, high?);
+        let span = match &value.high {
+            Some(high) => Span { end: high.span.end, ..value.low.span },
+            None => value.low.span,
+        };
+        let (least, most) = constant::range(ty);
+        if low > high {
+            let label = "the first value is greater than the second";
+            self.never(span, "this range is empty", label);
+            return None;
+        }
+        if high < least || low > most {
+            let label = format!("{} goes from {least} to {most}", ty.name());
+            self.never(span, "this value never occurs", &label);
+            return None;
+        }
+        let (low, high) = (low.max(least), high.min(most));
+        seen.push((low, high, span));
+        Some((low, high))
+    }
+
+    fn never(&mut self, span: Span, title: &str, label: &str) {
+        self.refuse(Code::CaseValue, span, title, label, "remove it or correct it");
+    }
+
+    /// A label as a number of the selector's type.
+    fn case_value(&mut self, ctx: &mut Ctx, node: &Node, ty: Elementary) -> Option<i128> {
+        let value = self.constant(&ctx.bound.constants, node)?;
+        let (least, most) = constant::range(ty);
+        match &value {
+            // Bits of a signed number, as 16#FFFF for -1.
+            Constant::Integer { value, based: true } if *value > most && *value < 1i128 << ty.bits() => {
+                Some(constant::integer(ty, *value as u64))
+            }
+            Constant::Integer { value, .. } if *value < 0 && ty.class() == Class::Bits && *value >= -(most + 1) / 2 => {
+                Some(*value + most + 1)
+            }
+            Constant::Integer { value, .. } => Some(*value),
+            Constant::Typed { ty: own, bits }
+                if own.is_integer() || (own.class() == Class::Bits && *own != Elementary::Bool) =>
+            {
+                let number = constant::integer(*own, *bits);
+                Some(match own.class() == Class::Bits && own.bits() == ty.bits() && least < 0 {
+                    true => constant::integer(ty, *bits),
+                    false => number,
+                })
+            }
+            Constant::Typed { ty: own, bits } if *own == ty => Some(i128::from(*bits)),
+            Constant::Text { bytes, .. } if ty.class() == Class::Character && bytes.len() == 1 => {
+                Some(i128::from(bytes[0]))
+            }
+            Constant::WideText(text) if ty == Elementary::Wchar && text.len() == 1 => Some(i128::from(text[0])),
+            other => {
+                let is = message::described(&Value::Constant(other.clone(), node.span));
+                self.wrong_type(node.span, &is, ty.name(), None);
+                None
+            }
+        }
+    }
+
+    /// Tells of values that an arm before has taken.
+    fn doubled(&mut self, seen: Vec<(i128, i128, Span)>) {
+        let mut sorted: Vec<(usize, (i128, i128, Span))> = seen.into_iter().enumerate().collect();
+        sorted.sort_by_key(|(order, (low, _, _))| (*low, *order));
+        // The entry that reaches furthest so far.
+        let mut reach: Option<(usize, (i128, i128, Span))> = None;
+        for entry in sorted {
+            if let Some((order, (_, high, first))) = reach
+                && entry.1.0 <= high
+            {
+                let (earlier, later) = if order < entry.0 { (first, entry.1.2) } else { (entry.1.2, first) };
+                self.report.push(
+                    Diagnostic::new(Code::CaseValue, later, "this value stands in an arm before")
+                        .label("the arm before it runs instead")
+                        .also(earlier, "the arm that runs")
+                        .help("remove one of them"),
+                );
+            }
+            if reach.is_none_or(|(_, (_, high, _))| entry.1.1 > high) {
+                reach = Some(entry);
+            }
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! Values in the type that is wanted: implicit conversions, texts, structures.
+
+use plcc_diag::{Code, Span};
+use plcc_syntax::scl::ast::Expr as Node;
+use plcc_syntax::{Class, Elementary};
+
+use super::convert::{self, Implicit};
+use super::value::Value;
+use super::{Rules, constant, message};
+use crate::bind::constant::Constant;
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::scl::{Access, Base, Complex, Expr, ExprKind};
+use crate::types::{DataType, StructType};
+
+/// Longest STRING.
+const STRING_MAX: usize = 254;
+
+impl Binder<'_> {
+    /// Binds an expression that must give a value of type `ty`, by implicit conversion if need be.
+    pub(super) fn scl_of_type(&mut self, ctx: &mut Ctx, node: &Node, ty: Elementary) -> Option<Expr> {
+        let value = self.scl_value(ctx, node)?;
+        self.scl_convert(ctx, value, ty)
+    }
+
+    /// Gives a bound value the type `ty`, by implicit conversion if need be; what has no conversion is reported.
+    pub(super) fn scl_convert(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Expr> {
+        match value {
+            Value::Elementary(expr) => self.implicit(ctx, expr, ty),
+            Value::Constant(constant, span) => self.constant_of_type(ctx, &constant, span, ty),
+            // Source: SCL reference, absolute operands: the status, as `A T 5` reads it.
+            Value::Cell { kind, number, span } if ty == Elementary::Bool => {
+                Some(Expr { kind: ExprKind::Cell { kind, number }, ty, span })
+            }
+            other => {
+                let help = match (&other, ty) {
+                    (Value::Complex { ty: DataType::String(_) | DataType::WideString(_), .. }, _) => {
+                        Some(format!("convert it: STRING_TO_{}(…), or take one character: `s[1]`", ty.name()))
+                    }
+                    (Value::Complex { ty: DataType::Struct(structure), .. }, _) if structure.instance_of.is_some() => {
+                        Some("name one of its outputs: `instance.output`".to_string())
+                    }
+                    _ => None,
+                };
+                self.wrong_type(other.span(), &message::described(&other), ty.name(), help);
+                None
+            }
+        }
+    }
+
+    /// A value in its own type; a constant in that which it has without a partner.
+    pub(super) fn scl_own_type(&mut self, ctx: &mut Ctx, value: Value) -> Option<Expr> {
+        let ty = match &value {
+            Value::Elementary(expr) => expr.ty,
+            Value::Constant(constant, _) => constant::default_type(ctx.scl.rules, constant),
+            Value::Cell { .. } => Elementary::Bool,
+            other => {
+                self.wrong_type(other.span(), &message::described(other), "a single value", None);
+                return None;
+            }
+        };
+        self.scl_convert(ctx, value, ty)
+    }
+
+    /// The implicit conversion of a value to `ty`.
+    pub(super) fn implicit(&mut self, ctx: &Ctx, value: Expr, ty: Elementary) -> Option<Expr> {
+        let (from, span) = (value.ty, value.span);
+        if from == ty {
+            return Some(value);
+        }
+        let rules = ctx.scl.rules;
+        match convert::implicit(rules, ctx.scl.strict, from, ty) {
+            Implicit::No => {
+                self.no_conversion(rules, span, from, ty);
+                return None;
+            }
+            Implicit::Unusual => self.unusual(span, from, ty),
+            Implicit::Yes if convert::narrows(from, ty) => self.may_lose(span, from, ty),
+            Implicit::Yes => {}
+        }
+        convert::explicit_expr(rules, value, ty)
+    }
+
+    fn unusual(&mut self, span: Span, from: Elementary, to: Elementary) {
+        let text = self.text(span);
+        self.refuse(
+            Code::Narrowing,
+            span,
+            &format!("`{text}` is of type {} and becomes {}", from.name(), to.name()),
+            "S7-SCL of STEP 7 V5 does not convert this by itself",
+            &format!("write {}_TO_{}(…)", from.name(), to.name()),
+        );
+    }
+
+    /// Binds an expression that must give a value of the complex type `ty` (a text may have another length).
+    pub(super) fn scl_complex(&mut self, ctx: &mut Ctx, node: &Node, ty: &DataType) -> Option<Complex> {
+        let value = self.scl_value(ctx, node)?;
+        self.scl_complex_value(ctx, value, ty)
+    }
+
+    /// Gives a bound value the complex type `ty`; what cannot have it is reported.
+    pub(super) fn scl_complex_value(&mut self, ctx: &mut Ctx, value: Value, ty: &DataType) -> Option<Complex> {
+        let span = value.span();
+        match (value, ty) {
+            (_, DataType::Void) => None,
+            (Value::Complex { value, ty: from, .. }, _) => {
+                if !assignable(ctx.scl.rules, ty, &from) {
+                    let (from, wanted) = (layout::type_name(&from), layout::type_name(ty));
+                    let help = match from == wanted {
+                        true => "both have other components or bounds",
+                        false => "name a variable of the same type, or assign the parts one by one",
+                    };
+                    self.wrong_type(span, &format!("of type {from}"), &wanted, Some(help.to_string()));
+                    return None;
+                }
+                Some(value)
+            }
+            (Value::Parameter { access, .. }, DataType::Parameter(_)) if access.ty == *ty => {
+                Some(Complex::Variable(access))
+            }
+            (Value::Constant(constant, _), _) => self.complex_constant(constant, span, ty),
+            (Value::Elementary(expr), DataType::String(_)) if expr.ty == Elementary::Char => {
+                Some(Complex::Character(Box::new(expr)))
+            }
+            (Value::Elementary(expr), DataType::WideString(_)) if expr.ty == Elementary::Wchar => {
+                Some(Complex::Character(Box::new(expr)))
+            }
+            (other, _) => {
+                let help = match (&other, ty) {
+                    (Value::Elementary(expr), DataType::String(_) | DataType::WideString(_))
+                        if !matches!(expr.ty.class(), Class::Bits | Class::Character) =>
+                    {
+                        Some(format!("convert it: {}_TO_STRING(…)", expr.ty.name()))
+                    }
+                    _ => None,
+                };
+                self.wrong_type(span, &message::described(&other), &layout::type_name(ty), help);
+                None
+            }
+        }
+    }
+
+    fn complex_constant(&mut self, constant: Constant, span: Span, ty: &DataType) -> Option<Complex> {
+        let bytes = match (&constant, ty) {
+            (Constant::Text { bytes, .. }, DataType::String(_)) => text_bytes(bytes),
+            (Constant::Typed { ty: Elementary::Char, bits }, DataType::String(_)) => text_bytes(&[*bits as u8]),
+            (Constant::Text { bytes, .. }, DataType::WideString(_)) => Some(wide_bytes(&constant::wide(bytes))),
+            (Constant::WideText(text), DataType::WideString(_)) => Some(wide_bytes(text)),
+            (Constant::Typed { ty: Elementary::Wchar, bits }, DataType::WideString(_)) => {
+                Some(wide_bytes(&[*bits as u16]))
+            }
+            (Constant::DateAndTime(bytes), DataType::DateAndTime) => Some(bytes.to_vec()),
+            (Constant::Dtl(bytes), DataType::Struct(structure)) if is_dtl(structure) => Some(bytes.to_vec()),
+            _ => {
+                let is = message::described(&Value::Constant(constant, span));
+                self.wrong_type(span, &is, &layout::type_name(ty), None);
+                return None;
+            }
+        };
+        if bytes.is_none() {
+            self.refuse(
+                Code::LiteralRange,
+                span,
+                "this text is too long",
+                "a STRING holds up to 254 characters",
+                "split it into two texts",
+            );
+        }
+        bytes.map(Complex::Const)
+    }
+}
+
+/// The predefined structure of date and time.
+pub fn is_dtl(structure: &StructType) -> bool {
+    structure.name.eq_ignore_ascii_case("DTL")
+}
+
+/// A text in memory, as long as it is; `None`: too long.
+pub fn text_bytes(text: &[u8]) -> Option<Vec<u8>> {
+    if text.len() > STRING_MAX {
+        return None;
+    }
+    let length = text.len() as u8;
+    Some([&[length, length], text].concat())
+}
+
+fn wide_bytes(text: &[u16]) -> Vec<u8> {
+    let length = u16::try_from(text.len()).unwrap_or(u16::MAX);
+    let words = [length, length].into_iter().chain(text.iter().copied().take(usize::from(length)));
+    words.flat_map(u16::to_be_bytes).collect()
+}
+
+/// Whether a variable of type `to` takes one of type `from`. Source: SCL reference, ARRAY, STRUCT.
+pub fn assignable(rules: Rules, to: &DataType, from: &DataType) -> bool {
+    match (to, from) {
+        (DataType::String(_), DataType::String(_)) | (DataType::WideString(_), DataType::WideString(_)) => true,
+        (DataType::Array(to), DataType::Array(from)) if rules != Rules::Classic => {
+            let counts = |bounds: &[(i32, i32)]| -> Vec<i64> {
+                bounds.iter().map(|&(low, high)| i64::from(high) - i64::from(low)).collect()
+            };
+            counts(&to.bounds) == counts(&from.bounds) && layout::same_type(&to.element, &from.element)
+        }
+        // One with a name fits one without, or itself.
+        (DataType::Struct(a), DataType::Struct(b)) if rules != Rules::Classic => {
+            (a.name.is_empty() || b.name.is_empty() || a.name == b.name) && layout::same_type(to, from)
+        }
+        _ => layout::same_type(to, from),
+    }
+}
+
+/// Bytes that a copy of a whole variable moves; a row of an array ends without the byte that makes it even.
+pub fn copied_bytes(ty: &DataType) -> u32 {
+    match ty {
+        DataType::Array(array) => {
+            let count = layout::element_count(&array.bounds);
+            match &array.element {
+                DataType::Elementary(element) if element.bits() == 8 => count as u32,
+                DataType::Elementary(Elementary::Bool) => match layout::element_place(array, count.saturating_sub(1)) {
+                    (byte, _) if count > 0 => byte + 1,
+                    _ => 0,
+                },
+                _ => array.bytes,
+            }
+        }
+        other => layout::bytes(other),
+    }
+}
+
+/// A call in an expression or in the indices of a place: it may change something.
+pub fn has_call(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Call(_) | ExprKind::Timer(_) | ExprKind::Counter(_) => true,
+        ExprKind::Load(access) => access_has_call(access),
+        ExprKind::Unary { operand, .. } | ExprKind::Convert { operand, .. } => has_call(operand),
+        ExprKind::Binary { left, right, .. } | ExprKind::Compare { left, right, .. } => {
+            has_call(left) || has_call(right)
+        }
+        ExprKind::Function { arguments, .. } => arguments.iter().any(has_call),
+        ExprKind::Bound { dimension, .. } => has_call(dimension),
+        ExprKind::Const(_) | ExprKind::Cell { .. } | ExprKind::Flag | ExprKind::LastEno => false,
+    }
+}
+
+/// As [`has_call`], of a place.
+pub fn access_has_call(access: &Access) -> bool {
+    use crate::model::scl::IndexedArea;
+    let base = match &access.base {
+        Base::Place(_) => false,
+        Base::Indexed { area, byte, bit } => {
+            let area = match area {
+                IndexedArea::Memory(_) | IndexedArea::Db(_) => false,
+                IndexedArea::DynamicDb(db) => has_call(db),
+                IndexedArea::Coded { area, db } => has_call(area) || has_call(db),
+            };
+            area || has_call(byte) || bit.as_ref().is_some_and(|bit| has_call(bit))
+        }
+    };
+    base || access.indices.iter().any(|index| has_call(&index.value))
+}

@@ -1,0 +1,270 @@
+//! Comparisons. Source: SCL reference, comparison.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::scl::ast::BinaryOp as Operator;
+use plcc_syntax::{Class, Elementary};
+
+use super::coerce::{access_has_call, assignable, is_dtl};
+use super::convert::{self, Implicit};
+use super::expression::{binary_expr, typed_constant};
+use super::numeric::{self, Shape};
+use super::value::Value;
+use super::{Rules, constant};
+use crate::bind::constant::Constant;
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::scl::{Access, Actual, BinaryOp, CompareOp, Complex, Expr, ExprKind};
+use crate::types::DataType;
+
+/// Elements that a comparison of structures looks at, at most.
+const ELEMENTS_MAX: u64 = 64;
+
+/// Library functions: EQ, NE, LT, LE, GT, GE of STRING and of DATE_AND_TIME. Source: STL reference, IEC functions.
+const fn library(op: CompareOp) -> (u16, u16) {
+    match op {
+        CompareOp::Equal => (10, 9),
+        CompareOp::GreaterEqual => (13, 12),
+        CompareOp::Greater => (15, 14),
+        CompareOp::LessEqual => (19, 18),
+        CompareOp::Less => (24, 23),
+        CompareOp::NotEqual => (29, 28),
+    }
+}
+
+impl Binder<'_> {
+    pub(super) fn compare(
+        &mut self,
+        ctx: &mut Ctx,
+        op: Operator,
+        op_span: Span,
+        left: Value,
+        right: Value,
+        span: Span,
+    ) -> Option<Expr> {
+        let op = compare_op(op)?;
+        if let Some(ty) = self.compared_type(ctx, &left, &right) {
+            self.decided_before(op, op_span, &left, &right, ty);
+            let left = self.scl_convert(ctx, left, ty);
+            let right = self.scl_convert(ctx, right, ty);
+            return Some(comparison(op, left?, right?, span));
+        }
+        match (complex_type(&left), complex_type(&right)) {
+            (Some(DataType::String(_)), _) | (_, Some(DataType::String(_))) if is_text(&left) && is_text(&right) => {
+                let formal = DataType::String(254);
+                self.compare_by_call(ctx, library(op).0, left, right, &formal, span)
+            }
+            (Some(DataType::DateAndTime), Some(DataType::DateAndTime)) => {
+                self.compare_by_call(ctx, library(op).1, left, right, &DataType::DateAndTime, span)
+            }
+            (Some(DataType::Struct(a)), Some(DataType::Struct(b))) if is_dtl(&a) && is_dtl(&b) => {
+                self.compare_structures(ctx, op, op_span, left, right, span)
+            }
+            (Some(DataType::Struct(_) | DataType::Array(_)), Some(DataType::Struct(_) | DataType::Array(_))) => {
+                self.compare_structures(ctx, op, op_span, left, right, span)
+            }
+            _ => {
+                let s5time = |value: &Value| Shape::of(value) == Shape::Of(Elementary::S5Time);
+                let help = if s5time(&left) || s5time(&right) {
+                    "convert S5TIME first: S5TIME_TO_TIME(…)"
+                } else {
+                    "both sides must be of one type; convert one of them"
+                };
+                self.operator_types(op_span, &left, &right, help);
+                None
+            }
+        }
+    }
+
+    /// The type in which two single values are compared.
+    fn compared_type(&self, ctx: &Ctx, left: &Value, right: &Value) -> Option<Elementary> {
+        let (rules, strict) = (ctx.scl.rules, ctx.scl.strict);
+        let (a, b) = (Shape::of(left), Shape::of(right));
+        match (a, b) {
+            (Shape::Of(Elementary::S5Time), _) | (_, Shape::Of(Elementary::S5Time)) => None,
+            (Shape::Of(a), Shape::Of(b)) if a == b => Some(a),
+            (Shape::Of(Elementary::Bool), Shape::Integer(0 | 1))
+            | (Shape::Integer(0 | 1), Shape::Of(Elementary::Bool)) => Some(Elementary::Bool),
+            // A constant takes the type of the variable, a bit string too.
+            (Shape::Of(ty), Shape::Integer(_)) | (Shape::Integer(_), Shape::Of(ty)) => match ty.class() {
+                Class::Bits if ty != Elementary::Bool => Some(ty),
+                Class::Bits => None,
+                Class::Signed | Class::Unsigned | Class::Float => numeric::common(rules, a, b),
+                Class::Duration | Class::Date | Class::Character => {
+                    (convert::implicit(rules, strict, Elementary::Dint, ty) == Implicit::Yes).then_some(ty)
+                }
+            },
+            (Shape::Of(ty), Shape::Letter) | (Shape::Letter, Shape::Of(ty))
+                if ty.class() == Class::Character || ty == Elementary::Byte =>
+            {
+                Some(ty)
+            }
+            (Shape::Of(x), Shape::Of(y)) => {
+                let both_bits = x.class() == Class::Bits && y.class() == Class::Bits;
+                if !both_bits && let Some(ty) = numeric::common(rules, a, b) {
+                    return Some(ty);
+                }
+                let becomes = |from, to| convert::implicit(rules, strict, from, to) == Implicit::Yes;
+                let (shorter, longer) = if x.bits() <= y.bits() { (x, y) } else { (y, x) };
+                [(shorter, longer), (longer, shorter)]
+                    .into_iter()
+                    .find(|&(from, to)| becomes(from, to) && to.bits() >= from.bits())
+                    .map(|(_, to)| to)
+            }
+            (Shape::Integer(_) | Shape::Real | Shape::Of(_), Shape::Integer(_) | Shape::Real | Shape::Of(_)) => {
+                numeric::common(rules, a, b)
+            }
+            (Shape::Letter, Shape::Letter) => Some(Elementary::Char),
+            (Shape::Letter | Shape::Other, _) | (_, Shape::Letter | Shape::Other) => None,
+        }
+    }
+
+    /// Tells of a comparison with a constant outside the other side's type.
+    fn decided_before(&mut self, op: CompareOp, op_span: Span, left: &Value, right: &Value, ty: Elementary) {
+        let unsigned = |value: &Value| match Shape::of(value) {
+            Shape::Of(ty) => matches!(ty.class(), Class::Unsigned),
+            _ => false,
+        };
+        let zero = |value: &Value| match value {
+            Value::Constant(Constant::Integer { value: 0, .. }, _) => true,
+            other => {
+                typed_constant(other).is_some_and(|(ty, bits)| ty.is_integer() && constant::integer(ty, bits) == 0)
+            }
+        };
+        let always = match op {
+            CompareOp::Less if unsigned(left) && zero(right) => Some(false),
+            CompareOp::GreaterEqual if unsigned(left) && zero(right) => Some(true),
+            CompareOp::Greater if zero(left) && unsigned(right) => Some(false),
+            CompareOp::LessEqual if zero(left) && unsigned(right) => Some(true),
+            _ => None,
+        };
+        let Some(always) = always else { return };
+        let word = if always { "TRUE" } else { "FALSE" };
+        self.report.push(
+            Diagnostic::new(Code::AlwaysSame, op_span, format!("this comparison is always {word}"))
+                .label(format!("a value of type {} is never negative", ty.name()))
+                .help("compare with another value, or remove the condition"),
+        );
+    }
+
+    fn compare_by_call(
+        &mut self,
+        ctx: &mut Ctx,
+        number: u16,
+        left: Value,
+        right: Value,
+        ty: &DataType,
+        span: Span,
+    ) -> Option<Expr> {
+        let left = self.scl_complex_value(ctx, left, ty);
+        let right = self.scl_complex_value(ctx, right, ty);
+        match self.library_value(number, vec![Actual::Complex(left?), Actual::Complex(right?)], span)? {
+            Value::Elementary(expr) => Some(expr),
+            _ => None,
+        }
+    }
+
+    /// `=` and `<>` member by member.
+    fn compare_structures(
+        &mut self,
+        ctx: &mut Ctx,
+        op: CompareOp,
+        op_span: Span,
+        left: Value,
+        right: Value,
+        span: Span,
+    ) -> Option<Expr> {
+        let equality = matches!(op, CompareOp::Equal | CompareOp::NotEqual);
+        let variables = match (&left, &right) {
+            (
+                Value::Complex { value: Complex::Variable(a), ty: x, .. },
+                Value::Complex { value: Complex::Variable(b), ty: y, .. },
+            ) if equality && ctx.scl.rules != Rules::Classic && assignable(ctx.scl.rules, x, y) => {
+                Some((a.clone(), b.clone()))
+            }
+            _ => None,
+        };
+        let Some((a, b)) = variables else {
+            let help = "compare the components that matter, one by one";
+            self.operator_types(op_span, &left, &right, help);
+            return None;
+        };
+        let mut pairs = Vec::new();
+        if access_has_call(&a) || access_has_call(&b) || !elements(&a, &b, &mut pairs) {
+            self.refuse(
+                Code::TypeMismatch,
+                op_span,
+                "these structures cannot be compared as a whole",
+                &format!("only up to {ELEMENTS_MAX} single values, and no texts"),
+                "compare the components in a loop, or those that matter one by one",
+            );
+            return None;
+        }
+        let join = if op == CompareOp::Equal { BinaryOp::And } else { BinaryOp::Or };
+        let load = |access: Access, ty| Expr { kind: ExprKind::Load(Box::new(access)), ty, span };
+        let each = pairs.into_iter().map(|(a, b, ty)| comparison(op, load(a, ty), load(b, ty), span));
+        each.reduce(|left, right| binary_expr(join, left, right, Elementary::Bool, span))
+    }
+}
+
+/// The single values of two variables of one type; false: too many, or some that are compared otherwise.
+fn elements(a: &Access, b: &Access, pairs: &mut Vec<(Access, Access, Elementary)>) -> bool {
+    use super::place::shifted;
+    match (&a.ty, &b.ty) {
+        (DataType::Elementary(ty), DataType::Elementary(_)) => {
+            pairs.push((a.clone(), b.clone(), *ty));
+            pairs.len() as u64 <= ELEMENTS_MAX
+        }
+        (DataType::Struct(x), DataType::Struct(y)) => x.members.iter().zip(&y.members).all(|(m, n)| {
+            match (shifted(a, m.byte, m.bit, &m.ty), shifted(b, n.byte, n.bit, &n.ty)) {
+                (Some(a), Some(b)) => elements(&a, &b, pairs),
+                _ => false,
+            }
+        }),
+        (DataType::Array(x), DataType::Array(y)) => {
+            let count = layout::element_count(&x.bounds);
+            count <= ELEMENTS_MAX
+                && (0..count).all(|number| {
+                    let (m, n) = (layout::element_place(x, number), layout::element_place(y, number));
+                    match (shifted(a, m.0, m.1, &x.element), shifted(b, n.0, n.1, &y.element)) {
+                        (Some(a), Some(b)) => elements(&a, &b, pairs),
+                        _ => false,
+                    }
+                })
+        }
+        _ => false,
+    }
+}
+
+/// A comparison of two values of one type.
+pub fn comparison(op: CompareOp, left: Expr, right: Expr, span: Span) -> Expr {
+    Expr { kind: ExprKind::Compare { op, left: Box::new(left), right: Box::new(right) }, ty: Elementary::Bool, span }
+}
+
+fn complex_type(value: &Value) -> Option<DataType> {
+    match value {
+        Value::Complex { ty, .. } => Some(ty.clone()),
+        Value::Constant(Constant::Text { .. }, _) => Some(DataType::String(254)),
+        Value::Constant(Constant::DateAndTime(_), _) => Some(DataType::DateAndTime),
+        _ => None,
+    }
+}
+
+/// What is compared as a STRING.
+fn is_text(value: &Value) -> bool {
+    match value {
+        Value::Complex { ty: DataType::String(_), .. } | Value::Constant(Constant::Text { .. }, _) => true,
+        other => Shape::of(other) == Shape::Of(Elementary::Char),
+    }
+}
+
+fn compare_op(op: Operator) -> Option<CompareOp> {
+    Some(match op {
+        Operator::Less => CompareOp::Less,
+        Operator::Greater => CompareOp::Greater,
+        Operator::LessEqual => CompareOp::LessEqual,
+        Operator::GreaterEqual => CompareOp::GreaterEqual,
+        Operator::Equal => CompareOp::Equal,
+        Operator::NotEqual => CompareOp::NotEqual,
+        _ => return None,
+    })
+}

@@ -1,0 +1,224 @@
+//! Constants in their context: an untyped one takes the type of its partner. Source: SCL reference, type of a literal.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::scl::ast::Literal;
+use plcc_syntax::{Class, Elementary};
+
+use super::convert::{self, Implicit};
+use super::value::Value;
+use super::{Rules, message};
+use crate::bind::constant::Constant;
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::{Expr, ExprKind};
+
+impl Binder<'_> {
+    /// A literal as a value; pointers are none.
+    pub(super) fn literal_value(&mut self, literal: &Literal, span: Span) -> Option<Value> {
+        let constant = match literal {
+            Literal::Integer { value, based } => Constant::Integer { value: i128::from(*value), based: *based },
+            Literal::Real(value) => Constant::Real(*value),
+            Literal::Typed { ty, bits } => Constant::Typed { ty: *ty, bits: *bits },
+            Literal::Text { bytes, typed } => Constant::Text { bytes: bytes.clone(), typed: *typed },
+            Literal::WideText(text) => Constant::WideText(text.clone()),
+            Literal::DateAndTime(bytes) => Constant::DateAndTime(*bytes),
+            Literal::Dtl(bytes) => Constant::Dtl(*bytes),
+            Literal::Pointer { .. } | Literal::Any(_) | Literal::Nil => {
+                self.refuse(
+                    Code::OperandKind,
+                    span,
+                    "a pointer is only handed over",
+                    "possible as a parameter of type POINTER or ANY",
+                    "",
+                );
+                return None;
+            }
+            Literal::Null => {
+                self.no_references(span);
+                return None;
+            }
+        };
+        Some(Value::Constant(constant, span))
+    }
+
+    /// `REF_TO` and what belongs to it.
+    pub(super) fn no_references(&mut self, span: Span) {
+        self.refuse(
+            Code::Syntax,
+            span,
+            "references (REF_TO) are not supported",
+            "not possible here",
+            "hand the variable over as VAR_IN_OUT",
+        );
+    }
+
+    /// A constant as a value of type `ty`.
+    pub(super) fn constant_of_type(
+        &mut self,
+        ctx: &mut Ctx,
+        constant: &Constant,
+        span: Span,
+        ty: Elementary,
+    ) -> Option<Expr> {
+        let (rules, strict) = (ctx.scl.rules, ctx.scl.strict);
+        let give = |bits: u64| Some(Expr { kind: ExprKind::Const(bits), ty, span });
+        match constant {
+            Constant::Integer { value, based } => match ty.class() {
+                Class::Bits if ty == Elementary::Bool => match value {
+                    0 | 1 => give(*value as u64),
+                    _ => self.unfit_constant(constant, span, ty),
+                },
+                Class::Signed | Class::Unsigned | Class::Bits => {
+                    if !fits(*value, *based, ty) {
+                        self.value_lost(span, ty);
+                    }
+                    give(low_bits(*value, ty))
+                }
+                Class::Float => give(float_bits(*value as f64, ty)),
+                Class::Character | Class::Duration | Class::Date => {
+                    let own = default_type(rules, constant);
+                    let own = if *based && own == Elementary::Int { Elementary::Word } else { own };
+                    let own = [own, Elementary::Dint, Elementary::Dword]
+                        .into_iter()
+                        .find(|own| convert::implicit(rules, strict, *own, ty) == Implicit::Yes);
+                    let Some(own) = own.filter(|own| fits(*value, *based, *own)) else {
+                        return self.unfit_constant(constant, span, ty);
+                    };
+                    let value = Expr { kind: ExprKind::Const(low_bits(*value, own)), ty: own, span };
+                    convert::explicit_expr(rules, value, ty)
+                }
+            },
+            Constant::Real(value) => match ty.class() {
+                Class::Float => give(float_bits(*value, ty)),
+                _ => {
+                    let value = Expr {
+                        kind: ExprKind::Const(float_bits(*value, Elementary::Real)),
+                        ty: Elementary::Real,
+                        span,
+                    };
+                    self.implicit(ctx, value, ty)
+                }
+            },
+            Constant::Typed { ty: own, bits } => {
+                let value = Expr { kind: ExprKind::Const(*bits), ty: *own, span };
+                if own.is_integer() && ty.is_integer() {
+                    let number = integer(*own, *bits);
+                    if fits(number, false, ty) && convert::implicit(rules, strict, *own, ty) != Implicit::No {
+                        return give(low_bits(number, ty));
+                    }
+                }
+                self.implicit(ctx, value, ty)
+            }
+            Constant::Text { bytes, typed: false } => match bytes.as_slice() {
+                [character] => {
+                    let character = u64::from(*character);
+                    match ty {
+                        Elementary::Char => give(character),
+                        Elementary::Wchar => give(u64::from(wide(&[character as u8])[0])),
+                        _ => {
+                            let value = Expr { kind: ExprKind::Const(character), ty: Elementary::Char, span };
+                            self.implicit(ctx, value, ty)
+                        }
+                    }
+                }
+                _ => self.unfit_constant(constant, span, ty),
+            },
+            Constant::WideText(text) => match (text.as_slice(), ty) {
+                ([character], Elementary::Wchar) => give(u64::from(*character)),
+                _ => self.unfit_constant(constant, span, ty),
+            },
+            Constant::Text { typed: true, .. } | Constant::DateAndTime(_) | Constant::Dtl(_) => {
+                self.unfit_constant(constant, span, ty)
+            }
+        }
+    }
+
+    fn unfit_constant(&mut self, constant: &Constant, span: Span, ty: Elementary) -> Option<Expr> {
+        let is = message::described(&Value::Constant(constant.clone(), span));
+        let help = format!("write it as {}", crate::bind::value::example(ty));
+        self.wrong_type(span, &is, ty.name(), Some(help));
+        None
+    }
+
+    /// A constant that loses bits in the type of its partner.
+    fn value_lost(&mut self, span: Span, ty: Elementary) {
+        let text = self.text(span);
+        let (low, high) = range(ty);
+        self.report.push(
+            Diagnostic::new(Code::Narrowing, span, format!("`{text}` does not fit type {}", ty.name()))
+                .label(format!("{} goes from {low} to {high}; the low bits remain", ty.name()))
+                .help("give the other operand or the target a larger type"),
+        );
+    }
+}
+
+/// The type of a constant that has no partner.
+pub fn default_type(rules: Rules, constant: &Constant) -> Elementary {
+    match constant {
+        Constant::Integer { value, .. } => match rules {
+            Rules::Classic | Rules::Tia300 if i16::try_from(*value).is_ok() => Elementary::Int,
+            Rules::Tia1500 => Elementary::Lint,
+            _ if i32::try_from(*value).is_ok() => Elementary::Dint,
+            _ if u32::try_from(*value).is_ok() => Elementary::Udint,
+            _ => Elementary::Lint,
+        },
+        Constant::Real(_) if rules == Rules::Tia1500 => Elementary::Lreal,
+        Constant::Real(_) => Elementary::Real,
+        Constant::Typed { ty, .. } => *ty,
+        Constant::Text { .. } => Elementary::Char,
+        Constant::WideText(_) => Elementary::Wchar,
+        Constant::DateAndTime(_) | Constant::Dtl(_) => Elementary::Ldt,
+    }
+}
+
+/// Least and greatest value of an integer or bit string.
+pub fn range(ty: Elementary) -> (i128, i128) {
+    let bits = ty.bits();
+    match ty.is_signed() {
+        true => (-(1i128 << (bits - 1)), (1i128 << (bits - 1)) - 1),
+        false => (0, (1i128 << bits) - 1),
+    }
+}
+
+/// An integer constant keeps its value; one written as bits, and a negative one for a bit string, its pattern.
+pub fn fits(value: i128, based: bool, ty: Elementary) -> bool {
+    let (low, high) = range(ty);
+    let pattern = 1i128 << ty.bits();
+    (low..=high).contains(&value)
+        || (based && (0..pattern).contains(&value))
+        || (ty.class() == Class::Bits && (-(pattern / 2)..0).contains(&value))
+}
+
+/// The low bits of a number, zero-extended.
+pub fn low_bits(value: i128, ty: Elementary) -> u64 {
+    match ty.bits() {
+        64 => value as u64,
+        bits => value as u64 & ((1 << bits) - 1),
+    }
+}
+
+/// The number that the bits of an integer or bit string are.
+pub fn integer(ty: Elementary, bits: u64) -> i128 {
+    let unused = 64 - ty.bits();
+    match ty.is_signed() {
+        true => i128::from((bits << unused) as i64 >> unused),
+        false => i128::from(bits),
+    }
+}
+
+/// The bits of a REAL or LREAL.
+pub fn float_bits(value: f64, ty: Elementary) -> u64 {
+    match ty {
+        Elementary::Lreal => value.to_bits(),
+        _ => u64::from((value as f32).to_bits()),
+    }
+}
+
+/// A text in Windows-1252 as UTF-16.
+pub fn wide(bytes: &[u8]) -> Vec<u16> {
+    let letter = |byte: u8| match byte.is_ascii() {
+        true => u16::from(byte),
+        // A single byte above ASCII is no UTF-8.
+        false => plcc_syntax::decode(&[byte]).encode_utf16().next().unwrap_or(u16::from(byte)),
+    };
+    bytes.iter().map(|&byte| letter(byte)).collect()
+}

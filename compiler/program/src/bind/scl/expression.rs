@@ -1,0 +1,307 @@
+//! Operators of expressions. Both sides of each are evaluated, the left one first. Source: SCL reference, operators.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, UnaryOp as Sign};
+use plcc_syntax::{Class, Elementary};
+
+use super::numeric::{self, Shape};
+use super::value::Value;
+use super::{Intent, Rules, message};
+use crate::bind::constant::Constant;
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::{BinaryOp, Conversion, Expr, ExprKind, UnaryOp};
+
+impl Binder<'_> {
+    /// Binds an expression, calls included.
+    pub(super) fn scl_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Value> {
+        if ctx.scl.depth >= Self::DEPTH_MAX {
+            self.too_deep(node.span);
+            return None;
+        }
+        ctx.scl.depth += 1;
+        let value = self.value_inner(ctx, node);
+        ctx.scl.depth -= 1;
+        value
+    }
+
+    fn value_inner(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Value> {
+        match &node.kind {
+            NodeKind::Literal(literal) => self.literal_value(literal, node.span),
+            NodeKind::Name(_)
+            | NodeKind::Absolute(_)
+            | NodeKind::Member { .. }
+            | NodeKind::MemberAbsolute { .. }
+            | NodeKind::Slice { .. }
+            | NodeKind::Index { .. } => {
+                let thing = self.thing(ctx, node, Intent::Read)?;
+                self.thing_value(ctx, thing, node.span)
+            }
+            NodeKind::Call { callee, arguments } => match self.indexed_call(ctx, callee, arguments, node.span) {
+                Some(thing) => {
+                    let thing = thing?;
+                    self.thing_value(ctx, thing, node.span)
+                }
+                None => self.scl_call(ctx, node, false),
+            },
+            NodeKind::Dereference(_) | NodeKind::Reference(_) => {
+                self.no_references(node.span);
+                None
+            }
+            NodeKind::Unary { op, operand } => self.unary(ctx, node, *op, operand),
+            NodeKind::Binary { .. } => self.chain(ctx, node),
+            NodeKind::Error => None,
+        }
+    }
+
+    fn unary(&mut self, ctx: &mut Ctx, node: &Node, op: Sign, operand: &Node) -> Option<Value> {
+        let value = self.scl_value(ctx, operand)?;
+        let shape = Shape::of(&value);
+        if shape.is_untyped() && !matches!((op, shape), (Sign::Not, Shape::Real)) {
+            return self.folded(ctx, node);
+        }
+        let rules = ctx.scl.rules;
+        let (name, ty) = match op {
+            Sign::Plus => ("+", shape.elementary().filter(|ty| is_signed(*ty))),
+            Sign::Minus => ("-", shape.elementary().filter(|ty| is_signed(*ty))),
+            Sign::Not => ("NOT", shape.elementary().and_then(|ty| numeric::bit_string(rules, ty))),
+        };
+        let Some(ty) = ty else {
+            let is = message::described(&value);
+            let help = match (op, &operand.kind) {
+                (Sign::Not, _) => "NOT takes a BOOL or a bit string; of a comparison write `NOT (a = b)`",
+                (Sign::Minus | Sign::Plus, _) => "a sign stands before numbers of signed types and before TIME",
+            };
+            self.refuse(
+                Code::TypeMismatch,
+                node.span,
+                &format!("`{name}` is not possible with a value {}", is.trim_start_matches("a value ")),
+                &is,
+                help,
+            );
+            return None;
+        };
+        let operand = Box::new(self.scl_convert(ctx, value, ty)?);
+        let op = match op {
+            Sign::Plus => return Some(Value::Elementary(*operand)),
+            Sign::Minus => UnaryOp::Negate,
+            Sign::Not => UnaryOp::Not,
+        };
+        Some(Value::Elementary(Expr { kind: ExprKind::Unary { op, operand }, ty, span: node.span }))
+    }
+
+    /// A binary operator, with all that stand left of it: `a + b + …` is as deep as it is long.
+    fn chain(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Value> {
+        let mut operators = Vec::new();
+        let mut first = node;
+        while let NodeKind::Binary { left, .. } = &first.kind {
+            operators.push(first);
+            first = left;
+        }
+        if operators.len() > Self::CHAIN_MAX {
+            self.too_deep(node.span);
+            return None;
+        }
+        let mut value = self.scl_value(ctx, first);
+        for node in operators.into_iter().rev() {
+            let NodeKind::Binary { op, right, op_span, .. } = &node.kind else { continue };
+            let right = self.scl_value(ctx, right);
+            value = match (value, right) {
+                (Some(left), Some(right)) => self.binary(ctx, node, *op, *op_span, left, right),
+                _ => None,
+            };
+        }
+        value
+    }
+
+    fn binary(
+        &mut self,
+        ctx: &mut Ctx,
+        node: &Node,
+        op: Operator,
+        op_span: Span,
+        left: Value,
+        right: Value,
+    ) -> Option<Value> {
+        let span = node.span;
+        match op {
+            Operator::Less
+            | Operator::Greater
+            | Operator::LessEqual
+            | Operator::GreaterEqual
+            | Operator::Equal
+            | Operator::NotEqual => self.compare(ctx, op, op_span, left, right, span).map(Value::Elementary),
+            _ if Shape::of(&left).is_untyped() && Shape::of(&right).is_untyped() => self.folded(ctx, node),
+            Operator::And | Operator::Or | Operator::Xor => self.bitwise(ctx, op, op_span, left, right, span),
+            Operator::Power => self.power(ctx, op_span, left, right, span),
+            Operator::Add
+            | Operator::Subtract
+            | Operator::Multiply
+            | Operator::Divide
+            | Operator::DivideInteger
+            | Operator::Modulo => match self.time_arithmetic(ctx, op, op_span, left, right, span) {
+                Ok(value) => value,
+                Err((left, right)) => self.arithmetic(ctx, op, op_span, left, right, span),
+            },
+        }
+    }
+
+    /// Two constants without types make one without a type.
+    fn folded(&mut self, ctx: &Ctx, node: &Node) -> Option<Value> {
+        let constant = self.constant(&ctx.bound.constants, node)?;
+        Some(Value::Constant(constant, node.span))
+    }
+
+    pub(super) fn arithmetic(
+        &mut self,
+        ctx: &mut Ctx,
+        op: Operator,
+        op_span: Span,
+        left: Value,
+        right: Value,
+        span: Span,
+    ) -> Option<Value> {
+        let ty = numeric::common(ctx.scl.rules, Shape::of(&left), Shape::of(&right));
+        let whole = matches!(op, Operator::DivideInteger | Operator::Modulo);
+        let Some(ty) = ty.filter(|ty| !(whole && ty.is_float())) else {
+            let help = match (whole && ty.is_some(), op) {
+                (true, Operator::Modulo) => "MOD takes integers; convert with REAL_TO_DINT(…)",
+                (true, _) => "DIV takes integers; for floating-point numbers write `/`",
+                (false, _) => "both sides must be numbers, or dates and times that go together",
+            };
+            self.operator_types(op_span, &left, &right, help);
+            return None;
+        };
+        self.combined(ctx, binary_op(op), left, right, ty, span)
+    }
+
+    /// `left op right` in type `ty`.
+    pub(super) fn combined(
+        &mut self,
+        ctx: &mut Ctx,
+        op: BinaryOp,
+        left: Value,
+        right: Value,
+        ty: Elementary,
+        span: Span,
+    ) -> Option<Value> {
+        let left = self.scl_convert(ctx, left, ty);
+        let right = self.scl_convert(ctx, right, ty);
+        Some(Value::Elementary(binary_expr(op, left?, right?, ty, span)))
+    }
+
+    fn power(&mut self, ctx: &mut Ctx, op_span: Span, left: Value, right: Value, span: Span) -> Option<Value> {
+        let rules = ctx.scl.rules;
+        let (a, b) = (Shape::of(&left), Shape::of(&right));
+        if numeric::common(rules, a, b).is_none() {
+            self.operator_types(op_span, &left, &right, "`**` takes numbers");
+            return None;
+        }
+        let long = |shape| matches!(shape, Shape::Of(Elementary::Lreal));
+        let ty = if long(a) || long(b) { Elementary::Lreal } else { Elementary::Real };
+        self.combined(ctx, BinaryOp::Power, left, right, ty, span)
+    }
+
+    fn bitwise(
+        &mut self,
+        ctx: &mut Ctx,
+        op: Operator,
+        op_span: Span,
+        left: Value,
+        right: Value,
+        span: Span,
+    ) -> Option<Value> {
+        let rules = ctx.scl.rules;
+        let bits = |shape: Shape| shape.elementary().and_then(|ty| numeric::bit_string(rules, ty));
+        let (a, b) = (Shape::of(&left), Shape::of(&right));
+        let ty = match (a, b, bits(a), bits(b)) {
+            (_, Shape::Integer(_), Some(ty), _) | (Shape::Integer(_), _, _, Some(ty)) => Some(ty),
+            (_, _, Some(a), Some(b)) => {
+                let one_bool = (a == Elementary::Bool) != (b == Elementary::Bool);
+                let longer = if a.bits() >= b.bits() { a } else { b };
+                (!one_bool || rules == Rules::Classic).then_some(longer)
+            }
+            _ => None,
+        };
+        let Some(ty) = ty else {
+            self.operator_types(op_span, &left, &right, "both sides must be BOOL, or both bit strings");
+            return None;
+        };
+        // Bits go by pattern here: a negative INT beside a longer bit string is no loss.
+        self.combined(ctx, binary_op(op), left, right, ty, span)
+    }
+
+    /// Operands that an operator does not combine.
+    pub(super) fn operator_types(&mut self, op_span: Span, left: &Value, right: &Value, help: &str) {
+        let op = self.text(op_span);
+        let (left_is, right_is) = (message::described(left), message::described(right));
+        self.report.push(
+            Diagnostic::new(
+                Code::TypeMismatch,
+                op_span,
+                format!("`{op}` does not combine a value {left_is} with one {right_is}")
+                    .replace("value a ", "a ")
+                    .replace("one a ", "a "),
+            )
+            .label("not possible with these types")
+            .also(left.span(), left_is)
+            .also(right.span(), right_is)
+            .help(help),
+        );
+    }
+
+    /// Operators of one level in a row.
+    const CHAIN_MAX: usize = 1000;
+}
+
+/// Types that have a sign.
+fn is_signed(ty: Elementary) -> bool {
+    matches!(ty.class(), Class::Signed | Class::Float) || matches!(ty, Elementary::Time | Elementary::Ltime)
+}
+
+/// `left op right` of one type.
+pub fn binary_expr(op: BinaryOp, left: Expr, right: Expr, ty: Elementary, span: Span) -> Expr {
+    Expr { kind: ExprKind::Binary { op, left: Box::new(left), right: Box::new(right) }, ty, span }
+}
+
+/// A constant of a type.
+pub fn constant_expr(bits: u64, ty: Elementary, span: Span) -> Expr {
+    Expr { kind: ExprKind::Const(bits), ty, span }
+}
+
+/// The same bits as another type.
+pub fn as_bits(value: Expr, ty: Elementary) -> Expr {
+    if value.ty == ty {
+        return value;
+    }
+    super::convert::converted(value, Conversion::Bits { checked: false }, ty)
+}
+
+/// A typed constant's type and bits.
+pub fn typed_constant(value: &Value) -> Option<(Elementary, u64)> {
+    match value {
+        Value::Constant(Constant::Typed { ty, bits }, _) => Some((*ty, *bits)),
+        Value::Elementary(Expr { kind: ExprKind::Const(bits), ty, .. }) => Some((*ty, *bits)),
+        _ => None,
+    }
+}
+
+/// The operation of an operator that computes.
+pub fn binary_op(op: Operator) -> BinaryOp {
+    match op {
+        Operator::Power => BinaryOp::Power,
+        Operator::Multiply => BinaryOp::Multiply,
+        Operator::Divide | Operator::DivideInteger => BinaryOp::Divide,
+        Operator::Modulo => BinaryOp::Modulo,
+        Operator::Add => BinaryOp::Add,
+        Operator::Subtract => BinaryOp::Subtract,
+        Operator::And => BinaryOp::And,
+        Operator::Xor => BinaryOp::Xor,
+        Operator::Or => BinaryOp::Or,
+        Operator::Less
+        | Operator::Greater
+        | Operator::LessEqual
+        | Operator::GreaterEqual
+        | Operator::Equal
+        | Operator::NotEqual => unreachable!("comparisons are no operations"),
+    }
+}

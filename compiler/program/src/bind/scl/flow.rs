@@ -1,0 +1,131 @@
+//! Labels and jumps, and data that is read and never written. Source: SCL reference, GOTO.
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic};
+use plcc_syntax::ast;
+use plcc_syntax::scl::ast::{Body as Tree, Name, Statement, StatementKind};
+
+use super::rules::Label;
+use crate::bind::names::fold;
+use crate::bind::path::similar;
+use crate::bind::{Binder, Ctx};
+use crate::model::LabelId;
+
+/// Start information of an OB: the operating system writes it.
+const OB_START_INFORMATION_BYTES: u32 = 20;
+
+impl Binder<'_> {
+    /// The first walk: labels, with the lists of statements in which they stand.
+    pub(super) fn collect_labels(&mut self, ctx: &mut Ctx, statements: &[Statement]) {
+        let mut open: Vec<(&[Statement], u32)> = vec![(statements, 0)];
+        while let Some((list, depth)) = open.pop() {
+            if depth > Self::DEPTH_MAX {
+                continue;
+            }
+            for statement in list {
+                let mut inside = |body| open.push((body, depth + 1));
+                match &statement.kind {
+                    StatementKind::Label(name) => self.define_jump_label(ctx, name, list),
+                    StatementKind::If { branches, otherwise } => {
+                        branches.iter().for_each(|(_, body)| inside(body));
+                        inside(otherwise);
+                    }
+                    StatementKind::Case { arms, otherwise, .. } => {
+                        arms.iter().for_each(|arm| inside(&arm.body));
+                        inside(otherwise);
+                    }
+                    StatementKind::For { body, .. }
+                    | StatementKind::While { body, .. }
+                    | StatementKind::Repeat { body, .. } => inside(body),
+                    StatementKind::Empty
+                    | StatementKind::Expression(_)
+                    | StatementKind::Assign { .. }
+                    | StatementKind::Exit
+                    | StatementKind::Continue
+                    | StatementKind::Return(_)
+                    | StatementKind::Goto(_)
+                    | StatementKind::Pragma(_)
+                    | StatementKind::Error => {}
+                }
+            }
+        }
+    }
+
+    fn define_jump_label(&mut self, ctx: &mut Ctx, name: &Name, list: &[Statement]) {
+        let id = LabelId(ctx.scl.labels.len() as u32);
+        let label = Label { id, span: name.span, list: list.as_ptr() as usize };
+        let Some(other) = ctx.scl.labels.get(&fold(&name.text)) else {
+            ctx.scl.labels.insert(fold(&name.text), label);
+            return;
+        };
+        let (first, second) =
+            if other.span.start <= name.span.start { (other.span, name.span) } else { (name.span, other.span) };
+        self.report.push(
+            Diagnostic::new(Code::DuplicateLabel, second, format!("the label `{}` stands twice", name.text))
+                .label("the second one")
+                .also(first, "the first one")
+                .help("labels are unique in their block; letter case does not matter"),
+        );
+    }
+
+    /// A label where it stands; none for the second of two.
+    pub(super) fn label(&mut self, ctx: &Ctx, name: &Name) -> Option<LabelId> {
+        let label = ctx.scl.labels.get(&fold(&name.text))?;
+        (label.span == name.span).then_some(label.id)
+    }
+
+    pub(super) fn goto(&mut self, ctx: &Ctx, name: &Name) -> Option<LabelId> {
+        let text = &name.text;
+        let Some(label) = ctx.scl.labels.get(&fold(text)) else {
+            let message = Diagnostic::new(Code::UnknownLabel, name.span, format!("this block has no label `{text}`"))
+                .label("nowhere to jump to");
+            self.report.push(match similar(text, ctx.scl.labels.keys().map(String::as_str)) {
+                Some(other) => message.help(format!("is `{other}` meant?")),
+                None => message.help(format!("write `{text}:` before the statement to jump to")),
+            });
+            return None;
+        };
+        if !ctx.scl.lists.contains(&label.list) {
+            self.report.push(
+                Diagnostic::new(Code::JumpIntoStatement, name.span, format!("`{text}` lies inside another statement"))
+                    .label("a jump into a loop, an IF or a CASE is not possible")
+                    .also(label.span, "the label")
+                    .help("place the label before that statement, or the jump inside it"),
+            );
+            return None;
+        }
+        Some(label.id)
+    }
+
+    /// Tells of TEMP data that is read and never written, and of a function without a value.
+    pub(super) fn unused_data(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, body: &Tree) {
+        let reads = std::mem::take(&mut ctx.scl.temp_reads);
+        let supplied = if ctx.key.kind == BlockKind::Ob { OB_START_INFORMATION_BYTES } else { 0 };
+        let mut told: Vec<(u32, u32)> = Vec::new();
+        for read in reads {
+            let written = ctx.scl.temp_writes.iter().any(|&(first, end)| first < read.end && read.first < end);
+            if written || read.first < supplied || told.contains(&(read.first, read.end)) {
+                continue;
+            }
+            told.push((read.first, read.end));
+            self.report.push(
+                Diagnostic::new(Code::NeverWritten, read.span, format!("`{}` is read and never written", read.name))
+                    .label("temporary data of which the content is undefined on the CPU")
+                    .help("assign it a value before, or declare it as static data"),
+            );
+        }
+        let has_value = ctx.bound.interface.parameters.iter().any(|parameter| parameter.name == "RET_VAL");
+        let is_function = matches!(ctx.key.kind, BlockKind::Fc | BlockKind::Sfc) && block.return_type.is_some();
+        if is_function && has_value && !ctx.scl.value_set && !body.statements.is_empty() {
+            let name = match &block.name {
+                ast::BlockName::Symbol { name, .. } => format!("#{name}"),
+                ast::BlockName::Numbered { number, .. } => format!("FC{number}"),
+            };
+            self.report.push(
+                Diagnostic::new(Code::ValueNeverSet, block.name.span(), "the value of this function is never set")
+                    .label("it is always 0")
+                    .help(format!("assign it: `{name} := …;`, or make the function VOID")),
+            );
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Messages that several steps give.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Elementary;
+
+use super::value::Value;
+use super::{Rules, convert};
+use crate::bind::Binder;
+use crate::bind::constant::Constant;
+use crate::layout;
+
+impl Binder<'_> {
+    /// Nesting of expressions and statements beyond which nobody reads them.
+    pub(super) const DEPTH_MAX: u32 = 200;
+
+    pub(super) fn too_deep(&mut self, span: Span) {
+        self.report.push(
+            Diagnostic::new(Code::Syntax, span, "this is nested too deep")
+                .label(format!("more than {} levels", Self::DEPTH_MAX))
+                .help("store parts of it in variables, or split the block"),
+        );
+    }
+
+    /// A value of a type that does not become `wanted` by itself.
+    pub(super) fn wrong_type(&mut self, span: Span, is: &str, wanted: &str, help: Option<String>) {
+        let text = self.text(span);
+        let message = Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` is {is}, but {wanted} is wanted"))
+            .label(is.to_string());
+        self.report.push(match help {
+            Some(help) => message.help(help),
+            None => message,
+        });
+    }
+
+    pub(super) fn no_conversion(&mut self, rules: Rules, span: Span, from: Elementary, to: Elementary) {
+        let help = match (from, to) {
+            _ if convert::explicit(rules, from, to).is_some() => {
+                Some(format!("convert it: {}_TO_{}(…)", short_name(from), short_name(to)))
+            }
+            (_, Elementary::Bool) => Some("compare it, for example with `<> 0`".to_string()),
+            _ => None,
+        };
+        self.wrong_type(span, &format!("of type {}", from.name()), to.name(), help);
+    }
+
+    /// A value that may not fit where it goes.
+    pub(super) fn may_lose(&mut self, span: Span, from: Elementary, to: Elementary) {
+        let text = self.text(span);
+        self.report.push(
+            Diagnostic::new(
+                Code::Narrowing,
+                span,
+                format!("`{text}` is of type {} and may not fit {}", from.name(), to.name()),
+            )
+            .label(format!("becomes {} without a check", to.name()))
+            .help(format!("where that is meant, write {}_TO_{}(…)", short_name(from), short_name(to))),
+        );
+    }
+
+    /// Something that is not possible here, with what to do.
+    pub(super) fn refuse(&mut self, code: Code, span: Span, title: &str, label: &str, help: &str) {
+        let message = Diagnostic::new(code, span, title).label(label);
+        self.report.push(if help.is_empty() { message } else { message.help(help) });
+    }
+}
+
+/// The name of a type in names of functions: `TOD_TO_DINT`.
+fn short_name(ty: Elementary) -> &'static str {
+    match ty {
+        Elementary::TimeOfDay => "TOD",
+        other => other.name(),
+    }
+}
+
+/// What a value is, for messages: `of type INT`, `a block`.
+pub fn described(value: &Value) -> String {
+    match value {
+        Value::Elementary(expr) => format!("of type {}", expr.ty.name()),
+        Value::Constant(constant, _) => match constant {
+            Constant::Integer { .. } => "an integer constant".to_string(),
+            Constant::Real(_) => "a REAL constant".to_string(),
+            Constant::Typed { ty, .. } => format!("a constant of type {}", ty.name()),
+            Constant::Text { .. } | Constant::WideText(_) => "a text".to_string(),
+            Constant::DateAndTime(_) => "a DATE_AND_TIME constant".to_string(),
+            Constant::Dtl(_) => "a DTL constant".to_string(),
+        },
+        Value::Complex { ty, .. } => format!("of type {}", layout::type_name(ty)),
+        Value::Parameter { access, .. } => format!("of type {}", layout::type_name(&access.ty)),
+        Value::Cell { kind: plcc_syntax::ast::CellKind::Timer, .. } => "a timer".to_string(),
+        Value::Cell { kind: plcc_syntax::ast::CellKind::Counter, .. } => "a counter".to_string(),
+        Value::Block { prefix, .. } => format!("a block ({})", prefix.letters()),
+        Value::Nothing(_) => "a call without a value".to_string(),
+    }
+}

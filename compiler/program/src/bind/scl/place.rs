@@ -1,0 +1,122 @@
+//! What a name with its components, indices and slices stands for, on the way to an access.
+
+use plcc_diag::Span;
+use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Width};
+
+use crate::bind::constant::Constant;
+use crate::bind::path;
+use crate::model::Number;
+use crate::model::scl::{Access, Base, Expr, Index, IndexedArea, Part};
+use crate::types::DataType;
+
+/// Where a variable begins.
+#[derive(Clone, Debug)]
+pub enum Root {
+    Fixed(path::Base),
+    Indexed { area: IndexedArea, byte: Box<Expr>, bit: Option<Box<Expr>> },
+}
+
+/// A variable or a part of one.
+#[derive(Clone, Debug)]
+pub struct Spot {
+    pub root: Root,
+    /// From the root, for those that are fixed.
+    pub byte: u32,
+    pub bit: u8,
+    pub indices: Vec<Index>,
+    pub ty: DataType,
+    pub part: Option<Part>,
+}
+
+impl Spot {
+    pub fn fixed(variable: path::Variable) -> Spot {
+        let path::Variable { base, byte, bit, ty, untyped: _ } = variable;
+        Spot { root: Root::Fixed(base), byte, bit, indices: Vec::new(), ty, part: None }
+    }
+
+    pub fn access(self, span: Span) -> Access {
+        let Spot { root, byte, bit, indices, ty, part } = self;
+        let base = match root {
+            Root::Fixed(base) => Base::Place(base.at(byte, bit)),
+            Root::Indexed { area, byte, bit } => Base::Indexed { area, byte, bit },
+        };
+        Access { base, indices, ty, part, span }
+    }
+
+    /// The same variable, both without run-time indices.
+    pub fn is_same(&self, other: &Spot) -> bool {
+        match (&self.root, &other.root) {
+            (Root::Fixed(a), Root::Fixed(b)) => {
+                a == b
+                    && (self.byte, self.bit) == (other.byte, other.bit)
+                    && self.indices.is_empty()
+                    && other.indices.is_empty()
+            }
+            _ => false,
+        }
+    }
+}
+
+/// A data block before a point.
+#[derive(Clone, Debug)]
+pub enum Db {
+    Known(u16),
+    /// A WORD.
+    Dynamic(Expr),
+}
+
+/// What stands there.
+#[derive(Clone, Debug)]
+pub enum Thing {
+    Spot(Spot),
+    Constant(Constant),
+    Cell {
+        kind: CellKind,
+        number: Number,
+    },
+    /// No data block that can be looked into.
+    Block {
+        prefix: BlockPrefix,
+        number: Number,
+    },
+    /// `number`: as a parameter takes it; none behind `WORD_TO_BLOCK_DB`.
+    Db {
+        db: Db,
+        number: Option<Number>,
+    },
+    /// `OK`, `ENO`.
+    Flag,
+    /// Classic `ENO`.
+    LastEno,
+    /// `MW` before its index.
+    Area(Area, Width),
+    /// `DB10.DW` before its index.
+    DbArea(Db, Width),
+}
+
+/// A component of a place, at `byte`.`bit` behind its start; none of one that has no fixed start.
+pub fn shifted(access: &Access, byte: u32, bit: u8, ty: &DataType) -> Option<Access> {
+    use crate::model::Place;
+    let Base::Place(place) = &access.base else { return None };
+    let mut place = place.clone();
+    match &mut place {
+        Place::I { byte: at, bit: at_bit }
+        | Place::Q { byte: at, bit: at_bit }
+        | Place::M { byte: at, bit: at_bit }
+        | Place::L { byte: at, bit: at_bit }
+        | Place::Db { byte: at, bit: at_bit, .. }
+        | Place::Instance { byte: at, bit: at_bit }
+        | Place::Parameter { byte: at, bit: at_bit, .. }
+        | Place::ThroughPointer { byte: at, bit: at_bit, .. } => {
+            *at += byte;
+            *at_bit = bit;
+        }
+        Place::Pi { .. }
+        | Place::Pq { .. }
+        | Place::OpenDb { .. }
+        | Place::OpenDi { .. }
+        | Place::Indirect { .. }
+        | Place::Register { .. } => return None,
+    }
+    Some(Access { base: Base::Place(place), ty: ty.clone(), ..access.clone() })
+}

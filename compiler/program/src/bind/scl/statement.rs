@@ -1,0 +1,262 @@
+//! Statements. Source: SCL reference, statements.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::scl::ast::{
+    BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Statement as Tree, StatementKind as TreeKind,
+};
+
+use super::Intent;
+use super::constant;
+use super::expression::{constant_expr, typed_constant};
+use super::value::Value;
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::{Complex, Expr, ExprKind, Statement, StatementKind};
+use crate::model::{self, StlStatementKind};
+use crate::types::DataType;
+
+impl Binder<'_> {
+    /// A list of statements.
+    pub(super) fn statements(&mut self, ctx: &mut Ctx, trees: &[Tree]) -> Vec<Statement> {
+        ctx.scl.lists.push(trees.as_ptr() as usize);
+        let mut bound = Vec::with_capacity(trees.len());
+        for tree in trees {
+            if ctx.scl.lists.len() as u32 > Self::DEPTH_MAX {
+                self.too_deep(tree.span);
+                break;
+            }
+            self.statement(ctx, tree, &mut bound);
+        }
+        ctx.scl.lists.pop();
+        bound
+    }
+
+    fn statement(&mut self, ctx: &mut Ctx, tree: &Tree, bound: &mut Vec<Statement>) {
+        let span = ctx.fixed_span.unwrap_or(tree.span);
+        let kind = match &tree.kind {
+            TreeKind::Empty | TreeKind::Error => None,
+            TreeKind::Label(name) => self.label(ctx, name).map(StatementKind::Label),
+            TreeKind::Expression(node) => self.lone_expression(ctx, node),
+            TreeKind::Assign { targets, value } => {
+                self.assign(ctx, targets, value, span, bound);
+                None
+            }
+            TreeKind::If { branches, otherwise } => {
+                let branches: Vec<Option<(Expr, Vec<Statement>)>> = branches
+                    .iter()
+                    .map(|(condition, body)| {
+                        let condition = self.condition(ctx, condition);
+                        let body = self.statements(ctx, body);
+                        Some((condition?, body))
+                    })
+                    .collect();
+                let otherwise = self.statements(ctx, otherwise);
+                let branches: Option<Vec<_>> = branches.into_iter().collect();
+                branches.map(|branches| StatementKind::If { branches, otherwise })
+            }
+            TreeKind::Case { selector, arms, otherwise } => self.case(ctx, selector, arms, otherwise),
+            TreeKind::For { variable, start, end, step, body } => {
+                self.for_loop(ctx, variable, (start, end, step.as_ref()), body, tree.span)
+            }
+            TreeKind::While { condition, body } => {
+                let condition = self.condition(ctx, condition);
+                let body = self.loop_body(ctx, body);
+                condition.map(|condition| StatementKind::While { condition, body })
+            }
+            TreeKind::Repeat { body, until } => {
+                let body = self.loop_body(ctx, body);
+                let until = self.condition(ctx, until);
+                until.map(|until| StatementKind::Repeat { body, until })
+            }
+            TreeKind::Exit => self.in_loop(ctx, "EXIT", tree.span).map(|()| StatementKind::Exit),
+            TreeKind::Continue => self.in_loop(ctx, "CONTINUE", tree.span).map(|()| StatementKind::Continue),
+            TreeKind::Return(None) => Some(StatementKind::Return(None)),
+            TreeKind::Return(Some(value)) => self.condition(ctx, value).map(|value| StatementKind::Return(Some(value))),
+            TreeKind::Goto(name) => self.goto(ctx, name).map(StatementKind::Goto),
+            TreeKind::Pragma(pragma) => match self.statement_pragma(ctx, pragma) {
+                Some(StlStatementKind::Assert(assert)) => {
+                    let register = |side: &model::AssertSide| matches!(side, model::AssertSide::Register(_));
+                    if register(&assert.left) || register(&assert.right) {
+                        self.refuse(
+                            Code::Pragma,
+                            pragma.span,
+                            "SCL has no registers that an assertion could look at",
+                            "not understood",
+                            "name a variable, an address or a constant",
+                        );
+                        return;
+                    }
+                    Some(StatementKind::Assert(assert))
+                }
+                Some(StlStatementKind::Sleep(milliseconds)) => Some(StatementKind::Sleep(milliseconds)),
+                _ => None,
+            },
+        };
+        bound.extend(kind.map(|kind| Statement { kind, span }));
+    }
+
+    /// A condition: BOOL only.
+    fn condition(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
+        let value = self.scl_value(ctx, node)?;
+        self.scl_convert(ctx, value, Elementary::Bool)
+    }
+
+    /// A call, or an expression that was meant otherwise.
+    fn lone_expression(&mut self, ctx: &mut Ctx, node: &Node) -> Option<StatementKind> {
+        match &node.kind {
+            NodeKind::Call { .. } => match self.scl_call(ctx, node, true)? {
+                Value::Nothing(call) => Some(StatementKind::Call(call)),
+                Value::Complex { value: Complex::Call(call), .. } => Some(StatementKind::Call(call)),
+                Value::Elementary(Expr { kind: ExprKind::Call(call), .. }) => Some(StatementKind::Call(call)),
+                Value::Elementary(expr) => Some(StatementKind::Evaluate(expr)),
+                _ => None,
+            },
+            NodeKind::Binary { op: Operator::Equal, op_span, .. } => {
+                self.report.push(
+                    Diagnostic::new(Code::AssignSign, *op_span, "this compares and does nothing with the result")
+                        .label("a comparison")
+                        .help("to assign write `:=`"),
+                );
+                None
+            }
+            NodeKind::Error => None,
+            _ => {
+                let text = self.text(node.span);
+                self.refuse(
+                    Code::Syntax,
+                    node.span,
+                    &format!("`{text}` alone is no statement"),
+                    "its value goes nowhere",
+                    "assign it, or call the block with parentheses: `name();`",
+                );
+                None
+            }
+        }
+    }
+
+    fn in_loop(&mut self, ctx: &Ctx, word: &str, span: Span) -> Option<()> {
+        if ctx.scl.loops > 0 {
+            return Some(());
+        }
+        let help = match word {
+            "EXIT" => "to leave the block write RETURN",
+            _ => "it goes to the next run of FOR, WHILE or REPEAT",
+        };
+        let title = format!("{word} stands outside of a loop");
+        self.refuse(Code::LoopControl, span, &title, "there is no loop around it", help);
+        None
+    }
+
+    fn loop_body(&mut self, ctx: &mut Ctx, body: &[Tree]) -> Vec<Statement> {
+        ctx.scl.loops += 1;
+        let body = self.statements(ctx, body);
+        ctx.scl.loops -= 1;
+        body
+    }
+
+    fn for_loop(
+        &mut self,
+        ctx: &mut Ctx,
+        variable: &Node,
+        (start, end, step): (&Node, &Node, Option<&Node>),
+        body: &[Tree],
+        span: Span,
+    ) -> Option<StatementKind> {
+        let spot = self.scl_spot(ctx, variable, Intent::Write);
+        let ty = match spot.as_ref().map(|spot| (&spot.ty, spot.part)) {
+            Some((DataType::Elementary(ty), None)) if ty.is_integer() => Some(*ty),
+            Some(_) => {
+                let text = self.text(variable.span);
+                self.refuse(
+                    Code::TypeMismatch,
+                    variable.span,
+                    &format!("`{text}` cannot count a loop"),
+                    "no integer variable",
+                    "declare a variable of type INT or DINT for it",
+                );
+                None
+            }
+            None => None,
+        };
+        let mut limit = |binder: &mut Self, node: &Node| match ty {
+            Some(ty) => binder.scl_of_type(ctx, node, ty),
+            None => binder.scl_value(ctx, node).and(None),
+        };
+        let start = limit(self, start);
+        let end = limit(self, end);
+        let step = match step {
+            Some(step) => limit(self, step),
+            None => ty.map(|ty| constant_expr(1, ty, span)),
+        };
+        if let Some(spot) = &spot {
+            // What the loop counts with is written by the loop.
+            ctx.scl.loop_variables.push((spot.clone(), variable.span));
+        }
+        let bound = self.loop_body(ctx, body);
+        if spot.is_some() {
+            ctx.scl.loop_variables.pop();
+        }
+        let (spot, ty, start, end, step) = (spot?, ty?, start?, end?, step?);
+        self.check_end(ty, [&start, &end, &step], &bound, span)?;
+        let variable = spot.access(variable.span);
+        Some(StatementKind::For { variable, start, end, step, body: bound })
+    }
+
+    /// Limits that are known and never reached. Source: SCL reference, FOR.
+    fn check_end(&mut self, ty: Elementary, limits: [&Expr; 3], body: &[Statement], span: Span) -> Option<()> {
+        let known = |expr: &Expr| {
+            let (ty, bits) = typed_constant(&Value::Elementary(expr.clone()))?;
+            Some(constant::integer(ty, bits))
+        };
+        let [start, end, step] = limits.map(known);
+        let (low, high) = constant::range(ty);
+        let (Some(end), Some(step)) = (end, step) else { return Some(()) };
+        let runs = |start: i128| if step >= 0 { start <= end } else { start >= end };
+        let endless = match start {
+            Some(start) if !runs(start) => false,
+            _ if step == 0 => start.is_some(),
+            // The first value that fails the test.
+            Some(start) => {
+                let first = start + ((end - start) / step + 1) * step;
+                first > high || first < low
+            }
+            None => (step > 0 && end == high) || (step < 0 && end == low),
+        };
+        if !endless || body.iter().any(leaves) {
+            return Some(());
+        }
+        let label = match step {
+            0 => "the step is 0".to_string(),
+            _ => format!("behind {end} the variable of type {} begins again at its other end", ty.name()),
+        };
+        self.refuse(Code::EndlessLoop, span, "this loop cannot end", &label, "take a longer type for its variable");
+        None
+    }
+}
+
+/// A statement that may leave the loop around it.
+fn leaves(statement: &Statement) -> bool {
+    match &statement.kind {
+        StatementKind::Exit | StatementKind::Return(_) | StatementKind::Goto(_) => true,
+        StatementKind::If { branches, otherwise } => {
+            branches.iter().any(|(_, body)| body.iter().any(leaves)) || otherwise.iter().any(leaves)
+        }
+        StatementKind::Case { arms, otherwise, .. } => {
+            arms.iter().any(|arm| arm.body.iter().any(leaves)) || otherwise.iter().any(leaves)
+        }
+        // EXIT leaves the inner loop only.
+        StatementKind::For { body, .. } | StatementKind::While { body, .. } | StatementKind::Repeat { body, .. } => {
+            body.iter().any(|inner| !matches!(inner.kind, StatementKind::Exit) && leaves(inner))
+        }
+        StatementKind::Assign { .. }
+        | StatementKind::AssignText { .. }
+        | StatementKind::Copy { .. }
+        | StatementKind::SetFlag(_)
+        | StatementKind::Call(_)
+        | StatementKind::Evaluate(_)
+        | StatementKind::Continue
+        | StatementKind::Label(_)
+        | StatementKind::Assert(_)
+        | StatementKind::Sleep(_) => false,
+    }
+}

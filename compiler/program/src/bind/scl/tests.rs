@@ -1,0 +1,1 @@
+//! Conversions, and statements as they are bound.

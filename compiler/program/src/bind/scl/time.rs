@@ -1,0 +1,202 @@
+//! Arithmetic of dates and times. Source: SCL reference, date and time arithmetic.
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Span};
+use plcc_syntax::scl::ast::BinaryOp as Operator;
+use plcc_syntax::{Class, Elementary};
+
+use super::Rules;
+use super::coerce::is_dtl;
+use super::convert;
+use super::expression::{as_bits, binary_expr, binary_op, constant_expr};
+use super::numeric::Shape;
+use super::value::Value;
+use crate::bind::constant::Constant;
+use crate::bind::{Binder, Ctx};
+use crate::model::BlockKey;
+use crate::model::scl::{Actual, Argument, BinaryOp, Call, Complex, Expr, ExprKind};
+use crate::types::DataType;
+use Elementary::*;
+
+/// Library functions of DATE_AND_TIME. Source: STL reference, IEC functions.
+const D_TOD_DT: u16 = 3;
+const AD_DT_TM: u16 = 1;
+const SB_DT_DT: u16 = 34;
+const SB_DT_TM: u16 = 35;
+
+const DAY_MILLISECONDS: u64 = 86_400_000;
+
+/// What an operand is to this arithmetic.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Moment {
+    Of(Elementary),
+    DateAndTime,
+    Dtl,
+    Number,
+    None,
+}
+
+fn moment(value: &Value) -> Moment {
+    match value {
+        Value::Complex { ty: DataType::DateAndTime, .. } | Value::Constant(Constant::DateAndTime(_), _) => {
+            Moment::DateAndTime
+        }
+        Value::Complex { ty: DataType::Struct(structure), .. } if is_dtl(structure) => Moment::Dtl,
+        Value::Constant(Constant::Dtl(_), _) => Moment::Dtl,
+        other => match Shape::of(other) {
+            Shape::Integer(_) => Moment::Number,
+            Shape::Of(ty) if matches!(ty.class(), Class::Duration | Class::Date) => Moment::Of(ty),
+            Shape::Of(ty) if ty.is_integer() => Moment::Number,
+            _ => Moment::None,
+        },
+    }
+}
+
+impl Binder<'_> {
+    /// `left op right` if one of them is a date or time; else both come back.
+    #[allow(clippy::result_large_err, reason = "the operands come back to who sent them")]
+    pub(super) fn time_arithmetic(
+        &mut self,
+        ctx: &mut Ctx,
+        op: Operator,
+        op_span: Span,
+        left: Value,
+        right: Value,
+        span: Span,
+    ) -> Result<Option<Value>, (Value, Value)> {
+        use Moment::{DateAndTime, Dtl, Number, Of};
+        let sum = matches!(op, Operator::Add | Operator::Subtract);
+        let (a, b) = (moment(&left), moment(&right));
+        let subtract = op == Operator::Subtract;
+        let value = match (a, b) {
+            (Of(S5Time), _) | (_, Of(S5Time)) => {
+                self.operator_types(op_span, &left, &right, "convert S5TIME first: S5TIME_TO_TIME(…)");
+                None
+            }
+            (Of(ty @ (Time | Ltime)), Of(other @ (Time | Ltime))) if sum => {
+                let ty = if other == Ltime { Ltime } else { ty };
+                self.combined(ctx, binary_op(op), left, right, ty, span)
+            }
+            (Of(ty @ (Time | Ltime)), Number) if op != Operator::Modulo => {
+                let left = self.scl_convert(ctx, left, ty);
+                let right = self.factor(ctx, right, ty);
+                let both = left.zip(right);
+                both.map(|(left, right)| Value::Elementary(binary_expr(binary_op(op), left, right, ty, span)))
+            }
+            (Number, Of(ty @ (Time | Ltime))) if matches!(op, Operator::Add | Operator::Multiply) => {
+                let left = self.factor(ctx, left, ty);
+                let right = self.scl_convert(ctx, right, ty);
+                let both = left.zip(right);
+                both.map(|(left, right)| Value::Elementary(binary_expr(binary_op(op), left, right, ty, span)))
+            }
+            (Of(day @ (TimeOfDay | Ltod)), Of(Time | Ltime)) if sum => {
+                let step = if day == Ltod { Ltime } else { Time };
+                let left = self.scl_convert(ctx, left, day);
+                let right = self.scl_convert(ctx, right, step);
+                let op = if subtract { BinaryOp::SubtractDay } else { BinaryOp::AddDay };
+                let both = left.zip(right);
+                both.map(|(left, right)| Value::Elementary(binary_expr(op, left, as_bits(right, day), day, span)))
+            }
+            (Of(Ldt), Of(Time | Ltime)) if sum => {
+                let left = self.scl_convert(ctx, left, Ldt);
+                let right = self.scl_convert(ctx, right, Ltime);
+                let both = left.zip(right);
+                both.map(|(left, right)| {
+                    let sum = binary_expr(binary_op(op), as_bits(left, Lint), as_bits(right, Lint), Lint, span);
+                    Value::Elementary(as_bits(sum, Ldt))
+                })
+            }
+            (Of(day), Of(other)) if subtract && day == other => self.difference(ctx, day, left, right, span),
+            (Of(Date), Of(TimeOfDay)) if op == Operator::Add && ctx.scl.rules.is_300() => {
+                let left = self.scl_convert(ctx, left, Date);
+                let right = self.scl_convert(ctx, right, TimeOfDay);
+                let both = left.zip(right);
+                both.and_then(|(a, b)| self.library_value(D_TOD_DT, vec![Actual::Value(a), Actual::Value(b)], span))
+            }
+            (DateAndTime, Of(Time)) if sum => {
+                let number = if subtract { SB_DT_TM } else { AD_DT_TM };
+                let left = self.scl_complex_value(ctx, left, &DataType::DateAndTime);
+                let right = self.scl_convert(ctx, right, Time);
+                let both = left.zip(right);
+                both.and_then(|(a, b)| self.library_value(number, vec![Actual::Complex(a), Actual::Value(b)], span))
+            }
+            (DateAndTime, DateAndTime) if subtract => {
+                let left = self.scl_complex_value(ctx, left, &DataType::DateAndTime);
+                let right = self.scl_complex_value(ctx, right, &DataType::DateAndTime);
+                let both = left.zip(right);
+                both.and_then(|(a, b)| self.library_value(SB_DT_DT, vec![Actual::Complex(a), Actual::Complex(b)], span))
+            }
+            (Dtl, _) | (_, Dtl) | (Of(Date), Of(TimeOfDay)) => {
+                let help = "call T_ADD, T_SUB, T_DIFF or T_COMBINE";
+                self.refuse(Code::TypeMismatch, op_span, "DTL is not computed with operators", "DTL", help);
+                None
+            }
+            (Of(_) | DateAndTime, _) | (_, Of(_) | DateAndTime) => {
+                let help =
+                    "TIME goes with TIME and integers; dates go with TIME, and two of one type have a difference";
+                self.operator_types(op_span, &left, &right, help);
+                None
+            }
+            _ => return Err((left, right)),
+        };
+        Ok(value)
+    }
+
+    /// An integer beside a TIME, as so many milliseconds (LTIME: nanoseconds).
+    fn factor(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Expr> {
+        let own = if ty == Ltime { Lint } else { Dint };
+        let value = match value {
+            Value::Elementary(expr) => expr,
+            Value::Constant(Constant::Typed { ty, bits }, span) => constant_expr(bits, ty, span),
+            other => self.scl_convert(ctx, other, own)?,
+        };
+        let span = value.span;
+        let from = value.ty;
+        let converted = convert::explicit_expr(ctx.scl.rules, value, ty);
+        if converted.is_none() {
+            self.no_conversion(ctx.scl.rules, span, from, ty);
+        }
+        converted
+    }
+
+    /// The time between two dates of one type.
+    fn difference(&mut self, ctx: &mut Ctx, ty: Elementary, left: Value, right: Value, span: Span) -> Option<Value> {
+        let left = self.scl_convert(ctx, left, ty);
+        let right = self.scl_convert(ctx, right, ty);
+        let (left, right) = (left?, right?);
+        let simple = |through: Elementary, left: Expr, right: Expr| {
+            binary_expr(BinaryOp::Subtract, as_bits(left, through), as_bits(right, through), through, span)
+        };
+        let value = match ty {
+            TimeOfDay => simple(Time, left, right),
+            Ltod | Ldt => simple(Ltime, left, right),
+            _ => {
+                let days = simple(Dint, left, right);
+                let milliseconds = constant_expr(DAY_MILLISECONDS, Time, span);
+                if ctx.scl.rules == Rules::Tia1500 {
+                    let days = convert::explicit_expr(ctx.scl.rules, days, Ltime)?;
+                    let day = constant_expr(DAY_MILLISECONDS * 1_000_000, Ltime, span);
+                    binary_expr(BinaryOp::Multiply, days, day, Ltime, span)
+                } else {
+                    binary_expr(BinaryOp::Multiply, as_bits(days, Time), milliseconds, Time, span)
+                }
+            }
+        };
+        Some(Value::Elementary(value))
+    }
+
+    /// The value of a function of the standard library, called with all its parameters in order.
+    pub(super) fn library_value(&mut self, number: u16, actuals: Vec<Actual>, span: Span) -> Option<Value> {
+        let target = BlockKey { kind: BlockKind::Fc, number };
+        let bound = self.interface(target, span)?;
+        let inputs = bound.interface.parameters.iter().enumerate().filter(|(_, formal)| formal.name != "RET_VAL");
+        let arguments =
+            inputs.zip(actuals).map(|((parameter, _), actual)| Argument { parameter, actual, span }).collect();
+        let result = bound.interface.parameters.iter().find(|formal| formal.name == "RET_VAL")?.ty.clone();
+        let call = Box::new(Call { target, instance: None, arguments, enable: None, eno: None, span });
+        Some(match result {
+            DataType::Elementary(ty) => Value::Elementary(Expr { kind: ExprKind::Call(call), ty, span }),
+            ty => Value::Complex { value: Complex::Call(call), ty, span },
+        })
+    }
+}
