@@ -21,8 +21,14 @@ pub enum Language {
 }
 
 /// Sources of the blocks.
-const SOURCES: &[(Language, &str)] =
-    &[(Language::Stl, include_str!("../stl/sfc.stl")), (Language::Stl, include_str!("../stl/sfb.stl"))];
+const SOURCES: &[(Language, &str)] = &[
+    (Language::Stl, include_str!("../stl/sfc.stl")),
+    (Language::Stl, include_str!("../stl/sfb.stl")),
+    (Language::Stl, include_str!("../stl/primitives.stl")),
+    (Language::Stl, include_str!("../stl/strings.stl")),
+    (Language::Stl, include_str!("../stl/dates.stl")),
+    (Language::Stl, include_str!("../stl/selection.stl")),
+];
 
 /// SFCs and SFBs from this number on are instructions of the TIA Portal. No program calls them by number.
 pub const TIA_NUMBERS: u16 = 1000;

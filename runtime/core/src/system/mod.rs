@@ -11,12 +11,15 @@ mod block_move;
 mod clock;
 mod control;
 mod data_blocks;
+mod dates;
 mod delay;
 mod disable;
 mod distributed;
 mod masks;
+mod numbers;
 mod output_bits;
 mod parameters;
+mod text;
 mod time_of_day;
 
 use plcc_abi::codes::sync;
@@ -97,6 +100,30 @@ system_functions! {
     79 SET      (Word)                    -> (Word, Pointer)   = output_bits::set;
     80 RSET     (Word)                    -> (Word, Pointer)   = output_bits::rset;
     81 UBLKMOV  (Any)                     -> (Word, Any)       = block_move::ublkmov;
+    // What blocks of the library do not do themselves.
+    2000 TEXT_JOIN (Any, Word, Word, Any, Word, Word, Any, Word, Word) -> (Word, Any) = text::join;
+    2001 TEXT_COMPARE (Any, Any)          -> (Word)            = text::compare;
+    2002 TEXT_FIND (Any, Any)             -> (Word)            = text::find;
+    2003 TEXT_LENGTH (Any)                -> (Word)            = text::length;
+    2004 TEXT_MAXIMUM (Any)               -> (Word)            = text::maximum;
+    2010 TEXT_OF_DINT (Dword, Word)       -> (Word, Any)       = numbers::of_dint;
+    2011 TEXT_OF_INTEGER (Lword, Word)    -> (Word, Any)       = numbers::of_integer;
+    2012 TEXT_OF_REAL (Dword)             -> (Word, Any)       = numbers::of_real;
+    2013 TEXT_OF_LREAL (Lword)            -> (Word, Any)       = numbers::of_lreal;
+    2014 FIXED_OF_REAL (Dword)            -> (Word, Any)       = numbers::fixed_of_real;
+    2015 FIXED_OF_LREAL (Lword)           -> (Word, Any)       = numbers::fixed_of_lreal;
+    2016 FIELD_OF_INTEGER (Lword, Word, Word, Word, Word, Word) -> (Word, Any) = numbers::field_of_integer;
+    2017 FIELD_OF_LREAL (Lword, Word, Word, Word, Word, Word) -> (Word, Any) = numbers::field_of_lreal;
+    2020 DINT_OF_TEXT (Any, Word, Dword, Dword) -> (Word, Dword) = numbers::to_dint;
+    2021 REAL_OF_TEXT (Any)               -> (Word, Dword)     = numbers::to_real;
+    2022 SCAN_INTEGER (Any, Word, Word, Word, Lword, Lword) -> (Word, Lword, Word) = numbers::integer_of;
+    2023 SCAN_LREAL (Any, Word, Word)     -> (Word, Lword, Word) = numbers::float_of;
+    2024 SCAN_REAL (Any, Word, Word)      -> (Word, Dword, Word) = numbers::real_of;
+    2030 DT_ADD (DateAndTime, Dword, Bool) -> (Word, DateAndTime) = dates::add;
+    2031 DT_DIFFERENCE (DateAndTime, DateAndTime) -> (Word, Dword) = dates::difference;
+    2032 DT_COMBINE (Word, Dword)         -> (Word, DateAndTime) = dates::combine;
+    2033 DT_SPLIT (DateAndTime)           -> (Word, Word, Dword, Word) = dates::split;
+    2034 DT_COMPARE (DateAndTime, DateAndTime) -> (Word)       = dates::compare;
 }
 
 fn row(number: u32) -> Option<&'static Row> {

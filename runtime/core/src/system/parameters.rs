@@ -10,8 +10,10 @@ pub(super) enum Kind {
     Byte,
     /// INT, WORD.
     Word,
-    /// DINT, DWORD, TIME.
+    /// DINT, DWORD, TIME, REAL.
     Dword,
+    /// LINT, ULINT, LWORD, LREAL.
+    Lword,
     DateAndTime,
     Any,
     /// POINTER: DB number and area pointer.
@@ -26,7 +28,7 @@ impl Kind {
             Kind::Bool | Kind::Byte => 1,
             Kind::Word => 2,
             Kind::Dword => 4,
-            Kind::DateAndTime => 8,
+            Kind::Lword | Kind::DateAndTime => 8,
             Kind::Any => 10,
             Kind::Pointer => 6,
             Kind::StartInfo => 12,
@@ -71,6 +73,10 @@ impl Call<'_> {
         self.cpu.memory.dword(self.at(index))
     }
 
+    pub fn lword(&self, index: usize) -> u64 {
+        u64::from_be_bytes(self.cpu.memory.bytes(self.at(index)))
+    }
+
     pub fn date_and_time(&self, index: usize) -> [u8; 8] {
         self.cpu.memory.bytes(self.at(index))
     }
@@ -89,6 +95,10 @@ impl Call<'_> {
 
     pub fn set_dword(&self, index: usize, value: u32) {
         self.cpu.memory.set_dword(self.at(index), value);
+    }
+
+    pub fn set_lword(&self, index: usize, value: u64) {
+        self.cpu.memory.set_bytes(self.at(index), value.to_be_bytes());
     }
 
     pub fn pointer(&self, index: usize) -> [u8; 6] {

@@ -1,0 +1,376 @@
+//! Numbers as text, and back.
+//!
+//! - as STEP 7 V5 has it: FC 5, 16, 30, 37 to 39, and `X_TO_STRING` of the TIA Portal;
+//! - as S_CONV, STRG_VAL and VAL_STRG of the TIA Portal have it.
+//!
+//! Source: STL reference, IEC function library; S7-1200 reference, string conversion.
+
+use std::fmt::Write as _;
+
+use super::any::Access;
+use super::parameters::Call;
+use super::text::{self, Buffer, CUT, INVALID, Text};
+use super::{OK, Outcome, error};
+
+/// FORM of [`of_integer`]: `+` before numbers that are not negative.
+const PLUS: u16 = 1;
+/// FORM of [`of_integer`]: IN is a ULINT.
+const UNSIGNED: u16 = 2;
+
+/// Value of a LINT, or with UNSIGNED of a ULINT.
+fn integer(bits: u64, form: u16) -> i128 {
+    if form & UNSIGNED != 0 { i128::from(bits) } else { i128::from(bits as i64) }
+}
+
+/// IN LINT, FORM -> RET_VAL, OUT STRING. One that is too short stays as it is.
+pub(super) fn of_integer(call: &Call) -> Outcome {
+    let form = call.word(1);
+    decimal(call, 3, integer(call.lword(0), form), form)
+}
+
+/// As [`of_integer`], of a DINT.
+pub(super) fn of_dint(call: &Call) -> Outcome {
+    decimal(call, 3, i128::from(call.dword(0) as i32), call.word(1))
+}
+
+fn decimal(call: &Call, out: usize, value: i128, form: u16) -> Outcome {
+    let mut buffer: Buffer<24> = Buffer::new();
+    if form & PLUS != 0 && value >= 0 {
+        buffer.push(b'+');
+    }
+    let _ = write!(buffer, "{value}");
+    text::give_whole(call, out, buffer.characters())
+}
+
+/// IN REAL -> RET_VAL, OUT STRING: `+1.2345678E+01`, 14 characters.
+pub(super) fn of_real(call: &Call) -> Outcome {
+    scientific(call, 2, f64::from(f32::from_bits(call.dword(0))), 7, 2)
+}
+
+/// IN LREAL -> RET_VAL, OUT STRING: `+1.2345678901234E+001`, 21 characters.
+pub(super) fn of_lreal(call: &Call) -> Outcome {
+    scientific(call, 2, f64::from_bits(call.lword(0)), 13, 3)
+}
+
+fn scientific(call: &Call, out: usize, value: f64, digits: usize, exponent_digits: usize) -> Outcome {
+    if !value.is_finite() {
+        return error(INVALID);
+    }
+    let (mantissa, exponent) = mantissa_and_exponent(value, digits);
+    let mut buffer: Buffer<24> = Buffer::new();
+    if value >= 0.0 {
+        // A negative zero has no sign either.
+        buffer.push(b'+');
+    }
+    let mantissa = if value == 0.0 { mantissa.as_str().trim_start_matches('-') } else { mantissa.as_str() };
+    let sign = if exponent < 0 { '-' } else { '+' };
+    let _ = write!(buffer, "{mantissa}E{sign}{:0exponent_digits$}", exponent.abs());
+    text::give_whole(call, out, buffer.characters())
+}
+
+/// `-1.2300` and `-3`, correctly rounded.
+fn mantissa_and_exponent(value: f64, digits: usize) -> (Buffer<24>, i32) {
+    let mut all: Buffer<32> = Buffer::new();
+    let _ = write!(all, "{value:.digits$e}");
+    let (mantissa, exponent) = all.as_str().split_once('e').unwrap_or(("0", "0"));
+    let mut buffer = Buffer::new();
+    let _ = buffer.write_str(mantissa);
+    (buffer, exponent.parse().unwrap_or(0))
+}
+
+/// IN REAL -> RET_VAL, OUT STRING: fixed point, as short as gives the same REAL again. `INF` and `NaN` are errors.
+pub(super) fn fixed_of_real(call: &Call) -> Outcome {
+    let value = f32::from_bits(call.dword(0));
+    let mut buffer: Buffer<64> = Buffer::new();
+    let _ = if value.is_finite() { write!(buffer, "{value}") } else { write_special(&mut buffer, f64::from(value)) };
+    finish_special(text::give_whole(call, 2, buffer.characters()), value.is_finite())
+}
+
+/// As [`fixed_of_real`], of an LREAL; more than 254 characters are too long.
+pub(super) fn fixed_of_lreal(call: &Call) -> Outcome {
+    let value = f64::from_bits(call.lword(0));
+    let mut buffer: Buffer<512> = Buffer::new();
+    let _ = if value.is_finite() { write!(buffer, "{value}") } else { write_special(&mut buffer, value) };
+    finish_special(text::give_whole(call, 2, buffer.characters()), value.is_finite())
+}
+
+fn write_special<const N: usize>(buffer: &mut Buffer<N>, value: f64) -> std::fmt::Result {
+    buffer.write_str(if value.is_nan() { "NaN" } else { "INF" })
+}
+
+/// What is no number is an error, although a text is given.
+fn finish_special(outcome: Outcome, finite: bool) -> Outcome {
+    if outcome == OK && !finite { error(INVALID) } else { outcome }
+}
+
+/// S STRING, LONGEST INT, LOW DINT, HIGH DINT -> RET_VAL, OUT DINT: an optional sign, then digits only. A number out of LOW to
+/// HIGH is limited and [`CUT`]; a text of another form is [`INVALID`].
+pub(super) fn to_dint(call: &Call) -> Outcome {
+    const OUT: usize = 5;
+    let longest = usize::from(call.word(1));
+    let value = text::characters(call, 0).filter(|text| text.characters().len() <= longest).and_then(|text| {
+        let digits = text.as_str();
+        let unsigned = digits.strip_prefix(['+', '-']).unwrap_or(digits);
+        let only_digits = !unsigned.is_empty() && unsigned.bytes().all(|character| character.is_ascii_digit());
+        if only_digits { digits.parse::<i64>().ok() } else { None }
+    });
+    let Some(value) = value else { return error(INVALID) };
+    let limited = value.clamp(i64::from(call.dword(2) as i32), i64::from(call.dword(3) as i32));
+    call.set_dword(OUT, limited as i32 as u32);
+    if limited == value { OK } else { error(CUT) }
+}
+
+/// S STRING -> RET_VAL, OUT REAL: exactly `+v.nnnnnnnE+xx` at the beginning. Too large is limited and [`CUT`].
+pub(super) fn to_real(call: &Call) -> Outcome {
+    const FORM: &[u8] = b"+9.9999999E+99";
+    let Some(text) = text::characters(call, 0) else { return error(INVALID) };
+    let fits = |(&form, &character): (&u8, &u8)| match form {
+        b'+' => matches!(character, b'+' | b'-'),
+        b'9' => character.is_ascii_digit(),
+        other => character == other,
+    };
+    let characters = text.characters();
+    if characters.len() < FORM.len() || !FORM.iter().zip(characters).all(fits) {
+        return error(INVALID);
+    }
+    let Ok(value) = text.as_str().get(..FORM.len()).unwrap_or("").parse::<f32>() else { return error(INVALID) };
+    let limited = value.clamp(f32::MIN, f32::MAX);
+    call.set_dword(2, limited.to_bits());
+    if limited == value { OK } else { error(CUT) }
+}
+
+/// A number at the beginning of a text.
+struct Scanned {
+    /// Digits, sign, point and exponent as Rust reads them.
+    digits: Buffer<300>,
+    /// Characters that belong to it, blanks in front included.
+    length: usize,
+}
+
+/// FORMAT: the comma is the decimal sign.
+const COMMA: u16 = 1;
+/// FORMAT: an exponent may follow, or is written.
+const EXPONENT: u16 = 2;
+/// FORMAT of VAL_STRG: always a sign.
+const SIGN: u16 = 4;
+
+/// Blanks, a sign, digits with separators of thousands, a decimal sign, digits. `None` without a digit.
+fn scan(text: &[u8], format: u16) -> Option<Scanned> {
+    let (point, separator) = if format & COMMA != 0 { (b',', b'.') } else { (b'.', b',') };
+    let mut digits: Buffer<300> = Buffer::new();
+    let mut at = text.iter().take_while(|&&character| character == b' ').count();
+    if let Some(&sign @ (b'+' | b'-')) = text.get(at) {
+        digits.push(sign);
+        at += 1;
+    }
+    let (mut any, mut fraction) = (false, false);
+    while let Some(&character) = text.get(at) {
+        match character {
+            b'0'..=b'9' => {
+                any = true;
+                digits.push(character);
+            }
+            _ if character == point && !fraction => {
+                fraction = true;
+                if !any {
+                    digits.push(b'0');
+                }
+                digits.push(b'.');
+            }
+            _ if character == separator && !fraction => {}
+            _ => break,
+        }
+        at += 1;
+    }
+    if !any {
+        return None;
+    }
+    if format & EXPONENT != 0
+        && let Some(length) = exponent_length(&text[at..])
+    {
+        text[at..at + length].iter().for_each(|&character| digits.push(character));
+        at += length;
+    }
+    Some(Scanned { digits, length: at })
+}
+
+/// Characters of `E-12`; `None` if there is no exponent.
+fn exponent_length(text: &[u8]) -> Option<usize> {
+    let [b'e' | b'E', rest @ ..] = text else { return None };
+    let sign = usize::from(matches!(rest.first(), Some(b'+' | b'-')));
+    let digits = rest[sign..].iter().take_while(|character| character.is_ascii_digit()).count();
+    (digits > 0).then_some(1 + sign + digits)
+}
+
+/// The parameters of [`integer_of`] and [`float_of`], scanned.
+fn scanned(call: &Call) -> Option<Scanned> {
+    let (format, position) = (call.word(1), call.word(2) as i16);
+    let text = text::characters(call, 0)?;
+    let start = usize::try_from(position).ok()?.checked_sub(1)?;
+    let rest = text.characters().get(start..).filter(|rest| !rest.is_empty())?;
+    scan(rest, format).filter(|_| format <= COMMA | EXPONENT)
+}
+
+/// IN STRING, FORMAT WORD, P INT, FORM INT, LOW LINT, HIGH LINT -> RET_VAL, OUT LINT, NEXT INT. A fraction is dropped. Out of
+/// range, or without a number, OUT is 0 and NEXT is P.
+pub(super) fn integer_of(call: &Call) -> Outcome {
+    const OUT: usize = 7;
+    let form = call.word(3);
+    let value = scanned(call).and_then(|scanned| {
+        let digits = scanned.digits.as_str();
+        let value = if digits.contains(['e', 'E']) {
+            let value = digits.parse::<f64>().ok().filter(|value| value.is_finite())?.trunc();
+            // Larger numbers are out of every range, and their conversion saturates.
+            value as i128
+        } else {
+            digits.split('.').next().unwrap_or("").parse::<i128>().ok()?
+        };
+        let inside = (integer(call.lword(4), form)..=integer(call.lword(5), form)).contains(&value);
+        inside.then_some((value, scanned.length))
+    });
+    let (value, length) = value.unwrap_or((0, 0));
+    call.set_lword(OUT, value as u64);
+    call.set_word(OUT + 1, call.word(2).wrapping_add(length as u16));
+    if length == 0 { error(INVALID) } else { OK }
+}
+
+/// IN STRING, FORMAT WORD, P INT -> RET_VAL, OUT LREAL, NEXT INT.
+pub(super) fn float_of(call: &Call) -> Outcome {
+    const OUT: usize = 4;
+    let value = scanned(call)
+        .and_then(|scanned| scanned.digits.as_str().parse::<f64>().ok().map(|value| (value, scanned.length)));
+    let (value, length) = value.unwrap_or((0.0, 0));
+    call.set_lword(OUT, value.to_bits());
+    call.set_word(OUT + 1, call.word(2).wrapping_add(length as u16));
+    if length == 0 { error(INVALID) } else { OK }
+}
+
+/// IN STRING, FORMAT WORD, P INT -> RET_VAL, OUT REAL, NEXT INT. What is too small for a normal number is 0.
+pub(super) fn real_of(call: &Call) -> Outcome {
+    const OUT: usize = 4;
+    let value = scanned(call)
+        .and_then(|scanned| scanned.digits.as_str().parse::<f32>().ok().map(|value| (value, scanned.length)));
+    let (value, length) = value.unwrap_or((0.0, 0));
+    let value = if value.is_subnormal() { 0.0 } else { value };
+    call.set_dword(OUT, value.to_bits());
+    call.set_word(OUT + 1, call.word(2).wrapping_add(length as u16));
+    if length == 0 { error(INVALID) } else { OK }
+}
+
+/// The parameters of VAL_STRG behind its number.
+struct Field {
+    size: usize,
+    precision: usize,
+    format: u16,
+    position: usize,
+}
+
+/// SIZE, PREC, FORMAT, P at parameter 1 and the following.
+fn field(call: &Call, first: usize) -> Option<Field> {
+    let word = |index: usize| usize::from(call.word(first + index));
+    let field = Field { size: word(0), precision: word(1), format: call.word(first + 2), position: word(3) };
+    let legal = field.format <= COMMA | EXPONENT | SIGN && field.size > field.precision && field.position > 0;
+    legal.then_some(field)
+}
+
+/// Writes `number` into the field, right-justified.
+fn fill_field(call: &Call, out: usize, field: &Field, number: &[u8]) -> Outcome {
+    let Some(text) = Text::of(call, out, Access::Write) else { return error(INVALID) };
+    let end = field.position - 1 + field.size;
+    if number.len() > field.size || end > text.maximum as usize {
+        return error(CUT);
+    }
+    let Some(old) = text::characters(call, out) else { return error(INVALID) };
+    let mut buffer: Buffer<{ text::LONGEST }> = Buffer::new();
+    for index in 0..end.max(old.characters().len()) {
+        let blank_or_old = old.characters().get(index).copied().unwrap_or(b' ');
+        let in_field = index.checked_sub(field.position - 1).filter(|_| index < end);
+        buffer.push(match in_field {
+            None => blank_or_old,
+            Some(place) => (place + number.len()).checked_sub(field.size).map_or(b' ', |digit| number[digit]),
+        });
+    }
+    text.write(call, buffer.characters());
+    OK
+}
+
+/// IN LINT, SIZE, PREC, FORMAT, P, FORM -> RET_VAL, OUT STRING. PREC places the point.
+pub(super) fn field_of_integer(call: &Call) -> Outcome {
+    const OUT: usize = 7;
+    let Some(field) = field(call, 1) else { return error(INVALID) };
+    let value = integer(call.lword(0), call.word(5));
+    let mut digits: Buffer<300> = Buffer::new();
+    let width = field.precision + 1;
+    let _ = write!(digits, "{:0width$}", value.unsigned_abs());
+    let mut number: Buffer<304> = Buffer::new();
+    push_sign(&mut number, value < 0, field.format);
+    let (whole, fraction) = digits.characters().split_at(digits.characters().len() - field.precision);
+    if field.format & EXPONENT != 0 {
+        return match field_of_float(value as f64 / 10f64.powi(field.precision as i32), &field) {
+            Some(number) => fill_field(call, OUT, &field, number.characters()),
+            None => error(INVALID),
+        };
+    }
+    whole.iter().for_each(|&digit| number.push(digit));
+    if !fraction.is_empty() {
+        number.push(decimal_sign(field.format));
+        fraction.iter().for_each(|&digit| number.push(digit));
+    }
+    fill_field(call, OUT, &field, number.characters())
+}
+
+/// IN LREAL, SIZE, PREC, FORMAT, P, LONGEST -> RET_VAL, OUT STRING. LONGEST is the greatest PREC.
+pub(super) fn field_of_lreal(call: &Call) -> Outcome {
+    const OUT: usize = 7;
+    let value = f64::from_bits(call.lword(0));
+    let Some(field) = field(call, 1).filter(|field| field.precision <= usize::from(call.word(5))) else {
+        return error(INVALID);
+    };
+    match field_of_float(value, &field) {
+        Some(number) => finish_special(fill_field(call, OUT, &field, number.characters()), value.is_finite()),
+        None => error(CUT),
+    }
+}
+
+/// The characters of a float; `None` if there are too many.
+fn field_of_float(value: f64, field: &Field) -> Option<Buffer<320>> {
+    let mut number: Buffer<320> = Buffer::new();
+    if value.is_nan() {
+        write_special(&mut number, value).ok()?;
+        return Some(number);
+    }
+    push_sign(&mut number, value < 0.0, field.format);
+    if value.is_infinite() {
+        write_special(&mut number, value).ok()?;
+        return Some(number);
+    }
+    let (precision, magnitude) = (field.precision, value.abs());
+    let mut digits: Buffer<320> = Buffer::new();
+    if field.format & EXPONENT != 0 {
+        let _ = write!(digits, "{magnitude:.precision$e}");
+    } else {
+        let _ = write!(digits, "{magnitude:.precision$}");
+    }
+    let (mantissa, exponent) = digits.as_str().split_once('e').map_or((digits.as_str(), None), |(m, e)| (m, Some(e)));
+    mantissa.bytes().for_each(|digit| number.push(if digit == b'.' { decimal_sign(field.format) } else { digit }));
+    if let Some(exponent) = exponent {
+        number.push(b'E');
+        if !exponent.starts_with('-') {
+            number.push(b'+');
+        }
+        number.write_str(exponent).ok()?;
+    }
+    Some(number)
+}
+
+fn push_sign<const N: usize>(number: &mut Buffer<N>, negative: bool, format: u16) {
+    if negative {
+        number.push(b'-');
+    } else if format & SIGN != 0 {
+        number.push(b'+');
+    }
+}
+
+fn decimal_sign(format: u16) -> u8 {
+    if format & COMMA != 0 { b',' } else { b'.' }
+}
