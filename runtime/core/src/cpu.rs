@@ -17,6 +17,7 @@ use crate::io::Driver;
 use crate::memory::Memory;
 use crate::organization::Running;
 use crate::schedule::Schedule;
+use crate::system::meters::{METERS, Meter};
 use crate::testing::Assertions;
 use crate::watchdog::Watchdog;
 
@@ -48,6 +49,8 @@ pub struct Cpu {
     blocks: Vec<BlockEntry>,
     /// DBs made at run time: number, address, bytes. Sorted by address.
     pub(crate) created_dbs: RefCell<Vec<(u16, u32, u32)>>,
+    /// Run-time meters.
+    pub(crate) meters: [Meter; METERS],
 }
 
 /// DBs that may be made at run time; more is "no memory".
@@ -73,6 +76,7 @@ impl Cpu {
             stop: Cell::new(None),
             blocks,
             created_dbs: RefCell::new(Vec::with_capacity(CREATED_DBS_MAX)),
+            meters: Default::default(),
         });
         cpu.memory.set_host64(state::CPU, Rc::as_ptr(&cpu) as u64);
         cpu.load_dbs();

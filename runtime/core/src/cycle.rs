@@ -127,13 +127,13 @@ impl Cpu {
     }
 
     /// Copies the named inputs into the process image.
-    fn read_inputs(&self) {
+    pub(crate) fn read_inputs(&self) {
         let (base, length) = self.area(Area::Inputs);
         self.driver.named(length, &mut |address, value| self.memory.set_byte(base + address, value));
     }
 
     /// Copies the process image of outputs to the modules.
-    fn write_outputs(&self) {
+    pub(crate) fn write_outputs(&self) {
         let (base, length) = self.area(Area::Outputs);
         self.memory.view(base, length, |image| self.driver.write_image(image));
     }

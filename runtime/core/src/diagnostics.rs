@@ -111,6 +111,7 @@ pub fn event_text(entry: &Entry) -> String {
         event @ 0x2521..=0x253F => sync_error_text(event as u8, info),
         0x2942 => format!("I/O access error on reading address {info}"),
         0x2943 => format!("I/O access error on writing address {info}"),
+        0x8000..=0xBFFF => format!("event of the program (SFC 52), INFO2 16#{info:08X}"),
         event => format!("event of class {}", event >> 12),
     };
     format!("16#{:04X} {words}", entry.event)

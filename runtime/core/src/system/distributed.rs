@@ -1,6 +1,6 @@
-//! SFC 14 DPRD_DAT, SFC 15 DPWR_DAT: consistent data of a DP slave.
+//! SFC 13 DPNRM_DG, SFC 14 DPRD_DAT, SFC 15 DPWR_DAT: diagnostics and consistent data of a DP slave.
 //!
-//! Source: System and standard functions, SFC 14, 15.
+//! Source: System and standard functions, SFC 13 to 15.
 //!
 //! LADDR is the first peripheral byte, RECORD an ANY of type BYTE. 8090 no module, 8092 type, 80B1 length.
 
@@ -55,4 +55,12 @@ pub(super) fn dpwr_dat(call: &Call) -> Outcome {
         }
     }
     OK
+}
+
+/// REQ, LADDR -> RET_VAL, RECORD, BUSY: diagnostics of a slave. There is no DP network, so no address is that of a slave: 8090; 7000
+/// without REQ.
+pub(super) fn dpnrm_dg(call: &Call) -> Outcome {
+    const BUSY: usize = 4;
+    call.set_bool(BUSY, false);
+    if call.byte(0) & 1 == 0 { Outcome::RetVal(0x7000) } else { error(0x8090) }
 }

@@ -15,7 +15,9 @@ mod dates;
 mod delay;
 mod disable;
 mod distributed;
+mod images;
 mod masks;
+pub(crate) mod meters;
 mod numbers;
 mod output_bits;
 mod parameters;
@@ -70,7 +72,11 @@ macro_rules! system_functions {
 system_functions! {
      0 SET_CLK  (DateAndTime)             -> (Word)            = clock::set_clk;
      1 READ_CLK ()                        -> (Word, DateAndTime) = clock::read_clk;
+     2 SET_RTM  (Byte, Word)              -> (Word)            = meters::set;
+     3 CTRL_RTM (Byte, Bool)              -> (Word)            = meters::control;
+     4 READ_RTM (Byte)                    -> (Word, Bool, Word) = meters::read;
      6 RD_SINFO ()                        -> (Word, StartInfo, StartInfo) = control::rd_sinfo;
+    13 DPNRM_DG (Bool, Word)              -> (Word, Any, Bool) = distributed::dpnrm_dg;
     14 DPRD_DAT (Word)                    -> (Word, Any)       = distributed::dprd_dat;
     15 DPWR_DAT (Word, Any)               -> (Word)            = distributed::dpwr_dat;
     20 BLKMOV   (Any)                     -> (Word, Any)       = block_move::blkmov;
@@ -78,6 +84,9 @@ system_functions! {
     22 CREAT_DB (Word, Word, Word)        -> (Word, Word)      = data_blocks::creat_db;
     23 DEL_DB   (Word)                    -> (Word)            = data_blocks::del_db;
     24 TEST_DB  (Word)                    -> (Word, Word, Bool) = data_blocks::test_db;
+    25 COMPRESS ()                        -> (Word, Bool, NextBool) = control::compress;
+    26 UPDAT_PI (Byte)                    -> (Word, Word)      = images::update_inputs;
+    27 UPDAT_PO (Byte)                    -> (Word, Word)      = images::update_outputs;
     28 SET_TINT (Word, DateAndTime, Word) -> (Word)            = time_of_day::set_tint;
     29 CAN_TINT (Word)                    -> (Word)            = time_of_day::can_tint;
     30 ACT_TINT (Word)                    -> (Word)            = time_of_day::act_tint;
@@ -96,6 +105,8 @@ system_functions! {
     44 REPL_VAL (Dword)                   -> (Word)            = control::repl_val;
     46 STP      ()                        -> ()                = control::stp;
     47 WAIT     (Word)                    -> ()                = control::wait;
+    48 SNC_RTCB ()                        -> (Word)            = control::snc_rtcb;
+    52 WR_USMSG (Bool, Word, Any, Any)    -> (Word)            = control::wr_usmsg;
     64 TIME_TCK ()                        -> (Dword)           = clock::time_tck;
     79 SET      (Word)                    -> (Word, Pointer)   = output_bits::set;
     80 RSET     (Word)                    -> (Word, Pointer)   = output_bits::rset;

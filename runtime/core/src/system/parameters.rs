@@ -5,8 +5,10 @@ use crate::cpu::Cpu;
 /// Types of parameters by their layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// One bit; no system function has two in a row, so each begins a byte.
+    /// One bit, the first of its byte.
     Bool,
+    /// A BOOL behind a BOOL: the next bit of the same byte.
+    NextBool,
     Byte,
     /// INT, WORD.
     Word,
@@ -25,6 +27,7 @@ pub(super) enum Kind {
 impl Kind {
     const fn bytes(self) -> u32 {
         match self {
+            Kind::NextBool => 0,
             Kind::Bool | Kind::Byte => 1,
             Kind::Word => 2,
             Kind::Dword => 4,
@@ -38,7 +41,7 @@ impl Kind {
 
 /// Offset of parameter `index`: bytes anywhere, all else at even bytes. Source: Programming with STEP 7, layout of a STRUCT.
 pub(super) fn offset(kinds: &[Kind], index: usize) -> u32 {
-    let even = |kind: Kind, at: u32| if kind.bytes() == 1 { at } else { at + at % 2 };
+    let even = |kind: Kind, at: u32| if kind.bytes() <= 1 { at } else { at + at % 2 };
     let mut at = 0;
     for &kind in &kinds[..index] {
         at = even(kind, at) + kind.bytes();
@@ -87,6 +90,11 @@ impl Call<'_> {
 
     pub fn set_bool(&self, index: usize, value: bool) {
         self.cpu.memory.set_bit(self.at(index), 0, value);
+    }
+
+    /// Sets parameter `index`, a [`Kind::NextBool`].
+    pub fn set_next_bool(&self, index: usize, value: bool) {
+        self.cpu.memory.set_bit(self.at(index) - 1, 1, value);
     }
 
     pub fn set_word(&self, index: usize, value: u16) {

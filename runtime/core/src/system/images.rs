@@ -1,0 +1,28 @@
+//! SFC 26 UPDAT_PI, SFC 27 UPDAT_PO: the process image out of turn.
+//!
+//! Source: System and standard functions, SFC 26, 27. There are no partial images, so PART is 0: the whole image.
+
+use super::parameters::Call;
+use super::{OK, Outcome, error};
+
+const FLADDR: usize = 2;
+
+/// PART -> RET_VAL, FLADDR. 8090 no such partial image.
+pub(super) fn update_inputs(call: &Call) -> Outcome {
+    call.set_word(FLADDR, 0);
+    if call.byte(0) != 0 {
+        return error(0x8090);
+    }
+    call.cpu.read_inputs();
+    OK
+}
+
+/// PART -> RET_VAL, FLADDR. 8090 no such partial image.
+pub(super) fn update_outputs(call: &Call) -> Outcome {
+    call.set_word(FLADDR, 0);
+    if call.byte(0) != 0 {
+        return error(0x8090);
+    }
+    call.cpu.write_outputs();
+    OK
+}

@@ -1,0 +1,64 @@
+//! Run-time meters: SFC 2 SET_RTM, SFC 3 CTRL_RTM, SFC 4 READ_RTM. They count full hours, 0 to 32767.
+//!
+//! Source: System and standard functions, SFC 2 to 4. Assumption: eight meters, as most CPUs have; the data sheet tells.
+
+use std::cell::Cell;
+
+use super::parameters::Call;
+use super::{OK, Outcome, error};
+
+/// Meters of a CPU, numbers 0 to 7.
+pub(crate) const METERS: usize = 8;
+
+const NS_PER_HOUR: u64 = 3_600_000_000_000;
+const HOURS_MAX: u64 = 0x7FFF;
+
+/// A run-time meter.
+#[derive(Default)]
+pub(crate) struct Meter {
+    /// Counted when it was last started or stopped.
+    counted_ns: Cell<u64>,
+    /// Since when it runs.
+    since: Cell<Option<u64>>,
+}
+
+impl Meter {
+    fn elapsed(&self, now: u64) -> u64 {
+        let running = self.since.get().map_or(0, |since| now.saturating_sub(since));
+        self.counted_ns.get().saturating_add(running)
+    }
+}
+
+fn meter<'a>(call: &'a Call) -> Option<&'a Meter> {
+    call.cpu.meters.get(usize::from(call.byte(0)))
+}
+
+/// NR, PV: sets the hours; one that runs goes on from there. 8080 number, 8081 negative.
+pub(super) fn set(call: &Call) -> Outcome {
+    let Some(meter) = meter(call) else { return error(0x8080) };
+    let Ok(hours) = u64::try_from(call.word(1) as i16) else { return error(0x8081) };
+    meter.counted_ns.set(hours * NS_PER_HOUR);
+    meter.since.set(meter.since.get().map(|_| call.cpu.clock.now()));
+    OK
+}
+
+/// NR, S: starts or stops. 8080 number.
+pub(super) fn control(call: &Call) -> Outcome {
+    let Some(meter) = meter(call) else { return error(0x8080) };
+    let now = call.cpu.clock.now();
+    let start = call.byte(1) & 1 != 0;
+    if start != meter.since.get().is_some() {
+        meter.counted_ns.set(meter.elapsed(now));
+        meter.since.set(start.then_some(now));
+    }
+    OK
+}
+
+/// NR -> RET_VAL, CQ (runs), CV (hours). 8080 number, 8082 overflow: CV stays at 32767.
+pub(super) fn read(call: &Call) -> Outcome {
+    let Some(meter) = meter(call) else { return error(0x8080) };
+    let hours = meter.elapsed(call.cpu.clock.now()) / NS_PER_HOUR;
+    call.set_bool(2, meter.since.get().is_some());
+    call.set_word(3, hours.min(HOURS_MAX) as u16);
+    if hours > HOURS_MAX { error(0x8082) } else { OK }
+}
