@@ -350,6 +350,8 @@ impl<'m, 'f> Lowering<'m, 'f> {
             BinaryOp::Imul => ins.imul(x, y),
             BinaryOp::Sdiv => ins.sdiv(x, y),
             BinaryOp::Srem => ins.srem(x, y),
+            BinaryOp::Udiv => ins.udiv(x, y),
+            BinaryOp::Urem => ins.urem(x, y),
             BinaryOp::And => ins.band(x, y),
             BinaryOp::Or => ins.bor(x, y),
             BinaryOp::Xor => ins.bxor(x, y),
@@ -385,6 +387,8 @@ impl<'m, 'f> Lowering<'m, 'f> {
             | BinaryOp::Imul
             | BinaryOp::Sdiv
             | BinaryOp::Srem
+            | BinaryOp::Udiv
+            | BinaryOp::Urem
             | BinaryOp::Shl
             | BinaryOp::Lshr
             | BinaryOp::Ashr
@@ -437,6 +441,14 @@ impl<'m, 'f> Lowering<'m, 'f> {
             ConvertOp::ToSint => {
                 let arg = self.value(arg)?;
                 self.b.ins().fcvt_to_sint_sat(clif_to, arg)
+            }
+            ConvertOp::FromUint => {
+                let arg = self.value(arg)?;
+                self.b.ins().fcvt_from_uint(clif_to, arg)
+            }
+            ConvertOp::ToUint => {
+                let arg = self.value(arg)?;
+                self.b.ins().fcvt_to_uint_sat(clif_to, arg)
             }
             ConvertOp::Fpromote => {
                 let arg = self.value(arg)?;

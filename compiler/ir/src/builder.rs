@@ -445,6 +445,8 @@ impl FunctionBuilder {
             BinaryOp::Imul
             | BinaryOp::Sdiv
             | BinaryOp::Srem
+            | BinaryOp::Udiv
+            | BinaryOp::Urem
             | BinaryOp::Fadd
             | BinaryOp::Fsub
             | BinaryOp::Fmul

@@ -75,6 +75,8 @@ pub fn binary(op: BinaryOp, ty: Type, a: u64, b: u64) -> Option<u64> {
             BinaryOp::Imul => a.wrapping_mul(b),
             BinaryOp::Sdiv => divide(ty, a, b, i64::checked_div)?,
             BinaryOp::Srem => divide(ty, a, b, i64::checked_rem)?,
+            BinaryOp::Udiv => a.checked_div(b)?,
+            BinaryOp::Urem => a.checked_rem(b)?,
             BinaryOp::And => a & b,
             BinaryOp::Or => a | b,
             BinaryOp::Xor => a ^ b,
@@ -164,6 +166,12 @@ pub fn convert(op: ConvertOp, from: Type, to: Type, arg: u64) -> u64 {
             ConvertOp::ToSint => {
                 let x = if from == Type::F64 { f64_of(arg) } else { f64::from(f32_of(arg)) };
                 if to == Type::I64 { x as i64 as u64 } else { x as i32 as u64 }
+            }
+            ConvertOp::FromUint if to == Type::F64 => (arg as f64).to_bits(),
+            ConvertOp::FromUint => u64::from((arg as f32).to_bits()),
+            ConvertOp::ToUint => {
+                let x = if from == Type::F64 { f64_of(arg) } else { f64::from(f32_of(arg)) };
+                if to == Type::I64 { x as u64 } else { u64::from(x as u32) }
             }
             ConvertOp::Fpromote => f64::from(f32_of(arg)).to_bits(),
             ConvertOp::Fdemote => u64::from((f64_of(arg) as f32).to_bits()),

@@ -56,6 +56,10 @@ ops! {
         Sdiv = "sdiv",
         /// As `sdiv`.
         Srem = "srem",
+        /// The divisor is not 0.
+        Udiv = "udiv",
+        /// As `udiv`.
+        Urem = "urem",
         And = "and",
         Or = "or",
         Xor = "xor",
@@ -119,6 +123,10 @@ ops! {
         FromSint = "from_sint",
         /// f32 or f64 to signed i32 or i64, towards zero; saturates, NaN gives 0.
         ToSint = "to_sint",
+        /// Unsigned i32 or i64 to f32 or f64, to nearest, ties to even.
+        FromUint = "from_uint",
+        /// f32 or f64 to unsigned i32 or i64, towards zero; saturates, NaN gives 0.
+        ToUint = "to_uint",
         Fpromote = "fpromote",
         Fdemote = "fdemote",
     }

@@ -528,6 +528,8 @@ fn binary_takes(op: BinaryOp, ty: Type) -> bool {
         | BinaryOp::Imul
         | BinaryOp::Sdiv
         | BinaryOp::Srem
+        | BinaryOp::Udiv
+        | BinaryOp::Urem
         | BinaryOp::Shl
         | BinaryOp::Lshr
         | BinaryOp::Ashr
@@ -544,8 +546,8 @@ fn converts(op: ConvertOp, from: Type, to: Type) -> bool {
         ConvertOp::Zext | ConvertOp::Sext => from.is_int() && to.is_int() && from.bits() < to.bits(),
         ConvertOp::Trunc => from.is_int() && to.is_int() && from.bits() > to.bits(),
         ConvertOp::Bitcast => from.bits() == to.bits() && from.is_int() != to.is_int(),
-        ConvertOp::FromSint => wide_int(from) && !to.is_int(),
-        ConvertOp::ToSint => !from.is_int() && wide_int(to),
+        ConvertOp::FromSint | ConvertOp::FromUint => wide_int(from) && !to.is_int(),
+        ConvertOp::ToSint | ConvertOp::ToUint => !from.is_int() && wide_int(to),
         ConvertOp::Fpromote => (from, to) == (Type::F32, Type::F64),
         ConvertOp::Fdemote => (from, to) == (Type::F64, Type::F32),
     }

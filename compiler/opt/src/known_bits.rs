@@ -67,6 +67,8 @@ fn zero_bits(function: &Function, value: Value, depth: u32) -> u64 {
             | BinaryOp::Imul
             | BinaryOp::Sdiv
             | BinaryOp::Srem
+            | BinaryOp::Udiv
+            | BinaryOp::Urem
             | BinaryOp::Ashr
             | BinaryOp::Rotl
             | BinaryOp::Rotr

@@ -161,6 +161,20 @@ runtime_functions! {
     Atan = "atan"(x: F32) -> F32, Pure;
     Exp = "exp"(x: F32) -> F32, Pure;
     Ln = "ln"(x: F32) -> F32, Pure;
+    /// To base 10.
+    Log = "log"(x: F32) -> F32, Pure;
+    /// `x` to the power `y`.
+    Pow = "pow"(x: F32, y: F32) -> F32, Pure;
+    SinLong = "sin_long"(x: F64) -> F64, Pure;
+    CosLong = "cos_long"(x: F64) -> F64, Pure;
+    TanLong = "tan_long"(x: F64) -> F64, Pure;
+    AsinLong = "asin_long"(x: F64) -> F64, Pure;
+    AcosLong = "acos_long"(x: F64) -> F64, Pure;
+    AtanLong = "atan_long"(x: F64) -> F64, Pure;
+    ExpLong = "exp_long"(x: F64) -> F64, Pure;
+    LnLong = "ln_long"(x: F64) -> F64, Pure;
+    LogLong = "log_long"(x: F64) -> F64, Pure;
+    PowLong = "pow_long"(x: F64, y: F64) -> F64, Pure;
     /// BTI, BTD: magnitude of `digits` BCD digits in `value`; bit 31 of the result set: a digit above 9.
     BcdToInt = "bcd_to_int"(value: I32, digits: I32) -> I32, Pure;
     /// ITB, DTB: `digits` BCD digits of the magnitude `value`, which fits.

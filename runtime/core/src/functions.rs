@@ -41,6 +41,15 @@ impl Border for f32 {
     }
 }
 
+impl Border for f64 {
+    fn from_bits(bits: u64) -> f64 {
+        f64::from_bits(bits)
+    }
+    fn to_bits(self) -> u64 {
+        f64::to_bits(self)
+    }
+}
+
 impl Border for () {
     fn from_bits(_: u64) {}
     fn to_bits(self) -> u64 {
@@ -154,6 +163,18 @@ functions! {
         Atan = plcc_rt_atan(x: f32) -> f32 { math::atan(x) }
         Exp = plcc_rt_exp(x: f32) -> f32 { math::exp(x) }
         Ln = plcc_rt_ln(x: f32) -> f32 { math::ln(x) }
+        Log = plcc_rt_log(x: f32) -> f32 { math::log(x) }
+        Pow = plcc_rt_pow(x: f32, y: f32) -> f32 { math::pow(x, y) }
+        SinLong = plcc_rt_sin_long(x: f64) -> f64 { math::long(x.sin()) }
+        CosLong = plcc_rt_cos_long(x: f64) -> f64 { math::long(x.cos()) }
+        TanLong = plcc_rt_tan_long(x: f64) -> f64 { math::long(x.tan()) }
+        AsinLong = plcc_rt_asin_long(x: f64) -> f64 { math::long(x.asin()) }
+        AcosLong = plcc_rt_acos_long(x: f64) -> f64 { math::long(x.acos()) }
+        AtanLong = plcc_rt_atan_long(x: f64) -> f64 { math::long(x.atan()) }
+        ExpLong = plcc_rt_exp_long(x: f64) -> f64 { math::long(x.exp()) }
+        LnLong = plcc_rt_ln_long(x: f64) -> f64 { math::ln_long(x) }
+        LogLong = plcc_rt_log_long(x: f64) -> f64 { math::log_long(x) }
+        PowLong = plcc_rt_pow_long(x: f64, y: f64) -> f64 { math::pow_long(x, y) }
         BcdToInt = plcc_rt_bcd_to_int(value: u32, digits: u32) -> u32 { bcd::to_int(value, digits) }
         IntToBcd = plcc_rt_int_to_bcd(value: u32, digits: u32) -> u32 { bcd::from_int(value, digits) }
     }

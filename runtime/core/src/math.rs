@@ -46,3 +46,38 @@ pub fn exp(x: f32) -> f32 {
 pub fn ln(x: f32) -> f32 {
     if x <= 0.0 { f32::from_bits(NAN_BITS) } else { single(f64::from(x).ln()) }
 }
+
+/// Logarithm to base 10; NaN for `x <= 0`.
+pub fn log(x: f32) -> f32 {
+    single(log_long(f64::from(x)))
+}
+
+/// `x` to the power `y`: 0 to the power 0 is 1, 0 to a negative power is infinite, and a negative `x` takes whole exponents only. Source:
+/// SCL reference, arithmetic operators.
+pub fn pow(x: f32, y: f32) -> f32 {
+    single(pow_long(f64::from(x), f64::from(y)))
+}
+
+/// Makes a NaN the one NaN of LREAL.
+pub fn long(x: f64) -> f64 {
+    if x.is_nan() { f64::from_bits(u64::MAX) } else { x }
+}
+
+pub fn ln_long(x: f64) -> f64 {
+    if x <= 0.0 { long(f64::NAN) } else { long(x.ln()) }
+}
+
+pub fn log_long(x: f64) -> f64 {
+    if x <= 0.0 { long(f64::NAN) } else { long(x.log10()) }
+}
+
+pub fn pow_long(x: f64, y: f64) -> f64 {
+    // Of a NaN and 0 the host makes 1, and of minus zero and a negative odd exponent minus infinity.
+    if x.is_nan() || y.is_nan() {
+        return long(f64::NAN);
+    }
+    if x == 0.0 && y < 0.0 {
+        return f64::INFINITY;
+    }
+    long(x.powf(y))
+}

@@ -195,7 +195,7 @@ fn operations_with_a_constant() {
         }
         for ty in INTS {
             for c in edge_values(ty) {
-                if matches!(op, BinaryOp::Sdiv | BinaryOp::Srem)
+                if matches!(op, BinaryOp::Sdiv | BinaryOp::Srem | BinaryOp::Udiv | BinaryOp::Urem)
                     && eval::binary(op, ty, 1 << (ty.bits() - 1), c).is_none()
                 {
                     continue;
@@ -238,8 +238,8 @@ fn conversions() {
                     ConvertOp::Zext | ConvertOp::Sext => from.is_int() && to.is_int() && from.bits() < to.bits(),
                     ConvertOp::Trunc => from.is_int() && to.is_int() && from.bits() > to.bits(),
                     ConvertOp::Bitcast => from.is_int() != to.is_int() && from.bits() == to.bits(),
-                    ConvertOp::FromSint => matches!(from, Type::I32 | Type::I64) && !to.is_int(),
-                    ConvertOp::ToSint => !from.is_int() && matches!(to, Type::I32 | Type::I64),
+                    ConvertOp::FromSint | ConvertOp::FromUint => matches!(from, Type::I32 | Type::I64) && !to.is_int(),
+                    ConvertOp::ToSint | ConvertOp::ToUint => !from.is_int() && matches!(to, Type::I32 | Type::I64),
                     ConvertOp::Fpromote => from == Type::F32 && to == Type::F64,
                     ConvertOp::Fdemote => from == Type::F64 && to == Type::F32,
                 };

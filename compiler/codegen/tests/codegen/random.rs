@@ -36,7 +36,7 @@ impl Random {
 }
 
 const TYPES: [Type; 6] = [Type::I1, Type::I8, Type::I16, Type::I32, Type::I64, Type::F32];
-const INT_OPS: [BinaryOp; 13] = [
+const INT_OPS: [BinaryOp; 15] = [
     BinaryOp::Iadd,
     BinaryOp::Isub,
     BinaryOp::Imul,
@@ -50,6 +50,8 @@ const INT_OPS: [BinaryOp; 13] = [
     BinaryOp::Rotr,
     BinaryOp::Sdiv,
     BinaryOp::Srem,
+    BinaryOp::Udiv,
+    BinaryOp::Urem,
 ];
 const BIT_OPS: [BinaryOp; 3] = [BinaryOp::And, BinaryOp::Or, BinaryOp::Xor];
 const FLOAT_OPS: [BinaryOp; 4] = [BinaryOp::Fadd, BinaryOp::Fsub, BinaryOp::Fmul, BinaryOp::Fdiv];
@@ -123,7 +125,7 @@ impl Generator<'_> {
                 let ty = self.random.pick(&TYPES[..5]);
                 let op = self.random.pick(if ty == Type::I1 { &BIT_OPS[..] } else { &INT_OPS[..] });
                 let (x, mut y) = (self.get(ty), self.get(ty));
-                if matches!(op, BinaryOp::Sdiv | BinaryOp::Srem) {
+                if matches!(op, BinaryOp::Sdiv | BinaryOp::Srem | BinaryOp::Udiv | BinaryOp::Urem) {
                     y = self.b.binary_imm(BinaryOp::And, y, 0x3F);
                     y = self.b.binary_imm(BinaryOp::Or, y, 1);
                 }

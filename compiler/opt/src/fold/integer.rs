@@ -88,7 +88,7 @@ impl Folder<'_> {
                 }
                 _ => {}
             },
-            BinaryOp::Sdiv if cb == 1 => return Some(Change::Value(a)),
+            BinaryOp::Sdiv | BinaryOp::Udiv if cb == 1 => return Some(Change::Value(a)),
             BinaryOp::Shl | BinaryOp::Lshr | BinaryOp::Ashr | BinaryOp::Rotl | BinaryOp::Rotr => {
                 if shift_count(self.function, ty, b) == Some(0) {
                     return Some(Change::Value(a));
@@ -98,6 +98,8 @@ impl Folder<'_> {
             BinaryOp::Iadd
             | BinaryOp::Sdiv
             | BinaryOp::Srem
+            | BinaryOp::Udiv
+            | BinaryOp::Urem
             | BinaryOp::Fadd
             | BinaryOp::Fsub
             | BinaryOp::Fmul
@@ -226,6 +228,8 @@ pub(crate) fn is_commutative(op: BinaryOp) -> bool {
         BinaryOp::Isub
         | BinaryOp::Sdiv
         | BinaryOp::Srem
+        | BinaryOp::Udiv
+        | BinaryOp::Urem
         | BinaryOp::Shl
         | BinaryOp::Lshr
         | BinaryOp::Ashr
