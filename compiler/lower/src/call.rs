@@ -169,7 +169,7 @@ impl Context<'_, '_> {
     }
 
     /// A reference to `target` as an FC takes it. Where the address is faulty it refers to scratch memory.
-    fn reference(&mut self, target: Target, width: Width, direction: place::Direction) -> Value {
+    pub fn reference(&mut self, target: Target, width: Width, direction: place::Direction) -> Value {
         let (addr, bit, mut checks) = self.in_memory(target, width, direction);
         checks.retain(|check| self.b.constant_bits(check.ok) != Some(1));
         let reference = |context: &mut Self| {
@@ -426,7 +426,7 @@ impl Context<'_, '_> {
     // The call itself.
 
     /// Calls a block of the program with the registers as they stand, and takes over those that it returns.
-    fn call_function(&mut self, callee: &CodeBlock, function: FuncId, references: Vec<Value>) {
+    pub fn call_function(&mut self, callee: &CodeBlock, function: FuncId, references: Vec<Value>) {
         let plan = self.plan;
         let mut arguments: Vec<Value> =
             plan.registers.iter().map(|&register| self.b.use_var(self.regs.var(register))).collect();
@@ -485,7 +485,7 @@ impl Context<'_, '_> {
         let check = instance_check(&mut self.b, callee, di, ar2);
         let guard = self.begin_guard(check.into_iter().collect(), Substitute::None);
         let mut references = Vec::new();
-        if callee.kind == BlockKind::Fc {
+        if plan::takes_references(callee) {
             for parameter in &callee.interface.parameters {
                 self.no_argument(parameter, &mut references);
             }

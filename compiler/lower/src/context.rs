@@ -10,6 +10,7 @@ use rustc_hash::FxHashMap;
 
 use crate::Output;
 use crate::plan::{self, Plan};
+use crate::scl::SclState;
 
 /// Entries of the nesting stack. Source: STL reference, nesting expressions.
 pub const NESTING_MAX: usize = 7;
@@ -132,16 +133,13 @@ pub struct Context<'p, 'o> {
     pub result_long: Var,
     /// Reference to an actual parameter whose address may be faulty.
     pub reference: Var,
+    /// Of blocks in SCL.
+    pub scl: SclState,
 }
 
 impl<'p, 'o> Context<'p, 'o> {
     /// A context at the start of the block's function, with registers as the caller hands them over.
-    pub fn new(
-        plan: &'p Plan<'p>,
-        output: &'o mut Output<'p>,
-        block: &'p CodeBlock,
-        statements: &[StlStatement],
-    ) -> Context<'p, 'o> {
+    pub fn new(plan: &'p Plan<'p>, output: &'o mut Output<'p>, block: &'p CodeBlock) -> Context<'p, 'o> {
         let mut b = FunctionBuilder::new(
             plan::function_name(block),
             &plan.function_params(block),
@@ -151,7 +149,7 @@ impl<'p, 'o> Context<'p, 'o> {
         let (result, result_bit) = (b.declare_var(Type::I32), b.declare_var(Type::I1));
         let result_long = b.declare_var(Type::I64);
         let reference = b.declare_var(Type::I32);
-        let local_bytes = plan::local_bytes(block, statements);
+        let local_bytes = plan::local_bytes(block);
         let mut context = Context {
             plan,
             output,
@@ -173,6 +171,7 @@ impl<'p, 'o> Context<'p, 'o> {
             result_bit,
             result_long,
             reference,
+            scl: SclState::default(),
         };
         context.start();
         context
@@ -212,7 +211,7 @@ impl<'p, 'o> Context<'p, 'o> {
     }
 
     fn name_parameters(&mut self, mut next: usize) {
-        if self.block.kind != BlockKind::Fc {
+        if !plan::takes_references(self.block) {
             return;
         }
         for parameter in &self.block.interface.parameters {
@@ -319,9 +318,13 @@ impl<'p, 'o> Context<'p, 'o> {
 
     /// Instructions built from now on belong to `statement`.
     pub fn set_statement(&mut self, statement: &StlStatement) {
-        let (file, line) = self.output.place(statement.span);
-        let site =
-            Site { file, line, block: self.block.kind, block_number: self.block.number, network: statement.network };
+        self.set_place(statement.span, statement.network);
+    }
+
+    /// Instructions built from now on belong to what stands at `span`; temporaries are free again.
+    pub fn set_place(&mut self, span: plcc_diag::Span, network: u16) {
+        let (file, line) = self.output.place(span);
+        let site = Site { file, line, block: self.block.kind, block_number: self.block.number, network };
         let sites = &mut self.output.module.sites;
         if sites.last() != Some(&site) {
             sites.push(site);
@@ -337,6 +340,13 @@ impl<'p, 'o> Context<'p, 'o> {
         self.temporaries = offset + bytes;
         self.frame_bytes = self.frame_bytes.max(self.temporaries);
         Address::direct(Region::L, offset)
+    }
+
+    /// Extends the local data that belongs to the block for its whole run to `bytes`; before temporaries are used.
+    pub fn grow_locals(&mut self, bytes: u32) {
+        self.local_bytes = bytes;
+        self.temporaries = bytes;
+        self.frame_bytes = self.frame_bytes.max(bytes);
     }
 
     // Control flow.

@@ -2,7 +2,6 @@
 //!
 //! They take nothing: CPU registers come from the CPU state and go back there. DB and DI are the caller's own after the call.
 
-use plcc_abi::image::BlockKind;
 use plcc_abi::layout::{self, CpuRegister, state};
 use plcc_abi::{RuntimeFn, Type};
 use plcc_ir::{Address, FuncId, Function, FunctionBuilder, Region, Value};
@@ -23,7 +22,7 @@ pub fn lower_entry(plan: &Plan<'_>, block: &CodeBlock, function: FuncId) -> Func
     for (&register, word) in plan.registers.iter().zip(words) {
         arguments.push(b.trunc(plan::register_type(register), word));
     }
-    if block.kind == BlockKind::Fc {
+    if plan::takes_references(block) {
         no_arguments(&mut b, block, &mut arguments);
     }
     let returned = b.call(function, arguments, &plan.function_returns(block));

@@ -3,7 +3,7 @@
 //! - `plan` settles what blocks must know of each other: addresses of DBs, functions, depth of calls.
 //! - `context` holds the state of one block while it is lowered: the virtual CPU's registers as SSA variables.
 //! - `place` turns addresses into checked memory accesses, `fault` builds the cold paths.
-//! - `call` hands parameters over; `stl` has one function a family of instructions.
+//! - `call` hands parameters over; `stl` has one function a family of instructions, `scl` one a kind of node of the typed tree.
 //! - `entry` makes the functions that the runtime calls.
 //!
 //! **Invariant**: a program that was bound without errors lowers without errors.
@@ -15,6 +15,7 @@ mod fault;
 mod place;
 mod plan;
 mod pointer;
+mod scl;
 mod stl;
 
 use plcc_abi::ProgramImage;
@@ -38,8 +39,12 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
     let plan = Plan::new(program);
     let mut output = Output::new(program, sources, &plan);
     for (index, block) in program.blocks.iter().enumerate() {
-        if let Body::Stl(statements) = &block.body {
-            let function = stl::lower_block(&plan, &mut output, block, statements);
+        let function = match &block.body {
+            Body::Stl(statements) => Some(stl::lower_block(&plan, &mut output, block, statements)),
+            Body::Scl(body) => Some(scl::lower_block(&plan, &mut output, block, body)),
+            Body::Runtime => None,
+        };
+        if let Some(function) = function {
             let id = output.module.functions.push(function);
             debug_assert_eq!(Some(id), plan.function(index), "functions are numbered in the order of the blocks");
             let frame = output.module.functions[id].frame_bytes;

@@ -314,6 +314,17 @@ impl Context<'_, '_> {
         Some(Check { ok, code, access: self.access(width, area), info: effective.byte })
     }
 
+    /// The access byte of OB 121 for an access to `area`, as a value.
+    pub fn access_of(&mut self, width: Width, area: PlaceArea) -> Value {
+        self.b.i32_const(access_byte(width, area_code(area)))
+    }
+
+    /// The access to `area` at a bit address that is found at run time.
+    pub fn in_area_at(&mut self, area: PlaceArea, address: Value, width: Width, direction: Direction) -> Target {
+        let effective = self.effective(address, 0);
+        self.in_area(area, effective, width, direction)
+    }
+
     /// An address in `area` that is found at run time.
     fn in_area(&mut self, area: PlaceArea, effective: Effective, width: Width, direction: Direction) -> Target {
         let profile = &self.plan.program.profile;

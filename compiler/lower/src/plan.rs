@@ -6,12 +6,15 @@ use plcc_abi::layout::{self, CpuRegister};
 use plcc_ir::StaticDb;
 use plcc_ir::entities::{Entity, FuncId};
 use plcc_program::Program;
+use plcc_program::model::scl;
 use plcc_program::model::{
     Actual, AddressRegister, BlockKey, Body, Call, CodeBlock, Number, Operand, Parameter, Passing, Place, StlStatement,
     StlStatementKind,
 };
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
+
+use crate::scl::walk::{self, Visitor};
 
 /// SFC that stops the CPU.
 const SFC_STP: u16 = 46;
@@ -47,7 +50,7 @@ impl<'a> Plan<'a> {
             .blocks
             .iter()
             .map(|block| {
-                matches!(block.body, Body::Stl(_)).then(|| {
+                (!matches!(block.body, Body::Runtime)).then(|| {
                     next += 1;
                     FuncId::new(next - 1)
                 })
@@ -121,7 +124,7 @@ impl<'a> Plan<'a> {
             return Vec::new();
         }
         let mut types: Vec<Type> = self.registers.iter().map(|&register| register_type(register)).collect();
-        if block.kind == BlockKind::Fc {
+        if takes_references(block) {
             for parameter in &block.interface.parameters {
                 types.extend_from_slice(parameter_types(parameter.passing));
             }
@@ -245,6 +248,11 @@ pub fn register_type(register: CpuRegister) -> Type {
     if register.is_bit() { Type::I1 } else { Type::I32 }
 }
 
+/// True for functions of the program: their formals are references to the actuals. System functions of the runtime get copies.
+pub fn takes_references(block: &CodeBlock) -> bool {
+    matches!(block.kind, BlockKind::Fc | BlockKind::Sfc) && !matches!(block.body, Body::Runtime)
+}
+
 /// What an FC gets for a parameter.
 ///
 /// - elementary: a reference: offset of the actual from the memory base; of a BOOL eight times that plus the bit
@@ -286,7 +294,7 @@ impl BlockFacts {
             frame_estimate: block.temp_bytes,
         };
         if let Body::Stl(statements) = &block.body {
-            facts.frame_estimate = local_bytes(block, statements);
+            facts.frame_estimate = local_bytes(block);
             let mut temporaries = 0;
             for statement in statements {
                 facts.scan(statement);
@@ -298,9 +306,24 @@ impl BlockFacts {
             }
             facts.frame_estimate = layout::frame_bytes(facts.frame_estimate + temporaries);
         }
+        if let Body::Scl(body) = &block.body {
+            facts.scan_scl(block, body, program, index);
+        }
         facts.calls.sort_unstable();
         facts.calls.dedup();
         facts
+    }
+
+    fn scan_scl(&mut self, block: &CodeBlock, body: &scl::Body, program: &Program, index: &FxHashMap<BlockKey, usize>) {
+        let mut scan = SclScan { facts: self, program, index, statement: 0, most: 0 };
+        walk::statements(&body.statements, &mut scan);
+        let temporaries = scan.most;
+        // Inputs that do not live in SSA values are copied to the frame.
+        let inputs: u32 = match takes_references(block) {
+            true => block.interface.parameters.iter().map(|_| 8 + 1).sum(),
+            false => 0,
+        };
+        self.frame_estimate = layout::frame_bytes(local_bytes(block) + inputs + temporaries);
     }
 
     fn scan(&mut self, statement: &StlStatement) {
@@ -335,10 +358,80 @@ impl BlockFacts {
     }
 }
 
+/// Facts of a block in SCL.
+struct SclScan<'f, 'a> {
+    facts: &'f mut BlockFacts,
+    program: &'a Program,
+    index: &'a FxHashMap<BlockKey, usize>,
+    /// Upper bound of the temporaries of the current statement, and the most of any statement.
+    statement: u32,
+    most: u32,
+}
+
+/// Distance to the next even address, at most.
+const ALIGNMENT: u32 = 1;
+
+impl Visitor for SclScan<'_, '_> {
+    fn call(&mut self, call: &scl::Call) {
+        self.facts.stops |= call.target == BlockKey { kind: BlockKind::Sfc, number: SFC_STP };
+        self.facts.calls.push(call.target);
+        if call.instance.is_none() {
+            self.facts.passes_ar2_to.push(call.target);
+        }
+        for argument in &call.arguments {
+            let access = match &argument.actual {
+                scl::Actual::PointerCopy(_) => {
+                    self.facts.hands_on_pointers = true;
+                    continue;
+                }
+                scl::Actual::Reference(access)
+                | scl::Actual::PointerTo { access, .. }
+                | scl::Actual::Complex(scl::Complex::Variable(access))
+                | scl::Actual::PointerToComplex { value: scl::Complex::Variable(access), .. } => access,
+                _ => continue,
+            };
+            self.facts.hands_on_pointers |=
+                matches!(access.base, scl::Base::Place(Place::Parameter { .. } | Place::ThroughPointer { .. }));
+        }
+        if let Some(&callee) = self.index.get(&call.target) {
+            self.statement += scl_temporary_bytes(&self.program.blocks[callee]);
+        }
+    }
+
+    fn complex(&mut self, complex: &scl::Complex) {
+        self.statement += match complex {
+            scl::Complex::Const(bytes) => bytes.len() as u32 + ALIGNMENT,
+            scl::Complex::Character(_) => 8 + ALIGNMENT,
+            scl::Complex::Variable(_) | scl::Complex::Call(_) => 0,
+        };
+    }
+
+    fn own_part_done(&mut self) {
+        self.most = self.most.max(self.statement);
+        self.statement = 0;
+    }
+}
+
+/// Upper bound of what a call from SCL puts into the frame of the calling block, in bytes: the result, references with their values,
+/// or a structure of parameters.
+fn scl_temporary_bytes(callee: &CodeBlock) -> u32 {
+    let result =
+        crate::scl::result(callee).map_or(0, |(_, parameter)| crate::scl::result_bytes(&parameter.ty) + ALIGNMENT);
+    // Values that pointers point at, too.
+    let of_parameter = |parameter: &Parameter| match parameter.passing {
+        Passing::Elementary(_) => 8 + ALIGNMENT,
+        Passing::Complex { .. } => 6 + crate::scl::result_bytes(&parameter.ty) + 2 * ALIGNMENT,
+        Passing::Number | Passing::OpenArray { .. } => 0,
+        Passing::Pointer | Passing::Any => 10 + 8 + 2 * ALIGNMENT,
+    };
+    let structure = if matches!(callee.body, Body::Runtime) { callee.interface.bytes.max(2) + ALIGNMENT } else { 0 };
+    result + structure + callee.interface.parameters.iter().map(of_parameter).sum::<u32>()
+}
+
 /// Most that a call puts into the frame of the calling block, in bytes: pointers, constants and copies for an FC, the structure
 /// of parameters for a system function, nothing for an FB.
 fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
-    if !matches!(callee.body, Body::Stl(_)) {
+    if matches!(callee.body, Body::Runtime) {
         return callee.interface.bytes.max(2);
     }
     if call.instance.is_some() {
@@ -385,8 +478,9 @@ pub fn changes_ar2(insn: StlInsn, operand: &Operand) -> bool {
 
 /// Local data that the block's code can reach: declared TEMP, and what is addressed directly behind it, as code from the
 /// graphic editors does.
-pub fn local_bytes(block: &CodeBlock, statements: &[StlStatement]) -> u32 {
+pub fn local_bytes(block: &CodeBlock) -> u32 {
     let mut bytes = block.temp_bytes;
+    let Body::Stl(statements) = &block.body else { return bytes.next_multiple_of(2) };
     let mut see = |place: &plcc_program::model::Place, width: u32| {
         if let plcc_program::model::Place::L { byte, .. } = place {
             bytes = bytes.max(byte + width);

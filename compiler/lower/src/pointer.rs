@@ -10,7 +10,7 @@ use crate::context::Context;
 /// Syntax id of an ANY for S7.
 const ANY_S7: u32 = 0x10;
 /// Data type ids inside an ANY stand before its POINTER: id, type, repetition factor.
-const ANY_HEAD_BYTES: u32 = 4;
+pub const ANY_HEAD_BYTES: u32 = 4;
 /// Byte and bit address of a pointer.
 const POINTER_BITS: i64 = 0x0007_FFFF;
 
@@ -18,9 +18,9 @@ const POINTER_BITS: i64 = 0x0007_FFFF;
 #[derive(Clone, Copy)]
 pub struct PointerFields {
     /// DB number, an i32; 0: not in a DB.
-    db: Value,
+    pub db: Value,
     /// Area-crossing pointer, an i32.
-    pointer: Value,
+    pub pointer: Value,
 }
 
 impl Context<'_, '_> {
@@ -120,21 +120,26 @@ impl Context<'_, '_> {
                 }
             }
             Actual::PointerCopy(place) => {
-                let bytes = if any { 10 } else { 6 };
                 let source = self.target(place, Width::Byte, crate::place::Direction::Read);
                 let guard = self.begin_guard(source.checks, crate::fault::Substitute::None);
                 if let crate::place::TargetKind::Memory { addr: from, .. } = source.kind {
-                    self.b.copy(addr, from, bytes);
-                    if self.block.kind != BlockKind::Ob {
-                        let field = moved(addr, bytes - 4);
-                        let pointer = self.load_zero_extended(field, Width::Dword);
-                        let pointer = self.handed_on(pointer);
-                        self.store_low(field, Width::Dword, pointer);
-                    }
+                    self.copy_pointer(addr, from, any);
                 }
                 self.end_guard(guard);
             }
             Actual::Place(_) | Actual::Number(_) => unreachable!("the binder gives pointer formals pointers"),
+        }
+    }
+
+    /// Copies a POINTER or ANY for a block that is called.
+    pub fn copy_pointer(&mut self, addr: Address, from: Address, any: bool) {
+        let bytes = if any { 10 } else { 6 };
+        self.b.copy(addr, from, bytes);
+        if self.block.kind != BlockKind::Ob {
+            let field = moved(addr, bytes - 4);
+            let pointer = self.load_zero_extended(field, Width::Dword);
+            let pointer = self.handed_on(pointer);
+            self.store_low(field, Width::Dword, pointer);
         }
     }
 
@@ -157,6 +162,6 @@ impl Context<'_, '_> {
 }
 
 /// `addr` moved on by `bytes`.
-fn moved(addr: Address, bytes: u32) -> Address {
+pub fn moved(addr: Address, bytes: u32) -> Address {
     Address { offset: addr.offset + bytes, ..addr }
 }

@@ -153,6 +153,10 @@ runtime_functions! {
     /// Lets `ms` milliseconds pass on the clock, due interrupts included. Result as `Safepoint`.
     Sleep = "sleep"(ms: I32) -> I32, All;
 
+    /// Copies the text at offset `from` from the memory base to the one at `to`: at most `limit` characters, with `u32::MAX` as many as the
+    /// head at `to` allows. `wide` 1: WSTRING. Result 1: something was cut.
+    CopyText = "copy_text"(to: I32, from: I32, limit: I32, wide: I32) -> I32, All;
+
     Sin = "sin"(x: F32) -> F32, Pure;
     Cos = "cos"(x: F32) -> F32, Pure;
     Tan = "tan"(x: F32) -> F32, Pure;

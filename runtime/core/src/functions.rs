@@ -6,7 +6,7 @@ use plcc_abi::RuntimeFn;
 use plcc_abi::functions::TimerMode;
 
 use crate::cpu::Cpu;
-use crate::{bcd, counters, math, timers};
+use crate::{bcd, counters, math, text, timers};
 
 /// A value as it crosses the border, from and to the bits that an interpreter holds.
 trait Border {
@@ -151,6 +151,9 @@ functions! {
             if let Some(entry) = cpu.image.asserts.get(id as usize) {
                 cpu.assertions.check(id as usize, entry, left, right);
             }
+        }
+        CopyText = plcc_rt_copy_text(cpu, to, from, limit, wide) -> u32 {
+            text::copy(&cpu.memory, to, from, limit, wide != 0).into()
         }
         Sleep = plcc_rt_sleep(cpu, ms) -> u32 { cpu.pass_time(u64::from(ms) * crate::clock::NS_PER_MS, false) }
     }

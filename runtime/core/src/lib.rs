@@ -38,6 +38,7 @@ pub mod scenario;
 pub mod schedule;
 pub mod system;
 pub mod testing;
+pub mod text;
 pub mod timers;
 pub mod trace;
 pub mod value;

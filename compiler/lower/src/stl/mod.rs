@@ -36,7 +36,7 @@ pub fn lower_block<'p>(
     block: &'p CodeBlock,
     statements: &[StlStatement],
 ) -> Function {
-    let mut context = Context::new(plan, output, block, statements);
+    let mut context = Context::new(plan, output, block);
     context.uses_mcr = statements.iter().any(|statement| {
         matches!(statement.kind, StlStatementKind::Instruction { insn: StlInsn::McrActivate | StlInsn::McrOpen, .. })
     });

@@ -15,6 +15,18 @@ pub struct Body {
     pub sets_flag: bool,
     /// A call ANDs the callee's ENO into the bit, if `sets_flag` (TIA); else it leaves the bit alone (classic).
     pub calls_set_flag: bool,
+    /// STRING and WSTRING variables in VAR_TEMP, also inside of structures and arrays: their heads are set when the block begins.
+    pub temporary_texts: Vec<TemporaryText>,
+}
+
+/// A text in the frame of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TemporaryText {
+    /// In the frame.
+    pub byte: u32,
+    /// In characters.
+    pub maximum: u16,
+    pub wide: bool,
 }
 
 #[derive(Clone, Debug)]

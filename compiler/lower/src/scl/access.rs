@@ -1,0 +1,477 @@
+//! Variables: places with run-time indices, slices, promoted variables. Source: SCL reference, addressing.
+
+use plcc_abi::codes::sync;
+use plcc_abi::layout::area;
+use plcc_ir::{Address, BinaryOp, IntCc, Type, Value};
+use plcc_program::layout;
+use plcc_program::model::scl::{Access, Base, Expr, Index, IndexBounds, IndexedArea, Part};
+use plcc_program::model::{Place, PlaceArea, Width};
+use plcc_program::types::{DataType, Elementary};
+
+use super::promote;
+use super::value_type;
+use crate::context::Context;
+use crate::fault::Check;
+use crate::place::{BitNumber, Direction, Target, TargetKind};
+use crate::pointer::PointerFields;
+
+/// An access whose indices are computed: the place may be reached several times.
+pub struct Located<'m> {
+    base: LocatedBase<'m>,
+    /// Distance from the base, in bits; none if it is 0.
+    offset: Option<Value>,
+    /// Indices that are out of bounds: the value is right if all hold.
+    in_bounds: Option<Value>,
+}
+
+enum LocatedBase<'m> {
+    Place(&'m Place),
+    /// Byte address and bit number in an area.
+    Indexed {
+        area: LocatedArea,
+        byte: Value,
+        bit: Option<Value>,
+    },
+}
+
+enum LocatedArea {
+    Memory(PlaceArea),
+    /// Number of the DB, an i32.
+    Db(Value),
+    /// Area code of a pointer and number of the DB, i32 both.
+    Coded {
+        code: Value,
+        db: Value,
+    },
+}
+
+impl Located<'_> {
+    /// False for what lies in the peripheral area, or may.
+    pub fn is_memory(&self) -> bool {
+        match &self.base {
+            LocatedBase::Place(place) => !matches!(place, Place::Pi { .. } | Place::Pq { .. }),
+            LocatedBase::Indexed { area: LocatedArea::Memory(area), .. } => {
+                !matches!(area, PlaceArea::Pi | PlaceArea::Pq)
+            }
+            LocatedBase::Indexed { area: LocatedArea::Db(_), .. } => true,
+            LocatedBase::Indexed { area: LocatedArea::Coded { .. }, .. } => false,
+        }
+    }
+}
+
+impl Context<'_, '_> {
+    /// Computes the indices of an access, from left to right.
+    pub fn locate<'m>(&mut self, access: &'m Access) -> Located<'m> {
+        let base = match &access.base {
+            Base::Place(place) => LocatedBase::Place(place),
+            Base::Indexed { area, byte, bit } => {
+                let area = match area {
+                    IndexedArea::Memory(area) => LocatedArea::Memory(*area),
+                    IndexedArea::Db(number) => LocatedArea::Db(self.b.i32_const(u32::from(*number))),
+                    IndexedArea::DynamicDb(number) => LocatedArea::Db(self.unsigned_index(number)),
+                    IndexedArea::Coded { area, db } => {
+                        let (code, db) = (self.unsigned_index(area), self.unsigned_index(db));
+                        LocatedArea::Coded { code: self.peek_area(code), db }
+                    }
+                };
+                let byte = self.signed_index(byte);
+                let bit = bit.as_ref().map(|bit| self.signed_index(bit));
+                LocatedBase::Indexed { area, byte, bit }
+            }
+        };
+        let (mut offset, mut in_bounds) = (None, None);
+        for (at, index) in access.indices.iter().enumerate() {
+            let (distance, ok) = self.index(index, &access.indices[at + 1..]);
+            offset = Some(match offset {
+                Some(before) => self.b.iadd(before, distance),
+                None => distance,
+            });
+            in_bounds = Some(match in_bounds {
+                Some(before) => self.b.and(before, ok),
+                None => ok,
+            });
+        }
+        Located { base, offset, in_bounds }
+    }
+
+    fn signed_index(&mut self, value: &Expr) -> Value {
+        let ty = value.ty;
+        let value = self.value(value);
+        self.to_i32(value, ty)
+    }
+
+    fn unsigned_index(&mut self, value: &Expr) -> Value {
+        let value = self.value(value);
+        if self.b.ty(value).bits() < 32 { self.b.zext(Type::I32, value) } else { value }
+    }
+
+    /// An integer as an i32, by the sign of its type; 64 bits keep the low half.
+    pub fn to_i32(&mut self, value: Value, ty: Elementary) -> Value {
+        match self.b.ty(value).bits() {
+            32 => value,
+            64 => self.b.trunc(Type::I32, value),
+            _ if ty.is_signed() => self.b.sext(Type::I32, value),
+            _ => self.b.zext(Type::I32, value),
+        }
+    }
+
+    /// Area code of a pointer for the code of PEEK and POKE; 0 stays what it is: no area.
+    fn peek_area(&mut self, code: Value) -> Value {
+        let low = self.b.binary_imm(BinaryOp::And, code, 0xFF);
+        let one = self.b.icmp_imm(IntCc::Eq, low, 1);
+        let two = self.b.icmp_imm(IntCc::Eq, low, 2);
+        let peripheral = self.b.or(one, two);
+        let area_p = self.b.i32_const(u32::from(area::P));
+        self.b.select(peripheral, area_p, low)
+    }
+
+    /// Distance of an index from the first element in bits, and whether it is within its bounds.
+    fn index(&mut self, index: &Index, behind: &[Index]) -> (Value, Value) {
+        let value = self.signed_index(&index.value);
+        match index.bounds {
+            IndexBounds::Known(low, high) => {
+                let from_low = self.b.binary_imm(BinaryOp::Iadd, value, -i64::from(low));
+                let last = i64::from(high) - i64::from(low);
+                let ok = self.b.icmp_imm(IntCc::Ule, from_low, last);
+                (self.b.binary_imm(BinaryOp::Imul, from_low, i64::from(index.stride)), ok)
+            }
+            IndexBounds::Open { parameter, dimension } => {
+                let (low, high) = self.open_bounds(parameter, dimension);
+                let above = self.b.icmp(IntCc::Sge, value, low);
+                let below = self.b.icmp(IntCc::Sle, value, high);
+                let ok = self.b.and(above, below);
+                let mut distance = self.b.isub(value, low);
+                for inner in behind {
+                    if let IndexBounds::Open { parameter, dimension } = inner.bounds {
+                        let (low, high) = self.open_bounds(parameter, dimension);
+                        let length = self.b.isub(high, low);
+                        let length = self.b.binary_imm(BinaryOp::Iadd, length, 1);
+                        distance = self.b.binary(BinaryOp::Imul, distance, length);
+                    }
+                }
+                (self.b.binary_imm(BinaryOp::Imul, distance, i64::from(index.stride)), ok)
+            }
+        }
+    }
+
+    /// Low and high bound of a dimension of the ARRAY[*] formal `parameter`, i32.
+    pub fn open_bounds(&mut self, parameter: usize, dimension: u8) -> (Value, Value) {
+        let at = 2 * usize::from(dimension);
+        if let Some(values) = self.parameters.get(parameter) {
+            return (values[1 + at], values[2 + at]);
+        }
+        let byte = self.block.interface.parameters[parameter].byte + 6 + 4 * at as u32;
+        let low = self.read(&Place::Instance { byte, bit: 0 }, Width::Dword);
+        let high = self.read(&Place::Instance { byte: byte + 4, bit: 0 }, Width::Dword);
+        (low, high)
+    }
+
+    /// The memory access at a located place.
+    pub fn located_target(&mut self, located: &Located, width: Width, direction: Direction) -> Target {
+        let mut target = match &located.base {
+            LocatedBase::Place(place) => {
+                let db = self.get(self.regs.db);
+                let target = self.target(place, width, direction);
+                self.set(self.regs.db, db);
+                target
+            }
+            LocatedBase::Indexed { area, byte, bit } => self.indexed_target(area, *byte, *bit, width, direction),
+        };
+        if let Some(offset) = located.offset {
+            self.move_target(&mut target, offset);
+        }
+        if let Some(ok) = located.in_bounds
+            && self.b.constant_bits(ok) != Some(1)
+        {
+            let code = if direction == Direction::Read { sync::LENGTH_READ } else { sync::LENGTH_WRITE };
+            let code = self.b.i32_const(u32::from(code));
+            let area = match &located.base {
+                LocatedBase::Place(place) => place_area(place),
+                LocatedBase::Indexed { .. } => PlaceArea::Db,
+            };
+            let access = self.access_of(width, area);
+            let info = match located.offset {
+                Some(offset) => self.b.binary_imm(BinaryOp::Lshr, offset, 3),
+                None => self.b.i32_const(0),
+            };
+            target.checks.insert(0, Check { ok, code, access, info });
+        }
+        target
+    }
+
+    fn indexed_target(
+        &mut self,
+        area: &LocatedArea,
+        byte: Value,
+        bit: Option<Value>,
+        width: Width,
+        direction: Direction,
+    ) -> Target {
+        let shifted = self.b.binary_imm(BinaryOp::Shl, byte, 3);
+        let mut checks = Vec::new();
+        let address = match bit {
+            None => shifted,
+            Some(bit) => {
+                let ok = self.b.icmp_imm(IntCc::Ule, bit, 7);
+                let code = if direction == Direction::Read { sync::LENGTH_READ } else { sync::LENGTH_WRITE };
+                let code = self.b.i32_const(u32::from(code));
+                let access = self.access_of(width, PlaceArea::M);
+                checks.push(Check { ok, code, access, info: byte });
+                self.b.iadd(shifted, bit)
+            }
+        };
+        // A byte address beyond what a pointer holds would wrap.
+        let ok = self.b.icmp_imm(IntCc::Ule, byte, 0xFFFF);
+        let code = if direction == Direction::Read { sync::LENGTH_READ } else { sync::LENGTH_WRITE };
+        let code = self.b.i32_const(u32::from(code));
+        let access = self.access_of(width, PlaceArea::M);
+        checks.push(Check { ok, code, access, info: byte });
+        let target = match area {
+            LocatedArea::Memory(area) => self.in_area_at(*area, address, width, direction),
+            LocatedArea::Db(number) => {
+                let before = self.get(self.regs.db);
+                self.set(self.regs.db, *number);
+                let loaded = self.b.db_length(*number);
+                let ok = self.b.icmp_imm(IntCc::Ne, loaded, 0);
+                let none = self.b.icmp_imm(IntCc::Eq, *number, 0);
+                let ok = self.b.or(ok, none);
+                let code = self.b.i32_const(u32::from(sync::DB_MISSING));
+                let access = self.access_of(width, PlaceArea::Db);
+                checks.push(Check { ok, code, access, info: *number });
+                let target = self.in_area_at(PlaceArea::Db, address, width, direction);
+                self.set(self.regs.db, before);
+                target
+            }
+            LocatedArea::Coded { code, db } => {
+                let high = self.b.binary_imm(BinaryOp::Shl, *code, 24);
+                let low = self.b.binary_imm(BinaryOp::And, address, 0x00FF_FFFF);
+                let pointer = self.b.or(high, low);
+                self.area_crossing(pointer, 0, *db, *db, width, direction)
+            }
+        };
+        checks.extend(target.checks);
+        Target { kind: target.kind, checks }
+    }
+
+    /// Moves a target on by `offset` bits.
+    fn move_target(&mut self, target: &mut Target, offset: Value) {
+        let (addr, bit) = match &mut target.kind {
+            TargetKind::Memory { addr, bit } | TargetKind::Either { addr, bit, .. } => (addr, bit),
+            TargetKind::Peripheral { address } => {
+                let bytes = self.b.binary_imm(BinaryOp::Ashr, offset, 3);
+                *address = self.b.iadd(*address, bytes);
+                return;
+            }
+        };
+        let total = match *bit {
+            BitNumber::Known(0) => offset,
+            BitNumber::Known(bit) => self.b.binary_imm(BinaryOp::Iadd, offset, i64::from(bit)),
+            BitNumber::Dynamic(bit) => self.b.iadd(offset, bit),
+        };
+        let bytes = self.b.binary_imm(BinaryOp::Ashr, total, 3);
+        addr.base = Some(match addr.base {
+            Some(base) => self.b.iadd(base, bytes),
+            None => bytes,
+        });
+        *bit = BitNumber::Dynamic(self.b.binary_imm(BinaryOp::And, total, 7));
+    }
+
+    /// A pointer to a located place, as a called block sees it.
+    pub fn located_pointer(&mut self, located: &Located) -> PointerFields {
+        let fields = match &located.base {
+            LocatedBase::Place(place) => {
+                let db = self.get(self.regs.db);
+                let fields = self.pointer_fields(place);
+                self.set(self.regs.db, db);
+                fields
+            }
+            LocatedBase::Indexed { area, byte, bit } => {
+                let address = self.b.binary_imm(BinaryOp::Shl, *byte, 3);
+                let address = match bit {
+                    Some(bit) => self.b.iadd(address, *bit),
+                    None => address,
+                };
+                let address = self.b.binary_imm(BinaryOp::And, address, 0x0007_FFFF);
+                match area {
+                    LocatedArea::Memory(area) => {
+                        let code = i64::from(area_code(*area)) << 24;
+                        let pointer = self.b.binary_imm(BinaryOp::Or, address, code);
+                        PointerFields { db: self.b.i32_const(0), pointer }
+                    }
+                    LocatedArea::Db(number) => {
+                        let pointer = self.b.binary_imm(BinaryOp::Or, address, i64::from(area::DB) << 24);
+                        PointerFields { db: *number, pointer }
+                    }
+                    LocatedArea::Coded { code, db } => {
+                        let high = self.b.binary_imm(BinaryOp::Shl, *code, 24);
+                        PointerFields { db: *db, pointer: self.b.or(high, address) }
+                    }
+                }
+            }
+        };
+        match located.offset {
+            Some(offset) => PointerFields { pointer: self.b.iadd(fields.pointer, offset), ..fields },
+            None => fields,
+        }
+    }
+
+    // Values.
+
+    /// Reads an elementary variable: a value of the type of [`Access::elementary`].
+    pub fn read_access(&mut self, access: &Access) -> Value {
+        if let Some(var) = self.promoted(access) {
+            let value = self.b.use_var(var);
+            return self.part_of(access, value);
+        }
+        let located = self.locate(access);
+        self.read_located(access, &located)
+    }
+
+    pub fn read_located(&mut self, access: &Access, located: &Located) -> Value {
+        let DataType::Elementary(ty) = access.ty else {
+            unreachable!("the binder reads elementary variables as values")
+        };
+        let width = layout::width(ty);
+        let target = self.located_target(located, width, Direction::Read);
+        let value = self.read_target(target, width);
+        let value = self.typed(value, ty);
+        self.part_of(access, value)
+    }
+
+    /// Writes an elementary variable; `value` has the type of [`Access::elementary`].
+    pub fn write_access(&mut self, access: &Access, value: Value) {
+        if let Some(var) = self.promoted(access) {
+            let whole = match access.part {
+                Some(part) => {
+                    let before = self.b.use_var(var);
+                    self.with_part(before, part, value)
+                }
+                None => value,
+            };
+            self.b.def_var(var, whole);
+            return;
+        }
+        let located = self.locate(access);
+        self.write_located(access, &located, value);
+    }
+
+    pub fn write_located(&mut self, access: &Access, located: &Located, value: Value) {
+        let DataType::Elementary(ty) = access.ty else {
+            unreachable!("the binder writes elementary variables as values")
+        };
+        let width = layout::width(ty);
+        let value = match access.part {
+            Some(part) => {
+                let target = self.located_target(located, width, Direction::Read);
+                let before = self.read_target(target, width);
+                let before = self.typed(before, ty);
+                self.with_part(before, part, value)
+            }
+            None => value,
+        };
+        let target = self.located_target(located, width, Direction::Write);
+        let value = self.untyped(value, ty);
+        self.write_target(target, width, value);
+    }
+
+    /// True if the variable does not lie in memory.
+    pub fn is_promoted(&self, access: &Access) -> bool {
+        self.promoted(access).is_some()
+    }
+
+    fn promoted(&self, access: &Access) -> Option<plcc_ir::Var> {
+        let (slot, _) = promote::slot(access)?;
+        self.scl.promoted.get(&slot).copied()
+    }
+
+    /// What a read of memory gives (i1, i32 or i64) as a value of `ty`.
+    pub fn typed(&mut self, value: Value, ty: Elementary) -> Value {
+        match value_type(ty) {
+            Type::I1 | Type::I32 | Type::I64 => value,
+            narrow @ (Type::I8 | Type::I16) => self.b.trunc(narrow, value),
+            float @ (Type::F32 | Type::F64) => self.b.bitcast(float, value),
+        }
+    }
+
+    /// A value of `ty` as memory takes it: i1, i32 or i64.
+    pub fn untyped(&mut self, value: Value, ty: Elementary) -> Value {
+        match value_type(ty) {
+            Type::I1 | Type::I32 | Type::I64 => value,
+            Type::I8 | Type::I16 => self.b.zext(Type::I32, value),
+            Type::F32 => self.b.bitcast(Type::I32, value),
+            Type::F64 => self.b.bitcast(Type::I64, value),
+        }
+    }
+
+    /// The slice of a value that was read, or the value.
+    fn part_of(&mut self, access: &Access, value: Value) -> Value {
+        let Some(part) = access.part else { return value };
+        let bits = self.whole_bits(value);
+        let shift = i64::from(part.index) * i64::from(part.width.bits());
+        let moved = self.b.binary_imm(BinaryOp::Lshr, bits, shift);
+        let ty = crate::place::width_type(part.width);
+        if self.b.ty(moved) == ty { moved } else { self.b.trunc(ty, moved) }
+    }
+
+    /// `whole` with the slice replaced by `value`.
+    fn with_part(&mut self, whole: Value, part: Part, value: Value) -> Value {
+        let bits = self.whole_bits(whole);
+        let ty = self.b.ty(bits);
+        let shift = i64::from(part.index) * i64::from(part.width.bits());
+        let ones = if part.width.bits() == 64 { u64::MAX } else { (1 << part.width.bits()) - 1 };
+        let mask = !(ones << shift) as i64;
+        let others = self.b.binary_imm(BinaryOp::And, bits, mask);
+        let value = if self.b.ty(value) == ty { value } else { self.b.zext(ty, value) };
+        let moved = self.b.binary_imm(BinaryOp::Shl, value, shift);
+        let bits = self.b.or(others, moved);
+        match self.b.ty(whole) {
+            float @ (Type::F32 | Type::F64) => self.b.bitcast(float, bits),
+            _ => bits,
+        }
+    }
+
+    fn whole_bits(&mut self, value: Value) -> Value {
+        match self.b.ty(value) {
+            Type::F32 => self.b.bitcast(Type::I32, value),
+            Type::F64 => self.b.bitcast(Type::I64, value),
+            _ => value,
+        }
+    }
+
+    /// The address of a located place, and what must hold before it is used.
+    pub fn located_address(&mut self, located: &Located, direction: Direction) -> (Address, Vec<Check>) {
+        let target = self.located_target(located, Width::Byte, direction);
+        let (addr, _, checks) = self.in_memory(target, Width::Byte, direction);
+        (addr, checks)
+    }
+}
+
+const fn place_area(place: &Place) -> PlaceArea {
+    match place {
+        Place::I { .. } => PlaceArea::I,
+        Place::Q { .. } => PlaceArea::Q,
+        Place::M { .. } => PlaceArea::M,
+        Place::L { .. } => PlaceArea::L,
+        Place::Pi { .. } => PlaceArea::Pi,
+        Place::Pq { .. } => PlaceArea::Pq,
+        Place::OpenDi { .. } | Place::Instance { .. } => PlaceArea::Di,
+        Place::OpenDb { .. }
+        | Place::Db { .. }
+        | Place::Parameter { .. }
+        | Place::ThroughPointer { .. }
+        | Place::Indirect { .. }
+        | Place::Register { .. } => PlaceArea::Db,
+    }
+}
+
+const fn area_code(of: PlaceArea) -> u8 {
+    match of {
+        PlaceArea::I => area::I,
+        PlaceArea::Q => area::Q,
+        PlaceArea::M => area::M,
+        PlaceArea::Pi | PlaceArea::Pq => area::P,
+        PlaceArea::L => area::L,
+        PlaceArea::Db => area::DB,
+        PlaceArea::Di => area::DI,
+    }
+}

@@ -1,0 +1,409 @@
+//! Actual parameters of calls from SCL: evaluated first, from left to right, then handed over. Source: SCL reference, parameters.
+
+use plcc_ir::{Address, Type, Value};
+use plcc_program::layout;
+use plcc_program::model::scl::{Access, Actual, Argument, Complex, Conversion};
+use plcc_program::model::{Direction, Parameter, Passing, Place, Width};
+use plcc_program::types::DataType;
+
+use super::access::Located;
+use super::text::{Text, text_limit};
+use crate::context::Context;
+use crate::fault::Substitute;
+use crate::place::{self, BitNumber, Target};
+use crate::pointer::{ANY_HEAD_BYTES, PointerFields, moved};
+
+/// An argument whose expressions are evaluated.
+pub struct Given<'m> {
+    pub parameter: usize,
+    pub supply: Supply<'m>,
+    /// Where the formal's value goes behind the call.
+    pub back: Option<Back<'m>>,
+}
+
+/// What goes in.
+pub enum Supply<'m> {
+    Nothing,
+    /// Elementary, as memory takes it.
+    Value(Value),
+    Complex(Source<'m>),
+    /// A number of a timer, counter or block, an i32.
+    Number(Value),
+    Pointer(PointerSource<'m>),
+}
+
+/// A complex value in memory.
+pub enum Source<'m> {
+    Variable {
+        access: &'m Access,
+        located: Located<'m>,
+    },
+    /// In the frame.
+    Frame(Address),
+}
+
+/// A POINTER or ANY.
+pub enum PointerSource<'m> {
+    Bytes(&'m [u8]),
+    Fields { head: u32, fields: PointerFields },
+    Copy(Located<'m>),
+}
+
+/// A variable that a result goes to.
+pub struct Back<'m> {
+    pub access: &'m Access,
+    /// None: the variable does not lie in memory.
+    pub located: Option<Located<'m>>,
+    pub conversion: Option<Conversion>,
+}
+
+impl Context<'_, '_> {
+    /// Evaluates an argument.
+    pub fn give<'m>(&mut self, parameter: &Parameter, argument: &'m Argument) -> Given<'m> {
+        let given = |supply, back| Given { parameter: argument.parameter, supply, back };
+        match &argument.actual {
+            Actual::Value(value) => {
+                let ty = value.ty;
+                let value = self.value(value);
+                let value = self.untyped(value, ty);
+                given(Supply::Value(value), None)
+            }
+            Actual::Variable { access, back } => {
+                let located = (!self.is_promoted(access)).then(|| self.locate(access));
+                let back = Back { access, located, conversion: *back };
+                let supply = if parameter.direction == Direction::InOut {
+                    let value = self.read_back(&back);
+                    let ty = access.elementary().expect("the binder gives elementary formals elementary variables");
+                    Supply::Value(self.untyped(value, ty))
+                } else {
+                    Supply::Nothing
+                };
+                given(supply, Some(back))
+            }
+            Actual::Complex(value) => given(Supply::Complex(self.source(value)), None),
+            Actual::Reference(access) => {
+                let located = self.locate(access);
+                if parameter.direction == Direction::Output {
+                    let back = Back { access, located: Some(located), conversion: None };
+                    return given(Supply::Nothing, Some(back));
+                }
+                given(Supply::Complex(Source::Variable { access, located }), None)
+            }
+            Actual::Number(number) => given(Supply::Number(self.number(number)), None),
+            Actual::Dropped => given(Supply::Nothing, None),
+            Actual::PointerBytes(_)
+            | Actual::PointerTo { .. }
+            | Actual::PointerCopy(_)
+            | Actual::PointerToValue { .. }
+            | Actual::PointerToComplex { .. } => given(Supply::Pointer(self.pointer_source(&argument.actual)), None),
+        }
+    }
+
+    fn source<'m>(&mut self, value: &'m Complex) -> Source<'m> {
+        match value {
+            Complex::Variable(access) => Source::Variable { access, located: self.locate(access) },
+            _ => Source::Frame(self.complex_value(value)),
+        }
+    }
+
+    fn pointer_source<'m>(&mut self, actual: &'m Actual) -> PointerSource<'m> {
+        let head = |type_code: u8, count: u16| 0x10 << 24 | u32::from(type_code) << 16 | u32::from(count);
+        match actual {
+            Actual::PointerBytes(bytes) => PointerSource::Bytes(bytes),
+            Actual::PointerTo { access, type_code, count } => {
+                let located = self.locate(access);
+                let fields = self.located_pointer(&located);
+                PointerSource::Fields { head: head(*type_code, *count), fields }
+            }
+            Actual::PointerCopy(access) => PointerSource::Copy(self.locate(access)),
+            Actual::PointerToValue { value, type_code } => {
+                let ty = value.ty;
+                let value = self.value(value);
+                let value = self.untyped(value, ty);
+                let width = layout::width(ty);
+                let temporary = self.temporary(width.bytes());
+                self.write_target(Target::at(temporary, BitNumber::Known(0)), width, value);
+                let fields = self.pointer_fields(&Place::L { byte: temporary.offset, bit: 0 });
+                PointerSource::Fields { head: head(*type_code, 1), fields }
+            }
+            Actual::PointerToComplex { value, type_code, count } => {
+                let fields = match self.source(value) {
+                    Source::Variable { located, .. } => self.located_pointer(&located),
+                    Source::Frame(addr) => self.pointer_fields(&Place::L { byte: addr.offset, bit: 0 }),
+                };
+                PointerSource::Fields { head: head(*type_code, *count), fields }
+            }
+            _ => unreachable!("asked for pointers only"),
+        }
+    }
+
+    fn store_pointer_source(&mut self, addr: Address, source: &PointerSource, any: bool) {
+        match source {
+            PointerSource::Bytes(bytes) => self.store_bytes(addr, bytes),
+            PointerSource::Fields { head, fields } if any => {
+                let head = self.b.i32_const(*head);
+                self.store_low(addr, Width::Dword, head);
+                self.store_pointer_fields(moved(addr, ANY_HEAD_BYTES), *fields);
+            }
+            PointerSource::Fields { fields, .. } => self.store_pointer_fields(addr, *fields),
+            PointerSource::Copy(located) => {
+                let (from, checks) = self.located_address(located, place::Direction::Read);
+                let guard = self.begin_guard(checks, Substitute::None);
+                self.copy_pointer(addr, from, any);
+                self.end_guard(guard);
+            }
+        }
+    }
+
+    // Functions: references.
+
+    /// What an FC gets for a formal; see [`crate::plan::parameter_types`]. Puts into `temporaries` what is brought back behind the call.
+    pub fn references<'m>(
+        &mut self,
+        parameter: &Parameter,
+        given: Option<Given<'m>>,
+        temporaries: &mut Vec<(Back<'m>, Address)>,
+    ) -> Vec<Value> {
+        let (supply, back) = given.map_or((Supply::Nothing, None), |given| (given.supply, given.back));
+        match parameter.passing {
+            Passing::Elementary(width) => vec![self.elementary_reference(width, supply, back, temporaries)],
+            Passing::Complex { .. } => {
+                let pointer = self.temporary(6);
+                let source = match (supply, back) {
+                    (Supply::Complex(source), _) => source,
+                    (_, Some(Back { access, located: Some(located), .. })) => Source::Variable { access, located },
+                    _ => Source::Frame(self.result_room(&parameter.ty)),
+                };
+                let (fields, reference) = self.complex_reference(&source);
+                self.store_pointer_fields(pointer, fields);
+                vec![self.b.i32_const(pointer.offset), reference]
+            }
+            Passing::Number => match supply {
+                Supply::Number(number) => vec![number],
+                _ => vec![self.b.i32_const(0)],
+            },
+            Passing::Pointer | Passing::Any => {
+                let any = parameter.passing == Passing::Any;
+                let pointer = self.temporary(10);
+                match &supply {
+                    Supply::Pointer(source) => self.store_pointer_source(pointer, source, any),
+                    _ => self.b.clear(pointer, 10),
+                }
+                vec![self.b.i32_const(pointer.offset)]
+            }
+            Passing::OpenArray { dimensions } => self.open_reference(dimensions, supply, back),
+        }
+    }
+
+    fn elementary_reference<'m>(
+        &mut self,
+        width: Width,
+        supply: Supply<'m>,
+        back: Option<Back<'m>>,
+        temporaries: &mut Vec<(Back<'m>, Address)>,
+    ) -> Value {
+        if let Some(Back { access, located: Some(located), conversion: None }) = &back
+            && access.part.is_none()
+            && access.elementary().is_some_and(|ty| layout::width(ty) == width)
+            && located.is_memory()
+        {
+            let target = self.located_target(located, width, place::Direction::Write);
+            return self.reference(target, width, place::Direction::Write);
+        }
+        let temporary = self.temporary(width.bytes());
+        match supply {
+            Supply::Value(value) => self.write_target(Target::at(temporary, BitNumber::Known(0)), width, value),
+            _ => self.b.clear(temporary, width.bytes()),
+        }
+        if let Some(back) = back {
+            temporaries.push((back, temporary));
+        }
+        self.reference(Target::at(temporary, BitNumber::Known(0)), width, place::Direction::Write)
+    }
+
+    fn complex_reference(&mut self, source: &Source) -> (PointerFields, Value) {
+        match source {
+            Source::Variable { located, .. } => {
+                let fields = self.located_pointer(located);
+                let target = self.located_target(located, Width::Byte, place::Direction::Read);
+                (fields, self.reference(target, Width::Byte, place::Direction::Read))
+            }
+            Source::Frame(addr) => {
+                let fields = self.pointer_fields(&Place::L { byte: addr.offset, bit: 0 });
+                (fields, self.b.address_of(*addr))
+            }
+        }
+    }
+
+    /// The array and its bounds.
+    fn open_reference<'m>(&mut self, dimensions: u8, supply: Supply<'m>, back: Option<Back<'m>>) -> Vec<Value> {
+        let (access, located) = match (supply, back) {
+            (Supply::Complex(Source::Variable { access, located }), _)
+            | (_, Some(Back { access, located: Some(located), .. })) => (access, located),
+            _ => {
+                let scratch = self.b.i32_const(plcc_abi::layout::SCRATCH);
+                let mut values = vec![scratch];
+                for _ in 0..dimensions {
+                    values.extend([self.b.i32_const(1), self.b.i32_const(0)]);
+                }
+                return values;
+            }
+        };
+        let target = self.located_target(&located, Width::Byte, place::Direction::Write);
+        let mut values = vec![self.reference(target, Width::Byte, place::Direction::Write)];
+        for dimension in 0..dimensions {
+            let (low, high) = self.bounds_of(access, dimension);
+            values.extend([low, high]);
+        }
+        values
+    }
+
+    /// Bounds of an array that is handed over: declared ones, or those that this block was given itself.
+    fn bounds_of(&mut self, access: &Access, dimension: u8) -> (Value, Value) {
+        match (&access.ty, &access.base) {
+            (DataType::Array(array), _) => {
+                let (low, high) = array.bounds[usize::from(dimension)];
+                (self.b.i32_const(low as u32), self.b.i32_const(high as u32))
+            }
+            (_, plcc_program::model::scl::Base::Place(Place::Parameter { parameter, .. })) => {
+                self.open_bounds(*parameter, dimension)
+            }
+            (_, plcc_program::model::scl::Base::Place(Place::ThroughPointer { pointer, .. })) => {
+                let byte = pointer + 6 + 8 * u32::from(dimension);
+                let low = self.read(&Place::Instance { byte, bit: 0 }, Width::Dword);
+                let high = self.read(&Place::Instance { byte: byte + 4, bit: 0 }, Width::Dword);
+                (low, high)
+            }
+            _ => unreachable!("the binder gives ARRAY[*] arrays"),
+        }
+    }
+
+    // Instances and structures of parameters: copies.
+
+    /// Writes what goes in to the formal's place behind `base`. Of a system function all complex values are copies.
+    pub fn fill(&mut self, base: Address, parameter: &Parameter, given: &Given, system: bool) {
+        let addr = moved(base, parameter.byte);
+        match (&given.supply, parameter.passing) {
+            (Supply::Nothing, Passing::Complex { bytes }) if system && given.back.is_some() => {
+                self.b.clear(addr, bytes);
+                self.prepare_text(addr, &parameter.ty);
+            }
+            (Supply::Nothing, _) => {}
+            (Supply::Value(value), Passing::Elementary(width)) => {
+                self.write_target(Target::at(addr, BitNumber::Known(parameter.bit)), width, *value);
+            }
+            (Supply::Number(value), _) => self.store_low(addr, Width::Word, *value),
+            (Supply::Pointer(source), passing) => self.store_pointer_source(addr, source, passing == Passing::Any),
+            (Supply::Complex(source), Passing::Complex { .. })
+                if parameter.direction == Direction::InOut && !system =>
+            {
+                let (fields, _) = self.complex_reference(source);
+                self.store_pointer_fields(addr, fields);
+            }
+            (Supply::Complex(source), Passing::Complex { bytes }) => {
+                self.prepare_text(addr, &parameter.ty);
+                self.copy_source(addr, &parameter.ty, source, bytes);
+            }
+            (Supply::Complex(Source::Variable { access, located }), Passing::OpenArray { dimensions }) => {
+                let fields = self.located_pointer(located);
+                self.store_pointer_fields(addr, fields);
+                for dimension in 0..dimensions {
+                    let (low, high) = self.bounds_of(access, dimension);
+                    let at = 6 + 8 * u32::from(dimension);
+                    self.store_low(moved(addr, at), Width::Dword, low);
+                    self.store_low(moved(addr, at + 4), Width::Dword, high);
+                }
+            }
+            (Supply::Value(_) | Supply::Complex(_), _) => {
+                unreachable!("the binder gives each formal an actual of its kind")
+            }
+        }
+    }
+
+    fn prepare_text(&mut self, addr: Address, ty: &DataType) {
+        match ty {
+            DataType::String(maximum) => {
+                let head = self.b.i32_const(u32::from(*maximum) << 8);
+                self.store_low(addr, Width::Word, head);
+            }
+            DataType::WideString(maximum) => {
+                let head = self.b.i32_const(u32::from(*maximum) << 16);
+                self.store_low(addr, Width::Dword, head);
+            }
+            _ => {}
+        }
+    }
+
+    fn copy_source(&mut self, addr: Address, ty: &DataType, source: &Source, bytes: u32) {
+        let (from, checks) = match source {
+            Source::Variable { located, .. } => self.located_address(located, place::Direction::Read),
+            Source::Frame(from) => (*from, Vec::new()),
+        };
+        let guard = self.begin_guard(checks, Substitute::None);
+        match (Text::of(ty), ty) {
+            (Some(kind), DataType::String(maximum)) => self.copy_text(addr, from, u32::from(*maximum), kind),
+            (Some(kind), DataType::WideString(maximum)) => self.copy_text(addr, from, u32::from(*maximum), kind),
+            _ => self.b.copy(addr, from, bytes),
+        }
+        self.end_guard(guard);
+    }
+
+    /// Brings the formal's value from its place behind `base` to the actual.
+    pub fn take(&mut self, base: Address, parameter: &Parameter, back: &Back) {
+        let addr = moved(base, parameter.byte);
+        match (parameter.passing, &parameter.ty) {
+            (Passing::Elementary(width), _) => {
+                let target = Target::at(addr, BitNumber::Known(parameter.bit));
+                let value = self.read_target(target, width);
+                self.write_formal(parameter, back, value);
+            }
+            (Passing::Complex { bytes }, ty) => {
+                let Some(located) = &back.located else { return };
+                let (to, checks) = self.located_address(located, place::Direction::Write);
+                let guard = self.begin_guard(checks, Substitute::None);
+                match Text::of(ty) {
+                    Some(kind) => self.copy_text(to, addr, text_limit(back.access), kind),
+                    None => self.b.copy(to, addr, bytes),
+                }
+                self.end_guard(guard);
+            }
+            _ => {}
+        }
+    }
+
+    /// Brings back what an FC left in a temporary.
+    pub fn take_temporary(&mut self, parameter: &Parameter, back: &Back, temporary: Address) {
+        let Passing::Elementary(width) = parameter.passing else { return };
+        let value = self.read_target(Target::at(temporary, BitNumber::Known(0)), width);
+        self.write_formal(parameter, back, value);
+    }
+
+    /// Writes the value of an elementary formal, as memory has it, to its actual.
+    fn write_formal(&mut self, parameter: &Parameter, back: &Back, value: Value) {
+        let DataType::Elementary(formal) = parameter.ty else { return };
+        let Some(actual) = back.access.elementary() else { return };
+        let value = self.typed(value, formal);
+        let value = match back.conversion {
+            Some(conversion) => self.convert(conversion, value, formal, actual),
+            None => {
+                // Of one width, so the bits are the value.
+                let bits = self.as_bits(value);
+                match super::value_type(actual) {
+                    float @ (Type::F32 | Type::F64) => self.b.bitcast(float, bits),
+                    _ => bits,
+                }
+            }
+        };
+        match &back.located {
+            Some(located) => self.write_located(back.access, located, value),
+            None => self.write_access(back.access, value),
+        }
+    }
+
+    fn read_back(&mut self, back: &Back) -> Value {
+        match &back.located {
+            Some(located) => self.read_located(back.access, located),
+            None => self.read_access(back.access),
+        }
+    }
+}

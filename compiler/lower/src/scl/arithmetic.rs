@@ -1,0 +1,331 @@
+//! Operators: integers wrap, a division by 0 gives 0. Source: SCL reference, arithmetic, bit and comparison operators.
+
+use plcc_abi::RuntimeFn;
+use plcc_ir::{BinaryOp as Ir, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
+use plcc_program::model::scl::{BinaryOp, CompareOp};
+use plcc_program::types::Elementary;
+
+use super::expression::least;
+use super::value_type;
+use crate::context::Context;
+
+/// A day in the units of TIME_OF_DAY and of LTOD.
+const DAY_MS: i64 = 86_400_000;
+const DAY_NS: i64 = DAY_MS * 1_000_000;
+/// Least normal magnitude and infinity of REAL.
+const LEAST_NORMAL: i64 = 0x0080_0000;
+const INFINITY: i64 = 0x7F80_0000;
+const LEAST_NORMAL_LONG: i64 = 0x0010_0000_0000_0000;
+const INFINITY_LONG: i64 = 0x7FF0_0000_0000_0000;
+/// Every NaN that an operation produces.
+const NAN: i64 = 0xFFFF_FFFF;
+
+impl Context<'_, '_> {
+    /// `a op b`; `right` is the type of `b` where it is another one (shift counts, milliseconds).
+    pub fn binary(&mut self, op: BinaryOp, a: Value, b: Value, ty: Elementary, right: Elementary) -> Value {
+        match op {
+            BinaryOp::And => self.b.and(a, b),
+            BinaryOp::Or => self.b.or(a, b),
+            BinaryOp::Xor => self.b.xor(a, b),
+            BinaryOp::Add | BinaryOp::Subtract | BinaryOp::Multiply | BinaryOp::Divide if ty.is_float() => {
+                let op = match op {
+                    BinaryOp::Add => Ir::Fadd,
+                    BinaryOp::Subtract => Ir::Fsub,
+                    BinaryOp::Multiply => Ir::Fmul,
+                    _ => Ir::Fdiv,
+                };
+                let result = self.b.binary(op, a, b);
+                self.float_result(result, a, b, op)
+            }
+            BinaryOp::Power => {
+                let function = if ty == Elementary::Lreal { RuntimeFn::PowLong } else { RuntimeFn::Pow };
+                let result = self.b.call_pure(function, &[a, b]);
+                self.checked_float(result)
+            }
+            BinaryOp::Add | BinaryOp::Subtract | BinaryOp::Multiply => self.integer(op, a, b, ty),
+            BinaryOp::Divide => self.divide(a, b, ty),
+            BinaryOp::Modulo => self.modulo(a, b, ty),
+            BinaryOp::ShiftLeft | BinaryOp::ShiftRight => self.shift_by(op, a, b, ty, right),
+            BinaryOp::RotateLeft | BinaryOp::RotateRight => {
+                let op = if op == BinaryOp::RotateLeft { Ir::Rotl } else { Ir::Rotr };
+                // The IR takes the count modulo the width, which is a power of two: low bits are enough.
+                let count = self.count_as(b, value_type(ty));
+                self.b.binary(op, a, count)
+            }
+            BinaryOp::AddDay | BinaryOp::SubtractDay => self.day_time(op, a, b, ty, right),
+            BinaryOp::Min | BinaryOp::Max => self.min_max(op, a, b, ty),
+        }
+    }
+
+    // Floats.
+
+    /// A NaN becomes the one NaN; infinities, NaN, denormal numbers and underflows clear the bit.
+    fn float_result(&mut self, result: Value, a: Value, b: Value, op: Ir) -> Value {
+        let value = self.checked_float(result);
+        if self.wants_flag() && matches!(op, Ir::Fmul | Ir::Fdiv) {
+            let zero = self.b.iconst(self.b.ty(a), 0);
+            let is_zero = self.b.fcmp(FloatCc::Eq, result, zero);
+            let a_set = self.b.fcmp(FloatCc::Ne, a, zero);
+            let b_set = if op == Ir::Fmul { self.b.fcmp(FloatCc::Ne, b, zero) } else { self.is_finite(b) };
+            let inexact = self.b.and(a_set, b_set);
+            let underflow = self.b.and(is_zero, inexact);
+            self.fail_if(underflow);
+        }
+        value
+    }
+
+    /// As `float_result` for what cannot underflow to 0.
+    pub fn checked_float(&mut self, result: Value) -> Value {
+        let ty = self.b.ty(result);
+        let nan = self.b.fcmp(FloatCc::Uno, result, result);
+        let pattern = self.b.iconst(ty, if ty == Type::F32 { NAN } else { -1 });
+        let value = self.b.select(nan, pattern, result);
+        if self.wants_flag() {
+            let (int, least, infinity) = match ty {
+                Type::F32 => (Type::I32, LEAST_NORMAL, INFINITY),
+                _ => (Type::I64, LEAST_NORMAL_LONG, INFINITY_LONG),
+            };
+            let bits = self.b.bitcast(int, result);
+            let magnitude = self.b.binary_imm(Ir::Shl, bits, 1);
+            let not_zero = self.b.icmp_imm(IntCc::Ne, magnitude, 0);
+            let magnitude = self.b.binary_imm(Ir::Lshr, magnitude, 1);
+            let above_least = self.b.binary_imm(Ir::Isub, magnitude, least);
+            let not_normal = self.b.icmp_imm(IntCc::Uge, above_least, infinity - least);
+            let failed = self.b.and(not_zero, not_normal);
+            self.fail_if(failed);
+        }
+        value
+    }
+
+    /// i1: neither infinite nor NaN.
+    pub fn is_finite(&mut self, value: Value) -> Value {
+        let magnitude = self.b.unary(UnaryOp::Fabs, value);
+        let infinity = match self.b.ty(value) {
+            Type::F32 => self.b.iconst(Type::F32, INFINITY),
+            _ => self.b.iconst(Type::F64, INFINITY_LONG),
+        };
+        self.b.fcmp(FloatCc::Lt, magnitude, infinity)
+    }
+
+    // Integers.
+
+    fn integer(&mut self, op: BinaryOp, a: Value, b: Value, ty: Elementary) -> Value {
+        let ir = match op {
+            BinaryOp::Add => Ir::Iadd,
+            BinaryOp::Subtract => Ir::Isub,
+            _ => Ir::Imul,
+        };
+        let result = self.b.binary(ir, a, b);
+        if self.wants_flag() {
+            let failed = if ty.bits() < 64 {
+                self.overflow_narrow(ir, a, b, result, ty)
+            } else {
+                self.overflow_wide(ir, a, b, result, ty)
+            };
+            self.fail_if(failed);
+        }
+        result
+    }
+
+    /// i1: the exact result, computed in 64 bits, is another one.
+    fn overflow_narrow(&mut self, op: Ir, a: Value, b: Value, result: Value, ty: Elementary) -> Value {
+        let widen = |context: &mut Self, value| match ty.is_signed() {
+            true => context.b.sext(Type::I64, value),
+            false => context.b.zext(Type::I64, value),
+        };
+        let (a, b) = (widen(self, a), widen(self, b));
+        let exact = self.b.binary(op, a, b);
+        let kept = widen(self, result);
+        self.b.icmp(IntCc::Ne, exact, kept)
+    }
+
+    fn overflow_wide(&mut self, op: Ir, a: Value, b: Value, result: Value, ty: Elementary) -> Value {
+        match (op, ty.is_signed()) {
+            (Ir::Iadd, true) => {
+                let (x, y) = (self.b.xor(a, result), self.b.xor(b, result));
+                let both = self.b.and(x, y);
+                self.b.icmp_imm(IntCc::Slt, both, 0)
+            }
+            (Ir::Isub, true) => {
+                let (x, y) = (self.b.xor(a, b), self.b.xor(a, result));
+                let both = self.b.and(x, y);
+                self.b.icmp_imm(IntCc::Slt, both, 0)
+            }
+            (Ir::Iadd, false) => self.b.icmp(IntCc::Ult, result, a),
+            (Ir::Isub, false) => self.b.icmp(IntCc::Ult, a, b),
+            // The product divided by a factor is the other factor; 0 is always right, and -1 only wrong for the least number.
+            (_, signed) => {
+                let zero = self.b.icmp_imm(IntCc::Eq, a, 0);
+                let minus = if signed { self.b.icmp_imm(IntCc::Eq, a, -1) } else { self.b.bool_const(false) };
+                let trivial = self.b.or(zero, minus);
+                let one = self.b.iconst(Type::I64, 1);
+                let divisor = self.b.select(trivial, one, a);
+                let back = self.b.binary(if signed { Ir::Sdiv } else { Ir::Udiv }, result, divisor);
+                let differs = self.b.icmp(IntCc::Ne, back, b);
+                let usual = self.b.not(trivial);
+                let wrong = self.b.and(usual, differs);
+                let is_least = self.b.icmp_imm(IntCc::Eq, b, i64::MIN);
+                let least_negated = self.b.and(minus, is_least);
+                self.b.or(wrong, least_negated)
+            }
+        }
+    }
+
+    /// The divisor, made harmless: 1 in place of 0 and -1; and whether it is 0 and -1.
+    fn divisor(&mut self, b: Value, ty: Elementary) -> (Value, Value, Value) {
+        let zero = self.b.icmp_imm(IntCc::Eq, b, 0);
+        let minus = if ty.is_signed() { self.b.icmp_imm(IntCc::Eq, b, -1) } else { self.b.bool_const(false) };
+        let special = self.b.or(zero, minus);
+        let one = self.b.iconst(self.b.ty(b), 1);
+        (self.b.select(special, one, b), zero, minus)
+    }
+
+    /// Towards zero; by 0: 0; the least number by -1: itself.
+    fn divide(&mut self, a: Value, b: Value, ty: Elementary) -> Value {
+        let (divisor, by_zero, by_minus) = self.divisor(b, ty);
+        let op = if ty.is_signed() { Ir::Sdiv } else { Ir::Udiv };
+        let quotient = self.b.binary(op, a, divisor);
+        let none = self.zero(ty);
+        let minus = self.b.isub(none, a);
+        let quotient = self.b.select(by_minus, minus, quotient);
+        if self.wants_flag() {
+            let is_least = self.b.icmp_imm(IntCc::Eq, a, least(ty));
+            let overflow = self.b.and(by_minus, is_least);
+            let failed = self.b.or(by_zero, overflow);
+            self.fail_if(failed);
+        }
+        self.b.select(by_zero, none, quotient)
+    }
+
+    /// Sign of the dividend; by 0: 0.
+    fn modulo(&mut self, a: Value, b: Value, ty: Elementary) -> Value {
+        let (divisor, by_zero, by_minus) = self.divisor(b, ty);
+        let op = if ty.is_signed() { Ir::Srem } else { Ir::Urem };
+        let rest = self.b.binary(op, a, divisor);
+        let none = self.zero(ty);
+        self.fail_if(by_zero);
+        let special = self.b.or(by_zero, by_minus);
+        self.b.select(special, none, rest)
+    }
+
+    // Shifts.
+
+    /// A shift count as a value of the shifted type, its low bits.
+    fn count_as(&mut self, count: Value, ty: Type) -> Value {
+        let (have, want) = (self.b.ty(count).bits(), ty.bits());
+        if have < want { self.b.zext(ty, count) } else { self.narrowed(count, ty) }
+    }
+
+    /// From the width on zeros are left, or copies of the sign. A negative count is taken modulo 256.
+    fn shift_by(&mut self, op: BinaryOp, a: Value, count: Value, ty: Elementary, count_ty: Elementary) -> Value {
+        let signed = op == BinaryOp::ShiftRight && ty.is_signed();
+        let count = self.to_i32(count, count_ty);
+        let negative = self.b.icmp_imm(IntCc::Slt, count, 0);
+        let low = self.masked(count, 0xFF);
+        let count = self.b.select(negative, low, count);
+        let width = i64::from(ty.bits());
+        let beyond = self.b.icmp_imm(IntCc::Uge, count, width);
+        let ir_count = self.count_as(count, value_type(ty));
+        let ir = match (op, signed) {
+            (BinaryOp::ShiftLeft, _) => Ir::Shl,
+            (_, true) => Ir::Ashr,
+            (_, false) => Ir::Lshr,
+        };
+        let shifted = self.b.binary(ir, a, ir_count);
+        let left = if signed { self.b.binary_imm(Ir::Ashr, a, width - 1) } else { self.zero(ty) };
+        self.b.select(beyond, left, shifted)
+    }
+
+    // Times of day.
+
+    fn day_time(&mut self, op: BinaryOp, a: Value, b: Value, ty: Elementary, right: Elementary) -> Value {
+        let day = if ty == Elementary::Ltod { DAY_NS } else { DAY_MS };
+        let a64 = if ty.bits() == 64 { a } else { self.b.zext(Type::I64, a) };
+        let b64 = match (self.b.ty(b).bits(), right.is_signed()) {
+            (64, _) => b,
+            (_, true) => self.b.sext(Type::I64, b),
+            (_, false) => self.b.zext(Type::I64, b),
+        };
+        let day_value = self.b.iconst(Type::I64, day);
+        let rest = self.b.binary(Ir::Srem, b64, day_value);
+        let sum = if op == BinaryOp::AddDay { self.b.iadd(a64, rest) } else { self.b.isub(a64, rest) };
+        let below = self.b.icmp_imm(IntCc::Slt, sum, 0);
+        let above = self.b.icmp_imm(IntCc::Sge, sum, day);
+        let (more, less) = (self.b.iadd(sum, day_value), self.b.isub(sum, day_value));
+        let result = self.b.select(above, less, sum);
+        let result = self.b.select(below, more, result);
+        if self.wants_flag() {
+            let whole_days = self.b.icmp(IntCc::Ne, rest, b64);
+            let wrapped = self.b.or(below, above);
+            let failed = self.b.or(wrapped, whole_days);
+            self.fail_if(failed);
+        }
+        self.narrowed(result, value_type(ty))
+    }
+
+    // Comparisons.
+
+    pub fn compare(&mut self, op: CompareOp, a: Value, b: Value, ty: Elementary) -> Value {
+        if ty.is_float() {
+            return self.compare_float(op, a, b);
+        }
+        let signed = ty.is_signed();
+        let cc = match (op, signed) {
+            (CompareOp::Equal, _) => IntCc::Eq,
+            (CompareOp::NotEqual, _) => IntCc::Ne,
+            (CompareOp::Less, true) => IntCc::Slt,
+            (CompareOp::Less, false) => IntCc::Ult,
+            (CompareOp::LessEqual, true) => IntCc::Sle,
+            (CompareOp::LessEqual, false) => IntCc::Ule,
+            (CompareOp::Greater, true) => IntCc::Sgt,
+            (CompareOp::Greater, false) => IntCc::Ugt,
+            (CompareOp::GreaterEqual, true) => IntCc::Sge,
+            (CompareOp::GreaterEqual, false) => IntCc::Uge,
+        };
+        if ty == Elementary::Bool {
+            let (a, b) = (self.b.zext(Type::I32, a), self.b.zext(Type::I32, b));
+            return self.b.icmp(cc, a, b);
+        }
+        self.b.icmp(cc, a, b)
+    }
+
+    /// False beside a NaN, `<>` too.
+    fn compare_float(&mut self, op: CompareOp, a: Value, b: Value) -> Value {
+        let cc = match op {
+            CompareOp::Equal => FloatCc::Eq,
+            CompareOp::NotEqual => {
+                let (less, greater) = (self.b.fcmp(FloatCc::Lt, a, b), self.b.fcmp(FloatCc::Gt, a, b));
+                return self.b.or(less, greater);
+            }
+            CompareOp::Less => FloatCc::Lt,
+            CompareOp::LessEqual => FloatCc::Le,
+            CompareOp::Greater => FloatCc::Gt,
+            CompareOp::GreaterEqual => FloatCc::Ge,
+        };
+        self.b.fcmp(cc, a, b)
+    }
+
+    fn min_max(&mut self, op: BinaryOp, a: Value, b: Value, ty: Elementary) -> Value {
+        let compare = if op == BinaryOp::Min { CompareOp::LessEqual } else { CompareOp::GreaterEqual };
+        let first = self.compare(compare, a, b, ty);
+        let chosen = self.b.select(first, a, b);
+        if !ty.is_float() {
+            return chosen;
+        }
+        let nan = self.b.fcmp(FloatCc::Uno, a, b);
+        let sum = self.b.binary(Ir::Fadd, a, b);
+        let result = self.b.select(nan, sum, chosen);
+        self.checked_float(result)
+    }
+
+    /// An integer as a float of `to`.
+    pub fn to_float(&mut self, value: Value, ty: Elementary, to: Type) -> Value {
+        let (op, wide) = match (ty.is_signed(), self.b.ty(value).bits()) {
+            (true, 32 | 64) => (ConvertOp::FromSint, value),
+            (true, _) => (ConvertOp::FromSint, self.b.sext(Type::I32, value)),
+            (false, 64) => (ConvertOp::FromUint, value),
+            (false, _) => (ConvertOp::FromSint, self.b.zext(Type::I64, value)),
+        };
+        self.b.convert(op, to, wide)
+    }
+}

@@ -1,0 +1,279 @@
+//! Calls from SCL. Source: SCL reference, calls; STL reference, block call model.
+
+use plcc_abi::RuntimeFn;
+use plcc_abi::layout::area;
+use plcc_ir::{Address, BinaryOp, FuncId, Type, Value};
+use plcc_program::layout;
+use plcc_program::model::scl::{Call, Instance};
+use plcc_program::model::{CodeBlock, Direction, Parameter, Place, Width};
+use plcc_program::types::DataType;
+
+use super::argument::Given;
+use super::value_type;
+use crate::context::Context;
+use crate::fault::{Check, Substitute};
+use crate::place::{self, BitNumber, Target};
+
+/// Result of a call.
+#[derive(Clone, Copy, Default)]
+pub struct Returned {
+    /// Of an elementary type.
+    pub value: Option<Value>,
+    /// Where a complex one lies in the frame.
+    pub place: Option<Address>,
+}
+
+/// Instance memory of a call: where it lies, and the registers that name it.
+struct InstanceAt {
+    addr: Address,
+    checks: Vec<Check>,
+    di: Value,
+    ar2: Value,
+}
+
+impl Context<'_, '_> {
+    pub fn scl_call(&mut self, call: &Call) -> Returned {
+        let plan = self.plan;
+        let (callee, function) = plan.block(call.target).expect("the binder lets calls of known blocks through only");
+        let result = result(callee);
+        let room = result.map(|(_, parameter)| self.result_room(&parameter.ty));
+        let Some(enable) = &call.enable else { return self.enabled_call(call, callee, function, room) };
+        let enable = self.value(enable);
+        let ty = result.and_then(|(_, parameter)| match parameter.ty {
+            DataType::Elementary(ty) => Some(ty),
+            _ => None,
+        });
+        let var = ty.map(|ty| {
+            let var = self.b.declare_var(value_type(ty));
+            let zero = self.zero(ty);
+            self.b.def_var(var, zero);
+            var
+        });
+        let eno = self.last_eno();
+        let no = self.b.bool_const(false);
+        self.b.def_var(eno, no);
+        let (run, skip, end) = (self.b.create_block(), self.b.create_block(), self.b.create_block());
+        self.b.branch(enable, run, skip);
+        self.b.seal_block(run);
+        self.b.seal_block(skip);
+        self.b.switch_to(skip);
+        self.note_eno(call, no);
+        self.b.jump(end, &[]);
+        self.b.switch_to(run);
+        let returned = self.enabled_call(call, callee, function, room);
+        if let (Some(var), Some(value)) = (var, returned.value) {
+            self.b.def_var(var, value);
+        }
+        self.b.jump(end, &[]);
+        self.b.seal_block(end);
+        self.b.switch_to(end);
+        Returned { value: var.map(|var| self.b.use_var(var)), place: returned.place }
+    }
+
+    fn enabled_call(
+        &mut self,
+        call: &Call,
+        callee: &CodeBlock,
+        function: Option<FuncId>,
+        room: Option<Address>,
+    ) -> Returned {
+        let returned = match (function, &call.instance) {
+            (Some(function), Some(instance)) => {
+                self.call_block_instance(call, callee, function, instance);
+                Returned::default()
+            }
+            (Some(function), None) => self.call_block_function(call, callee, function, room),
+            (None, _) => self.call_runtime_function(call, callee, room),
+        };
+        self.after_block();
+        let br = self.get(self.regs.br);
+        self.note_eno(call, br);
+        returned
+    }
+
+    /// ENO of a callee, or of one that was skipped.
+    fn note_eno(&mut self, call: &Call, eno: Value) {
+        let last = self.last_eno();
+        self.b.def_var(last, eno);
+        if self.scl.calls_set_flag {
+            let failed = self.b.not(eno);
+            self.fail_if(failed);
+        }
+        if let Some(target) = &call.eno {
+            self.write_access(target, eno);
+        }
+    }
+
+    fn given<'m>(&mut self, call: &'m Call, callee: &CodeBlock) -> Vec<Given<'m>> {
+        call.arguments
+            .iter()
+            .map(|argument| self.give(&callee.interface.parameters[argument.parameter], argument))
+            .collect()
+    }
+
+    // Functions.
+
+    fn call_block_function(
+        &mut self,
+        call: &Call,
+        callee: &CodeBlock,
+        function: FuncId,
+        room: Option<Address>,
+    ) -> Returned {
+        let mut given = self.given(call, callee);
+        let result = result(callee).map(|(index, _)| index);
+        let mut temporaries = Vec::new();
+        let mut references = Vec::new();
+        for (index, parameter) in callee.interface.parameters.iter().enumerate() {
+            let supplied = given.iter().any(|given| given.parameter == index);
+            if let (true, Some(room)) = (result == Some(index) && !supplied, room) {
+                references.extend(self.result_reference(parameter, room));
+                continue;
+            }
+            let own = given.iter().position(|given| given.parameter == index).map(|at| given.swap_remove(at));
+            let mut backs = Vec::new();
+            references.extend(self.references(parameter, own, &mut backs));
+            temporaries.extend(backs.into_iter().map(|(back, temporary)| (index, back, temporary)));
+        }
+        let ar2 = self.get(self.regs.ar[1]);
+        let registers = [self.regs.db, self.regs.di].map(|register| (register, self.get(register)));
+        self.call_function(callee, function, references);
+        self.set(self.regs.ar[1], ar2);
+        for (register, value) in registers {
+            self.set(register, value);
+        }
+        for (index, back, temporary) in &temporaries {
+            self.take_temporary(&callee.interface.parameters[*index], back, *temporary);
+        }
+        self.returned(callee, room)
+    }
+
+    /// What an FC gets for its result.
+    fn result_reference(&mut self, parameter: &Parameter, room: Address) -> Vec<Value> {
+        match &parameter.ty {
+            DataType::Elementary(ty) => {
+                let target = Target::at(room, BitNumber::Known(0));
+                vec![self.reference(target, layout::width(*ty), place::Direction::Write)]
+            }
+            _ => {
+                let pointer = self.temporary(6);
+                let fields = self.pointer_fields(&Place::L { byte: room.offset, bit: 0 });
+                self.store_pointer_fields(pointer, fields);
+                let reference = self.b.address_of(room);
+                vec![self.b.i32_const(pointer.offset), reference]
+            }
+        }
+    }
+
+    fn returned(&mut self, callee: &CodeBlock, room: Option<Address>) -> Returned {
+        let (Some((_, parameter)), Some(room)) = (result(callee), room) else { return Returned::default() };
+        match parameter.ty {
+            DataType::Elementary(ty) => {
+                let value = self.read_target(Target::at(room, BitNumber::Known(0)), layout::width(ty));
+                Returned { value: Some(self.typed(value, ty)), place: None }
+            }
+            _ => Returned { value: None, place: Some(room) },
+        }
+    }
+
+    // Function blocks.
+
+    fn call_block_instance(&mut self, call: &Call, callee: &CodeBlock, function: FuncId, instance: &Instance) {
+        let at = self.instance_at(instance);
+        let given = self.given(call, callee);
+        let guard = self.begin_guard(at.checks, Substitute::None);
+        for given in &given {
+            self.fill(at.addr, &callee.interface.parameters[given.parameter], given, false);
+        }
+        let registers = [self.regs.db, self.regs.di, self.regs.ar[1]].map(|register| (register, self.get(register)));
+        let di = self.get(self.regs.di);
+        self.set(self.regs.db, di);
+        self.set(self.regs.di, at.di);
+        self.set(self.regs.ar[1], at.ar2);
+        self.call_function(callee, function, Vec::new());
+        for (register, value) in registers {
+            self.set(register, value);
+        }
+        self.take_back(at.addr, callee, &given);
+        self.end_guard(guard);
+    }
+
+    /// In the order of the declaration.
+    fn take_back(&mut self, base: Address, callee: &CodeBlock, given: &[Given]) {
+        for (index, parameter) in callee.interface.parameters.iter().enumerate() {
+            let back = given.iter().find(|given| given.parameter == index).and_then(|given| given.back.as_ref());
+            if let Some(back) = back {
+                self.take(base, parameter, back);
+            }
+        }
+    }
+
+    fn instance_at(&mut self, instance: &Instance) -> InstanceAt {
+        match instance {
+            Instance::Db(number) => {
+                let db = self.get(self.regs.db);
+                let target =
+                    self.target(&Place::Db { number: *number, byte: 0, bit: 0 }, Width::Byte, place::Direction::Write);
+                self.set(self.regs.db, db);
+                let (addr, _, checks) = self.in_memory(target, Width::Byte, place::Direction::Write);
+                let di = self.b.i32_const(u32::from(*number));
+                let ar2 = self.b.i32_const(u32::from(area::DB) << 24);
+                InstanceAt { addr, checks, di, ar2 }
+            }
+            Instance::Variable(access) => {
+                let located = self.locate(access);
+                let (addr, checks) = self.located_address(&located, place::Direction::Write);
+                let fields = self.located_pointer(&located);
+                InstanceAt { addr, checks, di: fields.db, ar2: fields.pointer }
+            }
+        }
+    }
+
+    // System functions.
+
+    fn call_runtime_function(&mut self, call: &Call, callee: &CodeBlock, room: Option<Address>) -> Returned {
+        let given = self.given(call, callee);
+        let bytes = callee.interface.bytes;
+        let structure = self.temporary(bytes.max(2));
+        self.b.clear(structure, bytes);
+        for given in &given {
+            self.fill(structure, &callee.interface.parameters[given.parameter], given, true);
+        }
+        let site = self.b.i32_const(self.site);
+        let number = self.b.i32_const(u32::from(callee.number));
+        let block = self.b.address_of(structure);
+        let frame = self.b.frame_base(false);
+        let answer = self
+            .b
+            .call_runtime(RuntimeFn::SystemFunction, &[site, number, block, frame])
+            .expect("system_function has a result");
+        let stop = self.b.binary_imm(BinaryOp::And, answer, 2);
+        self.stop_check(stop);
+        let br = self.b.trunc(Type::I1, answer);
+        self.set(self.regs.br, br);
+        self.take_back(structure, callee, &given);
+        let (Some((_, parameter)), Some(room)) = (result(callee), room) else { return Returned::default() };
+        let at = Address { offset: structure.offset + parameter.byte, ..structure };
+        match parameter.ty {
+            DataType::Elementary(ty) => {
+                let target = Target::at(at, BitNumber::Known(parameter.bit));
+                let value = self.read_target(target, layout::width(ty));
+                Returned { value: Some(self.typed(value, ty)), place: None }
+            }
+            _ => {
+                self.b.copy(room, at, layout::bytes(&parameter.ty));
+                Returned { value: None, place: Some(room) }
+            }
+        }
+    }
+}
+
+/// The result of a function among its parameters.
+pub fn result(callee: &CodeBlock) -> Option<(usize, &Parameter)> {
+    callee
+        .interface
+        .parameters
+        .iter()
+        .enumerate()
+        .find(|(_, parameter)| parameter.direction == Direction::Output && parameter.name == "RET_VAL")
+}

@@ -1,0 +1,290 @@
+//! Conversions. Source: SCL reference, explicit conversions and rounding functions.
+
+use plcc_abi::RuntimeFn;
+use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
+use plcc_program::model::scl::{Conversion, Overflow};
+use plcc_program::types::{Class, Elementary};
+
+use super::value_type;
+use crate::context::Context;
+use crate::fault::Substitute;
+
+/// Nanoseconds of a millisecond.
+const MS: i64 = 1_000_000;
+/// Longest S5TIME, and the longest of each finer time base, in milliseconds.
+const S5_MAX: i64 = 9_990_000;
+const S5_BASES: [(i64, i64); 3] = [(9_990, 10), (99_900, 100), (999_000, 1_000)];
+
+impl Context<'_, '_> {
+    /// Converts `value` of type `from` to type `to`.
+    pub fn convert(&mut self, conversion: Conversion, value: Value, from: Elementary, to: Elementary) -> Value {
+        match conversion {
+            Conversion::Value(overflow) => self.by_value(value, from, to, UnaryOp::Fnearest, overflow),
+            Conversion::Truncate(overflow) => self.by_value(value, from, to, UnaryOp::Ftrunc, overflow),
+            Conversion::Ceil(overflow) => self.by_value(value, from, to, UnaryOp::Fceil, overflow),
+            Conversion::Floor(overflow) => self.by_value(value, from, to, UnaryOp::Ffloor, overflow),
+            Conversion::Bits { checked } => {
+                let result = self.resized(value, from, to);
+                if checked && from.bits() != to.bits() && self.wants_flag() {
+                    let before = self.wide(value, from);
+                    let after = self.as_bits(result);
+                    let after = if self.b.ty(after) == Type::I64 { after } else { self.b.zext(Type::I64, after) };
+                    let failed = self.b.icmp(IntCc::Ne, before, after);
+                    self.fail_if(failed);
+                }
+                result
+            }
+            Conversion::ToBool => {
+                let bits = self.as_bits(value);
+                let others = self.b.binary_imm(BinaryOp::Lshr, bits, 1);
+                let failed = self.b.icmp_imm(IntCc::Ne, others, 0);
+                self.fail_if(failed);
+                self.narrowed(bits, Type::I1)
+            }
+            Conversion::FromBcd { fault } => self.from_bcd(value, to, fault),
+            Conversion::ToBcd => self.to_bcd(value, from, to),
+            Conversion::FromS5Time => self.from_s5time(value),
+            Conversion::ToS5Time => self.to_s5time(value),
+            Conversion::MillisToNanos => {
+                let wide = self.wide(value, from);
+                self.b.binary_imm(BinaryOp::Imul, wide, MS)
+            }
+            Conversion::NanosToMillis => {
+                let divisor = self.b.iconst(Type::I64, MS);
+                let ms = self.b.binary(BinaryOp::Sdiv, value, divisor);
+                let result = self.b.trunc(Type::I32, ms);
+                let back = self.wide(result, to);
+                let failed = self.b.icmp(IntCc::Ne, ms, back);
+                self.fail_if(failed);
+                result
+            }
+            Conversion::Ranged { max } => {
+                let wide = self.wide(value, from);
+                let failed = self.b.icmp_imm(IntCc::Ugt, wide, i64::from(max));
+                self.fail_if(failed);
+                self.resized(value, from, to)
+            }
+        }
+    }
+
+    // Numbers.
+
+    fn by_value(
+        &mut self,
+        value: Value,
+        from: Elementary,
+        to: Elementary,
+        rounding: UnaryOp,
+        overflow: Overflow,
+    ) -> Value {
+        match (from.is_float(), to.is_float()) {
+            (true, true) => {
+                let value =
+                    if rounding == UnaryOp::Fnearest && from != to { value } else { self.b.unary(rounding, value) };
+                match (from.bits(), to.bits()) {
+                    (32, 64) => self.b.convert(ConvertOp::Fpromote, Type::F64, value),
+                    (64, 32) => {
+                        let narrow = self.b.convert(ConvertOp::Fdemote, Type::F32, value);
+                        self.checked_float(narrow)
+                    }
+                    _ => value,
+                }
+            }
+            (true, false) => self.float_to_integer(value, to, rounding, overflow),
+            (false, true) => self.to_float(value, from, value_type(to)),
+            (false, false) => self.integer_to_integer(value, from, to),
+        }
+    }
+
+    fn integer_to_integer(&mut self, value: Value, from: Elementary, to: Elementary) -> Value {
+        let result = self.resized(value, from, to);
+        if self.wants_flag() {
+            let before = self.wide(value, from);
+            let after = self.wide(result, to);
+            let mut failed = self.b.icmp(IntCc::Ne, before, after);
+            let huge = from.bits() == 64 && !from.is_signed() && to.is_signed();
+            let negative = from.is_signed() && !to.is_signed() && to.bits() == 64;
+            if huge || negative {
+                let high_bit = self.b.icmp_imm(IntCc::Slt, before, 0);
+                failed = self.b.or(failed, high_bit);
+            }
+            self.fail_if(failed);
+        }
+        result
+    }
+
+    fn float_to_integer(&mut self, value: Value, to: Elementary, rounding: UnaryOp, overflow: Overflow) -> Value {
+        let rounded = self.b.unary(rounding, value);
+        let rounded = match self.b.ty(rounded) {
+            Type::F64 => rounded,
+            _ => self.b.convert(ConvertOp::Fpromote, Type::F64, rounded),
+        };
+        let limit = |context: &mut Self, value: f64| context.b.iconst(Type::F64, value.to_bits() as i64);
+        let magnitude_bits = to.bits() - u32::from(to.is_signed());
+        let above = 2f64.powi(magnitude_bits as i32);
+        let low = limit(self, if to.is_signed() { -above } else { 0.0 });
+        let high = limit(self, above);
+        let (ge, lt) = (self.b.fcmp(FloatCc::Ge, rounded, low), self.b.fcmp(FloatCc::Lt, rounded, high));
+        let fits = self.b.and(ge, lt);
+        let failed = self.b.not(fits);
+        self.fail_if(failed);
+        let ty = value_type(to);
+        let unsigned_long = to.bits() == 64 && !to.is_signed();
+        let wide =
+            self.b.convert(if unsigned_long { ConvertOp::ToUint } else { ConvertOp::ToSint }, Type::I64, rounded);
+        let good = self.narrowed(wide, ty);
+        let other = match overflow {
+            Overflow::Pattern => {
+                let bits = self.as_bits(value);
+                match self.b.ty(bits).bits() < ty.bits() {
+                    true => self.b.zext(ty, bits),
+                    false => self.narrowed(bits, ty),
+                }
+            }
+            Overflow::LowBits => {
+                let edge = limit(self, 2f64.powi(63));
+                let magnitude = self.b.unary(UnaryOp::Fabs, rounded);
+                let has_bits = self.b.fcmp(FloatCc::Lt, magnitude, edge);
+                let signed = self.b.convert(ConvertOp::ToSint, Type::I64, rounded);
+                let low = self.narrowed(signed, ty);
+                let none = self.b.iconst(ty, 0);
+                self.b.select(has_bits, low, none)
+            }
+        };
+        self.b.select(fits, good, other)
+    }
+
+    // Patterns.
+
+    /// The bits of a value, as an integer.
+    pub fn as_bits(&mut self, value: Value) -> Value {
+        match self.b.ty(value) {
+            Type::F32 => self.b.bitcast(Type::I32, value),
+            Type::F64 => self.b.bitcast(Type::I64, value),
+            _ => value,
+        }
+    }
+
+    /// The bits as an i64: sign-extended from a signed integer or TIME, else zero-extended.
+    pub fn wide(&mut self, value: Value, ty: Elementary) -> Value {
+        let bits = self.as_bits(value);
+        match (self.b.ty(bits), ty.is_signed()) {
+            (Type::I64, _) => bits,
+            (_, true) => self.b.sext(Type::I64, bits),
+            (_, false) => self.b.zext(Type::I64, bits),
+        }
+    }
+
+    /// The bits, extended by the source's sign or cut, as a value of `to`.
+    fn resized(&mut self, value: Value, from: Elementary, to: Elementary) -> Value {
+        let bits = self.as_bits(value);
+        let target = match value_type(to) {
+            Type::F32 => Type::I32,
+            Type::F64 => Type::I64,
+            ty => ty,
+        };
+        let (have, want) = (self.b.ty(bits).bits(), target.bits());
+        let sized = if have == want {
+            bits
+        } else if have > want {
+            self.b.trunc(target, bits)
+        } else if from.is_signed() {
+            self.b.sext(target, bits)
+        } else {
+            self.b.zext(target, bits)
+        };
+        if to.class() == Class::Float { self.b.bitcast(value_type(to), sized) } else { sized }
+    }
+
+    // BCD.
+
+    fn from_bcd(&mut self, value: Value, to: Elementary, fault: bool) -> Value {
+        let double = to.bits() == 32;
+        let wide = if self.b.ty(value) == Type::I32 { value } else { self.b.zext(Type::I32, value) };
+        let digits = self.b.i32_const(if double { 7 } else { 3 });
+        let answer = self.b.call_pure(RuntimeFn::BcdToInt, &[wide, digits]);
+        let ok = self.b.icmp_imm(IntCc::Sge, answer, 0);
+        let sign = self.b.binary_imm(BinaryOp::Lshr, wide, if double { 31 } else { 15 });
+        let negative = self.narrowed(sign, Type::I1);
+        let zero = self.b.i32_const(0);
+        let minus = self.b.isub(zero, answer);
+        let number = self.b.select(negative, minus, answer);
+        let number = self.b.select(ok, number, zero);
+        if fault {
+            let check = self.bcd_check(ok);
+            let guard = self.begin_guard(vec![check], Substitute::None);
+            self.end_guard(guard);
+        } else {
+            let failed = self.b.not(ok);
+            self.fail_if(failed);
+        }
+        self.narrowed(number, value_type(to))
+    }
+
+    fn to_bcd(&mut self, value: Value, from: Elementary, to: Elementary) -> Value {
+        let number = self.to_i32(value, from);
+        let negative = self.b.icmp_imm(IntCc::Slt, number, 0);
+        let zero = self.b.i32_const(0);
+        let minus = self.b.isub(zero, number);
+        let magnitude = self.b.select(negative, minus, number);
+        let double = to.bits() == 32;
+        let (max, count, sign) = if double { (9_999_999, 7, 0xF000_0000) } else { (999, 3, 0xF000) };
+        let too_large = self.b.icmp_imm(IntCc::Ugt, magnitude, max);
+        let within = self.b.select(too_large, zero, magnitude);
+        let digits = self.b.i32_const(count);
+        let bcd = self.b.call_pure(RuntimeFn::IntToBcd, &[within, digits]);
+        let sign = self.b.i32_const(sign);
+        let sign = self.b.select(negative, sign, zero);
+        let result = self.b.or(bcd, sign);
+        let result = self.b.select(too_large, number, result);
+        self.fail_if(too_large);
+        self.narrowed(result, value_type(to))
+    }
+
+    // S5TIME.
+
+    /// Bits 12 and 13 are the base, 10 ms, 100 ms, 1 s or 10 s; below are three digits.
+    fn from_s5time(&mut self, value: Value) -> Value {
+        let wide = self.b.zext(Type::I32, value);
+        let mut number = self.b.i32_const(0);
+        for shift in [8, 4, 0] {
+            let digit = self.b.binary_imm(BinaryOp::Lshr, wide, shift);
+            let digit = self.masked(digit, 0xF);
+            let tens = self.b.binary_imm(BinaryOp::Imul, number, 10);
+            number = self.b.iadd(tens, digit);
+        }
+        let base = self.b.binary_imm(BinaryOp::Lshr, wide, 12);
+        let base = self.masked(base, 3);
+        let mut factor = self.b.i32_const(10);
+        for (code, value) in [(1, 100), (2, 1_000), (3, 10_000)] {
+            let is_this = self.b.icmp_imm(IntCc::Eq, base, code);
+            let this = self.b.i32_const(value);
+            factor = self.b.select(is_this, this, factor);
+        }
+        self.b.binary(BinaryOp::Imul, number, factor)
+    }
+
+    /// With the finest base that holds the time, the rest cut off. A negative time gives 0, one that is too long the longest.
+    fn to_s5time(&mut self, value: Value) -> Value {
+        let negative = self.b.icmp_imm(IntCc::Slt, value, 0);
+        let too_long = self.b.icmp_imm(IntCc::Sgt, value, S5_MAX);
+        let failed = self.b.or(negative, too_long);
+        self.fail_if(failed);
+        let (zero, longest) = (self.b.i32_const(0), self.b.i32_const(S5_MAX as u32));
+        let time = self.b.select(too_long, longest, value);
+        let time = self.b.select(negative, zero, time);
+        let (mut divisor, mut base) = (self.b.i32_const(10_000), self.b.i32_const(3));
+        for (code, (max, factor)) in S5_BASES.iter().enumerate().rev() {
+            let fits = self.b.icmp_imm(IntCc::Sle, time, *max);
+            let (this, number) = (self.b.i32_const(*factor as u32), self.b.i32_const(code as u32));
+            divisor = self.b.select(fits, this, divisor);
+            base = self.b.select(fits, number, base);
+        }
+        let number = self.b.binary(BinaryOp::Sdiv, time, divisor);
+        let digits = self.b.i32_const(3);
+        let bcd = self.b.call_pure(RuntimeFn::IntToBcd, &[number, digits]);
+        let base = self.b.binary_imm(BinaryOp::Shl, base, 12);
+        let result = self.b.or(base, bcd);
+        self.b.trunc(Type::I16, result)
+    }
+}

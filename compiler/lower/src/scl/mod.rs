@@ -1,0 +1,232 @@
+//! Statements of SCL: the typed tree to SSA IR. Source: SCL reference.
+//!
+//! - `statement`: control flow and assignments; `expression`, `arithmetic`, `convert`, `function`: values.
+//! - `access`: variables; `promote`: those that live in SSA values; `walk`: walks over the tree.
+//! - `call`, `argument`: calls of blocks; `text`: STRING and WSTRING; `cell`: timers and counters.
+
+mod access;
+mod argument;
+mod arithmetic;
+mod call;
+mod cell;
+mod convert;
+mod expression;
+mod function;
+mod promote;
+mod statement;
+mod text;
+pub mod walk;
+
+use plcc_abi::image::BlockKind;
+use plcc_ir::{Address, Block, Function, Region, Type, Value, Var};
+use plcc_program::layout;
+use plcc_program::model::scl::{Body, StatementKind};
+use plcc_program::model::{CodeBlock, Direction, LabelId, Passing};
+use plcc_program::types::{Class, Elementary};
+use rustc_hash::FxHashMap;
+
+use crate::Output;
+use crate::context::Context;
+use crate::place::{BitNumber, Target};
+use crate::plan::Plan;
+
+pub use self::call::result;
+use self::promote::Slot;
+pub use self::text::result_bytes;
+
+/// What lowering SCL keeps of its block.
+#[derive(Default)]
+pub struct SclState {
+    pub promoted: FxHashMap<Slot, Var>,
+    /// OK or ENO, and the ENO of the last call; both none in other languages.
+    flag: Option<Var>,
+    last_eno: Option<Var>,
+    sets_flag: bool,
+    calls_set_flag: bool,
+    loops: Vec<Loop>,
+    /// The promoted result, written when the block ends.
+    result: Option<(usize, Elementary, Var)>,
+}
+
+/// A loop around the current statement: where EXIT and CONTINUE go.
+#[derive(Clone, Copy)]
+struct Loop {
+    exit: Block,
+    next: Block,
+}
+
+/// Lowers a block to a function.
+pub fn lower_block<'p>(plan: &'p Plan<'p>, output: &mut Output<'p>, block: &'p CodeBlock, body: &'p Body) -> Function {
+    let mut context = Context::new(plan, output, block);
+    context.begin_scl(body);
+    for (label, jumps) in count_jumps(body) {
+        context.declare_label(label, jumps);
+    }
+    context.statements(&body.statements);
+    context.finish_scl()
+}
+
+impl Context<'_, '_> {
+    fn begin_scl(&mut self, body: &Body) {
+        let yes = self.b.bool_const(true);
+        let flags = [self.b.declare_var(Type::I1), self.b.declare_var(Type::I1)];
+        for flag in flags {
+            self.b.def_var(flag, yes);
+        }
+        self.scl.flag = Some(flags[0]);
+        self.scl.last_eno = Some(flags[1]);
+        self.scl.sets_flag = body.sets_flag;
+        self.scl.calls_set_flag = body.calls_set_flag;
+        if matches!(self.block.kind, BlockKind::Fb | BlockKind::Sfb) {
+            let (di, ar2) = (self.get(self.regs.di), self.get(self.regs.ar[1]));
+            self.instance = Some(self.instance_address(di, ar2));
+        }
+        self.prepare_texts(body);
+        let block = self.block;
+        for (slot, ty) in promote::promotable(block, &body.statements) {
+            let var = self.b.declare_var(value_type(ty));
+            let start = match slot {
+                Slot::Parameter(index) if block.interface.parameters[index].direction == Direction::Input => {
+                    let place = plcc_program::model::Place::Parameter { parameter: index, byte: 0, bit: 0 };
+                    let value = self.read(&place, layout::width(ty));
+                    self.typed(value, ty)
+                }
+                Slot::Parameter(index) => {
+                    self.scl.result = Some((index, ty, var));
+                    self.zero(ty)
+                }
+                Slot::Local(_) => self.zero(ty),
+            };
+            self.b.def_var(var, start);
+            self.scl.promoted.insert(slot, var);
+        }
+        self.copy_inputs();
+    }
+
+    /// Elementary inputs of an FC are its own: those that do not live in SSA values get a place in the frame.
+    fn copy_inputs(&mut self) {
+        let block = self.block;
+        if self.parameters.is_empty() {
+            return;
+        }
+        for (index, parameter) in block.interface.parameters.iter().enumerate() {
+            let Passing::Elementary(width) = parameter.passing else { continue };
+            if parameter.direction != Direction::Input || self.scl.promoted.contains_key(&Slot::Parameter(index)) {
+                continue;
+            }
+            let place = plcc_program::model::Place::Parameter { parameter: index, byte: 0, bit: 0 };
+            let value = self.read(&place, width);
+            let copy = self.own_local(width.bytes());
+            self.write_target(Target::at(copy, BitNumber::Known(0)), width, value);
+            let address = self.b.address_of(copy);
+            let reference = match width {
+                plcc_program::model::Width::Bit => self.b.binary_imm(plcc_ir::BinaryOp::Shl, address, 3),
+                _ => address,
+            };
+            self.parameters[index][0] = reference;
+        }
+    }
+
+    /// Room in the frame for the whole run of the block.
+    fn own_local(&mut self, bytes: u32) -> Address {
+        let offset = self.local_bytes.next_multiple_of(2);
+        self.grow_locals(offset + bytes);
+        Address::direct(Region::L, offset)
+    }
+
+    /// The value that a variable of `ty` has before it is written.
+    pub fn zero(&mut self, ty: Elementary) -> Value {
+        // All bits 0 are 0.0 as well.
+        self.b.iconst(value_type(ty), 0)
+    }
+
+    fn flag(&self) -> Var {
+        self.scl.flag.expect("blocks in SCL have the bit")
+    }
+
+    fn last_eno(&self) -> Var {
+        self.scl.last_eno.expect("blocks in SCL have the bit")
+    }
+
+    /// Clears OK/ENO if `failed`, an i1, where operations do so.
+    pub fn fail_if(&mut self, failed: Value) {
+        if !self.scl.sets_flag {
+            return;
+        }
+        let flag = self.flag();
+        let before = self.b.use_var(flag);
+        let good = self.b.not(failed);
+        let after = self.b.and(before, good);
+        self.b.def_var(flag, after);
+    }
+
+    /// Whether anything looks at what [`Context::fail_if`] does.
+    pub fn wants_flag(&self) -> bool {
+        self.scl.sets_flag
+    }
+
+    /// Leaves the block: OK/ENO is the caller's BR.
+    fn leave_block(&mut self) {
+        if let Some((index, ty, var)) = self.scl.result {
+            let value = self.b.use_var(var);
+            let value = self.untyped(value, ty);
+            let place = plcc_program::model::Place::Parameter { parameter: index, byte: 0, bit: 0 };
+            self.write(&place, layout::width(ty), value);
+        }
+        let flag = self.b.use_var(self.flag());
+        self.set(self.regs.br, flag);
+        self.return_registers();
+    }
+
+    fn finish_scl(mut self) -> Function {
+        if self.b.is_reachable() {
+            self.leave_block();
+        }
+        self.finish()
+    }
+
+    /// Code that is built behind a jump belongs to a block that nothing reaches.
+    fn reachable(&mut self) {
+        if !self.b.is_reachable() {
+            let nowhere = self.b.create_block();
+            self.b.seal_block(nowhere);
+            self.b.switch_to(nowhere);
+        }
+    }
+}
+
+/// The IR type of values of `ty`.
+pub fn value_type(ty: Elementary) -> Type {
+    match (ty.class(), ty.bits()) {
+        (Class::Float, 32) => Type::F32,
+        (Class::Float, _) => Type::F64,
+        (_, 1) => Type::I1,
+        (_, 8) => Type::I8,
+        (_, 16) => Type::I16,
+        (_, 32) => Type::I32,
+        (_, _) => Type::I64,
+    }
+}
+
+/// Jumps to each label that has any, in the order of the first ones.
+fn count_jumps(body: &Body) -> Vec<(LabelId, u32)> {
+    #[derive(Default)]
+    struct Jumps {
+        order: Vec<LabelId>,
+        counts: FxHashMap<LabelId, u32>,
+    }
+    impl walk::Visitor for Jumps {
+        fn statement(&mut self, statement: &plcc_program::model::scl::Statement) {
+            if let StatementKind::Goto(label) = statement.kind {
+                let order = &mut self.order;
+                *self.counts.entry(label).or_insert_with(|| {
+                    order.push(label);
+                    0
+                }) += 1;
+            }
+        }
+    }
+    let mut jumps = Jumps::default();
+    walk::statements(&body.statements, &mut jumps);
+    jumps.order.into_iter().map(|label| (label, jumps.counts[&label])).collect()
+}

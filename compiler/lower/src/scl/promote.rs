@@ -1,0 +1,157 @@
+//! Variables that live in SSA values instead of memory: elementary TEMPs, inputs and the result of an FC that nothing can reach but
+//! the reads and writes of their own names.
+
+use std::collections::BTreeMap;
+
+use plcc_abi::image::BlockKind;
+use plcc_program::layout;
+use plcc_program::model::scl::{Access, Base, Statement};
+use plcc_program::model::{Assert, AssertSide, CodeBlock, Direction, Operand, Passing, Place};
+use plcc_program::types::{DataType, Elementary};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::walk::{self, Role, Visitor};
+
+/// Start information of an OB, which the runtime writes.
+const START_INFORMATION_BITS: u32 = 20 * 8;
+
+/// A variable that may be promoted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Slot {
+    /// TEMP at this bit of the frame.
+    Local(u32),
+    /// Formal parameter of an FC.
+    Parameter(usize),
+}
+
+/// The promoted variables of a block, in a fixed order.
+pub fn promotable(block: &CodeBlock, statements: &[Statement]) -> Vec<(Slot, Elementary)> {
+    let mut seen = Seen::default();
+    walk::statements(statements, &mut seen);
+    let mut slots = seen.locals(block);
+    for (&index, &ty) in &seen.parameters {
+        let Some(ty) = ty else { continue };
+        let parameter = &block.interface.parameters[index];
+        let by_value = match parameter.direction {
+            Direction::Input => true,
+            Direction::Output => parameter.name == "RET_VAL",
+            Direction::InOut => false,
+        };
+        let fits = matches!(parameter.passing, Passing::Elementary(width) if width == layout::width(ty));
+        if by_value && fits {
+            slots.push((Slot::Parameter(index), ty));
+        }
+    }
+    slots
+}
+
+/// The slot of an access, if it is one of a whole elementary variable. A slice counts as the variable that it is a part of.
+pub fn slot(access: &Access) -> Option<(Slot, Elementary)> {
+    let DataType::Elementary(ty) = access.ty else { return None };
+    if !access.indices.is_empty() {
+        return None;
+    }
+    match access.base {
+        Base::Place(Place::L { byte, bit }) => Some((Slot::Local(8 * byte + u32::from(bit)), ty)),
+        Base::Place(Place::Parameter { parameter, byte: 0, bit: 0 }) => Some((Slot::Parameter(parameter), ty)),
+        _ => None,
+    }
+}
+
+/// Uses of local data and parameters.
+#[derive(Default)]
+struct Seen {
+    /// Values by their first bit; none if they are seen as different types.
+    values: BTreeMap<u32, Option<Elementary>>,
+    /// Bit ranges that something reaches as memory.
+    memory: Vec<(u32, u32)>,
+    /// Parameters; none if they are reached as memory or as different types.
+    parameters: BTreeMap<usize, Option<Elementary>>,
+}
+
+impl Seen {
+    fn locals(&self, block: &CodeBlock) -> Vec<(Slot, Elementary)> {
+        let first = if block.kind == BlockKind::Ob { START_INFORMATION_BITS } else { 0 };
+        let mut overlapped: FxHashSet<u32> = FxHashSet::default();
+        let extents: FxHashMap<u32, u32> =
+            self.values.iter().map(|(&start, ty)| (start, start + ty.map_or(64, Elementary::bits))).collect();
+        let mut last: Option<(u32, u32)> = None;
+        for &start in self.values.keys() {
+            let end = extents[&start];
+            if let Some((before, before_end)) = last
+                && start < before_end
+            {
+                overlapped.insert(before);
+                overlapped.insert(start);
+            }
+            if last.is_none_or(|(_, before_end)| end >= before_end) {
+                last = Some((start, end));
+            }
+        }
+        let reached = |start: u32, end: u32| self.memory.iter().any(|&(from, to)| start < to && from < end);
+        self.values
+            .iter()
+            .filter_map(|(&start, &ty)| Some((start, ty?)))
+            .filter(|&(start, _)| start >= first && !overlapped.contains(&start) && !reached(start, extents[&start]))
+            .map(|(start, ty)| (Slot::Local(start), ty))
+            .collect()
+    }
+
+    fn memory(&mut self, place: &Place, bits: u32) {
+        match place {
+            Place::L { byte, bit } => {
+                let start = 8 * byte + u32::from(*bit);
+                self.memory.push((start, start + bits));
+            }
+            Place::Parameter { parameter, .. } => {
+                self.parameters.insert(*parameter, None);
+            }
+            Place::Indirect { pointer, .. } => self.memory(pointer, 32),
+            _ => {}
+        }
+    }
+}
+
+impl Visitor for Seen {
+    fn access(&mut self, access: &Access, role: Role) {
+        match (slot(access), role) {
+            (Some((Slot::Local(start), ty)), Role::Value) => {
+                self.values
+                    .entry(start)
+                    .and_modify(|known| *known = known.filter(|&known| known == ty))
+                    .or_insert(Some(ty));
+            }
+            (Some((Slot::Parameter(index), ty)), Role::Value) => {
+                let known = self.parameters.entry(index).or_insert(Some(ty));
+                *known = known.filter(|&known| known == ty);
+            }
+            _ => {
+                if let Base::Place(place) = &access.base {
+                    // From where the access begins; what an index reaches lies behind, inside of the variable.
+                    let bits = if access.indices.is_empty() {
+                        8 * layout::bytes(&access.ty)
+                    } else {
+                        8 * plcc_abi::layout::L_CLASS_BYTES
+                    };
+                    self.memory(place, bits);
+                }
+            }
+        }
+    }
+
+    fn place(&mut self, place: &Place) {
+        self.memory(place, 32);
+    }
+
+    fn assert(&mut self, assert: &Assert) {
+        for side in [&assert.left, &assert.right] {
+            match side {
+                AssertSide::Operand(Operand::Memory { place, .. }) => self.memory(place, 64),
+                AssertSide::Operand(Operand::Cell { number: plcc_program::model::Number::Word(place), .. }) => {
+                    self.memory(place, 32);
+                }
+                AssertSide::Operand(_) | AssertSide::Register(_) => {}
+            }
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! STRING and WSTRING. Source: SCL reference, strings.
+
+use plcc_abi::RuntimeFn;
+use plcc_ir::{Address, IntCc, Region, Type};
+use plcc_program::model::scl::{Access, Base, Body, Complex};
+use plcc_program::model::{Place, Width};
+use plcc_program::types::{DataType, Elementary};
+
+use super::access::Located;
+use crate::context::Context;
+use crate::fault::Substitute;
+use crate::place::Direction;
+
+/// A limit that says: the maximum in the text's own head.
+const OWN_MAXIMUM: u32 = u32::MAX;
+/// Longest text without a declared length.
+const TEXT_MAX: u32 = 254;
+
+/// Kind of a text.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Text {
+    /// Two bytes of head, characters of a byte.
+    Narrow,
+    /// Two words of head, characters of a word.
+    Wide,
+}
+
+impl Text {
+    pub fn of(ty: &DataType) -> Option<Text> {
+        match ty {
+            DataType::String(_) => Some(Text::Narrow),
+            DataType::WideString(_) => Some(Text::Wide),
+            _ => None,
+        }
+    }
+}
+
+/// Bytes of a text of the longest kind in the frame.
+pub fn result_bytes(ty: &DataType) -> u32 {
+    match ty {
+        DataType::String(_) => TEXT_MAX + 2,
+        DataType::WideString(_) => 2 * TEXT_MAX + 4,
+        _ => plcc_program::layout::bytes(ty),
+    }
+}
+
+impl Context<'_, '_> {
+    /// TEMP texts begin empty, with the declared maximum.
+    pub fn prepare_texts(&mut self, body: &Body) {
+        for text in &body.temporary_texts {
+            let kind = if text.wide { Text::Wide } else { Text::Narrow };
+            self.store_head(Address::direct(Region::L, text.byte), kind, u32::from(text.maximum), 0);
+        }
+    }
+
+    fn store_head(&mut self, addr: Address, kind: Text, maximum: u32, length: u32) {
+        match kind {
+            Text::Narrow => {
+                let head = self.b.i32_const(maximum << 8 | length);
+                self.store_low(addr, Width::Word, head);
+            }
+            Text::Wide => {
+                let head = self.b.i32_const(maximum << 16 | length);
+                self.store_low(addr, Width::Dword, head);
+            }
+        }
+    }
+
+    /// Room in the frame for a result of type `ty`: 0, a text empty.
+    pub fn result_room(&mut self, ty: &DataType) -> Address {
+        let bytes = result_bytes(ty);
+        let addr = self.temporary(bytes);
+        self.b.clear(addr, bytes);
+        if let Some(kind) = Text::of(ty) {
+            self.store_head(addr, kind, TEXT_MAX, 0);
+        }
+        addr
+    }
+
+    /// `s := t`
+    pub fn assign_text(&mut self, target: &Access, value: &Complex) {
+        let kind = Text::of(&target.ty).expect("the binder assigns texts to texts");
+        let located = self.locate(target);
+        let limit = text_limit(target);
+        self.store_text(&located, limit, kind, value);
+    }
+
+    /// Brings a text to a located place.
+    pub fn store_text(&mut self, to: &Located, limit: u32, kind: Text, value: &Complex) {
+        let (from, mut checks) = match value {
+            Complex::Variable(access) => {
+                let from = self.locate(access);
+                self.located_address(&from, Direction::Read)
+            }
+            _ => (self.complex_value(value), Vec::new()),
+        };
+        let (to, more) = self.located_address(to, Direction::Write);
+        checks.extend(more);
+        let guard = self.begin_guard(checks, Substitute::None);
+        self.copy_text(to, from, limit, kind);
+        self.end_guard(guard);
+    }
+
+    /// Copies characters; what does not fit is cut, which clears the bit.
+    pub fn copy_text(&mut self, to: Address, from: Address, limit: u32, kind: Text) {
+        let (to, from) = (self.b.address_of(to), self.b.address_of(from));
+        let limit = self.b.i32_const(limit);
+        let wide = self.b.i32_const(u32::from(kind == Text::Wide));
+        let cut = self.b.call_runtime(RuntimeFn::CopyText, &[to, from, limit, wide]).expect("copy_text has a result");
+        let cut = self.b.icmp_imm(IntCc::Ne, cut, 0);
+        self.fail_if(cut);
+    }
+
+    /// A constant, a result or a character: where it lies in the frame.
+    pub fn complex_value(&mut self, value: &Complex) -> Address {
+        match value {
+            Complex::Variable(_) => unreachable!("variables are located by whoever reads them"),
+            Complex::Const(bytes) => {
+                let addr = self.temporary(bytes.len() as u32);
+                self.store_bytes(addr, bytes);
+                addr
+            }
+            Complex::Call(_) => self.complex_result(value),
+            Complex::Character(expr) => {
+                let character = self.value(expr);
+                let addr = self.temporary(8);
+                if expr.ty == Elementary::Wchar {
+                    self.store_head(addr, Text::Wide, 1, 1);
+                    self.b.store(Address { offset: addr.offset + 4, ..addr }, character);
+                } else {
+                    self.store_head(addr, Text::Narrow, 1, 1);
+                    let wide = self.b.zext(Type::I32, character);
+                    self.store_low(Address { offset: addr.offset + 2, ..addr }, Width::Byte, wide);
+                }
+                addr
+            }
+        }
+    }
+
+    /// Where the complex result of a call lies.
+    pub fn complex_result(&mut self, value: &Complex) -> Address {
+        let Complex::Call(call) = value else { unreachable!("asked for calls only") };
+        self.scl_call(call).place.expect("the binder takes complex values of functions that have one")
+    }
+}
+
+/// Largest length that a text may get. A formal parameter's is that of its actual.
+pub fn text_limit(target: &Access) -> u32 {
+    match (&target.base, &target.ty) {
+        (Base::Place(Place::Parameter { .. } | Place::ThroughPointer { .. }), _) if target.indices.is_empty() => {
+            OWN_MAXIMUM
+        }
+        (_, DataType::String(maximum)) => u32::from(*maximum),
+        (_, DataType::WideString(maximum)) => u32::from(*maximum),
+        _ => OWN_MAXIMUM,
+    }
+}

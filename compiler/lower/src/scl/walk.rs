@@ -1,0 +1,181 @@
+//! Walks over the typed tree of SCL.
+
+use plcc_program::model::Assert;
+use plcc_program::model::scl::{
+    Access, Actual, Base, Call, Complex, CounterCall, Expr, ExprKind, IndexedArea, Instance, Statement, StatementKind,
+    TimerCall,
+};
+use plcc_program::model::{Number, Place};
+
+/// How a place is used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// The value of an elementary variable is read or written.
+    Value,
+    /// Something else may reach the memory.
+    Memory,
+}
+
+/// What a walk tells of.
+pub trait Visitor {
+    /// An access; its indices are walked on their own.
+    fn access(&mut self, _access: &Access, _role: Role) {}
+    /// A place that is no access: a number in memory.
+    fn place(&mut self, _place: &Place) {}
+    /// A call, after what its arguments contain.
+    fn call(&mut self, _call: &Call) {}
+    /// A complex value that needs room in the frame.
+    fn complex(&mut self, _complex: &Complex) {}
+    fn assert(&mut self, _assert: &Assert) {}
+    /// Before each statement, those inside of others too.
+    fn statement(&mut self, _statement: &Statement) {}
+    /// Behind what belongs to the statement itself, before those inside of it.
+    fn own_part_done(&mut self) {}
+}
+
+pub fn statements(list: &[Statement], visitor: &mut dyn Visitor) {
+    for statement in list {
+        visitor.statement(statement);
+        self::statement(statement, visitor);
+    }
+}
+
+fn statement(statement: &Statement, visitor: &mut dyn Visitor) {
+    match &statement.kind {
+        StatementKind::Assign { target, value } => {
+            access(target, Role::Value, visitor);
+            expr(value, visitor);
+        }
+        StatementKind::AssignText { target, value } | StatementKind::Copy { target, source: value, .. } => {
+            access(target, Role::Memory, visitor);
+            complex(value, visitor);
+        }
+        StatementKind::SetFlag(value) | StatementKind::Evaluate(value) => expr(value, visitor),
+        StatementKind::Call(value) => call(value, visitor),
+        StatementKind::If { branches, otherwise } => {
+            branches.iter().for_each(|(condition, _)| expr(condition, visitor));
+            visitor.own_part_done();
+            branches.iter().for_each(|(_, body)| statements(body, visitor));
+            statements(otherwise, visitor);
+            return;
+        }
+        StatementKind::Case { selector, arms, otherwise } => {
+            expr(selector, visitor);
+            visitor.own_part_done();
+            arms.iter().for_each(|arm| statements(&arm.body, visitor));
+            statements(otherwise, visitor);
+            return;
+        }
+        StatementKind::For { variable, start, end, step, body } => {
+            access(variable, Role::Value, visitor);
+            [start, end, step].into_iter().for_each(|value| expr(value, visitor));
+            visitor.own_part_done();
+            statements(body, visitor);
+            return;
+        }
+        StatementKind::While { condition, body } | StatementKind::Repeat { body, until: condition } => {
+            expr(condition, visitor);
+            visitor.own_part_done();
+            statements(body, visitor);
+            return;
+        }
+        StatementKind::Return(Some(value)) => expr(value, visitor),
+        StatementKind::Assert(assert) => visitor.assert(assert),
+        StatementKind::Exit
+        | StatementKind::Continue
+        | StatementKind::Return(None)
+        | StatementKind::Goto(_)
+        | StatementKind::Label(_)
+        | StatementKind::Sleep(_) => {}
+    }
+    visitor.own_part_done();
+}
+
+pub fn expr(value: &Expr, visitor: &mut dyn Visitor) {
+    match &value.kind {
+        ExprKind::Const(_) | ExprKind::Flag | ExprKind::LastEno => {}
+        ExprKind::Load(from) => access(from, Role::Value, visitor),
+        ExprKind::Unary { operand, .. } | ExprKind::Convert { operand, .. } => expr(operand, visitor),
+        ExprKind::Binary { left, right, .. } | ExprKind::Compare { left, right, .. } => {
+            expr(left, visitor);
+            expr(right, visitor);
+        }
+        ExprKind::Call(value) => call(value, visitor),
+        ExprKind::Function { arguments, .. } => arguments.iter().for_each(|argument| expr(argument, visitor)),
+        ExprKind::Timer(value) => timer(value, visitor),
+        ExprKind::Counter(value) => counter(value, visitor),
+        ExprKind::Cell { number, .. } => self::number(number, visitor),
+        ExprKind::Bound { dimension, .. } => expr(dimension, visitor),
+    }
+}
+
+fn number(number: &Number, visitor: &mut dyn Visitor) {
+    if let Number::Word(place) = number {
+        visitor.place(place);
+    }
+}
+
+fn timer(call: &TimerCall, visitor: &mut dyn Visitor) {
+    number(&call.timer, visitor);
+    [&call.start, &call.value, &call.reset].into_iter().flatten().for_each(|value| expr(value, visitor));
+    [&call.q, &call.bi].into_iter().flatten().for_each(|target| access(target, Role::Value, visitor));
+}
+
+fn counter(call: &CounterCall, visitor: &mut dyn Visitor) {
+    number(&call.counter, visitor);
+    let values = [&call.up, &call.down, &call.set, &call.value, &call.reset];
+    values.into_iter().flatten().for_each(|value| expr(value, visitor));
+    [&call.q, &call.cv].into_iter().flatten().for_each(|target| access(target, Role::Value, visitor));
+}
+
+fn access(access: &Access, role: Role, visitor: &mut dyn Visitor) {
+    if let Base::Indexed { area, byte, bit } = &access.base {
+        match area {
+            IndexedArea::Memory(_) | IndexedArea::Db(_) => {}
+            IndexedArea::DynamicDb(db) => expr(db, visitor),
+            IndexedArea::Coded { area, db } => {
+                expr(area, visitor);
+                expr(db, visitor);
+            }
+        }
+        expr(byte, visitor);
+        bit.iter().for_each(|bit| expr(bit, visitor));
+    }
+    access.indices.iter().for_each(|index| expr(&index.value, visitor));
+    visitor.access(access, role);
+}
+
+fn complex(value: &Complex, visitor: &mut dyn Visitor) {
+    match value {
+        Complex::Variable(from) => access(from, Role::Memory, visitor),
+        Complex::Const(_) => {}
+        Complex::Call(value) => call(value, visitor),
+        Complex::Character(value) => expr(value, visitor),
+    }
+    visitor.complex(value);
+}
+
+fn call(value: &Call, visitor: &mut dyn Visitor) {
+    value.enable.iter().for_each(|enable| expr(enable, visitor));
+    if let Some(Instance::Variable(instance)) = &value.instance {
+        access(instance, Role::Memory, visitor);
+    }
+    for argument in &value.arguments {
+        match &argument.actual {
+            Actual::Value(value) | Actual::PointerToValue { value, .. } => expr(value, visitor),
+            // An FB gets and gives copies.
+            Actual::Variable { access: variable, .. } if value.instance.is_some() => {
+                access(variable, Role::Value, visitor);
+            }
+            Actual::Variable { access: variable, .. }
+            | Actual::Reference(variable)
+            | Actual::PointerTo { access: variable, .. }
+            | Actual::PointerCopy(variable) => access(variable, Role::Memory, visitor),
+            Actual::Complex(value) | Actual::PointerToComplex { value, .. } => complex(value, visitor),
+            Actual::Number(value) => number(value, visitor),
+            Actual::PointerBytes(_) | Actual::Dropped => {}
+        }
+    }
+    value.eno.iter().for_each(|eno| access(eno, Role::Value, visitor));
+    visitor.call(value);
+}
