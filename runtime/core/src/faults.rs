@@ -70,6 +70,10 @@ impl Cpu {
         let io = matches!(code, sync::IO_READ | sync::IO_WRITE);
         let (ob, class, stop_event) = if io { (122, 0x29, 0x4563) } else { (121, 0x25, 0x4562) };
         let cause = self.log(u16::from(class) << 8 | u16::from(code), site, info);
+        // An S7-1200 has no error OBs: it notes the error and stays in RUN.
+        if self.image.profile.family == Family::S71200 {
+            return 0;
+        }
         if !self.has_ob(ob) {
             self.stop_because(stop_event, site, 0, Some(cause));
             return 1;
