@@ -177,7 +177,9 @@ impl Binder<'_> {
             (Class::Timer, Settled::Cell { kind: CellKind::Timer, number }) => {
                 Some(Operand::Cell { kind: CellKind::Timer, number })
             }
-            (Class::LoadSource, Settled::Memory { place, width, .. }) if width != Width::Bit => {
+            (Class::LoadSource, Settled::Memory { place, width, .. })
+                if !matches!(width, Width::Bit | Width::Lword) =>
+            {
                 if is_peripheral(&place, Area::Pq) {
                     let text = self.text(span);
                     self.report.push(
@@ -197,7 +199,9 @@ impl Binder<'_> {
                 Some(Operand::ParameterPointer { parameter })
             }
             (Class::LoadSource, Settled::Literal(literal)) => self.loaded(literal, span),
-            (Class::TransferTarget, Settled::Memory { place, width, .. }) if width != Width::Bit => {
+            (Class::TransferTarget, Settled::Memory { place, width, .. })
+                if !matches!(width, Width::Bit | Width::Lword) =>
+            {
                 if is_peripheral(&place, Area::Pi) {
                     let text = self.text(span);
                     self.report.push(

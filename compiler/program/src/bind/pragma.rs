@@ -2,7 +2,7 @@
 
 use plcc_abi::image::AssertOp;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::{self, Pragma};
+use plcc_syntax::ast::{self, Pragma, Width};
 use plcc_syntax::literal::Literal;
 
 use super::settle::Settled;
@@ -146,6 +146,15 @@ impl Binder<'_> {
         let variable =
             |operand: Operand| Some(Side { side: AssertSide::Operand(operand), constant: None, real: false });
         match self.settle(ctx, operand)? {
+            Settled::Memory { width: Width::Lword, .. } => {
+                let text = self.text(operand.span);
+                self.bad_pragma(
+                    operand.span,
+                    &format!("`{text}` has 64 bits"),
+                    "assertions compare up to 32 bits: convert the value to another variable first, or compare it in the program",
+                );
+                None
+            }
             Settled::Memory { place, width, .. } => variable(Operand::Memory { place, width }),
             Settled::Cell { kind, number } => variable(Operand::Cell { kind, number }),
             Settled::Literal(Literal::Bool(value)) => constant(u32::from(*value), false),
