@@ -65,6 +65,7 @@ codes! {
     AssignSign = "P0208" Error "`=` where a parameter is assigned with `:=`";
     DeclarationSyntax = "P0209" Error "a declaration that is not built as STEP 7 wants it";
     NotASource = "P0210" Error "a file that holds no PLC source";
+    Tolerated = "P0211" Warning "a form that the vendor does not take and that can mean one thing only";
     UnknownSymbol = "P0301" Error "a symbol that no table and no block defines";
     UnknownBlock = "P0302" Error "a block that is called and not defined";
     NotShipped = "P0303" Error "a system block that plcc does not have";

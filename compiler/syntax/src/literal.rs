@@ -74,7 +74,7 @@ pub struct LiteralError {
 }
 
 impl LiteralError {
-    fn malformed(text: &str, label: impl Into<String>, help: impl Into<String>) -> LiteralError {
+    pub(crate) fn malformed(text: &str, label: impl Into<String>, help: impl Into<String>) -> LiteralError {
         LiteralError {
             code: Code::BadLiteral,
             title: format!("`{text}` is not a constant as STEP 7 writes it"),
@@ -83,7 +83,7 @@ impl LiteralError {
         }
     }
 
-    fn range(text: &str, label: impl Into<String>, help: impl Into<String>) -> LiteralError {
+    pub(crate) fn range(text: &str, label: impl Into<String>, help: impl Into<String>) -> LiteralError {
         LiteralError {
             code: Code::LiteralRange,
             title: format!("`{text}` is outside the range of its type"),

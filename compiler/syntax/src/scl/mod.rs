@@ -1,35 +1,107 @@
-//! SCL, in the classic form of STEP 7 V5 and in that of the TIA Portal: lexer, grammar, syntax tree.
+//! SCL, in the classic form of STEP 7 V5 and in that of the TIA Portal: lexer, layout, grammar, syntax tree.
+//!
+//! ```text
+//! text ──► raw tokens ──► tokens with a meaning ──► syntax tree
+//!      raw.rs         layout/                 scl.lalrpop
+//! ```
 
+mod actions;
+mod address;
 pub mod ast;
+mod context;
+mod extent;
+mod keyword;
+mod layout;
+mod literal;
+mod messages;
+mod raw;
 pub mod text;
+mod token;
 
-use plcc_diag::{Diagnostic, FileId};
+#[allow(clippy::all, clippy::pedantic, dead_code, unused_imports, unused_parens, missing_docs)] // Generated.
+mod grammar {
+    include!(concat!(env!("OUT_DIR"), "/scl/scl.rs"));
+}
+
+use std::fmt::Write as _;
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ParseOptions;
-use crate::ast::{OperandKind, SourceUnit, Width};
+use crate::ast::SourceUnit;
+
+pub use address::{absolute, area_word, db_address, db_area_word};
 
 /// Parses a source. Errors are recovered; what could not be parsed is left out or is an error node.
-pub fn parse(_file: FileId, _text: &str, _options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
-    (SourceUnit::default(), Vec::new())
+pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
+    let raw = raw::scan(text);
+    let mut diagnostics = Vec::new();
+    report_comments(file, &raw, &mut diagnostics);
+    let laid = layout::lay_out(file, text, raw, options.pragmas);
+    diagnostics.extend(laid.diagnostics);
+    let mut reported: Vec<u32> = diagnostics
+        .iter()
+        .filter(|diagnostic| diagnostic.is_error())
+        .map(|diagnostic| diagnostic.primary.span.start)
+        .collect();
+    reported.sort_unstable();
+    let mut context = context::Context {
+        file,
+        text,
+        tokens: &laid.tokens,
+        comments: &laid.comments,
+        diagnostics: Vec::new(),
+        reported,
+    };
+    let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
+    let blocks = match grammar::UnitParser::new().parse(&mut context, tokens) {
+        Ok(blocks) => blocks,
+        Err(error) => {
+            if diagnostics.is_empty() && context.diagnostics.is_empty() {
+                let at = messages::error_range(&error).map_or(text.len(), |(start, _)| start);
+                context.report(messages::syntax_error(&context, at, context::Place::Block));
+            }
+            Vec::new()
+        }
+    };
+    diagnostics.append(&mut context.diagnostics);
+    diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    let mnemonics = options.mnemonics.unwrap_or_default();
+    (SourceUnit { mnemonics, blocks, pragmas: laid.pragmas }, diagnostics)
 }
 
-/// The operand that a bare word names, in both spellings: `MW10`, `EB4`, `PIW256`, `T5`, `Z3`; `DB10` and `FB2` are blocks. `area_word`
-/// tells of `MW` alone.
-pub fn absolute(_word: &str) -> Option<OperandKind> {
-    None
+fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagnostic>) {
+    for comment in &raw.comments {
+        let diagnostic = match comment.form {
+            raw::CommentForm::Line | raw::CommentForm::Block => continue,
+            raw::CommentForm::Slash => {
+                let span = Span { file, start: comment.start, end: comment.end };
+                Diagnostic::new(Code::Tolerated, span, "SCL has no comments in `/* */`")
+                    .label("taken as a comment")
+                    .help("write `(* … *)`, or begin each line of it with `//`")
+            }
+            raw::CommentForm::Unterminated => {
+                let span = Span { file, start: comment.start, end: comment.start + 2 };
+                Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
+                    .label("begins here")
+                    .help("close it with `*)`; each `(*` inside needs a `*)` of its own")
+            }
+        };
+        diagnostics.push(diagnostic);
+    }
 }
 
-/// Area and width that a word without number names, as in `MW[i]`, `M[b, i]`, `PIW[i]`, `EB[i]`.
-pub fn area_word(_word: &str) -> Option<(crate::ast::Area, Width)> {
-    None
-}
-
-/// Width and byte of a word behind `DB10.`: `DW4`, `DBW4`, `DB7` (a byte), `DD0`; no bits, which are one token with their point.
-pub fn db_address(_word: &str) -> Option<(Width, u32)> {
-    None
-}
-
-/// Width that a word without number behind `DB10.` names, as in `DB10.DW[i]`, `DB10.DX[b, i]`, `DB10.D[b, i]`, `DB10.DB[i]`.
-pub fn db_area_word(_word: &str) -> Option<Width> {
-    None
+/// The tokens of a source as the grammar sees them, one per line, for `--emit tokens`.
+pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
+    let laid = layout::lay_out(FileId::default(), text, raw::scan(text), options.pragmas);
+    let mut out = String::new();
+    let (mut line, mut counted) = (1usize, 0usize);
+    for (start, token, _) in &laid.tokens {
+        if *start >= counted {
+            line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
+            counted = *start;
+        }
+        writeln!(out, "{line}: {token:?}").expect("a String takes all text");
+    }
+    out
 }

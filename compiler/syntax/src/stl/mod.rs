@@ -13,11 +13,11 @@ pub mod instructions;
 mod layout;
 mod messages;
 mod mnemonics;
-mod pragma;
+pub(crate) mod pragma;
 mod raw;
 mod reference;
 mod suggest;
-mod token;
+pub(crate) mod token;
 
 #[allow(clippy::all, clippy::pedantic, dead_code, unused_imports, unused_parens, missing_docs)] // Generated.
 mod grammar {

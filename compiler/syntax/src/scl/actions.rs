@@ -1,0 +1,426 @@
+//! What the grammar's actions build beyond a plain node: blocks and declarations. Expressions and statements are in `expression`.
+
+mod expression;
+
+use std::ops::Range;
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+pub use expression::*;
+
+use super::ast::{Body, Expr, ExprKind, Literal, Name, NameForm, Statement};
+use super::context::Context;
+use super::token::{CodeKeyword, HeaderField, HeaderFlag};
+use crate::ast::{
+    Block, BlockName, BlockPrefix, Bound, Code as BlockCode, CodeBlock, CodeKind, Constant, DataBlock, DataContent, Header,
+    InitialKind, InitialValue, Path, PathPart, PathRoot, Section, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
+};
+
+/// A part of a header.
+pub enum HeaderPart {
+    Title(String),
+    Text(HeaderField, String),
+    Flag(HeaderFlag),
+    Attribute((String, String)),
+}
+
+/// A part of a block before BEGIN. Numbers: the byte where it begins.
+pub enum Part {
+    Header(HeaderPart),
+    Section(Section),
+    Constants(Vec<Constant>, usize),
+    Labels(Vec<Name>, usize),
+    /// What a data block or a type is made of, with its initial value.
+    Content(TypeRef, Option<InitialValue>, usize),
+    /// Was reported.
+    Nothing,
+}
+
+/// `name {attributes}` in a declaration.
+pub struct DeclaredName {
+    pub name: Name,
+    pub attributes: Vec<(String, String)>,
+}
+
+/// A dimension of an array.
+pub enum Dimension {
+    /// `*`
+    Open,
+    Bounds(Bound, Bound),
+}
+
+/// The parts of a block by kind.
+#[derive(Default)]
+struct Parts {
+    header: Vec<HeaderPart>,
+    sections: Vec<Section>,
+    constants: Vec<Constant>,
+    labels: Vec<Name>,
+    contents: Vec<(TypeRef, Option<InitialValue>)>,
+    /// Where the header ends at the latest.
+    header_end: usize,
+}
+
+fn sort(parts: Vec<Part>, end: usize) -> Parts {
+    let mut sorted = Parts { header_end: end, ..Parts::default() };
+    for part in parts {
+        let start = match part {
+            Part::Header(part) => {
+                sorted.header.push(part);
+                continue;
+            }
+            Part::Section(section) => {
+                let start = section.span.start as usize;
+                sorted.sections.push(section);
+                start
+            }
+            Part::Constants(constants, start) => {
+                sorted.constants.extend(constants);
+                start
+            }
+            Part::Labels(labels, start) => {
+                sorted.labels.extend(labels);
+                start
+            }
+            Part::Content(ty, value, start) => {
+                sorted.contents.push((ty, value));
+                start
+            }
+            Part::Nothing => continue,
+        };
+        sorted.header_end = sorted.header_end.min(start);
+    }
+    sorted
+}
+
+#[allow(clippy::too_many_arguments)] // One for each part of the frame.
+pub fn code_block(
+    context: &mut Context,
+    keyword: CodeKeyword,
+    name: BlockName,
+    return_type: Option<TypeRef>,
+    parts: Vec<Part>,
+    statements: Vec<Statement>,
+    range: Range<usize>,
+    begin: usize,
+) -> Block {
+    let kind = code_kind(context, keyword, &name);
+    let parts = sort(parts, begin);
+    let header = header(context, parts.header, range.start..parts.header_end);
+    let return_type = return_type.filter(|ty| ty.kind != TypeKind::Named("VOID".to_owned()));
+    Block::Code(CodeBlock {
+        kind,
+        name,
+        return_type,
+        header,
+        sections: parts.sections,
+        constants: parts.constants,
+        code: BlockCode::Scl(Body { labels: parts.labels, statements, ..Body::default() }),
+        span: context.span(range.start, range.end),
+    })
+}
+
+/// The kind comes from the keyword; SFC and SFB are told by the letters of the number.
+fn code_kind(context: &mut Context, keyword: CodeKeyword, name: &BlockName) -> CodeKind {
+    let (kind, keyword_text, letters) = match keyword {
+        CodeKeyword::OrganizationBlock => (CodeKind::Ob, "ORGANIZATION_BLOCK", "OB"),
+        CodeKeyword::Function => (CodeKind::Fc, "FUNCTION", "FC"),
+        CodeKeyword::FunctionBlock => (CodeKind::Fb, "FUNCTION_BLOCK", "FB"),
+    };
+    let BlockName::Numbered { prefix, number, span } = name else { return kind };
+    match (kind, prefix) {
+        (CodeKind::Ob, BlockPrefix::Ob) | (CodeKind::Fc, BlockPrefix::Fc) | (CodeKind::Fb, BlockPrefix::Fb) => kind,
+        (CodeKind::Fc, BlockPrefix::Sfc) => CodeKind::Sfc,
+        (CodeKind::Fb, BlockPrefix::Sfb) => CodeKind::Sfb,
+        _ => {
+            wrong_letters(context, *span, keyword_text, letters, *number);
+            kind
+        }
+    }
+}
+
+fn wrong_letters(context: &mut Context, span: Span, keyword: &str, letters: &str, number: u32) {
+    context.report(
+        Diagnostic::new(Code::BlockFrame, span, format!("`{keyword}` cannot name `{}`", &context.text[span.range()]))
+            .label(format!("a block with this keyword is numbered as {letters}"))
+            .help(format!("write `{keyword} {letters} {number}`, or the keyword that belongs to the block")),
+    );
+}
+
+pub fn implied_ob(context: &mut Context, statements: Vec<Statement>, range: Range<usize>) -> Block {
+    let start = context.span(range.start, range.start);
+    Block::Code(CodeBlock {
+        kind: CodeKind::Ob,
+        name: BlockName::Numbered { prefix: BlockPrefix::Ob, number: 1, span: start },
+        return_type: None,
+        header: Header::default(),
+        sections: Vec::new(),
+        constants: Vec::new(),
+        code: BlockCode::Scl(Body { statements, ..Body::default() }),
+        span: context.span(range.start, range.end),
+    })
+}
+
+pub fn data_block(
+    context: &mut Context,
+    name: BlockName,
+    parts: Vec<Part>,
+    values: Option<Vec<Option<ValueAssignment>>>,
+    range: Range<usize>,
+) -> Block {
+    check_letters(context, &name, "DATA_BLOCK", BlockPrefix::Db);
+    let parts = sort(parts, range.end);
+    let header = header(context, parts.header, range.start..parts.header_end);
+    let members: Vec<Variable> = parts.sections.into_iter().flat_map(|section| section.variables).collect();
+    let mut content = if members.is_empty() { DataContent::Empty } else { DataContent::Struct(members) };
+    for (ty, value) in parts.contents {
+        content = match ty.kind {
+            TypeKind::Struct(mut members) => {
+                spread(context, &mut members, value);
+                DataContent::Struct(members)
+            }
+            TypeKind::Array { .. } | TypeKind::OpenArray { .. } => DataContent::Array(ty, value),
+            _ => DataContent::OfType(ty),
+        };
+    }
+    let values = values.into_iter().flatten().flatten().collect();
+    Block::Data(DataBlock { name, header, content, values, span: context.span(range.start, range.end) })
+}
+
+pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, range: Range<usize>) -> Block {
+    check_letters(context, &name, "TYPE", BlockPrefix::Udt);
+    let span = context.span(range.start, range.end);
+    let mut parts = sort(parts, range.end);
+    let header = header(context, parts.header, range.start..parts.header_end);
+    let (members, alias) = match parts.contents.pop() {
+        Some((TypeRef { kind: TypeKind::Struct(mut members), .. }, value)) => {
+            spread(context, &mut members, value);
+            (members, None)
+        }
+        Some((ty, value)) => {
+            if let Some(value) = value {
+                context.report(
+                    Diagnostic::new(Code::InitialValue, value.span, "a type that is no structure has no initial value")
+                        .label("cannot be kept with the type")
+                        .help("write the value at each variable of this type"),
+                );
+            }
+            (Vec::new(), Some(ty))
+        }
+        None => {
+            if !context.diagnostics.iter().any(|diagnostic| span.range().contains(&(diagnostic.primary.span.start as usize))) {
+                context.report(
+                    Diagnostic::new(Code::DeclarationSyntax, name.span(), "the data type has no structure")
+                        .label("nothing is declared in it")
+                        .help("write `STRUCT … END_STRUCT;` between header and `END_TYPE`"),
+                );
+            }
+            (Vec::new(), None)
+        }
+    };
+    Block::Type(TypeBlock { name, header, members, alias, span })
+}
+
+fn check_letters(context: &mut Context, name: &BlockName, keyword: &str, wanted: BlockPrefix) {
+    if let BlockName::Numbered { prefix, number, span } = name
+        && *prefix != wanted
+    {
+        wrong_letters(context, *span, keyword, wanted.letters(), *number);
+    }
+}
+
+/// `END_STRUCT := (a := 1)` of a whole block: the values go to the components.
+fn spread(context: &mut Context, members: &mut [Variable], value: Option<InitialValue>) {
+    let Some(value) = value else { return };
+    let InitialKind::Fields(fields) = value.kind else {
+        context.report(
+            Diagnostic::new(Code::InitialValue, value.span, "a structure takes no single value")
+                .label("no list of components")
+                .help("write `(name := value, …)`"),
+        );
+        return;
+    };
+    for (index, (name, value)) in fields.into_iter().enumerate() {
+        let member = match &name {
+            Some(name) => members.iter_mut().find(|member| member.name.eq_ignore_ascii_case(&name.text)),
+            None => members.get_mut(index),
+        };
+        match member {
+            Some(member) => member.initial = Some(value),
+            None => context.report(
+                Diagnostic::new(Code::UnknownMember, name.map_or(value.span, |name| name.span), "the structure has no such component")
+                    .label("not declared above")
+                    .help("name a component of the structure, or leave the value out"),
+            ),
+        }
+    }
+}
+
+fn header(context: &Context, parts: Vec<HeaderPart>, range: Range<usize>) -> Header {
+    let mut header = Header { comment: context.comment_lines(range), ..Header::default() };
+    for part in parts {
+        match part {
+            HeaderPart::Title(text) => header.title = Some(text),
+            HeaderPart::Text(HeaderField::Author, text) => header.author = Some(text),
+            HeaderPart::Text(HeaderField::Family, text) => header.family = Some(text),
+            HeaderPart::Text(HeaderField::Name, text) => header.name = Some(text),
+            HeaderPart::Text(HeaderField::Version, text) => header.version = Some(text),
+            HeaderPart::Flag(HeaderFlag::KnowHowProtect) => header.know_how_protect = true,
+            HeaderPart::Flag(HeaderFlag::Standard) => header.standard = true,
+            HeaderPart::Flag(HeaderFlag::CodeVersion1) => header.code_version1 = true,
+            HeaderPart::Flag(HeaderFlag::Unlinked) => header.unlinked = true,
+            HeaderPart::Flag(HeaderFlag::ReadOnly) => header.read_only = true,
+            HeaderPart::Flag(HeaderFlag::NonRetain) => header.non_retain = true,
+            HeaderPart::Attribute(attribute) => header.attributes.push(attribute),
+        }
+    }
+    header
+}
+
+/// The variables of one declaration; the comment behind it belongs to each.
+pub fn variables(
+    context: &Context,
+    names: Vec<DeclaredName>,
+    at: Option<Name>,
+    ty: TypeRef,
+    initial: Option<InitialValue>,
+    end: usize,
+) -> Vec<Variable> {
+    let comment = context.comment_behind(end);
+    let at = at.map(|name| (name.text, name.span));
+    names
+        .into_iter()
+        .map(|declared| Variable {
+            name: declared.name.text,
+            name_span: declared.name.span,
+            attributes: declared.attributes,
+            at: at.clone(),
+            ty: ty.clone(),
+            initial: initial.clone(),
+            comment: comment.clone(),
+        })
+        .collect()
+}
+
+/// `INT`, `"Motor"`, `_.TankUdt`, `Unit.Motor`.
+pub fn named_type(context: &Context, names: Vec<Name>, range: Range<usize>) -> TypeKind {
+    let span = context.span(range.start, range.end);
+    match names.as_slice() {
+        [Name { text, form: NameForm::Bare, .. }] => TypeKind::Named(text.to_uppercase()),
+        names => {
+            // `_` is the name space of the project.
+            let own = names.iter().skip_while(|name| name.text == "_");
+            let name = own.map(|name| name.text.as_str()).collect::<Vec<_>>().join(".");
+            TypeKind::Block(BlockName::Symbol { name, span })
+        }
+    }
+}
+
+pub fn array(context: &mut Context, dimensions: Vec<Dimension>, element: TypeRef, range: Range<usize>) -> TypeKind {
+    let element = Box::new(element);
+    let count = dimensions.len();
+    let bounds: Vec<(Bound, Bound)> = dimensions
+        .into_iter()
+        .filter_map(|dimension| match dimension {
+            Dimension::Open => None,
+            Dimension::Bounds(low, high) => Some((low, high)),
+        })
+        .collect();
+    if bounds.is_empty() {
+        return TypeKind::OpenArray { dimensions: count.min(255) as u8, element };
+    }
+    if bounds.len() < count {
+        let span = context.span(range.start, range.end);
+        context.report(
+            Diagnostic::new(Code::DeclarationSyntax, span, "an array has bounds in all of its dimensions, or in none")
+                .label("some dimensions are `*`")
+                .help("write `*` for each dimension, or bounds for each"),
+        );
+    }
+    TypeKind::Array { bounds, element }
+}
+
+/// A bound or length: a number stands for itself, the rest is an expression.
+pub fn bound(value: Expr) -> Bound {
+    let span = value.span;
+    match value.kind {
+        ExprKind::Literal(Literal::Integer { value, .. }) if value <= i64::MAX as u64 => Bound::Number(value as i64, span),
+        ExprKind::Unary { op: super::ast::UnaryOp::Minus, operand } => match operand.kind {
+            ExprKind::Literal(Literal::Integer { value, .. }) if value <= i64::MAX as u64 => {
+                Bound::Number(-(value as i64), span)
+            }
+            _ => {
+                let kind = ExprKind::Unary { op: super::ast::UnaryOp::Minus, operand };
+                Bound::Expr(Box::new(Expr { kind, span }))
+            }
+        },
+        ExprKind::Name(name) => Bound::Name(name.text, span),
+        kind => Bound::Expr(Box::new(Expr { kind, span })),
+    }
+}
+
+/// One value stands for itself, several are a list.
+pub fn initial_list(context: &Context, mut values: Vec<InitialValue>, range: Range<usize>) -> InitialValue {
+    match values.pop() {
+        Some(value) if values.is_empty() => value,
+        last => {
+            values.extend(last);
+            InitialValue { kind: InitialKind::List(values), span: context.span(range.start, range.end) }
+        }
+    }
+}
+
+/// `6 (0)`, `3 (1, 2)`.
+pub fn repeated(context: &mut Context, count: Literal, values: Vec<InitialValue>, range: Range<usize>) -> InitialKind {
+    let span = context.span(range.start, range.end);
+    let count = match count {
+        Literal::Integer { value: count @ 1..=65_536, .. } => count as i64,
+        Literal::Typed { ty, bits: bits @ 1..=65_536 } if ty.is_integer() => bits as i64,
+        _ => {
+            context.report(
+                Diagnostic::new(Code::DeclarationSyntax, span, "the repetition factor is no number of elements")
+                    .label("before `(` stands how often the values are repeated")
+                    .help("write e.g. `6 (0)`: a whole number from 1 to 65536 before the parenthesis"),
+            );
+            1
+        }
+    };
+    InitialKind::Repeat { count: Bound::Number(count, span), values }
+}
+
+/// `a.b[3] := 5` behind BEGIN of a data block.
+pub fn value_assignment(
+    context: &mut Context,
+    target: Expr,
+    value: InitialValue,
+    range: Range<usize>,
+) -> Option<ValueAssignment> {
+    let span = target.span;
+    let mut parts = Vec::new();
+    let mut node = target;
+    let root = loop {
+        match node.kind {
+            ExprKind::Name(name) => break PathRoot::Local { name: name.text, span: name.span },
+            ExprKind::Member { base, name } => {
+                parts.push(PathPart::Member { name: name.text, span: name.span });
+                node = *base;
+            }
+            ExprKind::Index { base, indices } => {
+                let span = node.span;
+                parts.push(PathPart::Index { values: indices.into_iter().map(bound).collect(), span });
+                node = *base;
+            }
+            ExprKind::Error => return None,
+            _ => {
+                context.report(
+                    Diagnostic::new(Code::Syntax, node.span, "only a component of the data block takes a value here")
+                        .label("no component")
+                        .help("write e.g. `a.b[3] := 5;`"),
+                );
+                return None;
+            }
+        }
+    };
+    parts.reverse();
+    Some(ValueAssignment { target: Path { root, parts, span }, value, span: context.span(range.start, range.end) })
+}

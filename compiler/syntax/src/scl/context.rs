@@ -1,0 +1,94 @@
+//! What the actions of the grammar have at hand: the text, its comments, and the messages.
+
+use std::ops::Range;
+
+use lalrpop_util::ErrorRecovery;
+use plcc_diag::{Diagnostic, FileId, Span};
+
+use super::ast::{Name, NameForm};
+use super::messages;
+use super::raw::{Comment, CommentForm};
+use super::token::{Spanned, Tok};
+
+/// Where a syntax error was recovered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    Block,
+    Declaration,
+    Constant,
+    Labels,
+    Assignment,
+    Statement,
+    Condition,
+    For,
+    CaseValue,
+    Argument,
+}
+
+/// Context of a parse.
+pub struct Context<'a> {
+    pub file: FileId,
+    pub text: &'a str,
+    /// All tokens, for messages.
+    pub tokens: &'a [Spanned<'a>],
+    pub comments: &'a [Comment],
+    pub diagnostics: Vec<Diagnostic>,
+    /// Starts of the messages that the layout has given, in order: where one lies, the grammar stays silent.
+    pub reported: Vec<u32>,
+}
+
+impl<'a> Context<'a> {
+    pub fn span(&self, start: usize, end: usize) -> Span {
+        Span::new(self.file, start..end.max(start))
+    }
+
+    pub fn name(&self, text: &str, form: NameForm, start: usize, end: usize) -> Name {
+        Name { text: text.to_owned(), form, span: self.span(start, end) }
+    }
+
+    pub fn report(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+    }
+
+    /// Reports a recovered error, unless the layout has reported one within `range`.
+    pub fn syntax_error(&mut self, error: ErrorRecovery<usize, Tok<'a>, ()>, place: Place, range: Range<usize>) {
+        let found = messages::error_range(&error.error).unwrap_or((range.end, range.end));
+        let (start, end) = (range.start.min(found.0), range.end.max(found.1));
+        let first = self.reported.partition_point(|&reported| (reported as usize) < start);
+        let inside = |reported: u32| (start..=end).contains(&(reported as usize));
+        if self.reported.get(first).is_some_and(|&reported| inside(reported))
+            || self.diagnostics.last().is_some_and(|last| inside(last.primary.span.start))
+        {
+            return;
+        }
+        let diagnostic = messages::syntax_error(self, found.0, place);
+        self.diagnostics.push(diagnostic);
+    }
+
+    /// Comment lines of their own between the bytes, without `//`. Pragmas are none.
+    pub fn comment_lines(&self, range: Range<usize>) -> Vec<String> {
+        let first = self.comments.partition_point(|comment| (comment.start as usize) < range.start);
+        self.comments[first..]
+            .iter()
+            .take_while(|comment| (comment.end as usize) <= range.end)
+            .filter(|comment| comment.own_line && comment.form == CommentForm::Line)
+            .filter_map(|comment| self.comment_text(comment))
+            .collect()
+    }
+
+    /// The comment on the line that byte `end` is on, if only blanks stand between.
+    pub fn comment_behind(&self, end: usize) -> Option<String> {
+        let first = self.comments.partition_point(|comment| (comment.start as usize) < end);
+        let comment = self.comments.get(first)?;
+        let between = &self.text[end..comment.start as usize];
+        if comment.form != CommentForm::Line || !between.bytes().all(|byte| matches!(byte, b' ' | b'\t')) {
+            return None;
+        }
+        self.comment_text(comment)
+    }
+
+    fn comment_text(&self, comment: &Comment) -> Option<String> {
+        let text = &self.text[comment.start as usize + 2..comment.end as usize];
+        if text.starts_with('@') { None } else { Some(text.trim().to_owned()) }
+    }
+}

@@ -1,0 +1,232 @@
+//! How far a token reaches that a regular expression cannot tell: constants with `#`, texts, addresses with a point.
+
+use crate::literal::ANY_TYPES;
+
+/// How the text behind the `#` of a constant is built.
+#[derive(Clone, Copy)]
+enum Form {
+    /// `W#16#3A2F`, `INT#-5`, `REAL#1.5`, `BOOL#TRUE`, `CHAR#'a'`.
+    Value,
+    /// `T#1h_2m`, `S5T#2s`.
+    Duration,
+    /// `D#2000-6-20`, `DT#2000-6-20-12:0:0.5`, `TOD#5:45:00`.
+    Date,
+    /// `P#M 10.0`.
+    Pointer,
+}
+
+/// What may stand before the `#` of a constant.
+const PREFIXES: &[(&str, Form)] = &[
+    ("BOOL", Form::Value),
+    ("B", Form::Value),
+    ("BYTE", Form::Value),
+    ("W", Form::Value),
+    ("WORD", Form::Value),
+    ("DW", Form::Value),
+    ("DWORD", Form::Value),
+    ("LW", Form::Value),
+    ("LWORD", Form::Value),
+    ("L", Form::Value),
+    ("SINT", Form::Value),
+    ("USINT", Form::Value),
+    ("INT", Form::Value),
+    ("UINT", Form::Value),
+    ("DINT", Form::Value),
+    ("UDINT", Form::Value),
+    ("LINT", Form::Value),
+    ("ULINT", Form::Value),
+    ("REAL", Form::Value),
+    ("LREAL", Form::Value),
+    ("CHAR", Form::Value),
+    ("WCHAR", Form::Value),
+    ("STRING", Form::Value),
+    ("WSTRING", Form::Value),
+    ("C", Form::Value),
+    ("Z", Form::Value),
+    ("S5T", Form::Duration),
+    ("S5TIME", Form::Duration),
+    ("T", Form::Duration),
+    ("TIME", Form::Duration),
+    ("LT", Form::Duration),
+    ("LTIME", Form::Duration),
+    ("D", Form::Date),
+    ("DATE", Form::Date),
+    ("LDATE", Form::Date),
+    ("TOD", Form::Date),
+    ("TIME_OF_DAY", Form::Date),
+    ("LTOD", Form::Date),
+    ("LTIME_OF_DAY", Form::Date),
+    ("DT", Form::Date),
+    ("DATE_AND_TIME", Form::Date),
+    ("LDT", Form::Date),
+    ("LDATE_AND_TIME", Form::Date),
+    ("DTL", Form::Date),
+    ("P", Form::Pointer),
+];
+
+/// Bytes of the constant behind `prefix` and `#`; `None`: they do not make a constant, as in `T#name`.
+pub fn literal(prefix: &str, rest: &str) -> Option<usize> {
+    let (_, form) = PREFIXES.iter().find(|(name, _)| name.eq_ignore_ascii_case(prefix))?;
+    let length = match form {
+        Form::Value if rest.starts_with('\'') => 1 + text(&rest[1..]).0,
+        Form::Value => value(rest),
+        Form::Duration => {
+            let sign = sign(rest);
+            sign + with_points(&rest[sign..], b".")
+        }
+        Form::Date => with_points(rest, b"-:."),
+        Form::Pointer => return pointer(rest),
+    };
+    // Letters such as `T#name` of sources without blanks are no constants.
+    let short = prefix.len() == 1 && !rest.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+'));
+    if short || length == 0 && rest.starts_with(['"', '#']) { None } else { Some(length) }
+}
+
+/// Length of a word's rest: letters, digits, `_`.
+pub fn word(rest: &str) -> usize {
+    rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len())
+}
+
+fn sign(rest: &str) -> usize {
+    usize::from(rest.starts_with(['-', '+']))
+}
+
+/// `16#FF`, `-7`, `1.5e+3`, `TRUE`.
+fn value(rest: &str) -> usize {
+    let bytes = rest.as_bytes();
+    let mut at = sign(rest);
+    at += word(&rest[at..]);
+    if bytes.get(at) == Some(&b'#') {
+        at += 1;
+        at += sign(&rest[at..]);
+        at += word(&rest[at..]);
+        return at;
+    }
+    if bytes.get(at) == Some(&b'.') && bytes.get(at + 1).is_some_and(u8::is_ascii_digit) {
+        at += 1;
+        at += word(&rest[at..]);
+    }
+    let exponent = at > 1 && matches!(bytes[at - 1], b'e' | b'E') && bytes[at - 2].is_ascii_digit();
+    if exponent && matches!(bytes.get(at), Some(b'+' | b'-')) && bytes.get(at + 1).is_some_and(u8::is_ascii_digit) {
+        at += 1;
+        at += word(&rest[at..]);
+    }
+    at
+}
+
+/// Words with one of `points` between them, each before a digit.
+fn with_points(rest: &str, points: &[u8]) -> usize {
+    let bytes = rest.as_bytes();
+    let mut at = word(rest);
+    while let (Some(point), Some(digit)) = (bytes.get(at), bytes.get(at + 1)) {
+        if !points.contains(point) || !digit.is_ascii_digit() {
+            break;
+        }
+        at += 1;
+        at += word(&rest[at..]);
+    }
+    at
+}
+
+/// `10.3`, `M 10.0`, `DBX0.0`, `DB11.DBX 20.0 INT 10`.
+fn pointer(rest: &str) -> Option<usize> {
+    if rest.starts_with(['#', '"']) {
+        return None;
+    }
+    let blanks = |at: usize| at + rest[at..].len() - rest[at..].trim_start_matches([' ', '\t']).len();
+    let digits = |at: usize| at + rest[at..].bytes().take_while(u8::is_ascii_digit).count();
+    let letters = |at: usize| at + rest[at..].bytes().take_while(u8::is_ascii_alphabetic).count();
+    let mut at = letters(0);
+    let area = &rest[..at];
+    if area.eq_ignore_ascii_case("DB") || area.eq_ignore_ascii_case("DI") {
+        let number = blanks(at);
+        let end = digits(number);
+        if end > number && rest[blanks(end)..].starts_with('.') {
+            at = letters(blanks(blanks(end) + 1));
+        }
+    } else if at == 0 && !rest.starts_with(|c: char| c.is_ascii_digit()) {
+        return None;
+    }
+    let number = blanks(at);
+    if digits(number) == number {
+        return Some(at + word(&rest[at..]));
+    }
+    at = digits(number);
+    if rest[at..].starts_with('.') && digits(at + 1) > at + 1 {
+        at = digits(at + 1);
+    }
+    // Data type and number of elements of an ANY.
+    let name = blanks(at);
+    let name_end = name + word(&rest[name..]);
+    let count = blanks(name_end);
+    let count_end = digits(count);
+    let known = |name: &str| ANY_TYPES.iter().any(|(known, _)| known.eq_ignore_ascii_case(name));
+    if name > at && count > name_end && count_end > count && known(&rest[name..name_end]) {
+        at = count_end;
+    }
+    Some(at)
+}
+
+/// Bytes of a text behind its opening quote, and whether it is closed. `$>` and `$<` let it go on behind a line end.
+pub fn text(rest: &str) -> (usize, bool) {
+    let bytes = rest.as_bytes();
+    let mut at = 0;
+    while let Some(byte) = bytes.get(at) {
+        match byte {
+            b'\'' => return (at + 1, true),
+            b'\n' => break,
+            b'$' if bytes.get(at + 1) == Some(&b'>') => match rest[at..].find("$<") {
+                Some(end) => at += end + 2,
+                None => break,
+            },
+            b'$' if bytes.get(at + 1).is_some_and(|next| *next != b'\n') => at += 2,
+            _ => at += 1,
+        }
+    }
+    // An escape may have skipped the first byte of a longer character.
+    while !rest.is_char_boundary(at) {
+        at += 1;
+    }
+    (rest[..at].trim_end_matches('\r').len(), false)
+}
+
+/// Bytes of the `.7` that makes an address of `word` and a bit number: `M10.7`, and behind a point `DX0.7`.
+pub fn bit_number(word: &str, rest: &str, member: bool) -> Option<usize> {
+    const AREAS: [&str; 10] = ["I", "E", "Q", "A", "M", "IX", "EX", "QX", "AX", "MX"];
+    const MEMBERS: [&str; 3] = ["D", "DX", "DBX"];
+    let letters = word.trim_end_matches(|c: char| c.is_ascii_digit());
+    let known: &[&str] = if member { &MEMBERS } else { &AREAS };
+    let digits = rest.strip_prefix('.')?.bytes().take_while(u8::is_ascii_digit).count();
+    let fits = letters.len() < word.len() && digits > 0 && known.iter().any(|area| area.eq_ignore_ascii_case(letters));
+    fits.then_some(1 + digits)
+}
+
+/// Bytes behind `%` and a word that belong to the address: `.7`, `.DBX1.0`, `:P`.
+pub fn absolute(letters: &str, numbered: bool, rest: &str) -> usize {
+    if !numbered {
+        return 0;
+    }
+    let point = |rest: &str| {
+        let digits = rest.strip_prefix('.').map_or(0, |digits| digits.bytes().take_while(u8::is_ascii_digit).count());
+        if digits > 0 { 1 + digits } else { 0 }
+    };
+    let mut at = point(rest);
+    if letters.eq_ignore_ascii_case("DB")
+        && let Some(member) = rest.strip_prefix('.')
+    {
+        let name = member.bytes().take_while(u8::is_ascii_alphabetic).count();
+        let number = member[name..].bytes().take_while(u8::is_ascii_digit).count();
+        let known = super::address::db_area_word(&member[..name]).is_some();
+        if known && number > 0 && word(member) == name + number {
+            at = 1 + name + number;
+            at += point(&rest[at..]);
+        }
+    }
+    if peripheral(&rest[at..]) { at + 2 } else { at }
+}
+
+/// Whether `:P` follows.
+pub fn peripheral(rest: &str) -> bool {
+    let bytes = rest.as_bytes();
+    matches!(bytes, [b':', b'P' | b'p', ..]) && word(&rest[2..]) == 0
+}

@@ -1,0 +1,463 @@
+//! Layout of statements: where each ends, and which structured statement is closed by what.
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use super::expression::{Run, ends_operand};
+use super::{Layout, NESTING_MAX};
+use crate::scl::keyword::Keyword;
+use crate::scl::raw::{RawKind, RawToken};
+use crate::scl::token::Tok;
+
+/// A structured statement that is open.
+struct Open {
+    /// Its first word.
+    token: RawToken,
+    keyword: Keyword,
+    /// ELSE has been seen.
+    otherwise: bool,
+    /// CASE: a value has been seen.
+    arm: bool,
+    /// IF directly behind the ELSE of this one: ELSIF may have been meant.
+    else_if: Option<Span>,
+    /// REPEAT: UNTIL has been seen.
+    until: bool,
+}
+
+impl<'a> Layout<'a> {
+    /// Statements up to the end of the block, which stays at hand.
+    pub(super) fn code(&mut self) {
+        let mut open: Vec<Open> = Vec::new();
+        loop {
+            let limit = self.peek().map_or(u32::MAX, |token| token.start);
+            self.statement_pragmas(limit);
+            let Some(token) = self.peek() else { break };
+            let before = self.at;
+            match (token.kind, token.keyword) {
+                (RawKind::Semicolon, _) => self.take(Tok::Empty),
+                (RawKind::LeftBrace, _) => self.skip_braces(),
+                (_, Some(word)) if word.ends_block() => break,
+                (_, Some(word)) if word.begins_block() && self.block_begins(self.at) => break,
+                (_, Some(word)) if word.begins_section() && self.section_in_code(token) => {}
+                (_, Some(word)) if word.begins_statement() => self.statement_keyword(word, token, &mut open),
+                (_, Some(word)) if word.closes_statement() => self.closing_keyword(word, token, &mut open),
+                (_, Some(Keyword::Then | Keyword::Begin | Keyword::EndVar | Keyword::EndStruct | Keyword::EndConst | Keyword::EndLabel)) => {
+                    self.misplaced(token);
+                }
+                (_, Some(Keyword::Do | Keyword::Of | Keyword::To))
+                    if !matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Dot | RawKind::LeftBracket)) =>
+                {
+                    self.misplaced(token);
+                }
+                _ => self.label_or_simple(&mut open),
+            }
+            if self.at == before {
+                self.misplaced(token);
+            }
+        }
+        while let Some(statement) = open.pop() {
+            self.unclosed_statement(statement);
+        }
+    }
+
+    /// Pragmas before byte `before`: in statements.
+    fn statement_pragmas(&mut self, before: u32) {
+        while let Some(comment) = self.next_pragma(before) {
+            let pragma = self.read_pragma(comment);
+            if crate::stl::pragma::is_for_file(&pragma) {
+                self.pragmas.push(pragma);
+            } else {
+                self.push(comment.start as usize, Tok::Pragma(Box::new(pragma)), comment.end as usize);
+            }
+        }
+    }
+
+    /// Labels that the block's statements jump to, or that it declares.
+    pub(super) fn collect_labels(&mut self) {
+        let mut declared = false;
+        let mut index = self.at;
+        while let Some(token) = self.raw.get(index).copied() {
+            match token.keyword {
+                Some(word) if word.ends_block() => return,
+                Some(Keyword::Label) => declared = true,
+                Some(Keyword::EndLabel) => declared = false,
+                Some(Keyword::Goto) => {
+                    if let Some(name) = self.raw.get(index + 1).copied() {
+                        self.labels.insert(self.slice(name).to_uppercase());
+                    }
+                }
+                _ if declared && token.kind == RawKind::Word => {
+                    self.labels.insert(self.slice(token).to_uppercase());
+                }
+                _ => {}
+            }
+            index += 1;
+        }
+    }
+
+    fn statement_keyword(&mut self, word: Keyword, token: RawToken, open: &mut Vec<Open>) {
+        match word {
+            Keyword::Exit => self.take(Tok::Exit),
+            Keyword::Continue => self.take(Tok::Continue),
+            Keyword::Return => {
+                self.take(Tok::Return);
+                self.run(Run::Statement);
+            }
+            Keyword::Goto => {
+                self.take(Tok::Goto);
+                self.run(Run::Statement);
+            }
+            _ => return self.structured(word, token, open),
+        }
+        self.end_of_statement();
+    }
+
+    /// IF, CASE, FOR, WHILE or REPEAT, up to where its statements begin.
+    fn structured(&mut self, word: Keyword, token: RawToken, open: &mut Vec<Open>) {
+        if open.len() >= NESTING_MAX {
+            return self.too_deep_statement(token);
+        }
+        if word == Keyword::If
+            && let Some(outer) = open.last_mut()
+            && outer.otherwise
+            && matches!(self.out.last(), Some((_, Tok::Else, _)))
+        {
+            outer.else_if = Some(Span { file: self.file, start: token.start, end: token.end });
+        }
+        open.push(Open { token, keyword: word, otherwise: false, arm: false, else_if: None, until: false });
+        let (first, run, then, wanted) = match word {
+            Keyword::If => (Tok::If, Run::If, Tok::Then, Keyword::Then),
+            Keyword::Case => (Tok::Case, Run::Case, Tok::Of, Keyword::Of),
+            Keyword::For => (Tok::For, Run::For, Tok::Do, Keyword::Do),
+            Keyword::While => (Tok::While, Run::While, Tok::Do, Keyword::Do),
+            _ => return self.take(Tok::Repeat),
+        };
+        self.take(first);
+        self.run(run);
+        self.wanted(then, wanted, token);
+    }
+
+    /// The keyword that ends the head of `statement`.
+    fn wanted(&mut self, tok: Tok<'a>, wanted: Keyword, statement: RawToken) {
+        if self.peek().and_then(|token| token.keyword) == Some(wanted) {
+            return self.take(tok);
+        }
+        let word = wanted.word();
+        let behind = self.last_token().unwrap_or(statement);
+        self.report(
+            Diagnostic::new(
+                Code::Syntax,
+                self.span(behind),
+                format!("`{word}` is missing behind the head of {}", self.slice(statement).to_uppercase()),
+            )
+            .label(format!("`{word}` expected behind this"))
+            .help(match wanted {
+                Keyword::Then => "write `IF condition THEN statements END_IF;`",
+                Keyword::Of => "write `CASE number OF 1: statements END_CASE;`",
+                _ if statement.keyword == Some(Keyword::For) => "write `FOR i := 1 TO 10 DO statements END_FOR;`",
+                _ => "write `WHILE condition DO statements END_WHILE;`",
+            }),
+        );
+        self.push_here(tok);
+    }
+
+    fn closing_keyword(&mut self, word: Keyword, token: RawToken, open: &mut Vec<Open>) {
+        let fits = |statement: &Open| match word {
+            Keyword::Else => matches!(statement.keyword, Keyword::If | Keyword::Case) && !statement.otherwise,
+            Keyword::Elsif | Keyword::ElseIf => statement.keyword == Keyword::If && !statement.otherwise,
+            Keyword::Until => statement.keyword == Keyword::Repeat && !statement.until,
+            Keyword::EndIf => statement.keyword == Keyword::If,
+            Keyword::EndCase => statement.keyword == Keyword::Case,
+            Keyword::EndFor => statement.keyword == Keyword::For,
+            Keyword::EndWhile => statement.keyword == Keyword::While,
+            _ => statement.keyword == Keyword::Repeat,
+        };
+        let Some(index) = open.iter().rposition(fits) else { return self.nothing_to_close(word, token) };
+        while open.len() > index + 1 {
+            let statement = open.pop().expect("longer than the index");
+            self.unclosed_statement(statement);
+        }
+        let statement = &mut open[index];
+        match word {
+            Keyword::Else => {
+                statement.otherwise = true;
+                let case = statement.keyword == Keyword::Case;
+                self.take(Tok::Else);
+                if case && self.is_at(RawKind::Colon) {
+                    self.at += 1;
+                }
+            }
+            Keyword::Elsif | Keyword::ElseIf => {
+                if word == Keyword::ElseIf {
+                    self.report(
+                        Diagnostic::new(Code::Syntax, self.span(token), format!("`{}` is no word of SCL", self.slice(token)))
+                            .label("taken as ELSIF")
+                            .help("write `ELSIF`"),
+                    );
+                }
+                self.take(Tok::Elsif);
+                self.run(Run::If);
+                self.wanted(Tok::Then, Keyword::Then, token);
+            }
+            Keyword::Until => {
+                statement.until = true;
+                self.take(Tok::Until);
+                self.run(Run::Until);
+                if self.is_at(RawKind::Semicolon) {
+                    self.take(Tok::End);
+                } else {
+                    self.push_here(Tok::End);
+                }
+                if self.keyword_at(self.at) == Some(Keyword::EndRepeat) {
+                    self.closed(token, Tok::EndRepeat);
+                } else {
+                    let opening = statement.token;
+                    self.report_unclosed(opening, Keyword::Repeat, None);
+                    self.push_here(Tok::EndRepeat);
+                }
+                open.pop();
+            }
+            _ => {
+                let statement = open.pop().expect("it was found");
+                let tok = match word {
+                    Keyword::EndIf => Tok::EndIf,
+                    Keyword::EndCase => Tok::EndCase,
+                    Keyword::EndFor => Tok::EndFor,
+                    Keyword::EndWhile => Tok::EndWhile,
+                    _ => {
+                        self.report(
+                            Diagnostic::new(Code::Syntax, self.span(statement.token), "the condition of this loop is missing")
+                                .label("ends without UNTIL")
+                                .help("write `UNTIL condition` before END_REPEAT"),
+                        );
+                        self.push_here(Tok::Until);
+                        self.push_here(Tok::Bad);
+                        self.push_here(Tok::End);
+                        Tok::EndRepeat
+                    }
+                };
+                self.closed(token, tok);
+            }
+        }
+    }
+
+    /// Takes the word that ends a structured statement, with its `;`.
+    fn closed(&mut self, _token: RawToken, tok: Tok<'a>) {
+        let word = self.raw[self.at];
+        self.take(tok);
+        if self.is_at(RawKind::Semicolon) {
+            self.at += 1;
+        } else if self.peek().is_some() {
+            let text = self.slice(word);
+            self.tolerate(
+                self.span(word),
+                &format!("`;` is missing behind `{text}`"),
+                "STEP 7 wants `;` here",
+                &format!("write `{text};`"),
+            );
+        }
+    }
+
+    fn nothing_to_close(&mut self, word: Keyword, token: RawToken) {
+        let text = self.slice(token);
+        let opener = match word {
+            Keyword::EndCase => "CASE",
+            Keyword::EndFor => "FOR",
+            Keyword::EndWhile => "WHILE",
+            Keyword::EndRepeat | Keyword::Until => "REPEAT",
+            Keyword::Else => "IF or CASE",
+            _ => "IF",
+        };
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(token), format!("`{text}` stands without {opener}"))
+                .label("nothing is open that it could belong to")
+                .help("remove it, or write the beginning of its statement"),
+        );
+        self.at += 1;
+        match word {
+            Keyword::Elsif | Keyword::ElseIf | Keyword::Until => {
+                // Its condition has been reported with it.
+                let first = self.out.len();
+                self.run(if word == Keyword::Until { Run::Until } else { Run::If });
+                self.out.truncate(first);
+                if self.keyword_at(self.at) == Some(Keyword::Then) || self.is_at(RawKind::Semicolon) {
+                    self.at += 1;
+                }
+            }
+            _ => {
+                if self.is_at(RawKind::Semicolon) {
+                    self.at += 1;
+                }
+            }
+        }
+    }
+
+    /// Reports and closes a structured statement.
+    fn unclosed_statement(&mut self, statement: Open) {
+        self.report_unclosed(statement.token, statement.keyword, statement.else_if);
+        match statement.keyword {
+            Keyword::If => self.push_here(Tok::EndIf),
+            Keyword::Case => self.push_here(Tok::EndCase),
+            Keyword::For => self.push_here(Tok::EndFor),
+            Keyword::While => self.push_here(Tok::EndWhile),
+            _ => {
+                self.push_here(Tok::Until);
+                self.push_here(Tok::Bad);
+                self.push_here(Tok::End);
+                self.push_here(Tok::EndRepeat);
+            }
+        }
+    }
+
+    fn report_unclosed(&mut self, opening: RawToken, keyword: Keyword, else_if: Option<Span>) {
+        let end = match keyword {
+            Keyword::If => "END_IF",
+            Keyword::Case => "END_CASE",
+            Keyword::For => "END_FOR",
+            Keyword::While => "END_WHILE",
+            _ => "END_REPEAT",
+        };
+        let mut diagnostic =
+            Diagnostic::new(Code::Syntax, self.span(opening), format!("`{end}` is missing"))
+                .label(format!("this {} is not closed", keyword.word()));
+        diagnostic = match else_if {
+            Some(span) => diagnostic
+                .also(span, "`ELSE IF` opens a second IF")
+                .help("write `ELSIF` for another condition; `ELSE IF` needs an `END_IF` of its own"),
+            None => diagnostic.help(format!("write `{end};` behind its last statement")),
+        };
+        self.report(diagnostic);
+    }
+
+    fn too_deep_statement(&mut self, token: RawToken) {
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(token), "statements stand too deep in one another")
+                .label(format!("inside {NESTING_MAX} others"))
+                .help("move a part of them to a function of its own"),
+        );
+        // The rest of the block is not worth reading.
+        while let Some(token) = self.peek() {
+            let ends = token.keyword.is_some_and(|word| word.ends_block() || word.begins_block() && self.block_begins(self.at));
+            if ends {
+                return;
+            }
+            self.at += 1;
+        }
+    }
+
+    /// `VAR` behind BEGIN; false: an ordinary word.
+    fn section_in_code(&mut self, token: RawToken) -> bool {
+        if token.keyword == Some(Keyword::Label)
+            && !matches!(self.kind_at(self.at + 1), Some(RawKind::Word | RawKind::Quoted))
+        {
+            return false;
+        }
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{}` stands among the statements", self.slice(token)))
+                .label("declarations end before BEGIN")
+                .help("move the section to the other declarations of the block"),
+        );
+        while let Some(token) = self.peek() {
+            if token.keyword.is_some_and(|word| word.ends_block() || word.begins_block() && self.block_begins(self.at)) {
+                break;
+            }
+            self.at += 1;
+            if token.keyword.is_some_and(Keyword::ends_section) {
+                break;
+            }
+        }
+        true
+    }
+
+    /// A keyword that belongs to something that is not open.
+    fn misplaced(&mut self, token: RawToken) {
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(token), format!("`{}` cannot begin a statement", self.slice(token)))
+                .label("not expected here")
+                .help("remove it, or complete the statement before it"),
+        );
+        self.at += 1;
+    }
+
+    fn label_or_simple(&mut self, open: &mut [Open]) {
+        let token = self.raw[self.at];
+        let case = open.last_mut().filter(|statement| statement.keyword == Keyword::Case && !statement.otherwise);
+        let name_colon = token.kind == RawKind::Word && self.kind_at(self.at + 1) == Some(RawKind::Colon);
+        if let Some(case) = case {
+            let label = name_colon && {
+                let name = self.slice(token).to_uppercase();
+                self.labels.contains(&name) && !self.constants.contains(&name)
+            };
+            if !label && self.arm_begins() {
+                case.arm = true;
+                let start = token.start as usize;
+                self.push(start, Tok::Arm, start);
+                self.run(Run::Arm);
+                if self.is_at(RawKind::Colon) {
+                    self.take(Tok::Colon);
+                } else {
+                    self.push_here(Tok::Colon);
+                }
+                return;
+            }
+        }
+        if name_colon {
+            let name = self.slice(token);
+            self.push(token.start as usize, Tok::Label(name), token.end as usize);
+            self.at += 2;
+            return;
+        }
+        self.run(Run::Statement);
+        self.end_of_statement();
+    }
+
+    /// Whether values and `:` stand at hand rather than a statement.
+    fn arm_begins(&self) -> bool {
+        let mut depth = 0usize;
+        for (index, token) in self.raw[self.at..].iter().enumerate() {
+            match token.kind {
+                RawKind::Colon => return depth == 0,
+                RawKind::LeftParen | RawKind::LeftBracket => depth += 1,
+                RawKind::RightParen | RawKind::RightBracket => depth = depth.saturating_sub(1),
+                RawKind::Semicolon => return false,
+                RawKind::Assign
+                | RawKind::AddAssign
+                | RawKind::SubtractAssign
+                | RawKind::MultiplyAssign
+                | RawKind::DivideAssign
+                | RawKind::AttemptAssign
+                    if depth == 0 =>
+                {
+                    return false;
+                }
+                _ if index > 0 && token.keyword.is_some_and(Keyword::ends_expression) => return false,
+                _ => {}
+            }
+        }
+        false
+    }
+
+    /// The `;` of a simple statement. It may be left out before a word that closes something.
+    fn end_of_statement(&mut self) {
+        let token = self.peek();
+        if self.is_at(RawKind::Semicolon) {
+            return self.take(Tok::End);
+        }
+        let closes = token.is_none_or(|token| {
+            token.keyword.is_some_and(|word| word.closes_statement() || word.ends_block())
+        });
+        let reported = self.last_token().is_none_or(|last| {
+            self.diagnostics.last().is_some_and(|diagnostic| diagnostic.primary.span.start >= last.start)
+        });
+        let complete = self.out.last().is_some_and(|(_, token, _)| ends_operand(token) || matches!(token, Tok::Exit | Tok::Continue | Tok::Return));
+        if !closes && !reported && complete {
+            let last = self.last_token().expect("a statement has been read");
+            let text = self.slice(last);
+            self.report(
+                Diagnostic::new(Code::Syntax, self.span(last), format!("`;` is missing behind `{text}`"))
+                    .label("the statement ends here")
+                    .help("end each statement with `;`"),
+            );
+        }
+        self.push_here(Tok::End);
+    }
+}

@@ -1,0 +1,394 @@
+//! Layout of expressions: operands, operators, balanced brackets.
+
+use plcc_diag::{Code, Diagnostic};
+
+use super::{Layout, NESTING_MAX, unquoted};
+use crate::scl::address;
+use crate::scl::ast::{AssignOp, BinaryOp, Literal};
+use crate::scl::keyword::Keyword;
+use crate::scl::literal;
+use crate::scl::raw::{RawKind, RawToken};
+use crate::scl::token::Tok;
+
+/// Where a run of operands and operators stands, which tells where it ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Run {
+    /// A statement, up to `;`.
+    Statement,
+    /// Up to THEN.
+    If,
+    /// Up to DO.
+    While,
+    /// `i := 1 TO 10 BY 2`, up to DO.
+    For,
+    /// Up to OF.
+    Case,
+    /// Values of CASE, up to `:`.
+    Arm,
+    /// Up to `;` or END_REPEAT.
+    Until,
+    /// A value of a declaration, up to `;`.
+    Value,
+    /// A bound or length, up to `]`.
+    Bound,
+}
+
+impl Run {
+    fn ends_with(self, keyword: Keyword) -> bool {
+        match self {
+            Run::If => keyword == Keyword::Then,
+            Run::While | Run::For => matches!(keyword, Keyword::Do),
+            Run::Case => keyword == Keyword::Of,
+            _ => false,
+        }
+    }
+
+    /// Two operands without an operator between them: the first one ends the run.
+    fn ends_at_second_operand(self, first_on_line: bool) -> bool {
+        match self {
+            Run::If | Run::While | Run::For | Run::Case | Run::Until => true,
+            Run::Statement | Run::Value => first_on_line,
+            Run::Arm | Run::Bound => false,
+        }
+    }
+}
+
+impl<'a> Layout<'a> {
+    /// Takes operands and operators up to where `run` ends; the token there stays at hand.
+    pub(super) fn run(&mut self, run: Run) {
+        let first = self.out.len();
+        let mut open: Vec<RawToken> = Vec::new();
+        while let Some(token) = self.peek() {
+            if self.ends(run, token, open.is_empty()) {
+                break;
+            }
+            if open.is_empty()
+                && self.out.len() > first
+                && run.ends_at_second_operand(token.first_on_line)
+                && self.begins_operand(run, token)
+                && self.out.last().is_some_and(|(_, token, _)| ends_operand(token))
+            {
+                break;
+            }
+            match token.kind {
+                RawKind::LeftParen | RawKind::LeftBracket => {
+                    if open.len() >= NESTING_MAX {
+                        self.too_deep(run, token, first);
+                        return;
+                    }
+                    open.push(token);
+                    let paren = token.kind == RawKind::LeftParen;
+                    self.take(if paren { Tok::LeftParen } else { Tok::LeftBracket });
+                }
+                RawKind::RightParen | RawKind::RightBracket => {
+                    if run == Run::Bound && open.is_empty() {
+                        break;
+                    }
+                    self.close_bracket(token, &mut open);
+                }
+                _ => self.element(run),
+            }
+        }
+        while let Some(opening) = open.pop() {
+            self.unclosed(opening);
+        }
+    }
+
+    fn ends(&self, run: Run, token: RawToken, outside: bool) -> bool {
+        match token.kind {
+            RawKind::Semicolon => return true,
+            RawKind::Colon if outside && matches!(run, Run::Arm) => return true,
+            _ => {}
+        }
+        let Some(keyword) = token.keyword else { return false };
+        // A formal may be called like a keyword.
+        if !outside && matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Arrow)) {
+            return false;
+        }
+        run.ends_with(keyword)
+            || match keyword {
+                keyword if keyword.begins_block() => self.block_begins(self.at),
+                keyword => keyword.ends_expression(),
+            }
+    }
+
+    fn begins_operand(&self, run: Run, token: RawToken) -> bool {
+        match token.kind {
+            RawKind::Word => match token.keyword {
+                Some(Keyword::To | Keyword::By) if run == Run::For => false,
+                Some(keyword) => !keyword.is_operator() || keyword == Keyword::Not,
+                None => true,
+            },
+            RawKind::Local
+            | RawKind::Quoted
+            | RawKind::Number
+            | RawKind::Real
+            | RawKind::Literal
+            | RawKind::Text
+            | RawKind::Absolute => true,
+            _ => false,
+        }
+    }
+
+    fn close_bracket(&mut self, token: RawToken, open: &mut Vec<RawToken>) {
+        let paren = token.kind == RawKind::RightParen;
+        let wanted = if paren { RawKind::LeftParen } else { RawKind::LeftBracket };
+        if !open.iter().any(|opening| opening.kind == wanted) {
+            let sign = self.slice(token);
+            self.report(
+                Diagnostic::new(Code::Syntax, self.span(token), format!("`{sign}` closes nothing"))
+                    .label("no bracket is open here")
+                    .help("remove it, or write the bracket that it closes"),
+            );
+            self.at += 1;
+            return;
+        }
+        while let Some(opening) = open.pop() {
+            if opening.kind == wanted {
+                break;
+            }
+            self.unclosed(opening);
+        }
+        self.take(if paren { Tok::RightParen } else { Tok::RightBracket });
+    }
+
+    /// Reports and closes a bracket.
+    fn unclosed(&mut self, opening: RawToken) {
+        let paren = opening.kind == RawKind::LeftParen;
+        let (sign, close) = if paren { ("(", ")") } else { ("[", "]") };
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(opening), format!("`{sign}` is not closed"))
+                .label("opened here")
+                .help(format!("write `{close}` where it ends")),
+        );
+        self.push_here(if paren { Tok::RightParen } else { Tok::RightBracket });
+    }
+
+    /// Brackets that are too deep for whoever walks the tree: the run becomes an error.
+    fn too_deep(&mut self, run: Run, token: RawToken, first: usize) {
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(token), "brackets stand too deep in one another")
+                .label(format!("the {NESTING_MAX}th bracket that is open"))
+                .help("keep a part of the expression in a variable"),
+        );
+        self.out.truncate(first);
+        self.take(Tok::Bad);
+        while let Some(token) = self.peek() {
+            if self.ends(run, token, true) {
+                return;
+            }
+            self.at += 1;
+        }
+    }
+
+    /// Takes an operand, operator or sign that is no bracket.
+    pub(super) fn element(&mut self, run: Run) {
+        let token = self.raw[self.at];
+        let tok = match token.kind {
+            RawKind::Word => return self.word(run, token),
+            RawKind::Local => {
+                let name = unquoted(self.slice(token));
+                Tok::Local(name)
+            }
+            RawKind::Quoted => Tok::Quoted(self.quoted_name(token)),
+            RawKind::Number | RawKind::Real | RawKind::Literal | RawKind::Text => return self.literal(token),
+            RawKind::Absolute => return self.absolute(token),
+            RawKind::Slice => match address::slice(self.slice(token)) {
+                Some((width, index)) => Tok::Slice(width, index),
+                None => Tok::Slice(crate::ast::Width::Bit, u32::MAX),
+            },
+            RawKind::Assign => Tok::Assign,
+            RawKind::AddAssign => Tok::Combine(AssignOp::Add),
+            RawKind::SubtractAssign => Tok::Combine(AssignOp::Subtract),
+            RawKind::MultiplyAssign => Tok::Combine(AssignOp::Multiply),
+            RawKind::DivideAssign => Tok::Combine(AssignOp::Divide),
+            RawKind::AttemptAssign => Tok::Combine(AssignOp::Attempt),
+            RawKind::Arrow => Tok::Arrow,
+            RawKind::Power => Tok::Power,
+            RawKind::Comma => Tok::Comma,
+            RawKind::Dot => Tok::Dot,
+            RawKind::DotDot => Tok::DotDot,
+            RawKind::Ellipsis => {
+                self.tolerate(self.span(token), "three points between bounds", "taken as two", "write `..`");
+                Tok::DotDot
+            }
+            RawKind::Equal => Tok::Equality(BinaryOp::Equal),
+            RawKind::NotEqual => Tok::Equality(BinaryOp::NotEqual),
+            RawKind::Greater => Tok::Relation(BinaryOp::Greater),
+            RawKind::Less => Tok::Relation(BinaryOp::Less),
+            RawKind::GreaterEqual => Tok::Relation(BinaryOp::GreaterEqual),
+            RawKind::LessEqual => Tok::Relation(BinaryOp::LessEqual),
+            RawKind::Plus => Tok::Plus,
+            RawKind::Minus => Tok::Minus,
+            RawKind::Star => Tok::Star,
+            RawKind::Slash => Tok::Factor(BinaryOp::Divide),
+            RawKind::Ampersand => Tok::And,
+            RawKind::Caret => Tok::Caret,
+            RawKind::Colon => Tok::Colon,
+            RawKind::LeftBrace => return self.skip_braces(),
+            _ => return self.stray(token),
+        };
+        self.take(tok);
+    }
+
+    /// `"tag"`, and `"tag":P`, which keeps its letter.
+    fn quoted_name(&self, token: RawToken) -> &'a str {
+        let text = self.slice(token);
+        if text.ends_with('"') { unquoted(text) } else { text.trim_start_matches('"') }
+    }
+
+    fn word(&mut self, run: Run, token: RawToken) {
+        let word = self.slice(token);
+        let formal = matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Arrow));
+        let typed = |ty, bits| Tok::Literal(Literal::Typed { ty, bits });
+        let tok = match token.keyword.filter(|_| !formal) {
+            Some(Keyword::And) => Tok::And,
+            Some(Keyword::Or) => Tok::Or,
+            Some(Keyword::Xor) => Tok::Xor,
+            Some(Keyword::Not) => Tok::Not,
+            Some(Keyword::Mod) => Tok::Factor(BinaryOp::Modulo),
+            Some(Keyword::Div) => Tok::Factor(BinaryOp::DivideInteger),
+            Some(Keyword::True) => typed(crate::Elementary::Bool, 1),
+            Some(Keyword::False) => typed(crate::Elementary::Bool, 0),
+            Some(Keyword::Nil) => Tok::Literal(Literal::Nil),
+            Some(Keyword::Null) => Tok::Literal(Literal::Null),
+            Some(Keyword::Ref) if self.kind_at(self.at + 1) == Some(RawKind::LeftParen) => Tok::Ref,
+            Some(Keyword::To) if run == Run::For => Tok::To,
+            Some(Keyword::By) if run == Run::For => Tok::By,
+            _ => match self.block_with_blank(token) {
+                Some(()) => return,
+                None => Tok::Name(word),
+            },
+        };
+        self.take(tok);
+    }
+
+    /// `FB 10` in two tokens.
+    fn block_with_blank(&mut self, token: RawToken) -> Option<()> {
+        let prefix = address::block_prefix(self.slice(token))?;
+        let number = self.raw.get(self.at + 1).copied()?;
+        if number.kind != RawKind::Number || number.first_on_line {
+            return None;
+        }
+        let value = self.slice(number).replace('_', "").parse().unwrap_or(u32::MAX);
+        self.at += 2;
+        self.push(token.start as usize, Tok::Block(prefix, value), number.end as usize);
+        Some(())
+    }
+
+    fn literal(&mut self, token: RawToken) {
+        let tok = match literal::parse(self.slice(token)) {
+            Ok(read) => {
+                if let Some(number) = read.wrapped {
+                    self.tolerate(
+                        self.span(token),
+                        &format!("`{}` is outside the range of its type", self.slice(token)),
+                        &format!("taken as {number}"),
+                        "write the negative number, or a bit string such as `16#FFFF`",
+                    );
+                }
+                Tok::Literal(read.value)
+            }
+            Err(error) => {
+                let mut diagnostic = Diagnostic::new(error.code, self.span(token), error.title).label(error.label);
+                diagnostic.help = error.help;
+                self.report(diagnostic);
+                Tok::Bad
+            }
+        };
+        self.take(tok);
+    }
+
+    fn absolute(&mut self, token: RawToken) {
+        let text = self.slice(token);
+        let bare = text.strip_prefix('%').unwrap_or(text);
+        let tok = match address::token(text, self.span(token)) {
+            Some(operand) => Tok::Absolute(operand),
+            // `%MW(#i)`, `%DB10.DBW(#i)`
+            None if address::area_word(bare).is_some() || address::db_area_word(bare).is_some() => Tok::Name(bare),
+            None => {
+                self.report(
+                    Diagnostic::new(Code::AddressRange, self.span(token), format!("`{text}` is no address"))
+                        .label("no area has this address")
+                        .help("write e.g. `%MW10`, `%I0.7`, `%DB1.DBX2.0`; bits go from 0 to 7"),
+                );
+                Tok::Bad
+            }
+        };
+        self.take(tok);
+    }
+
+    /// `{ … }` among statements.
+    pub(super) fn skip_braces(&mut self) {
+        let opening = self.raw[self.at];
+        while let Some(token) = self.peek() {
+            self.at += 1;
+            if token.kind == RawKind::RightBrace {
+                break;
+            }
+            if token.kind == RawKind::Semicolon && token.first_on_line {
+                break;
+            }
+        }
+        let span = self.span(opening);
+        self.tolerate(span, "an attribute list among statements", "skipped", "remove it; it has no meaning here");
+    }
+
+    /// Reports the raw token at hand, which can stand nowhere, and goes on. Its place takes a `Bad`.
+    fn stray(&mut self, token: RawToken) {
+        let span = self.span(token);
+        let slice = self.slice(token);
+        let diagnostic = match token.kind {
+            RawKind::UnterminatedText => Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
+                .label("begins here")
+                .help("close it with `'`; a quote inside is written `$'`"),
+            RawKind::UnterminatedQuoted => {
+                Diagnostic::new(Code::UnterminatedText, span, "the name is not closed on its line")
+                    .label("begins here")
+                    .help("close it with `\"`")
+            }
+            RawKind::Hash => Diagnostic::new(Code::Syntax, span, "`#` stands before no name")
+                .label("a name must follow at once")
+                .help("write `#name` without a blank, or `#\"name\"`"),
+            RawKind::Stray => {
+                let c = slice.chars().next().unwrap_or(' ');
+                Diagnostic::new(Code::UnexpectedCharacter, span, format!("`{}` belongs to no statement", c.escape_debug()))
+                    .label("not a character of SCL outside texts and comments")
+                    .help(stray_help(c))
+            }
+            _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
+                .label("not expected")
+                .help("an operand is a variable, a constant, an address or a call"),
+        };
+        self.report(diagnostic);
+        self.take(Tok::Bad);
+    }
+}
+
+/// Whether an operand may end with the token.
+pub fn ends_operand(token: &Tok) -> bool {
+    matches!(
+        token,
+        Tok::Name(_)
+            | Tok::Local(_)
+            | Tok::Quoted(_)
+            | Tok::Block(..)
+            | Tok::Literal(_)
+            | Tok::Absolute(_)
+            | Tok::Slice(..)
+            | Tok::Bad
+            | Tok::Caret
+            | Tok::RightParen
+            | Tok::RightBracket
+    )
+}
+
+fn stray_help(c: char) -> &'static str {
+    match c {
+        '‘' | '’' | '`' => "write texts in straight quotes: `'text'`",
+        '“' | '”' | '„' => "write names in straight quotes: `\"name\"`",
+        '–' | '—' | '−' => "write the sign as `-`",
+        '\\' => "comments begin with `//`",
+        _ => "remove it, or put it behind `//`",
+    }
+}

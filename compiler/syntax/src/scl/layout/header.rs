@@ -1,0 +1,428 @@
+//! Layout of a block: its name, its header, and which part follows.
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use super::expression::Run;
+use super::{Layout, unquoted};
+use crate::scl::address;
+use crate::scl::keyword::Keyword;
+use crate::scl::raw::{RawKind, RawToken};
+use crate::scl::token::{CodeKeyword, HeaderField, HeaderFlag, Tok};
+
+/// What stands behind a block's header.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Frame {
+    Code,
+    Data,
+    Type,
+}
+
+impl<'a> Layout<'a> {
+    /// A block from its keyword to its end.
+    pub(super) fn block(&mut self) {
+        let opening = self.raw[self.at];
+        let keyword = opening.keyword.expect("the caller saw the keyword");
+        let (tok, frame) = match keyword {
+            Keyword::OrganizationBlock => (Tok::Code(CodeKeyword::OrganizationBlock), Frame::Code),
+            Keyword::Function => (Tok::Code(CodeKeyword::Function), Frame::Code),
+            Keyword::DataBlock => (Tok::DataBlock, Frame::Data),
+            Keyword::Type => (Tok::Type, Frame::Type),
+            _ => (Tok::Code(CodeKeyword::FunctionBlock), Frame::Code),
+        };
+        self.labels.clear();
+        self.constants.clear();
+        self.take(tok);
+        self.block_name(opening);
+        if keyword == Keyword::Function {
+            if self.is_at(RawKind::Colon) {
+                self.take(Tok::Colon);
+                self.type_tokens();
+            }
+        } else if keyword == Keyword::Type && self.is_at(RawKind::Colon) {
+            self.at += 1;
+        }
+        self.header(frame);
+        self.end_of_block(opening, keyword);
+    }
+
+    /// `FC 7`, `FC7`, `"Tank control"`, `TankControl`.
+    fn block_name(&mut self, keyword: RawToken) {
+        match self.peek() {
+            Some(token) if token.kind == RawKind::Quoted => {
+                let name = unquoted(self.slice(token));
+                self.take(Tok::Quoted(name));
+            }
+            Some(token)
+                if token.kind == RawKind::Word
+                    && !token.keyword.is_some_and(|word| word.begins_section() || word.ends_block() || word == Keyword::Begin)
+                    && !(token.first_on_line && self.header_keyword(self.at)) =>
+            {
+                if !self.numbered_block() {
+                    let name = self.slice(token);
+                    self.take(Tok::Name(name));
+                }
+            }
+            found => {
+                let text = self.slice(keyword);
+                self.report(
+                    Diagnostic::new(Code::BlockFrame, self.span(keyword), format!("`{text}` names no block"))
+                        .label("the block's number or name is missing")
+                        .help("write e.g. `FUNCTION FC 1 : VOID`, `DATA_BLOCK DB 10` or `FUNCTION_BLOCK \"Motor\"`"),
+                );
+                if found.is_some_and(|token| !token.first_on_line && matches!(token.kind, RawKind::UnterminatedQuoted | RawKind::Local)) {
+                    self.at += 1;
+                }
+                self.push_here(Tok::Name(""));
+            }
+        }
+    }
+
+    /// Takes `FC 7`, `FC7`; `false`: it is a name.
+    pub(super) fn numbered_block(&mut self) -> bool {
+        let token = self.raw[self.at];
+        let word = self.slice(token);
+        let (prefix, number, end, count) = if let Some((prefix, number)) = address::numbered_block(word) {
+            (prefix, number, token.end, 1)
+        } else {
+            let Some(prefix) = address::block_prefix(word) else { return false };
+            match self.raw.get(self.at + 1).copied() {
+                Some(next) if next.kind == RawKind::Number && !next.first_on_line => {
+                    (prefix, self.slice(next).replace('_', "").parse().unwrap_or(u32::MAX), next.end, 2)
+                }
+                _ => return false,
+            }
+        };
+        self.at += count;
+        if number == u32::MAX {
+            self.report(
+                Diagnostic::new(
+                    Code::LiteralRange,
+                    self.span_of(token.start as usize, end as usize),
+                    "no block has such a number",
+                )
+                .label("too large")
+                .help("blocks are numbered 0 to 65535"),
+            );
+        }
+        self.push(token.start as usize, Tok::Block(prefix, number), end as usize);
+        true
+    }
+
+    /// Whether the word at `index` belongs to headers.
+    fn header_keyword(&self, index: usize) -> bool {
+        let Some(token) = self.raw.get(index).copied() else { return false };
+        if token.kind != RawKind::Word {
+            return false;
+        }
+        let word = self.slice(token);
+        header_field(word).is_some() && self.kind_at(index + 1) == Some(RawKind::Colon)
+            || header_flag(word).is_some() && self.flag_stands_alone(index)
+    }
+
+    /// The word at `index` is no operand of a statement.
+    fn flag_stands_alone(&self, index: usize) -> bool {
+        !matches!(
+            self.kind_at(index + 1),
+            Some(
+                RawKind::Assign
+                    | RawKind::Dot
+                    | RawKind::LeftParen
+                    | RawKind::LeftBracket
+                    | RawKind::Colon
+                    | RawKind::Comma
+                    | RawKind::AddAssign
+            )
+        )
+    }
+
+    /// Everything behind the name: header, declarations, then statements or values.
+    fn header(&mut self, frame: Frame) {
+        let mut has_content = false;
+        while let Some(token) = self.peek() {
+            self.file_pragmas_of_frame(token.start, frame);
+            match (token.kind, token.keyword) {
+                (RawKind::Title, _) => {
+                    let text = title_text(self.slice(token));
+                    self.take(Tok::Title(text));
+                }
+                (RawKind::LeftBrace, _) => self.attributes(),
+                (_, Some(word)) if word.ends_block() || self.block_begins(self.at) => break,
+                (_, Some(Keyword::Begin)) => {
+                    self.begin(frame);
+                    return;
+                }
+                (_, Some(word)) if word.begins_section() => {
+                    has_content = true;
+                    self.section();
+                }
+                (RawKind::Word, _) if self.header_keyword(self.at) => self.header_word(token),
+                (RawKind::Semicolon, _) if frame != Frame::Code => self.at += 1,
+                (RawKind::Word | RawKind::Quoted | RawKind::Local, _) if frame != Frame::Code && !has_content => {
+                    has_content = true;
+                    self.content();
+                }
+                _ if frame == Frame::Code => break,
+                _ => self.skip_in_header(frame),
+            }
+        }
+        if frame == Frame::Code {
+            self.push_here(Tok::Begin);
+            self.collect_labels();
+            self.code();
+        }
+    }
+
+    /// Pragmas in the head of a data block or type belong to the file; those before statements belong to them.
+    fn file_pragmas_of_frame(&mut self, before: u32, frame: Frame) {
+        if frame != Frame::Code {
+            self.file_pragmas(before);
+        }
+    }
+
+    fn begin(&mut self, frame: Frame) {
+        match frame {
+            Frame::Code => {
+                let start = self.raw[self.at].start;
+                // Pragmas between declarations do not stand among statements.
+                self.file_pragmas(start);
+                self.take(Tok::Begin);
+                self.collect_labels();
+                self.code();
+            }
+            Frame::Data => {
+                self.take(Tok::Begin);
+                self.values();
+            }
+            Frame::Type => {
+                self.at += 1;
+                while let Some(token) = self.peek() {
+                    if token.keyword.is_some_and(Keyword::ends_block) || self.block_begins(self.at) {
+                        break;
+                    }
+                    self.skip_in_header(frame);
+                }
+            }
+        }
+    }
+
+    /// `STRUCT … END_STRUCT`, `ARRAY[…] OF …`, or the name of a UDT or FB.
+    fn content(&mut self) {
+        self.push_here(Tok::Content);
+        self.type_tokens();
+        if self.is_at(RawKind::Assign) {
+            self.take(Tok::Assign);
+            self.run(Run::Value);
+        }
+        if self.is_at(RawKind::Semicolon) {
+            self.take(Tok::End);
+        } else {
+            self.push_here(Tok::End);
+        }
+    }
+
+    /// Skips what no header has, up to the next line that begins with something known.
+    fn skip_in_header(&mut self, frame: Frame) {
+        let token = self.raw[self.at];
+        let what = if frame == Frame::Data { "data block" } else { "data type" };
+        self.report(
+            Diagnostic::new(
+                Code::BlockFrame,
+                self.span(token),
+                format!("`{}` cannot stand in a {what}", self.slice(token)),
+            )
+            .label("not a part of the header, and no declaration")
+            .help(if frame == Frame::Data {
+                "a data block holds `STRUCT … END_STRUCT`, VAR sections, an ARRAY, or the name of a UDT or FB, then `BEGIN` and values"
+            } else {
+                "a data type holds `STRUCT … END_STRUCT;`"
+            }),
+        );
+        self.at += 1;
+        while let Some(token) = self.peek() {
+            let ends = token
+                .keyword
+                .is_some_and(|word| word.ends_block() || word.begins_section() || matches!(word, Keyword::Begin | Keyword::Struct));
+            if ends || self.block_begins(self.at) {
+                return;
+            }
+            self.at += 1;
+        }
+    }
+
+    fn header_word(&mut self, token: RawToken) {
+        let word = self.slice(token);
+        if let Some(flag) = header_flag(word) {
+            return match flag {
+                Some(flag) => self.take(Tok::HeaderFlag(flag)),
+                None => self.at += 1,
+            };
+        }
+        let field = header_field(word).expect("the caller saw a field or a flag");
+        let first = self.at + 2;
+        let mut last = first;
+        while let Some(next) = self.raw.get(last) {
+            if next.first_on_line
+                || matches!(next.kind, RawKind::LeftBrace | RawKind::Title)
+                || next.keyword.is_some_and(|word| word.begins_section() || word.ends_block() || word == Keyword::Begin)
+                || last > first && self.header_keyword(last)
+            {
+                break;
+            }
+            last += 1;
+        }
+        let (text, end) = if last > first {
+            let (start, end) = (self.raw[first].start as usize, self.raw[last - 1].end as usize);
+            (self.text[start..end].trim_end_matches([';', ' ', '\t']).trim_matches(['\'', '"']).trim(), end)
+        } else {
+            ("", self.raw[self.at + 1].end as usize)
+        };
+        self.push(token.start as usize, Tok::HeaderText(field, text), end);
+        self.at = last;
+    }
+
+    /// `{ name := 'value'; name := 'value' }`.
+    pub(super) fn attributes(&mut self) {
+        let opening = self.raw[self.at];
+        self.at += 1;
+        loop {
+            let Some(token) = self.peek() else { return self.unclosed_attributes(opening) };
+            match (token.kind, token.keyword) {
+                (RawKind::RightBrace, _) => {
+                    self.at += 1;
+                    return;
+                }
+                (RawKind::Semicolon | RawKind::Comma, _) => self.at += 1,
+                (_, Some(word)) if word.ends_block() || word.begins_section() || word.ends_section() || word == Keyword::Begin => {
+                    return self.unclosed_attributes(opening);
+                }
+                (RawKind::Word | RawKind::Quoted, _) => self.attribute(token),
+                _ => {
+                    self.report(
+                        Diagnostic::new(
+                            Code::DeclarationSyntax,
+                            self.span(token),
+                            format!("`{}` cannot stand in a list of attributes", self.slice(token)),
+                        )
+                        .label("no name of an attribute")
+                        .help("write attributes as `{ name := 'value'; name := 'value' }`"),
+                    );
+                    self.skip_attribute();
+                }
+            }
+        }
+    }
+
+    /// `name := value`; the value may be a text, a word, a number, or several signs.
+    fn attribute(&mut self, name: RawToken) {
+        self.at += 1;
+        let key = unquoted(self.slice(name));
+        if !self.is_at(RawKind::Assign) {
+            self.report(
+                Diagnostic::new(Code::DeclarationSyntax, self.span(name), format!("the attribute `{key}` has no value"))
+                    .label("`:=` must follow")
+                    .help("write attributes as `{ name := 'value'; name := 'value' }`"),
+            );
+            return self.skip_attribute();
+        }
+        self.at += 1;
+        let first = self.at;
+        self.skip_attribute();
+        let end = self.last_end();
+        let value = match self.raw.get(first) {
+            Some(value) if self.at > first => self.text[value.start as usize..end].trim_matches(['\'', '"']),
+            _ => "",
+        };
+        self.push(name.start as usize, Tok::Attribute(key, value), end);
+    }
+
+    fn skip_attribute(&mut self) {
+        while let Some(token) = self.peek() {
+            let ends = token.keyword.is_some_and(|word| word.ends_block() || word.begins_section() || word.ends_section());
+            if ends || matches!(token.kind, RawKind::Semicolon | RawKind::Comma | RawKind::RightBrace) {
+                return;
+            }
+            self.at += 1;
+        }
+    }
+
+    fn unclosed_attributes(&mut self, opening: RawToken) {
+        self.report(
+            Diagnostic::new(Code::DeclarationSyntax, self.span(opening), "the attribute list is not closed")
+                .label("begins here")
+                .help("close it with `}`"),
+        );
+    }
+
+    /// The block's own end, or whatever stands there instead of it.
+    fn end_of_block(&mut self, opening: RawToken, keyword: Keyword) {
+        let text = self.slice(opening);
+        let end_word = match keyword {
+            Keyword::OrganizationBlock => Keyword::EndOrganizationBlock,
+            Keyword::Function => Keyword::EndFunction,
+            Keyword::DataBlock => Keyword::EndDataBlock,
+            Keyword::Type => Keyword::EndType,
+            Keyword::Program => Keyword::EndProgram,
+            _ => Keyword::EndFunctionBlock,
+        };
+        if let Some(token) = self.peek()
+            && let Some(word) = token.keyword.filter(|word| word.ends_block())
+        {
+            if word != end_word {
+                let found = self.slice(token);
+                self.report(
+                    Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{found}` cannot end a `{text}`"))
+                        .label("the block ends here")
+                        .also(self.span(opening), "the block begins here")
+                        .help(format!("write `{}`", end_word.word())),
+                );
+            }
+            return self.take(Tok::EndBlock);
+        }
+        let end = end_word.word();
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(opening), format!("the block is not closed with `{end}`"))
+                .label("begins here")
+                .help(format!("write `{end}` behind the last line of the block")),
+        );
+        self.push_here(Tok::EndBlock);
+    }
+
+    /// Reports a form that STEP 7 does not take and that has one meaning only.
+    pub(super) fn tolerate(&mut self, span: Span, title: &str, label: &str, help: &str) {
+        self.report(Diagnostic::new(Code::Tolerated, span, title).label(label).help(help));
+    }
+}
+
+/// Text behind `TITLE` and `=`, without quotes.
+fn title_text(token: &str) -> &str {
+    let text = token.get("TITLE".len()..).unwrap_or("").trim();
+    let text = text.strip_prefix('=').unwrap_or(text).trim();
+    match text.strip_prefix('\'').and_then(|text| text.strip_suffix('\'')) {
+        Some(inner) if !inner.contains('\'') => inner,
+        _ => text,
+    }
+}
+
+fn header_field(word: &str) -> Option<HeaderField> {
+    const FIELDS: [(&str, HeaderField); 4] = [
+        ("AUTHOR", HeaderField::Author),
+        ("FAMILY", HeaderField::Family),
+        ("NAME", HeaderField::Name),
+        ("VERSION", HeaderField::Version),
+    ];
+    FIELDS.iter().find(|(name, _)| name.eq_ignore_ascii_case(word)).map(|(_, field)| *field)
+}
+
+/// A word of the header that stands alone; RETAIN says what holds anyway.
+fn header_flag(word: &str) -> Option<Option<HeaderFlag>> {
+    const FLAGS: [(&str, Option<HeaderFlag>); 7] = [
+        ("KNOW_HOW_PROTECT", Some(HeaderFlag::KnowHowProtect)),
+        ("STANDARD", Some(HeaderFlag::Standard)),
+        ("CODE_VERSION1", Some(HeaderFlag::CodeVersion1)),
+        ("UNLINKED", Some(HeaderFlag::Unlinked)),
+        ("READ_ONLY", Some(HeaderFlag::ReadOnly)),
+        ("NON_RETAIN", Some(HeaderFlag::NonRetain)),
+        ("RETAIN", None),
+    ];
+    FLAGS.iter().find(|(name, _)| name.eq_ignore_ascii_case(word)).map(|(_, flag)| *flag)
+}

@@ -1,0 +1,384 @@
+//! The lexer: characters to raw tokens, without regard to where they stand.
+//!
+//! Typed constants are one token (`T#2h_1m`, `P#DB11.DBX 20.0 INT 10`), and so are addresses with a point (`I0.0`, `%DB1.DBX1.0`).
+//! Line ends, blanks and REGION lines are no tokens. Comments stand in a list of their own, by position.
+
+use std::ops::Range;
+
+use logos::{Lexer, Logos};
+
+use super::extent;
+use super::keyword::Keyword;
+
+/// What a raw token is.
+#[derive(Logos, Clone, Copy, Debug, PartialEq, Eq)]
+#[logos(extras = Head)]
+#[logos(skip r"[ \t\r\f\x0B\x1A\u{A0}\u{FEFF}]+")]
+pub enum RawKind {
+    #[token("\n")]
+    Newline,
+    #[regex(r"//[^\n]*", allow_greedy = true)]
+    Comment,
+    /// `(* … *)`, nested, and `(/* … */)`.
+    #[token("(*", block_comment)]
+    #[token("(/*", multilingual_comment)]
+    BlockComment,
+    /// `/* … */`
+    #[token("/*", slash_comment)]
+    SlashComment,
+    /// A comment that is never closed.
+    UnterminatedComment,
+
+    #[regex(r"[\p{XID_Start}_][\p{XID_Continue}]*", word)]
+    Word,
+    /// A constant with `#`.
+    Literal,
+    /// `I0.0`, `DX1.7`, `%MW10`, `%DB1.DBX1.0`, `%IW4:P`.
+    #[regex(r"%[A-Za-z]+[0-9]*", percent)]
+    Absolute,
+    /// `%X3`, `%B1`, `%W0`, `%D0`.
+    Slice,
+    /// `TITLE = text`, with the rest of its line; only in the head of a block.
+    Title,
+    /// `REGION name`
+    Region,
+    EndRegion,
+    #[regex(r"[0-9][0-9_]*", number)]
+    Number,
+    #[regex(r"[0-9][0-9_]*\.[0-9][0-9_]*([eE][+-]?[0-9]+)?")]
+    #[regex(r"[0-9][0-9_]*[eE][+-]?[0-9]+")]
+    Real,
+    #[regex("\"[^\"\n]*\"", quoted)]
+    Quoted,
+    #[regex("\"[^\"\n]*")]
+    UnterminatedQuoted,
+    /// `#name`, `#"name"`
+    #[regex(r"#[\p{XID_Continue}]+")]
+    #[regex("#\"[^\"\n]*\"")]
+    Local,
+    #[token("'", text)]
+    Text,
+    UnterminatedText,
+    /// `@@NAME@@`, `{{name}}`
+    #[regex(r"@@[^@\n]*@@")]
+    #[regex(r"\{\{[^{}\n]*\}\}")]
+    Marker,
+
+    #[token(":")]
+    Colon,
+    #[token(":=")]
+    Assign,
+    #[token("+=")]
+    AddAssign,
+    #[token("-=")]
+    SubtractAssign,
+    #[token("*=")]
+    MultiplyAssign,
+    #[token("/=")]
+    DivideAssign,
+    #[token("?=")]
+    AttemptAssign,
+    #[token("=>")]
+    Arrow,
+    #[token("**")]
+    Power,
+    #[token(";")]
+    Semicolon,
+    #[token(",")]
+    Comma,
+    #[token(".")]
+    Dot,
+    #[token("..")]
+    DotDot,
+    #[token("...")]
+    Ellipsis,
+    #[token("(")]
+    LeftParen,
+    #[token(")")]
+    RightParen,
+    #[token("[")]
+    LeftBracket,
+    #[token("]")]
+    RightBracket,
+    #[token("{")]
+    LeftBrace,
+    #[token("}")]
+    RightBrace,
+    #[token("=")]
+    Equal,
+    #[token("<>")]
+    NotEqual,
+    #[token(">")]
+    Greater,
+    #[token("<")]
+    Less,
+    #[token(">=")]
+    GreaterEqual,
+    #[token("<=")]
+    LessEqual,
+    #[token("+")]
+    Plus,
+    #[token("-")]
+    Minus,
+    #[token("*")]
+    Star,
+    #[token("/")]
+    Slash,
+    #[token("&")]
+    Ampersand,
+    #[token("^")]
+    Caret,
+    #[token("#")]
+    Hash,
+    /// A character that no statement holds.
+    Stray,
+}
+
+/// Whether the lexer stands between the name of a block and its declarations, where `TITLE` takes its line.
+#[derive(Default)]
+pub struct Head {
+    inside: bool,
+}
+
+/// A raw token; `start..end` are bytes of the text.
+#[derive(Clone, Copy, Debug)]
+pub struct RawToken {
+    pub kind: RawKind,
+    pub start: u32,
+    pub end: u32,
+    /// A line end stands between this token and the one before, or it is the first one.
+    pub first_on_line: bool,
+    /// Of a word that does not stand behind a point.
+    pub keyword: Option<Keyword>,
+}
+
+impl RawToken {
+    pub fn range(&self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
+}
+
+/// How a comment is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CommentForm {
+    /// `//`
+    Line,
+    /// `(* *)`, `(/* */)`
+    Block,
+    /// `/* */`
+    Slash,
+    /// Never closed.
+    Unterminated,
+}
+
+/// A comment.
+#[derive(Clone, Copy, Debug)]
+pub struct Comment {
+    pub start: u32,
+    pub end: u32,
+    /// Nothing but blanks stands before it on its line.
+    pub own_line: bool,
+    pub form: CommentForm,
+}
+
+/// `REGION name`, or `END_REGION`.
+#[derive(Clone, Copy, Debug)]
+pub struct Region {
+    pub start: u32,
+    pub end: u32,
+    pub opens: bool,
+    /// Number of tokens before it.
+    pub token: u32,
+}
+
+/// The tokens, comments and regions of a text, each in its order.
+#[derive(Default)]
+pub struct RawText {
+    pub tokens: Vec<RawToken>,
+    pub comments: Vec<Comment>,
+    pub regions: Vec<Region>,
+}
+
+/// Splits `text` into raw tokens. Never fails: what is no token is `Stray`.
+pub fn scan(text: &str) -> RawText {
+    let mut out = RawText { tokens: Vec::with_capacity(text.len() / 4), ..RawText::default() };
+    let mut first_on_line = true;
+    let mut lexer = RawKind::lexer(text);
+    while let Some(kind) = lexer.next() {
+        let (start, end) = (lexer.span().start as u32, lexer.span().end as u32);
+        let mut comment = |form| out.comments.push(Comment { start, end, own_line: first_on_line, form });
+        match kind.unwrap_or(RawKind::Stray) {
+            RawKind::Newline => first_on_line = true,
+            RawKind::Comment => comment(CommentForm::Line),
+            kind @ (RawKind::BlockComment | RawKind::SlashComment | RawKind::UnterminatedComment) => {
+                comment(match kind {
+                    RawKind::BlockComment => CommentForm::Block,
+                    RawKind::SlashComment => CommentForm::Slash,
+                    _ => CommentForm::Unterminated,
+                });
+                first_on_line |= lexer.slice().contains('\n');
+            }
+            kind @ (RawKind::Region | RawKind::EndRegion) => {
+                let token = out.tokens.len() as u32;
+                out.regions.push(Region { start, end, opens: kind == RawKind::Region, token });
+            }
+            RawKind::Stray
+                if let Some(before) = out.tokens.last_mut()
+                    && before.kind == RawKind::Stray
+                    && before.end == start
+                    && !first_on_line =>
+            {
+                before.end = end;
+            }
+            kind => {
+                let member = out.tokens.last().is_some_and(|before| before.kind == RawKind::Dot);
+                let keyword =
+                    if kind == RawKind::Word && !member { Keyword::from_word(lexer.slice()) } else { None };
+                if let Some(keyword) = keyword {
+                    let head = &mut lexer.extras.inside;
+                    *head = keyword.begins_block() || *head && !leaves_head(keyword);
+                }
+                out.tokens.push(RawToken { kind, start, end, first_on_line, keyword });
+                first_on_line = false;
+            }
+        }
+    }
+    out
+}
+
+fn leaves_head(keyword: Keyword) -> bool {
+    keyword.begins_section()
+        || keyword.ends_block()
+        || keyword.begins_statement()
+        || matches!(keyword, Keyword::Begin | Keyword::Struct | Keyword::Array)
+}
+
+/// Consumes up to the `*)` that belongs to the opening. If inner comments take it away, the first `*)` ends the comment, which counts as not
+/// closed.
+fn block_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
+    let rest = lexer.remainder();
+    let (mut at, mut depth) = (0, 1);
+    while let Some(found) = rest[at..].find(['*', '(']) {
+        at += found;
+        if rest[at..].starts_with("*)") {
+            at += 2;
+            depth -= 1;
+            if depth == 0 {
+                lexer.bump(at);
+                return RawKind::BlockComment;
+            }
+        } else if rest[at..].starts_with("(*") {
+            at += 2;
+            // `(*)` inside is a parenthesis around a star.
+            if rest[at..].starts_with(')') {
+                at += 1;
+            } else {
+                depth += 1;
+            }
+        } else {
+            at += 1;
+        }
+    }
+    lexer.bump(rest.find("*)").map_or(rest.len(), |end| end + 2));
+    RawKind::UnterminatedComment
+}
+
+fn multilingual_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
+    up_to(lexer, "*/)", RawKind::BlockComment)
+}
+
+fn slash_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
+    up_to(lexer, "*/", RawKind::SlashComment)
+}
+
+fn up_to(lexer: &mut Lexer<RawKind>, end: &str, kind: RawKind) -> RawKind {
+    match lexer.remainder().find(end) {
+        Some(at) => {
+            lexer.bump(at + end.len());
+            kind
+        }
+        None => {
+            lexer.bump(lexer.remainder().len());
+            RawKind::UnterminatedComment
+        }
+    }
+}
+
+fn byte_before(lexer: &Lexer<RawKind>) -> Option<u8> {
+    lexer.source().as_bytes()[..lexer.span().start].last().copied()
+}
+
+/// A word may begin a constant (`T#`), an address with a point (`M10.0`), a title or a region.
+fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
+    let (slice, rest) = (lexer.slice(), lexer.remainder());
+    if rest.starts_with('#')
+        && let Some(length) = extent::literal(slice, &rest[1..])
+    {
+        lexer.bump(1 + length);
+        return RawKind::Literal;
+    }
+    let member = byte_before(lexer) == Some(b'.');
+    if let Some(length) = extent::bit_number(slice, rest, member) {
+        lexer.bump(length);
+        return RawKind::Absolute;
+    }
+    if member {
+        return RawKind::Word;
+    }
+    let blanks = rest.len() - rest.trim_start_matches([' ', '\t']).len();
+    let next = rest[blanks..].chars().next();
+    if lexer.extras.inside && slice.eq_ignore_ascii_case("title") && !matches!(next, Some(':' | ',' | '.' | '(' | '[')) {
+        let line = rest.find('\n').unwrap_or(rest.len());
+        lexer.bump(rest[..line].trim_end().len());
+        return RawKind::Title;
+    }
+    if slice.eq_ignore_ascii_case("region") && next != Some(':') {
+        let line = rest.find('\n').unwrap_or(rest.len());
+        let line = rest[..line].find("//").unwrap_or(line);
+        lexer.bump(line);
+        return RawKind::Region;
+    }
+    if slice.eq_ignore_ascii_case("end_region") {
+        if next == Some(';') {
+            lexer.bump(blanks + 1);
+        }
+        return RawKind::EndRegion;
+    }
+    RawKind::Word
+}
+
+/// `%` and letters: an address or a part of a value.
+fn percent(lexer: &mut Lexer<RawKind>) -> RawKind {
+    let slice = &lexer.slice()[1..];
+    let letters = slice.trim_end_matches(|c: char| c.is_ascii_digit());
+    if matches!(letters, "X" | "B" | "W" | "D" | "x" | "b" | "w" | "d") && letters.len() < slice.len() {
+        return RawKind::Slice;
+    }
+    lexer.bump(extent::absolute(letters, letters.len() < slice.len(), lexer.remainder()));
+    RawKind::Absolute
+}
+
+/// A number may be the base of a constant: `16#`, `2#`.
+fn number(lexer: &mut Lexer<RawKind>) -> RawKind {
+    match lexer.remainder().strip_prefix('#') {
+        Some(digits) => {
+            lexer.bump(1 + extent::word(digits));
+            RawKind::Literal
+        }
+        None => RawKind::Number,
+    }
+}
+
+/// `"tag":P` is one token.
+fn quoted(lexer: &mut Lexer<RawKind>) {
+    if extent::peripheral(lexer.remainder()) {
+        lexer.bump(2);
+    }
+}
+
+/// Consumes up to the closing quote.
+fn text(lexer: &mut Lexer<RawKind>) -> RawKind {
+    let (length, closed) = extent::text(lexer.remainder());
+    lexer.bump(length);
+    if closed { RawKind::Text } else { RawKind::UnterminatedText }
+}
