@@ -75,6 +75,26 @@ pub fn bytes(ty: &DataType) -> u32 {
     }
 }
 
+/// Bits from the beginning of a variable to the end of its last component, without fillers. An odd number of bytes, which
+/// an array or structure makes even, counts as it is.
+pub fn used_bits(ty: &DataType) -> u32 {
+    let behind = |byte: u32, bit: u8, ty: &DataType| 8 * byte + u32::from(bit) + used_bits(ty);
+    match ty {
+        DataType::Elementary(elementary) => elementary.bits(),
+        DataType::Array(array) => match element_count(&array.bounds) {
+            0 => 0,
+            count => {
+                let (byte, bit) = element_place(array, count - 1);
+                behind(byte, bit, &array.element)
+            }
+        },
+        DataType::Struct(structure) => {
+            structure.members.iter().map(|member| behind(member.byte, member.bit, &member.ty)).max().unwrap_or(0)
+        }
+        _ => 8 * bytes(ty),
+    }
+}
+
 /// Bytes of a parameter type in an instance or in the structure of parameters.
 pub const fn parameter_bytes(ty: ParameterType) -> u32 {
     match ty {

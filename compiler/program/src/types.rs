@@ -19,6 +19,9 @@ pub enum ParameterType {
     Any,
 }
 
+/// Name of the structure that a date and time of S7-1200/1500 is, 12 bytes.
+pub const DTL: &str = "DTL";
+
 /// A data type.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DataType {

@@ -38,6 +38,7 @@ pub enum Family {
     S7400,
     S7200,
     S71200,
+    S71500,
 }
 
 /// Limits and properties of a CPU. Sizes in bytes.

@@ -1,10 +1,22 @@
 //! Values that are known when a program is compiled: constants of blocks, array bounds, CASE labels, initial values.
+//!
+//! [`fold`] computes operators, [`fit`] gives a constant the type of its place.
 
-use plcc_syntax::Elementary;
-use plcc_syntax::scl::ast::Expr;
+mod fit;
+mod fold;
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::Bound;
+use plcc_syntax::scl::ast::{Expr, ExprKind, Literal, Name};
+use plcc_syntax::{Elementary, literal};
 use rustc_hash::FxHashMap;
 
 use super::Binder;
+use super::names;
+use super::value::Mismatch;
+use crate::layout;
+use crate::types::DataType;
+use fold::Fault;
 
 /// A constant value.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,9 +46,247 @@ pub enum Constant {
 /// Constants of a block by folded name, for [`Binder::constant`].
 pub type Constants = FxHashMap<String, Constant>;
 
+impl Constant {
+    /// A constant as STL writes it. Errors: pointers, which are no values of variables.
+    pub fn of_stl(value: &literal::Literal) -> Option<Constant> {
+        use literal::Literal;
+        let typed = |ty, bits| Some(Constant::Typed { ty, bits });
+        match value {
+            Literal::Bool(value) => typed(Elementary::Bool, u64::from(*value)),
+            Literal::Int(value) => Some(Constant::Integer { value: i128::from(*value), based: false }),
+            Literal::Dint(value) => typed(Elementary::Dint, u64::from(*value as u32)),
+            Literal::Byte(value) => typed(Elementary::Byte, u64::from(*value)),
+            Literal::Word(value) | Literal::Counter(value) => typed(Elementary::Word, u64::from(*value)),
+            Literal::Dword(value) => typed(Elementary::Dword, u64::from(*value)),
+            Literal::Bits { value, .. } => Some(Constant::Integer { value: i128::from(*value), based: true }),
+            Literal::Bytes2(bytes) => typed(Elementary::Word, u64::from(u16::from_be_bytes(*bytes))),
+            Literal::Bytes4(bytes) => typed(Elementary::Dword, u64::from(u32::from_be_bytes(*bytes))),
+            Literal::Real(value) => Some(Constant::Real(f64::from(*value))),
+            Literal::S5Time(value) => typed(Elementary::S5Time, u64::from(*value)),
+            Literal::Time(value) => typed(Elementary::Time, u64::from(*value as u32)),
+            Literal::Date(value) => typed(Elementary::Date, u64::from(*value)),
+            Literal::TimeOfDay(value) => typed(Elementary::TimeOfDay, u64::from(*value)),
+            Literal::DateAndTime(bytes) => Some(Constant::DateAndTime(*bytes)),
+            Literal::Text(bytes) => Some(Constant::Text { bytes: bytes.clone(), typed: false }),
+            Literal::Pointer(_) | Literal::AreaPointer { .. } | Literal::Any(_) => None,
+        }
+    }
+
+    /// The constant that a literal of SCL is; none for pointers, NIL and NULL.
+    pub fn of_literal(value: &Literal) -> Option<Constant> {
+        match value {
+            Literal::Integer { value, based } => Some(Constant::Integer { value: i128::from(*value), based: *based }),
+            Literal::Real(value) => Some(Constant::Real(*value)),
+            Literal::Typed { ty, bits } => Some(Constant::Typed { ty: *ty, bits: *bits }),
+            Literal::Text { bytes, typed } => Some(Constant::Text { bytes: bytes.clone(), typed: *typed }),
+            Literal::WideText(text) => Some(Constant::WideText(text.clone())),
+            Literal::DateAndTime(bytes) => Some(Constant::DateAndTime(*bytes)),
+            Literal::Dtl(bytes) => Some(Constant::Dtl(*bytes)),
+            Literal::Pointer { .. } | Literal::Any(_) | Literal::Nil | Literal::Null => None,
+        }
+    }
+
+    /// Its value, if it is an integer or a bit string.
+    pub fn integer(&self) -> Option<i128> {
+        match self {
+            Constant::Integer { value, .. } => Some(*value),
+            Constant::Typed { ty, bits } => fit::integer_of(*ty, *bits),
+            _ => None,
+        }
+    }
+
+    /// What it is, for messages.
+    pub fn describe(&self) -> String {
+        match self {
+            Constant::Integer { .. } => "an integer constant".to_string(),
+            Constant::Real(_) => "a REAL constant".to_string(),
+            Constant::Typed { ty, .. } => format!("a constant of type {}", ty.name()),
+            Constant::Text { .. } => "a text".to_string(),
+            Constant::WideText(_) => "a WSTRING constant".to_string(),
+            Constant::DateAndTime(_) => "a DATE_AND_TIME constant".to_string(),
+            Constant::Dtl(_) => "a DTL constant".to_string(),
+        }
+    }
+}
+
 impl Binder<'_> {
     /// The value of a constant expression; what is no constant is reported.
-    pub fn constant(&mut self, _constants: &Constants, _value: &Expr) -> Option<Constant> {
+    pub fn constant(&mut self, constants: &Constants, value: &Expr) -> Option<Constant> {
+        match &value.kind {
+            ExprKind::Literal(literal) => {
+                let constant = Constant::of_literal(literal);
+                if constant.is_none() {
+                    self.no_constant(value.span, "a pointer has no value that could stand here");
+                }
+                constant
+            }
+            ExprKind::Name(name) => self.named_constant(constants, name),
+            ExprKind::Unary { op, operand } => {
+                let operand = self.constant(constants, operand)?;
+                let result = fold::unary(*op, &operand);
+                self.folded(result, value.span)
+            }
+            ExprKind::Binary { op, left, right, op_span } => {
+                // Both sides, so that each mistake is told.
+                let left = self.constant(constants, left);
+                let right = self.constant(constants, right);
+                let result = fold::binary(*op, &left?, &right?);
+                let span = if result == Err(Fault::Overflow) { value.span } else { *op_span };
+                self.folded(result, span)
+            }
+            ExprKind::Error => None,
+            ExprKind::Absolute(_)
+            | ExprKind::Member { .. }
+            | ExprKind::MemberAbsolute { .. }
+            | ExprKind::Slice { .. }
+            | ExprKind::Index { .. }
+            | ExprKind::Call { .. }
+            | ExprKind::Dereference(_)
+            | ExprKind::Reference(_) => {
+                self.no_constant(value.span, "this is known at run time only");
+                None
+            }
+        }
+    }
+
+    /// The bits of a constant as a value of `ty`, zero-extended, by implicit conversion if need be; what does not fit is reported.
+    ///
+    /// Source: SCL reference, type of a literal. An integer without a type fits every type that holds it, `16#FFFF` also an INT.
+    pub fn constant_bits(&mut self, constant: &Constant, ty: Elementary, span: Span) -> Option<u64> {
+        match constant.bits(ty) {
+            Ok(bits) => Some(bits),
+            Err(problem) => {
+                let name = ty.name();
+                self.report.push(match problem {
+                    Mismatch::Type => {
+                        Diagnostic::new(Code::TypeMismatch, span, format!("{} is no {name}", constant.describe()))
+                            .label(format!("a value of type {name} is wanted"))
+                            .help(format!("write it as {}", super::value::example(ty)))
+                    }
+                    Mismatch::Range => {
+                        Diagnostic::new(Code::LiteralRange, span, format!("this value does not fit type {name}"))
+                            .label("out of range")
+                    }
+                });
+                None
+            }
+        }
+    }
+
+    /// The bytes of a constant as a variable of type `ty`, big-endian; a BOOL is one byte, 0 or 1.
+    pub fn constant_bytes(constant: &Constant, ty: &DataType) -> Result<Vec<u8>, Mismatch> {
+        fit::bytes(constant, ty)
+    }
+
+    fn named_constant(&mut self, constants: &Constants, name: &Name) -> Option<Constant> {
+        if let Some(constant) = constants.get(&names::fold(&name.text)) {
+            return Some(constant.clone());
+        }
+        let text = &name.text;
+        self.report.push(
+            Diagnostic::new(Code::ConstantRequired, name.span, format!("`{text}` is no constant of this block"))
+                .label("a value that is known when the program is compiled must stand here")
+                .help("declare it before in VAR CONSTANT or CONST, or write the number"),
+        );
         None
+    }
+
+    fn no_constant(&mut self, span: Span, why: &str) {
+        self.report
+            .push(Diagnostic::new(Code::ConstantRequired, span, "a constant must stand here").label(why.to_string()));
+    }
+
+    fn folded(&mut self, result: Result<Constant, Fault>, span: Span) -> Option<Constant> {
+        let fault = match result {
+            Ok(constant) => return Some(constant),
+            Err(fault) => fault,
+        };
+        self.report.push(match fault {
+            Fault::Overflow => {
+                Diagnostic::new(Code::LiteralRange, span, "the value of this expression is out of range")
+                    .label("the type of the operands does not hold it")
+            }
+            Fault::Zero => {
+                Diagnostic::new(Code::LiteralRange, span, "a division by zero").label("the right operand is 0")
+            }
+            Fault::Type => {
+                Diagnostic::new(Code::TypeMismatch, span, "this operator does not combine constants of these types")
+                    .label("numbers, bit strings and durations can be computed with")
+            }
+        });
+        None
+    }
+
+    /// A bound, a length, an index or a number of repetitions.
+    pub fn bound(&mut self, bound: &Bound) -> Option<i64> {
+        match bound {
+            Bound::Number(number, _) => Some(*number),
+            Bound::Expr(value) => {
+                let constant = self.scope_constant(value)?;
+                match constant.integer().map(i64::try_from) {
+                    Some(Ok(number)) => Some(number),
+                    Some(Err(_)) => {
+                        self.report.push(
+                            Diagnostic::new(Code::LiteralRange, value.span, "this number is too large here")
+                                .label("more than an array can have"),
+                        );
+                        None
+                    }
+                    None => {
+                        self.report.push(
+                            Diagnostic::new(Code::TypeMismatch, value.span, "a whole number must stand here")
+                                .label(format!("this is {}", constant.describe())),
+                        );
+                        None
+                    }
+                }
+            }
+            Bound::Name(name, span) => {
+                if let Some(number) = self.scope.constants.get(&names::fold(name)).and_then(Constant::integer) {
+                    return i64::try_from(number).ok();
+                }
+                self.report.push(
+                    Diagnostic::new(Code::ConstantRequired, *span, format!("`{name}` is no constant"))
+                        .label("a number must stand here")
+                        .help("for an index that changes at run time use a pointer, e.g. `L DBW [AR1,P#0.0]`"),
+                );
+                None
+            }
+        }
+    }
+
+    /// A constant expression among the declarations of a block.
+    pub fn scope_constant(&mut self, value: &Expr) -> Option<Constant> {
+        let constants = std::mem::take(&mut self.scope.constants);
+        let constant = self.constant(&constants, value);
+        self.scope.constants = constants;
+        constant
+    }
+
+    /// Reports an initial value that its variable cannot have.
+    pub fn bad_initial(&mut self, what: &str, ty: &DataType, problem: Mismatch, span: Span) {
+        let name = layout::type_name(ty);
+        let message = match problem {
+            Mismatch::Type => Diagnostic::new(Code::InitialValue, span, format!("{what} is no value of type {name}"))
+                .label(format!("the variable is of type {name}")),
+            Mismatch::Range => {
+                Diagnostic::new(Code::InitialValue, span, format!("this value does not fit type {name}"))
+                    .label("out of range")
+            }
+        };
+        self.report.push(match ty {
+            DataType::Elementary(_) if problem == Mismatch::Range => message,
+            DataType::Elementary(elementary) => {
+                message.help(format!("write it as {}", super::value::example(*elementary)))
+            }
+            DataType::String(_) => message.help("write a text in quotes: 'text'"),
+            DataType::WideString(_) => message.help("write a text in quotes: WSTRING#'text'"),
+            DataType::DateAndTime => message.help("write it as DT#1993-12-25-8:12:34.567"),
+            DataType::Array(_)
+            | DataType::Struct(_)
+            | DataType::Parameter(_)
+            | DataType::OpenArray(_)
+            | DataType::Void => message,
+        });
     }
 }

@@ -6,15 +6,27 @@ use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, DataContent, OperandKind, PathPart, PathRoot, TypeKind};
 
-use super::Binder;
-use super::declare::TypedStruct;
+use super::declare::{StructBuilder, Typed, TypedStruct, Use};
+use super::names::fold;
 use super::path::{Base, Variable};
+use super::{Binder, mentions};
 use crate::model::{BlockKey, DataBlock};
 use crate::symbols::SymbolTarget;
 use crate::types::{DataType, StructType};
 
 /// All data blocks together, in bytes; no CPU has as much work memory.
 const ALL_BYTES_MAX: u64 = 128 << 20;
+
+/// Name of the array in an ARRAY data block.
+const ARRAY_DB_MEMBER: &str = "THIS";
+
+/// A call that names a function block and an instance DB.
+struct InstanceCall {
+    target: Option<(BlockPrefix, u16)>,
+    target_span: Span,
+    instance: u16,
+    span: Span,
+}
 
 /// A data block with its layout.
 pub struct BoundDb {
@@ -26,6 +38,7 @@ impl Binder<'_> {
     pub fn bind_data(&mut self) {
         let mut numbers: Vec<u16> = self.data.keys().copied().collect();
         numbers.sort_unstable();
+        self.scope = self.data_scope();
         for number in numbers {
             let source = self.data[&number];
             if let Some((typed, instance_of)) = self.db_content(source)
@@ -59,7 +72,7 @@ impl Binder<'_> {
     fn db_content(&mut self, source: &ast::DataBlock) -> Option<(TypedStruct, Option<BlockKey>)> {
         match &source.content {
             DataContent::Struct(variables) => {
-                let typed = self.structure(String::new(), variables, source.name.span())?;
+                let typed = self.structure(String::new(), variables, source.name.span(), Use::Component)?;
                 Some((typed, None))
             }
             DataContent::OfType(ty) => {
@@ -78,9 +91,30 @@ impl Binder<'_> {
                 };
                 self.db_of_type(source, &name)
             }
-            DataContent::Array(..) | DataContent::Empty => {
+            DataContent::Array(ty, initial) => {
+                let typed = self.resolve_type(ty, Use::Component)?;
+                let mut image = typed.image.to_vec();
+                if let Some(initial) = initial {
+                    self.encode_initial(initial, &typed.ty, &mut image, 0, 0);
+                }
+                let typed = Typed { ty: typed.ty, image: Rc::from(image) };
+                Some((self.as_structure(typed, ty.span)?, None))
+            }
+            DataContent::Empty => {
                 self.no_content(source, source.name.span());
                 None
+            }
+        }
+    }
+
+    /// The structure of a data block of type `typed`; an array is its only component, `THIS`.
+    fn as_structure(&mut self, typed: Typed, span: Span) -> Option<TypedStruct> {
+        match typed.ty {
+            DataType::Struct(ty) => Some(TypedStruct { ty, image: typed.image }),
+            _ => {
+                let mut builder = StructBuilder::default();
+                builder.add(ARRAY_DB_MEMBER.to_string(), &typed);
+                self.finish_structure(builder, String::new(), None, span)
             }
         }
     }
@@ -97,18 +131,28 @@ impl Binder<'_> {
     fn db_of_type(&mut self, source: &ast::DataBlock, name: &BlockName) -> Option<(TypedStruct, Option<BlockKey>)> {
         let span = name.span();
         let (prefix, number) = match name {
-            BlockName::Symbol { name, .. } if self.global(name).is_none() => {
-                if plcc_stdlib::LIBRARY.iter().any(|block| block.name.eq_ignore_ascii_case(name)) {
-                    self.unknown_name(name, span);
-                } else {
-                    self.report.missing_type(name, span);
+            BlockName::Symbol { name, .. } => match self.type_block(name) {
+                Some(block) => block,
+                None if self.globals.contains_key(&fold(name)) => self.named_block(name, span)?,
+                None => {
+                    if let Some(typed) = self.predefined(name, span) {
+                        return Some((self.as_structure(typed, span)?, None));
+                    }
+                    if plcc_stdlib::LIBRARY.iter().any(|block| block.name.eq_ignore_ascii_case(name)) {
+                        self.unknown_name(name, span);
+                    } else {
+                        self.report.missing_type(name, span);
+                    }
+                    return None;
                 }
-                return None;
-            }
-            _ => self.block_number(name)?,
+            },
+            BlockName::Numbered { .. } => self.block_number(name)?,
         };
         match prefix {
-            BlockPrefix::Udt => Some((self.udt(number, span)?, None)),
+            BlockPrefix::Udt => {
+                let typed = self.udt(number, span)?;
+                Some((self.as_structure(typed, span)?, None))
+            }
             BlockPrefix::Fb | BlockPrefix::Sfb => {
                 let kind = if prefix == BlockPrefix::Fb { BlockKind::Fb } else { BlockKind::Sfb };
                 let key = BlockKey { kind, number };
@@ -174,61 +218,84 @@ impl Binder<'_> {
 
     /// STEP 7 makes the instance DB when a call names one that is not there.
     fn generate_instances(&mut self) {
-        let units = self.input.units;
-        let calls = units
-            .iter()
-            .flat_map(|(_, unit)| &unit.blocks)
-            .filter_map(|block| match block {
-                ast::Block::Code(code) => Some(code),
-                ast::Block::Data(_) | ast::Block::Type(_) => None,
-            })
-            .flat_map(|code| code.networks())
-            .flat_map(|network| &network.statements)
-            .filter_map(|statement| match &statement.kind {
-                ast::StatementKind::Call(call) => Some(call),
-                ast::StatementKind::Empty
-                | ast::StatementKind::Instruction { .. }
-                | ast::StatementKind::Pragma(_)
-                | ast::StatementKind::Error => None,
-            });
-        for call in calls {
-            let Some(instance) = &call.instance else { continue };
-            let Some((BlockPrefix::Db, number)) = self.named_number(instance) else { continue };
-            if number == 0 || self.data.contains_key(&number) || self.dbs.contains_key(&number) {
+        for call in self.instance_calls() {
+            let InstanceCall { target, target_span, instance, span } = call;
+            if instance == 0 || self.data.contains_key(&instance) || self.dbs.contains_key(&instance) {
                 continue;
             }
-            let (kind, fb) = match self.named_number(&call.target) {
+            let (kind, fb) = match target {
                 Some((BlockPrefix::Fb, fb)) => (BlockKind::Fb, fb),
                 Some((BlockPrefix::Sfb, fb)) => (BlockKind::Sfb, fb),
                 Some(_) => continue,
                 None => {
-                    self.unknown_instances.insert(number);
+                    self.unknown_instances.insert(instance);
                     continue;
                 }
             };
             let key = BlockKey { kind, number: fb };
             let known = self.code.contains_key(&key) || self.in_library(key);
             let Some(typed) =
-                known.then(|| self.interface(key, call.target.span)).flatten().and_then(|bound| bound.instance.clone())
+                known.then(|| self.interface(key, target_span)).flatten().and_then(|bound| bound.instance.clone())
             else {
-                self.unknown_instances.insert(number);
+                self.unknown_instances.insert(instance);
                 continue;
             };
-            if !self.fits_with_others(typed.ty.bytes, instance.span) {
+            if !self.fits_with_others(typed.ty.bytes, span) {
                 return;
             }
             let block = DataBlock {
-                number,
-                name: self.block_name(BlockPrefix::Db, number),
-                span: instance.span,
+                number: instance,
+                name: self.block_name(BlockPrefix::Db, instance),
+                span,
                 data: at_least_a_word(typed.image.to_vec()),
                 members: typed.ty.members.clone(),
                 instance_of: Some(key),
                 read_only: false,
                 unlinked: false,
             };
-            self.dbs.insert(number, BoundDb { block, ty: typed.ty });
+            self.dbs.insert(instance, BoundDb { block, ty: typed.ty });
         }
+    }
+
+    /// Calls that name an instance DB: `CALL FB 1, DB 1`, `FB1.DB1(...)`.
+    fn instance_calls(&self) -> Vec<InstanceCall> {
+        let mut calls = Vec::new();
+        for block in self.input.units.iter().flat_map(|(_, unit)| &unit.blocks) {
+            let ast::Block::Code(code) = block else { continue };
+            match &code.code {
+                ast::Code::Stl(networks) => {
+                    for statement in networks.iter().flat_map(|network| &network.statements) {
+                        if let ast::StatementKind::Call(call) = &statement.kind
+                            && let Some(instance) = &call.instance
+                            && let Some((BlockPrefix::Db, number)) = self.named_number(instance)
+                        {
+                            calls.push(InstanceCall {
+                                target: self.named_number(&call.target),
+                                target_span: call.target.span,
+                                instance: number,
+                                span: instance.span,
+                            });
+                        }
+                    }
+                }
+                ast::Code::Scl(body) => {
+                    for (target, instance) in mentions::instance_calls(body) {
+                        let block = self.type_block(&target.text);
+                        if let Some((BlockPrefix::Fb | BlockPrefix::Sfb, _)) = block
+                            && let Some((BlockPrefix::Db, number)) = self.type_block(&instance.text)
+                        {
+                            calls.push(InstanceCall {
+                                target: block,
+                                target_span: target.span,
+                                instance: number,
+                                span: instance.span,
+                            });
+                        }
+                    }
+                }
+            }
+        }
+        calls
     }
 
     /// The block that an operand names, without a message if it names none.

@@ -2,17 +2,20 @@
 
 use std::rc::Rc;
 
-use plcc_abi::image::BlockKind;
+use plcc_abi::image::{BlockKind, Family};
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, Bound, SectionKind, TypeKind, TypeRef};
+use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
-use super::names::{elementary, fold};
+use super::constant::Constants;
+use super::names::fold;
 use super::path::Base;
+use super::predefined;
 use super::{Binder, State};
 use crate::layout::{self, BYTES_MAX, Placer};
 use crate::model::{BlockKey, Interface};
-use crate::types::{ArrayType, DataType, Elementary, Member, ParameterType, StructType};
+use crate::types::{ArrayType, DataType, Elementary, Member, OpenArrayType, ParameterType, StructType};
 
 /// Types inside types, at most; STEP 7 allows 8 structures.
 const DEPTH_MAX: u32 = 64;
@@ -41,6 +44,21 @@ pub struct Local {
     pub bit: u8,
 }
 
+/// Where declarations stand.
+#[derive(Debug, Default)]
+pub struct Scope {
+    /// Of the block, so far.
+    pub constants: Constants,
+    /// A block in SCL.
+    pub scl: bool,
+    /// Names mean instructions of the TIA Portal first.
+    pub tia: bool,
+    /// An FB or SFB.
+    pub instance: bool,
+    /// The variable that is declared, for messages.
+    pub variable: String,
+}
+
 /// The declarations of a block.
 #[derive(Debug, Default)]
 pub struct BoundInterface {
@@ -50,7 +68,7 @@ pub struct BoundInterface {
     /// Folded names.
     pub locals: FxHashMap<String, Local>,
     /// `VAR CONSTANT` and CONST.
-    pub constants: super::constant::Constants,
+    pub constants: Constants,
     pub temp_bytes: u32,
 }
 
@@ -65,7 +83,25 @@ pub enum Use {
     Result,
 }
 
+impl Use {
+    /// Where an element or component of a type stands: instances are static data in arrays and structures of SCL, too.
+    fn inside(self, scl: bool) -> Use {
+        match self {
+            Use::Static | Use::Parameter(SectionKind::InOut) if scl => Use::Static,
+            _ => Use::Component,
+        }
+    }
+}
+
 impl<'a> Binder<'a> {
+    /// The type of a variable; `None` if it is not known, which is reported.
+    pub fn variable_type(&mut self, variable: &ast::Variable, used: Use) -> Option<Typed> {
+        let outer = std::mem::replace(&mut self.scope.variable, variable.name.clone());
+        let typed = self.resolve_type(&variable.ty, used);
+        self.scope.variable = outer;
+        typed
+    }
+
     /// Finds out a type; `None` if it is not known, which is reported.
     pub fn resolve_type(&mut self, ty: &TypeRef, used: Use) -> Option<Typed> {
         if self.depth >= DEPTH_MAX {
@@ -89,31 +125,68 @@ impl<'a> Binder<'a> {
             TypeKind::String(Some(bound)) => match self.bound(bound)? {
                 length @ 0..=254 => Some(string(length as u8)),
                 _ => {
-                    self.report.push(
-                        Diagnostic::new(Code::DeclarationSyntax, ty.span, "a STRING holds up to 254 characters")
-                            .label("this length is not possible"),
-                    );
+                    self.bad_type(ty.span, "a STRING holds up to 254 characters", "this length is not possible");
                     None
                 }
             },
-            TypeKind::Array { bounds, element } => self.array_type(bounds, element, ty.span),
+            TypeKind::WideString(None) => Some(wide_string(254)),
+            TypeKind::WideString(Some(bound)) => match self.bound(bound)? {
+                length @ 0..=16_382 => Some(wide_string(length as u16)),
+                _ => {
+                    self.bad_type(ty.span, "a WSTRING holds up to 16382 characters", "this length is not possible");
+                    None
+                }
+            },
+            TypeKind::Array { bounds, element } => self.array_type(bounds, element, ty.span, used),
+            TypeKind::OpenArray { dimensions, element } => self.open_array(*dimensions, element, ty.span, used),
             TypeKind::Struct(variables) => {
-                let typed = self.structure(String::new(), variables, ty.span)?;
+                let typed = self.structure(String::new(), variables, ty.span, used.inside(self.scope.scl))?;
                 Some(Typed { ty: DataType::Struct(typed.ty), image: typed.image })
             }
             TypeKind::Block(name) => self.block_type(name, used),
-            TypeKind::WideString(_) | TypeKind::OpenArray { .. } | TypeKind::Reference(_) => {
+            TypeKind::Reference(_) => {
+                let title = format!("`{}` is a reference, which is not supported", self.scope.variable);
                 self.report.push(
-                    Diagnostic::new(Code::DeclarationSyntax, ty.span, "this type is not supported")
-                        .label("not possible here"),
+                    Diagnostic::new(Code::DeclarationSyntax, ty.span, title)
+                        .label("REF_TO is not possible here")
+                        .help("pass the variable itself as an IN_OUT parameter, or its index in an array"),
                 );
                 None
             }
         }
     }
 
+    fn bad_type(&mut self, span: Span, title: &str, label: &str) {
+        self.report.push(Diagnostic::new(Code::DeclarationSyntax, span, title).label(label));
+    }
+
+    /// `ARRAY[*]`: the bounds come with the actual.
+    fn open_array(&mut self, dimensions: u8, element: &TypeRef, span: Span, used: Use) -> Option<Typed> {
+        let allowed = match used {
+            Use::Parameter(SectionKind::InOut) => true,
+            Use::Parameter(SectionKind::Input | SectionKind::Output) => !self.scope.instance,
+            _ => false,
+        };
+        if !allowed {
+            self.report.push(
+                Diagnostic::new(Code::SectionNotAllowed, span, "ARRAY[*] is a type for parameters")
+                    .label("not possible in this declaration")
+                    .help("a function has it in VAR_INPUT, VAR_OUTPUT and VAR_IN_OUT, a function block in VAR_IN_OUT"),
+            );
+            return None;
+        }
+        if !(1..=6).contains(&dimensions) {
+            self.bad_type(span, "an array has 1 to 6 dimensions", "more than 6");
+            return None;
+        }
+        let element = self.resolve_type(element, Use::Component)?.ty;
+        let ty = DataType::OpenArray(Rc::new(OpenArrayType { dimensions, element }));
+        let image = vec![0; layout::bytes(&ty) as usize];
+        Some(Typed { ty, image: Rc::from(image) })
+    }
+
     fn named_type(&mut self, word: &str, span: Span, used: Use) -> Option<Typed> {
-        if let Some(ty) = elementary(word) {
+        if let Some(ty) = Elementary::from_word(word) {
             return Some(elementary_typed(ty));
         }
         let parameter = match word {
@@ -121,6 +194,7 @@ impl<'a> Binder<'a> {
                 return Some(Typed { ty: DataType::DateAndTime, image: Rc::from(super::value::DT_DEFAULT) });
             }
             "STRING" => return Some(string(254)),
+            "WSTRING" => return Some(wide_string(254)),
             "TIMER" => ParameterType::Timer,
             "COUNTER" => ParameterType::Counter,
             "BLOCK_FB" => ParameterType::BlockFb,
@@ -128,7 +202,8 @@ impl<'a> Binder<'a> {
             "BLOCK_DB" => ParameterType::BlockDb,
             "BLOCK_SDB" => ParameterType::BlockSdb,
             "POINTER" => ParameterType::Pointer,
-            "ANY" => ParameterType::Any,
+            // A VARIANT is handed over as an ANY is: type, number and place.
+            "ANY" | "VARIANT" => ParameterType::Any,
             _ => return self.block_type(&BlockName::Symbol { name: word.to_string(), span }, used),
         };
         let allowed = match used {
@@ -152,22 +227,24 @@ impl<'a> Binder<'a> {
         Some(Typed { ty: DataType::Parameter(parameter), image: Rc::from(image) })
     }
 
-    fn array_type(&mut self, bounds: &[(Bound, Bound)], element: &TypeRef, span: Span) -> Option<Typed> {
+    fn array_type(&mut self, bounds: &[(Bound, Bound)], element: &TypeRef, span: Span, used: Use) -> Option<Typed> {
         let mut limits = Vec::new();
         let mut good = true;
         for (low, high) in bounds {
             let (Some(low), Some(high)) = (self.bound(low), self.bound(high)) else { return None };
-            good &= low <= high && (-32_768..=32_767).contains(&low) && (-32_768..=32_767).contains(&high);
-            limits.push((low as i32, high as i32));
+            match (i32::try_from(low), i32::try_from(high)) {
+                (Ok(low), Ok(high)) if low <= high => limits.push((low, high)),
+                _ => good = false,
+            }
         }
         if !good || limits.is_empty() || limits.len() > 6 {
             self.report.push(
                 Diagnostic::new(Code::DeclarationSyntax, span, "these array bounds are not possible")
-                    .label("1 to 6 dimensions, each from a low to a high bound within -32768 to 32767"),
+                    .label("1 to 6 dimensions, each from a low to a high bound of type DINT"),
             );
             return None;
         }
-        let element = self.resolve_type(element, Use::Component)?;
+        let element = self.resolve_type(element, used.inside(self.scope.scl))?;
         let bytes = layout::array_bytes(&limits, &element.ty);
         let count = layout::element_count(&limits);
         if bytes > BYTES_MAX || count > 8 * BYTES_MAX {
@@ -192,40 +269,34 @@ impl<'a> Binder<'a> {
         );
     }
 
-    /// A bound or length, which must be a number in STL.
-    pub fn bound(&mut self, bound: &Bound) -> Option<i64> {
-        match bound {
-            Bound::Number(number, _) => Some(*number),
-            Bound::Expr(_) => None,
-            Bound::Name(name, span) => {
-                self.report.push(
-                    Diagnostic::new(Code::ConstantRequired, *span, format!("`{name}` is no constant"))
-                        .label("a number must stand here")
-                        .help("for an index that changes at run time use a pointer, e.g. `L DBW [AR1,P#0.0]`"),
-                );
-                None
-            }
-        }
-    }
-
     fn block_type(&mut self, name: &BlockName, used: Use) -> Option<Typed> {
         let span = name.span();
         let (prefix, number) = match name {
-            BlockName::Symbol { name, .. } if self.global(name).is_none() => {
-                self.report.missing_type(name, span);
-                return None;
-            }
-            _ => self.block_number(name)?,
+            BlockName::Symbol { name, .. } => match self.type_block(name) {
+                Some(block) => block,
+                None if self.globals.contains_key(&fold(name)) => self.named_block(name, span)?,
+                None => {
+                    let typed = self.predefined(name, span);
+                    if typed.is_none() {
+                        self.report.missing_type(name, span);
+                    }
+                    return typed;
+                }
+            },
+            BlockName::Numbered { .. } => self.block_number(name)?,
         };
         match prefix {
-            BlockPrefix::Udt => {
-                let typed = self.udt(number, span)?;
-                Some(Typed { ty: DataType::Struct(typed.ty), image: typed.image })
-            }
+            BlockPrefix::Udt => self.udt(number, span),
             BlockPrefix::Fb | BlockPrefix::Sfb => {
                 let kind = if prefix == BlockPrefix::Fb { BlockKind::Fb } else { BlockKind::Sfb };
                 let key = BlockKey { kind, number };
-                if used != Use::Static {
+                let possible = match used {
+                    Use::Static => true,
+                    Use::Parameter(section) => section == SectionKind::InOut && self.scope.scl,
+                    Use::Component => predefined::is_component(kind),
+                    Use::Temp | Use::Result => false,
+                };
+                if !possible {
                     self.report.push(
                         Diagnostic::new(
                             Code::SectionNotAllowed,
@@ -259,7 +330,7 @@ impl<'a> Binder<'a> {
     }
 
     /// The type of UDT `number`.
-    pub fn udt(&mut self, number: u16, span: Span) -> Option<TypedStruct> {
+    pub fn udt(&mut self, number: u16, span: Span) -> Option<Typed> {
         match self.udts.get(&number) {
             Some(State::Done(done)) => return done.clone(),
             Some(State::Running) => {
@@ -277,9 +348,22 @@ impl<'a> Binder<'a> {
             name if name.is_empty() => format!("UDT {number}"),
             name => name,
         };
-        let typed = self.structure(name, &block.members, block.name.span());
+        let scope = self.data_scope();
+        let outer = std::mem::replace(&mut self.scope, scope);
+        let typed = match &block.alias {
+            Some(ty) => self.resolve_type(ty, Use::Component),
+            None => self
+                .structure(name, &block.members, block.name.span(), Use::Component)
+                .map(|typed| Typed { ty: DataType::Struct(typed.ty), image: typed.image }),
+        };
+        self.scope = outer;
         self.udts.insert(number, State::Done(typed.clone()));
         typed
+    }
+
+    /// Where components of data blocks and UDTs stand.
+    pub fn data_scope(&self) -> Scope {
+        Scope { tia: self.tia_sources, ..Scope::default() }
     }
 
     pub fn recursive(&mut self, name: &str, span: Span) {
@@ -291,12 +375,26 @@ impl<'a> Binder<'a> {
     }
 
     /// Lays out the components of a structure. A component of unknown type takes no place.
-    pub fn structure(&mut self, name: String, variables: &[ast::Variable], span: Span) -> Option<TypedStruct> {
+    pub fn structure(
+        &mut self,
+        name: String,
+        variables: &[ast::Variable],
+        span: Span,
+        used: Use,
+    ) -> Option<TypedStruct> {
         let mut builder = StructBuilder::default();
         let mut names = FxHashMap::default();
         for variable in variables {
-            self.declare_name(&mut names, variable);
-            let typed = self.resolve_type(&variable.ty, Use::Component);
+            self.declare_name(&mut names, &variable.name, variable.name_span);
+            if let Some((_, span)) = variable.at {
+                self.report.push(
+                    Diagnostic::new(Code::SectionNotAllowed, span, "a component of a structure cannot be a view")
+                        .label("AT is for variables of a block")
+                        .help("declare the view in a VAR section, over the whole structure"),
+                );
+                continue;
+            }
+            let typed = self.variable_type(variable, used);
             let typed = self.with_initial(typed, variable);
             builder.add(variable.name.clone(), &typed);
             if builder.too_large() {
@@ -324,17 +422,13 @@ impl<'a> Binder<'a> {
         Some(TypedStruct { ty: Rc::new(ty), image: Rc::from(image) })
     }
 
-    pub fn declare_name(&mut self, names: &mut FxHashMap<String, Span>, variable: &ast::Variable) {
-        if let Some(first) = names.insert(fold(&variable.name), variable.name_span) {
+    pub fn declare_name(&mut self, names: &mut FxHashMap<String, Span>, name: &str, span: Span) {
+        if let Some(first) = names.insert(fold(name), span) {
             self.report.push(
-                Diagnostic::new(
-                    Code::DuplicateName,
-                    variable.name_span,
-                    format!("`{}` is declared twice", variable.name),
-                )
-                .label("the second declaration")
-                .also(first, "the first declaration")
-                .help("give one of them another name"),
+                Diagnostic::new(Code::DuplicateName, span, format!("`{name}` is declared twice"))
+                    .label("the second declaration")
+                    .also(first, "the first declaration")
+                    .help("give one of them another name"),
             );
         }
     }
@@ -395,7 +489,7 @@ impl StructBuilder {
 }
 
 /// Writes the bytes of a variable of `ty` at its place.
-fn put(image: &mut [u8], byte: u32, bit: u8, ty: &DataType, bytes: &[u8]) {
+pub fn put(image: &mut [u8], byte: u32, bit: u8, ty: &DataType, bytes: &[u8]) {
     let at = byte as usize;
     if *ty == DataType::Elementary(Elementary::Bool) {
         let mask = 1 << bit;
@@ -407,7 +501,14 @@ fn put(image: &mut [u8], byte: u32, bit: u8, ty: &DataType, bytes: &[u8]) {
 
 /// More than `L` can load.
 pub fn is_complex(ty: &DataType) -> bool {
-    matches!(ty, DataType::DateAndTime | DataType::String(_) | DataType::Array(_) | DataType::Struct(_))
+    matches!(
+        ty,
+        DataType::DateAndTime
+            | DataType::String(_)
+            | DataType::WideString(_)
+            | DataType::Array(_)
+            | DataType::Struct(_)
+    )
 }
 
 fn string(length: u8) -> Typed {
@@ -416,11 +517,41 @@ fn string(length: u8) -> Typed {
     Typed { ty: DataType::String(length), image: Rc::from(image) }
 }
 
-/// An elementary type starts with 0; CHAR starts with a blank.
-fn elementary_typed(ty: Elementary) -> Typed {
+fn wide_string(length: u16) -> Typed {
+    let mut image = vec![0; layout::bytes(&DataType::WideString(length)) as usize];
+    image[..2].copy_from_slice(&length.to_be_bytes());
+    Typed { ty: DataType::WideString(length), image: Rc::from(image) }
+}
+
+/// An elementary type starts with 0; CHAR and WCHAR start with a blank.
+pub fn elementary_typed(ty: Elementary) -> Typed {
     let mut image = vec![0; ty.bits().div_ceil(8) as usize];
-    if ty == Elementary::Char {
-        image[0] = b' ';
+    if matches!(ty, Elementary::Char | Elementary::Wchar)
+        && let Some(last) = image.last_mut()
+    {
+        *last = b' ';
     }
     Typed { ty: DataType::Elementary(ty), image: Rc::from(image) }
+}
+
+/// True if names of instructions mean those of the TIA Portal where a data block or UDT declares them.
+pub fn is_tia(input: &super::BindInput) -> bool {
+    portal_cpu(input)
+        || input.units.iter().flat_map(|(_, unit)| &unit.blocks).any(|block| match block {
+            ast::Block::Code(code) => dialect(code) == Some(Dialect::Tia),
+            ast::Block::Data(_) | ast::Block::Type(_) => false,
+        })
+}
+
+/// The form of SCL that a block shows; none for other languages.
+pub fn dialect(block: &ast::CodeBlock) -> Option<Dialect> {
+    match &block.code {
+        ast::Code::Scl(body) => Some(body.dialect),
+        ast::Code::Stl(_) => None,
+    }
+}
+
+/// The CPU is one that only the TIA Portal programs.
+pub fn portal_cpu(input: &super::BindInput) -> bool {
+    matches!(input.profile.family, Family::S71200 | Family::S71500)
 }

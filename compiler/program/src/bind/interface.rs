@@ -3,17 +3,19 @@
 use std::rc::Rc;
 
 use plcc_abi::image::BlockKind;
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, SectionKind, TypeKind};
+use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
-use super::declare::{BoundInterface, Local, StructBuilder, Typed, Use, is_complex};
+use super::constant::Constant;
+use super::declare::{self, BoundInterface, Local, Scope, StructBuilder, Typed, Use, is_complex};
 use super::names::fold;
 use super::path::Base;
 use super::{Binder, CodeSource, State};
 use crate::layout::{self, Placer};
 use crate::model::{BlockKey, Direction, Parameter, Passing};
-use crate::types::{DataType, ParameterType};
+use crate::types::{DataType, Elementary, ParameterType};
 
 impl<'a> Binder<'a> {
     /// The interface of a block of the program or the system; a block that is defined nowhere is reported at `span`.
@@ -49,9 +51,35 @@ impl<'a> Binder<'a> {
     }
 
     fn bind_interface(&mut self, key: BlockKey, block: &ast::CodeBlock) -> Option<BoundInterface> {
+        let scope = self.block_scope(key, block);
+        let outer = std::mem::replace(&mut self.scope, scope);
+        let mut bound = self.bind_declarations(key, block);
+        let scope = std::mem::replace(&mut self.scope, outer);
+        if let Some(bound) = &mut bound {
+            bound.constants = scope.constants;
+        }
+        bound
+    }
+
+    fn block_scope(&self, key: BlockKey, block: &ast::CodeBlock) -> Scope {
+        let tia = match declare::dialect(block) {
+            Some(Dialect::Tia) => true,
+            Some(Dialect::Classic) => false,
+            Some(Dialect::Either) | None => declare::portal_cpu(self.input),
+        };
+        Scope {
+            scl: matches!(block.code, ast::Code::Scl(_)),
+            tia,
+            instance: matches!(key.kind, BlockKind::Fb | BlockKind::Sfb),
+            ..Scope::default()
+        }
+    }
+
+    fn bind_declarations(&mut self, key: BlockKey, block: &ast::CodeBlock) -> Option<BoundInterface> {
         let mut bound = BoundInterface::default();
         bound.interface.code_version1 = block.header.code_version1;
         let mut names = FxHashMap::default();
+        self.constants(block, &mut names);
         self.check_sections(key, block);
         match key.kind {
             BlockKind::Fb | BlockKind::Sfb => self.instance_interface(key, block, &mut bound, &mut names)?,
@@ -64,8 +92,56 @@ impl<'a> Binder<'a> {
         Some(bound)
     }
 
+    /// `VAR CONSTANT` and CONST. Each can use those before it.
+    fn constants(&mut self, block: &ast::CodeBlock, names: &mut FxHashMap<String, Span>) {
+        for constant in &block.constants {
+            self.declare_name(names, &constant.name, constant.name_span);
+            let value = self.scope_constant(&constant.value);
+            let value = match (&constant.ty, value) {
+                (None, value) => value,
+                (Some(ty), value) => {
+                    let outer = std::mem::replace(&mut self.scope.variable, constant.name.clone());
+                    let ty = self.resolve_type(ty, Use::Component);
+                    self.scope.variable = outer;
+                    match (ty, value) {
+                        (Some(ty), Some(value)) => self.typed_constant(value, &ty.ty, constant.value.span),
+                        _ => None,
+                    }
+                }
+            };
+            if let Some(value) = value {
+                self.scope.constants.entry(fold(&constant.name)).or_insert(value);
+            }
+        }
+    }
+
+    fn typed_constant(&mut self, value: Constant, ty: &DataType, span: Span) -> Option<Constant> {
+        if let DataType::Elementary(ty) = ty {
+            return self.constant_bits(&value, *ty, span).map(|bits| Constant::Typed { ty: *ty, bits });
+        }
+        if let Err(problem) = Self::constant_bytes(&value, ty) {
+            self.bad_initial(&value.describe(), ty, problem, span);
+            return None;
+        }
+        Some(match (value, ty) {
+            (Constant::Text { bytes, .. }, DataType::String(_)) => Constant::Text { bytes, typed: true },
+            (value, _) => value,
+        })
+    }
+
     fn check_sections(&mut self, key: BlockKey, block: &ast::CodeBlock) {
         for section in &block.sections {
+            if section.kind == SectionKind::Static && static_is_temporary(key, block) {
+                if self.scope.tia {
+                    let mut warning =
+                        Diagnostic::new(Code::SectionNotAllowed, section.span, format!("{key} has no static data"))
+                            .label("these variables are temporary")
+                            .help("write VAR_TEMP");
+                    warning.severity = Severity::Warning;
+                    self.report.push(warning);
+                }
+                continue;
+            }
             let allowed = match key.kind {
                 BlockKind::Ob => section.kind == SectionKind::Temp,
                 BlockKind::Fc | BlockKind::Sfc => section.kind != SectionKind::Static,
@@ -104,9 +180,9 @@ impl<'a> Binder<'a> {
         for kind in [SectionKind::Input, SectionKind::Output, SectionKind::InOut, SectionKind::Static] {
             builder.placer.align();
             for variable in variables(block, kind).filter(|variable| variable.at.is_none()) {
-                self.declare_name(names, variable);
+                self.declare_name(names, &variable.name, variable.name_span);
                 let used = if kind == SectionKind::Static { Use::Static } else { Use::Parameter(kind) };
-                let typed = self.resolve_type(&variable.ty, used);
+                let typed = self.variable_type(variable, used);
                 if let Some(Typed { ty: DataType::Parameter(parameter), .. }) = &typed {
                     self.no_initial(variable, "a parameter of this type points to its actual");
                     if kind == SectionKind::Output {
@@ -122,7 +198,8 @@ impl<'a> Binder<'a> {
                         );
                     }
                 }
-                let complex = typed.as_ref().is_some_and(|typed| is_complex(&typed.ty));
+                let open = matches!(&typed, Some(Typed { ty: DataType::OpenArray(_), .. }));
+                let complex = open || typed.as_ref().is_some_and(|typed| is_complex(&typed.ty));
                 let pointer = complex && kind == SectionKind::InOut;
                 if pointer {
                     self.no_initial(variable, "a complex IN_OUT parameter points to its actual");
@@ -133,7 +210,8 @@ impl<'a> Binder<'a> {
                 } else {
                     self.with_initial(typed, variable)
                 };
-                let stored = if pointer {
+                // The bounds of an ARRAY[*] lie behind its POINTER.
+                let stored = if pointer && !open {
                     Typed { ty: DataType::Parameter(ParameterType::Pointer), image: Rc::from([0u8; 6]) }
                 } else {
                     typed.clone()
@@ -187,9 +265,9 @@ impl<'a> Binder<'a> {
                 self.result(block, bound, names, &mut placer);
             }
             for variable in variables(block, kind).filter(|variable| variable.at.is_none()) {
-                self.declare_name(names, variable);
+                self.declare_name(names, &variable.name, variable.name_span);
                 self.no_initial(variable, "a function has no memory of its own");
-                let ty = self.resolve_type(&variable.ty, Use::Parameter(kind)).map_or(DataType::Void, |typed| typed.ty);
+                let ty = self.variable_type(variable, Use::Parameter(kind)).map_or(DataType::Void, |typed| typed.ty);
                 let direction = direction(kind).expect("the three sections of this loop are parameters");
                 add_parameter(bound, &mut placer, variable.name.clone(), direction, ty);
             }
@@ -225,10 +303,15 @@ impl<'a> Binder<'a> {
         names: &mut FxHashMap<String, Span>,
     ) {
         let mut placer = Placer::default();
-        for variable in variables(block, SectionKind::Temp).filter(|variable| variable.at.is_none()) {
-            self.declare_name(names, variable);
-            self.no_initial(variable, "temporary data begins anew at each call");
-            let ty = self.resolve_type(&variable.ty, Use::Temp).map_or(DataType::Void, |typed| typed.ty);
+        let also = static_is_temporary(key, block);
+        let sections = block
+            .sections
+            .iter()
+            .filter(|section| section.kind == SectionKind::Temp || also && section.kind == SectionKind::Static);
+        for variable in sections.flat_map(|section| &section.variables).filter(|variable| variable.at.is_none()) {
+            self.declare_name(names, &variable.name, variable.name_span);
+            self.no_temporary_initial(variable);
+            let ty = self.variable_type(variable, Use::Temp).map_or(DataType::Void, |typed| typed.ty);
             let (byte, bit) = placer.place(&ty);
             add_local(&mut bound.locals, variable, ty, Base::L, byte, bit);
         }
@@ -259,7 +342,7 @@ impl<'a> Binder<'a> {
         for section in &block.sections {
             for variable in &section.variables {
                 let Some((base, span)) = &variable.at else { continue };
-                self.declare_name(names, variable);
+                self.declare_name(names, &variable.name, variable.name_span);
                 let Some(under) = bound.locals.get(&fold(base)).cloned() else {
                     self.report.push(
                         Diagnostic::new(Code::UnknownLocal, *span, format!("`{base}` is not declared"))
@@ -268,25 +351,58 @@ impl<'a> Binder<'a> {
                     continue;
                 };
                 self.no_initial(variable, "it lies where the other variable lies");
-                let ty = self.resolve_type(&variable.ty, Use::Component).map_or(DataType::Void, |typed| typed.ty);
-                if layout::bytes(&ty) > layout::bytes(&under.ty).next_multiple_of(2) {
-                    self.report.push(
-                        Diagnostic::new(
-                            Code::WidthMismatch,
-                            variable.ty.span,
-                            format!("`{}` is longer than `{base}`", variable.name),
-                        )
-                        .label(format!(
-                            "{} bytes over {} bytes",
-                            layout::bytes(&ty),
-                            layout::bytes(&under.ty)
-                        )),
-                    );
-                }
+                let ty = self.variable_type(variable, Use::Component).map_or(DataType::Void, |typed| typed.ty);
+                self.check_view(variable, &ty, base, &under.ty);
                 add_local(&mut bound.locals, variable, ty, under.base, under.byte, under.bit);
             }
         }
     }
+}
+
+impl Binder<'_> {
+    /// A view lies within the variable that it shows. Source: SCL reference, AT views.
+    fn check_view(&mut self, variable: &ast::Variable, ty: &DataType, base: &str, under: &DataType) {
+        if matches!(ty, DataType::Void) || matches!(under, DataType::Void) {
+            return;
+        }
+        if matches!(under, DataType::OpenArray(_)) {
+            self.report.push(
+                Diagnostic::new(Code::WidthMismatch, variable.ty.span, format!("`{base}` cannot have a view"))
+                    .label("how long an ARRAY[*] is, is known at run time only"),
+            );
+            return;
+        }
+        let (view, target) = (layout::used_bits(ty), 8 * layout::bytes(under));
+        let target = if *under == DataType::Elementary(Elementary::Bool) { 1 } else { target };
+        if view > target {
+            let size = |bits: u32| if bits == 1 { "1 bit".to_string() } else { format!("{} bytes", bits.div_ceil(8)) };
+            self.report.push(
+                Diagnostic::new(
+                    Code::WidthMismatch,
+                    variable.ty.span,
+                    format!("`{}` is longer than `{base}`", variable.name),
+                )
+                .label(format!("{} over {}", size(view), size(target)))
+                .help("a view shows the bytes of its variable and no more"),
+            );
+        }
+    }
+
+    /// TEMP has no initial values; sources of the TIA Portal may hold some, which do nothing.
+    fn no_temporary_initial(&mut self, variable: &ast::Variable) {
+        let before = self.report.diagnostics.len();
+        self.no_initial(variable, "temporary data begins anew at each call");
+        if self.scope.tia {
+            for diagnostic in &mut self.report.diagnostics[before..] {
+                diagnostic.severity = Severity::Warning;
+            }
+        }
+    }
+}
+
+/// VAR of a function or OB in SCL is another word for VAR_TEMP.
+fn static_is_temporary(key: BlockKey, block: &ast::CodeBlock) -> bool {
+    matches!(block.code, ast::Code::Scl(_)) && matches!(key.kind, BlockKind::Fc | BlockKind::Sfc | BlockKind::Ob)
 }
 
 fn variables(block: &ast::CodeBlock, kind: SectionKind) -> impl Iterator<Item = &ast::Variable> {

@@ -15,12 +15,14 @@ mod call;
 mod constant;
 mod data;
 mod declare;
+mod initial;
 mod interface;
-mod library;
+mod mentions;
 mod names;
 mod operand;
 mod path;
 mod pragma;
+mod predefined;
 mod report;
 mod scl;
 mod settle;
@@ -39,7 +41,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::model::{BlockKey, Body, CodeBlock, Program, TestSettings};
 use crate::symbols::{SymbolTable, SymbolTarget};
 use crate::types::StructType;
-use declare::{BoundInterface, TypedStruct};
+use declare::{BoundInterface, Scope, Typed, TypedStruct};
 use names::Global;
 use report::Report;
 
@@ -145,7 +147,13 @@ struct Binder<'a> {
     code: FxHashMap<BlockKey, CodeSource<'a>>,
     data: FxHashMap<u16, &'a ast::DataBlock>,
     type_blocks: FxHashMap<u16, &'a ast::TypeBlock>,
-    udts: FxHashMap<u16, State<Option<TypedStruct>>>,
+    udts: FxHashMap<u16, State<Option<Typed>>>,
+    /// DTL and the like.
+    predefined: FxHashMap<&'static str, TypedStruct>,
+    /// Where the declarations stand that are bound at the moment.
+    scope: Scope,
+    /// A block of the TIA Portal is among the sources, or the CPU is one of its own.
+    tia_sources: bool,
     interfaces: FxHashMap<BlockKey, State<Option<Rc<BoundInterface>>>>,
     dbs: FxHashMap<u16, data::BoundDb>,
     /// Bytes of all data blocks so far.
@@ -193,6 +201,9 @@ impl<'a> Binder<'a> {
             data: FxHashMap::default(),
             type_blocks: FxHashMap::default(),
             udts: FxHashMap::default(),
+            predefined: FxHashMap::default(),
+            scope: Scope::default(),
+            tia_sources: declare::is_tia(input),
             interfaces: FxHashMap::default(),
             dbs: FxHashMap::default(),
             db_bytes: 0,

@@ -2,10 +2,11 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind, OperandKind, StatementKind};
+use plcc_stdlib::BlockClass;
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::Binder;
+use super::{Binder, mentions};
 use crate::model::BlockKey;
 use crate::symbols::SymbolTarget;
 use crate::types::Elementary;
@@ -50,6 +51,26 @@ pub const fn kind_prefix(kind: BlockKind) -> BlockPrefix {
     }
 }
 
+/// The kind of a block of the standard library.
+pub const fn library_class(kind: BlockKind) -> Option<BlockClass> {
+    match kind {
+        BlockKind::Fc => Some(BlockClass::Fc),
+        BlockKind::Fb => Some(BlockClass::Fb),
+        BlockKind::Sfc => Some(BlockClass::Sfc),
+        BlockKind::Sfb => Some(BlockClass::Sfb),
+        BlockKind::Ob | BlockKind::Db => None,
+    }
+}
+
+pub const fn library_prefix(class: BlockClass) -> BlockPrefix {
+    match class {
+        BlockClass::Fc => BlockPrefix::Fc,
+        BlockClass::Fb => BlockPrefix::Fb,
+        BlockClass::Sfc => BlockPrefix::Sfc,
+        BlockClass::Sfb => BlockPrefix::Sfb,
+    }
+}
+
 const fn source_prefix(kind: CodeKind) -> BlockPrefix {
     match kind {
         CodeKind::Ob => BlockPrefix::Ob,
@@ -57,14 +78,6 @@ const fn source_prefix(kind: CodeKind) -> BlockPrefix {
         CodeKind::Fb => BlockPrefix::Fb,
         CodeKind::Sfc => BlockPrefix::Sfc,
         CodeKind::Sfb => BlockPrefix::Sfb,
-    }
-}
-
-/// The elementary type that a word names.
-pub fn elementary(word: &str) -> Option<Elementary> {
-    match word {
-        "TOD" => Some(Elementary::TimeOfDay),
-        _ => Elementary::ALL.into_iter().find(|ty| ty.name() == word),
     }
 }
 
@@ -85,38 +98,6 @@ fn frame(block: &ast::Block) -> (BlockPrefix, &BlockName) {
         ast::Block::Data(data) => (BlockPrefix::Db, &data.name),
         ast::Block::Type(ty) => (BlockPrefix::Udt, &ty.name),
     }
-}
-
-/// Block numbers that the statements of a block name, so that no other block takes them.
-fn numbers_in(block: &ast::Block) -> Vec<(BlockPrefix, u32)> {
-    let ast::Block::Code(code) = block else { return Vec::new() };
-    let mut numbers = Vec::new();
-    let mut note = |operand: &ast::Operand| {
-        let name = match &operand.kind {
-            OperandKind::Block(name) | OperandKind::DbAbsolute { db: name, .. } => name,
-            OperandKind::Path(ast::Path { root: ast::PathRoot::Block(name), .. }) => name,
-            _ => return,
-        };
-        if let BlockName::Numbered { prefix, number, .. } = name {
-            let prefix = if *prefix == BlockPrefix::Di { BlockPrefix::Db } else { *prefix };
-            numbers.push((prefix, *number));
-        }
-    };
-    for statement in code.networks().iter().flat_map(|network| &network.statements) {
-        match &statement.kind {
-            StatementKind::Instruction { operand: Some(operand), .. } => note(operand),
-            StatementKind::Call(call) => {
-                note(&call.target);
-                call.instance.iter().for_each(&mut note);
-                call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref()).for_each(&mut note);
-            }
-            StatementKind::Instruction { operand: None, .. }
-            | StatementKind::Empty
-            | StatementKind::Pragma(_)
-            | StatementKind::Error => {}
-        }
-    }
-    numbers
 }
 
 impl<'a> Binder<'a> {
@@ -180,7 +161,7 @@ impl<'a> Binder<'a> {
             }
         }
         if !unnumbered.is_empty() {
-            used.extend(blocks.iter().flat_map(|block| numbers_in(block)));
+            used.extend(blocks.iter().flat_map(|block| mentions::numbers(block)));
         }
         let mut next: FxHashMap<BlockPrefix, u32> = FxHashMap::default();
         for (block, prefix, name, span) in unnumbered {
@@ -222,7 +203,7 @@ impl<'a> Binder<'a> {
         let rows: usize = self.input.tables.iter().map(|table| table.symbols.len()).sum();
         self.globals.reserve(rows);
         for symbol in self.input.tables.iter().flat_map(|table| &table.symbols) {
-            let ty = elementary(&symbol.ty.to_ascii_uppercase());
+            let ty = Elementary::from_word(&symbol.ty.to_ascii_uppercase());
             let global = Global { name: symbol.name.clone(), target: symbol.target, ty, span: symbol.span };
             match self.globals.entry(fold(&symbol.name)) {
                 std::collections::hash_map::Entry::Vacant(entry) => {
@@ -294,7 +275,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    fn named_block(&mut self, name: &str, span: Span) -> Option<(BlockPrefix, u16)> {
+    pub fn named_block(&mut self, name: &str, span: Span) -> Option<(BlockPrefix, u16)> {
         match self.global(name) {
             Some(SymbolTarget::Block { prefix, number }) => Some((prefix, number as u16)),
             Some(_) => {

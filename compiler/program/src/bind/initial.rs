@@ -1,0 +1,347 @@
+//! Initial values of declarations and values behind BEGIN: lists, structures, single constants, into the bytes of a variable.
+//!
+//! Source: STL reference, declarations and data blocks; SCL reference, declarations.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{Bound, InitialKind, InitialValue};
+use plcc_syntax::literal::Literal;
+use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
+
+use super::Binder;
+use super::constant::Constant;
+use super::declare::put;
+use super::value::{Mismatch, Place, elementary_bytes, literal_kind};
+use crate::layout;
+use crate::types::{ArrayType, DataType, Elementary, StructType};
+
+impl Binder<'_> {
+    /// Writes an initial value over the bytes of a variable of type `ty` at `byte`.`bit` of `image`.
+    pub fn encode_initial(&mut self, value: &InitialValue, ty: &DataType, image: &mut [u8], byte: u32, bit: u8) {
+        self.encode(value, ty, image, byte, bit);
+    }
+
+    /// `None` if something was wrong, which is reported.
+    fn encode(&mut self, value: &InitialValue, ty: &DataType, image: &mut [u8], byte: u32, bit: u8) -> Option<()> {
+        match (&value.kind, ty) {
+            (_, DataType::Void) | (InitialKind::Default, _) => Some(()),
+            (InitialKind::Fields(fields), _) if fields.is_empty() => Some(()),
+            (InitialKind::Literal(Literal::Text(text)), DataType::Array(array)) if is_char(&array.element) => {
+                self.encode_characters(text, array, value.span, image, byte)
+            }
+            (InitialKind::Expr(constant), DataType::Array(array)) if is_char(&array.element) && is_text(constant) => {
+                match self.scope_constant(constant)? {
+                    Constant::Text { bytes, .. } => self.encode_characters(&bytes, array, value.span, image, byte),
+                    _ => None,
+                }
+            }
+            // One value for an array is its first element.
+            (InitialKind::List(values), DataType::Array(array)) => self.encode_list(values, array, image, byte),
+            (_, DataType::Array(array)) => self.encode_list(std::slice::from_ref(value), array, image, byte),
+            (InitialKind::Fields(fields), DataType::Struct(structure)) => {
+                self.encode_fields(fields, structure, value.span, image, byte)
+            }
+            (InitialKind::Literal(literal), _) => self.encode_literal(literal, value.span, ty, image, byte, bit),
+            (InitialKind::Expr(constant), _) => {
+                let constant = self.scope_constant(constant)?;
+                match (ty, &constant) {
+                    (DataType::Struct(_), Constant::Dtl(_)) => {
+                        self.encode_constant(&constant, value.span, ty, image, byte, bit)
+                    }
+                    // `(x)` is a list of one component.
+                    (DataType::Struct(structure), _) if structure.members.len() == 1 => {
+                        let member = structure.members[0].clone();
+                        self.encode_constant(&constant, value.span, &member.ty, image, byte + member.byte, member.bit)
+                    }
+                    _ => self.encode_constant(&constant, value.span, ty, image, byte, bit),
+                }
+            }
+            (InitialKind::List(_) | InitialKind::Repeat { .. } | InitialKind::Fields(_), _) => {
+                self.report.push(
+                    Diagnostic::new(
+                        Code::InitialValue,
+                        value.span,
+                        "a list of values stands where one value is wanted",
+                    )
+                    .label(format!("the variable is of type {}", layout::type_name(ty)))
+                    .help("write one constant; lists and repetition factors are for arrays"),
+                );
+                None
+            }
+        }
+    }
+
+    fn encode_characters(
+        &mut self,
+        text: &[u8],
+        array: &ArrayType,
+        span: Span,
+        image: &mut [u8],
+        byte: u32,
+    ) -> Option<()> {
+        if text.len() as u64 > layout::element_count(&array.bounds) {
+            self.surplus(span);
+            return None;
+        }
+        let at = byte as usize;
+        image[at..at + text.len()].copy_from_slice(text);
+        Some(())
+    }
+
+    fn encode_list(&mut self, values: &[InitialValue], array: &ArrayType, image: &mut [u8], byte: u32) -> Option<()> {
+        let mut next = 0;
+        self.encode_run(values, array, image, byte, &mut next)
+    }
+
+    /// Values of elements from number `next` on. Elements of arrays in arrays are counted through.
+    fn encode_run(
+        &mut self,
+        values: &[InitialValue],
+        array: &ArrayType,
+        image: &mut [u8],
+        byte: u32,
+        next: &mut u64,
+    ) -> Option<()> {
+        let count = layout::element_count(&array.bounds);
+        let inner = leaves(&array.element);
+        for value in values {
+            match &value.kind {
+                InitialKind::Repeat { count: times, values: group } => {
+                    let times = self.bound(times)?;
+                    self.encode_repeated(times, group, value.span, array, image, byte, next)?;
+                }
+                InitialKind::Expr(call) if repetition(call).is_some() => {
+                    let (times, group) = repetition(call)?;
+                    let times = self.bound(&times)?;
+                    self.encode_repeated(times, &group, value.span, array, image, byte, next)?;
+                }
+                // A bracket of its own for each array in an array; else it only groups.
+                InitialKind::List(_) | InitialKind::Fields(_) if matches!(array.element, DataType::Array(_)) => {
+                    let element = next.div_ceil(inner.max(1));
+                    if element >= count {
+                        self.surplus(value.span);
+                        return None;
+                    }
+                    let (at, bit) = layout::element_place(array, element);
+                    self.encode(value, &array.element, image, byte + at, bit)?;
+                    *next = (element + 1) * inner;
+                }
+                InitialKind::List(group) => self.encode_run(group, array, image, byte, next)?,
+                InitialKind::Default => *next += 1,
+                InitialKind::Fields(fields) if fields.is_empty() => *next += 1,
+                InitialKind::Literal(_) if matches!(array.element, DataType::Struct(_)) => {
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::InitialValue,
+                            value.span,
+                            "an array of structures takes no list of values",
+                        )
+                        .label("not possible here")
+                        .help("give the components their values in the structure or behind BEGIN"),
+                    );
+                    return None;
+                }
+                InitialKind::Literal(_) | InitialKind::Expr(_) | InitialKind::Fields(_) => {
+                    if *next >= count.saturating_mul(inner) {
+                        self.surplus(value.span);
+                        return None;
+                    }
+                    let (at, bit, ty) = leaf(array, *next);
+                    *next += 1;
+                    self.encode(value, &ty, image, byte + at, bit)?;
+                }
+            }
+        }
+        Some(())
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "what a run has, and its repetition")]
+    fn encode_repeated(
+        &mut self,
+        times: i64,
+        group: &[InitialValue],
+        span: Span,
+        array: &ArrayType,
+        image: &mut [u8],
+        byte: u32,
+        next: &mut u64,
+    ) -> Option<()> {
+        let count = layout::element_count(&array.bounds).saturating_mul(leaves(&array.element));
+        for _ in 0..times {
+            let before = *next;
+            if before >= count && !group.is_empty() {
+                self.surplus(span);
+                return None;
+            }
+            self.encode_run(group, array, image, byte, next)?;
+            if *next == before {
+                break;
+            }
+        }
+        Some(())
+    }
+
+    /// `(a := 1, b := 2)` by name, `(1, 2)` in order. Components that are left out keep their values.
+    fn encode_fields(
+        &mut self,
+        fields: &[(Option<Name>, InitialValue)],
+        structure: &std::rc::Rc<StructType>,
+        span: Span,
+        image: &mut [u8],
+        byte: u32,
+    ) -> Option<()> {
+        for (at, (name, value)) in fields.iter().enumerate() {
+            let member = match name {
+                Some(name) => match self.member(structure, &name.text) {
+                    Some(member) => member,
+                    None => {
+                        self.unknown_member(structure, &name.text, name.span);
+                        return None;
+                    }
+                },
+                None => match structure.members.get(at) {
+                    Some(member) => member.clone(),
+                    None => {
+                        self.report.push(
+                            Diagnostic::new(Code::InitialValue, span, "more values than the structure has components")
+                                .label(format!("{} values, {} components", fields.len(), structure.members.len())),
+                        );
+                        return None;
+                    }
+                },
+            };
+            self.encode(value, &member.ty, image, byte + member.byte, member.bit)?;
+        }
+        Some(())
+    }
+
+    fn surplus(&mut self, span: Span) {
+        self.report.push(
+            Diagnostic::new(Code::InitialValue, span, "more values than the array has elements")
+                .label("this one has no element any more")
+                .help("remove values or make the array larger"),
+        );
+    }
+
+    /// A constant of STL, which must be written as its type wants it; types that STL does not have are less strict.
+    fn encode_literal(
+        &mut self,
+        literal: &Literal,
+        span: Span,
+        ty: &DataType,
+        image: &mut [u8],
+        byte: u32,
+        bit: u8,
+    ) -> Option<()> {
+        let bytes = match ty {
+            DataType::Elementary(elementary) => match elementary_bytes(*elementary, literal, Place::Declaration) {
+                Err(Mismatch::Type) if !in_stl(*elementary) => Constant::of_stl(literal)
+                    .ok_or(Mismatch::Type)
+                    .and_then(|constant| Self::constant_bytes(&constant, ty)),
+                result => result,
+            },
+            _ => {
+                Constant::of_stl(literal).ok_or(Mismatch::Type).and_then(|constant| Self::constant_bytes(&constant, ty))
+            }
+        };
+        self.encode_bytes(bytes, literal_kind(literal), span, ty, image, byte, bit)
+    }
+
+    fn encode_constant(
+        &mut self,
+        constant: &Constant,
+        span: Span,
+        ty: &DataType,
+        image: &mut [u8],
+        byte: u32,
+        bit: u8,
+    ) -> Option<()> {
+        let bytes = Self::constant_bytes(constant, ty);
+        self.encode_bytes(bytes, &constant.describe(), span, ty, image, byte, bit)
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "a value, what it is, and its place")]
+    fn encode_bytes(
+        &mut self,
+        bytes: Result<Vec<u8>, Mismatch>,
+        what: &str,
+        span: Span,
+        ty: &DataType,
+        image: &mut [u8],
+        byte: u32,
+        bit: u8,
+    ) -> Option<()> {
+        match bytes {
+            Ok(bytes) => {
+                put(image, byte, bit, ty, &bytes);
+                Some(())
+            }
+            Err(problem) => {
+                self.bad_initial(what, ty, problem, span);
+                None
+            }
+        }
+    }
+}
+
+fn is_char(ty: &DataType) -> bool {
+    *ty == DataType::Elementary(Elementary::Char)
+}
+
+fn is_text(value: &Expr) -> bool {
+    matches!(value.kind, ExprKind::Literal(plcc_syntax::scl::ast::Literal::Text { .. }))
+}
+
+/// Types of S7-300/400 that STL reads and writes.
+const fn in_stl(ty: Elementary) -> bool {
+    matches!(
+        ty,
+        Elementary::Bool
+            | Elementary::Byte
+            | Elementary::Word
+            | Elementary::Dword
+            | Elementary::Char
+            | Elementary::Int
+            | Elementary::Dint
+            | Elementary::Real
+            | Elementary::S5Time
+            | Elementary::Time
+            | Elementary::Date
+            | Elementary::TimeOfDay
+    )
+}
+
+/// `N(0)` with a constant N, which looks like a call.
+fn repetition(value: &Expr) -> Option<(Bound, Vec<InitialValue>)> {
+    let ExprKind::Call { callee, arguments } = &value.kind else { return None };
+    let values = arguments
+        .iter()
+        .map(|argument| match (&argument.name, &argument.value) {
+            (None, Some(value)) => {
+                Some(InitialValue { kind: InitialKind::Expr(Box::new(value.clone())), span: value.span })
+            }
+            _ => None,
+        })
+        .collect::<Option<Vec<_>>>()?;
+    Some((Bound::Expr(callee.clone()), values))
+}
+
+/// Elements of a type, those of arrays in arrays counted through.
+fn leaves(ty: &DataType) -> u64 {
+    match ty {
+        DataType::Array(array) => layout::element_count(&array.bounds).saturating_mul(leaves(&array.element)),
+        _ => 1,
+    }
+}
+
+/// Place and type of element `number`, counted through.
+fn leaf(array: &ArrayType, number: u64) -> (u32, u8, DataType) {
+    let inner = leaves(&array.element).max(1);
+    let (byte, bit) = layout::element_place(array, number / inner);
+    match &array.element {
+        DataType::Array(element) => {
+            let (at, bit, ty) = leaf(element, number % inner);
+            (byte + at, bit, ty)
+        }
+        ty => (byte, bit, ty.clone()),
+    }
+}

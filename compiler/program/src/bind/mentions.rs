@@ -1,0 +1,198 @@
+//! What the text of a block mentions: numbers of blocks, so that no block without a number takes one of them, and instance
+//! data blocks of calls.
+
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, Code, OperandKind, StatementKind, TypeKind, TypeRef};
+use plcc_syntax::scl::ast as scl;
+
+use crate::symbols::{SymbolTarget, parse_address};
+
+/// Block numbers that the declarations and statements of a block name.
+pub fn numbers(block: &ast::Block) -> Vec<(BlockPrefix, u32)> {
+    let mut numbers = Vec::new();
+    match block {
+        ast::Block::Code(code) => {
+            code.return_type.iter().for_each(|ty| type_numbers(ty, &mut numbers));
+            for section in &code.sections {
+                variable_numbers(&section.variables, &mut numbers);
+            }
+            match &code.code {
+                Code::Stl(networks) => stl_numbers(networks, &mut numbers),
+                Code::Scl(body) => expressions(body, &mut |value| scl_number(value, &mut numbers)),
+            }
+        }
+        ast::Block::Data(data) => match &data.content {
+            ast::DataContent::Struct(variables) => variable_numbers(variables, &mut numbers),
+            ast::DataContent::OfType(ty) | ast::DataContent::Array(ty, _) => type_numbers(ty, &mut numbers),
+            ast::DataContent::Empty => {}
+        },
+        ast::Block::Type(ty) => {
+            variable_numbers(&ty.members, &mut numbers);
+            ty.alias.iter().for_each(|ty| type_numbers(ty, &mut numbers));
+        }
+    }
+    numbers
+}
+
+fn variable_numbers(variables: &[ast::Variable], numbers: &mut Vec<(BlockPrefix, u32)>) {
+    for variable in variables {
+        type_numbers(&variable.ty, numbers);
+    }
+}
+
+fn type_numbers(ty: &TypeRef, numbers: &mut Vec<(BlockPrefix, u32)>) {
+    match &ty.kind {
+        TypeKind::Block(name) => note(name, numbers),
+        TypeKind::Named(word) => numbers.extend(written_number(word)),
+        TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } | TypeKind::Reference(element) => {
+            type_numbers(element, numbers);
+        }
+        TypeKind::Struct(variables) => variable_numbers(variables, numbers),
+        TypeKind::String(_) | TypeKind::WideString(_) => {}
+    }
+}
+
+fn note(name: &BlockName, numbers: &mut Vec<(BlockPrefix, u32)>) {
+    match name {
+        BlockName::Numbered { prefix, number, .. } => {
+            let prefix = if *prefix == BlockPrefix::Di { BlockPrefix::Db } else { *prefix };
+            numbers.push((prefix, *number));
+        }
+        BlockName::Symbol { name, .. } => numbers.extend(written_number(name)),
+    }
+}
+
+/// `DB10` in the form of a name.
+fn written_number(name: &str) -> Option<(BlockPrefix, u32)> {
+    match parse_address(name) {
+        Some(SymbolTarget::Block { prefix, number }) => Some((prefix, number)),
+        Some(SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. }) | None => None,
+    }
+}
+
+fn operand_number(kind: &OperandKind, numbers: &mut Vec<(BlockPrefix, u32)>) {
+    match kind {
+        OperandKind::Block(name) | OperandKind::DbAbsolute { db: name, .. } => note(name, numbers),
+        OperandKind::Path(ast::Path { root: ast::PathRoot::Block(name), .. }) => note(name, numbers),
+        _ => {}
+    }
+}
+
+fn stl_numbers(networks: &[ast::Network], numbers: &mut Vec<(BlockPrefix, u32)>) {
+    for statement in networks.iter().flat_map(|network| &network.statements) {
+        match &statement.kind {
+            StatementKind::Instruction { operand: Some(operand), .. } => operand_number(&operand.kind, numbers),
+            StatementKind::Call(call) => {
+                let actuals = call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref());
+                for operand in [&call.target].into_iter().chain(&call.instance).chain(actuals) {
+                    operand_number(&operand.kind, numbers);
+                }
+            }
+            StatementKind::Instruction { operand: None, .. }
+            | StatementKind::Empty
+            | StatementKind::Pragma(_)
+            | StatementKind::Error => {}
+        }
+    }
+}
+
+fn scl_number(value: &scl::Expr, numbers: &mut Vec<(BlockPrefix, u32)>) {
+    match &value.kind {
+        scl::ExprKind::Name(name) | scl::ExprKind::Member { name, .. } => numbers.extend(written_number(&name.text)),
+        scl::ExprKind::Absolute(kind) => operand_number(kind, numbers),
+        _ => {}
+    }
+}
+
+/// Calls of a function block with a data block behind it, `FB10.DB20(…)`, `"Fb"."Db"(…)`: both names.
+pub fn instance_calls(body: &scl::Body) -> Vec<(scl::Name, scl::Name)> {
+    let mut found = Vec::new();
+    expressions(body, &mut |value| {
+        if let scl::ExprKind::Call { callee, .. } = &value.kind
+            && let scl::ExprKind::Member { base, name } = &callee.kind
+            && let scl::ExprKind::Name(block) = &base.kind
+        {
+            found.push((block.clone(), name.clone()));
+        }
+    });
+    found
+}
+
+/// Goes through all expressions of a block, their parts included.
+pub fn expressions(body: &scl::Body, visit: &mut dyn FnMut(&scl::Expr)) {
+    statements(&body.statements, visit);
+}
+
+fn statements(list: &[scl::Statement], visit: &mut dyn FnMut(&scl::Expr)) {
+    for statement in list {
+        match &statement.kind {
+            scl::StatementKind::Expression(value) => expression(value, visit),
+            scl::StatementKind::Assign { targets, value } => {
+                targets.iter().for_each(|(target, _)| expression(target, visit));
+                expression(value, visit);
+            }
+            scl::StatementKind::If { branches, otherwise } => {
+                for (condition, body) in branches {
+                    expression(condition, visit);
+                    statements(body, visit);
+                }
+                statements(otherwise, visit);
+            }
+            scl::StatementKind::Case { selector, arms, otherwise } => {
+                expression(selector, visit);
+                for arm in arms {
+                    for value in &arm.values {
+                        expression(&value.low, visit);
+                        value.high.iter().for_each(|high| expression(high, visit));
+                    }
+                    statements(&arm.body, visit);
+                }
+                statements(otherwise, visit);
+            }
+            scl::StatementKind::For { variable, start, end, step, body } => {
+                [variable, start, end].into_iter().chain(step).for_each(|value| expression(value, visit));
+                statements(body, visit);
+            }
+            scl::StatementKind::While { condition, body } => {
+                expression(condition, visit);
+                statements(body, visit);
+            }
+            scl::StatementKind::Repeat { body, until } => {
+                statements(body, visit);
+                expression(until, visit);
+            }
+            scl::StatementKind::Return(value) => value.iter().for_each(|value| expression(value, visit)),
+            scl::StatementKind::Empty
+            | scl::StatementKind::Label(_)
+            | scl::StatementKind::Exit
+            | scl::StatementKind::Continue
+            | scl::StatementKind::Goto(_)
+            | scl::StatementKind::Pragma(_)
+            | scl::StatementKind::Error => {}
+        }
+    }
+}
+
+fn expression(value: &scl::Expr, visit: &mut dyn FnMut(&scl::Expr)) {
+    visit(value);
+    match &value.kind {
+        scl::ExprKind::Member { base, .. }
+        | scl::ExprKind::MemberAbsolute { base, .. }
+        | scl::ExprKind::Slice { base, .. } => expression(base, visit),
+        scl::ExprKind::Index { base, indices } => {
+            expression(base, visit);
+            indices.iter().for_each(|index| expression(index, visit));
+        }
+        scl::ExprKind::Call { callee, arguments } => {
+            expression(callee, visit);
+            arguments.iter().filter_map(|argument| argument.value.as_ref()).for_each(|value| expression(value, visit));
+        }
+        scl::ExprKind::Dereference(operand)
+        | scl::ExprKind::Reference(operand)
+        | scl::ExprKind::Unary { operand, .. } => expression(operand, visit),
+        scl::ExprKind::Binary { left, right, .. } => {
+            expression(left, visit);
+            expression(right, visit);
+        }
+        scl::ExprKind::Literal(_) | scl::ExprKind::Name(_) | scl::ExprKind::Absolute(_) | scl::ExprKind::Error => {}
+    }
+}

@@ -1,0 +1,147 @@
+//! Data types that the language or the CPU brings along: DTL, ErrorStruct, numbers of hardware objects and OBs, and the instance
+//! types of IEC timers and counters, which are blocks of the standard library.
+//!
+//! Source: LAD/FBD reference for S7-1200, data types, date and time, and GET_ERROR.
+
+use plcc_abi::image::BlockKind;
+use plcc_syntax::ast::BlockPrefix;
+
+use super::Binder;
+use super::declare::{StructBuilder, Typed, TypedStruct, elementary_typed};
+use super::names;
+use crate::symbols::{SymbolTarget, parse_address};
+use crate::types::{DTL, DataType, Elementary};
+use plcc_diag::Span;
+
+/// `DTL#1970-01-01-00:00:00`, a Thursday.
+const DTL_DEFAULT: [u8; 12] = [0x07, 0xB2, 1, 1, 5, 0, 0, 0, 0, 0, 0, 0];
+
+struct Structure {
+    name: &'static str,
+    members: &'static [(&'static str, Elementary)],
+    /// All zero if empty.
+    default: &'static [u8],
+}
+
+#[rustfmt::skip]
+const STRUCTURES: &[Structure] = &[
+    Structure {
+        name: DTL,
+        members: &[
+            ("YEAR", Elementary::Uint), ("MONTH", Elementary::Usint), ("DAY", Elementary::Usint),
+            ("WEEKDAY", Elementary::Usint), ("HOUR", Elementary::Usint), ("MINUTE", Elementary::Usint),
+            ("SECOND", Elementary::Usint), ("NANOSECOND", Elementary::Udint),
+        ],
+        default: &DTL_DEFAULT,
+    },
+    Structure {
+        name: "ErrorStruct",
+        members: &[
+            ("ERROR_ID", Elementary::Word), ("FLAGS", Elementary::Byte), ("REACTION", Elementary::Byte),
+            ("BLOCK_TYPE", Elementary::Byte), ("PAD_0", Elementary::Byte), ("CODE_BLOCK_NUMBER", Elementary::Uint),
+            ("ADDRESS", Elementary::Udint), ("MODE", Elementary::Byte), ("PAD_1", Elementary::Byte),
+            ("OPERAND_NUMBER", Elementary::Uint), ("POINTER_NUMBER_LOCATION", Elementary::Uint),
+            ("SLOT_NUMBER_SCOPE", Elementary::Uint), ("AREA", Elementary::Byte), ("PAD_2", Elementary::Byte),
+            ("DB_NUMBER", Elementary::Uint), ("OFFSET", Elementary::Udint),
+        ],
+        default: &[],
+    },
+];
+
+/// Names of the CPU's objects: the type that each is.
+#[rustfmt::skip]
+const NUMBERS: &[(Elementary, &[&str])] = &[
+    (Elementary::Word, &[
+        "HW_ANY", "HW_IO", "HW_DEVICE", "HW_INTERFACE", "HW_SUBMODULE", "HW_MODULE", "HW_HSC", "HW_PWM", "HW_PTO",
+        "HW_DPMASTER", "HW_DPSLAVE", "HW_IOSYSTEM", "HW_IEPORT", "CONN_ANY", "CONN_OUC", "CONN_PRG",
+    ]),
+    (Elementary::Uint, &["DB_ANY", "DB_DYN", "DB_WWW", "PORT", "RTM", "PIP"]),
+    (Elementary::Int, &[
+        "OB_ANY", "OB_ATT", "OB_CYCLIC", "OB_DELAY", "OB_TOD", "OB_PCYCLE", "OB_HWINT", "OB_DIAG", "OB_TIMEERROR",
+        "OB_STARTUP",
+    ]),
+    (Elementary::Dword, &["EVENT_ANY", "EVENT_ATT", "EVENT_HWINT", "AOM_IDENT", "CONN_R_ID"]),
+];
+
+/// Data types of timers and counters: the blocks whose instances they are, the first that there is.
+///
+/// The four timers have one layout, of which that of TONR names all components; the counters likewise with CTUD.
+#[rustfmt::skip]
+const INSTANCES: &[(&str, &[&str])] = &[
+    ("IEC_TIMER",      &["IEC_TIMER", "TONR", "TON"]),
+    ("TP_TIME",        &["TP_TIME", "TP"]),
+    ("TON_TIME",       &["TON_TIME", "TON"]),
+    ("TOF_TIME",       &["TOF_TIME", "TOF"]),
+    ("TONR_TIME",      &["TONR_TIME", "TONR"]),
+    ("IEC_LTIMER",     &["IEC_LTIMER", "TONR_LTIME"]),
+    ("IEC_COUNTER",    &["IEC_COUNTER", "CTUD_INT", "CTUD"]),
+    ("IEC_SCOUNTER",   &["IEC_SCOUNTER", "CTUD_SINT"]),
+    ("IEC_USCOUNTER",  &["IEC_USCOUNTER", "CTUD_USINT"]),
+    ("IEC_UCOUNTER",   &["IEC_UCOUNTER", "CTUD_UINT"]),
+    ("IEC_DCOUNTER",   &["IEC_DCOUNTER", "CTUD_DINT"]),
+    ("IEC_UDCOUNTER",  &["IEC_UDCOUNTER", "CTUD_UDINT"]),
+    ("IEC_LCOUNTER",   &["IEC_LCOUNTER", "CTUD_LINT"]),
+    ("IEC_ULCOUNTER",  &["IEC_ULCOUNTER", "CTUD_ULINT"]),
+    ("CTU_INT",        &["CTU_INT", "CTU"]),
+    ("CTD_INT",        &["CTD_INT", "CTD"]),
+    ("CTUD_INT",       &["CTUD_INT", "CTUD"]),
+];
+
+impl Binder<'_> {
+    /// The block that a data type's name means: one of the sources, `FB10`, or one of the library; without a message.
+    pub fn type_block(&self, name: &str) -> Option<(BlockPrefix, u16)> {
+        if self.globals.contains_key(&names::fold(name)) {
+            return match self.global(name) {
+                Some(SymbolTarget::Block { prefix, number }) => Some((prefix, u16::try_from(number).ok()?)),
+                Some(SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. }) | None => None,
+            };
+        }
+        if let Some(SymbolTarget::Block { prefix, number }) = parse_address(name) {
+            return Some((prefix, u16::try_from(number).ok()?));
+        }
+        let trimmed = name.trim();
+        let own = [trimmed];
+        let candidates =
+            INSTANCES.iter().find(|(ty, _)| ty.eq_ignore_ascii_case(trimmed)).map_or(&own[..], |row| row.1);
+        let tia = || candidates.iter().find_map(|name| plcc_stdlib::find_tia(name));
+        let classic = || candidates.iter().find_map(|name| plcc_stdlib::find_name(name));
+        let block = if self.scope.tia { tia().or_else(classic) } else { classic().or_else(tia) }?;
+        Some((names::library_prefix(block.class), block.number))
+    }
+
+    /// A type of the language or the CPU that is no block.
+    pub fn predefined(&mut self, name: &str, span: Span) -> Option<Typed> {
+        let name = name.trim();
+        let numbers = NUMBERS.iter().find(|(_, names)| names.iter().any(|own| own.eq_ignore_ascii_case(name)));
+        if let Some((ty, _)) = numbers {
+            return Some(elementary_typed(*ty));
+        }
+        let structure = STRUCTURES.iter().find(|structure| structure.name.eq_ignore_ascii_case(name))?;
+        let typed = match self.predefined.get(structure.name) {
+            Some(typed) => typed.clone(),
+            None => {
+                let typed = self.predefined_structure(structure, span)?;
+                self.predefined.insert(structure.name, typed.clone());
+                typed
+            }
+        };
+        Some(Typed { ty: DataType::Struct(typed.ty), image: typed.image })
+    }
+
+    fn predefined_structure(&mut self, structure: &Structure, span: Span) -> Option<TypedStruct> {
+        let mut builder = StructBuilder::default();
+        for (name, ty) in structure.members {
+            builder.add((*name).to_string(), &elementary_typed(*ty));
+        }
+        let mut typed = self.finish_structure(builder, structure.name.to_string(), None, span)?;
+        if !structure.default.is_empty() {
+            typed.image = structure.default.into();
+        }
+        Some(typed)
+    }
+}
+
+/// True of blocks that can be components of data blocks and PLC data types: those of the system.
+pub fn is_component(kind: BlockKind) -> bool {
+    kind == BlockKind::Sfb
+}
