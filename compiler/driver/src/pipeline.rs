@@ -124,7 +124,7 @@ fn pragma_profile(settings: &Settings, units: &[(plcc_diag::FileId, SourceUnit)]
     }
     let pragmas = units.iter().flat_map(|(_, unit)| &unit.pragmas);
     let names = pragmas.filter_map(|pragma| pragma.text.strip_prefix("cpu")).map(str::trim);
-    names.filter_map(profile_named).next_back()
+    names.filter_map(profile_named).rfind(|profile| runs(profile, units))
 }
 
 fn profile_named(name: &str) -> Option<Profile> {
@@ -132,7 +132,7 @@ fn profile_named(name: &str) -> Option<Profile> {
         Some("2") => Some(profile::generic(Family::S7300)),
         Some("4") => Some(profile::generic(Family::S7400)),
         Some(_) => None,
-        None => profile::lookup(name).filter(|profile| matches!(profile.family, Family::S7300 | Family::S7400)),
+        None => profile::lookup(name).filter(|profile| profile.family != Family::S7200),
     }
 }
 
@@ -151,7 +151,7 @@ fn profile_of(
         (None, None) => return generic,
     };
     let title = match profile::lookup(&name) {
-        Some(profile) if matches!(profile.family, Family::S7300 | Family::S7400) => return profile,
+        Some(profile) if runs(&profile, units) => return profile,
         Some(profile) => format!("`{}` does not run S7-300/400 programs", profile.name),
         None => format!("plcc does not know the CPU `{name}`"),
     };
@@ -159,6 +159,18 @@ fn profile_of(
     let help = format!("one of {}", profile::names().join(", "));
     diagnostics.push(Diagnostic::new(Code::UnknownCpu, span, title).help(help));
     generic
+}
+
+/// Whether the CPU runs programs in these languages: an S7-1200 has no STL.
+fn runs(profile: &Profile, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
+    match profile.family {
+        Family::S7300 | Family::S7400 | Family::S71500 => true,
+        Family::S7200 => false,
+        Family::S71200 => units.iter().flat_map(|(_, unit)| &unit.blocks).all(|block| match block {
+            Block::Code(code) => matches!(code.code, plcc_syntax::ast::Code::Scl(_)),
+            Block::Data(_) | Block::Type(_) => true,
+        }),
+    }
 }
 
 /// The CPU of sources that name none: the generic S7-300, or the S7-400 if an instruction needs its accumulators. What exceeds

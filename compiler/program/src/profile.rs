@@ -51,9 +51,9 @@ const fn row(
     }
 }
 
-use Family::{S7200, S7300, S7400, S71200};
+use Family::{S7200, S7300, S7400, S71200, S71500};
 
-/// Source: the generic profiles are design decisions, 313 is from its technical data. The others are not `checked`: what exceeds one of
+/// Source: the generic profiles are design decisions, 313 is from its technical data, those of S7-1200 from the LAD/FBD reference. The others are not `checked`: what exceeds one of
 /// their limits is a warning only.
 #[rustfmt::skip]
 const PROFILES: &[Row] = &[
@@ -62,6 +62,10 @@ const PROFILES: &[Row] = &[
     row("s7-400",       S7400,  4,  2048, 16384, 2048, 2048, 65536, 65534, 24, 2, true),
     row("s7-200",       S7200,  2,    16,    32,  256,  256,    64, 10240,  8, 0, true),
     row("s7-1200",      S71200, 2,  1024,  8192,    0,    0, 65536, 65534, 16, 6, true),
+    row("s7-1500",      S71500, 2, 32768, 16384, 2048, 2048, 65536, 65534, 24, 2, true),
+    row("1211C",        S71200, 2,  1024,  4096,    0,    0, 16384, 25600, 16, 6, false),
+    row("1212C",        S71200, 2,  1024,  4096,    0,    0, 16384, 25600, 16, 6, false),
+    row("1214C",        S71200, 2,  1024,  8192,    0,    0, 16384, 51200, 16, 6, false),
     row("312IFM",       S7300,  2,   128,   128,   64,   32,   256,  8192,  8, 4, false),
     row("312",          S7300,  2,   128,   256,  128,  128,   256, 16384,  8, 4, false),
     row("312C",         S7300,  2,   128,   128,  128,  128,   256, 16384,  8, 4, false),
@@ -147,6 +151,8 @@ mod tests {
         }
         assert_eq!(lookup("S7-300"), Some(generic(Family::S7300)));
         assert_eq!(lookup("315-2 PN/DP").map(|profile| profile.bit_memory), Some(2048));
+        assert_eq!(lookup("CPU 1214C").map(|profile| (profile.family, profile.timers)), Some((Family::S71200, 0)));
+        assert_eq!(lookup("s7-1500"), Some(generic(Family::S71500)));
         assert_eq!(lookup("999"), None);
     }
 

@@ -412,11 +412,14 @@ impl<'a> Binder<'a> {
         let hard = number >= TIMERS_MAX || profile.limits_checked;
         if hard || self.cells_told.insert((kind, number)) {
             let code = if hard { Code::AddressRange } else { Code::CpuLimit };
-            let message = Diagnostic::new(code, span, format!("the CPU does not have so many {name}")).label(format!(
-                "the profile {} has {limit} {name}: 0 to {}",
-                profile.name,
-                limit.saturating_sub(1)
-            ));
+            let (title, label) = match limit {
+                0 => (format!("the CPU has no {name}"), format!("the profile {} has IEC {name} only", profile.name)),
+                _ => (
+                    format!("the CPU does not have so many {name}"),
+                    format!("the profile {} has {limit} {name}: 0 to {}", profile.name, limit - 1),
+                ),
+            };
+            let message = Diagnostic::new(code, span, title).label(label);
             let message = if number < TIMERS_MAX { message.help("name a larger CPU with --cpu") } else { message };
             self.report.push(message);
         }

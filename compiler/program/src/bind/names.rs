@@ -8,7 +8,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{Binder, mentions};
 use crate::model::BlockKey;
-use crate::symbols::SymbolTarget;
+use crate::symbols::{SymbolTarget, parse_address};
 use crate::types::Elementary;
 
 /// A global name.
@@ -100,6 +100,67 @@ fn frame(block: &ast::Block) -> (BlockPrefix, &BlockName) {
     }
 }
 
+/// Names that the TIA Portal gives to organization blocks, and their numbers. Further ones of a kind are called `_1`, `_2`, where the
+/// kind has several numbers.
+#[rustfmt::skip]
+const OB_NAMES: &[(&str, u32, u32)] = &[
+    ("Main", 1, 1), ("Startup", 100, 1), ("Cyclic interrupt", 30, 9), ("Time of day", 10, 8),
+    ("Time delay interrupt", 20, 4), ("Hardware interrupt", 40, 8), ("Status", 55, 1), ("Update", 56, 1), ("Profile", 57, 1),
+    ("Time error interrupt", 80, 1), ("Diagnostic error interrupt", 82, 1), ("Pull or plug of modules", 83, 1),
+    ("Rack or station failure", 86, 1), ("Programming error", 121, 1), ("IO access error", 122, 1),
+];
+
+/// The number of an organization block by its usual name.
+fn ob_number(name: &str) -> Option<u32> {
+    let name = name.trim();
+    let (base, index) = match name.rsplit_once('_') {
+        Some((base, index))
+            if !index.is_empty() && index.len() < 4 && index.bytes().all(|digit| digit.is_ascii_digit()) =>
+        {
+            (base, index.parse().ok()?)
+        }
+        _ => (name, 0),
+    };
+    let (_, first, count) = OB_NAMES.iter().find(|(usual, ..)| usual.eq_ignore_ascii_case(base))?;
+    (index < *count).then_some(first + index)
+}
+
+/// Attributes that hold the number of a block which is written with a name.
+const NUMBER_ATTRIBUTES: [&str; 2] = ["S7_BlockNumber", "BlockNumber"];
+
+/// The name of a block with its number, where the text tells it: `FC10` in one word, the attribute `S7_BlockNumber`, an OB by its usual
+/// name. A symbol table comes first.
+fn numbered(
+    block: &ast::Block,
+    prefix: BlockPrefix,
+    name: &BlockName,
+    globals: &FxHashMap<String, Global>,
+) -> BlockName {
+    let BlockName::Symbol { name: text, span } = name else { return name.clone() };
+    if globals.contains_key(&fold(text)) {
+        return name.clone();
+    }
+    let header = match block {
+        ast::Block::Code(code) => &code.header,
+        ast::Block::Data(data) => &data.header,
+        ast::Block::Type(ty) => &ty.header,
+    };
+    let written = match parse_address(text) {
+        Some(SymbolTarget::Block { prefix: named, number }) if named == prefix => Some(number),
+        _ => None,
+    };
+    let attribute = header
+        .attributes
+        .iter()
+        .find(|(name, _)| NUMBER_ATTRIBUTES.iter().any(|number| number.eq_ignore_ascii_case(name)))
+        .and_then(|(_, value)| value.trim().trim_matches(['\'', '"']).parse().ok());
+    let usual = || if prefix == BlockPrefix::Ob { ob_number(text) } else { None };
+    match written.or(attribute).or_else(usual) {
+        Some(number) => BlockName::Numbered { prefix, number, span: *span },
+        None => name.clone(),
+    }
+}
+
 impl<'a> Binder<'a> {
     /// Reads the symbol tables and gives every block of the sources its number.
     pub fn collect(&mut self) {
@@ -122,7 +183,7 @@ impl<'a> Binder<'a> {
                 );
                 continue;
             }
-            match name {
+            match &numbered(block, prefix, name, &self.globals) {
                 BlockName::Numbered { number, span, .. } => {
                     let limit = if prefix == BlockPrefix::Ob { 255 } else { 65_535 };
                     if *number > limit || (prefix == BlockPrefix::Db && *number == 0) {
@@ -139,6 +200,11 @@ impl<'a> Binder<'a> {
                     }
                     used.insert((prefix, *number));
                     self.define(block, prefix, *number as u16, *span);
+                    if let (_, BlockName::Symbol { name, .. }) = frame(block) {
+                        let target = SymbolTarget::Block { prefix, number: *number };
+                        let global = Global { name: name.trim().to_string(), target, ty: None, span: *span };
+                        self.globals.entry(fold(name)).or_insert(global);
+                    }
                 }
                 BlockName::Symbol { name, span } => match self.globals.get(&fold(name)).map(|global| global.target) {
                     Some(SymbolTarget::Block { prefix: named, number }) if named == prefix && number <= 65_535 => {
@@ -156,16 +222,25 @@ impl<'a> Binder<'a> {
                             .also(global.span, "the symbol"),
                         );
                     }
-                    None => unnumbered.push((block, prefix, name, *span)),
+                    None => unnumbered.push((block, prefix, name.clone(), *span)),
                 },
             }
         }
         if !unnumbered.is_empty() {
             used.extend(blocks.iter().flat_map(|block| mentions::numbers(block)));
         }
+        let lonely = blocks.iter().filter(|block| frame(block).0 == BlockPrefix::Ob).count() == 1;
         let mut next: FxHashMap<BlockPrefix, u32> = FxHashMap::default();
         for (block, prefix, name, span) in unnumbered {
-            if let Some(global) = self.globals.get(&fold(name)) {
+            if prefix == BlockPrefix::Ob && !(lonely && !used.contains(&(BlockPrefix::Ob, 1))) {
+                self.report.push(
+                    Diagnostic::new(Code::BlockFrame, span, format!("which OB `{name}` is cannot be known"))
+                        .label("the CPU finds an organization block by its number")
+                        .help("write `ORGANIZATION_BLOCK OB 35`, or give the name its number in the symbol table"),
+                );
+                continue;
+            }
+            if let Some(global) = self.globals.get(&fold(&name)) {
                 // Two blocks by one name: the second would replace the first.
                 let first = global.span;
                 self.report.push(
@@ -186,7 +261,7 @@ impl<'a> Binder<'a> {
             let number = *number;
             used.insert((prefix, number));
             let target = SymbolTarget::Block { prefix, number };
-            self.globals.insert(fold(name), Global { name: name.trim().to_string(), target, ty: None, span });
+            self.globals.insert(fold(&name), Global { name: name.trim().to_string(), target, ty: None, span });
             self.define(block, prefix, number as u16, span);
         }
         for global in self.globals.values() {
