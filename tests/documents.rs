@@ -204,6 +204,7 @@ fn codes_of(code: Code, example: &str) -> Vec<Code> {
             "toml" => "plc.toml",
             "sdf" => "symbols.sdf",
             "txt" => "main.txt",
+            "scl" => "main.scl",
             "sh" => {
                 let words = text.split_whitespace().skip(2);
                 named = Some(words.map(|word| folder.path().join(word)).collect());

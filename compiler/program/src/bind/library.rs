@@ -109,7 +109,9 @@ impl Binder<'_> {
     /// A piece of advice, with the words that a block came from the library if the program may mean one of its own.
     pub fn with_library_note(&self, key: BlockKey, help: String) -> String {
         match self.library_block(key).filter(|_| matches!(key.kind, BlockKind::Fc | BlockKind::Fb)) {
-            Some(block) => format!("{help}; no source defines {key}, so it is `{}` of the standard library", block.name),
+            Some(block) => {
+                format!("{help}; no source defines {key}, so it is `{}` of the standard library", block.name)
+            }
             None => help,
         }
     }

@@ -284,3 +284,6 @@ pub fn rounding(rules: Rules, name: &str) -> Option<Conversion> {
         _ => return None,
     })
 }
+
+#[cfg(test)]
+mod tests;

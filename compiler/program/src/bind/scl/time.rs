@@ -189,10 +189,21 @@ impl Binder<'_> {
     pub(super) fn library_value(&mut self, number: u16, actuals: Vec<Actual>, span: Span) -> Option<Value> {
         let target = BlockKey { kind: BlockKind::Fc, number };
         let bound = self.interface(target, span)?;
+        let result = bound.interface.parameters.iter().find(|formal| formal.name == "RET_VAL");
+        let Some(result) = result.filter(|_| bound.interface.parameters.len() == actuals.len() + 1) else {
+            self.refuse(
+                Code::UnknownBlock,
+                span,
+                &format!("this needs {target} of the standard library"),
+                &format!("the program has another {target}"),
+                "give the block of the program another number",
+            );
+            return None;
+        };
+        let result = result.ty.clone();
         let inputs = bound.interface.parameters.iter().enumerate().filter(|(_, formal)| formal.name != "RET_VAL");
         let arguments =
             inputs.zip(actuals).map(|((parameter, _), actual)| Argument { parameter, actual, span }).collect();
-        let result = bound.interface.parameters.iter().find(|formal| formal.name == "RET_VAL")?.ty.clone();
         let call = Box::new(Call { target, instance: None, arguments, enable: None, eno: None, span });
         Some(match result {
             DataType::Elementary(ty) => Value::Elementary(Expr { kind: ExprKind::Call(call), ty, span }),
