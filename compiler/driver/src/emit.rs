@@ -1,16 +1,17 @@
 //! Text of the intermediate forms that are made of several files.
 
-use plcc_syntax::{ParseOptions, stl};
+use plcc_syntax::ParseOptions;
 
 use crate::inputs::Read;
-use crate::pipeline::{Compiled, Parsed, Settings};
+use crate::pipeline::{self, Compiled, Parsed, Settings};
 
 /// Tokens of each source.
 pub fn tokens(read: &Read, settings: &Settings) -> String {
-    let options = ParseOptions { mnemonics: settings.mnemonics, pragmas: settings.pragmas };
     let texts = read.units.iter().map(|&unit| {
         let file = read.sources.file(unit);
-        (file.name.as_str(), stl::tokens_text(&file.text, &options))
+        let language = pipeline::language_of(&file.name);
+        let options = ParseOptions { mnemonics: settings.mnemonics, pragmas: settings.pragmas, language };
+        (file.name.as_str(), plcc_syntax::tokens_text(&file.text, &options))
     });
     join(texts)
 }

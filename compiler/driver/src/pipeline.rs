@@ -1,5 +1,7 @@
 //! The way of a program: read, parse, bind, lower, optimise, generate code. Each arrow is one function, from one type to one type.
 
+use std::path::Path;
+
 use plcc_abi::image::{Family, Profile, ProgramImage};
 use plcc_codegen::CodegenOptions;
 use plcc_diag::{Code, Diagnostic, SourceFile, SourceMap, Span};
@@ -7,7 +9,7 @@ use plcc_ir::Module;
 use plcc_program::model::Program;
 use plcc_program::symbols::{self, SymbolTable};
 use plcc_program::{BindInput, profile};
-use plcc_syntax::ParseOptions;
+use plcc_syntax::{Language, ParseOptions};
 use plcc_syntax::ast::{Block, SourceUnit, StatementKind};
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 
@@ -36,7 +38,7 @@ impl Settings {
 
     fn parse_options(&self, project: Option<&Project>) -> ParseOptions {
         let mnemonics = self.mnemonics.or_else(|| project.and_then(|project| project.mnemonics));
-        ParseOptions { mnemonics, pragmas: self.pragmas }
+        ParseOptions { mnemonics, pragmas: self.pragmas, language: None }
     }
 }
 
@@ -77,7 +79,9 @@ pub fn parse(read: Read, settings: &Settings) -> Parsed {
     let Read { name, sources, units, tables, project, mut diagnostics } = read;
     let options = settings.parse_options(project.as_ref());
     let mut parse_unit = |file| {
-        let (unit, messages) = plcc_syntax::parse(file, &sources.file(file).text, &options);
+        let source = sources.file(file);
+        let options = ParseOptions { language: language_of(&source.name), ..options };
+        let (unit, messages) = plcc_syntax::parse(file, &source.text, &options);
         diagnostics.extend(messages);
         (file, unit)
     };
@@ -89,6 +93,11 @@ pub fn parse(read: Read, settings: &Settings) -> Parsed {
     };
     let tables = tables.into_iter().map(&mut parse_table).collect();
     Parsed { name, sources, units, tables, project, diagnostics }
+}
+
+/// The language that the name of a file tells.
+pub fn language_of(name: &str) -> Option<Language> {
+    Path::new(name).extension().and_then(|extension| Language::of_extension(&extension.to_string_lossy()))
 }
 
 /// Settles names, types and addresses.

@@ -27,6 +27,17 @@ pub enum Block {
     Type(TypeBlock),
 }
 
+impl Block {
+    /// From its keyword to its end.
+    pub fn span(&self) -> Span {
+        match self {
+            Block::Code(block) => block.span,
+            Block::Data(block) => block.span,
+            Block::Type(block) => block.span,
+        }
+    }
+}
+
 /// Kind of a block with code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CodeKind {

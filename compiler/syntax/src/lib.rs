@@ -11,6 +11,7 @@ pub mod ast;
 mod ast_text;
 mod elementary;
 mod encoding;
+mod language;
 pub mod literal;
 pub mod scl;
 pub mod stl;
@@ -18,8 +19,11 @@ pub mod stl;
 pub use ast_text::ast_text;
 pub use elementary::{Class, Elementary};
 pub use encoding::decode;
+pub use language::Language;
 
 use plcc_diag::{Diagnostic, FileId};
+
+use language::Reading;
 
 /// How a source is read.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,9 +32,37 @@ pub struct ParseOptions {
     pub mnemonics: Option<stl::Mnemonics>,
     /// Assertion pragmas (`//@ …`) are read; else they are comments.
     pub pragmas: bool,
+    /// The language, if the name of the file tells; `None`: found in the file.
+    pub language: Option<Language>,
 }
 
 /// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (ast::SourceUnit, Vec<Diagnostic>) {
-    stl::parse(file, text, options)
+    match language::detect(text, options.language) {
+        Reading::Whole(Language::Stl) => stl::parse(file, text, options),
+        Reading::Whole(Language::Scl) => scl::parse(file, text, options),
+        Reading::Mixed(scl) => {
+            let (mut unit, mut diagnostics) = stl::parse(file, &language::masked(text, &scl, false), options);
+            let (other, messages) = scl::parse(file, &language::masked(text, &scl, true), options);
+            unit.blocks.extend(other.blocks);
+            unit.blocks.sort_by_key(|block| block.span().start);
+            unit.pragmas.extend(other.pragmas);
+            unit.pragmas.sort_by_key(|pragma| pragma.span.start);
+            diagnostics.extend(messages);
+            diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+            (unit, diagnostics)
+        }
+    }
+}
+
+/// The tokens of a source as its grammar sees them, one per line, for `--emit tokens`.
+pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
+    match language::detect(text, options.language) {
+        Reading::Whole(Language::Stl) => stl::tokens_text(text, options),
+        Reading::Whole(Language::Scl) => scl::tokens_text(text, options),
+        Reading::Mixed(scl) => {
+            let stl = stl::tokens_text(&language::masked(text, &scl, false), options);
+            stl + &scl::tokens_text(&language::masked(text, &scl, true), options)
+        }
+    }
 }

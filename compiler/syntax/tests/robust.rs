@@ -79,7 +79,7 @@ const PIECES: &[&str] = &[
 
 fn read(text: &str) {
     for pragmas in [false, true] {
-        let options = ParseOptions { mnemonics: None, pragmas };
+        let options = ParseOptions { pragmas, ..ParseOptions::default() };
         let (unit, diagnostics) = parse(FileId(0), text, &options);
         for diagnostic in &diagnostics {
             let spans = std::iter::once(&diagnostic.primary).chain(&diagnostic.secondary).map(|label| label.span);
@@ -95,7 +95,7 @@ fn read(text: &str) {
 
 fn within(limit: Duration, text: &str) {
     let start = Instant::now();
-    parse(FileId(0), text, &ParseOptions { mnemonics: None, pragmas: true });
+    parse(FileId(0), text, &ParseOptions { pragmas: true, ..ParseOptions::default() });
     let needed = start.elapsed();
     assert!(needed < limit, "{needed:?} for {} bytes", text.len());
 }

@@ -16,7 +16,7 @@ use crate::types::{DataType, StructType};
 fn bind_text(source: &str, table: &str, partial: bool) -> (Program, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
     let file = sources.add(SourceFile::new("test.stl", source));
-    let options = ParseOptions { mnemonics: None, pragmas: true };
+    let options = ParseOptions { mnemonics: None, pragmas: true, ..ParseOptions::default() };
     let (unit, mut diagnostics) = plcc_syntax::parse(file, source, &options);
     let mut tables = Vec::new();
     if !table.is_empty() {
@@ -178,7 +178,7 @@ fn result_of_system_functions_is_their_first_output() {
 #[test]
 fn every_system_block_binds() {
     for block in plcc_stdlib::blocks() {
-        let options = ParseOptions { mnemonics: None, pragmas: false };
+        let options = ParseOptions { mnemonics: None, pragmas: false, ..ParseOptions::default() };
         let (unit, diagnostics) = plcc_syntax::parse(FileId(0), block.source, &options);
         assert!(diagnostics.is_empty(), "{}: {diagnostics:#?}", block.name);
         assert_eq!(unit.blocks.len(), 1, "{}", block.name);

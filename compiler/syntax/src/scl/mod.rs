@@ -14,6 +14,7 @@ mod keyword;
 mod layout;
 mod literal;
 mod messages;
+mod outline;
 mod raw;
 pub mod text;
 mod token;
@@ -29,6 +30,8 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ParseOptions;
 use crate::ast::SourceUnit;
+
+pub(crate) use outline::{Outline, outline};
 
 pub use address::{absolute, area_word, db_address, db_area_word};
 

@@ -34,6 +34,13 @@ use crate::ast::{Block, SourceUnit};
 pub use instructions::{Mnemonics, OperandClass, StlInsn};
 pub use reference::reference;
 
+/// Whether `word` is a mnemonic of either set, CALL included.
+pub(crate) fn is_mnemonic(word: &str) -> bool {
+    let upper = mnemonics::Upper::new(word);
+    upper.as_str() == "CALL"
+        || [Mnemonics::En, Mnemonics::De].into_iter().any(|set| mnemonics::instruction(upper.as_str(), set).is_some())
+}
+
 /// Parses a source. Errors are recovered; what could not be parsed is left out or is an error node.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let raw = raw::scan(text);

@@ -1,0 +1,71 @@
+//! Which language a source is written in. The statements of its blocks tell, and where there are none, the forms of its declarations.
+
+use std::ops::Range;
+
+use crate::scl::{Outline, outline};
+
+/// A textual language.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Language {
+    Stl,
+    Scl,
+}
+
+impl Language {
+    /// The language that the ending of a file's name stands for, `"scl"`; none for `.txt` and others, whose content tells.
+    pub fn of_extension(extension: &str) -> Option<Language> {
+        let is = |known: &[&str]| known.iter().any(|known| known.eq_ignore_ascii_case(extension));
+        if is(&["scl", "gr", "gr7"]) {
+            Some(Language::Scl)
+        } else if is(&["stl", "awl"]) {
+            Some(Language::Stl)
+        } else {
+            None
+        }
+    }
+}
+
+/// How a source is to be read.
+pub enum Reading {
+    /// All of it in one language.
+    Whole(Language),
+    /// The bytes of its SCL blocks; the rest is STL.
+    Mixed(Vec<Range<usize>>),
+}
+
+/// Tells how to read `text`; `hint` decides where its content does not.
+pub fn detect(text: &str, hint: Option<Language>) -> Reading {
+    let Outline { blocks, modern } = outline(text);
+    let scl = blocks.iter().any(|block| block.language == Some(Language::Scl));
+    let stl = blocks.iter().any(|block| block.language == Some(Language::Stl));
+    match (scl, stl, hint) {
+        (true, true, _) => {
+            let ranges = blocks.into_iter().filter(|block| block.language == Some(Language::Scl)).map(|block| block.range);
+            Reading::Mixed(ranges.collect())
+        }
+        (_, _, Some(language)) => Reading::Whole(language),
+        (true, false, None) => Reading::Whole(Language::Scl),
+        (false, true, None) => Reading::Whole(Language::Stl),
+        (false, false, None) => Reading::Whole(if modern { Language::Scl } else { Language::Stl }),
+    }
+}
+
+/// `text` with blanks in place of all bytes inside (`keep` false) or outside (`keep` true) of `ranges`; line ends stay.
+pub fn masked(text: &str, ranges: &[Range<usize>], keep: bool) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut at = 0;
+    let mut copy = |range: Range<usize>, shown: bool| {
+        if shown {
+            out.push_str(&text[range]);
+        } else {
+            out.extend(text[range].bytes().map(|byte| if byte == b'\n' { '\n' } else { ' ' }));
+        }
+    };
+    for range in ranges {
+        copy(at..range.start, !keep);
+        copy(range.clone(), keep);
+        at = range.end;
+    }
+    copy(at..text.len(), !keep);
+    out
+}

@@ -1,0 +1,198 @@
+//! The blocks of a source, and which language the statements of each are in. Guesses, without parsing, and without regard to correctness.
+
+use std::ops::Range;
+
+use super::keyword::Keyword;
+use super::raw::{self, RawKind, RawToken};
+use crate::elementary::Elementary;
+use crate::language::Language;
+use crate::stl::is_mnemonic;
+
+/// A block of a source, or the statements outside of blocks.
+pub struct OutlinedBlock {
+    pub range: Range<usize>,
+    /// None: nothing tells.
+    pub language: Option<Language>,
+}
+
+/// What a source consists of.
+pub struct Outline {
+    pub blocks: Vec<OutlinedBlock>,
+    /// Some declaration has a form that only the TIA Portal writes.
+    pub modern: bool,
+}
+
+/// Looks at the blocks of `text`.
+pub fn outline(text: &str) -> Outline {
+    let tokens = raw::scan(text).tokens;
+    let scan = Scan { text, tokens: &tokens };
+    let mut blocks = Vec::new();
+    let mut modern = false;
+    let mut at = 0;
+    while at < tokens.len() {
+        let framed = scan.begins_block(at);
+        let mut end = at + 1;
+        while end < tokens.len() && !scan.begins_block(end) {
+            let ends = tokens[end].keyword.is_some_and(Keyword::ends_block);
+            end += 1;
+            if ends {
+                break;
+            }
+        }
+        let block = at..end;
+        let code = if framed { scan.code(block.clone()) } else { block.clone() };
+        modern |= scan.modern(at..code.start);
+        let language = scan.language(code);
+        blocks.push(OutlinedBlock {
+            range: tokens[at].start as usize..tokens[end - 1].end as usize,
+            language,
+        });
+        at = end;
+    }
+    Outline { blocks, modern }
+}
+
+struct Scan<'a> {
+    text: &'a str,
+    tokens: &'a [RawToken],
+}
+
+impl Scan<'_> {
+    fn kind(&self, index: usize) -> Option<RawKind> {
+        self.tokens.get(index).map(|token| token.kind)
+    }
+
+    fn slice(&self, index: usize) -> &str {
+        &self.text[self.tokens[index].range()]
+    }
+
+    fn begins_block(&self, index: usize) -> bool {
+        let token = self.tokens[index];
+        let first = index == 0
+            || token.first_on_line
+            || self.tokens[index - 1].keyword.is_some_and(Keyword::ends_block)
+            || self.kind(index - 1) == Some(RawKind::Semicolon);
+        first
+            && token.keyword.is_some_and(Keyword::begins_block)
+            && matches!(self.kind(index + 1), Some(RawKind::Word | RawKind::Quoted))
+    }
+
+    /// The statements of a framed block.
+    fn code(&self, block: Range<usize>) -> Range<usize> {
+        match self.tokens[block.start].keyword {
+            Some(Keyword::DataBlock | Keyword::Type) => return block.end..block.end,
+            _ => {}
+        }
+        let keyword = |index: &usize| self.tokens[*index].keyword;
+        let begin = block.clone().find(|index| keyword(index) == Some(Keyword::Begin));
+        let begin = begin.or_else(|| block.clone().rfind(|index| keyword(index).is_some_and(Keyword::ends_section)));
+        begin.map_or(block.end, |begin| begin + 1)..block.end
+    }
+
+    /// The language whose statements are more in `code`.
+    fn language(&self, code: Range<usize>) -> Option<Language> {
+        let (mut scl, mut stl) = (0usize, 0usize);
+        let mut depth = 0usize;
+        for index in code.clone() {
+            let token = self.tokens[index];
+            let starts = index == code.start
+                || token.first_on_line
+                || matches!(self.kind(index - 1), Some(RawKind::Semicolon | RawKind::Colon))
+                || self.tokens[index - 1].keyword.is_some_and(|word| {
+                    matches!(word, Keyword::Then | Keyword::Do | Keyword::Else | Keyword::Repeat | Keyword::Begin)
+                });
+            match token.kind {
+                RawKind::LeftParen => depth += 1,
+                RawKind::RightParen => depth = depth.saturating_sub(1),
+                RawKind::Semicolon => depth = 0,
+                RawKind::Word if depth == 0 && starts => match token.keyword {
+                    Some(word) if word.begins_statement() || word.closes_statement() => scl += 1,
+                    _ if self.slice(index).eq_ignore_ascii_case("NETWORK") => return Some(Language::Stl),
+                    // A mnemonic may be the name of a variable or function.
+                    _ if matches!(self.kind(index + 1), Some(RawKind::Assign | RawKind::Dot | RawKind::LeftBracket)) => {
+                        scl += usize::from(self.assigns(index));
+                    }
+                    _ if self.kind(index + 1) != Some(RawKind::Colon) => {
+                        let mnemonic = is_mnemonic(self.slice(index));
+                        let call = self.kind(index + 1) == Some(RawKind::LeftParen);
+                        stl += usize::from(mnemonic);
+                        scl += usize::from(call && !mnemonic);
+                    }
+                    _ => {}
+                },
+                RawKind::Local | RawKind::Quoted | RawKind::Absolute if depth == 0 && starts => scl += 1,
+                _ => {}
+            }
+        }
+        match scl.cmp(&stl) {
+            std::cmp::Ordering::Greater => Some(Language::Scl),
+            std::cmp::Ordering::Less => Some(Language::Stl),
+            std::cmp::Ordering::Equal => None,
+        }
+    }
+
+    /// Whether the statement at `index` is an assignment that ends with `;`. Parameters of a CALL have lines without.
+    fn assigns(&self, index: usize) -> bool {
+        let mut assign = false;
+        for token in self.tokens[index..].iter().skip(1) {
+            match token.kind {
+                RawKind::Assign => assign = true,
+                RawKind::Semicolon => return assign,
+                RawKind::Comma if assign => return false,
+                _ if token.first_on_line => return false,
+                _ => {}
+            }
+        }
+        false
+    }
+
+    /// Whether the declarations have forms of the TIA Portal.
+    fn modern(&self, declarations: Range<usize>) -> bool {
+        declarations.clone().any(|index| {
+            let token = self.tokens[index];
+            let next = self.kind(index + 1).filter(|_| index + 1 < declarations.end);
+            match token.kind {
+                RawKind::Assign => matches!(next, Some(RawKind::LeftBracket | RawKind::LeftParen)),
+                RawKind::LeftBracket => next == Some(RawKind::Star),
+                RawKind::Word => match token.keyword {
+                    Some(Keyword::RefTo) => true,
+                    Some(Keyword::Array) => {
+                        // An array data block: nothing declares a name before it.
+                        index > 0 && self.kind(index - 1) != Some(RawKind::Colon) && !self.is_of(index - 1)
+                    }
+                    Some(word) if word.begins_section() => {
+                        let data = self.tokens[declarations.start].keyword == Some(Keyword::DataBlock);
+                        let next = if next == Some(RawKind::Word) { self.slice(index + 1) } else { "" };
+                        data || ["RETAIN", "CONSTANT", "DB_SPECIFIC"].iter().any(|word| word.eq_ignore_ascii_case(next))
+                    }
+                    _ => self.kind(index.wrapping_sub(1)) == Some(RawKind::Colon) && modern_type(self.slice(index)),
+                },
+                RawKind::Literal => {
+                    let prefix = self.slice(index).split('#').next().unwrap_or_default();
+                    modern_type(prefix) || ["LT", "LW"].iter().any(|known| known.eq_ignore_ascii_case(prefix))
+                }
+                _ => false,
+            }
+        })
+    }
+
+    fn is_of(&self, index: usize) -> bool {
+        self.tokens[index].keyword == Some(Keyword::Of)
+    }
+}
+
+/// A type that S7-300 and S7-400 do not have.
+fn modern_type(word: &str) -> bool {
+    let upper = word.to_ascii_uppercase();
+    match upper.as_str() {
+        "DTL" | "WSTRING" | "VARIANT" => true,
+        "TOD" | "S5TIME" => false,
+        name => Elementary::from_word(name).is_some_and(|ty| {
+            ty.bits() == 64
+                || matches!(
+                    ty,
+                    Elementary::Sint | Elementary::Usint | Elementary::Uint | Elementary::Udint | Elementary::Wchar
+                )
+        }),
+    }
+}
