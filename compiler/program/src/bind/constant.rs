@@ -182,13 +182,16 @@ impl Binder<'_> {
         if let Some(constant) = constants.get(&names::fold(&name.text)) {
             return Some(constant.clone());
         }
-        let text = &name.text;
+        self.unknown_constant(&name.text, name.span);
+        None
+    }
+
+    fn unknown_constant(&mut self, name: &str, span: Span) {
         self.report.push(
-            Diagnostic::new(Code::ConstantRequired, name.span, format!("`{text}` is no constant of this block"))
+            Diagnostic::new(Code::ConstantRequired, span, format!("`{name}` is no constant of this block"))
                 .label("a value that is known when the program is compiled must stand here")
                 .help("declare it before in VAR CONSTANT or CONST, or write the number"),
         );
-        None
     }
 
     fn no_constant(&mut self, span: Span, why: &str) {
@@ -244,6 +247,10 @@ impl Binder<'_> {
             Bound::Name(name, span) => {
                 if let Some(number) = self.scope.constants.get(&names::fold(name)).and_then(Constant::integer) {
                     return i64::try_from(number).ok();
+                }
+                if self.scope.scl {
+                    self.unknown_constant(name, *span);
+                    return None;
                 }
                 self.report.push(
                     Diagnostic::new(Code::ConstantRequired, *span, format!("`{name}` is no constant"))

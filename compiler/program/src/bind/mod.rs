@@ -29,6 +29,8 @@ mod settle;
 mod value;
 
 #[cfg(test)]
+mod declaration_tests;
+#[cfg(test)]
 mod tests;
 
 use std::rc::Rc;
