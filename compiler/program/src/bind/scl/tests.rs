@@ -1,1 +1,0 @@
-//! Conversions, and statements as they are bound.
