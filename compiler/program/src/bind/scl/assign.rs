@@ -46,6 +46,10 @@ impl Binder<'_> {
             self.no_references(span);
             return None;
         }
+        // What can never be a target was told when it was read.
+        if matches!(target.kind, NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. }) {
+            return None;
+        }
         if self.is_flag(ctx, target) {
             return self.assign_flag(ctx, target, op, value?, span, read, bound);
         }

@@ -32,7 +32,7 @@ impl Binder<'_> {
     }
 
     fn statement(&mut self, ctx: &mut Ctx, tree: &Tree, bound: &mut Vec<Statement>) {
-        let span = ctx.fixed_span.unwrap_or(tree.span);
+        let span = ctx.fixed_span.unwrap_or(head(tree));
         let kind = match &tree.kind {
             TreeKind::Empty | TreeKind::Error => None,
             TreeKind::Label(name) => self.label(ctx, name).map(StatementKind::Label),
@@ -56,7 +56,7 @@ impl Binder<'_> {
             }
             TreeKind::Case { selector, arms, otherwise } => self.case(ctx, selector, arms, otherwise),
             TreeKind::For { variable, start, end, step, body } => {
-                self.for_loop(ctx, variable, (start, end, step.as_ref()), body, tree.span)
+                self.for_loop(ctx, variable, (start, end, step.as_ref()), body, head(tree))
             }
             TreeKind::While { condition, body } => {
                 let condition = self.condition(ctx, condition);
@@ -232,6 +232,29 @@ impl Binder<'_> {
         self.refuse(Code::EndlessLoop, span, "this loop cannot end", &label, "take a longer type for its variable");
         None
     }
+}
+
+/// What stands for a statement in messages: of compound ones the first line.
+fn head(tree: &Tree) -> Span {
+    const REPEAT: u32 = 6;
+    let end = match &tree.kind {
+        TreeKind::If { branches, .. } => branches.first().map(|(condition, _)| condition.span.end),
+        TreeKind::Case { selector, .. } => Some(selector.span.end),
+        TreeKind::For { end, step, .. } => Some(step.as_ref().unwrap_or(end).span.end),
+        TreeKind::While { condition, .. } => Some(condition.span.end),
+        TreeKind::Repeat { .. } => Some((tree.span.start + REPEAT).min(tree.span.end)),
+        TreeKind::Empty
+        | TreeKind::Label(_)
+        | TreeKind::Expression(_)
+        | TreeKind::Assign { .. }
+        | TreeKind::Exit
+        | TreeKind::Continue
+        | TreeKind::Return(_)
+        | TreeKind::Goto(_)
+        | TreeKind::Pragma(_)
+        | TreeKind::Error => None,
+    };
+    Span { end: end.unwrap_or(tree.span.end), ..tree.span }
 }
 
 /// A statement that may leave the loop around it.

@@ -4,22 +4,31 @@ mod show;
 
 use plcc_abi::image::{BlockKind, Config, Family};
 use plcc_diag::{Diagnostic, SourceFile, SourceMap};
-use plcc_syntax::ParseOptions;
+use plcc_syntax::scl::ast::Dialect;
+use plcc_syntax::{ParseOptions, ast};
 
 use crate::bind::{BindInput, bind};
 use crate::model::{BlockKey, Body, Program};
 use crate::profile;
 
-/// The CPU that nobody named.
-const UNNAMED: (Family, bool) = (Family::S7300, false);
-const NAMED_300: (Family, bool) = (Family::S7300, true);
-const NAMED_1200: (Family, bool) = (Family::S71200, true);
+/// Dialect of the source, family of the CPU, and whether somebody named it.
+type Setting = (Dialect, Family, bool);
 
-fn bind_text(source: &str, (family, named): (Family, bool)) -> (Program, Vec<Diagnostic>) {
+const UNNAMED: Setting = (Dialect::Tia, Family::S7300, false);
+const CLASSIC: Setting = (Dialect::Classic, Family::S7300, false);
+const NAMED_300: Setting = (Dialect::Tia, Family::S7300, true);
+const NAMED_1200: Setting = (Dialect::Tia, Family::S71200, true);
+
+fn bind_text(source: &str, (dialect, family, named): Setting) -> (Program, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
     let file = sources.add(SourceFile::new("test.scl", source));
-    let (unit, mut diagnostics) =
+    let (mut unit, mut diagnostics) =
         plcc_syntax::scl::parse(file, source, &ParseOptions { mnemonics: None, pragmas: true });
+    for block in &mut unit.blocks {
+        if let ast::Block::Code(ast::CodeBlock { code: ast::Code::Scl(body), .. }) = block {
+            body.dialect = dialect;
+        }
+    }
     let (program, bound) = bind(&BindInput {
         name: "test".to_string(),
         sources: &sources,
@@ -35,9 +44,9 @@ fn bind_text(source: &str, (family, named): (Family, bool)) -> (Program, Vec<Dia
     (program, diagnostics)
 }
 
-/// Variables of the FC that most tests bind: TEMP at L0 on, all of them written by an IN_OUT-like start.
+/// Static data of the FB that most tests bind, from byte 0 on.
 const TEMPS: &str = "i : INT; j : INT; n : INT; d : DINT; r : REAL; b : BOOL; c : BOOL; by : BYTE; w : WORD; dw : DWORD; \
-    t : TIME; s : STRING[4]; ui : UINT; a : ARRAY[1..3] OF INT; m : ARRAY[0..1, 1..3] OF INT; bits : ARRAY[0..9] OF BOOL; \
+    t : TIME; s : STRING[4]; ui : UINT; a : ARRAY[1..3] OF INT; mm : ARRAY[0..1, 1..3] OF INT; bits : ARRAY[0..9] OF BOOL; \
     lr : LREAL; tod : TOD; da : DATE; ch : CHAR; st : STRUCT x : INT; y : BOOL; END_STRUCT; dt1 : DATE_AND_TIME;";
 
 fn block(statements: &str) -> String {
@@ -58,14 +67,14 @@ fn check(statements: &str, expected: &str) {
 }
 
 #[track_caller]
-fn check_on(cpu: (Family, bool), statements: &str, expected: &str) {
+fn check_on(cpu: Setting, statements: &str, expected: &str) {
     let (program, diagnostics) = bind_text(&block(statements), cpu);
     assert!(diagnostics.is_empty(), "{diagnostics:#?}");
     assert_eq!(show(&program), expected);
 }
 
 #[track_caller]
-fn codes(cpu: (Family, bool), statements: &str, expected: &[&str]) {
+fn codes(cpu: Setting, statements: &str, expected: &[&str]) {
     let (_, diagnostics) = bind_text(&block(statements), cpu);
     let found: Vec<&str> = diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect();
     assert_eq!(found, expected, "{diagnostics:#?}");
@@ -91,7 +100,6 @@ fn arithmetic_types() {
     check("#r := #i ** 2;", "S10.0 := (Power.REAL INT->REAL(S0.0) REAL#1073741824)");
     check("#lr := #r + #lr;", "S54.0 := (Add.LREAL REAL->LREAL(S10.0) S54.0)");
     check("#i := #i MOD 3;", "S0.0 := (Modulo.INT S0.0 INT#3)");
-    // The product of constants is an LINT of its own where no partner is.
     check("#i := -32768;", "S0.0 := INT#32768");
 }
 
@@ -99,7 +107,7 @@ fn arithmetic_types() {
 fn classic_constants_widen() {
     // `LABEL` is a sign of the classic form.
     let source = "FUNCTION FC 1 : VOID\nVAR_TEMP\n i : INT; d : DINT;\nEND_VAR\nCONST\n k := 5;\nEND_CONST\nBEGIN\ni := k;\nd := i + 50000;\nEND_FUNCTION\n";
-    let (program, diagnostics) = bind_text(source, UNNAMED);
+    let (program, diagnostics) = bind_text(source, CLASSIC);
     assert!(diagnostics.is_empty(), "{diagnostics:#?}");
     let Body::Scl(body) = &program.block(BlockKey { kind: BlockKind::Fc, number: 1 }).unwrap().body else { panic!() };
     assert_eq!(show::statements(&body.statements), "L0.0 := INT#5; L2.0 := (Add.DINT INT->DINT(L0.0) DINT#50000)");
@@ -156,9 +164,9 @@ fn times() {
 fn arrays_and_slices() {
     check("#i := #a[2];", "S0.0 := S36.0");
     check("#a[#i] := 5;", "S34.0[INT->DINT(S0.0) in 1..3 by 16] := INT#5");
-    check("#i := #m[1, 2];", "S0.0 := S48.0");
-    check("#i := #m[#i, 2];", "S0.0 := S42.0[INT->DINT(S0.0) in 0..1 by 48]");
-    check("#a := #m[1];", "S34.0 :=6 S46.0");
+    check("#i := #mm[1, 2];", "S0.0 := S48.0");
+    check("#i := #mm[#i, 2];", "S0.0 := S42.0[INT->DINT(S0.0) in 0..1 by 48]");
+    check("#a := #mm[1];", "S34.0 :=6 S46.0");
     check("#b := #bits[9];", "S14.0 := S53.1");
     check("#b := #bits[#i];", "S14.0 := S52.0[INT->DINT(S0.0) in 0..9 by 1]");
     check("#b := #w.%X3;", "S14.0 := S16.0.Bit3");
@@ -170,6 +178,7 @@ fn arrays_and_slices() {
     codes(UNNAMED, "#b := #w.%X16;", &["P0403"]);
     codes(UNNAMED, "#ch := #s[5];", &["P0403"]);
     codes(UNNAMED, "#i := #a[#r];", &["P0401"]);
+    codes(CLASSIC, "#w := #i;", &["P0520"]);
     codes(UNNAMED, "#i := #i[1];", &["P0307"]);
     codes(UNNAMED, "#i := #st.z;", &["P0307"]);
     codes(UNNAMED, "#i := #nothing;", &["P0306"]);
@@ -213,7 +222,7 @@ fn conversions_in_assignments() {
     codes(UNNAMED, "#t := #r;", &["P0401"]);
     codes(NAMED_300, "#i := #d;", &["P0401"]);
     codes(UNNAMED, "#i := 'ab';", &["P0401"]);
-    codes(UNNAMED, "5 := #i;", &["P0203"]);
+    codes(UNNAMED, "5 := #i;", &["P0201"]);
     codes(UNNAMED, "IF #w THEN ; END_IF;", &["P0401"]);
 }
 
@@ -327,7 +336,8 @@ fn long_and_deep_expressions() {
     let long = format!("#i := {}1;", "#i + ".repeat(900));
     codes(UNNAMED, &long, &[]);
     let too_long = format!("#i := {}#i;", "#i + ".repeat(5000));
-    codes(UNNAMED, &too_long, &["P0201"]);
+    let (_, diagnostics) = bind_text(&block(&too_long), UNNAMED);
+    assert!(diagnostics.iter().all(|diagnostic| diagnostic.code.name() == "P0201") && !diagnostics.is_empty());
     let deep = format!("#i := {}#i{};", "(1 + ".repeat(190), ")".repeat(190));
     codes(UNNAMED, &deep, &[]);
 }
