@@ -23,7 +23,7 @@ fn bind_text(source: &str, (dialect, family, named): Setting) -> (Program, Vec<D
     let mut sources = SourceMap::default();
     let file = sources.add(SourceFile::new("test.scl", source));
     let (mut unit, mut diagnostics) =
-        plcc_syntax::scl::parse(file, source, &ParseOptions { mnemonics: None, pragmas: true });
+        plcc_syntax::scl::parse(file, source, &ParseOptions { pragmas: true, ..ParseOptions::default() });
     for block in &mut unit.blocks {
         if let ast::Block::Code(ast::CodeBlock { code: ast::Code::Scl(body), .. }) = block {
             body.dialect = dialect;
