@@ -119,6 +119,7 @@ pub struct Expr {
 pub enum ExprKind {
     /// The value's bits, zero-extended from the width of the type.
     Const(u64),
+    /// Of a parameter of type BLOCK_DB: the number, a WORD.
     Load(Box<Access>),
     Unary {
         op: UnaryOp,
