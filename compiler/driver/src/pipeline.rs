@@ -9,9 +9,9 @@ use plcc_ir::Module;
 use plcc_program::model::Program;
 use plcc_program::symbols::{self, SymbolTable};
 use plcc_program::{BindInput, profile};
-use plcc_syntax::{Language, ParseOptions};
 use plcc_syntax::ast::{Block, SourceUnit, StatementKind};
 use plcc_syntax::stl::{Mnemonics, StlInsn};
+use plcc_syntax::{Language, ParseOptions};
 
 use crate::cli::{CompileArgs, Level};
 use crate::inputs::Read;

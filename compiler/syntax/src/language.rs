@@ -40,7 +40,8 @@ pub fn detect(text: &str, hint: Option<Language>) -> Reading {
     let stl = blocks.iter().any(|block| block.language == Some(Language::Stl));
     match (scl, stl, hint) {
         (true, true, _) => {
-            let ranges = blocks.into_iter().filter(|block| block.language == Some(Language::Scl)).map(|block| block.range);
+            let ranges =
+                blocks.into_iter().filter(|block| block.language == Some(Language::Scl)).map(|block| block.range);
             Reading::Mixed(ranges.collect())
         }
         (_, _, Some(language)) => Reading::Whole(language),

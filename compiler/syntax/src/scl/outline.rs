@@ -43,10 +43,7 @@ pub fn outline(text: &str) -> Outline {
         let code = if framed { scan.code(block.clone()) } else { block.clone() };
         modern |= scan.modern(at..code.start);
         let language = scan.language(code);
-        blocks.push(OutlinedBlock {
-            range: tokens[at].start as usize..tokens[end - 1].end as usize,
-            language,
-        });
+        blocks.push(OutlinedBlock { range: tokens[at].start as usize..tokens[end - 1].end as usize, language });
         at = end;
     }
     Outline { blocks, modern }
@@ -109,7 +106,11 @@ impl Scan<'_> {
                     Some(word) if word.begins_statement() || word.closes_statement() => scl += 1,
                     _ if self.slice(index).eq_ignore_ascii_case("NETWORK") => return Some(Language::Stl),
                     // A mnemonic may be the name of a variable or function.
-                    _ if matches!(self.kind(index + 1), Some(RawKind::Assign | RawKind::Dot | RawKind::LeftBracket)) => {
+                    _ if matches!(
+                        self.kind(index + 1),
+                        Some(RawKind::Assign | RawKind::Dot | RawKind::LeftBracket)
+                    ) =>
+                    {
                         scl += usize::from(self.assigns(index));
                     }
                     _ if self.kind(index + 1) != Some(RawKind::Colon) => {

@@ -27,6 +27,8 @@ mod time;
 mod value;
 
 #[cfg(test)]
+mod call_tests;
+#[cfg(test)]
 mod tests;
 
 use plcc_syntax::ast;

@@ -187,7 +187,7 @@ impl Binder<'_> {
 
     /// The value of a function of the standard library, called with all its parameters in order.
     pub(super) fn library_value(&mut self, number: u16, actuals: Vec<Actual>, span: Span) -> Option<Value> {
-        let target = BlockKey { kind: BlockKind::Fc, number };
+        let target = self.library_key(plcc_stdlib::find(plcc_stdlib::BlockClass::Fc, number)?);
         let bound = self.interface(target, span)?;
         let result = bound.interface.parameters.iter().find(|formal| formal.name == "RET_VAL");
         let Some(result) = result.filter(|_| bound.interface.parameters.len() == actuals.len() + 1) else {
