@@ -58,7 +58,7 @@ const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
 
 #[test]
 fn every_code_has_a_failing_and_a_passing_file() {
-    let check_files = files(&tests_folder().join("check"), "stl");
+    let check_files = ["stl", "scl"].map(|suffix| files(&tests_folder().join("check"), suffix)).concat();
     let names: Vec<String> =
         check_files.iter().map(|path| path.file_stem().unwrap().to_string_lossy().into()).collect();
     let has_pair = |code: Code| {
@@ -203,6 +203,7 @@ fn codes_of(code: Code, example: &str) -> Vec<Code> {
         let name = match language {
             "toml" => "plc.toml",
             "sdf" => "symbols.sdf",
+            "scl" => "main.scl",
             "txt" => "main.txt",
             "scl" => "main.scl",
             "sh" => {

@@ -2,13 +2,13 @@
 //!
 //! | Folder | A test | Beside it |
 //! | --- | --- | --- |
-//! | `run/` | STL with assertions, in all forms at -O0 and -O2; the verifier passes the IR behind each pass | `x.scenario.toml` |
-//! | `check/` | STL with caret lines | |
-//! | `parse/` | STL | `x.ast`, and `x.tokens` if it is there |
+//! | `run/` | STL or SCL with assertions, in all forms at -O0 and -O2; the verifier passes the IR behind each pass | `x.scenario.toml` |
+//! | `check/` | STL or SCL with caret lines | |
+//! | `parse/` | STL or SCL | `x.ast`, and `x.tokens` if it is there |
 //! | `ir/` | IR that prints as it stands | |
 //! | `opt/` | IR; `; passes: a,b` in its first line | `x.expect` |
-//! | `clif/` | STL | `x.clif` |
-//! | `messages/` | STL | `x.txt`: its messages as drawn |
+//! | `clif/` | STL or SCL | `x.clif` |
+//! | `messages/` | STL or SCL | `x.txt`: its messages as drawn |
 //! | `../samples/*/` | a project with scenarios | `x.trace.csv`, `x.vcd` beside `x.toml`, with the signals of its `# trace-signals:` line |
 
 use std::fs;
@@ -23,6 +23,9 @@ use plcc_driver::pipeline::{self, Settings};
 use plcc_driver::testing::{self, Form, Outcome, Variant, carets, prepare};
 use plcc_tests::{all_variants, bind_file, expect_file, files, plan, root, shown, tests_folder, updating};
 
+/// Endings of the sources that are tests.
+const LANGUAGES: [&str; 2] = ["stl", "scl"];
+
 /// Run tests in one trial: their executables share links.
 const RUN_GROUP: usize = 40;
 
@@ -34,13 +37,15 @@ fn main() -> ExitCode {
 fn trials() -> Vec<Trial> {
     let tests = tests_folder();
     let mut trials = Vec::new();
-    run_trials(&files(&tests.join("run"), "stl"), &mut trials);
-    file_trials("check", "stl", check_carets, &mut trials);
-    file_trials("parse", "stl", check_parse, &mut trials);
+    for language in LANGUAGES {
+        run_trials(&files(&tests.join("run"), language), &mut trials);
+        file_trials("check", language, check_carets, &mut trials);
+        file_trials("parse", language, check_parse, &mut trials);
+        file_trials("clif", language, check_clif, &mut trials);
+        file_trials("messages", language, check_messages, &mut trials);
+    }
     file_trials("ir", "ir", check_ir, &mut trials);
     file_trials("opt", "ir", check_opt, &mut trials);
-    file_trials("clif", "stl", check_clif, &mut trials);
-    file_trials("messages", "stl", check_messages, &mut trials);
     sample_trials(&mut trials);
     trials
 }

@@ -6,7 +6,8 @@ use plcc_syntax::stl::{Mnemonics, StlInsn};
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    Stl,
+    /// A source in STL or SCL.
+    Source,
     SymbolTable,
     /// Text that does not look like any of them.
     Prose,
@@ -14,7 +15,7 @@ pub enum Content {
     Other(&'static str),
 }
 
-/// Words that begin a line of an STL source and are no mnemonics.
+/// Words that begin a line of a source and are no mnemonics.
 const FRAME_WORDS: [&str; 17] = [
     "ORGANIZATION_BLOCK",
     "FUNCTION",
@@ -45,13 +46,13 @@ pub fn of(text: &str) -> Content {
     }
     let lines = || text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//"));
     match lines().next() {
-        None => return Content::Stl,
+        None => return Content::Source,
         Some(line) if line.starts_with('<') => return Content::Other("XML"),
         Some(line) if line.starts_with("%PDF") => return Content::Other("a PDF document"),
         Some(_) => {}
     }
-    if lines().any(begins_like_stl) || lines().all(|line| line.split_whitespace().count() <= 4) {
-        Content::Stl
+    if lines().any(|line| begins_like_stl(line) || is_assignment(line)) || lines().all(|line| line.split_whitespace().count() <= 4) {
+        Content::Source
     } else {
         Content::Prose
     }
@@ -68,6 +69,12 @@ fn begins_like_stl(line: &str) -> bool {
     FRAME_WORDS.iter().any(|frame| frame.eq_ignore_ascii_case(word))
         // Prose can begin with `A` or `O`, so that a statement must be short too.
         || words <= 4 && is_mnemonic(word)
+}
+
+/// `name := value;`
+fn is_assignment(line: &str) -> bool {
+    let code = line.split("//").next().unwrap_or_default().trim_end();
+    code.ends_with(';') && code.contains(":=")
 }
 
 fn is_mnemonic(word: &str) -> bool {
@@ -90,12 +97,14 @@ mod tests {
             "FUNCTION FC 1 : VOID\nBEGIN\nEND_FUNCTION\n",
             "\n\nDATA_BLOCK \"Tank data\"\n",
             "LD I0.0\n",
+            "IF #level > 5.0 AND #filling AND NOT #fault THEN\n  #valve := FALSE; // closed\nEND_IF;\n",
         ] {
-            assert_eq!(of(text), Content::Stl, "{text:?}");
+            assert_eq!(of(text), Content::Source, "{text:?}");
         }
         assert_eq!(of("%PDF-1.4\n1 0 obj\n"), Content::Other("a PDF document"));
         assert_eq!(of("<?xml version=\"1.0\"?>\n<Document/>"), Content::Other("XML"));
         assert_eq!(of("A\0B"), Content::Other("binary data"));
+        assert_eq!(of("If the tank is full then the valve is closed by hand.\n"), Content::Prose);
         assert_eq!(of("# Tank\n\nA program that fills a tank when the level is low.\n"), Content::Prose);
     }
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
 
 use crate::content::{self, Content};
+use crate::pipeline;
 use crate::project::{self, Project};
 
 /// A program as it was read.
@@ -14,7 +15,7 @@ pub struct Read {
     /// Name of the program: of the project, or of the first source without its suffix.
     pub name: String,
     pub sources: SourceMap,
-    /// Statement lists, in the order in which they were given or found.
+    /// Sources in STL and SCL, in the order in which they were given or found.
     pub units: Vec<FileId>,
     /// Symbol tables.
     pub tables: Vec<FileId>,
@@ -82,7 +83,7 @@ fn find_tests_below(folder: &Path, tests: &mut Vec<TestInput>) {
     for path in entries(folder) {
         if path.is_dir() {
             find_tests_below(&path, tests);
-        } else if read_text(&path).is_ok_and(|text| !text.is_empty() && content::of(&text) == Content::Stl) {
+        } else if read_text(&path).is_ok_and(|text| !text.is_empty() && content_of(&path, &text) == Content::Source) {
             tests.push(TestInput::File(path));
         }
     }
@@ -98,6 +99,14 @@ pub fn project_scenarios(folder: &Path) -> Vec<PathBuf> {
 /// The scenario of a single test file, if it has one: `x.scenario.toml` beside `x.stl`.
 pub fn file_scenario(file: &Path) -> Option<PathBuf> {
     Some(file.with_extension("scenario.toml")).filter(|path| path.is_file())
+}
+
+/// What a file holds. The ending of its name tells of a text that might be prose.
+fn content_of(path: &Path, text: &str) -> Content {
+    match content::of(text) {
+        Content::Prose if pipeline::language_of(&path.display().to_string()).is_some() => Content::Source,
+        content => content,
+    }
 }
 
 /// Whether a file that holds no source is a mistake.
@@ -117,14 +126,14 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
             return read.report(Code::Unreadable, path, title, "check the name of the file and who may read it");
         }
     };
-    let content = content::of(&text);
+    let content = content_of(path, &text);
     if wanted == Wanted::No && matches!(content, Content::Prose | Content::Other(_)) {
         return;
     }
     let file = read.sources.add(SourceFile::new(path.display().to_string(), text));
     match content {
         // The parser says best why a text is no source.
-        Content::Stl | Content::Prose => {
+        Content::Source | Content::Prose => {
             if read.name.is_empty() {
                 read.name = stem(path);
             }
@@ -134,7 +143,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
         Content::Other(what) => {
             let title = format!("`{}` holds no PLC source but {what}", path.display());
             let message = Diagnostic::new(Code::NotASource, Span::new(file, 0..0), title);
-            read.diagnostics.push(message.help("give a statement list (STL), or a symbol table"));
+            read.diagnostics.push(message.help("give a source in STL or SCL, or a symbol table"));
         }
     }
 }

@@ -232,20 +232,24 @@ impl Out {
     }
 
     fn pragma(&mut self, pragma: &Pragma) {
-        match &pragma.assert {
-            Some(assert) => {
-                let op = match assert.op {
-                    AssertOp::Eq => "==",
-                    AssertOp::Ne => "<>",
-                    AssertOp::Lt => "<",
-                    AssertOp::Le => "<=",
-                    AssertOp::Gt => ">",
-                    AssertOp::Ge => ">=",
-                };
-                self.line(format_args!("assert {} {op} {}", assert_side(&assert.left), assert_side(&assert.right)));
-            }
-            None => self.line(format_args!("pragma {:?}", pragma.text)),
+        self.line(pragma_text(pragma));
+    }
+}
+
+pub(crate) fn pragma_text(pragma: &Pragma) -> String {
+    match &pragma.assert {
+        Some(assert) => {
+            let op = match assert.op {
+                AssertOp::Eq => "==",
+                AssertOp::Ne => "<>",
+                AssertOp::Lt => "<",
+                AssertOp::Le => "<=",
+                AssertOp::Gt => ">",
+                AssertOp::Ge => ">=",
+            };
+            format!("assert {} {op} {}", assert_side(&assert.left), assert_side(&assert.right))
         }
+        None => format!("pragma {:?}", pragma.text),
     }
 }
 
@@ -385,8 +389,12 @@ fn register(register: AddressRegister) -> &'static str {
     }
 }
 
-fn operand(operand_node: &Operand) -> String {
-    match &operand_node.kind {
+fn operand(operand: &Operand) -> String {
+    operand_text(&operand.kind)
+}
+
+pub(crate) fn operand_text(kind: &OperandKind) -> String {
+    match kind {
         OperandKind::Absolute { area, width, byte, bit } => {
             format!("{} {}", letters(*area, *width), address(*width, *byte, *bit))
         }

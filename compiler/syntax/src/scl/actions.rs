@@ -115,7 +115,7 @@ pub fn code_block(
         header,
         sections: parts.sections,
         constants: parts.constants,
-        code: BlockCode::Scl(Body { labels: parts.labels, statements, ..Body::default() }),
+        code: BlockCode::Scl(Body { dialect: context.dialect, labels: parts.labels, statements }),
         span: context.span(range.start, range.end),
     })
 }
@@ -156,7 +156,7 @@ pub fn implied_ob(context: &mut Context, statements: Vec<Statement>, range: Rang
         header: Header::default(),
         sections: Vec::new(),
         constants: Vec::new(),
-        code: BlockCode::Scl(Body { statements, ..Body::default() }),
+        code: BlockCode::Scl(Body { dialect: context.dialect, labels: Vec::new(), statements }),
         span: context.span(range.start, range.end),
     })
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use lalrpop_util::ErrorRecovery;
 use plcc_diag::{Diagnostic, FileId, Span};
 
-use super::ast::{Name, NameForm};
+use super::ast::{Dialect, Name, NameForm};
 use super::messages;
 use super::raw::{Comment, CommentForm};
 use super::token::{Spanned, Tok};
@@ -35,6 +35,7 @@ pub struct Context<'a> {
     pub diagnostics: Vec<Diagnostic>,
     /// Starts of the messages that the layout has given, in order: where one lies, the grammar stays silent.
     pub reported: Vec<u32>,
+    pub dialect: Dialect,
 }
 
 impl<'a> Context<'a> {
@@ -43,7 +44,9 @@ impl<'a> Context<'a> {
     }
 
     pub fn name(&self, text: &str, form: NameForm, start: usize, end: usize) -> Name {
-        Name { text: text.to_owned(), form, span: self.span(start, end) }
+        // Of `"tag":P` the letter stays.
+        let text = if form == NameForm::Quoted { text.replace('"', "") } else { text.to_owned() };
+        Name { text, form, span: self.span(start, end) }
     }
 
     pub fn report(&mut self, diagnostic: Diagnostic) {

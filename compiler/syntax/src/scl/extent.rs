@@ -2,6 +2,9 @@
 
 use crate::literal::ANY_TYPES;
 
+/// Bytes between the two parts of a text that goes on behind a line end.
+const BREAK_MAX: usize = 4096;
+
 /// How the text behind the `#` of a constant is built.
 #[derive(Clone, Copy)]
 enum Form {
@@ -175,10 +178,13 @@ pub fn text(rest: &str) -> (usize, bool) {
         match byte {
             b'\'' => return (at + 1, true),
             b'\n' => break,
-            b'$' if bytes.get(at + 1) == Some(&b'>') => match rest[at..].find("$<") {
-                Some(end) => at += end + 2,
-                None => break,
-            },
+            b'$' if bytes.get(at + 1) == Some(&b'>') => {
+                let inside = &bytes[at..bytes.len().min(at + BREAK_MAX)];
+                match inside.windows(2).position(|pair| pair == b"$<") {
+                    Some(end) => at += end + 2,
+                    None => break,
+                }
+            }
             b'$' if bytes.get(at + 1).is_some_and(|next| *next != b'\n') => at += 2,
             _ => at += 1,
         }

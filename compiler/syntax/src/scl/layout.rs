@@ -31,9 +31,6 @@ use crate::stl::pragma;
 /// How deep structured statements, STRUCTs and brackets may stand in one another.
 const NESTING_MAX: usize = 200;
 
-/// From this many errors on, and more than there are statements, a text without blocks is taken for no source.
-const NO_SOURCE_ERRORS_MIN: usize = 3;
-
 /// What the layout of a file gives.
 pub struct Laid<'a> {
     pub tokens: Vec<Spanned<'a>>,

@@ -9,6 +9,7 @@ mod actions;
 mod address;
 pub mod ast;
 mod context;
+mod dialect;
 mod extent;
 mod keyword;
 mod layout;
@@ -16,6 +17,7 @@ mod literal;
 mod messages;
 mod outline;
 mod raw;
+mod region;
 pub mod text;
 mod token;
 
@@ -38,8 +40,10 @@ pub use address::{absolute, area_word, db_address, db_area_word};
 /// Parses a source. Errors are recovered; what could not be parsed is left out or is an error node.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let raw = raw::scan(text);
+    let dialect = dialect::of(text, &raw);
     let mut diagnostics = Vec::new();
     report_comments(file, &raw, &mut diagnostics);
+    region::check(file, &raw, &mut diagnostics);
     let laid = layout::lay_out(file, text, raw, options.pragmas);
     diagnostics.extend(laid.diagnostics);
     let mut reported: Vec<u32> = diagnostics
@@ -55,6 +59,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
         comments: &laid.comments,
         diagnostics: Vec::new(),
         reported,
+        dialect,
     };
     let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
     let blocks = match grammar::UnitParser::new().parse(&mut context, tokens) {

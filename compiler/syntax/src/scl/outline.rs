@@ -183,7 +183,7 @@ impl Scan<'_> {
 }
 
 /// A type that S7-300 and S7-400 do not have.
-fn modern_type(word: &str) -> bool {
+pub fn modern_type(word: &str) -> bool {
     let upper = word.to_ascii_uppercase();
     match upper.as_str() {
         "DTL" | "WSTRING" | "VARIANT" => true,

@@ -12,7 +12,7 @@ use super::keyword::Keyword;
 
 /// What a raw token is.
 #[derive(Logos, Clone, Copy, Debug, PartialEq, Eq)]
-#[logos(extras = Head)]
+#[logos(extras = Past)]
 #[logos(skip r"[ \t\r\f\x0B\x1A\u{A0}\u{FEFF}]+")]
 pub enum RawKind {
     #[token("\n")]
@@ -134,10 +134,13 @@ pub enum RawKind {
     Stray,
 }
 
-/// Whether the lexer stands between the name of a block and its declarations, where `TITLE` takes its line.
+/// What the lexer knows of the text before it.
 #[derive(Default)]
-pub struct Head {
-    inside: bool,
+pub struct Past {
+    /// The name of a block has been read and no declaration yet: `TITLE` takes its line.
+    head: bool,
+    /// A comment was not closed when those inside it were counted: comments of this file do not nest.
+    flat_comments: bool,
 }
 
 /// A raw token; `start..end` are bytes of the text.
@@ -235,7 +238,7 @@ pub fn scan(text: &str) -> RawText {
                 let keyword =
                     if kind == RawKind::Word && !member { Keyword::from_word(lexer.slice()) } else { None };
                 if let Some(keyword) = keyword {
-                    let head = &mut lexer.extras.inside;
+                    let head = &mut lexer.extras.head;
                     *head = keyword.begins_block() || *head && !leaves_head(keyword);
                 }
                 out.tokens.push(RawToken { kind, start, end, first_on_line, keyword });
@@ -258,7 +261,9 @@ fn leaves_head(keyword: Keyword) -> bool {
 fn block_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
     let rest = lexer.remainder();
     let (mut at, mut depth) = (0, 1);
-    while let Some(found) = rest[at..].find(['*', '(']) {
+    while !lexer.extras.flat_comments
+        && let Some(found) = rest[at..].find(['*', '('])
+    {
         at += found;
         if rest[at..].starts_with("*)") {
             at += 2;
@@ -279,8 +284,10 @@ fn block_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
             at += 1;
         }
     }
-    lexer.bump(rest.find("*)").map_or(rest.len(), |end| end + 2));
-    RawKind::UnterminatedComment
+    let end = rest.find("*)");
+    lexer.bump(end.map_or(rest.len(), |end| end + 2));
+    let nests = !std::mem::replace(&mut lexer.extras.flat_comments, true);
+    if nests || end.is_none() { RawKind::UnterminatedComment } else { RawKind::BlockComment }
 }
 
 fn multilingual_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
@@ -327,7 +334,7 @@ fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
     }
     let blanks = rest.len() - rest.trim_start_matches([' ', '\t']).len();
     let next = rest[blanks..].chars().next();
-    if lexer.extras.inside && slice.eq_ignore_ascii_case("title") && !matches!(next, Some(':' | ',' | '.' | '(' | '[')) {
+    if lexer.extras.head && slice.eq_ignore_ascii_case("title") && !matches!(next, Some(':' | ',' | '.' | '(' | '[')) {
         let line = rest.find('\n').unwrap_or(rest.len());
         lexer.bump(rest[..line].trim_end().len());
         return RawKind::Title;

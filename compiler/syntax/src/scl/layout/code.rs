@@ -8,6 +8,9 @@ use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::Tok;
 
+/// How many tokens the values of an arm of CASE may have.
+const ARM_TOKENS_MAX: usize = 500;
+
 /// A structured statement that is open.
 struct Open {
     /// Its first word.
@@ -413,7 +416,7 @@ impl<'a> Layout<'a> {
     /// Whether values and `:` stand at hand rather than a statement.
     fn arm_begins(&self) -> bool {
         let mut depth = 0usize;
-        for (index, token) in self.raw[self.at..].iter().enumerate() {
+        for (index, token) in self.raw[self.at..].iter().take(ARM_TOKENS_MAX).enumerate() {
             match token.kind {
                 RawKind::Colon => return depth == 0,
                 RawKind::LeftParen | RawKind::LeftBracket => depth += 1,

@@ -58,6 +58,7 @@ impl<'a> Layout<'a> {
     pub(super) fn run(&mut self, run: Run) {
         let first = self.out.len();
         let mut open: Vec<RawToken> = Vec::new();
+        let mut signs = 0;
         while let Some(token) = self.peek() {
             if self.ends(run, token, open.is_empty()) {
                 break;
@@ -86,7 +87,15 @@ impl<'a> Layout<'a> {
                     }
                     self.close_bracket(token, &mut open);
                 }
-                _ => self.element(run),
+                _ => {
+                    self.element(run);
+                    let sign = matches!(self.out.last(), Some((_, Tok::Plus | Tok::Minus | Tok::Not, _)));
+                    signs = if sign { signs + 1 } else { 0 };
+                    if signs > NESTING_MAX {
+                        self.too_deep(run, token, first);
+                        return;
+                    }
+                }
             }
         }
         while let Some(opening) = open.pop() {
@@ -167,12 +176,12 @@ impl<'a> Layout<'a> {
     /// Brackets that are too deep for whoever walks the tree: the run becomes an error.
     fn too_deep(&mut self, run: Run, token: RawToken, first: usize) {
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), "brackets stand too deep in one another")
-                .label(format!("the {NESTING_MAX}th bracket that is open"))
+            Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs stand too deep in one another")
+                .label(format!("more than {NESTING_MAX} of them"))
                 .help("keep a part of the expression in a variable"),
         );
         self.out.truncate(first);
-        self.take(Tok::Bad);
+        self.push(token.start as usize, Tok::Bad, token.end as usize);
         while let Some(token) = self.peek() {
             if self.ends(run, token, true) {
                 return;

@@ -1,0 +1,53 @@
+//! REGION … END_REGION: folds of the editor. They are no statements, but must balance.
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+
+use super::keyword::Keyword;
+use super::raw::{RawText, Region};
+
+/// Reports regions that are not closed, or closed inside another statement than they were opened in.
+pub fn check(file: FileId, raw: &RawText, diagnostics: &mut Vec<Diagnostic>) {
+    let mut open: Vec<(Region, i32)> = Vec::new();
+    let (mut depth, mut at) = (0i32, 0usize);
+    let span = |region: Region| Span { file, start: region.start, end: region.end };
+    for region in raw.regions.iter().copied() {
+        for token in &raw.tokens[at..region.token as usize] {
+            depth += token.keyword.map_or(0, step);
+        }
+        at = region.token as usize;
+        if region.opens {
+            open.push((region, depth));
+            continue;
+        }
+        match open.pop() {
+            None => diagnostics.push(
+                Diagnostic::new(Code::Tolerated, span(region), "`END_REGION` stands without REGION")
+                    .label("no region is open here")
+                    .help("remove it"),
+            ),
+            Some((opening, opened)) if opened != depth => diagnostics.push(
+                Diagnostic::new(Code::Tolerated, span(region), "the region ends in another statement than it begins in")
+                    .label("ends here")
+                    .also(span(opening), "begins here")
+                    .help("let the region hold whole statements"),
+            ),
+            Some(_) => {}
+        }
+    }
+    for (region, _) in open {
+        diagnostics.push(
+            Diagnostic::new(Code::Tolerated, span(region), "the region is not closed")
+                .label("begins here")
+                .help("write `END_REGION` behind its last statement"),
+        );
+    }
+}
+
+fn step(keyword: Keyword) -> i32 {
+    match keyword {
+        Keyword::If | Keyword::Case | Keyword::For | Keyword::While | Keyword::Repeat | Keyword::Begin => 1,
+        Keyword::EndIf | Keyword::EndCase | Keyword::EndFor | Keyword::EndWhile | Keyword::EndRepeat => -1,
+        word if word.ends_block() => -1,
+        _ => 0,
+    }
+}
