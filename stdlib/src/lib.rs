@@ -28,6 +28,9 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Stl, include_str!("../stl/strings.stl")),
     (Language::Stl, include_str!("../stl/dates.stl")),
     (Language::Stl, include_str!("../stl/selection.stl")),
+    (Language::Scl, include_str!("../scl/scaling.scl")),
+    (Language::Scl, include_str!("../scl/bits.scl")),
+    (Language::Scl, include_str!("../scl/instances.scl")),
 ];
 
 /// SFCs and SFBs from this number on are instructions of the TIA Portal. No program calls them by number.

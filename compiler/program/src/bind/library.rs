@@ -131,6 +131,11 @@ impl Binder<'_> {
             return false;
         }
         let code = parsed(block);
+        // What a block of the library uses belongs to a place of the program, too.
+        let span = match self.system.last() {
+            Some(last) if span.file == SYSTEM_FILE => last.span,
+            _ => span,
+        };
         self.system_used.insert(key);
         self.code.insert(key, CodeSource::System(Rc::new(code)));
         self.system.push(SystemUse { key, span, runtime: block.form == Form::Runtime });
