@@ -24,10 +24,12 @@ pub enum Language {
 const SOURCES: &[(Language, &str)] = &[
     (Language::Stl, include_str!("../stl/sfc.stl")),
     (Language::Stl, include_str!("../stl/sfb.stl")),
+    (Language::Scl, include_str!("../scl/clock.scl")),
     (Language::Stl, include_str!("../stl/primitives.stl")),
     (Language::Stl, include_str!("../stl/strings.stl")),
     (Language::Stl, include_str!("../stl/dates.stl")),
     (Language::Stl, include_str!("../stl/selection.stl")),
+    (Language::Stl, include_str!("../stl/tia_strings.stl")),
     (Language::Scl, include_str!("../scl/scaling.scl")),
     (Language::Scl, include_str!("../scl/bits.scl")),
     (Language::Scl, include_str!("../scl/instances.scl")),

@@ -18,7 +18,7 @@ const LIMITED: u16 = 0x8001;
 const INVALID: u16 = 0x8002;
 
 /// The nearest DATE_AND_TIME; true if it is another moment.
-fn encode(moment: i64) -> ([u8; 8], bool) {
+pub(super) fn encode(moment: i64) -> ([u8; 8], bool) {
     let inside = moment.clamp(FIRST_S * NS_PER_S, END_S * NS_PER_S - NS_PER_MS);
     (datetime::encode(inside), inside != moment)
 }

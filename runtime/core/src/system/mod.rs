@@ -15,6 +15,7 @@ mod dates;
 mod delay;
 mod disable;
 mod distributed;
+mod dtl;
 mod images;
 mod masks;
 pub(crate) mod meters;
@@ -36,6 +37,8 @@ enum Outcome {
     RetVal(u16),
     /// The function has no RET_VAL of type INT.
     Plain,
+    /// As `Plain`, with BR.
+    Flag(bool),
 }
 
 const OK: Outcome = Outcome::RetVal(0);
@@ -111,6 +114,20 @@ system_functions! {
     79 SET      (Word)                    -> (Word, Pointer)   = output_bits::set;
     80 RSET     (Word)                    -> (Word, Pointer)   = output_bits::rset;
     81 UBLKMOV  (Any)                     -> (Word, Any)       = block_move::ublkmov;
+    // Instructions of the TIA Portal.
+  1150 RD_SYS_T ()                        -> (Word, Dtl)       = dtl::read_clock;
+  1151 RD_LOC_T ()                        -> (Word, Dtl)       = dtl::read_clock;
+  1152 WR_SYS_T (Dtl)                     -> (Word)            = dtl::set_clock;
+  1153 T_COMBINE (Word, Dword)            -> (Dtl)             = dtl::combine;
+  1154 DTL_TO_DATE (Dtl)                  -> (Word)            = dtl::to_date;
+  1155 DTL_TO_TOD (Dtl)                   -> (Dword)           = dtl::to_tod;
+  1156 DATE_TO_DTL (Word)                 -> (Dtl)             = dtl::from_date;
+  1157 DT_TO_DTL (DateAndTime)            -> (Dtl)             = dtl::from_dt;
+  1158 DTL_TO_DT (Dtl)                    -> (DateAndTime)     = dtl::to_dt;
+  1159 LDT_TO_DTL (Lword)                 -> (Dtl)             = dtl::from_ldt;
+  1160 DTL_TO_LDT (Dtl)                   -> (Lword)           = dtl::to_ldt;
+  1161 ADD_DTL_TIME (Dtl, Dword, Bool)    -> (Dtl)             = dtl::add;
+  1162 SUB_DTL_DTL (Dtl, Dtl)             -> (Dword)           = dtl::difference;
     // What blocks of the library do not do themselves.
     2000 TEXT_JOIN (Any, Word, Word, Any, Word, Word, Any, Word, Word) -> (Word, Any) = text::join;
     2001 TEXT_COMPARE (Any, Any)          -> (Word)            = text::compare;
@@ -125,11 +142,13 @@ system_functions! {
     2015 FIXED_OF_LREAL (Lword)           -> (Word, Any)       = numbers::fixed_of_lreal;
     2016 FIELD_OF_INTEGER (Lword, Word, Word, Word, Word, Word) -> (Word, Any) = numbers::field_of_integer;
     2017 FIELD_OF_LREAL (Lword, Word, Word, Word, Word, Word) -> (Word, Any) = numbers::field_of_lreal;
+    2018 TEXT_OF_UNSIGNED (Lword, Word)  -> (Word, Any)       = numbers::of_integer;
     2020 DINT_OF_TEXT (Any, Word, Dword, Dword) -> (Word, Dword) = numbers::to_dint;
     2021 REAL_OF_TEXT (Any)               -> (Word, Dword)     = numbers::to_real;
-    2022 SCAN_INTEGER (Any, Word, Word, Word, Lword, Lword) -> (Word, Lword, Word) = numbers::integer_of;
+    2022 SCAN_INTEGER (Any, Word, Word, Word) -> (Word, Lword, Word) = numbers::integer_of;
     2023 SCAN_LREAL (Any, Word, Word)     -> (Word, Lword, Word) = numbers::float_of;
     2024 SCAN_REAL (Any, Word, Word)      -> (Word, Dword, Word) = numbers::real_of;
+    2025 SCAN_UNSIGNED (Any, Word, Word, Word) -> (Word, Lword, Word) = numbers::integer_of;
     2030 DT_ADD (DateAndTime, Dword, Bool) -> (Word, DateAndTime) = dates::add;
     2031 DT_DIFFERENCE (DateAndTime, DateAndTime) -> (Word, Dword) = dates::difference;
     2032 DT_COMBINE (Word, Dword)         -> (Word, DateAndTime) = dates::combine;
@@ -173,6 +192,7 @@ impl Cpu {
                 value & 0x8000 == 0
             }
             Outcome::Plain => true,
+            Outcome::Flag(good) => good,
         };
         (if br { BR } else { 0 }) | (self.stop_result() * STOPPED)
     }

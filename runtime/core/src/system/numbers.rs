@@ -211,22 +211,31 @@ fn scanned(call: &Call) -> Option<Scanned> {
     scan(rest, format).filter(|_| format <= COMMA | EXPONENT)
 }
 
-/// IN STRING, FORMAT WORD, P INT, FORM INT, LOW LINT, HIGH LINT -> RET_VAL, OUT LINT, NEXT INT. A fraction is dropped. Out of
-/// range, or without a number, OUT is 0 and NEXT is P.
+/// The range of an integer type: 1 SINT, 2 INT, 3 DINT, 4 LINT, 5 USINT, 6 UINT, 7 UDINT, 8 ULINT.
+fn range(ty: u16) -> Option<std::ops::RangeInclusive<i128>> {
+    let bits = 8u32 << ((ty.checked_sub(1)?) % 4);
+    match ty {
+        1..=4 => Some(-(1 << (bits - 1))..=(1 << (bits - 1)) - 1),
+        5..=8 => Some(0..=(1 << bits) - 1),
+        _ => None,
+    }
+}
+
+/// IN STRING, FORMAT WORD, P INT, TYPE INT -> RET_VAL, OUT LINT, NEXT INT. A fraction is dropped. Out of the range of the type, or
+/// without a number, OUT is 0 and NEXT is P.
 pub(super) fn integer_of(call: &Call) -> Outcome {
-    const OUT: usize = 7;
-    let form = call.word(3);
-    let value = scanned(call).and_then(|scanned| {
+    const OUT: usize = 5;
+    let value = range(call.word(3)).and_then(|range| {
+        let scanned = scanned(call)?;
         let digits = scanned.digits.as_str();
         let value = if digits.contains(['e', 'E']) {
-            let value = digits.parse::<f64>().ok().filter(|value| value.is_finite())?.trunc();
             // Larger numbers are out of every range, and their conversion saturates.
-            value as i128
+            digits.parse::<f64>().ok().filter(|value| value.is_finite())?.trunc() as i128
         } else {
-            digits.split('.').next().unwrap_or("").parse::<i128>().ok()?
+            let whole = digits.split('.').next().unwrap_or("");
+            whole.parse::<i128>().ok()?
         };
-        let inside = (integer(call.lword(4), form)..=integer(call.lword(5), form)).contains(&value);
-        inside.then_some((value, scanned.length))
+        range.contains(&value).then_some((value, scanned.length))
     });
     let (value, length) = value.unwrap_or((0, 0));
     call.set_lword(OUT, value as u64);

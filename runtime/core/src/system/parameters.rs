@@ -17,6 +17,7 @@ pub(super) enum Kind {
     /// LINT, ULINT, LWORD, LREAL.
     Lword,
     DateAndTime,
+    Dtl,
     Any,
     /// POINTER: DB number and area pointer.
     Pointer,
@@ -34,7 +35,7 @@ impl Kind {
             Kind::Lword | Kind::DateAndTime => 8,
             Kind::Any => 10,
             Kind::Pointer => 6,
-            Kind::StartInfo => 12,
+            Kind::Dtl | Kind::StartInfo => 12,
         }
     }
 }
@@ -82,6 +83,14 @@ impl Call<'_> {
 
     pub fn date_and_time(&self, index: usize) -> [u8; 8] {
         self.cpu.memory.bytes(self.at(index))
+    }
+
+    pub fn dtl(&self, index: usize) -> [u8; 12] {
+        self.cpu.memory.bytes(self.at(index))
+    }
+
+    pub fn set_dtl(&self, index: usize, value: [u8; 12]) {
+        self.cpu.memory.set_bytes(self.at(index), value);
     }
 
     pub fn any_bytes(&self, index: usize) -> [u8; 10] {
