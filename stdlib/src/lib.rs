@@ -67,6 +67,10 @@ pub struct SystemBlock {
     pub name: &'static str,
     /// The block's own source.
     pub source: &'static str,
+    /// The comment above it, as it stands there: what the block does.
+    pub comment: &'static str,
+    /// Where its behaviour is described, as the comment at the head of its file says.
+    pub origin: &'static str,
     pub form: Form,
     pub language: Language,
 }
@@ -105,7 +109,9 @@ pub fn find_tia(name: &str) -> Option<&'static SystemBlock> {
 /// Cuts a source at its block frames, which begin and end at the start of a line.
 fn index(language: Language, source: &'static str) -> Vec<SystemBlock> {
     let mut found = Vec::new();
+    let origin = source.split_once("Source: ").map_or("", |(_, rest)| rest.split('\n').next().unwrap_or(""));
     let mut start = None;
+    let mut comment = 0;
     let mut at = 0;
     for line in source.split_inclusive('\n') {
         let end = at + line.len();
@@ -114,7 +120,11 @@ fn index(language: Language, source: &'static str) -> Vec<SystemBlock> {
         } else if line.starts_with("END_FUNCTION")
             && let Some(start) = start.take()
         {
-            found.extend(described(language, &source[start..end]));
+            let block = described(language, &source[start..end]);
+            found.extend(block.map(|block| SystemBlock { comment: &source[comment..start], origin, ..block }));
+        }
+        if start.is_none() && !line.starts_with("//") {
+            comment = end;
         }
         at = end;
     }
@@ -138,7 +148,7 @@ fn described(language: Language, source: &'static str) -> Option<SystemBlock> {
         "runtime" => Form::Runtime,
         _ => Form::NotShipped,
     };
-    Some(SystemBlock { class, number, name, source, form, language })
+    Some(SystemBlock { class, number, name, source, comment: "", origin: "", form, language })
 }
 
 #[cfg(test)]

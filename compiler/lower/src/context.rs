@@ -323,6 +323,8 @@ impl<'p, 'o> Context<'p, 'o> {
 
     /// Instructions built from now on belong to what stands at `span`; temporaries are free again.
     pub fn set_place(&mut self, span: plcc_diag::Span, network: u16) {
+        // What stands in a block of the standard library belongs to the place that uses the block.
+        let span = if span.file == self.block.span.file { span } else { self.block.span };
         let (file, line) = self.output.place(span);
         let site = Site { file, line, block: self.block.kind, block_number: self.block.number, network };
         let sites = &mut self.output.module.sites;

@@ -12,6 +12,7 @@
 mod actual;
 mod body;
 mod call;
+mod catalog;
 mod constant;
 mod data;
 mod declare;
@@ -45,6 +46,7 @@ use crate::symbols::{SymbolTable, SymbolTarget};
 use crate::types::StructType;
 use declare::{BoundInterface, Scope, Typed, TypedStruct};
 use names::Global;
+pub use catalog::standard_library;
 use report::Report;
 
 /// TEMP of an OB holds at least its start information.
