@@ -33,6 +33,11 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/scaling.scl")),
     (Language::Scl, include_str!("../scl/bits.scl")),
     (Language::Scl, include_str!("../scl/instances.scl")),
+    (Language::Scl, include_str!("../scl/pid/cont_c.scl")),
+    (Language::Scl, include_str!("../scl/pid/cont_s.scl")),
+    (Language::Scl, include_str!("../scl/pid/pulsegen.scl")),
+    (Language::Scl, include_str!("../scl/pid/tcont_cp.scl")),
+    (Language::Scl, include_str!("../scl/pid/tcont_s.scl")),
 ];
 
 /// SFCs and SFBs from this number on are instructions of the TIA Portal. No program calls them by number.

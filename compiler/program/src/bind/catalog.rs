@@ -101,9 +101,9 @@ fn table(page: &mut String, block: &SystemBlock, interface: &Interface) {
         page,
         "\n{}",
         if instance {
-            "| Parameter | Direction | Type | Offset | Initial value |\n| --- | --- | --- | --- | --- |\n"
+            "| Parameter | Direction | Type | Offset | Initial value | Meaning |\n| --- | --- | --- | --- | --- | --- |\n"
         } else {
-            "| Parameter | Direction | Type |\n| --- | --- | --- |\n"
+            "| Parameter | Direction | Type | Meaning |\n| --- | --- | --- | --- |\n"
         }
     );
     for parameter in &interface.parameters {
@@ -128,18 +128,34 @@ fn row(page: &mut String, block: &SystemBlock, name: &str, direction: &str, ty: 
     if matches!(block.class, BlockClass::Fb | BlockClass::Sfb) {
         let _ = write!(page, " {byte}.{bit} | {} |", initial(block.source, name));
     }
-    page.push('\n');
+    let _ = writeln!(page, " {} |", meaning(block.source, name));
 }
 
 /// The initial value of a variable as its declaration has it.
 fn initial(source: &'static str, name: &str) -> &'static str {
-    let declaration = source.lines().take_while(|line| !line.starts_with("BEGIN")).find_map(|line| {
-        let rest = line.trim_start().strip_prefix(name)?.trim_start();
-        rest.starts_with([':', '{']).then_some(rest)
-    });
+    let declaration = declaration(source, name).map(|text| text.split("//").next().unwrap_or(text));
     declaration
         .and_then(|rest| rest.split_once(":=").filter(|(before, _)| !before.contains('{') || before.contains('}')))
         .map_or("", |(_, value)| value.split(';').next().unwrap_or("").trim())
+}
+
+/// The comment behind the declaration of a variable.
+fn meaning(source: &'static str, name: &str) -> &'static str {
+    declaration(source, name).and_then(|text| text.split_once("//")).map_or("", |(_, comment)| comment.trim())
+}
+
+/// What stands behind the name in the declaration of a variable. Components of structures stand further right than variables.
+fn declaration(source: &'static str, name: &str) -> Option<&'static str> {
+    source
+        .lines()
+        .take_while(|line| !line.starts_with("BEGIN"))
+        .filter_map(|line| {
+            let text = line.trim_start();
+            let rest = text.strip_prefix(name)?.trim_start();
+            rest.starts_with([':', '{']).then_some((line.len() - text.len(), rest))
+        })
+        .min_by_key(|(indent, _)| *indent)
+        .map(|(_, rest)| rest)
 }
 
 /// The interface of a block in an empty program.
