@@ -20,6 +20,11 @@ fn the_instruction_reference_is_current() {
 }
 
 #[test]
+fn the_reference_of_the_standard_library_is_current() {
+    expect_file(&root().join("docs/reference/stdlib.md"), &plcc_program::standard_library()).unwrap();
+}
+
+#[test]
 fn the_reference_of_diagnostics_is_current() {
     expect_file(&root().join("docs/reference/diagnostics.md"), &plcc_diag::reference::diagnostics()).unwrap();
 }
@@ -82,16 +87,21 @@ fn the_runtime_has_the_system_functions_that_the_library_declares() {
     let declared: Vec<(u16, &str, usize)> = plcc_stdlib::blocks()
         .iter()
         .filter(|block| block.class == plcc_stdlib::BlockClass::Sfc && block.form == plcc_stdlib::Form::Runtime)
-        .map(|block| (block.number, block.name, parameters_of(block.source)))
+        .map(|block| (block.number, block.name, parameters_of(block)))
         .collect();
     assert_eq!(declared, plcc_runtime::system::table().collect::<Vec<_>>());
 }
 
 /// Parameters that the source of one function declares, RET_VAL included.
-fn parameters_of(source: &str) -> usize {
+fn parameters_of(block: &plcc_stdlib::SystemBlock) -> usize {
+    let source = block.source;
     let mut sources = SourceMap::default();
     let file = sources.add(SourceFile::new("sfc.stl", source));
-    let (unit, messages) = plcc_syntax::parse(file, source, &ParseOptions::default());
+    let options = ParseOptions::default();
+    let (unit, messages) = match block.language {
+        plcc_stdlib::Language::Stl => plcc_syntax::stl::parse(file, source, &options),
+        plcc_stdlib::Language::Scl => plcc_syntax::scl::parse(file, source, &options),
+    };
     assert!(messages.is_empty(), "{messages:?}");
     let [Block::Code(block)] = unit.blocks.as_slice() else { panic!("one block: {source}") };
     let variables = block.sections.iter().map(|section| section.variables.len()).sum::<usize>();

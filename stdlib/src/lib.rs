@@ -33,6 +33,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/scaling.scl")),
     (Language::Scl, include_str!("../scl/bits.scl")),
     (Language::Scl, include_str!("../scl/instances.scl")),
+    (Language::Scl, include_str!("../scl/drum.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_c.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_s.scl")),
     (Language::Scl, include_str!("../scl/pid/pulsegen.scl")),
@@ -72,9 +73,9 @@ pub struct SystemBlock {
     pub name: &'static str,
     /// The block's own source.
     pub source: &'static str,
-    /// The comment above it, as it stands there: what the block does.
+    /// The comment above it, or at its head, as it stands there: what the block does.
     pub comment: &'static str,
-    /// Where its behaviour is described, as the comment at the head of its file says.
+    /// Where its behaviour is described: what stands behind `Source:` at the head of its file, `//` of following lines included.
     pub origin: &'static str,
     pub form: Form,
     pub language: Language,
@@ -111,10 +112,16 @@ pub fn find_tia(name: &str) -> Option<&'static SystemBlock> {
     blocks().iter().find(|block| block.is_tia() && block.name.eq_ignore_ascii_case(name))
 }
 
+/// An attribute line of an FB that is an SFB, too, and its number behind it.
+const ALSO_SFB: &str = "{ plcc_also := 'SFB ";
+
 /// Cuts a source at its block frames, which begin and end at the start of a line.
 fn index(language: Language, source: &'static str) -> Vec<SystemBlock> {
     let mut found = Vec::new();
-    let origin = source.split_once("Source: ").map_or("", |(_, rest)| rest.split('\n').next().unwrap_or(""));
+    let origin = source.split_once("Source: ").map_or("", |(_, rest)| rest.split("\n//\n").next().unwrap_or(""));
+    let lines_end = origin.split_inclusive('\n').enumerate();
+    let lines = lines_end.take_while(|(at, line)| *at == 0 || line.starts_with("//")).map(|(_, line)| line.len()).sum();
+    let origin = &origin[..lines];
     let mut start = None;
     let mut comment = 0;
     let mut at = 0;
@@ -126,7 +133,16 @@ fn index(language: Language, source: &'static str) -> Vec<SystemBlock> {
             && let Some(start) = start.take()
         {
             let block = described(language, &source[start..end]);
-            found.extend(block.map(|block| SystemBlock { comment: &source[comment..start], origin, ..block }));
+            let block = block.map(|block| SystemBlock {
+                comment: if comment < start { &source[comment..start] } else { inner_comment(block.source) },
+                origin,
+                ..block
+            });
+            found.extend(block);
+            // The CPU has some library FBs as SFBs, too.
+            let also = block.and_then(|block| block.source.lines().find_map(|line| line.strip_prefix(ALSO_SFB)));
+            let number = also.and_then(|rest| rest.split('\'').next()?.parse().ok());
+            found.extend(block.zip(number).map(|(block, number)| SystemBlock { class: BlockClass::Sfb, number, ..block }));
         }
         if start.is_none() && !line.starts_with("//") {
             comment = end;
@@ -134,6 +150,14 @@ fn index(language: Language, source: &'static str) -> Vec<SystemBlock> {
         at = end;
     }
     found
+}
+
+/// The first comment inside a block: lines one after the other.
+fn inner_comment(source: &'static str) -> &'static str {
+    let Some(start) = source.find("\n//") else { return "" };
+    let text = &source[start + 1..];
+    let length = text.split_inclusive('\n').take_while(|line| line.starts_with("//")).map(str::len).sum();
+    &text[..length]
 }
 
 /// Reads kind, number, name and form of the block `source`.
@@ -162,7 +186,8 @@ mod tests {
 
     #[test]
     fn every_block_is_indexed() {
-        let frames: usize = SOURCES.iter().map(|(_, source)| source.matches("\nEND_FUNCTION").count()).sum();
+        let count = |text: &str| SOURCES.iter().map(|(_, source)| source.matches(text).count()).sum::<usize>();
+        let frames = count("\nEND_FUNCTION") + count(ALSO_SFB);
         assert_eq!(blocks().len(), frames);
     }
 

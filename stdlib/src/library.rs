@@ -19,7 +19,7 @@ const fn fb(number: u16, name: &'static str) -> LibraryBlock {
     LibraryBlock { fb: true, number, name }
 }
 
-/// TI-S7 converting blocks and PID blocks. Source: block lists of the standard libraries.
+/// TI-S7 converting blocks. Source: block lists of the standard libraries.
 pub const LIBRARY: &[LibraryBlock] = &[
     fc(80, "TONR"),
     fc(81, "IBLKMOV"),
@@ -41,16 +41,10 @@ pub const LIBRARY: &[LibraryBlock] = &[
     fc(102, "DEV"),
     fc(103, "CDT"),
     fc(104, "TBL_TBL"),
-    fb(41, "CONT_C"),
-    fb(42, "CONT_S"),
-    fb(43, "PULSEGEN"),
-    fb(58, "TCONT_CP"),
-    fb(59, "TCONT_S"),
     fb(80, "LEAD_LAG"),
     fb(81, "DCAT"),
     fb(82, "MCAT"),
     fb(83, "IMC"),
     fb(84, "SMC"),
-    fb(85, "DRUM"),
     fb(86, "PACK"),
 ];

@@ -78,7 +78,8 @@ fn named(block: &SystemBlock) -> String {
 fn describe(page: &mut String, block: &SystemBlock) {
     let heading = if block.is_tia() { block.name.to_string() } else { format!("{} {}", prefix(block.class), named(block)) };
     let _ = write!(page, "\n### {heading}\n\n");
-    for line in block.comment.lines() {
+    let told_below = |line: &&str| !line.starts_with("// Source: ");
+    for line in block.comment.lines().take_while(told_below) {
         let _ = writeln!(page, "{}", line.trim_start_matches("//").trim());
     }
     if let Some(interface) = interface_of(block) {
@@ -89,7 +90,8 @@ fn describe(page: &mut String, block: &SystemBlock) {
         (_, Language::Stl) => "STL",
         (_, Language::Scl) => "SCL",
     };
-    let _ = write!(page, "\nSource: {} Code: {language}.\n", block.origin);
+    let origin: Vec<&str> = block.origin.lines().map(|line| line.trim_start_matches("//").trim()).collect();
+    let _ = write!(page, "\nSource: {} Code: {language}.\n", origin.join(" "));
 }
 
 fn table(page: &mut String, block: &SystemBlock, interface: &Interface) {
