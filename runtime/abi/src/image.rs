@@ -157,6 +157,8 @@ pub struct Config {
     pub modules: Option<Vec<Module>>,
     /// First startup OB: 100, 101 or 102.
     pub startup: u16,
+    /// Order number of the CPU, `6ES7 315-2AF03-0AB0`; empty if unknown.
+    pub cpu_order: String,
 }
 
 impl Default for Config {
@@ -170,6 +172,7 @@ impl Default for Config {
             time_of_day: Vec::new(),
             modules: None,
             startup: 100,
+            cpu_order: String::new(),
         }
     }
 }
@@ -193,6 +196,34 @@ pub struct Module {
     pub input_bytes: u32,
     pub output_start: u32,
     pub output_bytes: u32,
+    /// What is known of it if plc.toml describes the station.
+    pub station: Option<StationModule>,
+}
+
+/// A module of a station: where it stands and what its channels are.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StationModule {
+    pub rack: u8,
+    pub slot: u8,
+    /// `6ES7 331-7KB02-0AB0`; empty if unknown.
+    pub order: String,
+    /// Analog input channels, a word each from the start of the inputs; none if the module is not analog.
+    pub analog_inputs: Vec<AnalogChannel>,
+    /// Analog output channels.
+    pub analog_outputs: Vec<AnalogChannel>,
+    /// What outputs show in STOP: the word of each analog channel, else the bits of all output bytes.
+    pub substitute: u32,
+}
+
+/// An analog channel.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AnalogChannel {
+    /// Name of its measuring or output range, `4..20 mA`; empty if not configured.
+    pub range: String,
+    /// Resolution in bits behind the sign, 15 at most.
+    pub bits: u8,
+    /// A current below 1.185 mA is shown as wire break.
+    pub wire_break: bool,
 }
 
 /// Everything the runtime must know about a program besides its code.

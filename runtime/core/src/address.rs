@@ -4,7 +4,7 @@ use plcc_abi::ProgramImage;
 use plcc_abi::layout;
 
 use crate::cpu::{Area, Cpu};
-use crate::{counters, timers};
+use crate::{counters, signal, timers};
 
 /// Where a value is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +66,7 @@ pub fn resolve(text: &str, image: &ProgramImage) -> Result<Address, String> {
         return parse(&symbol.address)
             .ok_or_else(|| format!("symbol {text} stands for {}, which is not a value", symbol.address));
     }
-    if let Some(address) = parse(text) {
+    if let Some(address) = parse(text).or_else(|| signal::analog_channel(text, image)) {
         return Ok(address);
     }
     // Symbols do not distinguish case; an absolute address goes first.

@@ -5,7 +5,8 @@
 //! - [`timers`], [`counters`], [`clock`], [`datetime`]: cells and time.
 //! - [`cycle`], [`organization`], [`schedule`], [`faults`], [`diagnostics`]: cycle, OBs, interrupts, errors.
 //! - [`system`]: system functions (SFC), one file a family.
-//! - [`io`]: the driver; [`address`], [`value`], [`scenario`], [`trace`], [`options`]: what a user says and sees.
+//! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: what is behind the I/O.
+//! - [`address`], [`value`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user says and sees.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
@@ -13,6 +14,7 @@
 //! **Invariant**: no `&mut Cpu` exists; generated code and runtime enter each other at will, so all state is in cells.
 
 pub mod address;
+pub mod analog;
 pub mod bcd;
 pub mod clock;
 pub mod code;
@@ -32,10 +34,12 @@ pub mod math;
 pub mod memory;
 pub mod options;
 pub mod organization;
+pub mod plant;
 pub mod report;
 pub mod run;
 pub mod scenario;
 pub mod schedule;
+pub mod signal;
 pub mod system;
 pub mod testing;
 pub mod text;

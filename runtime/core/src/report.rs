@@ -2,31 +2,34 @@
 
 use std::io::Write;
 
-use crate::address::{Address, Width};
+use crate::address::Width;
 use crate::cpu::Cpu;
-use crate::value;
+use crate::plant::Plant;
+use crate::signal::{Signal, Value};
 
-/// Writes one line per address, or one JSON object. Addresses stand as given.
+/// Writes one line per signal, or one JSON object. Names stand as given.
 pub fn write_values(
     cpu: &Cpu,
-    addresses: &[(String, Address)],
+    plant: Option<&Plant>,
+    signals: &[Signal],
     json: bool,
     out: &mut dyn Write,
 ) -> std::io::Result<()> {
     if json {
         let mut object = String::from("{");
-        for (index, (name, address)) in addresses.iter().enumerate() {
-            let value = value::text(cpu.read(address), address.width);
-            let value = match address.width {
-                Width::Bit(_) => value,
-                Width::Byte | Width::Word | Width::Dword | Width::Lword => quoted(&value),
+        for (index, Signal { name, source }) in signals.iter().enumerate() {
+            let value = source.read(cpu, plant);
+            let text = match value {
+                Value::Bits(_, Width::Bit(_)) => value.text(),
+                Value::Number(number) if number.is_finite() => value.text(),
+                Value::Bits(..) | Value::Number(_) => quoted(&value.text()),
             };
-            object += &format!("{}{}: {value}", if index == 0 { "" } else { ", " }, quoted(name));
+            object += &format!("{}{}: {text}", if index == 0 { "" } else { ", " }, quoted(name));
         }
         return writeln!(out, "{object}}}");
     }
-    for (name, address) in addresses {
-        writeln!(out, "{name} = {}", value::text(cpu.read(address), address.width))?;
+    for Signal { name, source } in signals {
+        writeln!(out, "{name} = {}", source.read(cpu, plant).text())?;
     }
     Ok(())
 }

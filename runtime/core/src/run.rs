@@ -15,9 +15,11 @@ use crate::cycle::{Observer, Pace};
 use crate::faults::STOP_BY_REQUEST;
 use crate::io::Simulated;
 use crate::options::{CYCLE_TIME_DEFAULT, ClockKind, HANG_LIMIT_DEFAULT, RunOptions, split_list};
+use crate::plant::Plant;
 use crate::scenario::{Player, Scenario};
+use crate::signal::{Signal, Source};
 use crate::trace::{self, Recorder};
-use crate::{diagnostics, report, value};
+use crate::{diagnostics, report, signal};
 
 /// The program ran and stopped as asked.
 pub const EXIT_OK: u8 = 0;
@@ -71,7 +73,7 @@ impl Observer for Session {
     fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         self.player.after(cpu, cycle, time);
         if let Some(recorder) = &mut self.recorder {
-            recorder.sample(cpu, cycle, time);
+            recorder.sample(cpu, self.player.plant(), cycle, time);
         }
     }
 }
@@ -84,9 +86,7 @@ pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 
     };
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
     let cpu = Cpu::new(image, code, clock, driver);
-    let prepared = addresses(&cpu, &options.print)
-        .and_then(|printed| prepare(&cpu, options, &printed).map(|session| (printed, session)));
-    let (printed, mut session) = match prepared {
+    let (printed, mut session) = match prepare(&cpu, options) {
         Ok(prepared) => prepared,
         Err(message) => {
             say!("runtime: {message}");
@@ -103,12 +103,13 @@ pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 
     finish(&cpu, options, &printed, session, cycles)
 }
 
-fn finish(cpu: &Cpu, options: &RunOptions, printed: &[(String, Address)], session: Session, cycles: u64) -> u8 {
+fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session, cycles: u64) -> u8 {
     let mut exit = EXIT_OK;
     if !printed.is_empty() {
         let mut out = std::io::stdout().lock();
         // A closed pipe is no fault of the program.
-        let _ = report::write_values(cpu, printed, options.json, &mut out).and_then(|()| out.flush());
+        let plant = session.player.plant();
+        let _ = report::write_values(cpu, plant, printed, options.json, &mut out).and_then(|()| out.flush());
     }
     for failure in session.player.failures() {
         let (file, line, text) = (failure.file, failure.line, failure.text);
@@ -142,26 +143,24 @@ fn finish(cpu: &Cpu, options: &RunOptions, printed: &[(String, Address)], sessio
     exit
 }
 
-fn prepare(cpu: &Cpu, options: &RunOptions, printed: &[(String, Address)]) -> Result<Session, String> {
+fn prepare(cpu: &Cpu, options: &RunOptions) -> Result<(Vec<Signal>, Session), String> {
     let scenario = options.scenario.as_deref().map(|path| Scenario::read(path, &cpu.image)).transpose()?;
     let player = Player::new(scenario.unwrap_or_default(), cpu)?.print_to(Box::new(std::io::stdout()), options.json);
-    let asked = addresses(cpu, &options.trace_signals)?;
+    let printed = signals(cpu, player.plant(), &options.print)?;
+    let asked = signals(cpu, player.plant(), &options.trace_signals)?;
     let recorder = match &options.trace {
-        Some(path) => Some(Recorder::create(path, trace::signals(cpu, &asked, printed))?),
+        Some(path) => Some(Recorder::create(path, trace::signals(cpu, &asked, &printed))?),
         None => None,
     };
-    Ok(Session { set: settings(cpu, &options.set)?, player, recorder })
+    Ok((printed, Session { set: settings(cpu, &options.set)?, player, recorder }))
 }
 
-/// The addresses of a list flag, with their names as given.
-fn addresses(cpu: &Cpu, list: &[String]) -> Result<Vec<(String, Address)>, String> {
+/// The signals of a list flag.
+fn signals(cpu: &Cpu, plant: Option<&Plant>, list: &[String]) -> Result<Vec<Signal>, String> {
     let named = |name: String| {
-        let address = address::resolve(&name, &cpu.image)?;
-        // A DB may still be made by the program.
-        if !matches!(address.place, address::Place::Db(..)) {
-            cpu.check_address(&address).map_err(|message| format!("{name}: {message}"))?;
-        }
-        Ok((name, address))
+        let source = Source::find(&name, &cpu.image, plant)?;
+        source.check(cpu).map_err(|message| format!("{name}: {message}"))?;
+        Ok(Signal { name, source })
     };
     split_list(list).into_iter().map(named).collect()
 }
@@ -175,7 +174,7 @@ fn settings(cpu: &Cpu, list: &[String]) -> Result<Vec<(Address, u64)>, String> {
             address::Place::Timer(_) | address::Place::Counter(_) => {
                 Err("timers and counters cannot be set".to_string())
             }
-            _ => value::parse(text, address.width),
+            _ => signal::parse_value(text, &address, &cpu.image),
         });
         checked.map(|value| (address, value)).map_err(|message| format!("--set {item}: {message}"))
     };

@@ -83,6 +83,7 @@ fn peripheral_access() {
             input_bytes: 1,
             output_start: 4,
             output_bytes: 2,
+            station: None,
         }]);
     });
     assert_eq!(cpu.peripheral_read(0, 1), 0);

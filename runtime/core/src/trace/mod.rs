@@ -11,19 +11,14 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
-use crate::address::{self, Address, Bits, Place, Width};
+use crate::address::{self, Address, Place, Width};
 use crate::cpu::Cpu;
-
-/// A recorded value.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Signal {
-    pub name: String,
-    pub address: Address,
-}
+use crate::plant::Plant;
+use crate::signal::{Signal, Source, Value};
 
 /// A file format.
 trait Sink {
-    fn sample(&mut self, cycle: u64, time: u64, values: &[Bits]) -> std::io::Result<()>;
+    fn sample(&mut self, cycle: u64, time: u64, values: &[Value]) -> std::io::Result<()>;
     fn finish(&mut self) -> std::io::Result<()>;
 }
 
@@ -31,7 +26,7 @@ trait Sink {
 pub struct Recorder {
     signals: Vec<Signal>,
     sink: Box<dyn Sink>,
-    values: Vec<Bits>,
+    values: Vec<Value>,
     /// The first error; nothing is written after it.
     error: Option<std::io::Error>,
 }
@@ -53,10 +48,10 @@ impl Recorder {
     }
 
     /// Takes a sample.
-    pub fn sample(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+    pub fn sample(&mut self, cpu: &Cpu, plant: Option<&Plant>, cycle: u64, time: u64) {
         if self.error.is_none() {
             self.values.clear();
-            self.values.extend(self.signals.iter().map(|signal| cpu.read(&signal.address)));
+            self.values.extend(self.signals.iter().map(|signal| signal.source.read(cpu, plant)));
             self.error = self.sink.sample(cycle, time, &self.values).err();
         }
     }
@@ -71,24 +66,21 @@ impl Recorder {
 }
 
 /// The signals to record, see the module comment.
-pub fn signals(cpu: &Cpu, asked: &[(String, Address)], printed: &[(String, Address)]) -> Vec<Signal> {
-    let named = |list: &[(String, Address)]| {
-        list.iter().map(|(name, address)| Signal { name: name.clone(), address: *address }).collect::<Vec<_>>()
-    };
+pub fn signals(cpu: &Cpu, asked: &[Signal], printed: &[Signal]) -> Vec<Signal> {
     if !asked.is_empty() {
-        return named(asked);
+        return asked.to_vec();
     }
-    let mut signals = named(printed);
+    let mut signals = printed.to_vec();
     for symbol in &cpu.image.symbols {
         let address = address::parse(&symbol.address).filter(|address| cpu.check_address(address).is_ok());
         if let Some(address) = address.filter(|_| !signals.iter().any(|signal| signal.name == symbol.name)) {
-            signals.push(Signal { name: symbol.name.clone(), address });
+            signals.push(Signal { name: symbol.name.clone(), source: Source::Bits(address) });
         }
     }
     if signals.is_empty() {
         signals.extend((0..32u32).map(|index| Signal {
             name: format!("Q{}.{}", index / 8, index % 8),
-            address: Address { place: Place::Output(index / 8), width: Width::Bit((index % 8) as u8) },
+            source: Source::Bits(Address { place: Place::Output(index / 8), width: Width::Bit((index % 8) as u8) }),
         }));
     }
     signals
@@ -99,16 +91,21 @@ mod tests {
     use super::*;
 
     fn signal(name: &str) -> Signal {
-        Signal { name: name.to_string(), address: address::parse(name).unwrap() }
+        Signal { name: name.to_string(), source: Source::Bits(address::parse(name).unwrap()) }
+    }
+
+    /// A bit and a word.
+    fn values(bit: u64, word: u64) -> [Value; 2] {
+        [Value::Bits(bit, Width::Bit(0)), Value::Bits(word, Width::Word)]
     }
 
     #[test]
     fn vcd_has_changes_only() {
         let mut bytes = Vec::new();
         let mut sink = waveform::Waveform::new(&mut bytes, &[signal("Q0.0"), signal("MW 2")]).unwrap();
-        sink.sample(0, 0, &[0, 5]).unwrap();
-        sink.sample(1, 10_000_000, &[0, 5]).unwrap();
-        sink.sample(2, 20_000_000, &[1, 6]).unwrap();
+        sink.sample(0, 0, &values(0, 5)).unwrap();
+        sink.sample(1, 10_000_000, &values(0, 5)).unwrap();
+        sink.sample(2, 20_000_000, &values(1, 6)).unwrap();
         sink.finish().unwrap();
         drop(sink);
         let expected = "$timescale 1 us $end\n$scope module plc $end\n$var wire 1 ! Q0.0 $end\n\
@@ -121,8 +118,8 @@ mod tests {
     fn csv_has_every_cycle() {
         let mut bytes = Vec::new();
         let mut sink = table::Table::new(&mut bytes, &[signal("Q0.0"), signal("MW2")]).unwrap();
-        sink.sample(0, 0, &[0, 5]).unwrap();
-        sink.sample(1, 10_500_000, &[1, 5]).unwrap();
+        sink.sample(0, 0, &values(0, 5)).unwrap();
+        sink.sample(1, 10_500_000, &values(1, 5)).unwrap();
         sink.finish().unwrap();
         drop(sink);
         let expected = "cycle,time_ms,Q0.0,MW2\n0,0,0,16#0005\n1,10.5,1,16#0005\n";

@@ -3,13 +3,11 @@
 use std::io::{Error, Result, Write};
 
 use super::{Signal, Sink};
-use crate::address::{Bits, Width};
 use crate::clock::NS_PER_MS;
-use crate::value;
+use crate::signal::Value;
 
 pub(super) struct Table<W: Write> {
     writer: csv::Writer<W>,
-    widths: Vec<Width>,
 }
 
 impl<W: Write> Table<W> {
@@ -17,15 +15,15 @@ impl<W: Write> Table<W> {
         let mut writer = csv::Writer::from_writer(out);
         let names = ["cycle", "time_ms"].into_iter().chain(signals.iter().map(|signal| signal.name.as_str()));
         writer.write_record(names).map_err(Error::other)?;
-        Ok(Table { writer, widths: signals.iter().map(|signal| signal.address.width).collect() })
+        Ok(Table { writer })
     }
 }
 
 impl<W: Write> Sink for Table<W> {
-    fn sample(&mut self, cycle: u64, time: u64, values: &[Bits]) -> Result<()> {
+    fn sample(&mut self, cycle: u64, time: u64, values: &[Value]) -> Result<()> {
         let time = time as f64 / NS_PER_MS as f64;
         let head = [cycle.to_string(), time.to_string()];
-        let values = values.iter().zip(&self.widths).map(|(&bits, &width)| value::text(bits, width));
+        let values = values.iter().map(|value| value.text());
         self.writer.write_record(head.into_iter().chain(values)).map_err(Error::other)
     }
 

@@ -2,15 +2,16 @@
 
 use std::io::{Result, Write};
 
-use vcd::{IdCode, TimescaleUnit, Value};
+use vcd::{IdCode, TimescaleUnit, VarType};
 
 use super::{Signal, Sink};
-use crate::address::Bits;
+use crate::address::Width;
+use crate::signal::Value;
 
 pub(super) struct Waveform<W: Write> {
     writer: vcd::Writer<W>,
-    codes: Vec<(IdCode, u32)>,
-    last: Vec<Option<Bits>>,
+    codes: Vec<IdCode>,
+    last: Vec<Option<Value>>,
     /// Time of the last sample that had changes.
     stamp: Option<u64>,
 }
@@ -22,10 +23,12 @@ impl<W: Write> Waveform<W> {
         writer.add_module("plc")?;
         let mut codes = Vec::new();
         for signal in signals {
-            let bits = signal.address.width.bits();
             // Names in VCD have no blanks.
             let name: String = signal.name.chars().map(|c| if c.is_whitespace() { '_' } else { c }).collect();
-            codes.push((writer.add_wire(bits, &name)?, bits));
+            codes.push(match signal.source.width() {
+                Some(width) => writer.add_wire(width.bits(), &name)?,
+                None => writer.add_var(VarType::Real, 64, &name, None)?,
+            });
         }
         writer.upscope()?;
         writer.enddefinitions()?;
@@ -34,9 +37,9 @@ impl<W: Write> Waveform<W> {
 }
 
 impl<W: Write> Sink for Waveform<W> {
-    fn sample(&mut self, _cycle: u64, time: u64, values: &[Bits]) -> Result<()> {
+    fn sample(&mut self, _cycle: u64, time: u64, values: &[Value]) -> Result<()> {
         let time = time / 1000;
-        for ((&(code, bits), last), &value) in self.codes.iter().zip(&mut self.last).zip(values) {
+        for ((&code, last), &value) in self.codes.iter().zip(&mut self.last).zip(values) {
             if last.replace(value) == Some(value) {
                 continue;
             }
@@ -44,11 +47,13 @@ impl<W: Write> Sink for Waveform<W> {
                 self.writer.timestamp(time)?;
                 self.stamp = Some(time);
             }
-            let bit = |index: u32| if value >> index & 1 != 0 { Value::V1 } else { Value::V0 };
-            if bits == 1 {
-                self.writer.change_scalar(code, bit(0))?;
-            } else {
-                self.writer.change_vector(code, (0..bits).rev().map(bit))?;
+            let bit = |bits: u64, index: u32| if bits >> index & 1 != 0 { vcd::Value::V1 } else { vcd::Value::V0 };
+            match value {
+                Value::Number(number) => self.writer.change_real(code, number)?,
+                Value::Bits(bits, Width::Bit(_)) => self.writer.change_scalar(code, bit(bits, 0))?,
+                Value::Bits(bits, width) => {
+                    self.writer.change_vector(code, (0..width.bits()).rev().map(|index| bit(bits, index)))?;
+                }
             }
         }
         Ok(())

@@ -1,0 +1,145 @@
+//! An expression of the plant: text over named values.
+//!
+//! Operators and the functions `abs`, `min`, `max`, `sin` and so on are those of the crate `fasteval`; `if`, `clamp`, `sqrt`,
+//! `exp` and `ln` stand here.
+
+use fasteval::{Error, Evaler, ExpressionI, Parser, Slab};
+
+/// Functions beside those of the crate: name and number of arguments.
+const FUNCTIONS: [(&str, usize); 5] = [("if", 3), ("clamp", 3), ("sqrt", 1), ("exp", 1), ("ln", 1)];
+
+/// Words that are functions of the crate.
+const BUILT_IN: [&str; 23] = [
+    "print", "int", "ceil", "floor", "abs", "sign", "log", "round", "min", "max", "e", "pi", "sin", "cos", "tan",
+    "asin", "acos", "atan", "sinh", "cosh", "tanh", "and", "or",
+];
+
+/// True for a name that a value may have.
+pub(super) fn is_name(name: &str) -> bool {
+    let mut letters = name.chars();
+    letters.next().is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
+        && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+        && !BUILT_IN.contains(&name)
+        && !["inf", "NaN", "asinh", "acosh", "atanh"].contains(&name)
+        && !FUNCTIONS.iter().any(|(function, _)| *function == name)
+}
+
+/// An expression that was parsed.
+pub(super) struct Expression {
+    slab: Slab,
+    root: ExpressionI,
+}
+
+impl std::fmt::Debug for Expression {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Expression").finish_non_exhaustive()
+    }
+}
+
+impl Expression {
+    /// Parses `text`; each name in it must be one that `is_known`. `Err`: what is wrong, in a sentence.
+    pub fn parse(text: &str, is_known: impl Fn(&str) -> bool) -> Result<Expression, String> {
+        if !text.is_ascii() || text.contains(['"', '[', ']']) || text.contains("print") {
+            return Err(format!("`{text}` is no expression: write numbers, names, operators and functions"));
+        }
+        let mut slab = Slab::new();
+        let root = Parser::new().parse(text, &mut slab.ps).map_err(|error| wrong(text, &error))?;
+        let names = root.from(&slab.ps).var_names(&slab);
+        let is_function = |name: &str| FUNCTIONS.iter().any(|(function, _)| *function == name);
+        if let Some(name) = names.iter().find(|name| !is_function(name) && !is_known(name)) {
+            return Err(format!(
+                "`{name}` is not known here: values are read, set by an earlier equation, states or parameters"
+            ));
+        }
+        let expression = Expression { slab, root };
+        // Calls with another number of arguments show when they are evaluated.
+        match expression.evaluate(&|_| 1.0) {
+            Ok(_) => Ok(expression),
+            Err(error) => Err(wrong(text, &error)),
+        }
+    }
+
+    /// The value with the values that `of` gives for names.
+    pub fn evaluate(&self, of: &dyn Fn(&str) -> f64) -> Result<f64, Error> {
+        let mut names = |name: &str, arguments: Vec<f64>| match (name, arguments.as_slice()) {
+            ("if", &[condition, yes, no]) => Some(if condition != 0.0 { yes } else { no }),
+            // Not f64::clamp, which panics if the limits are crossed.
+            ("clamp", &[value, low, high]) => Some(value.min(high).max(low)),
+            ("sqrt", &[value]) => Some(value.sqrt()),
+            ("exp", &[value]) => Some(value.exp()),
+            ("ln", &[value]) => Some(value.ln()),
+            (_, []) if !FUNCTIONS.iter().any(|(function, _)| *function == name) => Some(of(name)),
+            _ => None,
+        };
+        self.root.from(&self.slab.ps).eval(&self.slab, &mut names)
+    }
+}
+
+/// The crate's error in words.
+fn wrong(text: &str, error: &Error) -> String {
+    match error {
+        Error::UnparsedTokensRemaining(rest) => format!("`{text}`: `{}` is not understood", rest.trim()),
+        Error::EOF | Error::EofWhileParsing(_) => format!("`{text}` ends too early"),
+        Error::TooLong | Error::TooDeep | Error::SlabOverflow => format!("`{text}` is too large"),
+        Error::Undefined(name) => match FUNCTIONS.iter().find(|(function, _)| function == name) {
+            Some((name, count)) => format!("`{text}`: {name} takes {count} arguments"),
+            None => format!("`{text}`: `{name}` is not known"),
+        },
+        _ => format!("`{text}` is no expression: write numbers, names, operators and functions"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(text: &str) -> Result<f64, String> {
+        let expression = Expression::parse(text, |name| ["level", "pump"].contains(&name))?;
+        expression.evaluate(&|name| if name == "level" { 9.0 } else { 1.0 }).map_err(|error| format!("{error:?}"))
+    }
+
+    #[test]
+    fn values() {
+        for (text, expected) in [
+            ("2 + 3 * level", 29.0),
+            ("if(pump, sqrt(level), 0)", 3.0),
+            ("if(level > 10 && pump, 1, 2)", 2.0),
+            ("clamp(level, 0, 5)", 5.0),
+            ("min(level, 4, 7) - max(1, 2)", 2.0),
+            ("(level - 1) / 2 * 3", 12.0),
+            ("10 - 4 + 3", 9.0),
+            ("exp(ln(1)) + pi()", 1.0 + std::f64::consts::PI),
+        ] {
+            assert_eq!(value(text), Ok(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_told() {
+        for (text, part) in [
+            ("2 +", "ends too early"),
+            ("", "ends too early"),
+            ("level level", "`level` is not understood"),
+            ("lvel", "`lvel` is not known here"),
+            ("sqrt(1, 2)", "sqrt takes 1 arguments"),
+            ("if(1)", "if takes 3 arguments"),
+            ("clamp", "clamp takes 3 arguments"),
+            ("level(3)", "`level` is not known"),
+            ("print(\"x\")", "no expression"),
+            ("höhe", "no expression"),
+            (&"(".repeat(5000), "too large"),
+            (&"(".repeat(100), "too large"),
+        ] {
+            let message = value(text).unwrap_err();
+            assert!(message.contains(part), "{text}: {message}");
+        }
+    }
+
+    #[test]
+    fn names() {
+        assert!(is_name("level_1") && is_name("_x"));
+        for name in ["1x", "", "a b", "if", "min", "sqrt", "größe"] {
+            assert!(!is_name(name), "{name}");
+        }
+    }
+}

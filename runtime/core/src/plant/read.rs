@@ -1,0 +1,154 @@
+//! `[plant]` of a scenario.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use plcc_abi::ProgramImage;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::expression::{self, Expression};
+use super::{Equation, Plant, STEP_DEFAULT, STEP_LEAST, Write};
+use crate::address::{Address, Place};
+use crate::options::parse_duration;
+use crate::signal::Source;
+
+/// As it stands in the file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PlantText {
+    step: Option<Spanned<String>>,
+    #[serde(default)]
+    parameters: BTreeMap<String, Spanned<f64>>,
+    #[serde(default)]
+    state: BTreeMap<String, Spanned<f64>>,
+    #[serde(default)]
+    read: BTreeMap<String, Spanned<String>>,
+    #[serde(default)]
+    equations: Vec<Spanned<String>>,
+    #[serde(default)]
+    write: BTreeMap<String, Spanned<String>>,
+}
+
+/// Offset in the file and message.
+type Wrong = (usize, String);
+
+impl PlantText {
+    /// The plant of a program. `line` gives the line of an offset. `Err`: offset and message.
+    pub(crate) fn plant(&self, image: &ProgramImage, line: &dyn Fn(usize) -> u32) -> Result<Plant, Wrong> {
+        let mut reader = Reader { image, line, plant: empty(self.step()?) };
+        for (name, value) in self.parameters.iter().chain(&self.state) {
+            let at = value.span().start;
+            if !value.get_ref().is_finite() {
+                return Err((at, format!("{name} needs a number")));
+            }
+            let index = reader.add(name, at)?;
+            reader.plant.values[index] = *value.get_ref();
+            reader.plant.settable.push(index);
+        }
+        for (name, source) in &self.read {
+            let at = source.span().start;
+            let index = reader.add(name, at)?;
+            let source =
+                reader.source(source.get_ref(), is_output, "an output (Q, PQ, AO)").map_err(|text| (at, text))?;
+            reader.plant.reads.push((index, source));
+        }
+        let states: Vec<&String> = self.state.keys().collect();
+        for equation in &self.equations {
+            reader.equation(equation, &states)?;
+        }
+        for (name, text) in &self.write {
+            reader.write(name, text)?;
+        }
+        Ok(reader.plant)
+    }
+
+    fn step(&self) -> Result<u64, Wrong> {
+        let Some(text) = &self.step else { return Ok(STEP_DEFAULT) };
+        match parse_duration(text.get_ref()) {
+            Ok(step) if step.0 >= STEP_LEAST => Ok(step.0),
+            Ok(_) => Err((text.span().start, "the step of a plant is 1ms or more".to_string())),
+            Err(message) => Err((text.span().start, message)),
+        }
+    }
+}
+
+fn empty(step: u64) -> Plant {
+    Plant {
+        step,
+        names: vec!["t".to_string(), "dt".to_string()],
+        values: vec![0.0; 2],
+        settable: Vec::new(),
+        reads: Vec::new(),
+        equations: Vec::new(),
+        writes: Vec::new(),
+        time: 0,
+        failed: false,
+    }
+}
+
+fn is_output(address: &Address) -> bool {
+    matches!(address.place, Place::Output(_) | Place::PeripheralOutput(_))
+}
+
+fn is_input(address: &Address) -> bool {
+    matches!(address.place, Place::Input(_) | Place::PeripheralInput(_))
+}
+
+struct Reader<'a> {
+    image: &'a ProgramImage,
+    line: &'a dyn Fn(usize) -> u32,
+    plant: Plant,
+}
+
+impl Reader<'_> {
+    /// A value more, 0 until it is set.
+    fn add(&mut self, name: &str, at: usize) -> Result<usize, Wrong> {
+        if !expression::is_name(name) {
+            return Err((
+                at,
+                format!("`{name}` cannot be the name of a value: letters, digits and _, and no function"),
+            ));
+        }
+        if self.plant.find(name).is_some() {
+            return Err((at, format!("the plant has two values `{name}`")));
+        }
+        self.plant.names.push(name.to_string());
+        self.plant.values.push(0.0);
+        Ok(self.plant.names.len() - 1)
+    }
+
+    fn source(&self, text: &str, fits: fn(&Address) -> bool, what: &str) -> Result<Source, String> {
+        let source = Source::find(text, self.image, None)?;
+        source.address().filter(|address| fits(address)).ok_or_else(|| format!("`{text}` is not {what}"))?;
+        Ok(source)
+    }
+
+    fn equation(&mut self, equation: &Spanned<String>, states: &[&String]) -> Result<(), Wrong> {
+        let at = equation.span().start;
+        let text = equation.get_ref();
+        let (name, value) = text.split_once('=').ok_or_else(|| (at, format!("`{text}`: write `name = expression`")))?;
+        let name = name.trim();
+        let expression = self.expression(value, at)?;
+        let target = match self.plant.find(name) {
+            Some(index) if states.iter().any(|state| *state == name) => index,
+            Some(_) => return Err((at, format!("`{name}` has a value already; only a state changes by itself"))),
+            None => self.add(name, at)?,
+        };
+        self.plant.equations.push(Equation { target, expression, line: (self.line)(at) });
+        Ok(())
+    }
+
+    fn write(&mut self, name: &str, text: &Spanned<String>) -> Result<(), Wrong> {
+        let at = text.span().start;
+        let input = self.source(name, is_input, "an input (I, PI, AI)").map_err(|text| (at, text))?;
+        let expression = self.expression(text.get_ref(), at)?;
+        self.plant.writes.push(Write { name: name.to_string(), input, expression, line: (self.line)(at) });
+        Ok(())
+    }
+
+    fn expression(&self, text: &str, at: usize) -> Result<Rc<Expression>, Wrong> {
+        let is_known = |name: &str| self.plant.find(name).is_some();
+        Expression::parse(text.trim(), is_known).map(Rc::new).map_err(|message| (at, message))
+    }
+}

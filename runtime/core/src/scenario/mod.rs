@@ -1,0 +1,123 @@
+//! Scenarios: what happens to a program from outside, and what is expected of it. TOML, see docs/testing.md.
+
+mod player;
+mod read;
+
+use std::path::Path;
+
+use plcc_abi::ProgramImage;
+
+use crate::events::Event;
+use crate::plant::Plant;
+use crate::signal::{Signal, Value};
+pub use player::Player;
+
+/// When an entry happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    Cycle(u64),
+    /// The first cycle that starts at this time, in nanoseconds, or later.
+    Time(u64),
+}
+
+/// A signal with a value and its place in the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    pub signal: Signal,
+    pub value: Value,
+    /// How far a number may be away from `value`.
+    pub tolerance: f64,
+    pub line: u32,
+}
+
+/// An entry.
+#[derive(Clone, Debug)]
+pub struct At {
+    pub when: When,
+    pub set: Vec<Setting>,
+    /// Parameters and states of the plant, by number.
+    pub plant: Vec<(usize, f64)>,
+    pub event: Option<Event>,
+    pub expect: Vec<Setting>,
+    pub print: Vec<Signal>,
+}
+
+/// A scenario, checked against the program.
+#[derive(Clone, Debug, Default)]
+pub struct Scenario {
+    pub file: String,
+    pub entries: Vec<At>,
+    pub plant: Option<Plant>,
+}
+
+impl Scenario {
+    /// Reads and checks a file. `Err`: message with file and line.
+    pub fn read(path: &Path, image: &ProgramImage) -> Result<Scenario, String> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|error| format!("cannot read scenario {file}: {error}"))?;
+        Scenario::parse(&file, &text, image)
+    }
+
+    /// As [`read`](Scenario::read), from text.
+    pub fn parse(file: &str, text: &str, image: &ProgramImage) -> Result<Scenario, String> {
+        read::parse(file, text, image)
+    }
+
+    /// The last cycle that an entry names, with cycles so many nanoseconds apart; `None` without entries.
+    pub fn last_cycle(&self, cycle_time: u64) -> Option<u64> {
+        let cycle = |at: &At| match at.when {
+            When::Cycle(cycle) => cycle,
+            When::Time(time) => time.div_ceil(cycle_time.max(1)) + 1,
+        };
+        self.entries.iter().map(cycle).max()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::address::Width;
+    use crate::tests::image;
+
+    fn parse(text: &str) -> Result<Scenario, String> {
+        Scenario::parse("s.toml", text, &image(&[]))
+    }
+
+    #[test]
+    fn all_keys() {
+        let scenario = parse(
+            "[[at]]\ncycle = 3\nset = { \"I0.0\" = 1, \"IW2\" = \"16#0100\" }\nevent = \"OB40\"\n\
+             expect = { \"Q0.0\" = true }\nprint = [\"Q0.0\"]\n\
+             [[at]]\ntime = \"100ms\"\nevent = { ob = \"OB40\", MDL_ADDR = 4, OB40_POINT_ADDR = \"16#1\" }\n",
+        )
+        .unwrap();
+        assert_eq!(scenario.entries[0].when, When::Cycle(3));
+        assert_eq!(scenario.entries[0].set[1].value, Value::Bits(0x100, Width::Word));
+        assert_eq!(scenario.entries[1].when, When::Time(100_000_000));
+        let info = scenario.entries[1].event.unwrap().info.0;
+        assert_eq!((&info[6..8], &info[8..12]), (&[0u8, 4][..], &[0u8, 0, 0, 1][..]));
+        assert_eq!(scenario.last_cycle(10_000_000), Some(11));
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        let message = |text: &str| parse(text).unwrap_err();
+        assert!(message("[[at]]\ncycle = 1\nsett = {}\n").starts_with("s.toml:3: unknown field `sett`"));
+        assert_eq!(message("\n[[at]]\nset = { \"I0.0\" = 1 }\n"), "s.toml:2: an entry needs `cycle` or `time`");
+        assert!(
+            message("[[at]]\ncycle = 1\nset = { \"I0.9\" = 1 }\n").starts_with("s.toml:3: I0.9: `I0.9` is neither")
+        );
+        assert!(
+            message("[[at]]\ncycle = 1\n\nset = { \"I0.0\" = 2 }\n").starts_with("s.toml:4: I0.0: `2` does not fit")
+        );
+        assert!(message("[[at]]\ncycle = 1\nevent = \"OB1\"\n").starts_with("s.toml:3: `OB1` is no OB"));
+        assert!(message("[[at]]\ncycle = 1\nevent = { ob = \"OB40\", x = 1 }\n").contains("no field `x`"));
+        assert!(message("[[at]]\ntime = \"soon\"\n").starts_with("s.toml:2: `soon` is not a time"));
+        assert!(message("[[at]\n").starts_with("s.toml:1: "));
+        assert!(message("[[at]]\ncycle = -1\n").ends_with("expected a whole number, 0 or more"));
+        assert_eq!(
+            message("[[at]]\ncycle = 1\nset = { \"T5\" = 1 }\n"),
+            "s.toml:3: T5: timers and counters cannot be set"
+        );
+    }
+}

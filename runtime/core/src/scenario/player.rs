@@ -1,0 +1,172 @@
+//! Plays a scenario: between the cycles it sets values, starts events, steps the plant, and compares.
+
+use std::io::Write;
+
+use super::{Scenario, Setting, When};
+use crate::cpu::Cpu;
+use crate::cycle::Observer;
+use crate::plant::{Fault, Plant};
+use crate::report;
+use crate::signal::{Signal, Value};
+use crate::testing::AssertFailure;
+
+/// Plays a scenario.
+pub struct Player {
+    scenario: Scenario,
+    /// For each entry: the cycle in which it happened.
+    happened: Vec<Option<u64>>,
+    expectations_met: u64,
+    failures: Vec<AssertFailure>,
+    /// Where `print` goes; nowhere in tests.
+    out: Option<Box<dyn Write>>,
+    json: bool,
+}
+
+impl Player {
+    /// Checks the addresses against the CPU and makes its inputs named. `Err`: message with file and line.
+    pub fn new(scenario: Scenario, cpu: &Cpu) -> Result<Player, String> {
+        let file = &scenario.file;
+        for Setting { signal, line, .. } in scenario.entries.iter().flat_map(|at| at.set.iter().chain(&at.expect)) {
+            signal.source.check(cpu).map_err(|message| format!("{file}:{line}: {}: {message}", signal.name))?;
+        }
+        for Signal { name, source } in scenario.entries.iter().flat_map(|at| &at.print) {
+            source.check(cpu).map_err(|message| format!("{file}: print {name}: {message}"))?;
+        }
+        for address in scenario.entries.iter().flat_map(|at| &at.set).filter_map(|set| set.signal.source.address()) {
+            cpu.name_input(address);
+        }
+        if let Some(plant) = &scenario.plant {
+            plant.attach(cpu).map_err(|(line, message)| match line {
+                0 => format!("{file}: plant: {message}"),
+                line => format!("{file}:{line}: {message}"),
+            })?;
+        }
+        let happened = vec![None; scenario.entries.len()];
+        Ok(Player { scenario, happened, expectations_met: 0, failures: Vec::new(), out: None, json: false })
+    }
+
+    /// Writes what `print` asks for to `out`.
+    pub fn print_to(mut self, out: Box<dyn Write>, json: bool) -> Player {
+        self.out = Some(out);
+        self.json = json;
+        self
+    }
+
+    /// The plant as it is now.
+    pub fn plant(&self) -> Option<&Plant> {
+        self.scenario.plant.as_ref()
+    }
+
+    /// Number of `expect` values that were found so far.
+    pub fn expectations_met(&self) -> u64 {
+        self.expectations_met
+    }
+
+    /// What failed, with the expectations of entries that never happened. Call it at the end.
+    pub fn failures(&self) -> Vec<AssertFailure> {
+        let mut failures = self.failures.clone();
+        for (at, _) in self.scenario.entries.iter().zip(&self.happened).filter(|(_, happened)| happened.is_none()) {
+            failures.extend(at.expect.iter().map(|setting| self.failure(setting, "(not reached)".to_string())));
+        }
+        failures
+    }
+
+    fn failure(&self, setting: &Setting, actual: String) -> AssertFailure {
+        let mut expected = setting.value.text();
+        if setting.tolerance > 0.0 {
+            expected = format!("{expected} +- {}", Value::Number(setting.tolerance).text());
+        }
+        AssertFailure {
+            file: self.scenario.file.clone(),
+            line: setting.line,
+            text: format!("{} = {expected}", setting.signal.name),
+            left: actual,
+            right: expected,
+        }
+    }
+
+    fn step_plant(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        let Some(plant) = &mut self.scenario.plant else { return };
+        let stepped = if cycle == 0 { plant.begin(cpu, time) } else { plant.advance(cpu, time) };
+        if let Err(Fault { line, name, message }) = stepped {
+            self.failures.push(AssertFailure {
+                file: self.scenario.file.clone(),
+                line,
+                text: format!("a value of the plant for {name}"),
+                left: message,
+                right: "a number".to_string(),
+            });
+        }
+    }
+}
+
+fn holds(setting: &Setting, actual: Value) -> bool {
+    match (setting.value, actual) {
+        // A number is what its REAL is.
+        (Value::Number(wanted), Value::Number(actual)) => {
+            (actual - wanted).abs() <= setting.tolerance + wanted.abs() * f64::from(f32::EPSILON)
+        }
+        (wanted, actual) => wanted == actual,
+    }
+}
+
+impl Observer for Player {
+    fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        self.step_plant(cpu, cycle, time);
+        for (at, happened) in self.scenario.entries.iter().zip(&mut self.happened) {
+            let now = match at.when {
+                When::Cycle(at) => at == cycle,
+                When::Time(at) => cycle > 0 && at <= time,
+            };
+            if !now || happened.is_some() {
+                continue;
+            }
+            *happened = Some(cycle);
+            for setting in &at.set {
+                let (Some(address), Value::Bits(bits, _)) = (setting.signal.source.address(), setting.value) else {
+                    continue;
+                };
+                if let Err(message) = cpu.write(address, bits) {
+                    self.failures.push(AssertFailure {
+                        file: self.scenario.file.clone(),
+                        line: setting.line,
+                        text: format!("{} to be set", setting.signal.name),
+                        left: message,
+                        right: setting.value.text(),
+                    });
+                }
+            }
+            if let Some(plant) = &mut self.scenario.plant {
+                at.plant.iter().for_each(|&(index, value)| plant.set(index, value));
+            }
+            if let Some(event) = at.event {
+                cpu.request(event);
+            }
+        }
+    }
+
+    fn after(&mut self, cpu: &Cpu, cycle: u64, _time: u64) {
+        let due = |happened: &Option<u64>| *happened == Some(cycle);
+        for index in 0..self.scenario.entries.len() {
+            if !self.happened.get(index).is_some_and(due) {
+                continue;
+            }
+            let at = &self.scenario.entries[index];
+            let mut failed = Vec::new();
+            for setting in &at.expect {
+                let actual = setting.signal.source.read(cpu, self.plant());
+                if holds(setting, actual) {
+                    self.expectations_met += 1;
+                } else {
+                    failed.push(self.failure(setting, actual.text()));
+                }
+            }
+            if let Some(out) = self.out.as_mut().filter(|_| !at.print.is_empty()) {
+                let plant = self.scenario.plant.as_ref();
+                // A closed pipe is no reason to stop a plant.
+                let _ = report::write_values(cpu, plant, &at.print, self.json, out.as_mut());
+            }
+            self.failures.extend(failed);
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! A scenario's text: keys, values and messages with their lines.
+
+use std::collections::BTreeMap;
+
+use plcc_abi::ProgramImage;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::{At, Scenario, Setting, When};
+use crate::address::{self, Place};
+use crate::analog;
+use crate::events::{self, Event};
+use crate::options::parse_duration;
+use crate::plant::{Plant, PlantText};
+use crate::signal::{self, Signal, Source, Value};
+use crate::value;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileText {
+    #[serde(default)]
+    at: Vec<Spanned<AtText>>,
+    plant: Option<PlantText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AtText {
+    cycle: Option<u64>,
+    time: Option<Spanned<String>>,
+    #[serde(default)]
+    set: BTreeMap<String, Spanned<toml::Value>>,
+    #[serde(default)]
+    plant: BTreeMap<String, Spanned<f64>>,
+    event: Option<Spanned<toml::Value>>,
+    #[serde(default)]
+    expect: BTreeMap<String, Spanned<toml::Value>>,
+    #[serde(default)]
+    print: Vec<Spanned<String>>,
+}
+
+/// Reads a scenario. `Err`: message with file and line.
+pub(super) fn parse(file: &str, text: &str, image: &ProgramImage) -> Result<Scenario, String> {
+    let line = |offset: usize| text.as_bytes().iter().take(offset).filter(|&&byte| byte == b'\n').count() as u32 + 1;
+    let raw: FileText = toml::from_str(text).map_err(|error| {
+        let at = error.span().map_or(1, |span| line(span.start));
+        format!("{file}:{at}: {}", in_words(error.message()))
+    })?;
+    let plant = raw.plant.as_ref().map(|plant| plant.plant(image, &line)).transpose();
+    let plant = plant.map_err(|(offset, message)| format!("{file}:{}: {message}", line(offset)))?;
+    let reader = Reader { file, line: &line, image, plant: plant.as_ref() };
+    let entries = raw.at.into_iter().map(|entry| reader.entry(entry)).collect::<Result<_, _>>()?;
+    Ok(Scenario { file: file.to_string(), entries, plant })
+}
+
+/// A source, its value and the tolerance.
+type Wanted = (Source, Value, f64);
+
+struct Reader<'a> {
+    file: &'a str,
+    line: &'a dyn Fn(usize) -> u32,
+    image: &'a ProgramImage,
+    plant: Option<&'a Plant>,
+}
+
+impl Reader<'_> {
+    fn error<T>(&self, offset: usize, message: &str) -> Result<T, String> {
+        Err(format!("{}:{}: {message}", self.file, (self.line)(offset)))
+    }
+
+    fn entry(&self, entry: Spanned<AtText>) -> Result<At, String> {
+        let start = entry.span().start;
+        let entry = entry.into_inner();
+        let when = match (entry.cycle, &entry.time) {
+            (Some(cycle), None) => When::Cycle(cycle),
+            (None, Some(time)) => match parse_duration(time.get_ref()) {
+                Ok(duration) => When::Time(duration.0),
+                Err(message) => return self.error(time.span().start, &message),
+            },
+            (None, None) => return self.error(start, "an entry needs `cycle` or `time`"),
+            (Some(_), Some(_)) => return self.error(start, "an entry has either `cycle` or `time`, not both"),
+        };
+        let print = entry.print.iter().map(|name| {
+            let found = Source::find(name.get_ref(), self.image, self.plant);
+            found
+                .map(|source| Signal { name: name.get_ref().clone(), source })
+                .or_else(|message| self.error(name.span().start, &message))
+        });
+        let plant = entry.plant.iter().map(|(name, value)| {
+            let found = self.plant.and_then(|plant| plant.find_settable(name));
+            match found.filter(|_| value.get_ref().is_finite()) {
+                Some(index) => Ok((index, *value.get_ref())),
+                None => self.error(value.span().start, &format!("`{name}` is no parameter and no state of the plant")),
+            }
+        });
+        Ok(At {
+            when,
+            set: self.settings(&entry.set, Self::to_set)?,
+            plant: plant.collect::<Result<_, _>>()?,
+            event: entry.event.map(|event| self.event(&event)).transpose()?,
+            expect: self.settings(&entry.expect, Self::to_expect)?,
+            print: print.collect::<Result<_, _>>()?,
+        })
+    }
+
+    fn settings(
+        &self,
+        table: &BTreeMap<String, Spanned<toml::Value>>,
+        setting: fn(&Self, &str, &str) -> Result<Wanted, String>,
+    ) -> Result<Vec<Setting>, String> {
+        let mut settings = Vec::new();
+        for (name, text) in table {
+            let offset = text.span().start;
+            let parsed = scalar_text(text.get_ref()).and_then(|text| setting(self, name, &text));
+            let (source, value, tolerance) =
+                parsed.or_else(|message| self.error(offset, &format!("{name}: {message}")))?;
+            let signal = Signal { name: name.clone(), source };
+            settings.push(Setting { signal, value, tolerance, line: (self.line)(offset) });
+        }
+        // In the order of the file.
+        settings.sort_by_key(|setting| setting.line);
+        Ok(settings)
+    }
+
+    /// `"I0.0" = 1`, `"AI0" = "12 mA"`.
+    fn to_set(&self, name: &str, text: &str) -> Result<Wanted, String> {
+        let address = address::resolve(name, self.image)?;
+        if let Place::Timer(_) | Place::Counter(_) = address.place {
+            return Err("timers and counters cannot be set".to_string());
+        }
+        let bits = signal::parse_value(text, &address, self.image)?;
+        Ok((Source::Bits(address), Value::Bits(bits, address.width), 0.0))
+    }
+
+    /// As to set, or with a tolerance: `"AO0" = "50 +- 2 %"`, `"Level as REAL" = "50 +- 0.5"`, `"plant.level" = 3.0`.
+    fn to_expect(&self, name: &str, text: &str) -> Result<Wanted, String> {
+        let source = Source::find(name, self.image, self.plant)?;
+        let number = |text: &str| text.trim().parse::<f64>().map_err(|_| format!("`{}` is not a number", text.trim()));
+        let (middle, tolerance) = match text.split_once("+-") {
+            Some((middle, tolerance)) => (middle.trim(), Some(tolerance.trim())),
+            None => (text, None),
+        };
+        match (source, tolerance) {
+            (Source::Bits(address), None) => {
+                let bits = signal::parse_value(text, &address, self.image)?;
+                Ok((source, Value::Bits(bits, address.width), 0.0))
+            }
+            (Source::Bits(address), Some(tolerance)) => {
+                let (tolerance, unit) = analog::with_unit(tolerance)
+                    .ok_or("a tolerance needs a number: write `50 +- 2 %`, or `\"Level as REAL\" = \"50 +- 2\"`")?;
+                let scale = signal::scale(&address, unit, self.image)?;
+                Ok((Source::Channel(address, scale), Value::Number(number(middle)?), tolerance.abs()))
+            }
+            (Source::Number(..) | Source::Channel(..) | Source::Plant(_), tolerance) => {
+                let tolerance = tolerance.map_or(Ok(0.0), number)?;
+                Ok((source, Value::Number(number(middle)?), tolerance.abs()))
+            }
+        }
+    }
+
+    fn event(&self, event: &Spanned<toml::Value>) -> Result<Event, String> {
+        parse_event(event.get_ref()).or_else(|message| self.error(event.span().start, &message))
+    }
+}
+
+/// What the TOML reader expected, without the names of its types.
+fn in_words(message: &str) -> String {
+    [
+        ("expected u64", "expected a whole number, 0 or more"),
+        ("expected a sequence", "expected a list"),
+        ("expected a map", "expected a table"),
+        ("expected struct PlantText", "expected a table"),
+        ("expected f64", "expected a number"),
+    ]
+    .iter()
+    .fold(message.to_string(), |text, (from, to)| text.replace(from, to))
+}
+
+/// A TOML value as the text that `value::parse` takes.
+fn scalar_text(value: &toml::Value) -> Result<String, String> {
+    match value {
+        toml::Value::Integer(number) => Ok(number.to_string()),
+        toml::Value::Boolean(bit) => Ok(u8::from(*bit).to_string()),
+        toml::Value::String(text) => Ok(text.clone()),
+        toml::Value::Float(number) => Ok(format!("{number:?}")),
+        toml::Value::Datetime(_) | toml::Value::Array(_) | toml::Value::Table(_) => {
+            Err("a value is a number, true, false, or a text as \"16#00FF\"".to_string())
+        }
+    }
+}
+
+/// `"OB40"`, or a table with `ob` and fields of its start information.
+fn parse_event(event: &toml::Value) -> Result<Event, String> {
+    let number = |name: &str| {
+        let digits = name.trim().to_ascii_uppercase();
+        let number = digits.strip_prefix("OB").map(str::trim).and_then(|digits| digits.parse().ok());
+        number.and_then(events::usual).ok_or_else(|| {
+            format!("`{name}` is no OB that an event starts; those are OB 10-17, 20-23, 30-38, 40-47, 55-57 and 80-88")
+        })
+    };
+    match event {
+        toml::Value::String(name) => number(name),
+        toml::Value::Table(table) => {
+            let name = table.get("ob").or_else(|| table.get("OB")).and_then(toml::Value::as_str);
+            let mut event = number(name.ok_or("an event needs `ob = \"OB40\"`")?)?;
+            for (key, given) in table.iter().filter(|(key, _)| !key.eq_ignore_ascii_case("ob")) {
+                let field = events::find_field(event.ob, key)
+                    .ok_or_else(|| format!("the start information of OB {} has no field `{key}`", event.ob))?;
+                let width = match field.bytes {
+                    1 => address::Width::Byte,
+                    2 => address::Width::Word,
+                    _ => address::Width::Dword,
+                };
+                let bits = value::parse(&scalar_text(given)?, width).map_err(|message| format!("{key}: {message}"))?;
+                let bytes = (bits as u32).to_be_bytes();
+                event.info.0[field.offset..field.offset + field.bytes].copy_from_slice(&bytes[4 - field.bytes..]);
+            }
+            Ok(event)
+        }
+        toml::Value::Integer(_)
+        | toml::Value::Float(_)
+        | toml::Value::Boolean(_)
+        | toml::Value::Datetime(_)
+        | toml::Value::Array(_) => Err("an event is a text as \"OB40\" or a table with `ob`".to_string()),
+    }
+}

@@ -1,0 +1,230 @@
+//! What a user watches and compares: an address, an analog channel in its unit, a number at an address, a value of the plant.
+//!
+//! | Text | Value |
+//! | --- | --- |
+//! | `MW20`, `Motor`, `AI0` | bits, as `--print` writes them |
+//! | `AO0 in %`, `Level_Transmitter in mA` | number in a unit, by the range of the channel |
+//! | `Level as REAL`, `MW10 as INT` | number |
+//! | `plant.level` | number, from the plant of the scenario |
+
+use plcc_abi::ProgramImage;
+use plcc_abi::image::{AnalogChannel, Module, StationModule};
+
+use crate::address::{self, Address, Bits, Place, Width};
+use crate::analog::{self, Scale};
+use crate::cpu::Cpu;
+use crate::plant::Plant;
+use crate::value;
+
+/// Where a value comes from and how it is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Source {
+    Bits(Address),
+    Number(Address, NumberType),
+    /// A word of an analog channel.
+    Channel(Address, Scale),
+    /// A value of the plant, by its number.
+    Plant(usize),
+}
+
+/// How bits at an address are a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NumberType {
+    Int,
+    Dint,
+    Real,
+}
+
+const NUMBER_TYPES: [(&str, NumberType, Width); 3] = [
+    ("INT", NumberType::Int, Width::Word),
+    ("DINT", NumberType::Dint, Width::Dword),
+    ("REAL", NumberType::Real, Width::Dword),
+];
+
+/// A source with the name that the user gave it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Signal {
+    pub name: String,
+    pub source: Source,
+}
+
+/// A value that was read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    Bits(Bits, Width),
+    Number(f64),
+}
+
+impl Value {
+    /// As `--print` writes it.
+    pub fn text(self) -> String {
+        match self {
+            Value::Bits(bits, width) => value::text(bits, width),
+            Value::Number(number) => number_text(number),
+        }
+    }
+}
+
+/// Six digits, which is what a REAL has.
+pub fn number_text(number: f64) -> String {
+    let rounded = format!("{number:.5e}").parse::<f64>().unwrap_or(number);
+    // No `-0`.
+    (rounded + 0.0).to_string()
+}
+
+impl Source {
+    /// Finds what `text` names; see the module comment. `Err`: what is wrong, in a sentence.
+    pub fn find(text: &str, image: &ProgramImage, plant: Option<&Plant>) -> Result<Source, String> {
+        let text = text.trim();
+        if let Some(name) = text.strip_prefix("plant.") {
+            let plant = plant.ok_or("there is no plant; a scenario has one in `[plant]`")?;
+            return plant.find(name).map(Source::Plant).ok_or_else(|| format!("the plant has no value `{name}`"));
+        }
+        let plain = address::resolve(text, image).map(Source::Bits);
+        if plain.is_ok() {
+            return plain;
+        }
+        if let Some((name, unit)) = text.rsplit_once(" in ") {
+            let address = address::resolve(name, image)?;
+            return Ok(Source::Channel(address, scale(&address, unit, image)?));
+        }
+        if let Some((name, ty)) = text.rsplit_once(" as ") {
+            let address = address::resolve(name, image)?;
+            let row = NUMBER_TYPES.iter().find(|(word, ..)| word.eq_ignore_ascii_case(ty.trim()));
+            let (_, ty, width) = row.ok_or_else(|| format!("`{}` is none of INT, DINT, REAL", ty.trim()))?;
+            if address.width != *width {
+                return Err(format!("{} has another width than {}", name.trim(), row.map_or("", |row| row.0)));
+            }
+            return Ok(Source::Number(address, *ty));
+        }
+        plain
+    }
+
+    /// The address, if it has one.
+    pub fn address(&self) -> Option<&Address> {
+        match self {
+            Source::Bits(address) | Source::Number(address, _) | Source::Channel(address, _) => Some(address),
+            Source::Plant(_) => None,
+        }
+    }
+
+    /// Whether the address exists on this CPU; a DB may still be made by the program. `Err`: what is wrong.
+    pub fn check(&self, cpu: &Cpu) -> Result<(), String> {
+        match self.address() {
+            Some(address) if !matches!(address.place, Place::Db(..)) => cpu.check_address(address),
+            Some(_) | None => Ok(()),
+        }
+    }
+
+    pub fn read(&self, cpu: &Cpu, plant: Option<&Plant>) -> Value {
+        match self {
+            Source::Bits(address) => Value::Bits(cpu.read(address), address.width),
+            Source::Number(address, ty) => {
+                let bits = cpu.read(address);
+                Value::Number(match ty {
+                    NumberType::Int => f64::from(bits as u16 as i16),
+                    NumberType::Dint => f64::from(bits as u32 as i32),
+                    NumberType::Real => f64::from(f32::from_bits(bits as u32)),
+                })
+            }
+            Source::Channel(address, scale) => {
+                let word = cpu.read(address) as u16 as i16;
+                let is_output = matches!(address.place, Place::Output(_) | Place::PeripheralOutput(_));
+                Value::Number(if is_output { scale.output(word) } else { scale.input(word) })
+            }
+            Source::Plant(index) => Value::Number(plant.map_or(0.0, |plant| plant.value(*index))),
+        }
+    }
+
+    /// Width in a trace; `None`: a number.
+    pub fn width(&self) -> Option<Width> {
+        match self {
+            Source::Bits(address) => Some(address.width),
+            Source::Number(..) | Source::Channel(..) | Source::Plant(_) => None,
+        }
+    }
+
+    /// Sets the address to a number, rounded and limited to what it holds. `Err`: what is wrong.
+    pub fn write_number(&self, cpu: &Cpu, number: f64) -> Result<(), String> {
+        let (address, bits) = match self {
+            Source::Bits(address) => (address, whole(number, address.width)),
+            Source::Number(address, NumberType::Real) => (address, u64::from((number as f32).to_bits())),
+            Source::Number(address, NumberType::Int | NumberType::Dint) => (address, whole(number, address.width)),
+            Source::Channel(address, scale) => (address, u64::from(scale.word(number) as u16)),
+            Source::Plant(_) => return Err("a value of the plant is set by `plant = { name = 1.0 }`".to_string()),
+        };
+        cpu.write(address, bits)
+    }
+}
+
+/// The bits of a number at an address: a bit is 1 if the number is not 0, a byte has no sign, wider ones have.
+fn whole(number: f64, width: Width) -> Bits {
+    let number = number.round();
+    match width {
+        Width::Bit(_) => u64::from(number != 0.0),
+        Width::Byte => u64::from(number as u8),
+        Width::Word => u64::from(number as i16 as u16),
+        Width::Dword => u64::from(number as i32 as u32),
+        Width::Lword => number as i64 as u64,
+    }
+}
+
+/// The scale of the channel at `address` in `unit`. `Err`: what is wrong, in a sentence.
+pub fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Result<Scale, String> {
+    let none = "a unit needs an analog channel: a station with this address in plc.toml, and a word address";
+    if address.width != Width::Word {
+        return Err(none.to_string());
+    }
+    channel(address, image).ok_or_else(|| none.to_string()).and_then(|channel| Scale::new(channel, unit))
+}
+
+/// The modules of the station that have a place, in the order of racks and slots.
+fn station(image: &ProgramImage) -> Vec<(&Module, &StationModule)> {
+    let modules = image.config.modules.iter().flatten();
+    let mut modules: Vec<_> =
+        modules.filter_map(|module| module.station.as_ref().map(|station| (module, station))).collect();
+    modules.sort_by_key(|(_, station)| (station.rack, station.slot));
+    modules
+}
+
+/// The analog channel whose word is at `address`.
+fn channel<'a>(address: &Address, image: &'a ProgramImage) -> Option<&'a AnalogChannel> {
+    let at = |start: u32, byte: u32, channels: &'a [AnalogChannel]| {
+        byte.checked_sub(start).filter(|offset| offset % 2 == 0).and_then(|offset| channels.get(offset as usize / 2))
+    };
+    station(image).into_iter().find_map(|(module, station)| match address.place {
+        Place::PeripheralInput(byte) | Place::Input(byte) => at(module.input_start, byte, &station.analog_inputs),
+        Place::PeripheralOutput(byte) | Place::Output(byte) => at(module.output_start, byte, &station.analog_outputs),
+        Place::BitMemory(_) | Place::Db(..) | Place::Timer(_) | Place::Counter(_) => None,
+    })
+}
+
+/// `AI0`: the first analog input channel of the station, in the order of racks, slots and channels. `AO0`: of the outputs.
+pub fn analog_channel(text: &str, image: &ProgramImage) -> Option<Address> {
+    let upper = text.trim().to_ascii_uppercase();
+    let (is_input, digits) = match (upper.strip_prefix("AI"), upper.strip_prefix("AO")) {
+        (Some(digits), _) => (true, digits),
+        (_, Some(digits)) => (false, digits),
+        (None, None) => return None,
+    };
+    let wanted = digits.bytes().all(|byte| byte.is_ascii_digit()).then(|| digits.parse::<usize>().ok()).flatten()?;
+    let modules = station(image);
+    let words = modules.iter().flat_map(|(module, station)| {
+        let (start, channels) = match is_input {
+            true => (module.input_start, &station.analog_inputs),
+            false => (module.output_start, &station.analog_outputs),
+        };
+        (0..channels.len() as u32).map(move |index| start + 2 * index)
+    });
+    let byte = words.into_iter().nth(wanted)?;
+    let place = if is_input { Place::PeripheralInput(byte) } else { Place::PeripheralOutput(byte) };
+    Some(Address { place, width: Width::Word })
+}
+
+/// A value for an address: a literal, or a number with a unit if an analog channel is there. `Err`: what is wrong.
+pub fn parse_value(text: &str, address: &Address, image: &ProgramImage) -> Result<Bits, String> {
+    match (value::parse(text, address.width), analog::with_unit(text)) {
+        (Err(_), Some((number, unit))) => Ok(u64::from(scale(address, unit, image)?.word(number) as u16)),
+        (parsed, _) => parsed,
+    }
+}
