@@ -58,6 +58,9 @@ const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
     (Code::Project, "needs a plc.toml"),
     (Code::UnknownCpu, "needs a plc.toml or `--cpu`"),
     (Code::Unreadable, "needs a file that cannot be read"),
+    (Code::Station, "needs a plc.toml"),
+    (Code::NoModule, "needs a plc.toml"),
+    (Code::ModuleAccess, "needs a plc.toml"),
     (Code::AssertionNotReached, "comes when a test has run"),
 ];
 

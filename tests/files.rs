@@ -7,9 +7,9 @@
 //! | `parse/` | STL or SCL | `x.ast`, and `x.tokens` if it is there |
 //! | `ir/` | IR that prints as it stands | |
 //! | `opt/` | IR; `; passes: a,b` in its first line | `x.expect` |
-//! | `clif/` | STL or SCL | `x.clif` |
-//! | `messages/` | STL or SCL | `x.txt`: its messages as drawn |
-//! | `../samples/*/` | a project with scenarios | `x.trace.csv`, `x.vcd` beside `x.toml`, with the signals of its `# trace-signals:` line |
+//! | `clif/` | STL | `x.clif` |
+//! | `messages/` | STL | `x.txt`: its messages as drawn |
+//! | `../samples/*/` | a project with scenarios | `x.trace.csv`, `x.vcd`, `x.svg` beside `x.toml`, with the signals of its `# trace-signals:` line; `station.txt`: the list of `plcc station` |
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -184,7 +184,7 @@ fn sample_trials(trials: &mut Vec<Trial>) {
             all_passed(&testing::run(&[TestInput::Project(project)], &plan(all_variants())))
         }));
         for scenario in inputs::project_scenarios(&folder) {
-            for suffix in ["trace.csv", "vcd"] {
+            for suffix in ["trace.csv", "vcd", "svg"] {
                 let expected = scenario.with_extension(suffix);
                 if expected.is_file() {
                     let (folder, scenario) = (folder.clone(), scenario.clone());
@@ -192,7 +192,17 @@ fn sample_trials(trials: &mut Vec<Trial>) {
                 }
             }
         }
+        let station = folder.join("station.txt");
+        if station.is_file() {
+            trials.push(trial(shown(&station), move || check_station(&folder, &station)));
+        }
     }
+}
+
+/// The list that `plcc station` prints.
+fn check_station(project: &Path, expected: &Path) -> Result<(), String> {
+    let station = inputs::read(&[project.to_path_buf()]).project.and_then(|project| project.station);
+    expect_file(expected, &plcc_driver::station::table(&station.ok_or("plc.toml describes no station")?))
 }
 
 /// The trace of a scenario, run by `plcc run` under the virtual clock, is the same byte for byte.
@@ -216,16 +226,29 @@ fn check_trace(project: &Path, scenario: &Path, expected: &Path) -> Result<(), S
         "--trace".into(),
         trace.clone().into(),
     ];
-    if let Some(signals) = text.lines().find_map(|line| line.strip_prefix(SIGNALS_LINE)) {
-        arguments.extend(["--trace-signals".into(), signals.trim().into()]);
+    let flag = |line_start: &str| text.lines().find_map(|line| line.strip_prefix(line_start)).map(str::trim);
+    if let Some(signals) = flag(SIGNALS_LINE) {
+        arguments.extend(["--trace-signals".into(), signals.into()]);
+    }
+    if let Some(step) = flag(STEP_LINE) {
+        arguments.extend(["--trace-step".into(), step.into()]);
     }
     let code = plcc_driver::main_with(arguments);
-    let text = fs::read_to_string(&trace).map_err(|error| format!("exit code {code}, no trace: {error}"))?;
-    expect_file(expected, &text)
+    let trace = fs::read_to_string(&trace).map_err(|error| format!("exit code {code}, no trace: {error}"))?;
+    if expected.extension().is_some_and(|ending| ending == "svg") {
+        return expect_file(expected, &plcc_driver::plot::picture(&trace, flag(TITLE_LINE).unwrap_or_default())?);
+    }
+    expect_file(expected, &trace)
 }
 
 /// A comment line of a scenario that names what its trace records, in place of the symbols.
 const SIGNALS_LINE: &str = "# trace-signals:";
+
+/// A comment line with the time between two samples, in place of each cycle.
+const STEP_LINE: &str = "# trace-step:";
+
+/// A comment line with the title of the picture.
+const TITLE_LINE: &str = "# title:";
 
 /// The cycle of a scenario's last entry, at 10 ms a cycle; a trace lasts until then.
 fn last_cycle(scenario: &str) -> Result<u64, String> {

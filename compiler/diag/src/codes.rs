@@ -117,6 +117,9 @@ codes! {
     Project = "P0601" Error "a project file that cannot be used";
     UnknownCpu = "P0602" Error "a CPU that plcc does not know";
     Unreadable = "P0603" Error "a file that cannot be read";
+    Station = "P0604" Error "a station that cannot be built";
+    NoModule = "P0605" Warning "an address that no module of the station has";
+    ModuleAccess = "P0606" Error "an access that a module does not allow";
     Pragma = "P0701" Error "an assertion pragma that cannot be understood";
     AssertionNotReached = "P0702" Error "an assertion that was never executed";
 }

@@ -26,6 +26,14 @@ pub enum Command {
     Test(TestArgs),
     /// Report what is wrong and compile nothing.
     Check(CheckArgs),
+    /// List the modules of a project's station with their addresses.
+    Station {
+        /// The folder of the project.
+        #[arg(default_value = ".", value_name = "DIR")]
+        folder: PathBuf,
+    },
+    /// Draw a trace as an SVG picture.
+    Plot(PlotArgs),
     /// Print the page of a diagnostic code.
     Explain {
         /// A code as it stands in a message, `P0203`.
@@ -166,4 +174,17 @@ pub struct CheckArgs {
     pub message_format: MessageFormat,
     #[command(flatten)]
     pub compile: CompileArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct PlotArgs {
+    /// A trace that `--trace FILE.csv` wrote.
+    #[arg(value_name = "TRACE.csv")]
+    pub trace: PathBuf,
+    /// The picture; that of the trace with the suffix svg if left out.
+    #[arg(short, value_name = "OUT.svg")]
+    pub output: Option<PathBuf>,
+    /// Text above the picture.
+    #[arg(long, value_name = "TEXT")]
+    pub title: Option<String>,
 }

@@ -3,6 +3,7 @@
 //! - [`cli`]: what can be written on the command line; [`command`]: what is done.
 //! - [`inputs`], [`content`], [`project`]: from arguments to files.
 //! - [`pipeline`]: from files to code, one function an arrow; [`emit`]: its forms as text; [`link`]: executables.
+//! - [`station`]: the modules of a project; [`plot`]: pictures of traces.
 //! - [`code`]: code that runs in this process; [`testing`]: `plcc test`.
 //! - [`report`] writes messages.
 //!
@@ -20,8 +21,10 @@ pub mod emit;
 pub mod inputs;
 pub mod link;
 pub mod pipeline;
+pub mod plot;
 pub mod project;
 pub mod report;
+pub mod station;
 pub mod testing;
 
 use cli::{Cli, Command};
@@ -47,6 +50,8 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Run(args) => command::run::run(args),
         Command::Test(args) => command::test::test(args),
         Command::Check(args) => command::check::check(args),
+        Command::Station { folder } => command::station::station(folder),
+        Command::Plot(args) => command::plot::plot(args),
         Command::Explain { code } => command::explain::explain(code),
     }
 }

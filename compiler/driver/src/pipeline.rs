@@ -16,6 +16,7 @@ use plcc_syntax::{Language, ParseOptions};
 use crate::cli::{CompileArgs, Level};
 use crate::inputs::Read;
 use crate::project::Project;
+use crate::station;
 
 /// What the arrows up to the bound program must know.
 #[derive(Clone, Debug, Default)]
@@ -107,6 +108,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         Some(profile) => profile,
         None => profile_of(settings, project.as_ref(), &units, &mut sources, &mut diagnostics),
     };
+    let has_station = project.as_ref().is_some_and(|project| project.station.is_some());
     let (program, messages) = plcc_program::bind(&BindInput {
         name,
         sources: &sources,
@@ -120,6 +122,9 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         require_main: settings.require_main && !units.is_empty(),
     });
     diagnostics.extend(messages);
+    if has_station {
+        diagnostics.extend(station::check_program(&program, &sources));
+    }
     plcc_diag::sort(&mut diagnostics);
     // Two stages may see the same fault; it is one problem.
     diagnostics.dedup_by_key(|d| (d.code, d.primary.span));

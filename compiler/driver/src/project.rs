@@ -9,6 +9,8 @@ use plcc_syntax::stl::Mnemonics;
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::station::{self, Station, StationKeys};
+
 /// Name of the file that makes a folder a project.
 pub const FILE_NAME: &str = "plc.toml";
 
@@ -23,6 +25,7 @@ pub struct Project {
     pub sources: Option<Vec<(String, Span)>>,
     pub symbols: Vec<(String, Span)>,
     pub config: Config,
+    pub station: Option<Station>,
 }
 
 /// Reads the text of a `plc.toml`. What is wrong is left out and reported as P0601.
@@ -60,6 +63,7 @@ struct Keys {
     ob: BTreeMap<Spanned<String>, ObKeys>,
     #[serde(default)]
     module: Vec<ModuleKeys>,
+    station: Option<StationKeys>,
 }
 
 #[derive(Deserialize)]
@@ -145,13 +149,22 @@ impl Context {
         for (number, ob) in &keys.ob {
             self.organization_block(number, ob, &mut config);
         }
-        if !keys.module.is_empty() {
-            config.modules = Some(self.modules(&keys.module));
+        let file = self.file;
+        let place = |text: Spanned<String>| (text.get_ref().clone(), Span::new(file, text.span()));
+        let cpu = keys.cpu.map(place);
+        let station = keys.station.map(|station| {
+            let (station, diagnostics) = station::read(&station, cpu.as_ref(), self.file);
+            self.diagnostics.extend(diagnostics);
+            station
+        });
+        if !keys.module.is_empty() || station.is_some() {
+            let of_station = station.as_ref().map(Station::modules).unwrap_or_default();
+            config.modules = Some(self.modules(of_station, &keys.module));
         }
-        let place = |text: Spanned<String>| (text.get_ref().clone(), Span::new(self.file, text.span()));
+        config.cpu_order = station.as_ref().map(Station::cpu_order).unwrap_or_default();
         Project {
             name: keys.name.map(Spanned::into_inner),
-            cpu: keys.cpu.map(place),
+            cpu: station.as_ref().and_then(Station::profile).or(cpu),
             mnemonics: keys.mnemonics.map(|key| match key {
                 MnemonicsKey::En => Mnemonics::En,
                 MnemonicsKey::De => Mnemonics::De,
@@ -159,6 +172,7 @@ impl Context {
             sources: keys.sources.map(|sources| sources.into_iter().map(place).collect()),
             symbols: keys.symbols.into_iter().map(place).collect(),
             config,
+            station,
         }
     }
 
@@ -218,13 +232,13 @@ impl Context {
         }
     }
 
-    fn modules(&mut self, keys: &[ModuleKeys]) -> Vec<Module> {
-        let mut modules: Vec<Module> = Vec::new();
+    /// The modules of the station, and those that `[[module]]` gives by their addresses.
+    fn modules(&mut self, mut modules: Vec<Module>, keys: &[ModuleKeys]) -> Vec<Module> {
         for module in keys {
             let (input_start, input_bytes) = self.addresses(module.inputs.as_ref());
             let (output_start, output_bytes) = self.addresses(module.outputs.as_ref());
             let name = module.name.get_ref().clone();
-            let new = Module { name, input_start, input_bytes, output_start, output_bytes };
+            let new = Module { name, input_start, input_bytes, output_start, output_bytes, station: None };
             if let Some(other) = modules.iter().find(|other| overlap(other, &new)) {
                 let title = format!("modules `{}` and `{}` have addresses in common", other.name, new.name);
                 self.report(module.name.span(), title, "give each module addresses of its own");

@@ -26,10 +26,10 @@ pub struct RunOptions {
     /// Time from one cycle start to the next; 10ms if left out, 0: back to back
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub cycle_time: Option<Duration>,
-    /// Set a value from before the startup OB, e.g. I0.0=1; several by commas or by repeating
+    /// Set a value from before the startup OB, e.g. I0.0=1 or "AI0=12 mA"; several by commas or by repeating
     #[arg(long, value_name = "ADDR=VALUE")]
     pub set: Vec<String>,
-    /// Print values after the last cycle, e.g. Q4.0,MW20,DB10.DBD4
+    /// Print values after the last cycle, e.g. Q4.0,MW20,DB10.DBD4,"AO0 in %"
     #[arg(long, value_name = "ADDR,...")]
     pub print: Vec<String>,
     /// Print the values as JSON
@@ -44,6 +44,9 @@ pub struct RunOptions {
     /// What to record; if left out the values of --print and all symbols, Q0.0 to Q3.7 if there are none
     #[arg(long, value_name = "ADDR,...")]
     pub trace_signals: Vec<String>,
+    /// Record not more often than this; each cycle if left out
+    #[arg(long, value_name = "TIME", value_parser = parse_duration)]
+    pub trace_step: Option<Duration>,
     /// Print the diagnostic buffer at the end, newest entry first
     #[arg(long)]
     pub diag: bool,

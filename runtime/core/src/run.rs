@@ -149,7 +149,10 @@ fn prepare(cpu: &Cpu, options: &RunOptions) -> Result<(Vec<Signal>, Session), St
     let printed = signals(cpu, player.plant(), &options.print)?;
     let asked = signals(cpu, player.plant(), &options.trace_signals)?;
     let recorder = match &options.trace {
-        Some(path) => Some(Recorder::create(path, trace::signals(cpu, &asked, &printed))?),
+        Some(path) => {
+            let step = options.trace_step.map_or(0, |step| step.0);
+            Some(Recorder::create(path, trace::signals(cpu, &asked, &printed), step)?)
+        }
         None => None,
     };
     Ok((printed, Session { set: settings(cpu, &options.set)?, player, recorder }))

@@ -6,6 +6,8 @@
 //! | `AO0 in %`, `Level_Transmitter in mA` | number in a unit, by the range of the channel |
 //! | `Level as REAL`, `MW10 as INT` | number |
 //! | `plant.level` | number, from the plant of the scenario |
+//!
+//! Behind the last two ` in UNIT` may name their unit, for the axis of a picture; it changes nothing.
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::{AnalogChannel, Module, StationModule};
@@ -72,23 +74,25 @@ pub fn number_text(number: f64) -> String {
     (rounded + 0.0).to_string()
 }
 
+fn without_unit(text: &str) -> &str {
+    text.split_once(" in ").map_or(text, |(name, _)| name).trim()
+}
+
 impl Source {
     /// Finds what `text` names; see the module comment. `Err`: what is wrong, in a sentence.
     pub fn find(text: &str, image: &ProgramImage, plant: Option<&Plant>) -> Result<Source, String> {
         let text = text.trim();
         if let Some(name) = text.strip_prefix("plant.") {
             let plant = plant.ok_or("there is no plant; a scenario has one in `[plant]`")?;
+            let name = without_unit(name);
             return plant.find(name).map(Source::Plant).ok_or_else(|| format!("the plant has no value `{name}`"));
         }
         let plain = address::resolve(text, image).map(Source::Bits);
         if plain.is_ok() {
             return plain;
         }
-        if let Some((name, unit)) = text.rsplit_once(" in ") {
-            let address = address::resolve(name, image)?;
-            return Ok(Source::Channel(address, scale(&address, unit, image)?));
-        }
         if let Some((name, ty)) = text.rsplit_once(" as ") {
+            let ty = without_unit(ty);
             let address = address::resolve(name, image)?;
             let row = NUMBER_TYPES.iter().find(|(word, ..)| word.eq_ignore_ascii_case(ty.trim()));
             let (_, ty, width) = row.ok_or_else(|| format!("`{}` is none of INT, DINT, REAL", ty.trim()))?;
@@ -96,6 +100,10 @@ impl Source {
                 return Err(format!("{} has another width than {}", name.trim(), row.map_or("", |row| row.0)));
             }
             return Ok(Source::Number(address, *ty));
+        }
+        if let Some((name, unit)) = text.rsplit_once(" in ") {
+            let address = address::resolve(name, image)?;
+            return Ok(Source::Channel(address, scale(&address, unit, image)?));
         }
         plain
     }

@@ -3,7 +3,9 @@
 pub mod build;
 pub mod check;
 pub mod explain;
+pub mod plot;
 pub mod run;
+pub mod station;
 pub mod test;
 
 /// Exit codes. A command that runs a PLC program gives those of the runtime, which are the same.

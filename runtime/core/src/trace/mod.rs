@@ -27,13 +27,16 @@ pub struct Recorder {
     signals: Vec<Signal>,
     sink: Box<dyn Sink>,
     values: Vec<Value>,
+    /// Nanoseconds that lie between two samples at least, and when the next one is due.
+    step: u64,
+    due: u64,
     /// The first error; nothing is written after it.
     error: Option<std::io::Error>,
 }
 
 impl Recorder {
-    /// Creates the file; its suffix tells the format. `Err`: what is wrong.
-    pub fn create(path: &Path, signals: Vec<Signal>) -> Result<Recorder, String> {
+    /// Creates the file; its suffix tells the format. `step`: nanoseconds between samples, 0: each cycle. `Err`: what is wrong.
+    pub fn create(path: &Path, signals: Vec<Signal>, step: u64) -> Result<Recorder, String> {
         let open = || {
             File::create(path).map(BufWriter::new).map_err(|error| format!("cannot write {}: {error}", path.display()))
         };
@@ -44,12 +47,14 @@ impl Recorder {
             "csv" => Box::new(table::Table::new(open()?, &signals).map_err(failed)?),
             _ => return Err(format!("--trace {}: the file must end in .vcd or .csv", path.display())),
         };
-        Ok(Recorder { values: Vec::with_capacity(signals.len()), signals, sink, error: None })
+        Ok(Recorder { values: Vec::with_capacity(signals.len()), signals, sink, step, due: 0, error: None })
     }
 
     /// Takes a sample.
     pub fn sample(&mut self, cpu: &Cpu, plant: Option<&Plant>, cycle: u64, time: u64) {
-        if self.error.is_none() {
+        if self.error.is_none() && time >= self.due {
+            // Samples lie at multiples of the step. Without one each cycle is a sample, the startup beside the first.
+            self.due = if self.step == 0 { 0 } else { (time / self.step + 1).saturating_mul(self.step) };
             self.values.clear();
             self.values.extend(self.signals.iter().map(|signal| signal.source.read(cpu, plant)));
             self.error = self.sink.sample(cycle, time, &self.values).err();

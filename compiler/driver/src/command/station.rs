@@ -1,0 +1,40 @@
+//! `plcc station`.
+
+use std::path::{Path, PathBuf};
+
+use super::exit;
+use crate::project::FILE_NAME;
+use crate::{inputs, report, station};
+
+/// Prints the station of the project in `folder`.
+pub fn station(folder: &Path) -> u8 {
+    if !folder.join(FILE_NAME).is_file() {
+        report::say(&format!("{} is no project: it holds no {FILE_NAME}", folder.display()));
+        return exit::USAGE;
+    }
+    let read = inputs::read(&[PathBuf::from(folder)]);
+    // Only what is wrong with plc.toml matters here.
+    let mut diagnostics: Vec<_> = read
+        .diagnostics
+        .iter()
+        .filter(|d| read.sources.file(d.primary.span.file).name.ends_with(FILE_NAME))
+        .cloned()
+        .collect();
+    report::messages(&mut diagnostics, &read.sources, report::MessageFormat::Human);
+    if diagnostics.iter().any(plcc_diag::Diagnostic::is_error) {
+        return exit::COMPILE;
+    }
+    match read.project.and_then(|project| project.station) {
+        Some(found) => {
+            print!("{}", station::table(&found));
+            exit::OK
+        }
+        None => {
+            report::say(&format!(
+                "{} describes no station; docs/plc-toml.md shows how",
+                folder.join(FILE_NAME).display()
+            ));
+            exit::USAGE
+        }
+    }
+}

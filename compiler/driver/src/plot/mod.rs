@@ -1,0 +1,135 @@
+//! Pictures of traces: a CSV trace as SVG.
+//!
+//! Numbers stand in one panel for each unit (`AO0 in %`), bits below them as steps, all over one axis of time.
+
+mod draw;
+
+use plcc_runtime::signal::number_text;
+
+/// A column of a trace.
+#[derive(Clone, Debug, PartialEq)]
+struct Column {
+    name: String,
+    /// Unit of its axis; empty if none is known.
+    unit: String,
+    is_bit: bool,
+    /// Seconds and value; times do not fall.
+    points: Vec<(f64, f64)>,
+}
+
+/// Panels of a picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Panels {
+    /// Unit and its columns, in the order in which the units first come.
+    numbers: Vec<(String, Vec<Column>)>,
+    bits: Vec<Column>,
+    /// Seconds of the last sample.
+    end: f64,
+}
+
+/// Draws a trace in the form that `--trace FILE.csv` writes. `Err`: what is wrong with it.
+pub fn picture(trace: &str, title: &str) -> Result<String, String> {
+    let mut panels = Panels::default();
+    for column in columns(trace)? {
+        panels.end = column.points.iter().map(|(time, _)| *time).fold(panels.end, f64::max);
+        if column.is_bit {
+            panels.bits.push(column);
+        } else if let Some((_, columns)) = panels.numbers.iter_mut().find(|(unit, _)| *unit == column.unit) {
+            columns.push(column);
+        } else {
+            panels.numbers.push((column.unit.clone(), vec![column]));
+        }
+    }
+    draw::svg(&panels, title)
+}
+
+fn columns(trace: &str) -> Result<Vec<Column>, String> {
+    let mut reader = csv::Reader::from_reader(trace.as_bytes());
+    let header = reader.headers().map_err(|error| error.to_string())?.clone();
+    let time =
+        header.iter().position(|name| name == "time_ms").ok_or("this is no trace: it has no column `time_ms`")?;
+    let is_value = |index: usize| index != time && header.get(index) != Some("cycle");
+    let mut columns: Vec<(usize, Column)> = Vec::new();
+    for (index, name) in header.iter().enumerate().filter(|(index, _)| is_value(*index)) {
+        let (name, unit) = name.rsplit_once(" in ").unwrap_or((name, ""));
+        let name = name.rsplit_once(" as ").map_or(name, |(name, _)| name);
+        columns
+            .push((index, Column { name: name.to_string(), unit: unit.to_string(), is_bit: true, points: Vec::new() }));
+    }
+    if columns.is_empty() {
+        return Err("this trace has no values".to_string());
+    }
+    for record in reader.records() {
+        let record = record.map_err(|error| error.to_string())?;
+        let field = |index: usize| record.get(index).unwrap_or("");
+        let wrong = |text: &str| format!("`{text}` is no value of a trace");
+        let ms: f64 = field(time).parse().map_err(|_| wrong(field(time)))?;
+        for (index, column) in &mut columns {
+            let text = field(*index);
+            let value = value(text).filter(|value| value.is_finite()).ok_or_else(|| wrong(text))?;
+            // Bits are written as 0 and 1, words in base 16, numbers with or without a point.
+            column.is_bit &= matches!(text, "0" | "1") && column.unit.is_empty();
+            column.points.push((ms / 1000.0, value));
+        }
+    }
+    if columns.iter().any(|(_, column)| column.points.is_empty()) {
+        return Err("this trace has no samples".to_string());
+    }
+    Ok(columns.into_iter().map(|(_, column)| column).collect())
+}
+
+/// A number, or a word in base 16 as an INT, wider ones as they are.
+fn value(text: &str) -> Option<f64> {
+    match text.strip_prefix("16#") {
+        None => text.parse().ok(),
+        Some(digits) if digits.len() == 4 => u16::from_str_radix(digits, 16).ok().map(|word| f64::from(word as i16)),
+        Some(digits) => u64::from_str_radix(digits, 16).ok().map(|bits| bits as f64),
+    }
+}
+
+/// A label of an axis.
+fn label(value: f64) -> String {
+    number_text(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRACE: &str =
+        "cycle,time_ms,Q0.1,AO0 in %,Level as REAL in %,MW2\n0,0,0,0,1,16#FFFF\n1,500,1,12.5,2,16#0001\n";
+
+    #[test]
+    fn columns_have_names_and_units() {
+        let columns = columns(TRACE).unwrap();
+        let heads: Vec<(&str, &str, bool)> =
+            columns.iter().map(|column| (column.name.as_str(), column.unit.as_str(), column.is_bit)).collect();
+        assert_eq!(heads, [("Q0.1", "", true), ("AO0", "%", false), ("Level", "%", false), ("MW2", "", false)]);
+        assert_eq!(columns[1].points, [(0.0, 0.0), (0.5, 12.5)]);
+        assert_eq!(columns[3].points, [(0.0, -1.0), (0.5, 1.0)]);
+    }
+
+    #[test]
+    fn a_picture_has_axes_and_legends() {
+        let picture = picture(TRACE, "Tank & pump").unwrap();
+        for text in ["<svg", "Tank &amp; pump", "time in s", "AO0", "Level", "Q0.1", "</svg>"] {
+            assert!(picture.contains(text), "{text}: {picture}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_trace_is_told() {
+        for (text, part) in [
+            ("", "no column `time_ms`"),
+            ("a,b\n1,2\n", "no column `time_ms`"),
+            ("cycle,time_ms\n0,0\n", "no values"),
+            ("cycle,time_ms,Q0.0\n", "no samples"),
+            ("cycle,time_ms,Q0.0\n0,0,x\n", "`x` is no value"),
+            ("cycle,time_ms,Q0.0\n0,0,NaN\n", "`NaN` is no value"),
+            ("cycle,time_ms,Q0.0\n0,soon,1\n", "`soon` is no value"),
+        ] {
+            let message = picture(text, "").unwrap_err();
+            assert!(message.contains(part), "{text}: {message}");
+        }
+    }
+}
