@@ -94,6 +94,9 @@ impl Cpu {
             self.log(0x4302, NO_SITE, 0);
             self.start_interrupts(self.clock.now());
         }
+        if self.is_stopped() {
+            self.driver.stop();
+        }
         observer.after(self, 0, self.clock.now());
     }
 
@@ -110,7 +113,9 @@ impl Cpu {
             self.run_ob(1, 1, self.ob1_info(cycle, times));
         }
         self.schedule.monitor.end();
-        if !self.is_stopped() {
+        if self.is_stopped() {
+            self.driver.stop();
+        } else {
             self.write_outputs();
         }
         observer.after(self, cycle, start);

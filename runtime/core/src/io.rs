@@ -17,6 +17,8 @@ pub trait Driver {
     fn write(&self, address: u32, bytes: u32, value: u32) -> bool;
     /// Takes over the process image of outputs. Bytes that no module covers are no error: an S7-300 makes no entry.
     fn write_image(&self, image: &[u8]);
+    /// The CPU is in STOP: outputs of modules in a station show 0 or their substitute values.
+    fn stop(&self);
     /// What was last written to an output, for `--print PQW 256`.
     fn output(&self, address: u32, bytes: u32) -> u32;
     /// Sets what an input module shows; from then on the byte is [named](Driver::named).
@@ -73,7 +75,7 @@ fn get(memory: &[u8], address: u32, bytes: u32) -> u32 {
 fn put(memory: &mut [u8], address: u32, bytes: u32, value: u32) {
     for index in 0..bytes {
         if let Some(byte) = memory.get_mut((address + index) as usize) {
-            *byte = (value >> (8 * (bytes - 1 - index))) as u8;
+            *byte = (u64::from(value) >> (8 * (bytes - 1 - index)).min(63)) as u8;
         }
     }
 }
@@ -104,6 +106,22 @@ impl Driver for Simulated {
             None => take(0, image.len()),
             Some(modules) => {
                 modules.iter().for_each(|module| take(module.output_start as usize, module.output_bytes as usize));
+            }
+        }
+    }
+
+    fn stop(&self) {
+        let outputs = &mut self.bytes.borrow_mut().outputs;
+        for module in self.modules.iter().flatten() {
+            let Some(station) = &module.station else { continue };
+            let (start, length) = (module.output_start, module.output_bytes);
+            if station.analog_outputs.is_empty() {
+                // The substitute is the bits of all bytes, the last ones lowest.
+                let of_bytes = length.min(4);
+                put(outputs, start, length - of_bytes, 0);
+                put(outputs, start + length - of_bytes, of_bytes, station.substitute);
+            } else {
+                (0..length / 2).for_each(|word| put(outputs, start + 2 * word, 2, station.substitute));
             }
         }
     }

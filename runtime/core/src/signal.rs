@@ -207,6 +207,16 @@ fn channel<'a>(address: &Address, image: &'a ProgramImage) -> Option<&'a AnalogC
     })
 }
 
+/// False for an input that no module has, if plc.toml describes the station.
+pub fn has_module(address: &Address, image: &ProgramImage) -> bool {
+    let (Place::Input(start) | Place::PeripheralInput(start)) = address.place else { return true };
+    let modules = image.config.modules.as_deref().unwrap_or_default();
+    let covers = |byte: u32| {
+        modules.iter().any(|module| byte >= module.input_start && byte - module.input_start < module.input_bytes)
+    };
+    station(image).is_empty() || (start..start + address.width.bytes()).all(covers)
+}
+
 /// `AI0`: the first analog input channel of the station, in the order of racks, slots and channels. `AO0`: of the outputs.
 pub fn analog_channel(text: &str, image: &ProgramImage) -> Option<Address> {
     let upper = text.trim().to_ascii_uppercase();

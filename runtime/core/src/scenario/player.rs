@@ -7,7 +7,7 @@ use crate::cpu::Cpu;
 use crate::cycle::Observer;
 use crate::plant::{Fault, Plant};
 use crate::report;
-use crate::signal::{Signal, Value};
+use crate::signal::{self, Signal, Value};
 use crate::testing::AssertFailure;
 
 /// Plays a scenario.
@@ -28,6 +28,12 @@ impl Player {
         let file = &scenario.file;
         for Setting { signal, line, .. } in scenario.entries.iter().flat_map(|at| at.set.iter().chain(&at.expect)) {
             signal.source.check(cpu).map_err(|message| format!("{file}:{line}: {}: {message}", signal.name))?;
+        }
+        for Setting { signal, line, .. } in scenario.entries.iter().flat_map(|at| &at.set) {
+            if let Some(address) = signal.source.address().filter(|address| !signal::has_module(address, &cpu.image)) {
+                let (name, bytes) = (&signal.name, address.width.bytes());
+                return Err(format!("{file}:{line}: {name}: no module of the station has these {bytes} input bytes"));
+            }
         }
         for Signal { name, source } in scenario.entries.iter().flat_map(|at| &at.print) {
             source.check(cpu).map_err(|message| format!("{file}: print {name}: {message}"))?;

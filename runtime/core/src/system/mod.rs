@@ -22,7 +22,8 @@ pub(crate) mod meters;
 mod numbers;
 mod output_bits;
 mod parameters;
-mod text;
+mod station;
+mod status_list;
 mod time_of_day;
 
 use plcc_abi::codes::sync;
@@ -75,9 +76,7 @@ macro_rules! system_functions {
 system_functions! {
      0 SET_CLK  (DateAndTime)             -> (Word)            = clock::set_clk;
      1 READ_CLK ()                        -> (Word, DateAndTime) = clock::read_clk;
-     2 SET_RTM  (Byte, Word)              -> (Word)            = meters::set;
-     3 CTRL_RTM (Byte, Bool)              -> (Word)            = meters::control;
-     4 READ_RTM (Byte)                    -> (Word, Bool, Word) = meters::read;
+     5 GADR_LGC (Byte, Word, Word, Byte, Word) -> (Word, Byte, Word) = station::gadr_lgc;
      6 RD_SINFO ()                        -> (Word, StartInfo, StartInfo) = control::rd_sinfo;
     13 DPNRM_DG (Bool, Word)              -> (Word, Any, Bool) = distributed::dpnrm_dg;
     14 DPRD_DAT (Word)                    -> (Word, Any)       = distributed::dprd_dat;
@@ -108,9 +107,12 @@ system_functions! {
     44 REPL_VAL (Dword)                   -> (Word)            = control::repl_val;
     46 STP      ()                        -> ()                = control::stp;
     47 WAIT     (Word)                    -> ()                = control::wait;
-    48 SNC_RTCB ()                        -> (Word)            = control::snc_rtcb;
-    52 WR_USMSG (Bool, Word, Any, Any)    -> (Word)            = control::wr_usmsg;
+    49 LGC_GADR (Byte, Word)           -> (Word, Byte, Word, Word, Word) = station::lgc_gadr;
+    50 RD_LGADR (Byte, Word)           -> (Word, Any, Word, Any, Word) = station::rd_lgadr;
+    51 RDSYSST  (Bool, Word, Word)     -> (Word, Bool, Dword, Any) = status_list::rdsysst;
     64 TIME_TCK ()                        -> (Dword)           = clock::time_tck;
+    70 GEO_LOG  (Word, Word, Word, Word) -> (Word, Word)     = station::geo_log;
+    71 LOG_GEO  (Word)                 -> (Word, Word, Word, Word, Word, Word, Word) = station::log_geo;
     79 SET      (Word)                    -> (Word, Pointer)   = output_bits::set;
     80 RSET     (Word)                    -> (Word, Pointer)   = output_bits::rset;
     81 UBLKMOV  (Any)                     -> (Word, Any)       = block_move::ublkmov;

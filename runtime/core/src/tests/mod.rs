@@ -5,6 +5,7 @@ mod cycle;
 mod faults;
 mod helpers;
 mod interrupts;
+mod plant;
 mod playing;
 mod run;
 mod system;
