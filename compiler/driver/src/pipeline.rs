@@ -123,7 +123,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     });
     diagnostics.extend(messages);
     if has_station {
-        diagnostics.extend(station::check_program(&program, &sources));
+        diagnostics.extend(station::check_program(&program));
     }
     plcc_diag::sort(&mut diagnostics);
     // Two stages may see the same fault; it is one problem.

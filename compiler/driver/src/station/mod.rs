@@ -9,6 +9,7 @@ mod catalog;
 mod keys;
 mod list;
 mod rules;
+mod scl_accesses;
 #[cfg(test)]
 mod tests;
 mod uses;

@@ -5,8 +5,11 @@
 use std::collections::BTreeMap;
 
 use plcc_abi::image::Module;
-use plcc_diag::{Code, Diagnostic, SourceMap, Span};
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_program::model::scl::Base;
 use plcc_program::model::{Actual, Body, Operand, Place, Program, StlStatementKind, Width};
+
+use super::scl_accesses;
 
 /// The four kinds of addresses.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -38,7 +41,7 @@ impl Area {
 
 /// Messages about the uses of a program with a station: a warning for each range of bytes that no module has, an error for a
 /// peripheral access of the wrong direction or width.
-pub fn check_program(program: &Program, sources: &SourceMap) -> Vec<Diagnostic> {
+pub fn check_program(program: &Program) -> Vec<Diagnostic> {
     let Some(modules) = &program.config.modules else { return Vec::new() };
     let mut uses = Uses { modules, missing: BTreeMap::new(), diagnostics: Vec::new() };
     for block in &program.blocks {
@@ -59,10 +62,15 @@ pub fn check_program(program: &Program, sources: &SourceMap) -> Vec<Diagnostic> 
                 }
                 _ => {}
             }),
-            Body::Scl(_) | Body::Runtime => {}
+            Body::Scl(body) => scl_accesses::of_body(body, &mut |access| {
+                if let (Base::Place(place), Some(ty)) = (&access.base, access.elementary()) {
+                    uses.place(place, ty.bits().div_ceil(8), access.span);
+                }
+            }),
+            Body::Runtime => {}
         }
     }
-    uses.finish(sources)
+    uses.finish()
 }
 
 fn width_bytes(width: Width) -> u32 {
@@ -136,7 +144,7 @@ impl Uses<'_> {
         })
     }
 
-    fn finish(mut self, _sources: &SourceMap) -> Vec<Diagnostic> {
+    fn finish(mut self) -> Vec<Diagnostic> {
         let bytes: Vec<((Area, u32), Span)> = self.missing.into_iter().collect();
         for range in bytes.chunk_by(|a, b| a.0.0 == b.0.0 && a.0.1 + 1 == b.0.1) {
             let ((area, first), (_, last)) = (range[0].0, range[range.len() - 1].0);
