@@ -39,6 +39,9 @@ pub struct Function {
     pub returns: Vec<Type>,
     /// Bytes of L stack that a call takes, a multiple of [`plcc_abi::layout::FRAME_ALIGN`].
     pub frame_bytes: u32,
+    /// Bytes of L stack behind the frame that functions inlined here have as their frames. Callees have theirs in the same place: what
+    /// stands there does not outlive a call. A multiple of [`plcc_abi::layout::FRAME_ALIGN`].
+    pub inlined_bytes: u32,
     pub blocks: EntityVec<Block, BlockData>,
     /// Blocks in the order in which they are printed and laid out; the entry is the first.
     pub layout: Vec<Block>,
@@ -56,6 +59,7 @@ impl Function {
             name: name.into(),
             returns: Vec::new(),
             frame_bytes: 0,
+            inlined_bytes: 0,
             blocks: EntityVec::new(),
             layout: Vec::new(),
             insts: EntityVec::new(),
@@ -68,6 +72,11 @@ impl Function {
     /// The first block of the layout.
     pub fn entry(&self) -> Block {
         self.layout[0]
+    }
+
+    /// Bytes of local data that the function can address directly: its frame, and what is inlined behind it.
+    pub fn local_bytes(&self) -> u32 {
+        self.frame_bytes.saturating_add(self.inlined_bytes)
     }
 
     /// Types of the parameters.

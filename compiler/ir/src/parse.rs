@@ -127,7 +127,7 @@ impl Signatures {
     }
 }
 
-/// `func @NAME -> TYPE, TYPE frame N {`
+/// `func @NAME -> TYPE, TYPE frame N inlined N {`
 fn parse_header(cursor: &mut Cursor) -> LineResult<Function> {
     cursor.word_is("func")?;
     let mut function = Function::new(cursor.function_name()?);
@@ -139,6 +139,9 @@ fn parse_header(cursor: &mut Cursor) -> LineResult<Function> {
     }
     if cursor.take_word("frame") {
         function.frame_bytes = cursor.number()?;
+    }
+    if cursor.take_word("inlined") {
+        function.inlined_bytes = cursor.number()?;
     }
     cursor.expect("{")?;
     cursor.end()?;

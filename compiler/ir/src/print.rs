@@ -82,6 +82,9 @@ fn write_function(module: &Module, function: &Function, out: &mut String) -> fmt
     if function.frame_bytes != 0 {
         write!(out, " frame {}", function.frame_bytes)?;
     }
+    if function.inlined_bytes != 0 {
+        write!(out, " inlined {}", function.inlined_bytes)?;
+    }
     out.push_str(" {\n");
     for &block in &function.layout {
         text.write_block(block, out)?;

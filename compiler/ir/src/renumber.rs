@@ -22,6 +22,7 @@ impl Function {
         let mut new = Function::new(std::mem::take(&mut self.name));
         new.returns = std::mem::take(&mut self.returns);
         new.frame_bytes = self.frame_bytes;
+        new.inlined_bytes = self.inlined_bytes;
         let mut values: EntityVec<Value, Option<Value>> = EntityVec::new();
         for _ in self.values.keys() {
             values.push(None);

@@ -3,7 +3,7 @@
 //! Module
 //! - Function names are unique, not empty, and have no space, `(`, `{`, `;` or `"`; entries exist and take and return nothing.
 //! - DBs are sorted by number, each number once; their data lies behind `layout::DB_DATA`, at most 64 KiB each.
-//! - A frame is a multiple of `layout::FRAME_ALIGN` and at most `layout::L_CLASS_BYTES`.
+//! - A frame is a multiple of `layout::FRAME_ALIGN` and at most `layout::L_CLASS_BYTES`; with the bytes for inlined functions too.
 //!
 //! Blocks
 //! - A function has an entry block; nothing jumps to it. Each block is laid out once, each jump target is laid out.
@@ -172,6 +172,10 @@ impl Verifier<'_> {
         let frame = function.frame_bytes;
         if !frame.is_multiple_of(layout::FRAME_ALIGN) || frame > layout::L_CLASS_BYTES {
             self.report(format!("a frame of {frame} bytes is not aligned or too large"));
+        }
+        let inlined = function.inlined_bytes;
+        if !inlined.is_multiple_of(layout::FRAME_ALIGN) || function.local_bytes() > layout::L_CLASS_BYTES {
+            self.report(format!("{inlined} bytes for inlined functions are not aligned or too many"));
         }
         if function.layout.is_empty() {
             self.report("the function has no block");
@@ -494,7 +498,7 @@ impl Verifier<'_> {
         }
         let limit = match addr.region {
             Region::State | Region::I | Region::Q | Region::M => layout::AREA_BYTES,
-            Region::L => self.function.frame_bytes,
+            Region::L => self.function.local_bytes(),
             Region::V => layout::L_CLASS_BYTES,
             Region::Db(number) => match self.module.db(number) {
                 Some(db) => db.length,

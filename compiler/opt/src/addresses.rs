@@ -174,7 +174,7 @@ impl Resolver<'_> {
     fn is_inside(&self, addr: &Address, bytes: u32) -> bool {
         let limit = match addr.region {
             Region::State | Region::I | Region::Q | Region::M => layout::AREA_BYTES,
-            Region::L => self.function.frame_bytes,
+            Region::L => self.function.local_bytes(),
             Region::V => layout::L_CLASS_BYTES,
             Region::Db(number) => match self.by_number.binary_search_by_key(&number, |db| db.number) {
                 Ok(index) => self.by_number[index].length,

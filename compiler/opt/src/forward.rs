@@ -202,10 +202,21 @@ impl Memory {
         }
     }
 
-    /// Forgets everything but, perhaps, the own frame.
-    fn forget_all(&mut self, keep_frame: bool) {
+    /// Forgets everything but, perhaps, the own frame. Frames of inlined functions behind it are overwritten.
+    fn forget_all(&mut self, keep_frame: bool, function: &Function) {
         self.regions.retain(|&region, _| keep_frame && region == Region::L);
         self.dbs.clear();
+        let Some(bases) = self.regions.get_mut(&Region::L) else { return };
+        if function.inlined_bytes == 0 {
+            return;
+        }
+        bases.retain(|(base, _)| base.is_none());
+        let (start, end) = (u64::from(function.frame_bytes) * 8, u64::from(function.local_bytes()) * 8);
+        for (_, extents) in bases {
+            if extents.overlaps(start, end) {
+                Rc::make_mut(extents).cut(start, end, |content| content == Content::Zero);
+            }
+        }
     }
 
     fn intersect(&mut self, other: &Memory) {
@@ -280,7 +291,8 @@ impl Forward<'_> {
             InstData::DbBase { number } => self.db_entry(inst, *number, false),
             InstData::DbLength { number } => self.db_entry(inst, *number, true),
             InstData::Call { callee, .. } => {
-                self.known.forget_all(!self.frames.call_touches(self.id, *callee));
+                let keep_frame = !self.frames.call_touches(self.id, *callee);
+                self.known.forget_all(keep_frame, self.function);
                 Step::Keep
             }
             InstData::CallRuntime { function, .. } => {
@@ -290,7 +302,9 @@ impl Forward<'_> {
                         self.known.regions.remove(&Region::Q);
                         self.known.regions.remove(&Region::Any);
                     }
-                    Effect::All => self.known.forget_all(self.frames.is_private(self.id)),
+                    Effect::All => {
+                        self.known.forget_all(self.frames.is_private(self.id), self.function);
+                    }
                 }
                 Step::Keep
             }

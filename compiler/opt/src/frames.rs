@@ -1,12 +1,13 @@
 //! Who can reach the local data of a function.
 //!
-//! A frame is *private* if its address is never taken: then only the function itself reaches it by region `L`, and a callee by
+//! A frame is *private* if its address goes nowhere: then only the function itself reaches it by region `L`, and a callee by
 //! region `V`. Pointers to local data in PLC memory are area pointers, which code turns into an address by `address` or
 //! `frame_base` where they are used; so a frame that has neither cannot be reached in another way, by organization
-//! blocks that run in between either: they have frames of their own.
+//! blocks that run in between either: they have frames of their own. An address that is calculated with and compared only, as
+//! where room on the L stack is counted, goes nowhere.
 
-use plcc_ir::entities::EntityVec;
-use plcc_ir::{FuncId, Function, InstData, Module, Region};
+use plcc_ir::entities::{Entity, EntityVec};
+use plcc_ir::{FuncId, Function, InstData, Module, Region, Value};
 
 /// What is known about the frames of a module's functions.
 pub struct Frames {
@@ -40,17 +41,56 @@ impl Frames {
 }
 
 fn facts_of(function: &Function) -> Facts {
-    let mut facts = Facts { is_private: true, touches_caller: false };
+    let mut touches_caller = false;
     for block in function.layout.iter().map(|&block| &function.blocks[block]) {
         for &inst in &block.insts {
-            let data = &function.insts[inst];
-            match data {
-                InstData::AddressOf { addr } if addr.region == Region::L => facts.is_private = false,
-                InstData::FrameBase { .. } => facts.is_private = false,
-                _ => {}
-            }
-            data.for_each_address(|addr| facts.touches_caller |= addr.region == Region::V);
+            function.insts[inst].for_each_address(|addr| touches_caller |= addr.region == Region::V);
         }
     }
-    facts
+    Facts { is_private: !is_given_away(function, &|region| region == Region::L), touches_caller }
+}
+
+/// True if the address of local data, own ones or the caller's, goes anywhere.
+pub fn gives_address_away(function: &Function) -> bool {
+    is_given_away(function, &|region| matches!(region, Region::L | Region::V))
+}
+
+/// True if the address of a place in a region that `is_local` names is used for more than a comparison.
+fn is_given_away(function: &Function, is_local: &dyn Fn(Region) -> bool) -> bool {
+    let is_source = |data: &InstData| match data {
+        InstData::AddressOf { addr } => is_local(addr.region),
+        InstData::FrameBase { .. } => true,
+        _ => false,
+    };
+    let insts = || function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
+    if !insts().any(|&inst| is_source(&function.insts[inst])) {
+        return false;
+    }
+    // What is computed from an address. Definitions come before uses, except where blocks are laid out otherwise: such a use counts
+    // as giving it away.
+    let mut derived = vec![false; function.values.len()];
+    for &inst in insts() {
+        let data = &function.insts[inst];
+        let is_derived = is_source(data) || matches!(data, InstData::Binary { .. }) && uses_any(function, data, &derived);
+        if is_derived {
+            for &result in &function.results[inst] {
+                derived[result.index()] = true;
+            }
+        }
+    }
+    insts().any(|&inst| {
+        let data = &function.insts[inst];
+        let is_harmless = match data {
+            InstData::IntCompare { .. } => true,
+            InstData::Binary { .. } => derived[function.result(inst).index()],
+            _ => false,
+        };
+        !is_harmless && uses_any(function, data, &derived)
+    })
+}
+
+fn uses_any(function: &Function, data: &InstData, marked: &[bool]) -> bool {
+    let mut any = false;
+    data.for_each_use(|value: Value| any |= marked[function.resolve(value).index()]);
+    any
 }

@@ -14,6 +14,7 @@ mod extents;
 mod fold;
 mod forward;
 mod frames;
+mod inline;
 mod interfaces;
 mod known_bits;
 mod values;
@@ -34,6 +35,7 @@ const ADDRESSES: Pass = Pass { name: "addresses", run: addresses::resolve_addres
 const VALUES: Pass = Pass { name: "values", run: values::share_values };
 const FORWARD: Pass = Pass { name: "forward", run: forward::forward_memory };
 const INTERFACES: Pass = Pass { name: "interfaces", run: interfaces::simplify_interfaces };
+const INLINE: Pass = Pass { name: "inline", run: inline::inline_calls };
 const DEAD_STORES: Pass = Pass { name: "dead-stores", run: dead_stores::eliminate_dead_stores };
 const DEAD_CODE: Pass = Pass { name: "dead-code", run: dead_code::eliminate_dead_code };
 const COMPACT: Pass = Pass { name: "compact", run: compact };
@@ -50,6 +52,7 @@ pub const PIPELINE: &[Pass] = &[
     INTERFACES,
     DEAD_CODE,
     COMPACT,
+    INLINE,
     FOLD,
     CONTROL_FLOW,
     ADDRESSES,
@@ -70,6 +73,7 @@ pub const PASSES: &[&str] = &[
     VALUES.name,
     FORWARD.name,
     INTERFACES.name,
+    INLINE.name,
     DEAD_STORES.name,
     DEAD_CODE.name,
     COMPACT.name,

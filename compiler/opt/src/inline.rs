@@ -1,0 +1,227 @@
+//! Inlining: a call becomes a copy of the callee's code.
+//!
+//! ```text
+//! store.i16 L 0, v1          ; FC 1 (a := 7, b := MW 0)
+//! v2 = address L 0
+//! v3 = const.i32 200704
+//! call @FC1(v2, v3)          ; v4 = load.i16 any[v2]; store.i16 any[v3], v4
+//! ```
+//!
+//! Functions are visited with callees before callers, so that what has been inlined into a callee goes on with it. Only a function
+//! that makes no calls itself (any more) is inlined:
+//!
+//! - Its frame lies where that of any callee begins, [`Function::inlined_bytes`] behind the caller's frame. So local data lie where
+//!   they lay, and neither their sum nor what area V shows changes.
+//! - It is not recursive.
+//!
+//! Behind a call stands a safepoint (see `safepoint`). A STOP in the callee is a return, and the safepoint makes the caller return, too:
+//! inlined code goes there directly. If the callee calls nothing in the runtime that can bring a STOP or an interrupt, it is
+//! as if its instructions stood in the caller, and the safepoint goes away.
+//!
+//! `cost` says what is worth it. Functions that nobody calls any more are removed.
+
+mod cost;
+mod safepoint;
+mod splice;
+
+use plcc_ir::entities::{Entity, EntityVec};
+use plcc_ir::{Address, Block, FuncId, Function, Inst, InstData, Module, Region};
+
+use rustc_hash::FxHashSet;
+
+use cost::{Budget, Shape};
+use safepoint::Safepoint;
+use splice::Splice;
+
+/// Inlines calls in all functions.
+pub fn inline_calls(module: &mut Module) {
+    let graph = CallGraph::new(module);
+    let mut budget = Budget::new(module);
+    let mut shapes: EntityVec<FuncId, Option<Shape>> = EntityVec::new();
+    for _ in module.functions.keys() {
+        shapes.push(None);
+    }
+    for &id in &graph.callees_first {
+        if !graph.callees[id].is_empty() {
+            let mut caller = std::mem::replace(&mut module.functions[id], Function::new(""));
+            let inliner = Inliner { module, graph: &graph, shapes: &shapes, budget: &mut budget };
+            inliner.run(&mut caller);
+            module.functions[id] = caller;
+        }
+        shapes[id] = Some(Shape::of(&module.functions[id]));
+    }
+    remove_uncalled(module, &graph);
+}
+
+/// Who calls whom.
+struct CallGraph {
+    /// Callees of each function, with repeats.
+    callees: EntityVec<FuncId, Vec<FuncId>>,
+    /// Calls of each function.
+    calls: EntityVec<FuncId, u32>,
+    /// All functions; unless calls go round in a circle, callees come before their callers.
+    callees_first: Vec<FuncId>,
+}
+
+impl CallGraph {
+    fn new(module: &Module) -> CallGraph {
+        let (mut callees, mut calls) = (EntityVec::new(), EntityVec::new());
+        for function in module.functions.values() {
+            callees.push(called_by(function));
+            calls.push(0);
+        }
+        for callee in callees.values().flatten() {
+            calls[*callee] += 1;
+        }
+        let mut graph = CallGraph { callees, calls, callees_first: Vec::new() };
+        graph.callees_first = graph.postorder();
+        graph
+    }
+
+    /// Walks without recursion: calls can be nested as deep as the program likes.
+    fn postorder(&self) -> Vec<FuncId> {
+        let mut order = Vec::with_capacity(self.callees.len());
+        let mut seen = vec![false; self.callees.len()];
+        for root in self.callees.keys() {
+            if std::mem::replace(&mut seen[root.index()], true) {
+                continue;
+            }
+            let mut stack = vec![(root, 0)];
+            while let Some((id, next)) = stack.last_mut() {
+                match self.callees[*id].get(*next) {
+                    Some(&callee) => {
+                        *next += 1;
+                        if !std::mem::replace(&mut seen[callee.index()], true) {
+                            stack.push((callee, 0));
+                        }
+                    }
+                    None => {
+                        order.push(*id);
+                        stack.pop();
+                    }
+                }
+            }
+        }
+        order
+    }
+}
+
+fn called_by(function: &Function) -> Vec<FuncId> {
+    let insts = function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
+    insts
+        .filter_map(|&inst| match &function.insts[inst] {
+            InstData::Call { callee, .. } => Some(*callee),
+            _ => None,
+        })
+        .collect()
+}
+
+struct Inliner<'a> {
+    module: &'a Module,
+    graph: &'a CallGraph,
+    /// Of the functions that have been visited.
+    shapes: &'a EntityVec<FuncId, Option<Shape>>,
+    budget: &'a mut Budget,
+}
+
+impl<'a> Inliner<'a> {
+    fn run(mut self, caller: &mut Function) {
+        self.budget.begin(Shape::of(caller).size);
+        let mut changed = false;
+        let mut independent = FxHashSet::default();
+        for block in std::mem::take(&mut caller.layout) {
+            caller.layout.push(block);
+            let insts = std::mem::take(&mut caller.blocks[block].insts);
+            let mut at = block;
+            for (index, &inst) in insts.iter().enumerate() {
+                match self.chosen(caller, block, inst) {
+                    Some((callee, shape)) => {
+                        let safepoint = Safepoint::behind_call(caller, &insts[index + 1..]);
+                        if shape.is_quiet
+                            && let Some(safepoint) = &safepoint
+                        {
+                            safepoint.remove(caller);
+                        }
+                        let stop = safepoint.map(|safepoint| safepoint.exit);
+                        if let Some(exit) = stop
+                            && !shape.is_quiet
+                            && independent.insert(exit)
+                        {
+                            safepoint::make_independent(caller, exit);
+                        }
+                        at = Splice::new(caller, callee, inst, at, stop).run();
+                        changed = true;
+                    }
+                    None => caller.blocks[at].insts.push(inst),
+                }
+            }
+        }
+        if changed {
+            caller.renumber();
+        }
+    }
+
+    /// The callee of `inst` if that is to be inlined.
+    fn chosen(&mut self, caller: &Function, block: Block, inst: Inst) -> Option<(&'a Function, Shape)> {
+        let InstData::Call { callee, .. } = &caller.insts[inst] else { return None };
+        let shape = self.shapes[*callee]?;
+        let module = self.module;
+        let function = &module.functions[*callee];
+        let is_only_call = self.graph.calls[*callee] == 1 && !self.module.entries.contains(callee);
+        let fits = shape.is_leaf
+            && shape.caller_bytes <= caller.frame_bytes
+            && caller.frame_bytes + function.local_bytes() <= plcc_abi::layout::L_CLASS_BYTES
+            && !caller.blocks[block].cold;
+        (fits && self.budget.allows(&shape, is_only_call)).then_some((function, shape))
+    }
+}
+
+/// Where an address of an inlined function lies for the function that has a frame of `frame_bytes`.
+fn address_in_caller(addr: Address, frame_bytes: u32) -> Address {
+    match addr.region {
+        Region::L => Address { offset: addr.offset + frame_bytes, ..addr },
+        Region::V => Address { region: Region::L, ..addr },
+        Region::State | Region::I | Region::Q | Region::M | Region::Db(_) | Region::AnyDb | Region::Any => addr,
+    }
+}
+
+/// Removes functions all calls of which have been inlined.
+fn remove_uncalled(module: &mut Module, before: &CallGraph) {
+    let mut is_needed = vec![false; module.functions.len()];
+    for (id, function) in module.functions.iter() {
+        is_needed[id.index()] |= before.calls[id] == 0;
+        for callee in called_by(function) {
+            is_needed[callee.index()] = true;
+        }
+    }
+    for &entry in &module.entries {
+        is_needed[entry.index()] = true;
+    }
+    if !is_needed.contains(&false) {
+        return;
+    }
+    let mut functions = EntityVec::new();
+    let mut numbers = Vec::with_capacity(is_needed.len());
+    let all: Vec<FuncId> = module.functions.keys().collect();
+    for id in all {
+        let function = std::mem::replace(&mut module.functions[id], Function::new(""));
+        numbers.push(FuncId::new(functions.len()));
+        if is_needed[id.index()] {
+            functions.push(function);
+        }
+    }
+    for function in functions.values_mut() {
+        for data in function.insts.values_mut() {
+            if let InstData::Call { callee, .. } = data {
+                *callee = numbers[callee.index()];
+            }
+        }
+    }
+    for entry in &mut module.entries {
+        *entry = numbers[entry.index()];
+    }
+    module.functions = functions;
+}
+
+#[cfg(test)]
+mod tests;

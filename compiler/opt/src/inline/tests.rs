@@ -1,0 +1,231 @@
+use crate::tests::check_pass;
+
+fn check(text: &str, expected: &str) {
+    check_pass("inline", text, expected);
+}
+
+#[test]
+fn a_call_becomes_the_code_of_the_callee() {
+    check(
+        "entry @F
+        func @F {
+        b0:
+        v0 = load.i32 M 0
+        v1, v2 = call @G(v0)
+        v3 = iadd v1, v2
+        store.i32 M 4, v3
+        ret
+        }
+        func @G -> i32, i32 {
+        b0(v0: i32):
+        v1 = const.i32 5
+        v2 = imul v0, v1
+        ret v2, v0
+        }",
+        "entry @F
+        func @F {
+        b0:
+        v0 = load.i32 M 0
+        v1 = const.i32 5
+        v2 = imul v0, v1
+        v3 = iadd v2, v0
+        store.i32 M 4, v3
+        ret
+        }",
+    );
+}
+
+#[test]
+fn the_frame_lies_where_that_of_a_callee_begins() {
+    check(
+        "func @F frame 16 {
+        b0:
+        call @G()
+        ret
+        }
+        func @G frame 8 {
+        b0:
+        clear L 0, 8
+        v0 = load.i32 V 4
+        store.i32 L 4, v0
+        ret
+        }",
+        "func @F frame 16 inlined 8 {
+        b0:
+        clear L 16, 8
+        v0 = load.i32 L 4
+        store.i32 L 20, v0
+        ret
+        }",
+    );
+}
+
+#[test]
+fn several_returns_meet_behind_the_call() {
+    check(
+        "func @F -> i32 {
+        b0(v0: i32):
+        v1 = call @G(v0)
+        ret v1
+        }
+        func @G -> i32 {
+        b0(v0: i32):
+        v1 = const.i32 0
+        v2 = eq v0, v1
+        branch v2, b1, b2
+        b1:
+        ret v0
+        b2:
+        v3 = isub v1, v0
+        ret v3
+        }",
+        "func @F -> i32 {
+        b0(v0: i32):
+        v1 = const.i32 0
+        v2 = eq v0, v1
+        branch v2, b1, b2
+        b1:
+        jump b3(v0)
+        b2:
+        v3 = isub v1, v0
+        jump b3(v3)
+        b3(v4: i32):
+        ret v4
+        }",
+    );
+}
+
+/// A call of `@G`, and its safepoint.
+const SAFEPOINT: &str = "v0 = call @G()
+        v1 = load.i32 state 0
+        v2 = const.i32 0
+        v3 = ne v1, v2
+        branch v3, b1, b2
+        b1 cold:
+        v4 = const.i32 7
+        v5 = rt @safepoint(v4)
+        v6 = ne v5, v2
+        branch v6, b3, b2
+        b2:
+        ret v0
+        b3 cold:
+        ret v2
+        }";
+
+#[test]
+fn a_quiet_callee_needs_no_safepoint() {
+    check(
+        &format!("func @F -> i32 {{\nb0:\n{SAFEPOINT}\nfunc @G -> i32 {{\nb0:\nv0 = load.i32 M 0\nret v0\n}}"),
+        "func @F -> i32 {
+        b0:
+        v0 = load.i32 M 0
+        v1 = load.i32 state 0
+        v2 = const.i32 0
+        v3 = ne v1, v2
+        jump b2
+        b2:
+        ret v0
+        }",
+    );
+}
+
+#[test]
+fn stop_in_the_callee_leaves_the_caller() {
+    check(
+        &format!(
+            "func @F -> i32 {{
+            b0:
+            {SAFEPOINT}
+            func @G -> i32 {{
+            b0:
+            v0 = load.i32 M 0
+            v1 = rt @safepoint(v0)
+            v2 = const.i32 0
+            v3 = ne v1, v2
+            branch v3, b1, b2
+            b1 cold:
+            ret v2
+            b2:
+            ret v0
+            }}"
+        ),
+        "func @F -> i32 {
+        b0:
+        v0 = load.i32 M 0
+        v1 = rt @safepoint(v0)
+        v2 = const.i32 0
+        v3 = ne v1, v2
+        branch v3, b5, b1
+        b1:
+        jump b2
+        b2:
+        v4 = load.i32 state 0
+        v5 = const.i32 0
+        v6 = ne v4, v5
+        branch v6, b3, b4
+        b3 cold:
+        v7 = const.i32 7
+        v8 = rt @safepoint(v7)
+        v9 = ne v8, v5
+        branch v9, b5, b4
+        b4:
+        ret v0
+        b5 cold:
+        v10 = const.i32 0
+        ret v10
+        }",
+    );
+}
+
+#[test]
+fn recursion_and_what_hands_out_local_data_stay() {
+    let text = "func @F frame 8 {
+        b0:
+        call @G()
+        call @H()
+        ret
+        }
+        func @G {
+        b0:
+        call @G()
+        ret
+        }
+        func @H frame 8 {
+        b0:
+        v0 = address L 0
+        store.i32 M 0, v0
+        ret
+        }";
+    check(text, text);
+}
+
+#[test]
+fn what_callees_inlined_goes_on_with_them() {
+    check(
+        "entry @F
+        func @F {
+        b0:
+        call @G()
+        ret
+        }
+        func @G frame 8 {
+        b0:
+        call @H()
+        ret
+        }
+        func @H frame 8 {
+        b0:
+        store.i32 L 0, v0
+        ret
+        }"
+        .replace("store.i32 L 0, v0", "v0 = load.i32 L 0\nstore.i32 M 0, v0")
+        .as_str(),
+        "entry @F
+        func @F inlined 16 {
+        b0:
+        v0 = load.i32 L 8
+        store.i32 M 0, v0
+        ret
+        }",
+    );
+}
