@@ -36,6 +36,14 @@ const KERNELS: &[(&str, &[&str])] = &[
     ("timer", &["A I {b}.{x}", "L S5T#1S", "SD T {b}", "A T {b}", "= Q {b}.{x}"]),
     ("counter", &["A I {b}.{x}", "CU C {b}", "L C {b}", "T QW {b}"]),
     ("block call", &["CALL FC 1 (a := MW {b}, b := QW {b});"]),
+    ("the same in place", &["L MW {b}", "NEGI", "T QW {b}"]),
+    ("FC with BOOLs", &["CALL FC 2 (a := I {b}.{x}, b := M {b}.{x}, q := Q {b}.{x});"]),
+    ("the same in place", &["A I {b}.{x}", "AN M {b}.{x}", "= Q {b}.{x}"]),
+    ("FC with constants", &["CALL FC 3 (v := MW {b}, low := -100, high := 100, r := QW {b});"]),
+    ("nested FCs", &["CALL FC 4 (a := MW {b}, b := IW {b}, c := 7, r := QW {b});"]),
+    ("FB with instance DB", &["CALL FB 1, DB 11 (a := I {b}.{x}, v := MW {b}, r := QW {b});"]),
+    ("FB with multi-instance", &["CALL FB 2, DB 12 (a := I {b}.{x}, v := MW {b}, r := QW {b});"]),
+    ("large FC", &["CALL FC 6 (a := MW {b}, b := IW {b}, r := QW {b});"]),
 ];
 
 /// How often a kernel stands in OB 1.
@@ -72,6 +80,269 @@ BEGIN
       NEGI
       T     #b
 END_FUNCTION
+FUNCTION FC 2 : VOID
+VAR_INPUT
+  a : BOOL;
+  b : BOOL;
+END_VAR
+VAR_OUTPUT
+  q : BOOL;
+END_VAR
+BEGIN
+      A     #a
+      AN    #b
+      =     #q
+END_FUNCTION
+FUNCTION FC 3 : VOID
+VAR_INPUT
+  v : INT;
+  low : INT;
+  high : INT;
+END_VAR
+VAR_OUTPUT
+  r : INT;
+END_VAR
+BEGIN
+      L     #v
+      L     #low
+      <I
+      JC    set
+      TAK
+      L     #high
+      >I
+      JC    set
+      TAK
+set:  T     #r
+END_FUNCTION
+FUNCTION FC 4 : VOID
+VAR_INPUT
+  a : INT;
+  b : INT;
+  c : INT;
+END_VAR
+VAR_OUTPUT
+  r : INT;
+END_VAR
+VAR_TEMP
+  t : INT;
+END_VAR
+BEGIN
+      CALL FC 5 (a := #a, b := #b, r := #t);
+      CALL FC 5 (a := #t, b := #c, r := #r);
+END_FUNCTION
+FUNCTION FC 5 : VOID
+VAR_INPUT
+  a : INT;
+  b : INT;
+END_VAR
+VAR_OUTPUT
+  r : INT;
+END_VAR
+BEGIN
+      L     #a
+      L     #b
+      +I
+      T     #r
+END_FUNCTION
+FUNCTION FC 6 : VOID
+VAR_INPUT
+  a : INT;
+  b : INT;
+END_VAR
+VAR_OUTPUT
+  r : INT;
+END_VAR
+VAR_TEMP
+  s : INT;
+  t : INT;
+END_VAR
+BEGIN
+      L     #a
+      T     #s
+      L     #b
+      T     #t
+      L     #s
+      L     #t
+      >I
+      JC    m00
+      L     MW 2000
+      +I
+      T     #s
+m00: L     #t
+      L     3
+      *I
+      T     #t
+      L     #s
+      L     #t
+      >I
+      JC    m01
+      L     MW 2002
+      +I
+      T     #s
+m01: L     #t
+      L     4
+      *I
+      T     #t
+      L     #s
+      L     #t
+      >I
+      JC    m02
+      L     MW 2004
+      +I
+      T     #s
+m02: L     #t
+      L     5
+      *I
+      T     #t
+      L     #s
+      L     #t
+      >I
+      JC    m03
+      L     MW 2006
+      +I
+      T     #s
+m03: L     #t
+      L     6
+      *I
+      T     #t
+      L     #s
+      L     #t
+      >I
+      JC    m04
+      L     MW 2008
+      +I
+      T     #s
+m04: L     #t
+      L     7
+      *I
+      T     #t
+      L     #s
+      L     #t
+      >I
+      JC    m05
+      L     MW 2010
+      +I
+      T     #s
+m05: L     #t
+      L     8
+      *I
+      T     #t
+      L     #s
+      L     #t
+      >I
+      JC    m06
+      L     MW 2012
+      +I
+      T     #s
+m06: L     #t
+      L     9
+      *I
+      T     #t
+      L     #s
+      L     #t
+      >I
+      JC    m07
+      L     MW 2014
+      +I
+      T     #s
+m07: L     #t
+      L     10
+      *I
+      T     #t
+      L     #s
+      L     #t
+      >I
+      JC    m08
+      L     MW 2016
+      +I
+      T     #s
+m08: L     #t
+      L     11
+      *I
+      T     #t
+      L     #s
+      L     #t
+      >I
+      JC    m09
+      L     MW 2018
+      +I
+      T     #s
+m09: L     #t
+      L     12
+      *I
+      T     #t
+      L     #s
+      L     #t
+      >I
+      JC    m10
+      L     MW 2020
+      +I
+      T     #s
+m10: L     #t
+      L     13
+      *I
+      T     #t
+      L     #s
+      L     #t
+      >I
+      JC    m11
+      L     MW 2022
+      +I
+      T     #s
+m11: L     #t
+      L     14
+      *I
+      T     #t
+      L     #s
+      L     #t
+      -I
+      T     #r
+END_FUNCTION
+FUNCTION_BLOCK FB 1
+VAR_INPUT
+  a : BOOL;
+  v : INT;
+END_VAR
+VAR_OUTPUT
+  r : INT;
+END_VAR
+VAR
+  edge : BOOL;
+  count : INT;
+END_VAR
+BEGIN
+      A     #a
+      FP    #edge
+      JCN   out
+      L     #count
+      L     #v
+      +I
+      T     #count
+out:  L     #count
+      T     #r
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK FB 2
+VAR_INPUT
+  a : BOOL;
+  v : INT;
+END_VAR
+VAR_OUTPUT
+  r : INT;
+END_VAR
+VAR
+  inner : FB 1;
+END_VAR
+BEGIN
+      CALL #inner (a := #a, v := #v, r := #r);
+END_FUNCTION_BLOCK
+DATA_BLOCK DB 11
+FB 1
+BEGIN
+END_DATA_BLOCK
+DATA_BLOCK DB 12
+FB 2
+BEGIN
+END_DATA_BLOCK
 ";
 
 fn compile(kernel: &[&str], repetitions: usize) -> Compiled {
