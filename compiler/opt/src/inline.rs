@@ -157,7 +157,7 @@ impl<'a> Inliner<'a> {
             }
         }
         if changed {
-            caller.renumber();
+            caller.compact();
         }
     }
 

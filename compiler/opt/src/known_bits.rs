@@ -3,7 +3,8 @@
 //! The accumulators are 32 bits wide and most instructions work on their low word, so that values are cut apart and put
 //! together all the time. What is known about zero bits takes this apart again, and decides bounds checks.
 
-use plcc_ir::{BinaryOp, ConvertOp, Function, InstData, Value, eval};
+use plcc_abi::layout;
+use plcc_ir::{Address, BinaryOp, ConvertOp, Function, InstData, Region, Value, eval};
 
 /// How far operands are followed: deep enough for a word that went through an accumulator.
 const DEPTH_MAX: u32 = 4;
@@ -78,6 +79,12 @@ fn zero_bits(function: &Function, value: Value, depth: u32) -> u64 {
             | BinaryOp::Fdiv => 0,
         },
         InstData::Convert { op: ConvertOp::Zext | ConvertOp::Trunc, arg } => of(arg),
+        // All L stacks lie below the DB table.
+        InstData::AddressOf { addr: Address { region: Region::L | Region::V, base: None, offset } }
+            if offset <= layout::L_CLASS_BYTES =>
+        {
+            !u64::from(layout::DB_TABLE.next_power_of_two() - 1)
+        }
         InstData::Select { if_true, if_false, .. } => of(if_true) & of(if_false),
         _ => 0,
     };

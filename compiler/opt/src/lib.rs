@@ -7,6 +7,7 @@
 //! organization blocks, and at the end of the block.
 
 mod addresses;
+mod bits;
 mod control_flow;
 mod dead_code;
 mod dead_stores;
@@ -32,6 +33,7 @@ pub struct Pass {
 const FOLD: Pass = Pass { name: "fold", run: fold::fold };
 const CONTROL_FLOW: Pass = Pass { name: "control-flow", run: control_flow::simplify_control_flow };
 const ADDRESSES: Pass = Pass { name: "addresses", run: addresses::resolve_addresses };
+const BITS: Pass = Pass { name: "bits", run: bits::find_bits };
 const VALUES: Pass = Pass { name: "values", run: values::share_values };
 const FORWARD: Pass = Pass { name: "forward", run: forward::forward_memory };
 const INTERFACES: Pass = Pass { name: "interfaces", run: interfaces::simplify_interfaces };
@@ -56,6 +58,7 @@ pub const PIPELINE: &[Pass] = &[
     FOLD,
     CONTROL_FLOW,
     ADDRESSES,
+    BITS,
     VALUES,
     FORWARD,
     FOLD,
@@ -70,6 +73,7 @@ pub const PASSES: &[&str] = &[
     FOLD.name,
     CONTROL_FLOW.name,
     ADDRESSES.name,
+    BITS.name,
     VALUES.name,
     FORWARD.name,
     INTERFACES.name,

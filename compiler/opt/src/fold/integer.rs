@@ -158,10 +158,14 @@ impl Folder<'_> {
         }
     }
 
-    /// The operand of `or a, b` or `xor a, b` that alone has bits in `wanted`.
+    /// The operand of `or a, b` or `xor a, b`, or of an `iadd` without carries, that alone has bits in `wanted`.
     fn part_with(&self, value: Value, wanted: u64) -> Option<Value> {
         match self.function.defining(value) {
-            Some(&InstData::Binary { op: BinaryOp::Or | BinaryOp::Xor, args: [a, b] }) => {
+            Some(&InstData::Binary { op: op @ (BinaryOp::Or | BinaryOp::Xor | BinaryOp::Iadd), args: [a, b] }) => {
+                let any = |value| !known_zero(self.function, value);
+                if op == BinaryOp::Iadd && any(a) & any(b) != 0 {
+                    return None;
+                }
                 let possible = |value| !known_zero(self.function, value) & wanted;
                 if possible(a) == 0 {
                     Some(b)
@@ -197,10 +201,14 @@ impl Folder<'_> {
         Some(Change::Data(InstData::Binary { op, args: [part, b] }))
     }
 
-    /// Two shifts in the same direction are one.
+    /// Two shifts in the same direction are one; back and forth they are none if nothing is lost.
     fn shift_of_shift(&mut self, op: BinaryOp, ty: Type, a: Value, b: Value) -> Option<Change> {
         let Some(&InstData::Binary { op: inner, args: [x, c] }) = self.function.defining(a) else { return None };
         let (outer_count, inner_count) = (shift_count(self.function, ty, b)?, shift_count(self.function, ty, c)?);
+        if (inner, op, inner_count) == (BinaryOp::Shl, BinaryOp::Lshr, outer_count) {
+            let lost = eval::mask(ty, u64::MAX) & !(eval::mask(ty, u64::MAX) >> inner_count);
+            return (lost & !known_zero(self.function, x) == 0).then_some(Change::Value(x));
+        }
         if inner != op || !matches!(op, BinaryOp::Shl | BinaryOp::Lshr) {
             return None;
         }
