@@ -16,7 +16,8 @@
 //! (see `frames`) that the callee does not touch.
 //!
 //! A block with one predecessor begins with what that one knew at its end; a join with what all predecessors know alike; a loop
-//! head and a cold block with nothing. What is known is bounded, so that time stays linear.
+//! head with nothing. Cold blocks call the runtime, which may change all memory but a private frame, so that they begin with what is
+//! known about that. What is known is bounded, so that time stays linear.
 
 use std::rc::Rc;
 
@@ -52,9 +53,11 @@ fn forward_in_function(function: &mut Function, id: FuncId, frames: &Frames) {
     for _ in function.blocks.keys() {
         at_end.push(None);
     }
+    let cold_takes_frame = frames.is_private(id) && function.local_bytes() > 0;
     let mut pass = Forward { function, id, frames, known: Memory::default(), out: Vec::new(), loc: Loc(0) };
     for &block in &cfg.rpo {
-        pass.known = known_at_start(pass.function, &cfg, block, &mut at_end);
+        let takes = |function: &Function, from, to| takes_from(function, &cfg, from, to, cold_takes_frame);
+        pass.known = known_at_start(pass.function, &cfg, block, &mut at_end, &takes);
         let insts = std::mem::take(&mut pass.function.blocks[block].insts);
         pass.out = Vec::with_capacity(insts.len());
         for inst in insts {
@@ -62,7 +65,7 @@ fn forward_in_function(function: &mut Function, id: FuncId, frames: &Frames) {
         }
         pass.function.blocks[block].insts = std::mem::take(&mut pass.out);
         let readers =
-            cfg.successors(block).iter().filter(|&&next| takes_from(pass.function, &cfg, block, next)).count();
+            cfg.successors(block).iter().filter(|&&next| takes(pass.function, block, next)).count();
         if readers > 0 {
             at_end[block] = Some(AtEnd { memory: std::mem::take(&mut pass.known), readers });
         }
@@ -76,9 +79,9 @@ struct AtEnd {
     readers: usize,
 }
 
-/// True if `next`, which comes later in the walk, begins with what is known at the end of `block`.
-fn takes_from(function: &Function, cfg: &ControlFlow, block: Block, next: Block) -> bool {
-    !function.blocks[next].cold && cfg.rpo_index(block) < cfg.rpo_index(next)
+/// True if `next`, which comes later in the walk, begins with what is known at the end of `block`, be it of the own frame only.
+fn takes_from(function: &Function, cfg: &ControlFlow, block: Block, next: Block, cold_takes_frame: bool) -> bool {
+    (!function.blocks[next].cold || cold_takes_frame) && cfg.rpo_index(block) < cfg.rpo_index(next)
 }
 
 fn known_at_start(
@@ -86,11 +89,13 @@ fn known_at_start(
     cfg: &ControlFlow,
     block: Block,
     at_end: &mut EntityVec<Block, Option<AtEnd>>,
+    takes: &dyn Fn(&Function, Block, Block) -> bool,
 ) -> Memory {
+    let is_cold = function.blocks[block].cold;
     let mut known: Option<Memory> = None;
     let mut complete = true;
     for &pred in cfg.predecessors(block) {
-        if !takes_from(function, cfg, pred, block) {
+        if !takes(function, pred, block) {
             complete = false;
             continue;
         }
@@ -101,6 +106,8 @@ fn known_at_start(
         end.readers -= 1;
         let memory = if end.readers == 0 {
             std::mem::take(&mut end.memory)
+        } else if is_cold {
+            end.memory.frame()
         } else {
             end.memory.bound();
             end.memory.clone()
@@ -113,7 +120,11 @@ fn known_at_start(
             Some(known) => known.intersect(&memory),
         }
     }
-    if complete { known.unwrap_or_default() } else { Memory::default() }
+    match known {
+        Some(known) if complete && is_cold => known.frame(),
+        Some(known) if complete => known,
+        _ => Memory::default(),
+    }
 }
 
 /// What a range of memory holds.
@@ -140,6 +151,15 @@ impl Memory {
         if self.regions.values().map(Vec::len).sum::<usize>() > BASES_MAX {
             self.regions.clear();
         }
+    }
+
+    /// What is known about the own frame.
+    fn frame(&self) -> Memory {
+        let mut frame = Memory::default();
+        if let Some(bases) = self.regions.get(&Region::L) {
+            frame.regions.insert(Region::L, bases.clone());
+        }
+        frame
     }
 
     fn find(&self, access: &Access) -> Option<&Extents<Content>> {
@@ -499,6 +519,20 @@ mod tests {
         check(
             "clear L 0, 16\nstore.i16 L 4, v1x\nv2 = load.i32 L 8\nret v2".replace("store.i16 L 4, v1x\n", "").as_str(),
             "clear L 0, 16\nv2 = const.i32 0\nret v2",
+        );
+    }
+
+    #[test]
+    fn a_private_frame_is_known_behind_a_safepoint() {
+        let around = |behind: &str| {
+            format!(
+                "store.i32 L 0, v0\nstore.i32 M 0, v0\nbranch v1, b1, b2\nb1 cold:\nv2 = rt \
+                 @safepoint(v0)\njump b2\nb2:\n{behind}"
+            )
+        };
+        check(
+            &around("v3 = load.i32 L 0\nv4 = load.i32 M 0\nv5 = iadd v3, v4\nret v5"),
+            &around("v4 = load.i32 M 0\nv5 = iadd v0, v4\nret v5"),
         );
     }
 
