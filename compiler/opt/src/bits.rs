@@ -1,7 +1,7 @@
 //! Bits of memory that are taken out of their byte, or put into it, by arithmetic.
 //!
 //! An FC gets a BOOL as the number of a bit, and works on the byte around it. Once the number is known, the access is one of a bit,
-//! which leaves the others alone.
+//! which leaves the others alone. What worked on the byte is dead code then.
 //!
 //! ```text
 //! v1 = load.i8 M 4
@@ -17,9 +17,10 @@
 //! store.i8 L 6, v9           ; store.bit L 6.3, v0
 //! ```
 
-use plcc_ir::entities::{Entity, EntityVec};
+use plcc_ir::entities::EntityVec;
 use plcc_ir::function::ValueDef;
 use plcc_ir::{Address, BinaryOp, ConvertOp, Function, Inst, InstData, Module, Type, Value};
+use rustc_hash::FxHashMap;
 
 /// Makes bit accesses in all functions.
 pub fn find_bits(module: &mut Module) {
@@ -28,7 +29,7 @@ pub fn find_bits(module: &mut Module) {
 
 fn find_in_function(function: &mut Function) {
     let uses = count_uses(function);
-    let mut bits = Bits { function, uses, removed: Vec::new(), changed: false };
+    let mut bits = Bits { function, uses, replaced: FxHashMap::default(), changed: false };
     for index in 0..bits.function.layout.len() {
         let block = bits.function.layout[index];
         let insts = std::mem::take(&mut bits.function.blocks[block].insts);
@@ -56,35 +57,66 @@ fn find_in_function(function: &mut Function) {
     if !bits.changed {
         return;
     }
-    let removed = bits.removed;
-    if !removed.is_empty() {
-        let mut is_removed = vec![false; function.insts.len()];
-        for inst in removed {
-            is_removed[inst.index()] = true;
-        }
+    let replaced = bits.replaced;
+    if !replaced.is_empty() {
         for index in 0..function.layout.len() {
             let block = function.layout[index];
-            function.blocks[block].insts.retain(|inst| !is_removed[inst.index()]);
+            let insts = std::mem::take(&mut function.blocks[block].insts);
+            let mut out = Vec::with_capacity(insts.len());
+            for inst in insts {
+                match replaced.get(&inst) {
+                    Some(Replaced::Load(bit)) => out.extend([inst, *bit]),
+                    Some(Replaced::Trunc) => {}
+                    None => out.push(inst),
+                }
+            }
+            function.blocks[block].insts = out;
         }
     }
     function.resolve_aliases();
 }
 
+/// How often each value is used, but for uses by what nobody uses itself.
 fn count_uses(function: &Function) -> EntityVec<Value, u32> {
     let mut uses = EntityVec::new();
     for _ in function.values.keys() {
         uses.push(0);
     }
-    for &inst in function.layout.iter().flat_map(|&block| &function.blocks[block].insts) {
+    let insts = || function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
+    for &inst in insts() {
         function.insts[inst].for_each_use(|value| uses[function.resolve(value)] += 1);
     }
+    let is_dead = |inst: Inst, uses: &EntityVec<Value, u32>| {
+        let results = &function.results[inst];
+        !function.insts[inst].has_side_effect() && results.iter().all(|&result| uses[result] == 0)
+    };
+    let mut dead: Vec<Inst> = insts().copied().filter(|&inst| is_dead(inst, &uses)).collect();
+    while let Some(inst) = dead.pop() {
+        function.insts[inst].for_each_use(|value| {
+            let value = function.resolve(value);
+            uses[value] -= 1;
+            if let (0, ValueDef::Result(inst, _)) = (uses[value], function.values[value].def)
+                && is_dead(inst, &uses)
+            {
+                dead.push(inst);
+            }
+        });
+    }
     uses
+}
+
+/// What becomes of an instruction.
+enum Replaced {
+    /// This load of a bit stands behind it.
+    Load(Inst),
+    /// It is that bit.
+    Trunc,
 }
 
 struct Bits<'a> {
     function: &'a mut Function,
     uses: EntityVec<Value, u32>,
-    removed: Vec<Inst>,
+    replaced: FxHashMap<Inst, Replaced>,
     changed: bool,
 }
 
@@ -108,7 +140,6 @@ impl Bits<'_> {
         if self.function.ty(result) != Type::I1 {
             return;
         }
-        let mut on_the_way = vec![trunc];
         let (mut value, mut bit) = (arg, 0);
         loop {
             let Some((inst, data)) = self.sole(value) else { return };
@@ -119,17 +150,17 @@ impl Bits<'_> {
                 }
                 InstData::Convert { op: ConvertOp::Zext, arg } => value = arg,
                 InstData::Load { addr } if self.function.ty(value) == Type::I8 && bit < 8 => {
-                    self.function.insts[inst] = InstData::LoadBit { addr, bit: bit as u8 };
-                    let loaded = self.function.result(inst);
-                    self.function.values[loaded].ty = Type::I1;
-                    self.function.replace_value(result, loaded);
-                    self.removed.append(&mut on_the_way);
+                    let data = InstData::LoadBit { addr, bit: bit as u8 };
+                    let load = self.function.make_inst(data, &[Type::I1], self.function.locs[inst]);
+                    self.uses.push(1);
+                    self.function.replace_value(result, self.function.result(load));
+                    self.replaced.insert(inst, Replaced::Load(load));
+                    self.replaced.insert(trunc, Replaced::Trunc);
                     self.changed = true;
                     return;
                 }
                 _ => return,
             }
-            on_the_way.push(inst);
         }
     }
 
@@ -180,7 +211,8 @@ impl Bits<'_> {
     /// What has the low byte of `value`.
     fn low_byte(&self, value: Value) -> Value {
         let mut value = self.function.resolve(value);
-        while let Some(InstData::Convert { op: ConvertOp::Trunc | ConvertOp::Zext, arg }) = self.function.defining(value)
+        while let Some(InstData::Convert { op: ConvertOp::Trunc | ConvertOp::Zext, arg }) =
+            self.function.defining(value)
             && self.function.ty(value) != Type::I1
             && self.function.ty(*arg) != Type::I1
         {
@@ -229,7 +261,8 @@ mod tests {
         check(
             "v2 = load.i8 M 4\nstore.i32 M 4, v0\nv3 = zext.i32 v2\nv4 = const.i32 3\nv5 = lshr v3, v4\nv6 = trunc.i1 \
              v5\nstore.bit Q 0.0, v6\nret v0",
-            "v2 = load.bit M 4.3\nstore.i32 M 4, v0\nv4 = const.i32 3\nstore.bit Q 0.0, v2\nret v0",
+            "v2 = load.i8 M 4\nv6 = load.bit M 4.3\nstore.i32 M 4, v0\nv3 = zext.i32 v2\nv4 = const.i32 3\nv5 = lshr v3, \
+             v4\nstore.bit Q 0.0, v6\nret v0",
         );
         let text = "v2 = load.i8 M 4\nv3 = trunc.i1 v2\nstore.bit Q 0.0, v3\nstore.i8 Q 1, v2\nret v0";
         check(text, text);

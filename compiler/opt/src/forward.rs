@@ -64,8 +64,7 @@ fn forward_in_function(function: &mut Function, id: FuncId, frames: &Frames) {
             pass.visit(inst);
         }
         pass.function.blocks[block].insts = std::mem::take(&mut pass.out);
-        let readers =
-            cfg.successors(block).iter().filter(|&&next| takes(pass.function, block, next)).count();
+        let readers = cfg.successors(block).iter().filter(|&&next| takes(pass.function, block, next)).count();
         if readers > 0 {
             at_end[block] = Some(AtEnd { memory: std::mem::take(&mut pass.known), readers });
         }

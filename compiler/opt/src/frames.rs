@@ -71,7 +71,8 @@ fn is_given_away(function: &Function, is_local: &dyn Fn(Region) -> bool) -> bool
     let mut derived = vec![false; function.values.len()];
     for &inst in insts() {
         let data = &function.insts[inst];
-        let is_derived = is_source(data) || matches!(data, InstData::Binary { .. }) && uses_any(function, data, &derived);
+        let is_derived =
+            is_source(data) || matches!(data, InstData::Binary { .. }) && uses_any(function, data, &derived);
         if is_derived {
             for &result in &function.results[inst] {
                 derived[result.index()] = true;

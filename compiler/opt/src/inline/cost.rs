@@ -14,7 +14,7 @@ const CALL_COST: u32 = 24;
 /// Up to this cost a function is inlined everywhere.
 const SMALL: u32 = 2 * CALL_COST;
 /// Up to this cost it is inlined as long as the program may grow.
-const MEDIUM: u32 = 6 * CALL_COST;
+const MEDIUM: u32 = 4 * CALL_COST;
 /// Up to this size a function that is called once is inlined.
 const ONCE_MAX: u32 = 2000;
 /// No function grows beyond this size, but for small callees: code generation takes more than linear time for large ones.
@@ -62,7 +62,8 @@ impl Shape {
                 data.for_each_address(|addr| {
                     let is_local = matches!(addr.region, Region::L | Region::V);
                     // An offset from a base that would not fit any frame: whatever it means, it is rare.
-                    shape.is_leaf &= !(is_local && addr.base.is_some() && addr.offset >= plcc_abi::layout::L_CLASS_BYTES);
+                    shape.is_leaf &=
+                        !(is_local && addr.base.is_some() && addr.offset >= plcc_abi::layout::L_CLASS_BYTES);
                     if addr.region == Region::V && addr.base.is_none() {
                         let bytes = direct_bytes(function, inst, data);
                         shape.caller_bytes = shape.caller_bytes.max(addr.offset.saturating_add(bytes));

@@ -32,9 +32,9 @@ impl Safepoint {
         let attention = non_zero_test(function, *cond)?;
         let load = straight.iter().position(|&inst| function.results[inst].contains(&attention))?;
         let is_attention = InstData::Load { addr: Address::direct(Region::State, state::ATTENTION) };
-        let clear_way = !straight.iter().any(|&inst| {
-            matches!(function.insts[inst], InstData::Call { .. } | InstData::CallRuntime { .. })
-        });
+        let clear_way = !straight
+            .iter()
+            .any(|&inst| matches!(function.insts[inst], InstData::Call { .. } | InstData::CallRuntime { .. }));
         if function.insts[straight[load]] != is_attention || !clear_way {
             return None;
         }

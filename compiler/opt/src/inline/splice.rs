@@ -47,7 +47,8 @@ impl<'a> Splice<'a> {
         let copied = self.make_blocks();
         let single = self.only_return(&copied);
         // A callee without jumps is put into the block of the call.
-        let behind = if copied.len() == 1 && single.is_some() { self.at } else { self.make_continuation(single.is_some()) };
+        let behind =
+            if copied.len() == 1 && single.is_some() { self.at } else { self.make_continuation(single.is_some()) };
         for &block in &copied {
             self.make_results(block);
         }
@@ -93,12 +94,11 @@ impl<'a> Splice<'a> {
 
     /// The values that the callee returns, if it returns at one place.
     fn only_return(&self, copied: &[Block]) -> Option<Vec<Value>> {
-        let mut returns = copied.iter().filter_map(|&block| {
-            match &self.callee.insts[self.callee.terminator(block)?] {
+        let mut returns =
+            copied.iter().filter_map(|&block| match &self.callee.insts[self.callee.terminator(block)?] {
                 InstData::Return { values } => Some(values),
                 _ => None,
-            }
-        });
+            });
         let first = returns.next()?;
         returns.next().is_none().then(|| first.clone())
     }
