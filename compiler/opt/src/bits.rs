@@ -65,7 +65,7 @@ fn find_in_function(function: &mut Function) {
             let mut out = Vec::with_capacity(insts.len());
             for inst in insts {
                 match replaced.get(&inst) {
-                    Some(Replaced::Load(bit)) => out.extend([inst, *bit]),
+                    Some(Replaced::Load(bit)) => out.extend([*bit, inst]),
                     Some(Replaced::Trunc) => {}
                     None => out.push(inst),
                 }
@@ -107,7 +107,7 @@ fn count_uses(function: &Function) -> EntityVec<Value, u32> {
 
 /// What becomes of an instruction.
 enum Replaced {
-    /// This load of a bit stands behind it.
+    /// This load of a bit stands before it: what is known about a byte counts more than what is known about its bits.
     Load(Inst),
     /// It is that bit.
     Trunc,
@@ -261,7 +261,7 @@ mod tests {
         check(
             "v2 = load.i8 M 4\nstore.i32 M 4, v0\nv3 = zext.i32 v2\nv4 = const.i32 3\nv5 = lshr v3, v4\nv6 = trunc.i1 \
              v5\nstore.bit Q 0.0, v6\nret v0",
-            "v2 = load.i8 M 4\nv6 = load.bit M 4.3\nstore.i32 M 4, v0\nv3 = zext.i32 v2\nv4 = const.i32 3\nv5 = lshr v3, \
+            "v6 = load.bit M 4.3\nv2 = load.i8 M 4\nstore.i32 M 4, v0\nv3 = zext.i32 v2\nv4 = const.i32 3\nv5 = lshr v3, \
              v4\nstore.bit Q 0.0, v6\nret v0",
         );
         let text = "v2 = load.i8 M 4\nv3 = trunc.i1 v2\nstore.bit Q 0.0, v3\nstore.i8 Q 1, v2\nret v0";
