@@ -1,6 +1,5 @@
 //! Arithmetic of dates and times. Source: SCL reference, date and time arithmetic.
 
-use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Span};
 use plcc_syntax::scl::ast::BinaryOp as Operator;
 use plcc_syntax::{Class, Elementary};
@@ -13,7 +12,6 @@ use super::numeric::Shape;
 use super::value::Value;
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use crate::model::BlockKey;
 use crate::model::scl::{Actual, Argument, BinaryOp, Call, Complex, Expr, ExprKind};
 use crate::types::DataType;
 use Elementary::*;
