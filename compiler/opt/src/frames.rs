@@ -3,8 +3,9 @@
 //! A frame is *private* if its address goes nowhere: then only the function itself reaches it by region `L`, and a callee by
 //! region `V`. Pointers to local data in PLC memory are area pointers, which code turns into an address by `address` or
 //! `frame_base` where they are used; so a frame that has neither cannot be reached in another way, by organization
-//! blocks that run in between either: they have frames of their own. An address that is calculated with and compared only, as
-//! where room on the L stack is counted, goes nowhere.
+//! blocks that run in between either: they have frames of their own. An address goes nowhere if the
+//! function calculates with it, compares it, where room on the L stack is counted, or makes accesses to `any` with it as base; those
+//! may alias region `L` anyway.
 
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::{FuncId, Function, InstData, Module, Region, Value};
@@ -55,7 +56,7 @@ pub fn gives_address_away(function: &Function) -> bool {
     is_given_away(function, &|region| matches!(region, Region::L | Region::V))
 }
 
-/// True if the address of a place in a region that `is_local` names is used for more than a comparison.
+/// True if the address of a place in a region that `is_local` names is used for more than accesses and comparisons.
 fn is_given_away(function: &Function, is_local: &dyn Fn(Region) -> bool) -> bool {
     let is_source = |data: &InstData| match data {
         InstData::AddressOf { addr } => is_local(addr.region),
@@ -81,12 +82,14 @@ fn is_given_away(function: &Function, is_local: &dyn Fn(Region) -> bool) -> bool
     }
     insts().any(|&inst| {
         let data = &function.insts[inst];
-        let is_harmless = match data {
-            InstData::IntCompare { .. } => true,
-            InstData::Binary { .. } => derived[function.result(inst).index()],
-            _ => false,
-        };
-        !is_harmless && uses_any(function, data, &derived)
+        let is_derived = |value: Value| derived[function.resolve(value).index()];
+        match data {
+            InstData::IntCompare { .. } | InstData::Load { .. } | InstData::LoadBit { .. } => false,
+            InstData::Clear { .. } | InstData::Copy { .. } => false,
+            InstData::Store { value, .. } | InstData::StoreBit { value, .. } => is_derived(*value),
+            InstData::Binary { .. } => !is_derived(function.result(inst)) && uses_any(function, data, &derived),
+            _ => uses_any(function, data, &derived),
+        }
     })
 }
 
