@@ -23,6 +23,8 @@ mod numeric;
 mod place;
 mod rules;
 mod statement;
+mod temporary;
+mod text;
 mod time;
 mod value;
 
@@ -55,6 +57,11 @@ impl Binder<'_> {
         let statements = self.statements(ctx, &body.statements);
         self.unused_data(ctx, block, body);
         let scope = &ctx.scl;
-        Body { statements, sets_flag: scope.sets_flag, calls_set_flag: scope.rules != Rules::Classic }
+        Body {
+            statements,
+            sets_flag: scope.sets_flag,
+            calls_set_flag: scope.rules != Rules::Classic,
+            temporary_texts: temporary::texts(&ctx.bound),
+        }
     }
 }
