@@ -360,7 +360,15 @@ pub fn bound(value: Expr) -> Bound {
 }
 
 /// One value stands for itself, several are a list.
-pub fn initial_list(context: &Context, mut values: Vec<InitialValue>, range: Range<usize>) -> InitialValue {
+pub fn initial_list(context: &mut Context, mut values: Vec<InitialValue>, range: Range<usize>) -> InitialValue {
+    if matches!(values.as_slice(), [InitialValue { kind: InitialKind::Default, .. }]) {
+        let span = context.span(range.start, range.end);
+        context.report(
+            Diagnostic::new(Code::DeclarationSyntax, span, "the value is missing behind `:=`")
+                .label("a constant must stand here")
+                .help("write a constant, or leave `:=` out"),
+        );
+    }
     match values.pop() {
         Some(value) if values.is_empty() => value,
         last => {
