@@ -5,7 +5,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{Argument as Given, Expr as Node};
 
-use super::convert;
+use super::{Rules, convert};
 use super::pins::Pins;
 use super::value::Value;
 use crate::bind::constant::Constant;
@@ -107,8 +107,10 @@ impl Binder<'_> {
     fn conversion_block(&self, ctx: &Ctx, from: &str, to: &str) -> Option<BlockKey> {
         let name = format!("{from}_TO_{to}");
         let classic = CLASSIC.iter().find(|(known, _)| *known == name).map(|(_, block)| *block);
-        self.library_function(ctx.scl.rules, &name)
-            .or_else(|| self.library_function(ctx.scl.rules, classic?))
+        let own = || self.library_function(ctx.scl.rules, &name);
+        let old = || self.library_function(ctx.scl.rules, classic?);
+        // The TIA Portal has other rules for what a text may look like.
+        if ctx.scl.rules == Rules::Classic { old().or_else(own) } else { own().or_else(old) }
     }
 
     fn wider_block(
