@@ -142,7 +142,11 @@ fn index(language: Language, source: &'static str) -> Vec<SystemBlock> {
             // The CPU has some library FBs as SFBs, too.
             let also = block.and_then(|block| block.source.lines().find_map(|line| line.strip_prefix(ALSO_SFB)));
             let number = also.and_then(|rest| rest.split('\'').next()?.parse().ok());
-            found.extend(block.zip(number).map(|(block, number)| SystemBlock { class: BlockClass::Sfb, number, ..block }));
+            found.extend(block.zip(number).map(|(block, number)| SystemBlock {
+                class: BlockClass::Sfb,
+                number,
+                ..block
+            }));
         }
         if start.is_none() && !line.starts_with("//") {
             comment = end;

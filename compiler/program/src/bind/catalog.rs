@@ -76,7 +76,8 @@ fn named(block: &SystemBlock) -> String {
 }
 
 fn describe(page: &mut String, block: &SystemBlock) {
-    let heading = if block.is_tia() { block.name.to_string() } else { format!("{} {}", prefix(block.class), named(block)) };
+    let heading =
+        if block.is_tia() { block.name.to_string() } else { format!("{} {}", prefix(block.class), named(block)) };
     let _ = write!(page, "\n### {heading}\n\n");
     let told_below = |line: &&str| !line.starts_with("// Source: ");
     for line in block.comment.lines().take_while(told_below) {
@@ -114,7 +115,14 @@ fn table(page: &mut String, block: &SystemBlock, interface: &Interface) {
             Direction::Output => "OUT",
             Direction::InOut => "IN_OUT",
         };
-        row(page, block, &parameter.name, direction, &layout::type_name(&parameter.ty), (parameter.byte, parameter.bit));
+        row(
+            page,
+            block,
+            &parameter.name,
+            direction,
+            &layout::type_name(&parameter.ty),
+            (parameter.byte, parameter.bit),
+        );
     }
     let is_parameter = |name: &str| interface.parameters.iter().any(|parameter| parameter.name == name);
     for member in interface.instance.iter().filter(|member| !is_parameter(&member.name)) {

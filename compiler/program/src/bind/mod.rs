@@ -44,9 +44,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::model::{BlockKey, Body, CodeBlock, Program, TestSettings};
 use crate::symbols::{SymbolTable, SymbolTarget};
 use crate::types::StructType;
+pub use catalog::standard_library;
 use declare::{BoundInterface, Scope, Typed, TypedStruct};
 use names::Global;
-pub use catalog::standard_library;
 use report::Report;
 
 /// TEMP of an OB holds at least its start information.

@@ -128,7 +128,8 @@ pub(super) fn to_ldt(call: &Call) -> Outcome {
 pub(super) fn add(call: &Call) -> Outcome {
     let ns = i64::from(call.dword(1) as i32) * NS_PER_MS;
     let moment = decode(call.dtl(0)).ok();
-    let sum = moment.and_then(|moment| if call.byte(2) & 1 != 0 { moment.checked_sub(ns) } else { moment.checked_add(ns) });
+    let sum =
+        moment.and_then(|moment| if call.byte(2) & 1 != 0 { moment.checked_sub(ns) } else { moment.checked_add(ns) });
     give(call, 3, sum.filter(|&sum| YEARS.contains(&(datetime::civil(sum).year() as u16))))
 }
 

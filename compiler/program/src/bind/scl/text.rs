@@ -5,9 +5,9 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{Argument as Given, Expr as Node};
 
-use super::{Rules, convert};
 use super::pins::Pins;
 use super::value::Value;
+use super::{Rules, convert};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
 use crate::model::scl::{Actual, Argument, Call, Complex, Expr};
