@@ -82,7 +82,7 @@ fn numbers(
         .build_cartesian_2d(0.0..end, least - room..most + room)?;
     let description = if unit.is_empty() { "value" } else { unit };
     let mut mesh = chart.configure_mesh();
-    mesh.light_line_style(WHITE).bold_line_style(RGBColor(225, 225, 225)).y_desc(description).y_labels(8);
+    mesh.max_light_lines(0).bold_line_style(RGBColor(225, 225, 225)).y_desc(description).y_labels(8);
     mesh.x_labels(12).x_label_formatter(&|value| label(*value)).y_label_formatter(&|value| label(*value));
     mesh.label_style((FONT, 13)).axis_desc_style((FONT, 14));
     if with_time {
@@ -118,7 +118,7 @@ fn bits(area: &Area, columns: &[Column], end: f64) -> Result<(), Box<dyn std::er
         .set_label_area_size(LabelAreaPosition::Bottom, AXIS_HEIGHT)
         .build_cartesian_2d(0.0..end, 0.0..count as f64)?;
     let mut mesh = chart.configure_mesh();
-    mesh.light_line_style(WHITE).bold_line_style(RGBColor(225, 225, 225)).y_labels(0).x_labels(12);
+    mesh.max_light_lines(0).bold_line_style(RGBColor(225, 225, 225)).y_labels(0).x_labels(12);
     mesh.x_desc("time in s").x_label_formatter(&|value| label(*value));
     mesh.label_style((FONT, 13)).axis_desc_style((FONT, 14));
     mesh.draw()?;

@@ -9,9 +9,9 @@ use fasteval::{Error, Evaler, ExpressionI, Parser, Slab};
 const FUNCTIONS: [(&str, usize); 5] = [("if", 3), ("clamp", 3), ("sqrt", 1), ("exp", 1), ("ln", 1)];
 
 /// Words that are functions of the crate.
-const BUILT_IN: [&str; 23] = [
-    "print", "int", "ceil", "floor", "abs", "sign", "log", "round", "min", "max", "e", "pi", "sin", "cos", "tan",
-    "asin", "acos", "atan", "sinh", "cosh", "tanh", "and", "or",
+const BUILT_IN: [&str; 22] = [
+    "int", "ceil", "floor", "abs", "sign", "log", "round", "min", "max", "e", "pi", "sin", "cos", "tan", "asin",
+    "acos", "atan", "sinh", "cosh", "tanh", "and", "or",
 ];
 
 /// True for a name that a value may have.
@@ -19,9 +19,31 @@ pub(super) fn is_name(name: &str) -> bool {
     let mut letters = name.chars();
     letters.next().is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
         && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
-        && !BUILT_IN.contains(&name)
-        && !["inf", "NaN", "asinh", "acosh", "atanh"].contains(&name)
-        && !FUNCTIONS.iter().any(|(function, _)| *function == name)
+        && !is_function(name)
+}
+
+fn is_function(name: &str) -> bool {
+    BUILT_IN.contains(&name) || FUNCTIONS.iter().any(|(function, _)| *function == name)
+}
+
+/// Before the names of values: the crate reads `inflow` as infinity and `low`, `printer` as `print`.
+const MARK: &str = "v_";
+
+/// The expression with a mark before each name of a value.
+fn marked(text: &str) -> String {
+    let mut marked = String::new();
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
+        let end = rest.find(|c| !is_part(c)).unwrap_or(rest.len()).max(first.len_utf8());
+        let (word, behind) = rest.split_at(end);
+        if (first.is_ascii_alphabetic() || first == '_') && !is_function(word) {
+            marked.push_str(MARK);
+        }
+        marked.push_str(word);
+        rest = behind;
+    }
+    marked
 }
 
 /// An expression that was parsed.
@@ -39,14 +61,14 @@ impl std::fmt::Debug for Expression {
 impl Expression {
     /// Parses `text`; each name in it must be one that `is_known`. `Err`: what is wrong, in a sentence.
     pub fn parse(text: &str, is_known: impl Fn(&str) -> bool) -> Result<Expression, String> {
-        if !text.is_ascii() || text.contains(['"', '[', ']']) || text.contains("print") {
+        if !text.is_ascii() || text.contains(['"', '[', ']']) {
             return Err(format!("`{text}` is no expression: write numbers, names, operators and functions"));
         }
         let mut slab = Slab::new();
-        let root = Parser::new().parse(text, &mut slab.ps).map_err(|error| wrong(text, &error))?;
+        let root = Parser::new().parse(&marked(text), &mut slab.ps).map_err(|error| wrong(text, &error))?;
         let names = root.from(&slab.ps).var_names(&slab);
-        let is_function = |name: &str| FUNCTIONS.iter().any(|(function, _)| *function == name);
-        if let Some(name) = names.iter().find(|name| !is_function(name) && !is_known(name)) {
+        let values = names.iter().filter_map(|name| name.strip_prefix(MARK));
+        if let Some(name) = values.into_iter().find(|name| !is_known(name)) {
             return Err(format!(
                 "`{name}` is not known here: values are read, set by an earlier equation, states or parameters"
             ));
@@ -68,7 +90,7 @@ impl Expression {
             ("sqrt", &[value]) => Some(value.sqrt()),
             ("exp", &[value]) => Some(value.exp()),
             ("ln", &[value]) => Some(value.ln()),
-            (_, []) if !FUNCTIONS.iter().any(|(function, _)| *function == name) => Some(of(name)),
+            (_, []) => name.strip_prefix(MARK).map(of),
             _ => None,
         };
         self.root.from(&self.slab.ps).eval(&self.slab, &mut names)
@@ -78,12 +100,14 @@ impl Expression {
 /// The crate's error in words.
 fn wrong(text: &str, error: &Error) -> String {
     match error {
-        Error::UnparsedTokensRemaining(rest) => format!("`{text}`: `{}` is not understood", rest.trim()),
+        Error::UnparsedTokensRemaining(rest) => {
+            format!("`{text}`: `{}` is not understood", rest.replace(MARK, "").trim())
+        }
         Error::EOF | Error::EofWhileParsing(_) => format!("`{text}` ends too early"),
         Error::TooLong | Error::TooDeep | Error::SlabOverflow => format!("`{text}` is too large"),
         Error::Undefined(name) => match FUNCTIONS.iter().find(|(function, _)| function == name) {
             Some((name, count)) => format!("`{text}`: {name} takes {count} arguments"),
-            None => format!("`{text}`: `{name}` is not known"),
+            None => format!("`{text}`: `{}` is not known as a function", name.trim_start_matches(MARK)),
         },
         _ => format!("`{text}` is no expression: write numbers, names, operators and functions"),
     }
@@ -94,7 +118,7 @@ mod tests {
     use super::*;
 
     fn value(text: &str) -> Result<f64, String> {
-        let expression = Expression::parse(text, |name| ["level", "pump"].contains(&name))?;
+        let expression = Expression::parse(text, |name| ["level", "pump", "inflow", "printer", "nan"].contains(&name))?;
         expression.evaluate(&|name| if name == "level" { 9.0 } else { 1.0 }).map_err(|error| format!("{error:?}"))
     }
 
@@ -108,6 +132,8 @@ mod tests {
             ("min(level, 4, 7) - max(1, 2)", 2.0),
             ("(level - 1) / 2 * 3", 12.0),
             ("10 - 4 + 3", 9.0),
+            ("inflow + printer * nan - e()", 2.0 - std::f64::consts::E),
+            ("1e1 + 2.5e-1", 10.25),
             ("exp(ln(1)) + pi()", 1.0 + std::f64::consts::PI),
         ] {
             assert_eq!(value(text), Ok(expected), "{text}");
