@@ -13,7 +13,9 @@ const BIT_HEIGHT: u32 = 34;
 /// Axis of time below the last panel.
 const AXIS_HEIGHT: u32 = 46;
 /// Left of the axes, so that all panels begin at one place.
-const LABELS_WIDTH: u32 = 110;
+const LABELS_WIDTH: u32 = 98;
+/// Left of the labels.
+const MARGIN: u32 = 12;
 const FONT: &str = "sans-serif";
 
 /// Colours that can be told apart, on paper and by people who see colours differently (Okabe and Ito).
@@ -74,6 +76,7 @@ fn numbers(
     let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
     let room = if most > least { (most - least) * 0.06 } else { 1.0 };
     let mut chart = ChartBuilder::on(area)
+        .margin_left(MARGIN)
         .margin_right(16)
         .margin_top(6)
         .margin_bottom(6)
@@ -112,6 +115,7 @@ fn numbers(
 fn bits(area: &Area, columns: &[Column], end: f64) -> Result<(), Box<dyn std::error::Error>> {
     let count = columns.len();
     let mut chart = ChartBuilder::on(area)
+        .margin_left(MARGIN)
         .margin_right(16)
         .margin_top(4)
         .set_label_area_size(LabelAreaPosition::Left, LABELS_WIDTH)
