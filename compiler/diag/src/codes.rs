@@ -55,7 +55,7 @@ codes! {
     BlanksInLiteral = "P0106" Warning "blanks inside a constant";
     TemplateMarker = "P0107" Error "a marker of a template that was never filled in";
     MixedMnemonics = "P0108" Error "mnemonics of both sets in one file";
-    Syntax = "P0201" Error "a statement that is not built as STL is";
+    Syntax = "P0201" Error "a statement that is not built as its language wants it";
     UnknownInstruction = "P0202" Error "an instruction that STL does not have";
     OperandKind = "P0203" Error "an operand that does not fit its instruction";
     MissingOperand = "P0204" Error "an instruction without its operand";

@@ -51,7 +51,9 @@ pub fn of(text: &str) -> Content {
         Some(line) if line.starts_with("%PDF") => return Content::Other("a PDF document"),
         Some(_) => {}
     }
-    if lines().any(|line| begins_like_stl(line) || is_assignment(line)) || lines().all(|line| line.split_whitespace().count() <= 4) {
+    if lines().any(|line| begins_like_stl(line) || is_assignment(line))
+        || lines().all(|line| line.split_whitespace().count() <= 4)
+    {
         Content::Source
     } else {
         Content::Prose

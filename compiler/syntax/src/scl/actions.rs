@@ -12,8 +12,9 @@ use super::ast::{Body, Expr, ExprKind, Literal, Name, NameForm, Statement};
 use super::context::Context;
 use super::token::{CodeKeyword, HeaderField, HeaderFlag};
 use crate::ast::{
-    Block, BlockName, BlockPrefix, Bound, Code as BlockCode, CodeBlock, CodeKind, Constant, DataBlock, DataContent, Header,
-    InitialKind, InitialValue, Path, PathPart, PathRoot, Section, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
+    Block, BlockName, BlockPrefix, Bound, Code as BlockCode, CodeBlock, CodeKind, Constant, DataBlock, DataContent,
+    Header, InitialKind, InitialValue, Path, PathPart, PathRoot, Section, TypeBlock, TypeKind, TypeRef,
+    ValueAssignment, Variable,
 };
 
 /// A part of a header.
@@ -208,7 +209,11 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
             (Vec::new(), Some(ty))
         }
         None => {
-            if !context.diagnostics.iter().any(|diagnostic| span.range().contains(&(diagnostic.primary.span.start as usize))) {
+            if !context
+                .diagnostics
+                .iter()
+                .any(|diagnostic| span.range().contains(&(diagnostic.primary.span.start as usize)))
+            {
                 context.report(
                     Diagnostic::new(Code::DeclarationSyntax, name.span(), "the data type has no structure")
                         .label("nothing is declared in it")
@@ -248,9 +253,13 @@ fn spread(context: &mut Context, members: &mut [Variable], value: Option<Initial
         match member {
             Some(member) => member.initial = Some(value),
             None => context.report(
-                Diagnostic::new(Code::UnknownMember, name.map_or(value.span, |name| name.span), "the structure has no such component")
-                    .label("not declared above")
-                    .help("name a component of the structure, or leave the value out"),
+                Diagnostic::new(
+                    Code::UnknownMember,
+                    name.map_or(value.span, |name| name.span),
+                    "the structure has no such component",
+                )
+                .label("not declared above")
+                .help("name a component of the structure, or leave the value out"),
             ),
         }
     }
@@ -344,7 +353,9 @@ pub fn array(context: &mut Context, dimensions: Vec<Dimension>, element: TypeRef
 pub fn bound(value: Expr) -> Bound {
     let span = value.span;
     match value.kind {
-        ExprKind::Literal(Literal::Integer { value, .. }) if value <= i64::MAX as u64 => Bound::Number(value as i64, span),
+        ExprKind::Literal(Literal::Integer { value, .. }) if value <= i64::MAX as u64 => {
+            Bound::Number(value as i64, span)
+        }
         ExprKind::Unary { op: super::ast::UnaryOp::Minus, operand } => match operand.kind {
             ExprKind::Literal(Literal::Integer { value, .. }) if value <= i64::MAX as u64 => {
                 Bound::Number(-(value as i64), span)

@@ -52,10 +52,8 @@ pub fn area_word(word: &str) -> Option<(Area, Width)> {
     let strip = |letters: &str| {
         word.get(..letters.len()).filter(|head| head.eq_ignore_ascii_case(letters)).map(|_| &word[letters.len()..])
     };
-    let (area, rest) = AREAS
-        .iter()
-        .chain(&[("M", Area::M)])
-        .find_map(|(letters, area)| strip(letters).map(|rest| (*area, rest)))?;
+    let (area, rest) =
+        AREAS.iter().chain(&[("M", Area::M)]).find_map(|(letters, area)| strip(letters).map(|rest| (*area, rest)))?;
     let width = match rest.as_bytes() {
         [] | [b'X' | b'x'] if !matches!(area, Area::Pi | Area::Pq) => Width::Bit,
         [b'B' | b'b'] => Width::Byte,
@@ -133,7 +131,9 @@ pub fn token(text: &str, span: Span) -> Option<OperandKind> {
             let db = BlockName::Numbered { prefix: BlockPrefix::Db, number, span };
             let (letters, byte) = letters_and_number(address)?;
             match (db_area_word(letters)?, bit) {
-                (Width::Bit, Some(bit)) => OperandKind::DbAbsolute { db, width: Width::Bit, byte, bit: bit_number(bit)? },
+                (Width::Bit, Some(bit)) => {
+                    OperandKind::DbAbsolute { db, width: Width::Bit, byte, bit: bit_number(bit)? }
+                }
                 (Width::Bit, None) | (_, Some(_)) => return None,
                 (width, None) => OperandKind::DbAbsolute { db, width, byte, bit: 0 },
             }

@@ -55,6 +55,7 @@ pub struct Statement {
 }
 
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // FOR, whose expressions would only be found one step further.
 pub enum StatementKind {
     /// `;`
     Empty,

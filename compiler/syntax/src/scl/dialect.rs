@@ -11,7 +11,8 @@ use super::raw::{RawKind, RawText, RawToken};
 /// The dialect of a source: that of the TIA Portal if it has any sign of it.
 pub fn of(text: &str, raw: &RawText) -> Dialect {
     let mut scan = Scan { text, tokens: &raw.tokens, classic: false, statements: false };
-    let tia = text.starts_with('\u{FEFF}') || !raw.regions.is_empty() || (0..raw.tokens.len()).any(|index| scan.tia(index));
+    let tia =
+        text.starts_with('\u{FEFF}') || !raw.regions.is_empty() || (0..raw.tokens.len()).any(|index| scan.tia(index));
     if tia {
         Dialect::Tia
     } else if scan.classic {
@@ -89,7 +90,8 @@ impl Scan<'_> {
                 if word.eq_ignore_ascii_case("S7_Optimized_Access") {
                     return true;
                 }
-                let typed = before.is_some_and(|before| before.kind == RawKind::Colon || before.keyword == Some(Keyword::Of));
+                let typed =
+                    before.is_some_and(|before| before.kind == RawKind::Colon || before.keyword == Some(Keyword::Of));
                 if typed && modern_type(word) {
                     return true;
                 }

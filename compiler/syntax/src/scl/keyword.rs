@@ -207,9 +207,6 @@ impl Keyword {
 
     /// The word that stands between operands or before one.
     pub const fn is_operator(self) -> bool {
-        matches!(
-            self,
-            Keyword::And | Keyword::Or | Keyword::Xor | Keyword::Not | Keyword::Mod | Keyword::Div
-        )
+        matches!(self, Keyword::And | Keyword::Or | Keyword::Xor | Keyword::Not | Keyword::Mod | Keyword::Div)
     }
 }

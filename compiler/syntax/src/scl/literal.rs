@@ -54,7 +54,11 @@ pub fn parse(text: &str) -> Result<Read, LiteralError> {
         }
         name => match Elementary::from_word(name) {
             Some(ty) => number::typed(text, ty, value),
-            None => Err(LiteralError::malformed(text, format!("`{prefix}` is no type of constants"), "write e.g. `INT#5` or `T#1s`")),
+            None => Err(LiteralError::malformed(
+                text,
+                format!("`{prefix}` is no type of constants"),
+                "write e.g. `INT#5` or `T#1s`",
+            )),
         },
     }
 }

@@ -29,9 +29,11 @@ pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic
             "a block is: keyword and name, header, declarations, `BEGIN`, statements, end keyword",
         ),
         Place::Declaration => (Code::DeclarationSyntax, "declaration", declaration_help(at, before)),
-        Place::Constant => {
-            (Code::DeclarationSyntax, "constant", "write `name : type := value;`, in a classic CONST section `name := value;`")
-        }
+        Place::Constant => (
+            Code::DeclarationSyntax,
+            "constant",
+            "write `name : type := value;`, in a classic CONST section `name := value;`",
+        ),
         Place::Labels => (Code::DeclarationSyntax, "list of labels", "write `LABEL first, second; END_LABEL`"),
         Place::Assignment => (Code::Syntax, "assignment", "write `component := constant;`, e.g. `a.b[3] := 5;`"),
         Place::Statement => (Code::Syntax, "statement", statement_help(at, before)),
@@ -40,7 +42,11 @@ pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic
         Place::CaseValue => {
             (Code::Syntax, "value of CASE", "values are constants: `1:`, `2, 5..7:`, or names of constants")
         }
-        Place::Argument => (Code::Syntax, "argument", "write `name := value` for inputs and `name => variable` for outputs, separated by `,`"),
+        Place::Argument => (
+            Code::Syntax,
+            "argument",
+            "write `name := value` for inputs and `name => variable` for outputs, separated by `,`",
+        ),
     };
     message(context, at, before, code, what).help(help)
 }
@@ -70,8 +76,19 @@ fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, co
 fn ends(token: &Tok) -> bool {
     matches!(
         token,
-        Tok::End | Tok::Empty | Tok::EndVar | Tok::EndStruct | Tok::EndBlock | Tok::Then | Tok::Do | Tok::Of | Tok::EndIf
-            | Tok::EndCase | Tok::EndFor | Tok::EndWhile | Tok::EndRepeat
+        Tok::End
+            | Tok::Empty
+            | Tok::EndVar
+            | Tok::EndStruct
+            | Tok::EndBlock
+            | Tok::Then
+            | Tok::Do
+            | Tok::Of
+            | Tok::EndIf
+            | Tok::EndCase
+            | Tok::EndFor
+            | Tok::EndWhile
+            | Tok::EndRepeat
     )
 }
 
@@ -79,8 +96,18 @@ fn ends(token: &Tok) -> bool {
 fn begins(token: &Tok) -> bool {
     matches!(
         token,
-        Tok::Begin | Tok::Section(..) | Tok::Constants | Tok::Labels | Tok::Content | Tok::Struct | Tok::Else | Tok::Repeat
-            | Tok::Label(_) | Tok::Arm | Tok::Pragma(_) | Tok::ImpliedOb
+        Tok::Begin
+            | Tok::Section(..)
+            | Tok::Constants
+            | Tok::Labels
+            | Tok::Content
+            | Tok::Struct
+            | Tok::Else
+            | Tok::Repeat
+            | Tok::Label(_)
+            | Tok::Arm
+            | Tok::Pragma(_)
+            | Tok::ImpliedOb
     )
 }
 
@@ -99,7 +126,9 @@ fn statement_help(at: Option<&Spanned>, before: Option<&Spanned>) -> &'static st
     match at.map(|(_, token, _)| token) {
         Some(Tok::Colon) => "a value is assigned with `:=`",
         _ if before.is_some_and(|(_, token, _)| matches!(token, Tok::Goto)) => "write the label behind GOTO",
-        _ => "a statement is an assignment `variable := value;`, a call `block(input := value);`, or one of IF, CASE, FOR, WHILE, REPEAT",
+        _ => {
+            "a statement is an assignment `variable := value;`, a call `block(input := value);`, or one of IF, CASE, FOR, WHILE, REPEAT"
+        }
     }
 }
 

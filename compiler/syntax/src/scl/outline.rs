@@ -76,9 +76,8 @@ impl Scan<'_> {
 
     /// The statements of a framed block.
     fn code(&self, block: Range<usize>) -> Range<usize> {
-        match self.tokens[block.start].keyword {
-            Some(Keyword::DataBlock | Keyword::Type) => return block.end..block.end,
-            _ => {}
+        if let Some(Keyword::DataBlock | Keyword::Type) = self.tokens[block.start].keyword {
+            return block.end..block.end;
         }
         let keyword = |index: &usize| self.tokens[*index].keyword;
         let begin = block.clone().find(|index| keyword(index) == Some(Keyword::Begin));

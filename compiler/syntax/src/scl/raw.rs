@@ -235,8 +235,7 @@ pub fn scan(text: &str) -> RawText {
             }
             kind => {
                 let member = out.tokens.last().is_some_and(|before| before.kind == RawKind::Dot);
-                let keyword =
-                    if kind == RawKind::Word && !member { Keyword::from_word(lexer.slice()) } else { None };
+                let keyword = if kind == RawKind::Word && !member { Keyword::from_word(lexer.slice()) } else { None };
                 if let Some(keyword) = keyword {
                     let head = &mut lexer.extras.head;
                     *head = keyword.begins_block() || *head && !leaves_head(keyword);

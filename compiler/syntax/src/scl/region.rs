@@ -26,10 +26,14 @@ pub fn check(file: FileId, raw: &RawText, diagnostics: &mut Vec<Diagnostic>) {
                     .help("remove it"),
             ),
             Some((opening, opened)) if opened != depth => diagnostics.push(
-                Diagnostic::new(Code::Tolerated, span(region), "the region ends in another statement than it begins in")
-                    .label("ends here")
-                    .also(span(opening), "begins here")
-                    .help("let the region hold whole statements"),
+                Diagnostic::new(
+                    Code::Tolerated,
+                    span(region),
+                    "the region ends in another statement than it begins in",
+                )
+                .label("ends here")
+                .also(span(opening), "begins here")
+                .help("let the region hold whole statements"),
             ),
             Some(_) => {}
         }

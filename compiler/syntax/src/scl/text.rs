@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::ast::{
-    Argument, AssignOp, BinaryOp, Body, CaseValue, Dialect, Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind,
-    UnaryOp,
+    Argument, AssignOp, BinaryOp, Body, CaseValue, Dialect, Expr, ExprKind, Literal, Name, NameForm, Statement,
+    StatementKind, UnaryOp,
 };
 use crate::ast::{BlockName, OperandKind, Width};
 use crate::ast_text;

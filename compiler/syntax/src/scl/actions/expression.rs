@@ -6,9 +6,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use crate::ast::{Area, BlockPrefix, OperandKind};
 use crate::scl::address;
-use crate::scl::ast::{
-    Argument, AssignOp, BinaryOp, Expr, ExprKind, Name, Statement, StatementKind, UnaryOp,
-};
+use crate::scl::ast::{Argument, AssignOp, BinaryOp, Expr, ExprKind, Name, Statement, StatementKind, UnaryOp};
 use crate::scl::context::Context;
 
 /// How deep an expression may be nested. Whoever walks the tree may recurse.
@@ -143,7 +141,8 @@ pub fn expression_statement(value: Expr) -> StatementKind {
 
 /// Statements between `CASE … OF` and the first value never run.
 pub fn before_arms(context: &mut Context, statements: &[Statement]) {
-    let Some(first) = statements.iter().find(|statement| !matches!(statement.kind, StatementKind::Empty | StatementKind::Error))
+    let Some(first) =
+        statements.iter().find(|statement| !matches!(statement.kind, StatementKind::Empty | StatementKind::Error))
     else {
         return;
     };

@@ -43,11 +43,24 @@ impl<'a> Layout<'a> {
                 (_, Some(word)) if word.begins_section() && self.section_in_code(token) => {}
                 (_, Some(word)) if word.begins_statement() => self.statement_keyword(word, token, &mut open),
                 (_, Some(word)) if word.closes_statement() => self.closing_keyword(word, token, &mut open),
-                (_, Some(Keyword::Then | Keyword::Begin | Keyword::EndVar | Keyword::EndStruct | Keyword::EndConst | Keyword::EndLabel)) => {
+                (
+                    _,
+                    Some(
+                        Keyword::Then
+                        | Keyword::Begin
+                        | Keyword::EndVar
+                        | Keyword::EndStruct
+                        | Keyword::EndConst
+                        | Keyword::EndLabel,
+                    ),
+                ) => {
                     self.misplaced(token);
                 }
                 (_, Some(Keyword::Do | Keyword::Of | Keyword::To))
-                    if !matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Dot | RawKind::LeftBracket)) =>
+                    if !matches!(
+                        self.kind_at(self.at + 1),
+                        Some(RawKind::Assign | RawKind::Dot | RawKind::LeftBracket)
+                    ) =>
                 {
                     self.misplaced(token);
                 }
@@ -192,9 +205,13 @@ impl<'a> Layout<'a> {
             Keyword::Elsif | Keyword::ElseIf => {
                 if word == Keyword::ElseIf {
                     self.report(
-                        Diagnostic::new(Code::Syntax, self.span(token), format!("`{}` is no word of SCL", self.slice(token)))
-                            .label("taken as ELSIF")
-                            .help("write `ELSIF`"),
+                        Diagnostic::new(
+                            Code::Syntax,
+                            self.span(token),
+                            format!("`{}` is no word of SCL", self.slice(token)),
+                        )
+                        .label("taken as ELSIF")
+                        .help("write `ELSIF`"),
                     );
                 }
                 self.take(Tok::Elsif);
@@ -228,9 +245,13 @@ impl<'a> Layout<'a> {
                     Keyword::EndWhile => Tok::EndWhile,
                     _ => {
                         self.report(
-                            Diagnostic::new(Code::Syntax, self.span(statement.token), "the condition of this loop is missing")
-                                .label("ends without UNTIL")
-                                .help("write `UNTIL condition` before END_REPEAT"),
+                            Diagnostic::new(
+                                Code::Syntax,
+                                self.span(statement.token),
+                                "the condition of this loop is missing",
+                            )
+                            .label("ends without UNTIL")
+                            .help("write `UNTIL condition` before END_REPEAT"),
                         );
                         self.push_here(Tok::Until);
                         self.push_here(Tok::Bad);
@@ -319,9 +340,8 @@ impl<'a> Layout<'a> {
             Keyword::While => "END_WHILE",
             _ => "END_REPEAT",
         };
-        let mut diagnostic =
-            Diagnostic::new(Code::Syntax, self.span(opening), format!("`{end}` is missing"))
-                .label(format!("this {} is not closed", keyword.word()));
+        let mut diagnostic = Diagnostic::new(Code::Syntax, self.span(opening), format!("`{end}` is missing"))
+            .label(format!("this {} is not closed", keyword.word()));
         diagnostic = match else_if {
             Some(span) => diagnostic
                 .also(span, "`ELSE IF` opens a second IF")
@@ -339,7 +359,9 @@ impl<'a> Layout<'a> {
         );
         // The rest of the block is not worth reading.
         while let Some(token) = self.peek() {
-            let ends = token.keyword.is_some_and(|word| word.ends_block() || word.begins_block() && self.block_begins(self.at));
+            let ends = token
+                .keyword
+                .is_some_and(|word| word.ends_block() || word.begins_block() && self.block_begins(self.at));
             if ends {
                 return;
             }
@@ -355,12 +377,17 @@ impl<'a> Layout<'a> {
             return false;
         }
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{}` stands among the statements", self.slice(token)))
-                .label("declarations end before BEGIN")
-                .help("move the section to the other declarations of the block"),
+            Diagnostic::new(
+                Code::BlockFrame,
+                self.span(token),
+                format!("`{}` stands among the statements", self.slice(token)),
+            )
+            .label("declarations end before BEGIN")
+            .help("move the section to the other declarations of the block"),
         );
         while let Some(token) = self.peek() {
-            if token.keyword.is_some_and(|word| word.ends_block() || word.begins_block() && self.block_begins(self.at)) {
+            if token.keyword.is_some_and(|word| word.ends_block() || word.begins_block() && self.block_begins(self.at))
+            {
                 break;
             }
             self.at += 1;
@@ -374,9 +401,13 @@ impl<'a> Layout<'a> {
     /// A keyword that belongs to something that is not open.
     fn misplaced(&mut self, token: RawToken) {
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), format!("`{}` cannot begin a statement", self.slice(token)))
-                .label("not expected here")
-                .help("remove it, or complete the statement before it"),
+            Diagnostic::new(
+                Code::Syntax,
+                self.span(token),
+                format!("`{}` cannot begin a statement", self.slice(token)),
+            )
+            .label("not expected here")
+            .help("remove it, or complete the statement before it"),
         );
         self.at += 1;
     }
@@ -445,13 +476,14 @@ impl<'a> Layout<'a> {
         if self.is_at(RawKind::Semicolon) {
             return self.take(Tok::End);
         }
-        let closes = token.is_none_or(|token| {
-            token.keyword.is_some_and(|word| word.closes_statement() || word.ends_block())
-        });
+        let closes =
+            token.is_none_or(|token| token.keyword.is_some_and(|word| word.closes_statement() || word.ends_block()));
         let reported = self.last_token().is_none_or(|last| {
             self.diagnostics.last().is_some_and(|diagnostic| diagnostic.primary.span.start >= last.start)
         });
-        let complete = self.out.last().is_some_and(|(_, token, _)| ends_operand(token) || matches!(token, Tok::Exit | Tok::Continue | Tok::Return));
+        let complete = self.out.last().is_some_and(|(_, token, _)| {
+            ends_operand(token) || matches!(token, Tok::Exit | Tok::Continue | Tok::Return)
+        });
         if !closes && !reported && complete {
             let last = self.last_token().expect("a statement has been read");
             let text = self.slice(last);

@@ -36,10 +36,7 @@ impl<'a> Layout<'a> {
         let (mut retain, mut count) = (Retain::Unsaid, 0);
         while let Some(word) = self.raw.get(self.at + 1 + count)
             && word.kind == RawKind::Word
-            && !matches!(
-                self.kind_at(self.at + 2 + count),
-                Some(RawKind::Colon | RawKind::Comma | RawKind::LeftBrace)
-            )
+            && !matches!(self.kind_at(self.at + 2 + count), Some(RawKind::Colon | RawKind::Comma | RawKind::LeftBrace))
             && self.keyword_at(self.at + 2 + count) != Some(Keyword::At)
         {
             let text = self.slice(*word);
@@ -195,7 +192,9 @@ impl<'a> Layout<'a> {
                 }
                 (RawKind::Comma, _) => self.take(Tok::Comma),
                 (RawKind::LeftBrace, _) => self.attributes(),
-                (_, Some(Keyword::At)) if !matches!(self.kind_at(self.at + 1), Some(RawKind::Colon | RawKind::Comma)) => {
+                (_, Some(Keyword::At))
+                    if !matches!(self.kind_at(self.at + 1), Some(RawKind::Colon | RawKind::Comma)) =>
+                {
                     self.take(Tok::At);
                 }
                 (RawKind::Word | RawKind::Local | RawKind::Quoted, _) if !self.section_ends(token) => {
@@ -239,13 +238,18 @@ impl<'a> Layout<'a> {
         }
         let after_struct = matches!(self.out.last(), Some((_, Tok::EndStruct, _)));
         if let Some(last) = self.last_token().filter(|_| !after_struct) {
-            let reported = self.diagnostics.last().is_some_and(|diagnostic| diagnostic.primary.span.start >= last.start);
+            let reported =
+                self.diagnostics.last().is_some_and(|diagnostic| diagnostic.primary.span.start >= last.start);
             if !reported {
                 let text = self.slice(last);
                 self.report(
-                    Diagnostic::new(Code::DeclarationSyntax, self.span(last), format!("`;` is missing behind `{text}`"))
-                        .label("the declaration ends here")
-                        .help("end each declaration with `;`"),
+                    Diagnostic::new(
+                        Code::DeclarationSyntax,
+                        self.span(last),
+                        format!("`;` is missing behind `{text}`"),
+                    )
+                    .label("the declaration ends here")
+                    .help("end each declaration with `;`"),
                 );
             }
         }

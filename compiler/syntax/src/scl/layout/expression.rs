@@ -348,9 +348,11 @@ impl<'a> Layout<'a> {
         let span = self.span(token);
         let slice = self.slice(token);
         let diagnostic = match token.kind {
-            RawKind::UnterminatedText => Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
-                .label("begins here")
-                .help("close it with `'`; a quote inside is written `$'`"),
+            RawKind::UnterminatedText => {
+                Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
+                    .label("begins here")
+                    .help("close it with `'`; a quote inside is written `$'`")
+            }
             RawKind::UnterminatedQuoted => {
                 Diagnostic::new(Code::UnterminatedText, span, "the name is not closed on its line")
                     .label("begins here")
@@ -361,9 +363,13 @@ impl<'a> Layout<'a> {
                 .help("write `#name` without a blank, or `#\"name\"`"),
             RawKind::Stray => {
                 let c = slice.chars().next().unwrap_or(' ');
-                Diagnostic::new(Code::UnexpectedCharacter, span, format!("`{}` belongs to no statement", c.escape_debug()))
-                    .label("not a character of SCL outside texts and comments")
-                    .help(stray_help(c))
+                Diagnostic::new(
+                    Code::UnexpectedCharacter,
+                    span,
+                    format!("`{}` belongs to no statement", c.escape_debug()),
+                )
+                .label("not a character of SCL outside texts and comments")
+                .help(stray_help(c))
             }
             _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
                 .label("not expected")

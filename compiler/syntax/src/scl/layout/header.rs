@@ -54,7 +54,9 @@ impl<'a> Layout<'a> {
             }
             Some(token)
                 if token.kind == RawKind::Word
-                    && !token.keyword.is_some_and(|word| word.begins_section() || word.ends_block() || word == Keyword::Begin)
+                    && !token
+                        .keyword
+                        .is_some_and(|word| word.begins_section() || word.ends_block() || word == Keyword::Begin)
                     && !(token.first_on_line && self.header_keyword(self.at)) =>
             {
                 if !self.numbered_block() {
@@ -69,7 +71,9 @@ impl<'a> Layout<'a> {
                         .label("the block's number or name is missing")
                         .help("write e.g. `FUNCTION FC 1 : VOID`, `DATA_BLOCK DB 10` or `FUNCTION_BLOCK \"Motor\"`"),
                 );
-                if found.is_some_and(|token| !token.first_on_line && matches!(token.kind, RawKind::UnterminatedQuoted | RawKind::Local)) {
+                if found.is_some_and(|token| {
+                    !token.first_on_line && matches!(token.kind, RawKind::UnterminatedQuoted | RawKind::Local)
+                }) {
                     self.at += 1;
                 }
                 self.push_here(Tok::Name(""));
@@ -239,9 +243,9 @@ impl<'a> Layout<'a> {
         );
         self.at += 1;
         while let Some(token) = self.peek() {
-            let ends = token
-                .keyword
-                .is_some_and(|word| word.ends_block() || word.begins_section() || matches!(word, Keyword::Begin | Keyword::Struct));
+            let ends = token.keyword.is_some_and(|word| {
+                word.ends_block() || word.begins_section() || matches!(word, Keyword::Begin | Keyword::Struct)
+            });
             if ends || self.block_begins(self.at) {
                 return;
             }
@@ -292,7 +296,9 @@ impl<'a> Layout<'a> {
                     return;
                 }
                 (RawKind::Semicolon | RawKind::Comma, _) => self.at += 1,
-                (_, Some(word)) if word.ends_block() || word.begins_section() || word.ends_section() || word == Keyword::Begin => {
+                (_, Some(word))
+                    if word.ends_block() || word.begins_section() || word.ends_section() || word == Keyword::Begin =>
+                {
                     return self.unclosed_attributes(opening);
                 }
                 (RawKind::Word | RawKind::Quoted, _) => self.attribute(token),
@@ -318,9 +324,13 @@ impl<'a> Layout<'a> {
         let key = unquoted(self.slice(name));
         if !self.is_at(RawKind::Assign) {
             self.report(
-                Diagnostic::new(Code::DeclarationSyntax, self.span(name), format!("the attribute `{key}` has no value"))
-                    .label("`:=` must follow")
-                    .help("write attributes as `{ name := 'value'; name := 'value' }`"),
+                Diagnostic::new(
+                    Code::DeclarationSyntax,
+                    self.span(name),
+                    format!("the attribute `{key}` has no value"),
+                )
+                .label("`:=` must follow")
+                .help("write attributes as `{ name := 'value'; name := 'value' }`"),
             );
             return self.skip_attribute();
         }
@@ -337,7 +347,8 @@ impl<'a> Layout<'a> {
 
     fn skip_attribute(&mut self) {
         while let Some(token) = self.peek() {
-            let ends = token.keyword.is_some_and(|word| word.ends_block() || word.begins_section() || word.ends_section());
+            let ends =
+                token.keyword.is_some_and(|word| word.ends_block() || word.begins_section() || word.ends_section());
             if ends || matches!(token.kind, RawKind::Semicolon | RawKind::Comma | RawKind::RightBrace) {
                 return;
             }

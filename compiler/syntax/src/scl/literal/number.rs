@@ -42,7 +42,11 @@ pub fn based(text: &str, base: &str, digits: &str) -> Result<(u64, u32), Literal
             .and_then(|value| value.checked_add(number.into()))
             .ok_or_else(|| LiteralError::range(text, "more than 64 bits", "a constant has 64 bits at most"))?;
     }
-    if written { Ok((value, radix)) } else { Err(LiteralError::malformed(text, "no digit", "write the digits behind `#`")) }
+    if written {
+        Ok((value, radix))
+    } else {
+        Err(LiteralError::malformed(text, "no digit", "write the digits behind `#`"))
+    }
 }
 
 /// The constant of type `ty` behind `INT#`, `BYTE#` and their kin.
@@ -57,8 +61,9 @@ pub fn typed(text: &str, ty: Elementary, value: &str) -> Result<Read, LiteralErr
 fn integer(text: &str, ty: Elementary, value: &str) -> Result<Read, LiteralError> {
     let name = ty.name();
     let (low, high) = range(ty);
-    let out_of_range =
-        || LiteralError::range(text, format!("no {name}"), format!("{name} goes from {} to {}", shown(low), shown(high)));
+    let out_of_range = || {
+        LiteralError::range(text, format!("no {name}"), format!("{name} goes from {} to {}", shown(low), shown(high)))
+    };
     let (negative, unsigned) = match value.strip_prefix('-') {
         Some(rest) => (true, rest),
         None => (false, value.strip_prefix('+').unwrap_or(value)),
@@ -85,11 +90,7 @@ fn shown(number: i128) -> String {
 
 /// The numbers of an integer or bit string.
 fn range(ty: Elementary) -> (i128, i128) {
-    if ty.is_signed() {
-        (-(1 << (ty.bits() - 1)), (1 << (ty.bits() - 1)) - 1)
-    } else {
-        (0, (1 << ty.bits()) - 1)
-    }
+    if ty.is_signed() { (-(1 << (ty.bits() - 1)), (1 << (ty.bits() - 1)) - 1) } else { (0, (1 << ty.bits()) - 1) }
 }
 
 fn boolean(text: &str, value: &str) -> Result<Literal, LiteralError> {
@@ -122,7 +123,8 @@ fn digits_of(value: &str) -> String {
 fn real(text: &str, value: &str) -> Result<f64, LiteralError> {
     let digits = digits_of(value);
     let bytes = digits.as_bytes();
-    let well_formed = bytes.iter().all(|byte| byte.is_ascii_digit() || matches!(byte, b'.' | b'e' | b'E' | b'+' | b'-'));
+    let well_formed =
+        bytes.iter().all(|byte| byte.is_ascii_digit() || matches!(byte, b'.' | b'e' | b'E' | b'+' | b'-'));
     let number: f64 = Some(&digits)
         .filter(|digits| well_formed && digits.contains(|c: char| c.is_ascii_digit()))
         .and_then(|digits| digits.parse().ok())
@@ -136,7 +138,11 @@ fn real(text: &str, value: &str) -> Result<f64, LiteralError> {
 /// A decimal number without sign.
 fn decimal(text: &str, digits: &str) -> Result<i128, LiteralError> {
     if !digits.starts_with(|c: char| c.is_ascii_digit()) || digits.contains(|c: char| !c.is_ascii_digit() && c != '_') {
-        return Err(LiteralError::malformed(text, "no whole number", "write decimal digits, e.g. `10`, or a base, e.g. `16#FF`"));
+        return Err(LiteralError::malformed(
+            text,
+            "no whole number",
+            "write decimal digits, e.g. `10`, or a base, e.g. `16#FF`",
+        ));
     }
     let number = digits
         .bytes()

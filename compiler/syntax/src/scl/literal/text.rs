@@ -44,7 +44,8 @@ fn without_breaks(value: &str) -> Cow<'_, str> {
 /// Code units of `WSTRING#'text'`. Escapes are those of STRING, numbers have four hexadecimal digits.
 pub fn wide(text: &str, value: &str) -> Result<Vec<u16>, LiteralError> {
     let inner = value.strip_prefix('\'').and_then(|rest| rest.strip_suffix('\''));
-    let inner = inner.ok_or_else(|| LiteralError::malformed(text, "no text", "write a text in single quotes: `WSTRING#'ABCD'`"))?;
+    let inner = inner
+        .ok_or_else(|| LiteralError::malformed(text, "no text", "write a text in single quotes: `WSTRING#'ABCD'`"))?;
     let mut units = Vec::with_capacity(inner.len());
     let mut chars = inner.chars();
     while let Some(c) = chars.next() {
@@ -97,6 +98,7 @@ pub fn character(text: &str, prefix: &str, value: &str) -> Result<Literal, Liter
             _ => None,
         }
     };
-    let bits = bits.ok_or_else(|| LiteralError::malformed(text, "not one character", format!("write `{prefix}#'A'`")))?;
+    let bits =
+        bits.ok_or_else(|| LiteralError::malformed(text, "not one character", format!("write `{prefix}#'A'`")))?;
     Ok(Literal::Typed { ty, bits })
 }

@@ -167,7 +167,11 @@ fn clock(text: &str, value: &str, form: &str) -> Result<Clock, LiteralError> {
         return Err(incomplete(text, form));
     }
     if hour > 23 || minute > 59 || second > 59 {
-        return Err(LiteralError::range(text, "no time of a day", "a time of day lies between 0:0:0.0 and 23:59:59.999999999"));
+        return Err(LiteralError::range(
+            text,
+            "no time of a day",
+            "a time of day lies between 0:0:0.0 and 23:59:59.999999999",
+        ));
     }
     let ns = fraction.bytes().chain(*b"00000000").take(9).fold(0, |ns, digit| ns * 10 + u32::from(digit - b'0'));
     Ok(Clock { hour, minute, second, ns })
