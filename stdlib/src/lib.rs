@@ -200,7 +200,7 @@ mod tests {
         assert_eq!(find_name("blkmov").map(|block| (block.class, block.number)), Some((BlockClass::Sfc, 20)));
         assert_eq!(find(BlockClass::Sfb, 4).map(|block| (block.name, block.form)), Some(("TON", Form::Source)));
         assert_eq!(find(BlockClass::Sfc, 64).map(|block| block.form), Some(Form::Runtime));
-        assert_eq!(find(BlockClass::Sfc, 51).map(|block| block.form), Some(Form::NotShipped));
+        assert_eq!(find(BlockClass::Sfc, 58).map(|block| block.form), Some(Form::NotShipped));
         assert!(find(BlockClass::Sfc, 9999).is_none());
     }
 
