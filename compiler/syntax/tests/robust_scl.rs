@@ -297,6 +297,15 @@ fn mistakes_of_a_file_are_told_in_one_run() {
 }
 
 #[test]
+fn var_of_a_function_is_temporary() {
+    let tree = |text: &str| parse(FileId(0), text, &scl());
+    let (unit, diagnostics) = tree("FUNCTION FC 1 : VOID\nVAR\n  a : INT;\nEND_VAR\nBEGIN\n  a := 5;\nEND_FUNCTION\n");
+    assert!(ast_text(&unit).contains("temp\n      a : INT") && diagnostics.is_empty());
+    let (_, diagnostics) = tree("FUNCTION \"f\" : VOID\nVAR\n  a : INT;\nEND_VAR\nBEGIN\n  #a := 5;\nEND_FUNCTION\n");
+    assert_eq!(diagnostics.len(), 1);
+}
+
+#[test]
 fn the_language_of_a_file_is_found() {
     let tree = |text: &str| ast_text(&parse(FileId(0), text, &ParseOptions::default()).0);
     let scl = "FUNCTION FC 1 : VOID\nBEGIN\n  a := 5;\nEND_FUNCTION\n";

@@ -8,12 +8,12 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 pub use expression::*;
 
-use super::ast::{Body, Expr, ExprKind, Literal, Name, NameForm, Statement};
+use super::ast::{Body, Dialect, Expr, ExprKind, Literal, Name, NameForm, Statement};
 use super::context::Context;
 use super::token::{CodeKeyword, HeaderField, HeaderFlag};
 use crate::ast::{
     Block, BlockName, BlockPrefix, Bound, Code as BlockCode, CodeBlock, CodeKind, Constant, DataBlock, DataContent,
-    Header, InitialKind, InitialValue, Path, PathPart, PathRoot, Section, TypeBlock, TypeKind, TypeRef,
+    Header, InitialKind, InitialValue, Path, PathPart, PathRoot, Section, SectionKind, TypeBlock, TypeKind, TypeRef,
     ValueAssignment, Variable,
 };
 
@@ -106,7 +106,10 @@ pub fn code_block(
     begin: usize,
 ) -> Block {
     let kind = code_kind(context, keyword, &name);
-    let parts = sort(parts, begin);
+    let mut parts = sort(parts, begin);
+    if kind != CodeKind::Fb && kind != CodeKind::Sfb {
+        without_static(context, &mut parts.sections);
+    }
     let header = header(context, parts.header, range.start..parts.header_end);
     let return_type = return_type.filter(|ty| ty.kind != TypeKind::Named("VOID".to_owned()));
     Block::Code(CodeBlock {
@@ -119,6 +122,21 @@ pub fn code_block(
         code: BlockCode::Scl(Body { dialect: context.dialect, labels: parts.labels, statements }),
         span: context.span(range.start, range.end),
     })
+}
+
+/// In blocks without an instance, VAR declares temporary variables: S7-SCL for S7-300/400, VAR in functions. The TIA Portal does not take it.
+fn without_static(context: &mut Context, sections: &mut [Section]) {
+    for section in sections.iter_mut().filter(|section| section.kind == SectionKind::Static) {
+        section.kind = SectionKind::Temp;
+        if context.dialect == Dialect::Tia {
+            let span = Span { end: section.span.start + "VAR".len() as u32, ..section.span };
+            context.report(
+                Diagnostic::new(Code::Tolerated, span, "this block has no static variables")
+                    .label("taken as VAR_TEMP")
+                    .help("write `VAR_TEMP`; values that stay between calls belong to a function block"),
+            );
+        }
+    }
 }
 
 /// The kind comes from the keyword; SFC and SFB are told by the letters of the number.
