@@ -232,7 +232,7 @@ impl<'a> Binder<'a> {
         let lonely = blocks.iter().filter(|block| frame(block).0 == BlockPrefix::Ob).count() == 1;
         let mut next: FxHashMap<BlockPrefix, u32> = FxHashMap::default();
         for (block, prefix, name, span) in unnumbered {
-            if prefix == BlockPrefix::Ob && !(lonely && !used.contains(&(BlockPrefix::Ob, 1))) {
+            if prefix == BlockPrefix::Ob && (!lonely || used.contains(&(BlockPrefix::Ob, 1))) {
                 self.report.push(
                     Diagnostic::new(Code::BlockFrame, span, format!("which OB `{name}` is cannot be known"))
                         .label("the CPU finds an organization block by its number")

@@ -24,6 +24,7 @@ mod output_bits;
 mod parameters;
 mod station;
 mod status_list;
+mod text;
 mod time_of_day;
 
 use plcc_abi::codes::sync;

@@ -36,7 +36,7 @@ fn area(cpu: &Cpu) -> u16 {
 }
 
 /// The module that has an address.
-fn at<'a>(cpu: &'a Cpu, ioid: u8, address: u32) -> Option<(&'a Module, &'a StationModule)> {
+fn at(cpu: &Cpu, ioid: u8, address: u32) -> Option<(&Module, &StationModule)> {
     if !matches!(ioid, INPUTS | OUTPUTS) {
         return None;
     }

@@ -54,7 +54,7 @@ impl Recorder {
     pub fn sample(&mut self, cpu: &Cpu, plant: Option<&Plant>, cycle: u64, time: u64) {
         if self.error.is_none() && time >= self.due {
             // Samples lie at multiples of the step. Without one each cycle is a sample, the startup beside the first.
-            self.due = if self.step == 0 { 0 } else { (time / self.step + 1).saturating_mul(self.step) };
+            self.due = time.checked_div(self.step).map_or(0, |steps| (steps + 1).saturating_mul(self.step));
             self.values.clear();
             self.values.extend(self.signals.iter().map(|signal| signal.source.read(cpu, plant)));
             self.error = self.sink.sample(cycle, time, &self.values).err();

@@ -187,7 +187,7 @@ fn s5time(ms: i128) -> Option<u64> {
     }
     let (base, unit) = [(0, 10), (1, 100), (2, 1_000), (3, 10_000)].into_iter().find(|(_, unit)| ms / unit <= 999)?;
     let units = (ms / unit) as u64;
-    Some(base << 12 | (units / 100) << 8 | (units / 10 % 10) << 4 | units % 10)
+    Some(base << 12 | (units / 100) << 8 | (units / 10 % 10) << 4 | (units % 10))
 }
 
 #[cfg(test)]
