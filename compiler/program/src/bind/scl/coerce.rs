@@ -181,12 +181,13 @@ pub fn text_bytes(text: &[u8]) -> Option<Vec<u8>> {
         return None;
     }
     let length = text.len() as u8;
-    Some([&[length, length], text].concat())
+    // A maximum of 0 would not be a valid text.
+    Some([&[length.max(1), length], text].concat())
 }
 
 fn wide_bytes(text: &[u16]) -> Vec<u8> {
     let length = u16::try_from(text.len()).unwrap_or(u16::MAX);
-    let words = [length, length].into_iter().chain(text.iter().copied().take(usize::from(length)));
+    let words = [length.max(1), length].into_iter().chain(text.iter().copied().take(usize::from(length)));
     words.flat_map(u16::to_be_bytes).collect()
 }
 
