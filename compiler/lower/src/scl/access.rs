@@ -323,8 +323,20 @@ impl Context<'_, '_> {
             let value = self.b.use_var(var);
             return self.part_of(access, value);
         }
+        if let (DataType::Parameter(_), Base::Place(place)) = (&access.ty, &access.base) {
+            return self.block_number(place);
+        }
         let located = self.locate(access);
         self.read_located(access, &located)
+    }
+
+    /// Number of the data block that a formal parameter BLOCK_DB stands for, an i16.
+    fn block_number(&mut self, place: &Place) -> Value {
+        let number = match place {
+            Place::Parameter { parameter, .. } => self.parameters[*parameter][0],
+            place => self.read(place, Width::Word),
+        };
+        self.b.trunc(Type::I16, number)
     }
 
     pub fn read_located(&mut self, access: &Access, located: &Located) -> Value {

@@ -219,10 +219,17 @@ impl Context<'_, '_> {
     /// From the width on zeros are left, or copies of the sign. A negative count is taken modulo 256.
     fn shift_by(&mut self, op: BinaryOp, a: Value, count: Value, ty: Elementary, count_ty: Elementary) -> Value {
         let signed = op == BinaryOp::ShiftRight && ty.is_signed();
-        let count = self.to_i32(count, count_ty);
-        let negative = self.b.icmp_imm(IntCc::Slt, count, 0);
-        let low = self.masked(count, 0xFF);
-        let count = self.b.select(negative, low, count);
+        let count = match self.b.ty(count) {
+            Type::I64 => count,
+            _ => self.to_i32(count, count_ty),
+        };
+        let count = if count_ty.is_signed() {
+            let negative = self.b.icmp_imm(IntCc::Slt, count, 0);
+            let low = self.masked(count, 0xFF);
+            self.b.select(negative, low, count)
+        } else {
+            count
+        };
         let width = i64::from(ty.bits());
         let beyond = self.b.icmp_imm(IntCc::Uge, count, width);
         let ir_count = self.count_as(count, value_type(ty));

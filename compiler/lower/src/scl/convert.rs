@@ -26,11 +26,7 @@ impl Context<'_, '_> {
             Conversion::Bits { checked } => {
                 let result = self.resized(value, from, to);
                 if checked && from.bits() != to.bits() && self.wants_flag() {
-                    let before = self.wide(value, from);
-                    let after = self.as_bits(result);
-                    let after = if self.b.ty(after) == Type::I64 { after } else { self.b.zext(Type::I64, after) };
-                    let failed = self.b.icmp(IntCc::Ne, before, after);
-                    self.fail_if(failed);
+                    self.check_bits(value, result, from, to);
                 }
                 result
             }
@@ -155,6 +151,23 @@ impl Context<'_, '_> {
     }
 
     // Patterns.
+
+    /// The bit falls where `result`, the bits of `value` in another width, is another number. A bit string that becomes a signed
+    /// integer is read as signed: 16#FFFF_8000 fits an INT, 16#0000_8000 does not.
+    fn check_bits(&mut self, value: Value, result: Value, from: Elementary, to: Elementary) {
+        let before = match (from.class(), to.is_signed(), self.b.ty(value)) {
+            (Class::Bits, true, ty) if ty != Type::I64 => self.b.sext(Type::I64, value),
+            _ => self.wide(value, from),
+        };
+        let after = self.wide(result, to);
+        let mut failed = self.b.icmp(IntCc::Ne, before, after);
+        // A negative number in 64 bits looks like the bit string.
+        if from.is_signed() && to.bits() == 64 {
+            let negative = self.b.icmp_imm(IntCc::Slt, before, 0);
+            failed = self.b.or(failed, negative);
+        }
+        self.fail_if(failed);
+    }
 
     /// The bits of a value, as an integer.
     pub fn as_bits(&mut self, value: Value) -> Value {
