@@ -36,6 +36,7 @@ impl Context<'_, '_> {
         let plan = self.plan;
         let (callee, function) = plan.block(call.target).expect("the binder lets calls of known blocks through only");
         let result = result(callee);
+        let result = result.filter(|&(index, _)| !supplies(call, index));
         let room = result.map(|(_, parameter)| self.result_room(&parameter.ty));
         let Some(enable) = &call.enable else { return self.enabled_call(call, callee, function, room) };
         let enable = self.value(enable);
@@ -88,6 +89,14 @@ impl Context<'_, '_> {
         self.after_block();
         let br = self.get(self.regs.br);
         self.note_eno(call, br);
+        if let (Some((index, parameter)), false) = (result(callee), self.scl.calls_set_flag)
+            && matches!(parameter.ty, DataType::String(_))
+            && supplies(call, index)
+        {
+            // A text that is cut clears the bit, also where other calls leave it alone.
+            let failed = self.b.not(br);
+            self.fail_if(failed);
+        }
         returned
     }
 
@@ -121,12 +130,11 @@ impl Context<'_, '_> {
         room: Option<Address>,
     ) -> Returned {
         let mut given = self.given(call, callee);
-        let result = result(callee).map(|(index, _)| index);
+        let result = result(callee).map(|(index, _)| index).filter(|&index| !supplies(call, index));
         let mut temporaries = Vec::new();
         let mut references = Vec::new();
         for (index, parameter) in callee.interface.parameters.iter().enumerate() {
-            let supplied = given.iter().any(|given| given.parameter == index);
-            if let (true, Some(room)) = (result == Some(index) && !supplied, room) {
+            if let (true, Some(room)) = (result == Some(index), room) {
                 references.extend(self.result_reference(parameter, room));
                 continue;
             }
@@ -266,6 +274,11 @@ impl Context<'_, '_> {
             }
         }
     }
+}
+
+/// True if the call says where parameter `index` lies.
+fn supplies(call: &Call, index: usize) -> bool {
+    call.arguments.iter().any(|argument| argument.parameter == index)
 }
 
 /// The result of a function among its parameters.

@@ -408,7 +408,8 @@ pub enum Complex {
 pub struct Call {
     pub target: BlockKey,
     pub instance: Option<Instance>,
-    /// In the order of the text, each parameter at most once; RET_VAL is none of them.
+    /// In the order of the text, each parameter at most once. RET_VAL is one of them, the last, only in a statement that assigns what a
+    /// function of the library writes into its target itself.
     pub arguments: Vec<Argument>,
     /// `EN := e`: FALSE skips the arguments and the call; the value is 0.
     pub enable: Option<Expr>,

@@ -146,6 +146,7 @@ system_functions! {
     2016 FIELD_OF_INTEGER (Lword, Word, Word, Word, Word, Word) -> (Word, Any) = numbers::field_of_integer;
     2017 FIELD_OF_LREAL (Lword, Word, Word, Word, Word, Word) -> (Word, Any) = numbers::field_of_lreal;
     2018 TEXT_OF_UNSIGNED (Lword, Word)  -> (Word, Any)       = numbers::of_integer;
+    2019 FIELD_OF_UNSIGNED (Lword, Word, Word, Word, Word, Word) -> (Word, Any) = numbers::field_of_integer;
     2020 DINT_OF_TEXT (Any, Word, Dword, Dword) -> (Word, Dword) = numbers::to_dint;
     2021 REAL_OF_TEXT (Any)               -> (Word, Dword)     = numbers::to_real;
     2022 SCAN_INTEGER (Any, Word, Word, Word) -> (Word, Lword, Word) = numbers::integer_of;

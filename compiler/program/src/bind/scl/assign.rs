@@ -96,6 +96,10 @@ impl Binder<'_> {
 
     /// The statement that assigns `value` to `target`, by the target's type.
     fn assignment(&mut self, ctx: &mut Ctx, target: Access, value: Value) -> Option<StatementKind> {
+        let value = match self.result_in_place(&target, value) {
+            Ok(call) => return Some(call),
+            Err(value) => value,
+        };
         if let Some(ty) = target.elementary() {
             let value = self.scl_convert(ctx, value, ty)?;
             return Some(StatementKind::Assign { target, value });

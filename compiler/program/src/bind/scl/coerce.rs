@@ -175,14 +175,14 @@ pub fn is_dtl(structure: &StructType) -> bool {
     structure.name.eq_ignore_ascii_case("DTL")
 }
 
-/// A text in memory, as long as it is; `None`: too long.
+/// A text in memory, as long as it is; an empty one has room for a character, since a STRING with the maximum 0 is not valid. `None`: too
+/// long.
 pub fn text_bytes(text: &[u8]) -> Option<Vec<u8>> {
-    if text.len() > STRING_MAX {
-        return None;
+    match text {
+        [] => Some(vec![1, 0, 0]),
+        _ if text.len() > STRING_MAX => None,
+        _ => Some([&[text.len() as u8, text.len() as u8], text].concat()),
     }
-    let length = text.len() as u8;
-    // A maximum of 0 would not be a valid text.
-    Some([&[length.max(1), length], text].concat())
 }
 
 fn wide_bytes(text: &[u16]) -> Vec<u8> {

@@ -54,10 +54,20 @@ pub enum Kind {
     /// Text to text, without a value.
     MoveText,
     Concat,
+    /// S_CONV, STRG_VAL, VAL_STRG.
+    TextNumber(TextNumber),
     /// An operator as a function: T_ADD, T_SUB.
     Operator(plcc_syntax::scl::ast::BinaryOp),
     /// T_CONV: the value itself, which then converts to what is wanted.
     Identity,
+}
+
+/// Instructions between numbers and texts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TextNumber {
+    Convert,
+    Read,
+    Write,
 }
 
 /// A function.
@@ -147,6 +157,9 @@ const ROWS: &[Row] = &[
     row("CONCAT", "IN1+", Kind::Concat),
     row("CONCAT_STRING", "IN1+", Kind::Concat),
     row("CONCAT_WSTRING", "IN1+", Kind::Concat),
+    row("S_CONV", "IN >OUT", Kind::TextNumber(TextNumber::Convert)),
+    row("STRG_VAL", "IN FORMAT P >OUT", Kind::TextNumber(TextNumber::Read)),
+    row("VAL_STRG", "IN SIZE PREC FORMAT P >OUT", Kind::TextNumber(TextNumber::Write)),
     row("T_ADD", "IN1 IN2", Kind::Operator(plcc_syntax::scl::ast::BinaryOp::Add)),
     row("T_SUB", "IN1 IN2", Kind::Operator(plcc_syntax::scl::ast::BinaryOp::Subtract)),
     row("T_DIFF", "IN1 IN2", Kind::Operator(plcc_syntax::scl::ast::BinaryOp::Subtract)),
@@ -155,14 +168,72 @@ const ROWS: &[Row] = &[
 
 /// Functions that the tools of the vendor have and plcc has not, unless a block of the standard library is called so.
 const NOT_SUPPORTED: &[&str] = &[
-    "SCATTER_BLK", "GATHER_BLK", "MOVE_BLK_VARIANT", "VariantGet", "VariantPut", "TypeOf", "TypeOfElements", "IS_ARRAY",
-    "Serialize", "Deserialize", "READ_BIG", "READ_LITTLE", "WRITE_BIG", "WRITE_LITTLE", "ReadFromArrayDB",
-    "WriteToArrayDB", "ReadFromArrayDBL", "WriteToArrayDBL", "GET_ERROR", "GET_ERR_ID", "ENDIS_PW", "RUNTIME",
-    "RESET_TIMER", "PRESET_TIMER", "T_COMBINE", "RD_SYS_T", "WR_SYS_T", "RD_LOC_T", "WR_LOC_T", "S_CONV", "STRG_VAL",
-    "VAL_STRG", "Strg_TO_Chars", "Chars_TO_Strg", "ATH", "HTA", "MAX_LEN", "JOIN", "SPLIT", "ATTACH", "DETACH", "TCON",
-    "TSEND", "TRCV", "TDISCON", "TSEND_C", "TRCV_C", "MB_CLIENT", "MB_SERVER", "PUT", "GET", "DB_ANY_TO_VARIANT",
-    "VARIANT_TO_DB_ANY", "VARIANT_TO_ANY", "DB_ANY_TO_UINT", "UINT_TO_DB_ANY", "SEG", "BCDCPL", "GETIO", "SETIO",
-    "DPRD_DAT", "DPWR_DAT", "RDREC", "WRREC", "DeviceStates", "ModuleStates", "LED", "GET_DIAG", "Program_Alarm",
+    "SCATTER_BLK",
+    "GATHER_BLK",
+    "MOVE_BLK_VARIANT",
+    "VariantGet",
+    "VariantPut",
+    "TypeOf",
+    "TypeOfElements",
+    "IS_ARRAY",
+    "Serialize",
+    "Deserialize",
+    "READ_BIG",
+    "READ_LITTLE",
+    "WRITE_BIG",
+    "WRITE_LITTLE",
+    "ReadFromArrayDB",
+    "WriteToArrayDB",
+    "ReadFromArrayDBL",
+    "WriteToArrayDBL",
+    "GET_ERROR",
+    "GET_ERR_ID",
+    "ENDIS_PW",
+    "RUNTIME",
+    "RESET_TIMER",
+    "PRESET_TIMER",
+    "T_COMBINE",
+    "RD_SYS_T",
+    "WR_SYS_T",
+    "RD_LOC_T",
+    "WR_LOC_T",
+    "Strg_TO_Chars",
+    "Chars_TO_Strg",
+    "ATH",
+    "HTA",
+    "MAX_LEN",
+    "JOIN",
+    "SPLIT",
+    "ATTACH",
+    "DETACH",
+    "TCON",
+    "TSEND",
+    "TRCV",
+    "TDISCON",
+    "TSEND_C",
+    "TRCV_C",
+    "MB_CLIENT",
+    "MB_SERVER",
+    "PUT",
+    "GET",
+    "DB_ANY_TO_VARIANT",
+    "VARIANT_TO_DB_ANY",
+    "VARIANT_TO_ANY",
+    "DB_ANY_TO_UINT",
+    "UINT_TO_DB_ANY",
+    "SEG",
+    "BCDCPL",
+    "GETIO",
+    "SETIO",
+    "DPRD_DAT",
+    "DPWR_DAT",
+    "RDREC",
+    "WRREC",
+    "DeviceStates",
+    "ModuleStates",
+    "LED",
+    "GET_DIAG",
+    "Program_Alarm",
 ];
 
 /// A function that a name means.
@@ -265,7 +336,8 @@ impl Binder<'_> {
             | Kind::FillBlock
             | Kind::Scatter
             | Kind::Gather
-            | Kind::MoveText => {
+            | Kind::MoveText
+            | Kind::TextNumber(_) => {
                 if !statement {
                     self.no_value(name);
                     return None;

@@ -21,10 +21,13 @@ mod indexed;
 mod message;
 mod numeric;
 mod place;
+mod pointer;
+mod result;
 mod rules;
 mod statement;
 mod temporary;
 mod text;
+mod text_number;
 mod time;
 mod value;
 

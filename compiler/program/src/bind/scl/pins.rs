@@ -4,7 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::scl::ast::{Argument as Given, Expr as Node};
 
 use super::arguments::names_eno;
-use super::function::Row;
+use super::function::{Kind, Row};
 use crate::bind::names::fold;
 use crate::bind::path::similar;
 use crate::bind::{Binder, Ctx};
@@ -53,6 +53,8 @@ pub struct Pins<'n> {
     given: Vec<(&'static str, usize, &'n Node)>,
     /// Of the call's name.
     pub name: Span,
+    /// The variable of `ENO => x`, of functions that are calls of a block.
+    pub eno: Option<&'n Node>,
 }
 
 impl<'n> Pins<'n> {
@@ -74,9 +76,14 @@ impl Binder<'_> {
     /// Puts the arguments of a function at its pins; `None` after a message.
     pub fn pins<'n>(&mut self, ctx: &mut Ctx, row: &Row, given: &'n [Given], name: Span) -> Option<Pins<'n>> {
         let list: Vec<Pin> = row.pins.split_whitespace().map(Pin::read).collect();
-        let mut pins = Pins { given: Vec::with_capacity(given.len()), name };
+        let mut pins = Pins { given: Vec::with_capacity(given.len()), name, eno: None };
         let mut good = true;
         for (at, argument) in given.iter().enumerate() {
+            let is_eno = argument.name.as_ref().is_some_and(|name| fold(&name.text) == "eno");
+            if matches!(row.kind, Kind::Concat | Kind::TextNumber(_)) && is_eno {
+                pins.eno = argument.value.as_ref().filter(|value| !names_eno(ctx, value));
+                continue;
+            }
             let Some((pin, number)) = self.pin(ctx, row, &list, argument, at, &mut good) else { continue };
             let span = argument.name.as_ref().map_or(argument.span, |name| name.span);
             if pins.given.iter().any(|(name, other, _)| *name == pin.name() && *other == number) {

@@ -7,7 +7,7 @@ use plcc_syntax::scl::ast::{Argument as Given, Expr as Node};
 
 use super::pins::Pins;
 use super::value::Value;
-use super::{Rules, convert};
+use super::{Intent, Rules, convert};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
 use crate::model::scl::{Actual, Argument, Call, Complex, Expr};
@@ -158,6 +158,9 @@ impl Binder<'_> {
         let mut joined = values.next()?;
         for value in values {
             joined = self.library_call(ctx, key, vec![joined, value], name, span)?;
+        }
+        if let (Some(eno), Value::Complex { value: Complex::Call(call), .. }) = (pins.eno, &mut joined) {
+            call.eno = Some(self.variable_of_type(ctx, eno, Elementary::Bool, Intent::Write)?);
         }
         Some(joined)
     }

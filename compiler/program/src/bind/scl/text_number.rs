@@ -1,0 +1,103 @@
+//! S_CONV, STRG_VAL, VAL_STRG: the types of IN and OUT choose a function of the standard library, whose result is OUT.
+//!
+//! Source: S7-1200 reference, string conversion.
+
+use plcc_diag::Span;
+use plcc_syntax::Elementary;
+use plcc_syntax::scl::ast::Expr as Node;
+
+use super::Intent;
+use super::call::is_result;
+use super::function::TextNumber;
+use super::pins::Pins;
+use super::value::Value;
+use crate::bind::constant::Constant;
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::scl::{Actual, Argument, Call};
+use crate::types::DataType;
+
+/// The type whose function takes a number of type `ty`.
+const fn written_as(ty: Elementary) -> Option<&'static str> {
+    match ty {
+        Elementary::Sint
+        | Elementary::Int
+        | Elementary::Dint
+        | Elementary::Lint
+        | Elementary::Usint
+        | Elementary::Uint
+        | Elementary::Udint => Some("LINT"),
+        Elementary::Ulint => Some("ULINT"),
+        Elementary::Real => Some("REAL"),
+        Elementary::Lreal => Some("LREAL"),
+        _ => None,
+    }
+}
+
+impl Binder<'_> {
+    pub fn text_number(&mut self, ctx: &mut Ctx, kind: TextNumber, pins: &Pins, span: Span) -> Option<Call> {
+        let (input, output) = (pins.get("IN")?, pins.get("OUT")?);
+        let target = self.scl_access(ctx, output, Intent::Write)?;
+        let to_text = matches!(target.ty, DataType::String(_));
+        let block = match (kind, target.elementary()) {
+            (TextNumber::Convert | TextNumber::Write, None) if to_text => {
+                let name = written_as(self.number_type(ctx, input)?);
+                let Some(name) = name else { return self.wrong_pin(input.span, "a number") };
+                let first = if kind == TextNumber::Convert { "S_CONV" } else { "VAL_STRG" };
+                format!("{first}_{name}")
+            }
+            (TextNumber::Convert, Some(ty)) if written_as(ty).is_some() => format!("STRING_TO_{}", ty.name()),
+            (TextNumber::Read, Some(ty)) if written_as(ty).is_some() => format!("STRG_VAL_{}", ty.name()),
+            _ => {
+                let wanted = match kind {
+                    TextNumber::Convert => "a number or a STRING",
+                    TextNumber::Read => "a number",
+                    TextNumber::Write => "a STRING",
+                };
+                let is = format!("of type {}", layout::type_name(&target.ty));
+                self.wrong_type(output.span, &is, wanted, None);
+                return None;
+            }
+        };
+        let Some(key) = self.library_function(ctx.scl.rules, &block) else {
+            self.report.missing_function(&block, pins.name, None, true);
+            return None;
+        };
+        let bound = self.interface(key, pins.name)?;
+        let mut arguments = Vec::with_capacity(bound.interface.parameters.len());
+        let mut result = None;
+        for (parameter, formal) in bound.interface.parameters.iter().enumerate() {
+            if is_result(key, formal) {
+                result = Some(parameter);
+                continue;
+            }
+            let node = pins.get(&formal.name)?;
+            arguments.push(Argument { parameter, actual: self.scl_actual(ctx, key, formal, node)?, span: node.span });
+        }
+        let actual =
+            if to_text { Actual::Reference(target) } else { Actual::Variable { access: target, back: None } };
+        arguments.push(Argument { parameter: result?, actual, span: output.span });
+        let eno = match pins.eno {
+            Some(node) => Some(self.variable_of_type(ctx, node, Elementary::Bool, Intent::Write)?),
+            None => None,
+        };
+        Some(Call { target: key, instance: None, arguments, enable: None, eno, span })
+    }
+
+    /// The type of a number that is to be written; a constant takes one that holds it.
+    fn number_type(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Elementary> {
+        match self.scl_value(ctx, node)? {
+            Value::Elementary(expr) => Some(expr.ty),
+            Value::Constant(Constant::Typed { ty, .. }, _) => Some(ty),
+            Value::Constant(Constant::Integer { .. }, _) => Some(Elementary::Lint),
+            Value::Constant(Constant::Real(_), _) => Some(Elementary::Real),
+            _ => self.wrong_pin(node.span, "a number"),
+        }
+    }
+
+    fn wrong_pin<T>(&mut self, span: Span, wanted: &str) -> Option<T> {
+        let text = self.text(span);
+        self.wrong_type(span, &format!("`{text}`"), wanted, None);
+        None
+    }
+}
