@@ -348,7 +348,8 @@ fn field_of_float(value: f64, field: &Field) -> Option<Buffer<320>> {
         write_special(&mut number, value).ok()?;
         return Some(number);
     }
-    push_sign(&mut number, value < 0.0, field.format);
+    // Infinity always has its sign.
+    push_sign(&mut number, value < 0.0, if value.is_infinite() { SIGN } else { field.format });
     if value.is_infinite() {
         write_special(&mut number, value).ok()?;
         return Some(number);

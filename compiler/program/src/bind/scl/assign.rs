@@ -79,7 +79,7 @@ impl Binder<'_> {
         result
     }
 
-    fn binary_value(
+    pub(super) fn binary_value(
         &mut self,
         ctx: &mut Ctx,
         op: Operator,

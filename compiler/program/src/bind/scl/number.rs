@@ -1,7 +1,7 @@
 //! Functions of numbers and bits. Source: SCL reference, numbers, bits, rounding, conversions.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::scl::ast::{Argument as Given, BinaryOp as NodeOp, Expr as Node, ExprKind as NodeKind};
+use plcc_syntax::scl::ast::{Argument as Given, BinaryOp as NodeOp, Expr as Node};
 use plcc_syntax::{Class, Elementary};
 
 use super::convert::{self, converted};
@@ -382,17 +382,13 @@ impl Binder<'_> {
 
     /// An operator as a function.
     pub fn operator_function(&mut self, ctx: &mut Ctx, op: NodeOp, pins: &Pins, span: Span) -> Option<Value> {
-        let (left, right) = (pins.get("IN1")?, pins.get("IN2")?);
-        let node = Node {
-            kind: NodeKind::Binary {
-                op,
-                left: Box::new(left.clone()),
-                right: Box::new(right.clone()),
-                op_span: pins.name,
-            },
-            span,
-        };
-        self.scl_value(ctx, &node)
+        let (left, right) = (self.scl_value(ctx, pins.get("IN1")?), self.scl_value(ctx, pins.get("IN2")?));
+        let (left, right) = (left?, right?);
+        // T_DIFF gives a TIME on every CPU.
+        if op == NodeOp::Subtract && Self::is_dtl_value(&left) && Self::is_dtl_value(&right) {
+            return self.dtl_difference(ctx, left, right, Elementary::Time, span);
+        }
+        self.binary_value(ctx, op, pins.name, left, right, span)
     }
 }
 

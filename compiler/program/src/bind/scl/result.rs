@@ -22,14 +22,13 @@ impl Binder<'_> {
             return Err(value);
         }
         match (&target.ty, value) {
-            (DataType::String(_), Value::Complex { value: Complex::Call(call), ty: ty @ DataType::String(_), span })
-                if self.writes_texts(call.target) =>
-            {
-                match self.call_into(&call, Actual::Reference(target.clone())) {
-                    Some(statement) => Ok(statement),
-                    None => Err(Value::Complex { value: Complex::Call(call), ty, span }),
-                }
-            }
+            (
+                DataType::String(_),
+                Value::Complex { value: Complex::Call(call), ty: ty @ DataType::String(_), span },
+            ) if self.writes_texts(call.target) => match self.call_into(&call, Actual::Reference(target.clone())) {
+                Some(statement) => Ok(statement),
+                None => Err(Value::Complex { value: Complex::Call(call), ty, span }),
+            },
             (DataType::Elementary(ty), Value::Elementary(expr)) if expr.ty == *ty => match &expr.kind {
                 ExprKind::Call(call) if self.may_write_nothing(call.target) => {
                     let actual = Actual::Variable { access: target.clone(), back: None };

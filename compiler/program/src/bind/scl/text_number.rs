@@ -74,8 +74,7 @@ impl Binder<'_> {
             let node = pins.get(&formal.name)?;
             arguments.push(Argument { parameter, actual: self.scl_actual(ctx, key, formal, node)?, span: node.span });
         }
-        let actual =
-            if to_text { Actual::Reference(target) } else { Actual::Variable { access: target, back: None } };
+        let actual = if to_text { Actual::Reference(target) } else { Actual::Variable { access: target, back: None } };
         arguments.push(Argument { parameter: result?, actual, span: output.span });
         let eno = match pins.eno {
             Some(node) => Some(self.variable_of_type(ctx, node, Elementary::Bool, Intent::Write)?),

@@ -124,9 +124,17 @@ impl Binder<'_> {
                 let both = left.zip(right);
                 both.and_then(|(a, b)| self.library_value(SB_DT_DT, vec![Actual::Complex(a), Actual::Complex(b)], span))
             }
-            (Dtl, _) | (_, Dtl) | (Of(Date), Of(TimeOfDay)) => {
-                let help = "call T_ADD, T_SUB, T_DIFF or T_COMBINE";
-                self.refuse(Code::TypeMismatch, op_span, "DTL is not computed with operators", "DTL", help);
+            (Dtl, Of(step @ (Time | Ltime))) if sum => self.dtl_step(ctx, left, right, step, subtract, span),
+            (Dtl, Dtl) if subtract => {
+                let ty = if ctx.scl.rules == Rules::Tia1500 { Ltime } else { Time };
+                self.dtl_difference(ctx, left, right, ty, span)
+            }
+            (Of(Date), Of(TimeOfDay)) if op == Operator::Add => {
+                self.dtl_function(ctx, "T_COMBINE", vec![left, right], span)
+            }
+            (Dtl, _) | (_, Dtl) => {
+                let help = "a DTL goes with a TIME, which is added or subtracted, and two have a difference";
+                self.refuse(Code::TypeMismatch, op_span, "this is no arithmetic of a DTL", "DTL", help);
                 None
             }
             (Of(_) | DateAndTime, _) | (_, Of(_) | DateAndTime) => {
@@ -138,6 +146,55 @@ impl Binder<'_> {
             _ => return Err((left, right)),
         };
         Ok(value)
+    }
+
+    /// True of a DTL.
+    pub(super) fn is_dtl_value(value: &Value) -> bool {
+        moment(value) == Moment::Dtl
+    }
+
+    /// DTL and TIME or LTIME: a DTL.
+    fn dtl_step(
+        &mut self,
+        ctx: &mut Ctx,
+        left: Value,
+        right: Value,
+        step: Elementary,
+        back: bool,
+        span: Span,
+    ) -> Option<Value> {
+        if step == Time {
+            let back = Value::Constant(Constant::Typed { ty: Bool, bits: back.into() }, span);
+            return self.dtl_function(ctx, "ADD_DTL_TIME", vec![left, right, back], span);
+        }
+        let left = self.dtl_function(ctx, "DTL_TO_LDT", vec![left], span)?;
+        let left = self.scl_convert(ctx, left, Ldt)?;
+        let right = self.scl_convert(ctx, right, Ltime)?;
+        let op = if back { BinaryOp::Subtract } else { BinaryOp::Add };
+        let sum = binary_expr(op, as_bits(left, Lint), as_bits(right, Lint), Lint, span);
+        self.dtl_function(ctx, "LDT_TO_DTL", vec![Value::Elementary(as_bits(sum, Ldt))], span)
+    }
+
+    /// The time between two DTL: a TIME, or an LTIME, which holds every one.
+    pub(super) fn dtl_difference(
+        &mut self,
+        ctx: &mut Ctx,
+        left: Value,
+        right: Value,
+        ty: Elementary,
+        span: Span,
+    ) -> Option<Value> {
+        if ty == Time {
+            return self.dtl_function(ctx, "SUB_DTL_DTL", vec![left, right], span);
+        }
+        let left = self.dtl_function(ctx, "DTL_TO_LDT", vec![left], span)?;
+        let right = self.dtl_function(ctx, "DTL_TO_LDT", vec![right], span)?;
+        self.difference(ctx, Ldt, left, right, span)
+    }
+
+    fn dtl_function(&mut self, ctx: &mut Ctx, name: &str, values: Vec<Value>, span: Span) -> Option<Value> {
+        let key = self.library_function(Rules::Tia1500, name)?;
+        self.library_call(ctx, key, values, span, span)
     }
 
     /// An integer beside a TIME, as so many milliseconds (LTIME: nanoseconds).
