@@ -20,6 +20,11 @@ fn the_instruction_reference_is_current() {
 }
 
 #[test]
+fn the_reference_of_scl_is_current() {
+    expect_file(&root().join("docs/reference/scl.md"), &plcc_program::scl_reference()).unwrap();
+}
+
+#[test]
 fn the_reference_of_the_standard_library_is_current() {
     expect_file(&root().join("docs/reference/stdlib.md"), &plcc_program::standard_library()).unwrap();
 }
@@ -52,7 +57,7 @@ fn snake_case(row: &str) -> String {
     name
 }
 
-/// Codes that no STL file alone can show; the examples on their pages are the tests.
+/// Codes that no source file alone can show; the examples on their pages are the tests.
 const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
     (Code::SymbolTable, "needs a symbol table"),
     (Code::Project, "needs a plc.toml"),
@@ -79,7 +84,9 @@ fn every_code_has_a_failing_and_a_passing_file() {
     for &code in Code::ALL {
         let reason = WITHOUT_CHECK_FILE.iter().find(|(other, _)| *other == code).map(|(_, reason)| reason);
         match reason {
-            None => assert!(has_pair(code), "tests/check has no {0}-NAME.stl with its {0}-NAME-ok.stl", code.name()),
+            None => {
+                assert!(has_pair(code), "tests/check has no {0}-NAME.stl or .scl with its {0}-NAME-ok", code.name())
+            }
             Some(reason) => assert!(!has_pair(code), "{} has a pair of files, although it {reason}", code.name()),
         }
     }
@@ -218,7 +225,6 @@ fn codes_of(code: Code, example: &str) -> Vec<Code> {
             "sdf" => "symbols.sdf",
             "scl" => "main.scl",
             "txt" => "main.txt",
-            "scl" => "main.scl",
             "sh" => {
                 let words = text.split_whitespace().skip(2);
                 named = Some(words.map(|word| folder.path().join(word)).collect());

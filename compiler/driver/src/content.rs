@@ -15,6 +15,9 @@ pub enum Content {
     Other(&'static str),
 }
 
+/// What exports of blocks in LAD, FBD and GRAPH are.
+pub const XML: &str = "XML";
+
 /// Words that begin a line of a source and are no mnemonics.
 const FRAME_WORDS: [&str; 17] = [
     "ORGANIZATION_BLOCK",
@@ -47,7 +50,7 @@ pub fn of(text: &str) -> Content {
     let lines = || text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//"));
     match lines().next() {
         None => return Content::Source,
-        Some(line) if line.starts_with('<') => return Content::Other("XML"),
+        Some(line) if line.starts_with('<') => return Content::Other(XML),
         Some(line) if line.starts_with("%PDF") => return Content::Other("a PDF document"),
         Some(_) => {}
     }

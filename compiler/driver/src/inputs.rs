@@ -130,20 +130,27 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
     if wanted == Wanted::No && matches!(content, Content::Prose | Content::Other(_)) {
         return;
     }
-    let file = read.sources.add(SourceFile::new(path.display().to_string(), text));
+    let source = SourceFile::new(path.display().to_string(), text);
     match content {
         // The parser says best why a text is no source.
         Content::Source | Content::Prose => {
             if read.name.is_empty() {
                 read.name = stem(path);
             }
+            let file = read.sources.add(source);
             read.units.push(file);
         }
-        Content::SymbolTable => read.tables.push(file),
+        Content::SymbolTable => {
+            let file = read.sources.add(source);
+            read.tables.push(file);
+        }
         Content::Other(what) => {
             let title = format!("`{}` holds no PLC source but {what}", path.display());
-            let message = Diagnostic::new(Code::NotASource, Span::new(file, 0..0), title);
-            read.diagnostics.push(message.help("give a source in STL or SCL, or a symbol table"));
+            let help = match what {
+                content::XML => "export the blocks as text, in STL or SCL; plcc does not read LAD, FBD and GRAPH",
+                _ => "give a source in STL or SCL, or a symbol table",
+            };
+            read.report(Code::NotASource, path, title, help);
         }
     }
 }

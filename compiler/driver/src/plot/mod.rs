@@ -46,8 +46,10 @@ pub fn picture(trace: &str, title: &str) -> Result<String, String> {
 fn columns(trace: &str) -> Result<Vec<Column>, String> {
     let mut reader = csv::Reader::from_reader(trace.as_bytes());
     let header = reader.headers().map_err(|error| error.to_string())?.clone();
-    let time =
-        header.iter().position(|name| name == "time_ms").ok_or("this is no trace: it has no column `time_ms`")?;
+    let time = header
+        .iter()
+        .position(|name| name == "time_ms")
+        .ok_or("this is no trace that `--trace FILE.csv` wrote: it has no column `time_ms`")?;
     let is_value = |index: usize| index != time && header.get(index) != Some("cycle");
     let mut columns: Vec<(usize, Column)> = Vec::new();
     for (index, name) in header.iter().enumerate().filter(|(index, _)| is_value(*index)) {

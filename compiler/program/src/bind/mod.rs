@@ -48,6 +48,7 @@ pub use catalog::standard_library;
 use declare::{BoundInterface, Scope, Typed, TypedStruct};
 use names::Global;
 use report::Report;
+pub use scl::reference as scl_reference;
 
 /// TEMP of an OB holds at least its start information.
 const OB_START_INFORMATION_BYTES: u32 = 20;

@@ -91,7 +91,7 @@ const fn typed(name: &'static str, pins: &'static str, kind: Kind) -> Row {
 const TIMER: &str = "T_NO ?S ?TV ?R ?>Q ?>BI";
 
 /// The functions that are computed in place.
-const ROWS: &[Row] = &[
+pub const ROWS: &[Row] = &[
     typed("ABS", "IN", Kind::Absolute),
     typed("SQR", "IN", Kind::Float(Function::Sqr)),
     typed("SQRT", "IN", Kind::Float(Function::Sqrt)),
@@ -167,7 +167,7 @@ const ROWS: &[Row] = &[
 ];
 
 /// Functions that the tools of the vendor have and plcc has not, unless a block of the standard library is called so.
-const NOT_SUPPORTED: &[&str] = &[
+pub const NOT_SUPPORTED: &[&str] = &[
     "SCATTER_BLK",
     "GATHER_BLK",
     "MOVE_BLK_VARIANT",

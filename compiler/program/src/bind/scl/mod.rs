@@ -6,6 +6,7 @@
 //! - `access`: names, components, indices and slices; `place`: what they make; `indexed`: absolute and indexed addresses.
 //! - `call`: calls of blocks; `function`: the functions of the language, one table row each.
 //! - `value`: what an expression is before its context decides on its type; `message`: messages that several of these give.
+//! - `reference`: the reference page, docs/reference/scl.md.
 
 mod access;
 mod assign;
@@ -22,7 +23,7 @@ mod message;
 mod numeric;
 mod place;
 mod pointer;
-mod result;
+mod reference;
 mod rules;
 mod statement;
 mod temporary;
@@ -41,6 +42,7 @@ use plcc_syntax::scl::ast::Body as Tree;
 
 use super::{Binder, Ctx};
 use crate::model::scl::Body;
+pub use reference::reference;
 pub use rules::{Rules, Scope};
 
 /// What an access is for.

@@ -418,7 +418,7 @@ impl<'a> Layout<'a> {
 pub fn not_a_source(span: Span, label: &str) -> Diagnostic {
     Diagnostic::new(Code::NotASource, span, "this file holds no PLC source")
         .label(label)
-        .help("pass an STL source as STEP 7 exports it: blocks, or statements such as `A I 0.0`; a printout or a listing of machine code is none")
+        .help("give a source in STL or SCL as STEP 7 or the TIA Portal exports it: blocks, or statements such as `A I 0.0`; a printout is none")
 }
 
 fn stray_help(c: char) -> &'static str {
