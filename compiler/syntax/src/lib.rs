@@ -11,6 +11,7 @@ pub mod ast;
 mod ast_text;
 mod elementary;
 mod encoding;
+mod frame;
 mod language;
 pub mod literal;
 pub mod scl;

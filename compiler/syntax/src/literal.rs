@@ -12,6 +12,7 @@ use plcc_diag::Code;
 
 pub use pointer::ANY_TYPES;
 pub use text::{parse_text, windows_1252};
+pub(crate) use time::{days_of_month, leap};
 
 /// A constant with its type. Values are already range-checked.
 #[derive(Clone, Debug, PartialEq)]

@@ -171,11 +171,11 @@ fn check_time(text: &str, [hour, minute, second, _]: [u32; 4]) -> Result<(), Lit
     Err(LiteralError::range(text, "no time of a day", "a time of day lies between 0:0:0.0 and 23:59:59.999"))
 }
 
-fn leap(year: u32) -> bool {
+pub(crate) fn leap(year: u32) -> bool {
     year.is_multiple_of(4) && !year.is_multiple_of(100) || year.is_multiple_of(400)
 }
 
-fn days_of_month(year: u32, month: u32) -> u32 {
+pub(crate) fn days_of_month(year: u32, month: u32) -> u32 {
     match month {
         4 | 6 | 9 | 11 => 30,
         2 if leap(year) => 29,

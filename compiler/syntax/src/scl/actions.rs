@@ -16,6 +16,7 @@ use crate::ast::{
     Header, InitialKind, InitialValue, Path, PathPart, PathRoot, Section, SectionKind, TypeBlock, TypeKind, TypeRef,
     ValueAssignment, Variable,
 };
+use crate::frame;
 
 /// A part of a header.
 pub enum HeaderPart {
@@ -105,7 +106,8 @@ pub fn code_block(
     range: Range<usize>,
     begin: usize,
 ) -> Block {
-    let kind = code_kind(context, keyword, &name);
+    let (kind, wrong_letters) = frame::code_kind(keyword, &name, context.text);
+    wrong_letters.into_iter().for_each(|message| context.report(message));
     let mut parts = sort(parts, begin);
     if kind != CodeKind::Fb && kind != CodeKind::Sfb {
         without_static(context, &mut parts.sections);
@@ -137,33 +139,6 @@ fn without_static(context: &mut Context, sections: &mut [Section]) {
             );
         }
     }
-}
-
-/// The kind comes from the keyword; SFC and SFB are told by the letters of the number.
-fn code_kind(context: &mut Context, keyword: CodeKeyword, name: &BlockName) -> CodeKind {
-    let (kind, keyword_text, letters) = match keyword {
-        CodeKeyword::OrganizationBlock => (CodeKind::Ob, "ORGANIZATION_BLOCK", "OB"),
-        CodeKeyword::Function => (CodeKind::Fc, "FUNCTION", "FC"),
-        CodeKeyword::FunctionBlock => (CodeKind::Fb, "FUNCTION_BLOCK", "FB"),
-    };
-    let BlockName::Numbered { prefix, number, span } = name else { return kind };
-    match (kind, prefix) {
-        (CodeKind::Ob, BlockPrefix::Ob) | (CodeKind::Fc, BlockPrefix::Fc) | (CodeKind::Fb, BlockPrefix::Fb) => kind,
-        (CodeKind::Fc, BlockPrefix::Sfc) => CodeKind::Sfc,
-        (CodeKind::Fb, BlockPrefix::Sfb) => CodeKind::Sfb,
-        _ => {
-            wrong_letters(context, *span, keyword_text, letters, *number);
-            kind
-        }
-    }
-}
-
-fn wrong_letters(context: &mut Context, span: Span, keyword: &str, letters: &str, number: u32) {
-    context.report(
-        Diagnostic::new(Code::BlockFrame, span, format!("`{keyword}` cannot name `{}`", &context.text[span.range()]))
-            .label(format!("a block with this keyword is numbered as {letters}"))
-            .help(format!("write `{keyword} {letters} {number}`, or the keyword that belongs to the block")),
-    );
 }
 
 pub fn implied_ob(context: &mut Context, statements: Vec<Statement>, range: Range<usize>) -> Block {
@@ -248,7 +223,7 @@ fn check_letters(context: &mut Context, name: &BlockName, keyword: &str, wanted:
     if let BlockName::Numbered { prefix, number, span } = name
         && *prefix != wanted
     {
-        wrong_letters(context, *span, keyword, wanted.letters(), *number);
+        context.report(frame::wrong_letters(*span, keyword, wanted.letters(), *number, context.text));
     }
 }
 

@@ -9,6 +9,7 @@ use super::ast::{Dialect, Name, NameForm};
 use super::messages;
 use super::raw::{Comment, CommentForm};
 use super::token::{Spanned, Tok};
+use crate::frame;
 
 /// Where a syntax error was recovered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +56,7 @@ impl<'a> Context<'a> {
 
     /// Reports a recovered error, unless the layout has reported one within `range`.
     pub fn syntax_error(&mut self, error: ErrorRecovery<usize, Tok<'a>, ()>, place: Place, range: Range<usize>) {
-        let found = messages::error_range(&error.error).unwrap_or((range.end, range.end));
+        let found = frame::error_range(&error.error).unwrap_or((range.end, range.end));
         let (start, end) = (range.start.min(found.0), range.end.max(found.1));
         let first = self.reported.partition_point(|&reported| (reported as usize) < start);
         let inside = |reported: u32| (start..=end).contains(&(reported as usize));

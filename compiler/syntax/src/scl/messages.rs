@@ -1,21 +1,9 @@
 //! Syntax errors in the words of the user.
 
-use lalrpop_util::ParseError;
 use plcc_diag::{Code, Diagnostic};
 
 use super::context::{Context, Place};
 use super::token::{Spanned, Tok};
-
-/// Bytes of the token at which a parse error was found.
-pub fn error_range(error: &ParseError<usize, Tok<'_>, ()>) -> Option<(usize, usize)> {
-    match error {
-        ParseError::UnrecognizedToken { token, .. } | ParseError::ExtraToken { token } => Some((token.0, token.2)),
-        ParseError::UnrecognizedEof { location, .. } | ParseError::InvalidToken { location } => {
-            Some((*location, *location))
-        }
-        ParseError::User { .. } => None,
-    }
-}
 
 /// The message for the token at byte `found`, recovered at `place`.
 pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic {

@@ -30,8 +30,8 @@ use std::fmt::Write as _;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use crate::ParseOptions;
 use crate::ast::SourceUnit;
+use crate::{ParseOptions, frame};
 
 pub(crate) use outline::{Outline, outline};
 
@@ -66,7 +66,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
         Ok(blocks) => blocks,
         Err(error) => {
             if diagnostics.is_empty() && context.diagnostics.is_empty() {
-                let at = messages::error_range(&error).map_or(text.len(), |(start, _)| start);
+                let at = frame::error_range(&error).map_or(text.len(), |(start, _)| start);
                 context.report(messages::syntax_error(&context, at, context::Place::Block));
             }
             Vec::new()

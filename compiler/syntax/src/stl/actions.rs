@@ -5,6 +5,7 @@ use std::ops::Range;
 use plcc_diag::{Code, Diagnostic, Span};
 
 use crate::ast::*;
+use crate::frame;
 use crate::literal::Literal;
 use crate::stl::context::Context;
 use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag};
@@ -55,7 +56,8 @@ pub fn code_block(
     body: Option<Body>,
     range: Range<usize>,
 ) -> Option<Block> {
-    let kind = code_kind(context, keyword, &name);
+    let (kind, wrong_letters) = frame::code_kind(keyword, &name, context.text);
+    wrong_letters.into_iter().for_each(|message| context.report(message));
     let body_start = body.as_ref().map_or(range.end, |body| body.start);
     let mut sections = Vec::new();
     let mut header_parts = Vec::new();
@@ -83,33 +85,6 @@ pub fn code_block(
     }))
 }
 
-/// The kind comes from the keyword; SFC and SFB are told by the letters of the number.
-fn code_kind(context: &mut Context, keyword: CodeKeyword, name: &BlockName) -> CodeKind {
-    let (kind, keyword_text, letters) = match keyword {
-        CodeKeyword::OrganizationBlock => (CodeKind::Ob, "ORGANIZATION_BLOCK", "OB"),
-        CodeKeyword::Function => (CodeKind::Fc, "FUNCTION", "FC"),
-        CodeKeyword::FunctionBlock => (CodeKind::Fb, "FUNCTION_BLOCK", "FB"),
-    };
-    let BlockName::Numbered { prefix, number, span } = name else { return kind };
-    match (kind, prefix) {
-        (CodeKind::Ob, BlockPrefix::Ob) | (CodeKind::Fc, BlockPrefix::Fc) | (CodeKind::Fb, BlockPrefix::Fb) => kind,
-        (CodeKind::Fc, BlockPrefix::Sfc) => CodeKind::Sfc,
-        (CodeKind::Fb, BlockPrefix::Sfb) => CodeKind::Sfb,
-        _ => {
-            wrong_letters(context, *span, keyword_text, letters, *number);
-            kind
-        }
-    }
-}
-
-fn wrong_letters(context: &mut Context, span: Span, keyword: &str, letters: &str, number: u32) {
-    context.report(
-        Diagnostic::new(Code::BlockFrame, span, format!("`{keyword}` cannot name `{}`", &context.text[span.range()]))
-            .label(format!("a block with this keyword is numbered as {letters}"))
-            .help(format!("write `{keyword} {letters} {number}`, or the keyword that belongs to the block")),
-    );
-}
-
 pub fn implied_ob(context: &mut Context, networks: Vec<Network>, range: Range<usize>) -> Block {
     let start = context.span(range.start, range.start);
     Block::Code(CodeBlock {
@@ -134,7 +109,7 @@ pub fn data_block(
     if let BlockName::Numbered { prefix, number, span } = &name
         && *prefix != BlockPrefix::Db
     {
-        wrong_letters(context, *span, "DATA_BLOCK", "DB", *number);
+        context.report(frame::wrong_letters(*span, "DATA_BLOCK", "DB", *number, context.text));
     }
     let (header, content) = data_parts(context, parts, range.clone());
     let values = values.into_iter().flatten().flatten().collect();
@@ -145,7 +120,7 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
     if let BlockName::Numbered { prefix, number, span } = &name
         && *prefix != BlockPrefix::Udt
     {
-        wrong_letters(context, *span, "TYPE", "UDT", *number);
+        context.report(frame::wrong_letters(*span, "TYPE", "UDT", *number, context.text));
     }
     let span = context.span(range.start, range.end);
     let (header, content) = data_parts(context, parts, range);

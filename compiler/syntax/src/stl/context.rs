@@ -5,6 +5,7 @@ use std::ops::Range;
 use lalrpop_util::ErrorRecovery;
 use plcc_diag::{Diagnostic, FileId, Span};
 
+use crate::frame;
 use crate::stl::raw::Comment;
 use crate::stl::token::{Spanned, Tok};
 use crate::stl::{Mnemonics, messages};
@@ -49,7 +50,7 @@ impl<'a> Context<'a> {
 
     /// Reports a recovered error, unless the layout has reported one within `range`.
     pub fn syntax_error(&mut self, error: ErrorRecovery<usize, Tok<'a>, ()>, place: Place, range: Range<usize>) {
-        let found = messages::error_range(&error.error).unwrap_or((range.end, range.end));
+        let found = frame::error_range(&error.error).unwrap_or((range.end, range.end));
         let (start, end) = (range.start.min(found.0), range.end.max(found.1));
         let first = self.reported.partition_point(|&reported| (reported as usize) < start);
         let inside = |reported: u32| (start..=end).contains(&(reported as usize));

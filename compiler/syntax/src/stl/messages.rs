@@ -1,22 +1,10 @@
 //! Syntax errors in the words of the user.
 
-use lalrpop_util::ParseError;
 use plcc_diag::{Code, Diagnostic};
 
 use crate::stl::context::{Context, Place};
 use crate::stl::token::{Spanned, Tok};
 use crate::stl::{Mnemonics, mnemonics};
-
-/// Bytes of the token at which a parse error was found.
-pub fn error_range(error: &ParseError<usize, Tok<'_>, ()>) -> Option<(usize, usize)> {
-    match error {
-        ParseError::UnrecognizedToken { token, .. } | ParseError::ExtraToken { token } => Some((token.0, token.2)),
-        ParseError::UnrecognizedEof { location, .. } | ParseError::InvalidToken { location } => {
-            Some((*location, *location))
-        }
-        ParseError::User { .. } => None,
-    }
-}
 
 /// The message for the token at byte `found`, recovered at `place`.
 pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic {

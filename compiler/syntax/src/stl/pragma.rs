@@ -68,7 +68,7 @@ fn parse_assert(
             Some(assertion)
         }
         Err(error) => {
-            let (start, stop) = crate::stl::messages::error_range(&error).unwrap_or((span.start as usize, end));
+            let (start, stop) = crate::frame::error_range(&error).unwrap_or((span.start as usize, end));
             let place = if start < stop { Span::new(file, start..stop) } else { span };
             diagnostics.push(
                 Diagnostic::new(Code::Pragma, place, "this assertion cannot be understood")

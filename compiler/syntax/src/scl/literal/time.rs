@@ -1,7 +1,7 @@
 //! Durations, and dates with nanoseconds.
 
 use crate::elementary::Elementary;
-use crate::literal::LiteralError;
+use crate::literal::{LiteralError, days_of_month, leap};
 use crate::scl::ast::Literal;
 
 const TIME_FORM: &str = "write units in the order D, H, M, S, MS, each once: `T#1D_2H_3M_4S_5MS`";
@@ -193,17 +193,4 @@ fn fields(value: &str, separator: char) -> Option<[u32; 3]> {
         *number = part.parse().ok()?;
     }
     parts.next().is_none().then_some(numbers)
-}
-
-fn leap(year: u32) -> bool {
-    year.is_multiple_of(4) && !year.is_multiple_of(100) || year.is_multiple_of(400)
-}
-
-fn days_of_month(year: u32, month: u32) -> u32 {
-    match month {
-        4 | 6 | 9 | 11 => 30,
-        2 if leap(year) => 29,
-        2 => 28,
-        _ => 31,
-    }
 }
