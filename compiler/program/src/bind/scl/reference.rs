@@ -14,7 +14,10 @@ const TEXT: &str = include_str!("reference.md");
 
 /// The page in Markdown: `docs/reference/scl.md`.
 pub fn reference() -> String {
-    let missing = |name: &&&str| plcc_stdlib::find_name(name).is_none() && plcc_stdlib::find_tia(name).is_none();
+    let missing = |name: &&&str| {
+        let blocks = [plcc_stdlib::find_name(name), plcc_stdlib::find_tia(name)];
+        !blocks.into_iter().flatten().any(|block| block.form != plcc_stdlib::Form::NotShipped)
+    };
     let absent: Vec<String> = NOT_SUPPORTED.iter().filter(missing).map(|name| format!("`{name}`")).collect();
     TEXT.replace("{implicit}\n", &implicit_table())
         .replace("{functions}\n", &function_tables())
