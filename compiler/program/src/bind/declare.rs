@@ -145,6 +145,7 @@ impl<'a> Binder<'a> {
             }
             TypeKind::Block(name) => self.block_type(name, used),
             TypeKind::Reference(_) => {
+                self.references_refused = true;
                 let title = format!("`{}` is a reference, which is not supported", self.scope.variable);
                 self.report.push(
                     Diagnostic::new(Code::DeclarationSyntax, ty.span, title)

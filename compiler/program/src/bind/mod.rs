@@ -180,6 +180,8 @@ struct Binder<'a> {
     pointers: FxHashMap<(call::InstanceId, usize), call::PointerUse>,
     /// Data blocks that calls name as instances of blocks that are not defined: nothing is known of them.
     unknown_instances: FxHashSet<u16>,
+    /// It was told that there is no REF_TO.
+    references_refused: bool,
 }
 
 /// What binding a block needs to know about it.
@@ -223,6 +225,7 @@ impl<'a> Binder<'a> {
             cells_told: FxHashSet::default(),
             pointers: FxHashMap::default(),
             unknown_instances: FxHashSet::default(),
+            references_refused: false,
         }
     }
 

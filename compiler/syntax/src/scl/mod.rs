@@ -40,6 +40,7 @@ pub use address::{absolute, area_word, db_address, db_area_word};
 /// Parses a source. Errors are recovered; what could not be parsed is left out or is an error node.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let raw = raw::scan(text);
+    let looks = looks_like_scl(text, &raw);
     let dialect = dialect::of(text, &raw);
     let mut diagnostics = Vec::new();
     report_comments(file, &raw, &mut diagnostics);
@@ -75,7 +76,23 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     diagnostics.append(&mut context.diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     let mnemonics = options.mnemonics.unwrap_or_default();
+    if !looks && let Some(wrong) = diagnostics.iter().find(|diagnostic| diagnostic.code == Code::Syntax) {
+        let span = wrong.primary.span;
+        let refused = Diagnostic::new(Code::NotASource, span, "this file holds no SCL source")
+            .label("no statement of SCL, and no block begins before it")
+            .help("pass a source as STEP 7 or the TIA Portal exports it: blocks from FUNCTION, DATA_BLOCK, TYPE … to their END");
+        return (SourceUnit { mnemonics, blocks: Vec::new(), pragmas: laid.pragmas }, vec![refused]);
+    }
     (SourceUnit { mnemonics, blocks, pragmas: laid.pragmas }, diagnostics)
+}
+
+/// True if a text has the head of a block, or an assignment: mistakes in it are told one by one.
+fn looks_like_scl(text: &str, raw: &raw::RawText) -> bool {
+    const HEADS: [&str; 6] = ["ORGANIZATION_BLOCK", "FUNCTION_BLOCK", "FUNCTION", "DATA_BLOCK", "TYPE", "PROGRAM"];
+    raw.tokens.iter().any(|token| {
+        let word = &text[token.range()];
+        word == ":=" || HEADS.iter().any(|head| head.eq_ignore_ascii_case(word))
+    })
 }
 
 fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagnostic>) {

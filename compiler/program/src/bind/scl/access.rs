@@ -18,6 +18,7 @@ use crate::bind::{Binder, Ctx};
 use crate::layout;
 use crate::model::Number;
 use crate::model::scl::{Access, Complex, Expr, ExprKind, IndexedArea, Part};
+use crate::symbols::SymbolTarget;
 use crate::types::{DataType, ParameterType};
 
 impl Binder<'_> {
@@ -164,11 +165,50 @@ impl Binder<'_> {
             }
             NameForm::Bare | NameForm::Quoted => {}
         }
+        if !global
+            && name.form == NameForm::Quoted
+            && let Some(tag) = text.strip_suffix(":P").or_else(|| text.strip_suffix(":p"))
+        {
+            return self.peripheral_tag(ctx, tag, name.span);
+        }
         match self.resolve_global(ctx, text, name.span)? {
             Resolved::Variable(variable) => Some(Thing::Spot(Spot::fixed(variable))),
             Resolved::Cell { kind, number } => self.cell(kind, number, name.span),
             Resolved::Block { prefix, number } => Some(block_thing(prefix, Number::Known(number))),
         }
+    }
+
+    /// `"tag":P`: what stands behind an input or output, without the process image.
+    fn peripheral_tag(&mut self, ctx: &mut Ctx, tag: &str, span: Span) -> Option<Thing> {
+        let Some(global) = self.globals.get(&fold(tag)) else {
+            self.unknown_name(tag, span);
+            return None;
+        };
+        let (target, ty) = (global.target, global.ty);
+        let place = match target {
+            SymbolTarget::Memory { area: Area::I | Area::Pi, width, byte, bit } => Some((Area::Pi, width, byte, bit)),
+            SymbolTarget::Memory { area: Area::Q | Area::Pq, width, byte, bit } => Some((Area::Pq, width, byte, bit)),
+            _ => None,
+        };
+        let Some((area, width, byte, bit)) = place else {
+            let label = format!("`{tag}` is neither");
+            self.refuse(
+                Code::OperandKind,
+                span,
+                "only inputs and outputs have a periphery",
+                &label,
+                "write it without `:P`",
+            );
+            return None;
+        };
+        let mut thing = self.operand_thing(ctx, &OperandKind::Absolute { area, width, byte, bit }, span)?;
+        if let (Thing::Spot(spot), Some(ty)) = (&mut thing, ty)
+            && spot.part.is_none()
+            && layout::width(ty) == width
+        {
+            spot.ty = DataType::Elementary(ty);
+        }
+        Some(thing)
     }
 
     /// Words with a meaning of their own: `OK`, `ENO`, `MW10`, `T5`, `DB10`, `MW` before an index.
@@ -238,7 +278,9 @@ impl Binder<'_> {
             DataType::Parameter(ParameterType::BlockFc) => Thing::Block { prefix: BlockPrefix::Fc, number },
             DataType::Parameter(ParameterType::BlockDb | ParameterType::BlockSdb) => {
                 let span = ctx.fixed_span.unwrap_or_default();
-                let access = Spot::fixed(variable.clone()).access(span);
+                // The number of the block is what the parameter holds.
+                let number_word = Variable { ty: DataType::Elementary(Elementary::Word), ..variable };
+                let access = Spot::fixed(number_word).access(span);
                 let load = Expr { kind: ExprKind::Load(Box::new(access)), ty: Elementary::Word, span };
                 Thing::Db { db: Db::Dynamic(load), number: Some(number) }
             }

@@ -7,7 +7,428 @@ use crate::bind::{Binder, Ctx};
 
 impl Binder<'_> {
     /// Binds a call: of a block, an instance, a function of the language. `statement`: its value may be dropped.
-    pub(super) fn scl_call(&mut self, _ctx: &mut Ctx, _node: &Node, _statement: bool) -> Option<Value> {
+    pub fn scl_call(&mut self, ctx: &mut Ctx, node: &Node, statement: bool) -> Option<Value> {
+        let NodeKind::Call { callee, arguments } = &node.kind else { return None };
+        let wide = self.wide_function(ctx, callee, arguments).map(|key| Callee::Block { key, instance: None });
+        let Some(target) = wide.or_else(|| self.callee(ctx, callee)) else {
+            self.note_arguments(ctx, arguments);
+            return None;
+        };
+        match target {
+            Callee::Block { key, instance } => {
+                let call = self.block_call(ctx, key, instance, arguments, callee.span, node.span)?;
+                self.call_value(call, statement, callee.span)
+            }
+            Callee::Function(named) => self.function(ctx, &named, arguments, callee.span, node.span, statement),
+        }
+    }
+
+    /// A call of a block with its arguments.
+    pub fn block_call(
+        &mut self,
+        ctx: &mut Ctx,
+        key: BlockKey,
+        instance: Option<Instance>,
+        given: &[Given],
+        name: Span,
+        span: Span,
+    ) -> Option<Call> {
+        let Some(bound) = self.interface(key, name) else {
+            self.note_arguments(ctx, given);
+            return None;
+        };
+        let list = self.arguments(ctx, key, &bound, given, name)?;
+        if let Some(instance) = &instance
+            && key.kind == BlockKind::Fb
+            && let Some(id) = instance_id(ctx, instance)
+        {
+            let supplied: Vec<usize> = list.arguments.iter().map(|argument| argument.parameter).collect();
+            self.note_pointers(id, key, &bound, &supplied, span);
+        }
+        Some(Call { target: key, instance, arguments: list.arguments, enable: list.enable, eno: list.eno, span })
+    }
+
+    /// The value of a bound call.
+    pub fn call_value(&mut self, call: Call, statement: bool, name: Span) -> Option<Value> {
+        if statement {
+            return Some(Value::Nothing(Box::new(call)));
+        }
+        let (key, span) = (call.target, call.span);
+        let ty = self.interface(key, name)?.interface.parameters.iter().find(|one| is_result(key, one)).cloned();
+        match ty.map(|result| result.ty) {
+            Some(DataType::Elementary(ty)) => {
+                Some(Value::Elementary(Expr { kind: ExprKind::Call(Box::new(call)), ty, span }))
+            }
+            Some(DataType::Void | DataType::Parameter(_) | DataType::OpenArray(_)) | None => {
+                let text = self.text(name);
+                self.report.push(
+                    Diagnostic::new(Code::TypeMismatch, name, format!("`{text}` has no value"))
+                        .label(match key.kind {
+                            BlockKind::Fb | BlockKind::Sfb => "the call of a function block is a statement",
+                            _ => "a function without a result that an expression could use",
+                        })
+                        .help("call it in a statement of its own, and read its outputs behind it"),
+                );
+                None
+            }
+            Some(ty) => Some(Value::Complex { value: Complex::Call(Box::new(call)), ty, span }),
+        }
+    }
+
+    /// Arguments of a call that cannot be checked are bound all the same, so that all undefined names are told of.
+    pub fn note_arguments(&mut self, ctx: &mut Ctx, given: &[Given]) {
+        for value in given.iter().filter_map(|argument| argument.value.as_ref()) {
+            self.scl_value(ctx, value);
+        }
+    }
+
+    fn callee(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Callee> {
+        match &node.kind {
+            NodeKind::Name(name) => self.named_callee(ctx, node, name),
+            NodeKind::Absolute(OperandKind::Block(name)) => {
+                let (prefix, number) = self.block_number(name)?;
+                self.block_callee(prefix, number, node.span)
+            }
+            NodeKind::Member { base, name } => self.member_callee(ctx, node, base, name),
+            NodeKind::Index { .. } => self.variable_callee(ctx, node),
+            NodeKind::Error => None,
+            _ => self.no_callee(node.span),
+        }
+    }
+
+    fn named_callee(&mut self, ctx: &mut Ctx, node: &Node, name: &Name) -> Option<Callee> {
+        let local = self.is_local(ctx, name);
+        if self.is_instance(ctx, name) {
+            return self.variable_callee(ctx, node);
+        }
+        if let Some(block) = block_of_name(name) {
+            let (prefix, number) = self.block_number(&block)?;
+            return self.block_callee(prefix, number, node.span);
+        }
+        if let Some(global) = self.globals.get(&fold(&name.text)) {
+            return match global.target {
+                SymbolTarget::Block { prefix, number } => self.block_callee(prefix, number as u16, node.span),
+                SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => self.no_callee(node.span),
+            };
+        }
+        let rules = ctx.scl.rules;
+        if let Some(named) = Named::find(&name.text) {
+            return Some(Callee::Function(named));
+        }
+        match self.library_function(rules, &name.text) {
+            Some(key) => self.block_callee(crate::bind::names::kind_prefix(key.kind), key.number, node.span),
+            None if local => self.variable_callee(ctx, node),
+            None => {
+                self.unknown_function(name);
+                None
+            }
+        }
+    }
+
+    /// True if a name before `(` means a variable. One that cannot be called hides no function: `LIMIT(…)` beside `#limit`.
+    pub(super) fn is_instance(&self, ctx: &Ctx, name: &Name) -> bool {
+        name.form == NameForm::Local || (self.is_local(ctx, name) && callable_local(ctx, name))
+    }
+
+    /// True if a name without `#` means a variable of the block.
+    fn is_local(&self, ctx: &Ctx, name: &Name) -> bool {
+        let folded = fold(&name.text);
+        ctx.bound.locals.contains_key(&folded)
+            && match name.form {
+                NameForm::Bare | NameForm::Local => true,
+                NameForm::Quoted => !self.globals.contains_key(&folded),
+            }
+    }
+
+    /// The block of the library by the name of a function. The same name means one thing in STEP 7 V5 and another in the TIA Portal.
+    pub fn library_function(&self, rules: Rules, name: &str) -> Option<BlockKey> {
+        let name = name.trim();
+        let (classic, tia) = (|| plcc_stdlib::find_name(name), || plcc_stdlib::find_tia(name));
+        let block = match rules {
+            Rules::Classic => classic().or_else(tia),
+            Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500 => tia().or_else(classic),
+        };
+        block.map(|block| self.library_key(block))
+    }
+
+    /// A block by itself: a function, or the instance that a data block is.
+    fn block_callee(&mut self, prefix: BlockPrefix, number: u16, span: Span) -> Option<Callee> {
+        match prefix {
+            BlockPrefix::Fc | BlockPrefix::Sfc => {
+                Some(Callee::Block { key: BlockKey { kind: code_kind(prefix)?, number }, instance: None })
+            }
+            BlockPrefix::Fb | BlockPrefix::Sfb => {
+                let text = self.text(span);
+                self.report.push(
+                    Diagnostic::new(Code::MissingOperand, span, format!("the call of `{text}` names no instance"))
+                        .label("a function block keeps its data in an instance")
+                        .help("call the instance data block, a static variable of this type, or write `FB1.DB2(...)`"),
+                );
+                None
+            }
+            BlockPrefix::Db | BlockPrefix::Di => {
+                let Some(db) = self.dbs.get(&number) else {
+                    if !self.data.contains_key(&number) && !self.unknown_instances.contains(&number) {
+                        self.report.missing_block(prefix, number, span);
+                    }
+                    return None;
+                };
+                match db.block.instance_of {
+                    Some(key) => Some(Callee::Block { key, instance: Some(Instance::Db(number)) }),
+                    None => {
+                        let defined = db.block.span;
+                        self.report.push(
+                            Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is no instance"))
+                                .label("a shared data block cannot be called")
+                                .also(defined, "the data block")
+                                .help("call the data block of a function block"),
+                        );
+                        None
+                    }
+                }
+            }
+            BlockPrefix::Ob | BlockPrefix::Udt | BlockPrefix::Vat => self.no_callee(span),
+        }
+    }
+
+    /// `FB10.DB20`, `"Db".timer`, `"Db".TON`, `#s.timer`, `#timer.TON`.
+    fn member_callee(&mut self, ctx: &mut Ctx, node: &Node, base: &Node, name: &Name) -> Option<Callee> {
+        let (ty, instance) = match self.quiet_block(ctx, base) {
+            Some((prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number)) => {
+                let key = BlockKey { kind: code_kind(prefix)?, number };
+                return self.instance_db(key, name);
+            }
+            Some((BlockPrefix::Db, number)) => match self.db_type(number) {
+                Some(ty) => (ty, Instance::Db(number)),
+                None => {
+                    if !self.data.contains_key(&number) && !self.unknown_instances.contains(&number) {
+                        self.report.missing_db_layout(number, base.span);
+                    }
+                    return None;
+                }
+            },
+            Some(_) => return self.no_callee(node.span),
+            None => {
+                let access = self.scl_access(ctx, base, Intent::Both)?;
+                match &access.ty {
+                    DataType::Struct(ty) => (std::rc::Rc::clone(ty), Instance::Variable(access)),
+                    _ => return self.variable_callee(ctx, node),
+                }
+            }
+        };
+        let folded = fold(&name.text);
+        if ty.members.iter().any(|member| fold(&member.name) == folded) {
+            return self.variable_callee(ctx, node);
+        }
+        match self.instruction_of(ctx, &ty, &instance, &name.text, name.span) {
+            Some(key) => Some(Callee::Block { key, instance: Some(instance) }),
+            None => self.wrong_instruction(&ty, &instance, name),
+        }
+    }
+
+    /// The block that an instruction's name behind an instance means: that of the instance, or one for the common data of IEC timers and
+    /// counters.
+    fn instruction_of(
+        &mut self,
+        ctx: &Ctx,
+        ty: &StructType,
+        instance: &Instance,
+        name: &str,
+        span: Span,
+    ) -> Option<BlockKey> {
+        let own = match instance {
+            Instance::Db(number) => self.dbs.get(number)?.block.instance_of,
+            Instance::Variable(_) => instance_key(ty),
+        };
+        if let Some(key) = own
+            && let Some(block) = self.library_block(key)
+            && block.name.split('_').next().is_some_and(|first| first.eq_ignore_ascii_case(name))
+        {
+            return Some(key);
+        }
+        // Timers share one layout, and counters theirs, so that IEC_TIMER takes each of them.
+        let key = self.library_function(ctx.scl.rules, name)?;
+        if !matches!(key.kind, BlockKind::Fb | BlockKind::Sfb) {
+            return None;
+        }
+        let bound = self.interface(key, span)?;
+        let common = ["ET", "CV"].iter().any(|shared| {
+            let has = |members: &[Member]| members.iter().any(|member| member.name.eq_ignore_ascii_case(shared));
+            has(&ty.members) && has(&bound.interface.instance)
+        });
+        (common && bound.interface.bytes == ty.bytes).then_some(key)
+    }
+
+    fn wrong_instruction(&mut self, ty: &StructType, instance: &Instance, name: &Name) -> Option<Callee> {
+        let own = match instance {
+            Instance::Db(number) => self.dbs.get(number).and_then(|db| db.block.instance_of),
+            Instance::Variable(_) => instance_key(ty),
+        };
+        let what = match ty.name.as_str() {
+            "" => "the data before it".to_string(),
+            of => format!("`{of}`"),
+        };
+        let message = match own {
+            Some(key) => {
+                let known = self.library_block(key).map_or(key.to_string(), |block| block.name.to_string());
+                Diagnostic::new(Code::NoBlockFits, name.span, format!("{what} is no instance of `{}`", name.text))
+                    .label(format!("what stands before it is an instance of {known}"))
+                    .help(format!("write `{known}` here, or call the instance by its name alone"))
+            }
+            None => {
+                let message = Diagnostic::new(
+                    Code::UnknownMember,
+                    name.span,
+                    format!("{what} has no component `{}` that could be called", name.text),
+                )
+                .label("no such component");
+                match similar(&name.text, ty.members.iter().map(|member| member.name.as_str())) {
+                    Some(other) => message.help(format!("is `{other}` meant?")),
+                    None => message,
+                }
+            }
+        };
+        self.report.push(message);
         None
+    }
+
+    /// The instance data block behind a function block: `FB10.DB20`, `"Motor"."Motor 3"`.
+    fn instance_db(&mut self, key: BlockKey, name: &Name) -> Option<Callee> {
+        let block =
+            block_of_name(name).unwrap_or_else(|| BlockName::Symbol { name: name.text.clone(), span: name.span });
+        let (prefix, number) = self.block_number(&block)?;
+        if prefix != BlockPrefix::Db || number == 0 {
+            self.report.push(
+                Diagnostic::new(Code::OperandKind, name.span, format!("`{}` is no data block", name.text))
+                    .label("the instance data block is wanted here"),
+            );
+            return None;
+        }
+        if self.interface(key, name.span).is_some() {
+            self.check_instance_db(key, number, name.span)?;
+        }
+        Some(Callee::Block { key, instance: Some(Instance::Db(number)) })
+    }
+
+    /// A variable that is an instance.
+    fn variable_callee(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Callee> {
+        let access = self.scl_access(ctx, node, Intent::Both)?;
+        match instance_of(&access) {
+            Some(key) => Some(Callee::Block { key, instance: Some(Instance::Variable(access)) }),
+            None => {
+                let text = self.text(node.span);
+                let name = layout::type_name(&access.ty);
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, node.span, format!("`{text}` cannot be called"))
+                        .label(format!("a variable of type {name}"))
+                        .help(
+                            "a call wants a function, a data block of a function block, or a variable of such a type",
+                        ),
+                );
+                None
+            }
+        }
+    }
+
+    fn no_callee(&mut self, span: Span) -> Option<Callee> {
+        let text = self.text(span);
+        self.report.push(
+            Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be called"))
+                .label("a function, or an instance of a function block, is wanted"),
+        );
+        None
+    }
+
+    /// The block that a node names, without a message if it is none.
+    fn quiet_block(&self, ctx: &Ctx, node: &Node) -> Option<(BlockPrefix, u16)> {
+        let name = match &node.kind {
+            NodeKind::Name(name) if name.form != NameForm::Local && !self.is_local(ctx, name) => name,
+            NodeKind::Absolute(OperandKind::Block(BlockName::Numbered { prefix, number, .. })) => {
+                return Some((*prefix, u16::try_from(*number).ok()?));
+            }
+            _ => return None,
+        };
+        if let Some(BlockName::Numbered { prefix, number, .. }) = block_of_name(name) {
+            return Some((prefix, u16::try_from(number).ok()?));
+        }
+        match self.global(&name.text)? {
+            SymbolTarget::Block { prefix, number } => Some((prefix, number as u16)),
+            SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
+        }
+    }
+
+    /// Reports a function that neither the program nor the language has.
+    fn unknown_function(&mut self, name: &Name) {
+        if super::function::not_supported(&name.text) {
+            self.report.missing_function(&name.text, name.span, None, true);
+            return;
+        }
+        let folded = fold(&name.text);
+        if plcc_stdlib::LIBRARY.iter().any(|block| fold(block.name) == folded) {
+            self.unknown_name(&name.text, name.span);
+            return;
+        }
+        let own = self.globals.values().filter(|global| matches!(global.target, SymbolTarget::Block { .. }));
+        let own: Vec<&str> = own.map(|global| global.name.as_str()).collect();
+        let shipped = plcc_stdlib::blocks().iter().map(|block| block.name);
+        let meant = similar(&name.text, own.into_iter())
+            .or_else(|| similar(&name.text, super::function::names()))
+            .or_else(|| similar(&name.text, shipped))
+            .map(str::to_owned);
+        self.report.missing_function(&name.text, name.span, meant, false);
+    }
+}
+
+/// `FB10`, `DB20` written as a bare word.
+pub fn block_of_name(name: &Name) -> Option<BlockName> {
+    if name.form != NameForm::Bare {
+        return None;
+    }
+    match scl::absolute(&name.text)? {
+        OperandKind::Block(BlockName::Numbered { prefix, number, .. }) => {
+            Some(BlockName::Numbered { prefix, number, span: name.span })
+        }
+        _ => None,
+    }
+}
+
+/// True if variables of a local's type can be called.
+fn callable_local(ctx: &Ctx, name: &Name) -> bool {
+    let local = ctx.bound.locals.get(&fold(&name.text));
+    local.is_some_and(|local| {
+        !matches!(local.ty, DataType::Elementary(_) | DataType::String(_) | DataType::WideString(_))
+    })
+}
+
+/// True of the result of a function, which is the value of its call.
+pub fn is_result(key: BlockKey, parameter: &Parameter) -> bool {
+    matches!(key.kind, BlockKind::Fc | BlockKind::Sfc)
+        && parameter.direction == Direction::Output
+        && fold(&parameter.name) == "ret_val"
+}
+
+fn instance_key(ty: &StructType) -> Option<BlockKey> {
+    let (sfb, number) = ty.instance_of?;
+    Some(BlockKey { kind: if sfb { BlockKind::Sfb } else { BlockKind::Fb }, number })
+}
+
+/// The function block whose instance a variable is.
+fn instance_of(access: &Access) -> Option<BlockKey> {
+    match (&access.ty, access.part) {
+        (DataType::Struct(ty), None) => instance_key(ty),
+        _ => None,
+    }
+}
+
+/// An instance that is the same in every call at this place.
+fn instance_id(ctx: &Ctx, instance: &Instance) -> Option<crate::bind::call::InstanceId> {
+    match instance {
+        Instance::Db(number) => Some(crate::bind::call::InstanceId::Db(*number)),
+        Instance::Variable(Access { base: Base::Place(Place::Instance { byte, .. }), indices, .. })
+            if indices.is_empty() =>
+        {
+            Some(crate::bind::call::InstanceId::Multi(ctx.key, *byte))
+        }
+        Instance::Variable(_) => None,
     }
 }

@@ -10,7 +10,8 @@ use super::{Rules, constant, message};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
 use crate::layout;
-use crate::model::scl::{Access, Base, Complex, Expr, ExprKind};
+use crate::model::Number;
+use crate::model::scl::{Access, Base, Complex, Expr, ExprKind, Function};
 use crate::types::{DataType, StructType};
 
 /// Longest STRING.
@@ -75,10 +76,38 @@ impl Binder<'_> {
                 return None;
             }
             Implicit::Unusual => self.unusual(span, from, ty),
-            Implicit::Yes if convert::narrows(from, ty) => self.may_lose(span, from, ty),
+            Implicit::Yes if convert::narrows(from, ty) && !self.follows_target(rules, &value, ty) => {
+                self.may_lose(span, from, ty);
+            }
             Implicit::Yes => {}
         }
         convert::explicit_expr(rules, value, ty)
+    }
+
+    /// True of functions that have the type of their target in the TIA Portal: rounding without a type in its name, and SCALE_X, MUX and
+    /// others of constants alone, if these fit.
+    fn follows_target(&self, rules: Rules, value: &Expr, ty: Elementary) -> bool {
+        let fits = |argument: &Expr| match argument.kind {
+            ExprKind::Const(bits) if argument.ty.is_integer() => {
+                let (low, high) = constant::range(ty);
+                ty.is_integer() && (low..=high).contains(&constant::integer(argument.ty, bits))
+            }
+            _ => false,
+        };
+        match &value.kind {
+            ExprKind::Convert { operand, .. } if operand.ty.is_float() && !rules.is_300() => {
+                let text = self.text(value.span);
+                let name = text.split('(').next().unwrap_or("").trim();
+                ["ROUND", "TRUNC", "CEIL", "FLOOR"].iter().any(|own| own.eq_ignore_ascii_case(name))
+            }
+            ExprKind::Function { function: Function::ScaleX, arguments } => {
+                arguments.first().is_some_and(fits) && arguments.last().is_some_and(fits)
+            }
+            ExprKind::Function { function: Function::Mux { .. } | Function::Select, arguments } => {
+                arguments[1..].iter().all(fits)
+            }
+            _ => false,
+        }
     }
 
     fn unusual(&mut self, span: Span, from: Elementary, to: Elementary) {
@@ -183,11 +212,16 @@ pub fn text_bytes(text: &[u8]) -> Option<Vec<u8>> {
         _ if text.len() > STRING_MAX => None,
         _ => Some([&[text.len() as u8, text.len() as u8], text].concat()),
     }
+    let length = text.len() as u8;
+    // A text that can never hold a character is none: its maximum is 1 at least.
+    let room: &[u8] = if text.is_empty() { &[0] } else { &[] };
+    Some([&[length.max(1), length], text, room].concat())
 }
 
 fn wide_bytes(text: &[u16]) -> Vec<u8> {
     let length = u16::try_from(text.len()).unwrap_or(u16::MAX);
-    let words = [length.max(1), length].into_iter().chain(text.iter().copied().take(usize::from(length)));
+    let room = text.is_empty().then_some(0);
+    let words = [length.max(1), length].into_iter().chain(text.iter().copied().take(usize::from(length))).chain(room);
     words.flat_map(u16::to_be_bytes).collect()
 }
 

@@ -4,12 +4,12 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::scl::ast::BinaryOp as Operator;
 use plcc_syntax::{Class, Elementary};
 
-use super::coerce::{access_has_call, assignable, is_dtl};
+use super::coerce::{access_has_call, assignable};
 use super::convert::{self, Implicit};
-use super::expression::{binary_expr, typed_constant};
+use super::expression::{binary_expr, constant_expr, typed_constant};
 use super::numeric::{self, Shape};
 use super::value::Value;
-use super::{Rules, constant};
+use super::{Rules, constant, text, time};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
 use crate::layout;
@@ -48,6 +48,16 @@ impl Binder<'_> {
             let right = self.scl_convert(ctx, right, ty);
             return Some(comparison(op, left?, right?, span));
         }
+        if time::compare_as_dates(&left, &right) {
+            let (left, right) = (self.as_ldt(ctx, left), self.as_ldt(ctx, right));
+            return Some(comparison(op, left?, right?, span));
+        }
+        if text::is_wide_text(&left) && is_any_text(&right) || text::is_wide_text(&right) && is_any_text(&left) {
+            let order = self.instruction_value(ctx, "COMPARE_WSTRING", vec![left, right], span)?;
+            let Value::Elementary(order) = order else { return None };
+            let zero = constant_expr(0, order.ty, span);
+            return Some(comparison(op, order, zero, span));
+        }
         match (complex_type(&left), complex_type(&right)) {
             (Some(DataType::String(_)), _) | (_, Some(DataType::String(_))) if is_text(&left) && is_text(&right) => {
                 let formal = DataType::String(254);
@@ -55,9 +65,6 @@ impl Binder<'_> {
             }
             (Some(DataType::DateAndTime), Some(DataType::DateAndTime)) => {
                 self.compare_by_call(ctx, library(op).1, left, right, &DataType::DateAndTime, span)
-            }
-            (Some(DataType::Struct(a)), Some(DataType::Struct(b))) if is_dtl(&a) && is_dtl(&b) => {
-                self.compare_structures(ctx, op, op_span, left, right, span)
             }
             (Some(DataType::Struct(_) | DataType::Array(_)), Some(DataType::Struct(_) | DataType::Array(_))) => {
                 self.compare_structures(ctx, op, op_span, left, right, span)
@@ -254,6 +261,15 @@ fn is_text(value: &Value) -> bool {
     match value {
         Value::Complex { ty: DataType::String(_), .. } | Value::Constant(Constant::Text { .. }, _) => true,
         other => Shape::of(other) == Shape::Of(Elementary::Char),
+    }
+}
+
+/// What is compared with a WSTRING: another one, or what becomes one.
+fn is_any_text(value: &Value) -> bool {
+    match value {
+        Value::Constant(Constant::Text { .. }, _) => true,
+        Value::Elementary(expr) => expr.ty == Elementary::Wchar,
+        other => text::is_wide_text(other),
     }
 }
 

@@ -40,8 +40,11 @@ impl Binder<'_> {
         Some(Value::Constant(constant, span))
     }
 
-    /// `REF_TO` and what belongs to it.
+    /// `REF_TO` and what belongs to it; once, at the first place.
     pub(super) fn no_references(&mut self, span: Span) {
+        if std::mem::replace(&mut self.references_refused, true) {
+            return;
+        }
         self.refuse(
             Code::Syntax,
             span,
@@ -134,8 +137,9 @@ impl Binder<'_> {
 
     fn unfit_constant(&mut self, constant: &Constant, span: Span, ty: Elementary) -> Option<Expr> {
         let is = message::described(&Value::Constant(constant.clone(), span));
-        let help = format!("write it as {}", crate::bind::value::example(ty));
-        self.wrong_type(span, &is, ty.name(), Some(help));
+        let text = matches!(constant, Constant::Text { .. } | Constant::WideText(_)) && ty.class() != Class::Character;
+        let help = (!text).then(|| format!("write it as {}", crate::bind::value::example(ty)));
+        self.wrong_type(span, &is, ty.name(), help);
         None
     }
 

@@ -239,8 +239,8 @@ impl Binder<'_> {
                 Code::TypeMismatch,
                 op_span,
                 format!("`{op}` does not combine a value {left_is} with one {right_is}")
-                    .replace("value a ", "a ")
-                    .replace("one a ", "a "),
+                    .replace("a value a", "a")
+                    .replace("with one a", "with a"),
             )
             .label("not possible with these types")
             .also(left.span(), left_is)

@@ -53,6 +53,10 @@ pub enum Kind {
     Gather,
     /// Text to text, without a value.
     MoveText,
+    /// RESET_TIMER.
+    ResetTimer,
+    /// PRESET_TIMER.
+    PresetTimer,
     Concat,
     /// S_CONV, STRG_VAL, VAL_STRG.
     TextNumber(TextNumber),
@@ -130,6 +134,8 @@ pub const ROWS: &[Row] = &[
     row("LOWER_BOUND", "ARR DIM", Kind::Bound { upper: false }),
     row("UPPER_BOUND", "ARR DIM", Kind::Bound { upper: true }),
     row("CountOfElements", "IN", Kind::CountOfElements),
+    row("RESET_TIMER", "TIMER", Kind::ResetTimer),
+    row("PRESET_TIMER", "PT TIMER", Kind::PresetTimer),
     row("S_PULSE", TIMER, Kind::Timer(TimerKind::Pulse)),
     row("S_PEXT", TIMER, Kind::Timer(TimerKind::ExtendedPulse)),
     row("S_ODT", TIMER, Kind::Timer(TimerKind::OnDelay)),
@@ -190,15 +196,14 @@ pub const NOT_SUPPORTED: &[&str] = &[
     "GET_ERR_ID",
     "ENDIS_PW",
     "RUNTIME",
-    "RESET_TIMER",
-    "PRESET_TIMER",
     "T_COMBINE",
     "RD_SYS_T",
     "WR_SYS_T",
     "RD_LOC_T",
     "WR_LOC_T",
-    "Strg_TO_Chars",
-    "Chars_TO_Strg",
+    "S_CONV",
+    "STRG_VAL",
+    "VAL_STRG",
     "ATH",
     "HTA",
     "MAX_LEN",
@@ -337,7 +342,8 @@ impl Binder<'_> {
             | Kind::Scatter
             | Kind::Gather
             | Kind::MoveText
-            | Kind::TextNumber(_) => {
+            | Kind::ResetTimer
+            | Kind::PresetTimer => {
                 if !statement {
                     self.no_value(name);
                     return None;

@@ -47,7 +47,8 @@ impl Binder<'_> {
             Kind::Scatter => self.scatter(ctx, pins, span)?,
             Kind::Gather => self.gather(ctx, pins, span)?,
             Kind::Demux => self.demux(ctx, pins, span)?,
-            Kind::TextNumber(kind) => vec![StatementKind::Call(Box::new(self.text_number(ctx, kind, pins, span)?))],
+            Kind::ResetTimer => self.reset_timer(ctx, pins, span)?,
+            Kind::PresetTimer => self.preset_timer(ctx, pins)?,
             Kind::MoveText => {
                 let target = self.scl_access(ctx, pins.get("OUT")?, Intent::Write)?;
                 if !matches!(target.ty, DataType::String(_) | DataType::WideString(_)) {

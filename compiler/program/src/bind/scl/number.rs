@@ -14,6 +14,7 @@ use super::{Rules, constant};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
 use crate::model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, UnaryOp};
+use crate::types::DataType;
 
 impl Binder<'_> {
     pub fn number_function(
@@ -48,7 +49,13 @@ impl Binder<'_> {
             }
             Kind::Select => {
                 let selector = self.scl_of_type(ctx, pins.get("G")?, Elementary::Bool);
-                let (mut arguments, ty) = self.alike(ctx, &[pins.get("IN0")?, pins.get("IN1")?], suffix)?;
+                let values = [pins.get("IN0")?, pins.get("IN1")?].map(|node| self.scl_value(ctx, node));
+                let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
+                if values.iter().any(is_long_text) {
+                    let inputs = std::iter::once(Value::Elementary(selector?)).chain(values).collect();
+                    return self.instruction_value(ctx, "SEL_STRING", inputs, span);
+                }
+                let (mut arguments, ty) = self.alike_values(ctx, values, suffix)?;
                 arguments.insert(0, selector?);
                 Some(computed(Function::Select, arguments, ty, span))
             }
@@ -248,6 +255,15 @@ impl Binder<'_> {
     fn alike(&mut self, ctx: &mut Ctx, nodes: &[&Node], suffix: Option<Elementary>) -> Option<(Vec<Expr>, Elementary)> {
         let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
+        self.alike_values(ctx, values, suffix)
+    }
+
+    fn alike_values(
+        &mut self,
+        ctx: &mut Ctx,
+        values: Vec<Value>,
+        suffix: Option<Elementary>,
+    ) -> Option<(Vec<Expr>, Elementary)> {
         let ty = match suffix {
             Some(ty) => ty,
             None => self.widest(ctx, &values)?,
@@ -389,6 +405,15 @@ impl Binder<'_> {
             return self.dtl_difference(ctx, left, right, Elementary::Time, span);
         }
         self.binary_value(ctx, op, pins.name, left, right, span)
+    }
+}
+
+/// True of a text that is more than one character.
+fn is_long_text(value: &Value) -> bool {
+    match value {
+        Value::Complex { ty, .. } => matches!(ty, DataType::String(_)),
+        Value::Constant(Constant::Text { .. }, _) => Shape::of(value) != Shape::Letter,
+        _ => false,
     }
 }
 

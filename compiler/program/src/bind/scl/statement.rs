@@ -31,7 +31,10 @@ impl Binder<'_> {
         bound
     }
 
-    fn statement(&mut self, ctx: &mut Ctx, tree: &Tree, bound: &mut Vec<Statement>) {
+    pub(super) fn statement(&mut self, ctx: &mut Ctx, tree: &Tree, bound: &mut Vec<Statement>) {
+        if has_enable(tree) && self.enabled_function(ctx, tree, bound) {
+            return;
+        }
         let span = ctx.fixed_span.unwrap_or(head(tree));
         let kind = match &tree.kind {
             TreeKind::Empty | TreeKind::Error => None,
@@ -255,6 +258,14 @@ fn head(tree: &Tree) -> Span {
         | TreeKind::Error => None,
     };
     Span { end: end.unwrap_or(tree.span.end), ..tree.span }
+}
+
+/// True of a call, alone or assigned, with an argument EN or ENO.
+fn has_enable(tree: &Tree) -> bool {
+    let (TreeKind::Expression(node) | TreeKind::Assign { value: node, .. }) = &tree.kind else { return false };
+    let NodeKind::Call { arguments, .. } = &node.kind else { return false };
+    let names = arguments.iter().filter_map(|argument| argument.name.as_ref());
+    names.into_iter().any(|name| name.text.eq_ignore_ascii_case("EN") || name.text.eq_ignore_ascii_case("ENO"))
 }
 
 /// A statement that may leave the loop around it.

@@ -3,12 +3,14 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
-use plcc_syntax::scl::ast::{Argument as Given, Expr as Node};
+use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKind, Name};
 
+use super::function::Named;
 use super::pins::Pins;
 use super::value::Value;
 use super::{Intent, Rules, convert};
 use crate::bind::constant::Constant;
+use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
 use crate::model::scl::{Actual, Argument, Call, Complex, Expr};
 use crate::model::{BlockKey, Direction};
@@ -57,6 +59,21 @@ const fn wider(ty: Elementary) -> Option<Elementary> {
         Elementary::Lword => Some(Elementary::Ulint),
         _ => None,
     }
+}
+
+/// True of a value that is a text of wide characters.
+pub fn is_wide_text(value: &Value) -> bool {
+    match value {
+        Value::Complex { ty, .. } => matches!(ty, DataType::WideString(_)),
+        Value::Constant(constant, _) => matches!(constant, Constant::WideText(_)),
+        _ => false,
+    }
+}
+
+/// The first argument that is not EN or ENO.
+fn first_text(given: &[Given]) -> Option<&Node> {
+    let enable = |name: &Name| matches!(fold(&name.text).as_str(), "en" | "eno");
+    given.iter().find(|argument| !argument.name.as_ref().is_some_and(enable))?.value.as_ref()
 }
 
 impl Binder<'_> {
@@ -130,6 +147,40 @@ impl Binder<'_> {
         None
     }
 
+    /// LEN, MID and others, called with a WSTRING: the block for wide characters. CONCAT chooses by itself.
+    pub(super) fn wide_function(&mut self, ctx: &mut Ctx, callee: &Node, given: &[Given]) -> Option<BlockKey> {
+        let NodeKind::Name(name) = &callee.kind else { return None };
+        let own = name.text.trim();
+        let wide = plcc_stdlib::find_tia(&format!("{own}_WSTRING"))?;
+        let shipped = plcc_stdlib::find_tia(own).is_some() && Named::find(own).is_none();
+        if !shipped || self.is_instance(ctx, name) || self.globals.contains_key(&fold(own)) {
+            return None;
+        }
+        self.is_wide(ctx, first_text(given)?).then(|| self.library_key(wide))
+    }
+
+    /// True of an expression that gives a WSTRING; tells nothing of mistakes in it.
+    fn is_wide(&mut self, ctx: &mut Ctx, node: &Node) -> bool {
+        match &node.kind {
+            // Calls are not bound to know this, so that a chain of them is not bound again and again.
+            NodeKind::Call { callee, arguments } => match &callee.kind {
+                NodeKind::Name(name) if name.text.to_ascii_uppercase().ends_with("WSTRING") => true,
+                NodeKind::Name(name) if plcc_stdlib::find_tia(&format!("{}_WSTRING", name.text.trim())).is_some() => {
+                    first_text(arguments).is_some_and(|first| self.is_wide(ctx, first))
+                }
+                _ => false,
+            },
+            NodeKind::Name(_) | NodeKind::Member { .. } | NodeKind::Index { .. } | NodeKind::Literal(_) => {
+                let (told, reads) = (self.report.diagnostics.len(), ctx.scl.temp_reads.len());
+                let value = self.scl_value(ctx, node);
+                self.report.diagnostics.truncate(told);
+                ctx.scl.temp_reads.truncate(reads);
+                value.as_ref().is_some_and(is_wide_text)
+            }
+            _ => false,
+        }
+    }
+
     /// CONCAT of two or more texts.
     pub fn concat(&mut self, ctx: &mut Ctx, pins: &Pins, name: Span, span: Span) -> Option<Value> {
         let nodes = pins.numbered("IN1");
@@ -144,10 +195,8 @@ impl Binder<'_> {
         let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
         let is_wide = values.iter().any(|value| match value {
-            Value::Complex { ty, .. } => matches!(ty, DataType::WideString(_)),
-            Value::Constant(constant, _) => matches!(constant, Constant::WideText(_)),
             Value::Elementary(expr) => expr.ty == Elementary::Wchar,
-            _ => false,
+            other => is_wide_text(other),
         });
         let block = if is_wide { "CONCAT_WSTRING" } else { "CONCAT" };
         let Some(key) = self.library_function(ctx.scl.rules, block) else {

@@ -50,6 +50,13 @@ fn moment(value: &Value) -> Moment {
     }
 }
 
+/// True if two values compare as dates, one of them a DTL.
+pub fn compare_as_dates(left: &Value, right: &Value) -> bool {
+    let (a, b) = (moment(left), moment(right));
+    let date = |moment| matches!(moment, Moment::Dtl | Moment::DateAndTime | Moment::Of(Ldt));
+    (a == Moment::Dtl || b == Moment::Dtl) && date(a) && date(b)
+}
+
 impl Binder<'_> {
     /// `left op right` if one of them is a date or time; else both come back.
     #[allow(clippy::result_large_err, reason = "the operands come back to who sent them")]
@@ -124,20 +131,30 @@ impl Binder<'_> {
                 let both = left.zip(right);
                 both.and_then(|(a, b)| self.library_value(SB_DT_DT, vec![Actual::Complex(a), Actual::Complex(b)], span))
             }
-            (Dtl, Of(step @ (Time | Ltime))) if sum => self.dtl_step(ctx, left, right, step, subtract, span),
-            (Dtl, Dtl) if subtract => {
-                let ty = if ctx.scl.rules == Rules::Tia1500 { Ltime } else { Time };
-                self.dtl_difference(ctx, left, right, ty, span)
-            }
             (Of(Date), Of(TimeOfDay)) if op == Operator::Add => {
-                self.dtl_function(ctx, "T_COMBINE", vec![left, right], span)
+                self.instruction_value(ctx, "T_COMBINE", vec![left, right], span)
             }
-            (Dtl, _) | (_, Dtl) => {
-                let help = "a DTL goes with a TIME, which is added or subtracted, and two have a difference";
-                self.refuse(Code::TypeMismatch, op_span, "this is no arithmetic of a DTL", "DTL", help);
-                None
+            (Dtl, Of(Time | Ltime)) if sum => {
+                let left = self.as_ldt(ctx, left);
+                let right = self.scl_own_type(ctx, right);
+                let right = right.and_then(|right| convert::explicit_expr(ctx.scl.rules, right, Ltime));
+                left.zip(right).and_then(|(left, right)| {
+                    let sum = binary_expr(binary_op(op), as_bits(left, Lint), as_bits(right, Lint), Lint, span);
+                    self.instruction_value(ctx, "LDT_TO_DTL", vec![Value::Elementary(as_bits(sum, Ldt))], span)
+                })
             }
-            (Of(_) | DateAndTime, _) | (_, Of(_) | DateAndTime) => {
+            (Dtl, Dtl) if subtract => {
+                let (left, right) = (self.as_ldt(ctx, left), self.as_ldt(ctx, right));
+                left.zip(right).and_then(|(left, right)| {
+                    let gap = binary_expr(BinaryOp::Subtract, as_bits(left, Ltime), as_bits(right, Ltime), Ltime, span);
+                    let gap = match ctx.scl.rules {
+                        Rules::Tia1500 => Some(gap),
+                        rules => convert::explicit_expr(rules, gap, Time),
+                    };
+                    gap.map(Value::Elementary)
+                })
+            }
+            (Of(_) | DateAndTime | Dtl, _) | (_, Of(_) | DateAndTime | Dtl) => {
                 let help =
                     "TIME goes with TIME and integers; dates go with TIME, and two of one type have a difference";
                 self.operator_types(op_span, &left, &right, help);
@@ -148,53 +165,33 @@ impl Binder<'_> {
         Ok(value)
     }
 
-    /// True of a DTL.
-    pub(super) fn is_dtl_value(value: &Value) -> bool {
-        moment(value) == Moment::Dtl
+    /// A DTL, DATE_AND_TIME or LDT as LDT, in which TIA computes and compares them all; `None` of anything else.
+    pub(super) fn as_ldt(&mut self, ctx: &mut Ctx, value: Value) -> Option<Expr> {
+        let span = value.span();
+        match moment(&value) {
+            Moment::Of(Ldt) => self.scl_convert(ctx, value, Ldt),
+            Moment::DateAndTime => {
+                let dtl = self.instruction_value(ctx, "DT_TO_DTL", vec![value], span)?;
+                self.as_ldt(ctx, dtl)
+            }
+            Moment::Dtl => match self.instruction_value(ctx, "DTL_TO_LDT", vec![value], span)? {
+                Value::Elementary(value) => Some(value),
+                _ => None,
+            },
+            _ => None,
+        }
     }
 
-    /// DTL and TIME or LTIME: a DTL.
-    fn dtl_step(
+    /// The value of an instruction of the TIA Portal with the given inputs.
+    pub(super) fn instruction_value(
         &mut self,
         ctx: &mut Ctx,
-        left: Value,
-        right: Value,
-        step: Elementary,
-        back: bool,
+        name: &str,
+        inputs: Vec<Value>,
         span: Span,
     ) -> Option<Value> {
-        if step == Time {
-            let back = Value::Constant(Constant::Typed { ty: Bool, bits: back.into() }, span);
-            return self.dtl_function(ctx, "ADD_DTL_TIME", vec![left, right, back], span);
-        }
-        let left = self.dtl_function(ctx, "DTL_TO_LDT", vec![left], span)?;
-        let left = self.scl_convert(ctx, left, Ldt)?;
-        let right = self.scl_convert(ctx, right, Ltime)?;
-        let op = if back { BinaryOp::Subtract } else { BinaryOp::Add };
-        let sum = binary_expr(op, as_bits(left, Lint), as_bits(right, Lint), Lint, span);
-        self.dtl_function(ctx, "LDT_TO_DTL", vec![Value::Elementary(as_bits(sum, Ldt))], span)
-    }
-
-    /// The time between two DTL: a TIME, or an LTIME, which holds every one.
-    pub(super) fn dtl_difference(
-        &mut self,
-        ctx: &mut Ctx,
-        left: Value,
-        right: Value,
-        ty: Elementary,
-        span: Span,
-    ) -> Option<Value> {
-        if ty == Time {
-            return self.dtl_function(ctx, "SUB_DTL_DTL", vec![left, right], span);
-        }
-        let left = self.dtl_function(ctx, "DTL_TO_LDT", vec![left], span)?;
-        let right = self.dtl_function(ctx, "DTL_TO_LDT", vec![right], span)?;
-        self.difference(ctx, Ldt, left, right, span)
-    }
-
-    fn dtl_function(&mut self, ctx: &mut Ctx, name: &str, values: Vec<Value>, span: Span) -> Option<Value> {
-        let key = self.library_function(Rules::Tia1500, name)?;
-        self.library_call(ctx, key, values, span, span)
+        let key = self.library_key(plcc_stdlib::find_tia(name)?);
+        self.library_call(ctx, key, inputs, span, span)
     }
 
     /// An integer beside a TIME, as so many milliseconds (LTIME: nanoseconds).

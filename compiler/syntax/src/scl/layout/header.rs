@@ -267,7 +267,9 @@ impl<'a> Layout<'a> {
         while let Some(next) = self.raw.get(last) {
             if next.first_on_line
                 || matches!(next.kind, RawKind::LeftBrace | RawKind::Title)
-                || next.keyword.is_some_and(|word| word.begins_section() || word.ends_block() || word == Keyword::Begin)
+                || next.keyword.is_some_and(|word| {
+                    word.begins_section() || word.ends_block() || matches!(word, Keyword::Begin | Keyword::Struct)
+                })
                 || last > first && self.header_keyword(last)
             {
                 break;

@@ -1,0 +1,111 @@
+//! EN and ENO at functions of the language, where the call is the whole statement or the whole right side of an assignment.
+//!
+//! Blocks have both by themselves; what is computed in place gets them by the statements around it. Source: SCL reference, parameters, OK
+//! and ENO.
+
+use plcc_diag::Span;
+use plcc_syntax::Elementary;
+use plcc_syntax::scl::ast::{
+    Argument, Expr as Node, ExprKind as NodeKind, Statement as Tree, StatementKind as TreeKind,
+};
+
+use super::Intent;
+use super::arguments::names_eno;
+use super::expression::constant_expr;
+use super::function::Named;
+use super::memory::{binary, load};
+use crate::bind::names::fold;
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::scl::{Access, BinaryOp, Expr, ExprKind, Statement, StatementKind};
+
+impl Binder<'_> {
+    /// Binds a statement whose function has EN or ENO; false: it is none of these.
+    pub(super) fn enabled_function(&mut self, ctx: &mut Ctx, tree: &Tree, bound: &mut Vec<Statement>) -> bool {
+        let mut plain = tree.clone();
+        let call = match &mut plain.kind {
+            TreeKind::Expression(node) | TreeKind::Assign { value: node, .. } => node,
+            _ => return false,
+        };
+        let NodeKind::Call { callee, arguments } = &mut call.kind else { return false };
+        if !self.computed_in_place(ctx, callee) {
+            return false;
+        }
+        let (enable, result) = (taken(ctx, arguments, "en"), taken(ctx, arguments, "eno"));
+        if enable.is_none() && result.is_none() {
+            return false;
+        }
+        let span = ctx.fixed_span.unwrap_or(tree.span);
+        let condition = enable.as_ref().map(|node| self.scl_of_type(ctx, node, Elementary::Bool));
+        let target = result.as_ref().map(|node| self.result_of_enable(ctx, node));
+        let mut body = Vec::new();
+        self.statement(ctx, &plain, &mut body);
+        let (Some(condition), Some(target)) =
+            (condition.map_or(Some(None), |bound| bound.map(Some)), target.map_or(Some(None), |bound| bound.map(Some)))
+        else {
+            return true;
+        };
+        if let Some(target) = &target {
+            body = self.with_result(ctx, body, target, span);
+        }
+        match condition {
+            Some(condition) => {
+                let skipped = target.map(|target| assign(target, constant_expr(0, Elementary::Bool, span), span));
+                let otherwise = skipped.into_iter().collect();
+                bound
+                    .push(Statement { kind: StatementKind::If { branches: vec![(condition, body)], otherwise }, span });
+            }
+            None => bound.append(&mut body),
+        }
+        true
+    }
+
+    /// True if a call means a function of the language, and nothing that the program defines.
+    fn computed_in_place(&self, ctx: &Ctx, callee: &Node) -> bool {
+        match &callee.kind {
+            NodeKind::Name(name) => {
+                !self.is_instance(ctx, name)
+                    && !self.globals.contains_key(&fold(&name.text))
+                    && Named::find(&name.text).is_some()
+            }
+            _ => false,
+        }
+    }
+
+    /// The variable behind `ENO =>`.
+    fn result_of_enable(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Access> {
+        let target = self.scl_access(ctx, node, Intent::Write)?;
+        if target.elementary() == Some(Elementary::Bool) {
+            return Some(target);
+        }
+        let is = format!("of type {}", layout::type_name(&target.ty));
+        self.wrong_type(node.span, &is, "BOOL", None);
+        None
+    }
+
+    /// Statements, and behind them whether each of their operations was possible. The bit of the block stays FALSE if it was.
+    fn with_result(&mut self, ctx: &mut Ctx, body: Vec<Statement>, target: &Access, span: Span) -> Vec<Statement> {
+        ctx.scl.sets_flag = true;
+        let before = self.temp(ctx, Elementary::Bool, span);
+        let flag = || Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span };
+        let set = |value| Statement { kind: StatementKind::SetFlag(value), span };
+        let mut code = vec![assign(before.clone(), flag(), span), set(constant_expr(1, Elementary::Bool, span))];
+        code.extend(body);
+        code.push(assign(target.clone(), flag(), span));
+        code.push(set(binary(BinaryOp::And, flag(), load(&before, Elementary::Bool))));
+        code
+    }
+}
+
+fn assign(target: Access, value: Expr, span: Span) -> Statement {
+    Statement { kind: StatementKind::Assign { target, value }, span }
+}
+
+/// Takes the argument of this name out of a list; `ENO => ENO` says nothing.
+fn taken(ctx: &Ctx, arguments: &mut Vec<Argument>, name: &str) -> Option<Node> {
+    let found = arguments.iter().position(|argument| {
+        let named = argument.name.as_ref().is_some_and(|own| fold(&own.text) == name);
+        named && argument.value.as_ref().is_some_and(|value| name == "en" || !names_eno(ctx, value))
+    })?;
+    arguments.remove(found).value
+}

@@ -1,0 +1,56 @@
+//! RESET_TIMER and PRESET_TIMER: they change the instance of an IEC timer. Source: S7-1200 reference, timers.
+
+use plcc_diag::{Code, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::scl::ast::Expr as Node;
+
+use super::Intent;
+use super::expression::constant_expr;
+use super::pins::Pins;
+use super::place::shifted;
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::scl::{Access, StatementKind};
+use crate::types::DataType;
+
+impl Binder<'_> {
+    /// The time begins anew: no time has passed, Q is FALSE, and an IN that is TRUE counts as a rising edge.
+    pub(super) fn reset_timer(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+        let members = self.timer_members(ctx, pins.get("TIMER")?, &["Q", "ET", "RU", "OLD"])?;
+        let zero = |target: Access| {
+            let value = constant_expr(0, target.elementary()?, span);
+            Some(StatementKind::Assign { target, value })
+        };
+        members.into_iter().map(zero).collect()
+    }
+
+    /// The time that runs ends with the new PT, too.
+    pub(super) fn preset_timer(&mut self, ctx: &mut Ctx, pins: &Pins) -> Option<Vec<StatementKind>> {
+        let value = self.scl_of_type(ctx, pins.get("PT")?, Elementary::Time);
+        let members = self.timer_members(ctx, pins.get("TIMER")?, &["PT", "LATCHED"])?;
+        let mut code = Vec::new();
+        let value = self.kept(ctx, &mut code, value?);
+        code.extend(members.into_iter().map(|target| StatementKind::Assign { target, value: value.clone() }));
+        Some(code)
+    }
+
+    /// Components of the instance of an IEC timer.
+    fn timer_members(&mut self, ctx: &mut Ctx, node: &Node, names: &[&str]) -> Option<Vec<Access>> {
+        let access = self.scl_access(ctx, node, Intent::Both)?;
+        let member = |name: &&str| match &access.ty {
+            DataType::Struct(ty) => {
+                let member = ty.members.iter().find(|member| member.name.eq_ignore_ascii_case(name))?;
+                shifted(&access, member.byte, member.bit, &member.ty)
+            }
+            _ => None,
+        };
+        let members: Option<Vec<Access>> = names.iter().map(member).collect();
+        if members.is_none() {
+            let label = format!("of type {}", layout::type_name(&access.ty));
+            let help =
+                "name a variable of type TON_TIME, TOF_TIME, TP_TIME, TONR_TIME or IEC_TIMER, or the data block of one";
+            self.refuse(Code::TypeMismatch, node.span, "this is no IEC timer", &label, help);
+        }
+        members
+    }
+}
