@@ -137,7 +137,8 @@ impl Bits<'_> {
     /// Makes a `trunc` of a bit of a byte that was loaded for it alone a load of the bit, where the byte was loaded.
     fn load(&mut self, trunc: Inst, arg: Value) {
         let result = self.function.result(trunc);
-        if self.function.ty(result) != Type::I1 {
+        // What nobody uses does not count as a use: the byte may be another one's.
+        if self.function.ty(result) != Type::I1 || self.uses.get(result) == Some(&0) {
             return;
         }
         let (mut value, mut bit) = (arg, 0);
@@ -266,6 +267,11 @@ mod tests {
         );
         let text = "v2 = load.i8 M 4\nv3 = trunc.i1 v2\nstore.bit Q 0.0, v3\nstore.i8 Q 1, v2\nret v0";
         check(text, text);
+        // Another bit of the byte, that nobody uses.
+        check(
+            "v2 = load.i8 M 4\nv3 = trunc.i1 v2\nv4 = trunc.i1 v2\nstore.bit Q 0.0, v3\nret v0",
+            "v3 = load.bit M 4.0\nv2 = load.i8 M 4\nv4 = trunc.i1 v2\nstore.bit Q 0.0, v3\nret v0",
+        );
     }
 
     #[test]
