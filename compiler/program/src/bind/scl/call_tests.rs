@@ -273,9 +273,8 @@ fn parts_of_arrays() {
 #[test]
 fn texts_are_calls_of_the_library() {
     let code = "#s := CONCAT(IN1 := #s, IN2 := 'b', IN3 := #s2);";
-    let StatementKind::AssignText { value: Complex::Call(outer), .. } = statements(code).remove(0) else {
-        panic!("a text")
-    };
+    let StatementKind::Call(outer) = statements(code).remove(0) else { panic!("a call that writes its target") };
+    assert!(matches!(outer.arguments.last().map(|argument| &argument.actual), Some(Actual::Reference(_))));
     let Actual::Complex(Complex::Call(inner)) = &outer.arguments[0].actual else { panic!("a call inside a call") };
     assert_eq!(inner.target, outer.target);
     assert!(matches!(outer.target.kind, BlockKind::Fc | BlockKind::Sfc));

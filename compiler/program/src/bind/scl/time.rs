@@ -190,8 +190,42 @@ impl Binder<'_> {
         inputs: Vec<Value>,
         span: Span,
     ) -> Option<Value> {
-        let key = self.library_key(plcc_stdlib::find_tia(name)?);
-        self.library_call(ctx, key, inputs, span, span)
+        if step == Time {
+            let back = Value::Constant(Constant::Typed { ty: Bool, bits: back.into() }, span);
+            return self.dtl_function(ctx, "ADD_DTL_TIME", vec![left, right, back], span);
+        }
+        let left = self.dtl_moment(ctx, left, span)?;
+        let right = self.scl_convert(ctx, right, Ltime)?;
+        let op = if back { BinaryOp::Subtract } else { BinaryOp::Add };
+        let sum = binary_expr(op, as_bits(left, Lint), as_bits(right, Lint), Lint, span);
+        self.dtl_function(ctx, "LDT_TO_DTL", vec![Value::Elementary(as_bits(sum, Ldt))], span)
+    }
+
+    /// The time between two DTL: a TIME, or an LTIME, which holds every one.
+    pub(super) fn dtl_difference(
+        &mut self,
+        ctx: &mut Ctx,
+        left: Value,
+        right: Value,
+        ty: Elementary,
+        span: Span,
+    ) -> Option<Value> {
+        if ty == Time {
+            return self.dtl_function(ctx, "SUB_DTL_DTL", vec![left, right], span);
+        }
+        let (left, right) = (self.dtl_moment(ctx, left, span), self.dtl_moment(ctx, right, span));
+        self.difference(ctx, Ldt, Value::Elementary(left?), Value::Elementary(right?), span)
+    }
+
+    /// A DTL as LDT.
+    pub(super) fn dtl_moment(&mut self, ctx: &mut Ctx, value: Value, span: Span) -> Option<Expr> {
+        let value = self.dtl_function(ctx, "DTL_TO_LDT", vec![value], span)?;
+        self.scl_convert(ctx, value, Ldt)
+    }
+
+    fn dtl_function(&mut self, ctx: &mut Ctx, name: &str, values: Vec<Value>, span: Span) -> Option<Value> {
+        let key = self.library_function(Rules::Tia1500, name)?;
+        self.library_call(ctx, key, values, span, span)
     }
 
     /// An integer beside a TIME, as so many milliseconds (LTIME: nanoseconds).

@@ -229,7 +229,7 @@ fn conversions_in_assignments() {
 #[test]
 fn texts_and_structures() {
     check("#s := 'ab';", "S26.0 :=text [2, 2, 97, 98]");
-    check("#s := '';", "S26.0 :=text [0, 0]");
+    check("#s := '';", "S26.0 :=text [1, 0, 0]");
     check("#s := #ch;", "S26.0 :=text char S68.0");
     check("#st := #st;", "S70.0 :=4 S70.0");
     check("#dt1 := DT#2024-02-03-04:05:06.7;", "S74.0 :=8 [36, 2, 3, 4, 5, 6, 112, 7]");
