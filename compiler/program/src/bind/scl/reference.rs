@@ -53,7 +53,8 @@ fn implicit_table() -> String {
 /// What `from` becomes by itself; in italics what is not certain to be meant.
 fn targets(rules: Rules, from: Elementary) -> String {
     let (mut always, mut relaxed) = (Vec::new(), Vec::new());
-    for to in Elementary::ALL.into_iter().filter(|&to| to != from && !(rules.is_300() && !on_300(to))) {
+    let known = |&to: &Elementary| to != from && (on_300(to) || !rules.is_300());
+    for to in Elementary::ALL.into_iter().filter(known) {
         match (implicit(rules, true, from, to), implicit(rules, false, from, to)) {
             (Implicit::Yes, _) => always.push(to),
             (_, Implicit::Yes | Implicit::Unusual) => relaxed.push(to),
