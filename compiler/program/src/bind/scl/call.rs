@@ -77,9 +77,13 @@ impl Binder<'_> {
 
     /// Arguments of a call that cannot be checked are bound all the same, so that all undefined names are told of.
     pub fn note_arguments(&mut self, ctx: &mut Ctx, given: &[Given]) {
+        let known = ctx.scl.temp_reads.len();
         for value in given.iter().filter_map(|argument| argument.value.as_ref()) {
             self.scl_value(ctx, value);
         }
+        // Which of them the call writes is not known.
+        let uses = ctx.scl.temp_reads.drain(known..).map(|read| (read.first, read.end));
+        ctx.scl.temp_writes.extend(uses);
     }
 
     fn callee(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Callee> {
