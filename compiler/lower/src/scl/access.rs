@@ -97,7 +97,7 @@ impl Context<'_, '_> {
     fn signed_index(&mut self, value: &Expr) -> Value {
         let ty = value.ty;
         let value = self.value(value);
-        self.to_i32(value, ty)
+        self.as_i32(value, ty)
     }
 
     fn unsigned_index(&mut self, value: &Expr) -> Value {
@@ -106,7 +106,7 @@ impl Context<'_, '_> {
     }
 
     /// An integer as an i32, by the sign of its type; 64 bits keep the low half.
-    pub fn to_i32(&mut self, value: Value, ty: Elementary) -> Value {
+    pub fn as_i32(&mut self, value: Value, ty: Elementary) -> Value {
         match self.b.ty(value).bits() {
             32 => value,
             64 => self.b.trunc(Type::I32, value),

@@ -221,7 +221,7 @@ impl Context<'_, '_> {
         let signed = op == BinaryOp::ShiftRight && ty.is_signed();
         let count = match self.b.ty(count) {
             Type::I64 => count,
-            _ => self.to_i32(count, count_ty),
+            _ => self.as_i32(count, count_ty),
         };
         let count = if count_ty.is_signed() {
             let negative = self.b.icmp_imm(IntCc::Slt, count, 0);
@@ -326,7 +326,7 @@ impl Context<'_, '_> {
     }
 
     /// An integer as a float of `to`.
-    pub fn to_float(&mut self, value: Value, ty: Elementary, to: Type) -> Value {
+    pub fn as_float(&mut self, value: Value, ty: Elementary, to: Type) -> Value {
         let (op, wide) = match (ty.is_signed(), self.b.ty(value).bits()) {
             (true, 32 | 64) => (ConvertOp::FromSint, value),
             (true, _) => (ConvertOp::FromSint, self.b.sext(Type::I32, value)),

@@ -37,10 +37,10 @@ impl Context<'_, '_> {
                 self.fail_if(failed);
                 self.narrowed(bits, Type::I1)
             }
-            Conversion::FromBcd { fault } => self.from_bcd(value, to, fault),
-            Conversion::ToBcd => self.to_bcd(value, from, to),
-            Conversion::FromS5Time => self.from_s5time(value),
-            Conversion::ToS5Time => self.to_s5time(value),
+            Conversion::FromBcd { fault } => self.bcd_value(value, to, fault),
+            Conversion::ToBcd => self.bcd_of(value, from, to),
+            Conversion::FromS5Time => self.s5time_value(value),
+            Conversion::ToS5Time => self.s5time_of(value),
             Conversion::MillisToNanos => {
                 let wide = self.wide(value, from);
                 self.b.binary_imm(BinaryOp::Imul, wide, MS)
@@ -87,7 +87,7 @@ impl Context<'_, '_> {
                 }
             }
             (true, false) => self.float_to_integer(value, to, rounding, overflow),
-            (false, true) => self.to_float(value, from, value_type(to)),
+            (false, true) => self.as_float(value, from, value_type(to)),
             (false, false) => self.integer_to_integer(value, from, to),
         }
     }
@@ -211,7 +211,7 @@ impl Context<'_, '_> {
 
     // BCD.
 
-    fn from_bcd(&mut self, value: Value, to: Elementary, fault: bool) -> Value {
+    fn bcd_value(&mut self, value: Value, to: Elementary, fault: bool) -> Value {
         let double = to.bits() == 32;
         let wide = if self.b.ty(value) == Type::I32 { value } else { self.b.zext(Type::I32, value) };
         let digits = self.b.i32_const(if double { 7 } else { 3 });
@@ -234,8 +234,8 @@ impl Context<'_, '_> {
         self.narrowed(number, value_type(to))
     }
 
-    fn to_bcd(&mut self, value: Value, from: Elementary, to: Elementary) -> Value {
-        let number = self.to_i32(value, from);
+    fn bcd_of(&mut self, value: Value, from: Elementary, to: Elementary) -> Value {
+        let number = self.as_i32(value, from);
         let negative = self.b.icmp_imm(IntCc::Slt, number, 0);
         let zero = self.b.i32_const(0);
         let minus = self.b.isub(zero, number);
@@ -257,7 +257,7 @@ impl Context<'_, '_> {
     // S5TIME.
 
     /// Bits 12 and 13 are the base, 10 ms, 100 ms, 1 s or 10 s; below are three digits.
-    fn from_s5time(&mut self, value: Value) -> Value {
+    fn s5time_value(&mut self, value: Value) -> Value {
         let wide = self.b.zext(Type::I32, value);
         let mut number = self.b.i32_const(0);
         for shift in [8, 4, 0] {
@@ -278,7 +278,7 @@ impl Context<'_, '_> {
     }
 
     /// With the finest base that holds the time, the rest cut off. A negative time gives 0, one that is too long the longest.
-    fn to_s5time(&mut self, value: Value) -> Value {
+    fn s5time_of(&mut self, value: Value) -> Value {
         let negative = self.b.icmp_imm(IntCc::Slt, value, 0);
         let too_long = self.b.icmp_imm(IntCc::Sgt, value, S5_MAX);
         let failed = self.b.or(negative, too_long);

@@ -175,7 +175,7 @@ impl Context<'_, '_> {
         if ranges.len() < TABLE_MIN || spread > TABLE_MAX || spread > TABLE_SPREAD * count {
             return false;
         }
-        let wide = if ty.bits() == 64 { value } else { self.to_i32(value, ty) };
+        let wide = if ty.bits() == 64 { value } else { self.as_i32(value, ty) };
         let from_low = self.b.binary_imm(BinaryOp::Isub, wide, first.0 as i64);
         let number = if ty.bits() == 64 {
             // What is beyond the table must not come back into it when it is cut to 32 bits.
