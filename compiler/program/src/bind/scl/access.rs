@@ -278,9 +278,7 @@ impl Binder<'_> {
             DataType::Parameter(ParameterType::BlockFc) => Thing::Block { prefix: BlockPrefix::Fc, number },
             DataType::Parameter(ParameterType::BlockDb | ParameterType::BlockSdb) => {
                 let span = ctx.fixed_span.unwrap_or_default();
-                // The number of the block is what the parameter holds.
-                let number_word = Variable { ty: DataType::Elementary(Elementary::Word), ..variable };
-                let access = Spot::fixed(number_word).access(span);
+                let access = Spot::fixed(variable.clone()).access(span);
                 let load = Expr { kind: ExprKind::Load(Box::new(access)), ty: Elementary::Word, span };
                 Thing::Db { db: Db::Dynamic(load), number: Some(number) }
             }
