@@ -295,6 +295,23 @@ impl<'a> Binder<'a> {
         add_parameter(bound, placer, "RET_VAL".to_string(), Direction::Output, resolved);
     }
 
+    /// The OBs of S7-1200/1500 for cycle, startup and cyclic interrupts have no start information in VAR_TEMP; those of S7-300/400
+    /// declare it first, `OB1_EV_CLASS` and the rest.
+    fn hides_start_information(&self, number: u16, block: &ast::CodeBlock) -> bool {
+        if !matches!(number, 1 | 30..=38 | 100..=102 | 123..) {
+            return false;
+        }
+        let Some(dialect) = super::declare::dialect(block) else { return false };
+        let rules = super::scl::Rules::of(self.input, dialect);
+        let first = block.sections.iter().flat_map(|section| &section.variables).next();
+        let declared = first.is_some_and(|variable| {
+            let digits = variable.name.get(2..).unwrap_or("");
+            variable.name.get(..2).is_some_and(|letters| letters.eq_ignore_ascii_case("OB"))
+                && digits.starts_with(|letter: char| letter.is_ascii_digit())
+        });
+        !rules.is_300() && !declared
+    }
+
     fn temporaries(
         &mut self,
         key: BlockKey,
@@ -303,6 +320,9 @@ impl<'a> Binder<'a> {
         names: &mut FxHashMap<String, Span>,
     ) {
         let mut placer = Placer::default();
+        if key.kind == BlockKind::Ob && self.hides_start_information(key.number, block) {
+            placer.reserve(super::OB_START_INFORMATION_BYTES);
+        }
         let also = static_is_temporary(key, block);
         let sections = block
             .sections

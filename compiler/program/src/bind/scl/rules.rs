@@ -36,6 +36,13 @@ impl Rules {
         }
     }
 
+    /// The rules of a source of this dialect in a program.
+    pub fn of(input: &BindInput, dialect: Dialect) -> Rules {
+        // Of a CPU that nobody named, limits are not checked.
+        let generic = matches!(input.profile.name.as_str(), "s7-300" | "s7-400");
+        Rules::new(dialect, input.profile.family, !generic || input.profile.limits_checked)
+    }
+
     /// The CPU is an S7-300/400.
     pub const fn is_300(self) -> bool {
         matches!(self, Rules::Classic | Rules::Tia300)
@@ -99,11 +106,8 @@ impl Scope {
                 key.eq_ignore_ascii_case(name) && given.trim_matches('\'').eq_ignore_ascii_case(value)
             })
         };
-        // Of a CPU that nobody named, limits are not checked.
-        let generic = matches!(input.profile.name.as_str(), "s7-300" | "s7-400");
-        let named = !generic || input.profile.limits_checked;
         Scope {
-            rules: Rules::new(dialect, input.profile.family, named),
+            rules: Rules::of(input, dialect),
             strict: has("S7_IECCheck", "TRUE"),
             sets_flag: FLAG_ATTRIBUTES.iter().any(|(name, value)| has(name, value)),
             value_set: false,
