@@ -7,8 +7,8 @@
 //! | `parse/` | STL or SCL | `x.ast`, and `x.tokens` if it is there |
 //! | `ir/` | IR that prints as it stands | |
 //! | `opt/` | IR; `; passes: a,b` in its first line | `x.expect` |
-//! | `clif/` | STL | `x.clif` |
-//! | `messages/` | STL | `x.txt`: its messages as drawn |
+//! | `clif/` | STL or SCL | `x.clif` |
+//! | `messages/` | STL or SCL | `x.txt`: its messages as drawn |
 //! | `../samples/*/` | a project with scenarios | `x.trace.csv`, `x.vcd`, `x.svg` beside `x.toml`, with the signals of its `# trace-signals:` line; `station.txt`: the list of `plcc station` |
 
 use std::fs;

@@ -30,6 +30,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Stl, include_str!("../stl/dates.stl")),
     (Language::Stl, include_str!("../stl/selection.stl")),
     (Language::Stl, include_str!("../stl/tia_strings.stl")),
+    (Language::Stl, include_str!("../stl/tia_numbers.stl")),
     (Language::Scl, include_str!("../scl/texts.scl")),
     (Language::Scl, include_str!("../scl/wide_texts.scl")),
     (Language::Scl, include_str!("../scl/scaling.scl")),

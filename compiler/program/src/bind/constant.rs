@@ -124,7 +124,7 @@ impl Binder<'_> {
             ExprKind::Unary { op, operand } => {
                 let operand = self.constant(constants, operand)?;
                 let result = fold::unary(*op, &operand);
-                self.folded(result, value.span)
+                self.computed(result, value.span)
             }
             ExprKind::Binary { op, left, right, op_span } => {
                 // Both sides, so that each mistake is told.
@@ -132,7 +132,7 @@ impl Binder<'_> {
                 let right = self.constant(constants, right);
                 let result = fold::binary(*op, &left?, &right?);
                 let span = if result == Err(Fault::Overflow) { value.span } else { *op_span };
-                self.folded(result, span)
+                self.computed(result, span)
             }
             ExprKind::Error => None,
             ExprKind::Absolute(_)
@@ -199,7 +199,7 @@ impl Binder<'_> {
             .push(Diagnostic::new(Code::ConstantRequired, span, "a constant must stand here").label(why.to_string()));
     }
 
-    fn folded(&mut self, result: Result<Constant, Fault>, span: Span) -> Option<Constant> {
+    fn computed(&mut self, result: Result<Constant, Fault>, span: Span) -> Option<Constant> {
         let fault = match result {
             Ok(constant) => return Some(constant),
             Err(fault) => fault,

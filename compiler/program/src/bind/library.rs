@@ -145,7 +145,7 @@ impl Binder<'_> {
 
 /// The syntax tree of a block of the library.
 fn parsed(block: &SystemBlock) -> ast::CodeBlock {
-    let options = ParseOptions { mnemonics: Some(stl::Mnemonics::En), pragmas: false };
+    let options = ParseOptions { mnemonics: Some(stl::Mnemonics::En), ..ParseOptions::default() };
     let (unit, _) = match block.language {
         Language::Stl => stl::parse(SYSTEM_FILE, block.source, &options),
         Language::Scl => scl::parse(SYSTEM_FILE, block.source, &options),

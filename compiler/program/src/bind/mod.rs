@@ -20,6 +20,7 @@ mod data;
 mod declare;
 mod initial;
 mod interface;
+mod library;
 mod mentions;
 mod names;
 mod operand;
@@ -297,34 +298,6 @@ impl<'a> Binder<'a> {
             ast::Code::Stl(_) => Body::Stl(self.bind_body(ctx, block)),
             ast::Code::Scl(body) => Body::Scl(self.bind_scl(ctx, block, body)),
         }
-    }
-
-    /// Notes the use of a block of the system; false if it is not there, which is reported.
-    fn use_system(&mut self, key: BlockKey, span: Span) -> bool {
-        if self.system_used.contains(&key) {
-            return true;
-        }
-        let sfb = key.kind == BlockKind::Sfb;
-        let prefix = names::kind_prefix(key.kind);
-        let Some(block) = plcc_stdlib::find(sfb, key.number) else {
-            self.report.missing_block(prefix, key.number, span);
-            return false;
-        };
-        if block.form == plcc_stdlib::Form::NotShipped {
-            self.report.not_shipped(prefix, key.number, block.name, span);
-            return false;
-        }
-        let options = plcc_syntax::ParseOptions { mnemonics: Some(plcc_syntax::stl::Mnemonics::En), ..Default::default() };
-        let (unit, _) = plcc_syntax::parse(SYSTEM_FILE, block.source, &options);
-        let code = unit.blocks.into_iter().find_map(|block| match block {
-            ast::Block::Code(code) => Some(code),
-            ast::Block::Data(_) | ast::Block::Type(_) => None,
-        });
-        let code = code.expect("each source of the standard library holds one block, as its tests check");
-        self.system_used.insert(key);
-        self.code.insert(key, CodeSource::System(Rc::new(code)));
-        self.system.push(SystemUse { key, span, runtime: block.form == plcc_stdlib::Form::Runtime });
-        true
     }
 
     fn no_main_block(&mut self) {

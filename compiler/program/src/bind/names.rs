@@ -2,7 +2,6 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_stdlib::BlockClass;
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -48,26 +47,6 @@ pub const fn kind_prefix(kind: BlockKind) -> BlockPrefix {
         BlockKind::Sfc => BlockPrefix::Sfc,
         BlockKind::Sfb => BlockPrefix::Sfb,
         BlockKind::Db => BlockPrefix::Db,
-    }
-}
-
-/// The kind of a block of the standard library.
-pub const fn library_class(kind: BlockKind) -> Option<BlockClass> {
-    match kind {
-        BlockKind::Fc => Some(BlockClass::Fc),
-        BlockKind::Fb => Some(BlockClass::Fb),
-        BlockKind::Sfc => Some(BlockClass::Sfc),
-        BlockKind::Sfb => Some(BlockClass::Sfb),
-        BlockKind::Ob | BlockKind::Db => None,
-    }
-}
-
-pub const fn library_prefix(class: BlockClass) -> BlockPrefix {
-    match class {
-        BlockClass::Fc => BlockPrefix::Fc,
-        BlockClass::Fb => BlockPrefix::Fb,
-        BlockClass::Sfc => BlockPrefix::Sfc,
-        BlockClass::Sfb => BlockPrefix::Sfb,
     }
 }
 

@@ -109,7 +109,8 @@ impl Binder<'_> {
         let tia = || candidates.iter().find_map(|name| plcc_stdlib::find_tia(name));
         let classic = || candidates.iter().find_map(|name| plcc_stdlib::find_name(name));
         let block = if self.scope.tia { tia().or_else(classic) } else { classic().or_else(tia) }?;
-        Some((names::library_prefix(block.class), block.number))
+        let key = self.library_key(block);
+        Some((names::kind_prefix(key.kind), key.number))
     }
 
     /// A type of the language or the CPU that is no block.

@@ -82,8 +82,9 @@ impl Report {
                 .label("plcc knows this function but does not have it")
                 .help("do without it, or write a function that does the work"),
             false => {
-                let message = Diagnostic::new(Code::UnknownBlock, span, format!("the function `{name}` is not defined"))
-                    .label("neither a block of the program nor a function of SCL");
+                let message =
+                    Diagnostic::new(Code::UnknownBlock, span, format!("the function `{name}` is not defined"))
+                        .label("neither a block of the program nor a function of SCL");
                 match meant {
                     Some(other) => message.help(format!("is `{other}` meant?")),
                     None => message.help("add the source that defines it, or the symbol table that names it"),

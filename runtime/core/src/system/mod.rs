@@ -77,6 +77,9 @@ macro_rules! system_functions {
 system_functions! {
      0 SET_CLK  (DateAndTime)             -> (Word)            = clock::set_clk;
      1 READ_CLK ()                        -> (Word, DateAndTime) = clock::read_clk;
+     2 SET_RTM  (Byte, Word)              -> (Word)            = meters::set;
+     3 CTRL_RTM (Byte, Bool)              -> (Word)            = meters::control;
+     4 READ_RTM (Byte)                    -> (Word, Bool, Word) = meters::read;
      5 GADR_LGC (Byte, Word, Word, Byte, Word) -> (Word, Byte, Word) = station::gadr_lgc;
      6 RD_SINFO ()                        -> (Word, StartInfo, StartInfo) = control::rd_sinfo;
     13 DPNRM_DG (Bool, Word)              -> (Word, Any, Bool) = distributed::dpnrm_dg;
@@ -108,16 +111,17 @@ system_functions! {
     44 REPL_VAL (Dword)                   -> (Word)            = control::repl_val;
     46 STP      ()                        -> ()                = control::stp;
     47 WAIT     (Word)                    -> ()                = control::wait;
+    48 SNC_RTCB ()                        -> (Word)            = control::snc_rtcb;
     49 LGC_GADR (Byte, Word)           -> (Word, Byte, Word, Word, Word) = station::lgc_gadr;
     50 RD_LGADR (Byte, Word)           -> (Word, Any, Word, Any, Word) = station::rd_lgadr;
     51 RDSYSST  (Bool, Word, Word)     -> (Word, Bool, Dword, Any) = status_list::rdsysst;
+    52 WR_USMSG (Bool, Word, Any, Any)    -> (Word)            = control::wr_usmsg;
     64 TIME_TCK ()                        -> (Dword)           = clock::time_tck;
     70 GEO_LOG  (Word, Word, Word, Word) -> (Word, Word)     = station::geo_log;
     71 LOG_GEO  (Word)                 -> (Word, Word, Word, Word, Word, Word, Word) = station::log_geo;
     79 SET      (Word)                    -> (Word, Pointer)   = output_bits::set;
     80 RSET     (Word)                    -> (Word, Pointer)   = output_bits::rset;
     81 UBLKMOV  (Any)                     -> (Word, Any)       = block_move::ublkmov;
-    // Instructions of the TIA Portal.
   1150 RD_SYS_T ()                        -> (Word, Dtl)       = dtl::read_clock;
   1151 RD_LOC_T ()                        -> (Word, Dtl)       = dtl::read_clock;
   1152 WR_SYS_T (Dtl)                     -> (Word)            = dtl::set_clock;
@@ -131,7 +135,6 @@ system_functions! {
   1160 DTL_TO_LDT (Dtl)                   -> (Lword)           = dtl::to_ldt;
   1161 ADD_DTL_TIME (Dtl, Dword, Bool)    -> (Dtl)             = dtl::add;
   1162 SUB_DTL_DTL (Dtl, Dtl)             -> (Dword)           = dtl::difference;
-    // What blocks of the library do not do themselves.
     2000 TEXT_JOIN (Any, Word, Word, Any, Word, Word, Any, Word, Word) -> (Word, Any) = text::join;
     2001 TEXT_COMPARE (Any, Any)          -> (Word)            = text::compare;
     2002 TEXT_FIND (Any, Any)             -> (Word)            = text::find;
@@ -158,6 +161,8 @@ system_functions! {
     2032 DT_COMBINE (Word, Dword)         -> (Word, DateAndTime) = dates::combine;
     2033 DT_SPLIT (DateAndTime)           -> (Word, Word, Dword, Word) = dates::split;
     2034 DT_COMPARE (DateAndTime, DateAndTime) -> (Word)       = dates::compare;
+    // Instructions of the TIA Portal.
+    // What blocks of the library do not do themselves.
 }
 
 fn row(number: u32) -> Option<&'static Row> {

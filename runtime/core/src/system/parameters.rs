@@ -101,6 +101,11 @@ impl Call<'_> {
         self.cpu.memory.set_bit(self.at(index), 0, value);
     }
 
+    /// Sets parameter `index`, a [`Kind::NextBool`].
+    pub fn set_next_bool(&self, index: usize, value: bool) {
+        self.cpu.memory.set_bit(self.at(index) - 1, 1, value);
+    }
+
     pub fn set_byte(&self, index: usize, value: u8) {
         self.cpu.memory.set_byte(self.at(index), value);
     }

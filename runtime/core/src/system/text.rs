@@ -37,7 +37,11 @@ impl Text {
         let length = u32::from(call.cpu.memory.byte(range.offset + 1));
         // The data block may end before the STRING that its header describes.
         let room = maximum.min(range.existing - 2);
-        (maximum != 0 && maximum != 255 && length <= room).then_some(Text { offset: range.offset, maximum: room, length })
+        (maximum != 0 && maximum != 255 && length <= room).then_some(Text {
+            offset: range.offset,
+            maximum: room,
+            length,
+        })
     }
 
     /// Character `index`, from 0.

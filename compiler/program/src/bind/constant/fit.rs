@@ -81,12 +81,8 @@ pub fn bytes(constant: &Constant, ty: &DataType) -> Result<Vec<u8>, Mismatch> {
 
 /// The character of a byte of Windows-1252.
 fn wide(letter: u8) -> u16 {
-    match letter {
-        0x80..=0x9F => (0x20..0x2200)
-            .find(|&code| char::from_u32(code).and_then(plcc_syntax::literal::windows_1252) == Some(letter))
-            .unwrap_or(u32::from(letter)) as u16,
-        _ => u16::from(letter),
-    }
+    // A single byte above ASCII is no UTF-8.
+    plcc_syntax::decode(&[letter]).encode_utf16().next().unwrap_or(u16::from(letter))
 }
 
 /// All bits of a type.

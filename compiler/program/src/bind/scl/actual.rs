@@ -60,7 +60,7 @@ impl Binder<'_> {
                     Some(Actual::Reference(access))
                 }
             },
-            DataType::OpenArray(array) => self.open_array(ctx, callee, formal, &array.clone(), node, intent),
+            DataType::OpenArray(array) => self.open_array_actual(ctx, callee, formal, &array.clone(), node, intent),
             DataType::Parameter(ParameterType::Pointer) => self.scl_pointer(ctx, callee, formal, node, intent),
             DataType::Parameter(ParameterType::Any) => self.scl_any(ctx, callee, formal, node, intent),
             DataType::Parameter(parameter) => self.scl_number(ctx, callee, formal, *parameter, node),
@@ -138,7 +138,7 @@ impl Binder<'_> {
     }
 
     /// ARRAY[*]: an array of the same element type and number of dimensions, or a formal that is one.
-    fn open_array(
+    fn open_array_actual(
         &mut self,
         ctx: &mut Ctx,
         callee: BlockKey,

@@ -229,11 +229,14 @@ impl Binder<'_> {
                     };
                     let lengths = (0..i32::from(array.dimensions)).map(length);
                     let count = lengths.reduce(|a, b| binary(BinaryOp::Multiply, a, b))?;
-                    Expr { ty: Elementary::Udint, ..super::convert::converted(
-                        count,
-                        crate::model::scl::Conversion::Bits { checked: false },
-                        Elementary::Udint,
-                    ) }
+                    Expr {
+                        ty: Elementary::Udint,
+                        ..super::convert::converted(
+                            count,
+                            crate::model::scl::Conversion::Bits { checked: false },
+                            Elementary::Udint,
+                        )
+                    }
                 }
                 _ => {
                     let is = described(&Value::Parameter { access: access.clone(), span: place });
@@ -263,11 +266,7 @@ fn open_parameter(ctx: &Ctx, access: &Access) -> Option<usize> {
 
 /// A bound of an ARRAY[*]; `dimension` from 0.
 fn bound(parameter: usize, dimension: Expr, upper: bool, span: Span) -> Expr {
-    Expr {
-        kind: ExprKind::Bound { parameter, dimension: Box::new(dimension), upper },
-        ty: Elementary::Dint,
-        span,
-    }
+    Expr { kind: ExprKind::Bound { parameter, dimension: Box::new(dimension), upper }, ty: Elementary::Dint, span }
 }
 
 fn counted_from_0(dimension: Expr) -> Expr {
@@ -311,7 +310,7 @@ fn whole_copy(source: &Run, target: &Run, count: &Expr) -> Option<StatementKind>
         IndexBounds::Known(_, high) => constant(&run.first).is_some_and(|first| first + count - 1 <= i64::from(high)),
         IndexBounds::Open { .. } => false,
     };
-    if count < 1 || source.stride % 8 != 0 || !fits(source) || !fits(target) {
+    if count < 1 || !source.stride.is_multiple_of(8) || !fits(source) || !fits(target) {
         return None;
     }
     let bytes = u32::try_from(count).ok()?.checked_mul(source.stride / 8)?;

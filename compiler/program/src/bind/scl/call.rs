@@ -1,9 +1,30 @@
-//! Calls of blocks.
+//! Calls: what is called, and its value. A block with its instance, or a function of the language.
+//!
+//! Source: SCL reference, call forms. What the program itself defines comes before functions of the same name.
 
-use plcc_syntax::scl::ast::Expr as Node;
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{BlockName, BlockPrefix, OperandKind};
+use plcc_syntax::scl;
+use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKind, Name, NameForm};
 
+use super::function::Named;
 use super::value::Value;
+use super::{Intent, Rules};
+use crate::bind::names::{code_kind, fold};
+use crate::bind::path::similar;
 use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::scl::{Access, Base, Call, Complex, Expr, ExprKind, Instance};
+use crate::model::{BlockKey, Direction, Parameter, Place};
+use crate::symbols::SymbolTarget;
+use crate::types::{DataType, Member, StructType};
+
+/// What a call calls.
+pub enum Callee {
+    Block { key: BlockKey, instance: Option<Instance> },
+    Function(Named),
+}
 
 impl Binder<'_> {
     /// Binds a call: of a block, an instance, a function of the language. `statement`: its value may be dropped.

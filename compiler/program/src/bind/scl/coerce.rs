@@ -1,10 +1,12 @@
 //! Values in the type that is wanted: implicit conversions, texts, structures.
 
 use plcc_diag::{Code, Span};
+use plcc_syntax::ast::BlockPrefix;
 use plcc_syntax::scl::ast::Expr as Node;
 use plcc_syntax::{Class, Elementary};
 
 use super::convert::{self, Implicit};
+use super::place::Spot;
 use super::value::Value;
 use super::{Rules, constant, message};
 use crate::bind::constant::Constant;
@@ -148,6 +150,20 @@ impl Binder<'_> {
                 Some(Complex::Variable(access))
             }
             (Value::Constant(constant, _), _) => self.complex_constant(constant, span, ty),
+            // A data block as the variable that it is made of.
+            (Value::Block { prefix: BlockPrefix::Db, number: Number::Known(number), .. }, wanted)
+                if matches!(wanted, DataType::Struct(_) | DataType::Array(_)) =>
+            {
+                let mut variable = self.whole_db(number, span)?;
+                if let (DataType::Struct(structure), DataType::Array(_)) = (&variable.ty, wanted)
+                    && let [only] = structure.members.as_slice()
+                {
+                    variable.ty = only.ty.clone();
+                }
+                let ty = variable.ty.clone();
+                let value = Complex::Variable(Spot::fixed(variable).access(span));
+                self.scl_complex_value(ctx, Value::Complex { value, ty, span }, wanted)
+            }
             (Value::Elementary(expr), DataType::String(_)) if expr.ty == Elementary::Char => {
                 Some(Complex::Character(Box::new(expr)))
             }
@@ -212,10 +228,6 @@ pub fn text_bytes(text: &[u8]) -> Option<Vec<u8>> {
         _ if text.len() > STRING_MAX => None,
         _ => Some([&[text.len() as u8, text.len() as u8], text].concat()),
     }
-    let length = text.len() as u8;
-    // A text that can never hold a character is none: its maximum is 1 at least.
-    let room: &[u8] = if text.is_empty() { &[0] } else { &[] };
-    Some([&[length.max(1), length], text, room].concat())
 }
 
 fn wide_bytes(text: &[u16]) -> Vec<u8> {

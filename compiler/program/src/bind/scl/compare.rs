@@ -66,11 +66,6 @@ impl Binder<'_> {
             (Some(DataType::DateAndTime), Some(DataType::DateAndTime)) => {
                 self.compare_by_call(ctx, library(op).1, left, right, &DataType::DateAndTime, span)
             }
-            _ if Self::is_dtl_value(&left) && Self::is_dtl_value(&right) => {
-                let left = self.dtl_moment(ctx, left, span);
-                let right = self.dtl_moment(ctx, right, span);
-                Some(comparison(op, left?, right?, span))
-            }
             (Some(DataType::Struct(_) | DataType::Array(_)), Some(DataType::Struct(_) | DataType::Array(_))) => {
                 self.compare_structures(ctx, op, op_span, left, right, span)
             }

@@ -57,7 +57,7 @@ impl Binder<'_> {
         let value = self.scl_value(ctx, operand)?;
         let shape = Shape::of(&value);
         if shape.is_untyped() && !matches!((op, shape), (Sign::Not, Shape::Real)) {
-            return self.folded(ctx, node);
+            return self.folded_constant(ctx, node);
         }
         let rules = ctx.scl.rules;
         let (name, ty) = match op {
@@ -130,7 +130,7 @@ impl Binder<'_> {
             | Operator::GreaterEqual
             | Operator::Equal
             | Operator::NotEqual => self.compare(ctx, op, op_span, left, right, span).map(Value::Elementary),
-            _ if Shape::of(&left).is_untyped() && Shape::of(&right).is_untyped() => self.folded(ctx, node),
+            _ if Shape::of(&left).is_untyped() && Shape::of(&right).is_untyped() => self.folded_constant(ctx, node),
             Operator::And | Operator::Or | Operator::Xor => self.bitwise(ctx, op, op_span, left, right, span),
             Operator::Power => self.power(ctx, op_span, left, right, span),
             Operator::Add
@@ -146,7 +146,7 @@ impl Binder<'_> {
     }
 
     /// Two constants without types make one without a type.
-    fn folded(&mut self, ctx: &Ctx, node: &Node) -> Option<Value> {
+    fn folded_constant(&mut self, ctx: &Ctx, node: &Node) -> Option<Value> {
         let constant = self.constant(&ctx.bound.constants, node)?;
         Some(Value::Constant(constant, node.span))
     }

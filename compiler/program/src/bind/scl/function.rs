@@ -39,13 +39,19 @@ pub enum Kind {
     BitSum,
     IsValid,
     /// LOWER_BOUND, UPPER_BOUND.
-    Bound { upper: bool },
+    Bound {
+        upper: bool,
+    },
     CountOfElements,
     Timer(TimerKind),
     /// S_CU, S_CD, S_CUD.
     Counter,
-    Peek { bit: bool },
-    Poke { bit: bool },
+    Peek {
+        bit: bool,
+    },
+    Poke {
+        bit: bool,
+    },
     PokeBlock,
     MoveBlock,
     FillBlock,
@@ -201,9 +207,6 @@ pub const NOT_SUPPORTED: &[&str] = &[
     "WR_SYS_T",
     "RD_LOC_T",
     "WR_LOC_T",
-    "S_CONV",
-    "STRG_VAL",
-    "VAL_STRG",
     "ATH",
     "HTA",
     "MAX_LEN",
@@ -244,9 +247,15 @@ pub const NOT_SUPPORTED: &[&str] = &[
 /// A function that a name means.
 #[derive(Clone, Debug)]
 pub enum Named {
-    Row { row: &'static Row, suffix: Option<Elementary> },
+    Row {
+        row: &'static Row,
+        suffix: Option<Elementary>,
+    },
     /// `INT_TO_REAL`, `TO_REAL`.
-    Convert { from: Option<Elementary>, to: Elementary },
+    Convert {
+        from: Option<Elementary>,
+        to: Elementary,
+    },
     /// Upper case.
     Bcd(String),
     /// `INT_TO_STRING`, `DTL_TO_DATE`: of types that are no single value. Upper case.
@@ -343,7 +352,8 @@ impl Binder<'_> {
             | Kind::Gather
             | Kind::MoveText
             | Kind::ResetTimer
-            | Kind::PresetTimer => {
+            | Kind::PresetTimer
+            | Kind::TextNumber(_) => {
                 if !statement {
                     self.no_value(name);
                     return None;

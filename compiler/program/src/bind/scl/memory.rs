@@ -16,9 +16,7 @@ use super::pins::Pins;
 use super::value::Value;
 use crate::bind::{Binder, Ctx};
 use crate::layout;
-use crate::model::scl::{
-    Access, Arm, Base, BinaryOp, Complex, Expr, ExprKind, IndexedArea, Statement, StatementKind,
-};
+use crate::model::scl::{Access, Arm, Base, BinaryOp, Complex, Expr, ExprKind, IndexedArea, Statement, StatementKind};
 use crate::model::{Number, Place};
 use crate::types::DataType;
 
@@ -47,6 +45,7 @@ impl Binder<'_> {
             Kind::Scatter => self.scatter(ctx, pins, span)?,
             Kind::Gather => self.gather(ctx, pins, span)?,
             Kind::Demux => self.demux(ctx, pins, span)?,
+            Kind::TextNumber(kind) => vec![StatementKind::Call(Box::new(self.text_number(ctx, kind, pins, span)?))],
             Kind::ResetTimer => self.reset_timer(ctx, pins, span)?,
             Kind::PresetTimer => self.preset_timer(ctx, pins)?,
             Kind::MoveText => {

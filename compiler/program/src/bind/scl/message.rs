@@ -89,6 +89,6 @@ pub fn described(value: &Value) -> String {
         Value::Cell { kind: plcc_syntax::ast::CellKind::Timer, .. } => "a timer".to_string(),
         Value::Cell { kind: plcc_syntax::ast::CellKind::Counter, .. } => "a counter".to_string(),
         Value::Block { prefix, .. } => format!("a block ({})", prefix.letters()),
-        Value::Nothing(_) => "a call without a value".to_string(),
+        Value::Nothing(_) | Value::Statements(..) => "a call without a value".to_string(),
     }
 }

@@ -4,11 +4,16 @@
 //! - `expression`: operators; `numeric`: the types that they work in; `time`: dates and times; `compare`: comparisons.
 //! - `convert`: the conversions of each dialect; `coerce`: values in the type that is wanted; `constant`: constants in their context.
 //! - `access`: names, components, indices and slices; `place`: what they make; `indexed`: absolute and indexed addresses.
-//! - `call`: calls of blocks; `function`: the functions of the language, one table row each.
+//! - `call`: calls of blocks; `arguments`, `actual`, `pointer`: what they hand over.
+//! - `function`: the functions of the language, one table row each; `pins`: their arguments; `number`, `timer`, `memory`, `array`, `text`:
+//!   what they compute.
 //! - `value`: what an expression is before its context decides on its type; `message`: messages that several of these give.
 //! - `reference`: the reference page, docs/reference/scl.md.
 
 mod access;
+mod actual;
+mod arguments;
+mod array;
 mod assign;
 mod call;
 mod case;
@@ -22,17 +27,22 @@ mod flow;
 mod function;
 mod iec_timer;
 mod indexed;
+mod memory;
 mod message;
+mod number;
 mod numeric;
+mod pins;
 mod place;
 mod pointer;
 mod reference;
+mod result;
 mod rules;
 mod statement;
 mod temporary;
 mod text;
 mod text_number;
 mod time;
+mod timer;
 mod value;
 
 #[cfg(test)]

@@ -197,14 +197,7 @@ impl Binder<'_> {
         Some(computed(Function::Mux { has_else: otherwise.is_some() }, arguments, ty, span))
     }
 
-    fn round(
-        &mut self,
-        ctx: &mut Ctx,
-        row: &Row,
-        suffix: Option<Elementary>,
-        pins: &Pins,
-        span: Span,
-    ) -> Option<Expr> {
+    fn round(&mut self, ctx: &mut Ctx, row: &Row, suffix: Option<Elementary>, pins: &Pins, span: Span) -> Option<Expr> {
         let ty = suffix.unwrap_or(Elementary::Dint);
         let value = self.float_value(ctx, pins.get("IN")?, None)?;
         if !ty.is_integer() {
@@ -306,9 +299,7 @@ impl Binder<'_> {
         }
         match widest? {
             Shape::Of(ty) => Some(ty),
-            Shape::Integer(value) => {
-                Some(constant::default_type(rules, &Constant::Integer { value, based: false }))
-            }
+            Shape::Integer(value) => Some(constant::default_type(rules, &Constant::Integer { value, based: false })),
             Shape::Real => Some(constant::default_type(rules, &Constant::Real(0.0))),
             Shape::Letter | Shape::Other => Some(Elementary::Char),
         }

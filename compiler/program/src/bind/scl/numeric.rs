@@ -36,7 +36,11 @@ impl Shape {
                 }
             },
             Value::Cell { .. } => Shape::Of(Elementary::Bool),
-            Value::Complex { .. } | Value::Parameter { .. } | Value::Block { .. } | Value::Nothing(_) => Shape::Other,
+            Value::Complex { .. }
+            | Value::Parameter { .. }
+            | Value::Block { .. }
+            | Value::Nothing(_)
+            | Value::Statements(..) => Shape::Other,
         }
     }
 

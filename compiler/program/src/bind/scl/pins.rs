@@ -164,9 +164,12 @@ impl Binder<'_> {
             return None;
         }
         *good = false;
-        let message =
-            Diagnostic::new(Code::UnknownParameter, name.span, format!("{} has no parameter `{}`", row.name, name.text))
-                .label("no such parameter");
+        let message = Diagnostic::new(
+            Code::UnknownParameter,
+            name.span,
+            format!("{} has no parameter `{}`", row.name, name.text),
+        )
+        .label("no such parameter");
         let names = list.iter().map(|pin| pin.name());
         let all: Vec<&str> = names.clone().collect();
         self.report.push(match similar(&name.text, names) {

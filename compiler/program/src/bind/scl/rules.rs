@@ -31,7 +31,7 @@ impl Rules {
             (Dialect::Classic, _) => Rules::Classic,
             (_, Family::S71200) => Rules::Tia1200,
             (Dialect::Tia, Family::S7300 | Family::S7400) if named => Rules::Tia300,
-            (Dialect::Tia, _) => Rules::Tia1500,
+            (Dialect::Tia, _) | (Dialect::Either, Family::S71500) => Rules::Tia1500,
             (Dialect::Either, Family::S7300 | Family::S7400 | Family::S7200) => Rules::Classic,
         }
     }

@@ -39,7 +39,7 @@ impl Binder<'_> {
         let kind = match &tree.kind {
             TreeKind::Empty | TreeKind::Error => None,
             TreeKind::Label(name) => self.label(ctx, name).map(StatementKind::Label),
-            TreeKind::Expression(node) => self.lone_expression(ctx, node),
+            TreeKind::Expression(node) => self.lone_expression(ctx, node, bound),
             TreeKind::Assign { targets, value } => {
                 self.assign(ctx, targets, value, span, bound);
                 None
@@ -105,13 +105,21 @@ impl Binder<'_> {
     }
 
     /// A call, or an expression that was meant otherwise.
-    fn lone_expression(&mut self, ctx: &mut Ctx, node: &Node) -> Option<StatementKind> {
+    fn lone_expression(&mut self, ctx: &mut Ctx, node: &Node, bound: &mut Vec<Statement>) -> Option<StatementKind> {
         match &node.kind {
             NodeKind::Call { .. } => match self.scl_call(ctx, node, true)? {
                 Value::Nothing(call) => Some(StatementKind::Call(call)),
                 Value::Complex { value: Complex::Call(call), .. } => Some(StatementKind::Call(call)),
                 Value::Elementary(Expr { kind: ExprKind::Call(call), .. }) => Some(StatementKind::Call(call)),
                 Value::Elementary(expr) => Some(StatementKind::Evaluate(expr)),
+                Value::Statements(statements, _) => {
+                    let place = |statement: Statement| Statement {
+                        span: ctx.fixed_span.unwrap_or(statement.span),
+                        ..statement
+                    };
+                    bound.extend(statements.into_iter().map(place));
+                    None
+                }
                 _ => None,
             },
             NodeKind::Binary { op: Operator::Equal, op_span, .. } => {
@@ -146,6 +154,7 @@ impl Binder<'_> {
             _ => "it goes to the next run of FOR, WHILE or REPEAT",
         };
         let title = format!("{word} stands outside of a loop");
+        let span = Span { end: span.end.min(span.start + word.len() as u32), ..span };
         self.refuse(Code::LoopControl, span, &title, "there is no loop around it", help);
         None
     }

@@ -34,9 +34,8 @@ const CLASSIC: &[(&str, &str)] = &[
 /// True of `X_TO_Y` (upper case) where one of the types is no single value.
 pub fn is_conversion(name: &str) -> bool {
     let known = |word: &str| WORDS.contains(&word) || Elementary::from_word(word).is_some();
-    name.split_once("_TO_").is_some_and(|(from, to)| {
-        known(from) && known(to) && (WORDS.contains(&from) || WORDS.contains(&to))
-    })
+    name.split_once("_TO_")
+        .is_some_and(|(from, to)| known(from) && known(to) && (WORDS.contains(&from) || WORDS.contains(&to)))
 }
 
 /// A type's name in names of conversions, shortened.
@@ -99,7 +98,7 @@ impl Binder<'_> {
             _ => {}
         }
         if let Some(key) = self.conversion_block(ctx, from, to) {
-            return self.library_value(ctx, key, &[node], name, span);
+            return self.library_of_nodes(ctx, key, &[node], name, span);
         }
         // By way of a type that holds all values.
         if let Some(own) = Elementary::from_word(from)
@@ -111,7 +110,7 @@ impl Binder<'_> {
         }
         if let Some(own) = Elementary::from_word(to)
             && let Some((_, key)) = self.wider_block(ctx, own, |word| (from.to_string(), word.to_string()))
-            && let Value::Elementary(value) = self.library_value(ctx, key, &[node], name, span)?
+            && let Value::Elementary(value) = self.library_of_nodes(ctx, key, &[node], name, span)?
         {
             let value = convert::explicit_expr(ctx.scl.rules, value, own)?;
             return Some(Value::Elementary(Expr { span, ..value }));
@@ -215,7 +214,7 @@ impl Binder<'_> {
     }
 
     /// The value of a function of the library for arguments in its order.
-    fn library_value(
+    fn library_of_nodes(
         &mut self,
         ctx: &mut Ctx,
         key: BlockKey,

@@ -131,30 +131,20 @@ impl Binder<'_> {
                 let both = left.zip(right);
                 both.and_then(|(a, b)| self.library_value(SB_DT_DT, vec![Actual::Complex(a), Actual::Complex(b)], span))
             }
+            (Dtl, Of(step @ (Time | Ltime))) if sum => self.dtl_step(ctx, left, right, step, subtract, span),
+            (Dtl, Dtl) if subtract => {
+                let ty = if ctx.scl.rules == Rules::Tia1500 { Ltime } else { Time };
+                self.dtl_difference(ctx, left, right, ty, span)
+            }
             (Of(Date), Of(TimeOfDay)) if op == Operator::Add => {
                 self.instruction_value(ctx, "T_COMBINE", vec![left, right], span)
             }
-            (Dtl, Of(Time | Ltime)) if sum => {
-                let left = self.as_ldt(ctx, left);
-                let right = self.scl_own_type(ctx, right);
-                let right = right.and_then(|right| convert::explicit_expr(ctx.scl.rules, right, Ltime));
-                left.zip(right).and_then(|(left, right)| {
-                    let sum = binary_expr(binary_op(op), as_bits(left, Lint), as_bits(right, Lint), Lint, span);
-                    self.instruction_value(ctx, "LDT_TO_DTL", vec![Value::Elementary(as_bits(sum, Ldt))], span)
-                })
+            (Dtl, _) | (_, Dtl) => {
+                let help = "a DTL goes with a TIME, which is added or subtracted, and two have a difference";
+                self.refuse(Code::TypeMismatch, op_span, "this is no arithmetic of a DTL", "DTL", help);
+                None
             }
-            (Dtl, Dtl) if subtract => {
-                let (left, right) = (self.as_ldt(ctx, left), self.as_ldt(ctx, right));
-                left.zip(right).and_then(|(left, right)| {
-                    let gap = binary_expr(BinaryOp::Subtract, as_bits(left, Ltime), as_bits(right, Ltime), Ltime, span);
-                    let gap = match ctx.scl.rules {
-                        Rules::Tia1500 => Some(gap),
-                        rules => convert::explicit_expr(rules, gap, Time),
-                    };
-                    gap.map(Value::Elementary)
-                })
-            }
-            (Of(_) | DateAndTime | Dtl, _) | (_, Of(_) | DateAndTime | Dtl) => {
+            (Of(_) | DateAndTime, _) | (_, Of(_) | DateAndTime) => {
                 let help =
                     "TIME goes with TIME and integers; dates go with TIME, and two of one type have a difference";
                 self.operator_types(op_span, &left, &right, help);
@@ -163,6 +153,50 @@ impl Binder<'_> {
             _ => return Err((left, right)),
         };
         Ok(value)
+    }
+
+    /// True of a DTL.
+    pub(super) fn is_dtl_value(value: &Value) -> bool {
+        moment(value) == Moment::Dtl
+    }
+
+    /// DTL and TIME or LTIME: a DTL.
+    fn dtl_step(
+        &mut self,
+        ctx: &mut Ctx,
+        left: Value,
+        right: Value,
+        step: Elementary,
+        back: bool,
+        span: Span,
+    ) -> Option<Value> {
+        if step == Time {
+            let back = Value::Constant(Constant::Typed { ty: Bool, bits: back.into() }, span);
+            return self.instruction_value(ctx, "ADD_DTL_TIME", vec![left, right, back], span);
+        }
+        let left = self.instruction_value(ctx, "DTL_TO_LDT", vec![left], span)?;
+        let left = self.scl_convert(ctx, left, Ldt)?;
+        let right = self.scl_convert(ctx, right, Ltime)?;
+        let op = if back { BinaryOp::Subtract } else { BinaryOp::Add };
+        let sum = binary_expr(op, as_bits(left, Lint), as_bits(right, Lint), Lint, span);
+        self.instruction_value(ctx, "LDT_TO_DTL", vec![Value::Elementary(as_bits(sum, Ldt))], span)
+    }
+
+    /// The time between two DTL: a TIME, or an LTIME, which holds every one.
+    pub(super) fn dtl_difference(
+        &mut self,
+        ctx: &mut Ctx,
+        left: Value,
+        right: Value,
+        ty: Elementary,
+        span: Span,
+    ) -> Option<Value> {
+        if ty == Time {
+            return self.instruction_value(ctx, "SUB_DTL_DTL", vec![left, right], span);
+        }
+        let left = self.instruction_value(ctx, "DTL_TO_LDT", vec![left], span)?;
+        let right = self.instruction_value(ctx, "DTL_TO_LDT", vec![right], span)?;
+        self.difference(ctx, Ldt, left, right, span)
     }
 
     /// A DTL, DATE_AND_TIME or LDT as LDT, in which TIA computes and compares them all; `None` of anything else.
@@ -190,42 +224,8 @@ impl Binder<'_> {
         inputs: Vec<Value>,
         span: Span,
     ) -> Option<Value> {
-        if step == Time {
-            let back = Value::Constant(Constant::Typed { ty: Bool, bits: back.into() }, span);
-            return self.dtl_function(ctx, "ADD_DTL_TIME", vec![left, right, back], span);
-        }
-        let left = self.dtl_moment(ctx, left, span)?;
-        let right = self.scl_convert(ctx, right, Ltime)?;
-        let op = if back { BinaryOp::Subtract } else { BinaryOp::Add };
-        let sum = binary_expr(op, as_bits(left, Lint), as_bits(right, Lint), Lint, span);
-        self.dtl_function(ctx, "LDT_TO_DTL", vec![Value::Elementary(as_bits(sum, Ldt))], span)
-    }
-
-    /// The time between two DTL: a TIME, or an LTIME, which holds every one.
-    pub(super) fn dtl_difference(
-        &mut self,
-        ctx: &mut Ctx,
-        left: Value,
-        right: Value,
-        ty: Elementary,
-        span: Span,
-    ) -> Option<Value> {
-        if ty == Time {
-            return self.dtl_function(ctx, "SUB_DTL_DTL", vec![left, right], span);
-        }
-        let (left, right) = (self.dtl_moment(ctx, left, span), self.dtl_moment(ctx, right, span));
-        self.difference(ctx, Ldt, Value::Elementary(left?), Value::Elementary(right?), span)
-    }
-
-    /// A DTL as LDT.
-    pub(super) fn dtl_moment(&mut self, ctx: &mut Ctx, value: Value, span: Span) -> Option<Expr> {
-        let value = self.dtl_function(ctx, "DTL_TO_LDT", vec![value], span)?;
-        self.scl_convert(ctx, value, Ldt)
-    }
-
-    fn dtl_function(&mut self, ctx: &mut Ctx, name: &str, values: Vec<Value>, span: Span) -> Option<Value> {
-        let key = self.library_function(Rules::Tia1500, name)?;
-        self.library_call(ctx, key, values, span, span)
+        let key = self.library_key(plcc_stdlib::find_tia(name)?);
+        self.library_call(ctx, key, inputs, span, span)
     }
 
     /// An integer beside a TIME, as so many milliseconds (LTIME: nanoseconds).

@@ -5,12 +5,12 @@ use plcc_syntax::Elementary;
 use plcc_syntax::ast::CellKind;
 use plcc_syntax::scl::ast::Expr as Node;
 
+use super::Intent;
 use super::convert;
 use super::message::described;
 use super::numeric::Shape;
 use super::pins::Pins;
 use super::value::Value;
-use super::Intent;
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
 use crate::model::Number;
@@ -18,7 +18,7 @@ use crate::model::scl::{Access, CounterCall, Expr, ExprKind, TimerCall, TimerKin
 
 impl Binder<'_> {
     pub fn timer_function(&mut self, ctx: &mut Ctx, kind: TimerKind, pins: &Pins, span: Span) -> Option<Value> {
-        let timer = self.cell(ctx, CellKind::Timer, pins.get("T_NO")?);
+        let timer = self.cell_argument(ctx, CellKind::Timer, pins.get("T_NO")?);
         let start = self.optional(ctx, pins.get("S"), Elementary::Bool);
         let value = match pins.get("TV") {
             Some(node) => self.timer_value(ctx, node).map(Some),
@@ -32,7 +32,7 @@ impl Binder<'_> {
     }
 
     pub fn counter_function(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Value> {
-        let counter = self.cell(ctx, CellKind::Counter, pins.get("C_NO")?);
+        let counter = self.cell_argument(ctx, CellKind::Counter, pins.get("C_NO")?);
         let up = self.optional(ctx, pins.get("CU"), Elementary::Bool);
         let down = self.optional(ctx, pins.get("CD"), Elementary::Bool);
         let set = self.optional(ctx, pins.get("S"), Elementary::Bool);
@@ -57,7 +57,7 @@ impl Binder<'_> {
     }
 
     /// The timer or counter that a function works on.
-    fn cell(&mut self, ctx: &mut Ctx, wanted: CellKind, node: &Node) -> Option<Number> {
+    fn cell_argument(&mut self, ctx: &mut Ctx, wanted: CellKind, node: &Node) -> Option<Number> {
         let value = self.scl_value(ctx, node)?;
         match value {
             Value::Cell { kind, number, .. } if kind == wanted => Some(number),

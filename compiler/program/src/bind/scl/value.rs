@@ -25,6 +25,8 @@ pub enum Value {
     Block { prefix: BlockPrefix, number: Number, span: Span },
     /// A call without a value, as a statement.
     Nothing(Box<crate::model::scl::Call>),
+    /// A function of the language that is a statement by itself, with its place: POKE, MOVE_BLK.
+    Statements(Vec<crate::model::scl::Statement>, Span),
 }
 
 impl Value {
@@ -37,6 +39,7 @@ impl Value {
             | Value::Cell { span, .. }
             | Value::Block { span, .. } => *span,
             Value::Nothing(call) => call.span,
+            Value::Statements(_, span) => *span,
         }
     }
 }
