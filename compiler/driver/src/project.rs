@@ -263,12 +263,9 @@ impl Context {
         range: std::ops::RangeInclusive<i64>,
         what: &str,
     ) -> Option<T> {
-        if !range.contains(key.get_ref()) {
-            let title = format!("{} is not {what} from {} to {}", key.get_ref(), range.start(), range.end());
-            self.report(key.span(), title, "docs/plc-toml.md lists the keys and their values");
-            return None;
-        }
-        T::try_from(*key.get_ref()).ok()
+        number_within(key, range, what)
+            .map_err(|title| self.report(key.span(), title, "docs/plc-toml.md lists the keys and their values"))
+            .ok()
     }
 
     /// A duration in milliseconds.
@@ -310,6 +307,19 @@ fn overlap(a: &Module, b: &Module) -> bool {
     };
     ranges_overlap(a.input_start, a.input_bytes, b.input_start, b.input_bytes)
         || ranges_overlap(a.output_start, a.output_bytes, b.output_start, b.output_bytes)
+}
+
+/// The number of a key. `Err`: what is wrong with it, for a message.
+pub(crate) fn number_within<T: TryFrom<i64>>(
+    key: &Spanned<i64>,
+    range: std::ops::RangeInclusive<i64>,
+    what: &str,
+) -> Result<T, String> {
+    let wrong = || format!("{} is not {what} from {} to {}", key.get_ref(), range.start(), range.end());
+    if !range.contains(key.get_ref()) {
+        return Err(wrong());
+    }
+    T::try_from(*key.get_ref()).map_err(|_| wrong())
 }
 
 #[cfg(test)]

@@ -360,6 +360,17 @@ impl Context<'_, '_> {
                 self.set(self.regs.db, db);
             }
         }
+        self.run_system_function(callee, structure);
+        for argument in arguments {
+            let parameter = &callee.interface.parameters[argument.parameter];
+            if parameter.direction != Direction::Input {
+                self.structure_out(parameter, &argument.actual, base);
+            }
+        }
+    }
+
+    /// Calls the runtime for a system function whose parameters lie in `structure`; its BR is the block's.
+    pub fn run_system_function(&mut self, callee: &CodeBlock, structure: Address) {
         let site = self.b.i32_const(self.site);
         let number = self.b.i32_const(u32::from(callee.number));
         let block = self.b.address_of(structure);
@@ -372,12 +383,6 @@ impl Context<'_, '_> {
         self.stop_check(stop);
         let br = self.b.trunc(Type::I1, answer);
         self.set(self.regs.br, br);
-        for argument in arguments {
-            let parameter = &callee.interface.parameters[argument.parameter];
-            if parameter.direction != Direction::Input {
-                self.structure_out(parameter, &argument.actual, base);
-            }
-        }
     }
 
     fn structure_in(&mut self, parameter: &Parameter, actual: &Actual, base: u32) {

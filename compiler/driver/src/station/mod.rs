@@ -162,12 +162,9 @@ impl Reader {
         range: std::ops::RangeInclusive<i64>,
         what: &str,
     ) -> Option<T> {
-        if !range.contains(key.get_ref()) {
-            let title = format!("{} is not {what} from {} to {}", key.get_ref(), range.start(), range.end());
-            self.report(key.span(), title, "docs/plc-toml.md lists the keys and their values");
-            return None;
-        }
-        T::try_from(*key.get_ref()).ok()
+        crate::project::number_within(key, range, what)
+            .map_err(|title| self.report(key.span(), title, "docs/plc-toml.md lists the keys and their values"))
+            .ok()
     }
 
     /// A module with its default addresses.

@@ -1,8 +1,7 @@
 //! Calls from SCL. Source: SCL reference, calls; STL reference, block call model.
 
-use plcc_abi::RuntimeFn;
 use plcc_abi::layout::area;
-use plcc_ir::{Address, BinaryOp, FuncId, Type, Value};
+use plcc_ir::{Address, FuncId, Value};
 use plcc_program::layout;
 use plcc_program::model::scl::{Call, Instance};
 use plcc_program::model::{CodeBlock, Direction, Parameter, Place, Width};
@@ -247,18 +246,7 @@ impl Context<'_, '_> {
         for given in &given {
             self.fill(structure, &callee.interface.parameters[given.parameter], given, true);
         }
-        let site = self.b.i32_const(self.site);
-        let number = self.b.i32_const(u32::from(callee.number));
-        let block = self.b.address_of(structure);
-        let frame = self.b.frame_base(false);
-        let answer = self
-            .b
-            .call_runtime(RuntimeFn::SystemFunction, &[site, number, block, frame])
-            .expect("system_function has a result");
-        let stop = self.b.binary_imm(BinaryOp::And, answer, 2);
-        self.stop_check(stop);
-        let br = self.b.trunc(Type::I1, answer);
-        self.set(self.regs.br, br);
+        self.run_system_function(callee, structure);
         self.take_back(structure, callee, &given);
         let (Some((_, parameter)), Some(room)) = (result(callee), room) else { return Returned::default() };
         let at = Address { offset: structure.offset + parameter.byte, ..structure };
