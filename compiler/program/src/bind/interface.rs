@@ -131,17 +131,6 @@ impl<'a> Binder<'a> {
 
     fn check_sections(&mut self, key: BlockKey, block: &ast::CodeBlock) {
         for section in &block.sections {
-            if section.kind == SectionKind::Static && static_is_temporary(key, block) {
-                if self.scope.tia {
-                    let mut warning =
-                        Diagnostic::new(Code::SectionNotAllowed, section.span, format!("{key} has no static data"))
-                            .label("these variables are temporary")
-                            .help("write VAR_TEMP");
-                    warning.severity = Severity::Warning;
-                    self.report.push(warning);
-                }
-                continue;
-            }
             let allowed = match key.kind {
                 BlockKind::Ob => section.kind == SectionKind::Temp,
                 BlockKind::Fc | BlockKind::Sfc => section.kind != SectionKind::Static,
@@ -323,12 +312,7 @@ impl<'a> Binder<'a> {
         if key.kind == BlockKind::Ob && self.hides_start_information(key.number, block) {
             placer.reserve(super::OB_START_INFORMATION_BYTES);
         }
-        let also = static_is_temporary(key, block);
-        let sections = block
-            .sections
-            .iter()
-            .filter(|section| section.kind == SectionKind::Temp || also && section.kind == SectionKind::Static);
-        for variable in sections.flat_map(|section| &section.variables).filter(|variable| variable.at.is_none()) {
+        for variable in variables(block, SectionKind::Temp).filter(|variable| variable.at.is_none()) {
             self.declare_name(names, &variable.name, variable.name_span);
             self.no_temporary_initial(variable);
             let ty = self.variable_type(variable, Use::Temp).map_or(DataType::Void, |typed| typed.ty);
@@ -418,11 +402,6 @@ impl Binder<'_> {
             }
         }
     }
-}
-
-/// VAR of a function or OB in SCL is another word for VAR_TEMP.
-fn static_is_temporary(key: BlockKey, block: &ast::CodeBlock) -> bool {
-    matches!(block.code, ast::Code::Scl(_)) && matches!(key.kind, BlockKind::Fc | BlockKind::Sfc | BlockKind::Ob)
 }
 
 fn variables(block: &ast::CodeBlock, kind: SectionKind) -> impl Iterator<Item = &ast::Variable> {
