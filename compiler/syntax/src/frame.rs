@@ -3,8 +3,40 @@
 use lalrpop_util::ParseError;
 use plcc_diag::{Code, Diagnostic, Span};
 
-use crate::ast::{BlockName, BlockPrefix, CodeKind};
-use crate::stl::token::CodeKeyword;
+use std::ops::Range;
+
+use crate::ast::{BlockName, BlockPrefix, CodeKind, Header};
+use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag};
+
+/// A part of a header.
+pub enum HeaderPart {
+    Title(String),
+    Text(HeaderField, String),
+    Flag(HeaderFlag),
+    Attributes(Vec<(String, String)>),
+}
+
+/// The header of a block, with the comment lines that stand in it.
+pub fn header(comment: Vec<String>, parts: Vec<HeaderPart>) -> Header {
+    let mut header = Header { comment, ..Header::default() };
+    for part in parts {
+        match part {
+            HeaderPart::Title(text) => header.title = Some(text),
+            HeaderPart::Text(HeaderField::Author, text) => header.author = Some(text),
+            HeaderPart::Text(HeaderField::Family, text) => header.family = Some(text),
+            HeaderPart::Text(HeaderField::Name, text) => header.name = Some(text),
+            HeaderPart::Text(HeaderField::Version, text) => header.version = Some(text),
+            HeaderPart::Flag(HeaderFlag::KnowHowProtect) => header.know_how_protect = true,
+            HeaderPart::Flag(HeaderFlag::Standard) => header.standard = true,
+            HeaderPart::Flag(HeaderFlag::CodeVersion1) => header.code_version1 = true,
+            HeaderPart::Flag(HeaderFlag::Unlinked) => header.unlinked = true,
+            HeaderPart::Flag(HeaderFlag::ReadOnly) => header.read_only = true,
+            HeaderPart::Flag(HeaderFlag::NonRetain) => header.non_retain = true,
+            HeaderPart::Attributes(attributes) => header.attributes.extend(attributes),
+        }
+    }
+    header
+}
 
 /// Kind of the block `name`: from its keyword; SFC and SFB are told by the letters of the number. Wrong letters give a message, too.
 pub fn code_kind(keyword: CodeKeyword, name: &BlockName, text: &str) -> (CodeKind, Option<Diagnostic>) {
@@ -40,4 +72,12 @@ pub fn error_range<T>(error: &ParseError<usize, T, ()>) -> Option<(usize, usize)
         }
         ParseError::User { .. } => None,
     }
+}
+
+/// Whether a message lies within `range` already: one of the layout, of which the starts are `reported` in order, or the last of the grammar.
+pub fn is_reported(reported: &[u32], diagnostics: &[Diagnostic], range: Range<usize>) -> bool {
+    let first = reported.partition_point(|&reported| (reported as usize) < range.start);
+    let inside = |start: u32| (range.start..=range.end).contains(&(start as usize));
+    reported.get(first).is_some_and(|&start| inside(start))
+        || diagnostics.last().is_some_and(|last| inside(last.primary.span.start))
 }

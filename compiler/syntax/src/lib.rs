@@ -9,6 +9,7 @@
 
 pub mod ast;
 mod ast_text;
+mod comment;
 mod elementary;
 mod encoding;
 mod frame;

@@ -1,5 +1,7 @@
 //! Whatever an SCL source holds, reading it ends soon, without a panic, and every message has a place in the text.
 
+mod mutate;
+
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 
@@ -186,29 +188,14 @@ proptest! {
 
     #[test]
     fn mutated_sources(edits in proptest::collection::vec((any::<prop::sample::Index>(), 0usize..6, 0..PIECES.len()), 1..12)) {
-        let mut text = FORMS.to_owned();
-        for (place, removed, piece) in edits {
-            let mut start = place.index(text.len());
-            while !text.is_char_boundary(start) {
-                start -= 1;
-            }
-            let mut end = (start + removed).min(text.len());
-            while !text.is_char_boundary(end) {
-                end += 1;
-            }
-            text.replace_range(start..end, PIECES[piece]);
-        }
-        read(&text);
+        read(&mutate::mutated(FORMS, edits, PIECES));
     }
 
     #[test]
     fn cut_sources(place in any::<prop::sample::Index>()) {
-        let mut end = place.index(FORMS.len());
-        while !FORMS.is_char_boundary(end) {
-            end -= 1;
-        }
-        read(&FORMS[..end]);
-        read(&FORMS[end..]);
+        let (before, behind) = mutate::cut(FORMS, place);
+        read(before);
+        read(behind);
     }
 }
 

@@ -10,21 +10,13 @@ pub use expression::*;
 
 use super::ast::{Body, Dialect, Expr, ExprKind, Literal, Name, NameForm, Statement};
 use super::context::Context;
-use super::token::{CodeKeyword, HeaderField, HeaderFlag};
+use super::token::CodeKeyword;
 use crate::ast::{
     Block, BlockName, BlockPrefix, Bound, Code as BlockCode, CodeBlock, CodeKind, Constant, DataBlock, DataContent,
     Header, InitialKind, InitialValue, Path, PathPart, PathRoot, Section, SectionKind, TypeBlock, TypeKind, TypeRef,
     ValueAssignment, Variable,
 };
-use crate::frame;
-
-/// A part of a header.
-pub enum HeaderPart {
-    Title(String),
-    Text(HeaderField, String),
-    Flag(HeaderFlag),
-    Attribute((String, String)),
-}
+use crate::frame::{self, HeaderPart};
 
 /// A part of a block before BEGIN. Numbers: the byte where it begins.
 pub enum Part {
@@ -259,24 +251,7 @@ fn spread(context: &mut Context, members: &mut [Variable], value: Option<Initial
 }
 
 fn header(context: &Context, parts: Vec<HeaderPart>, range: Range<usize>) -> Header {
-    let mut header = Header { comment: context.comment_lines(range), ..Header::default() };
-    for part in parts {
-        match part {
-            HeaderPart::Title(text) => header.title = Some(text),
-            HeaderPart::Text(HeaderField::Author, text) => header.author = Some(text),
-            HeaderPart::Text(HeaderField::Family, text) => header.family = Some(text),
-            HeaderPart::Text(HeaderField::Name, text) => header.name = Some(text),
-            HeaderPart::Text(HeaderField::Version, text) => header.version = Some(text),
-            HeaderPart::Flag(HeaderFlag::KnowHowProtect) => header.know_how_protect = true,
-            HeaderPart::Flag(HeaderFlag::Standard) => header.standard = true,
-            HeaderPart::Flag(HeaderFlag::CodeVersion1) => header.code_version1 = true,
-            HeaderPart::Flag(HeaderFlag::Unlinked) => header.unlinked = true,
-            HeaderPart::Flag(HeaderFlag::ReadOnly) => header.read_only = true,
-            HeaderPart::Flag(HeaderFlag::NonRetain) => header.non_retain = true,
-            HeaderPart::Attribute(attribute) => header.attributes.push(attribute),
-        }
-    }
-    header
+    frame::header(context.comment_lines(range), parts)
 }
 
 /// The variables of one declaration; the comment behind it belongs to each.

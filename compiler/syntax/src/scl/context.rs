@@ -7,8 +7,8 @@ use plcc_diag::{Diagnostic, FileId, Span};
 
 use super::ast::{Dialect, Name, NameForm};
 use super::messages;
-use super::raw::{Comment, CommentForm};
 use super::token::{Spanned, Tok};
+use crate::comment::{self, Comment};
 use crate::frame;
 
 /// Where a syntax error was recovered.
@@ -57,42 +57,20 @@ impl<'a> Context<'a> {
     /// Reports a recovered error, unless the layout has reported one within `range`.
     pub fn syntax_error(&mut self, error: ErrorRecovery<usize, Tok<'a>, ()>, place: Place, range: Range<usize>) {
         let found = frame::error_range(&error.error).unwrap_or((range.end, range.end));
-        let (start, end) = (range.start.min(found.0), range.end.max(found.1));
-        let first = self.reported.partition_point(|&reported| (reported as usize) < start);
-        let inside = |reported: u32| (start..=end).contains(&(reported as usize));
-        if self.reported.get(first).is_some_and(|&reported| inside(reported))
-            || self.diagnostics.last().is_some_and(|last| inside(last.primary.span.start))
-        {
+        if frame::is_reported(&self.reported, &self.diagnostics, range.start.min(found.0)..range.end.max(found.1)) {
             return;
         }
         let diagnostic = messages::syntax_error(self, found.0, place);
         self.diagnostics.push(diagnostic);
     }
 
-    /// Comment lines of their own between the bytes, without `//`. Pragmas are none.
+    /// Comment lines of their own between the bytes, without `//`.
     pub fn comment_lines(&self, range: Range<usize>) -> Vec<String> {
-        let first = self.comments.partition_point(|comment| (comment.start as usize) < range.start);
-        self.comments[first..]
-            .iter()
-            .take_while(|comment| (comment.end as usize) <= range.end)
-            .filter(|comment| comment.own_line && comment.form == CommentForm::Line)
-            .filter_map(|comment| self.comment_text(comment))
-            .collect()
+        comment::lines(self.text, self.comments, range)
     }
 
-    /// The comment on the line that byte `end` is on, if only blanks stand between.
+    /// The comment behind byte `end`, on the same line.
     pub fn comment_behind(&self, end: usize) -> Option<String> {
-        let first = self.comments.partition_point(|comment| (comment.start as usize) < end);
-        let comment = self.comments.get(first)?;
-        let between = &self.text[end..comment.start as usize];
-        if comment.form != CommentForm::Line || !between.bytes().all(|byte| matches!(byte, b' ' | b'\t')) {
-            return None;
-        }
-        self.comment_text(comment)
-    }
-
-    fn comment_text(&self, comment: &Comment) -> Option<String> {
-        let text = &self.text[comment.start as usize + 2..comment.end as usize];
-        if text.starts_with('@') { None } else { Some(text.trim().to_owned()) }
+        comment::behind(self.text, self.comments, end)
     }
 }

@@ -23,9 +23,10 @@ use std::collections::HashSet;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use super::keyword::Keyword;
-use super::raw::{Comment, CommentForm, RawKind, RawText, RawToken};
+use super::raw::{RawKind, RawText, RawToken};
 use super::token::{Spanned, Tok};
 use crate::ast::Pragma;
+use crate::comment::{self, Comment};
 use crate::stl::pragma;
 
 /// How deep structured statements, STRUCTs and brackets may stand in one another.
@@ -205,19 +206,7 @@ impl<'a> Layout<'a> {
         if !self.obey_pragmas {
             return None;
         }
-        while let Some(comment) = self.comments.get(self.next_comment).copied() {
-            if comment.start >= before {
-                return None;
-            }
-            if comment.own_line
-                && comment.form == CommentForm::Line
-                && pragma::is_pragma(&self.text[comment.start as usize..comment.end as usize])
-            {
-                return Some(comment);
-            }
-            self.next_comment += 1;
-        }
-        None
+        comment::next_pragma(self.text, &self.comments, &mut self.next_comment, before)
     }
 
     fn read_pragma(&mut self, comment: Comment) -> Pragma {

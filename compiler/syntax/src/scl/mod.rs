@@ -31,6 +31,7 @@ use std::fmt::Write as _;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ast::SourceUnit;
+use crate::comment::CommentForm;
 use crate::{ParseOptions, frame};
 
 pub(crate) use outline::{Outline, outline};
@@ -98,14 +99,14 @@ fn looks_like_scl(text: &str, raw: &raw::RawText) -> bool {
 fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagnostic>) {
     for comment in &raw.comments {
         let diagnostic = match comment.form {
-            raw::CommentForm::Line | raw::CommentForm::Block => continue,
-            raw::CommentForm::Slash => {
+            CommentForm::Line | CommentForm::Block => continue,
+            CommentForm::Slash => {
                 let span = Span { file, start: comment.start, end: comment.end };
                 Diagnostic::new(Code::Tolerated, span, "SCL has no comments in `/* */`")
                     .label("taken as a comment")
                     .help("write `(* … *)`, or begin each line of it with `//`")
             }
-            raw::CommentForm::Unterminated => {
+            CommentForm::Unterminated => {
                 let span = Span { file, start: comment.start, end: comment.start + 2 };
                 Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
                     .label("begins here")

@@ -9,6 +9,7 @@ use logos::{Lexer, Logos};
 
 use super::extent;
 use super::keyword::Keyword;
+use crate::comment::{Comment, CommentForm};
 
 /// What a raw token is.
 #[derive(Logos, Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,29 +160,6 @@ impl RawToken {
     pub fn range(&self) -> Range<usize> {
         self.start as usize..self.end as usize
     }
-}
-
-/// How a comment is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CommentForm {
-    /// `//`
-    Line,
-    /// `(* *)`, `(/* */)`
-    Block,
-    /// `/* */`
-    Slash,
-    /// Never closed.
-    Unterminated,
-}
-
-/// A comment.
-#[derive(Clone, Copy, Debug)]
-pub struct Comment {
-    pub start: u32,
-    pub end: u32,
-    /// Nothing but blanks stands before it on its line.
-    pub own_line: bool,
-    pub form: CommentForm,
 }
 
 /// `REGION name`, or `END_REGION`.

@@ -5,19 +5,11 @@ use std::ops::Range;
 use plcc_diag::{Code, Diagnostic, Span};
 
 use crate::ast::*;
-use crate::frame;
+use crate::frame::{self, HeaderPart};
 use crate::literal::Literal;
 use crate::stl::context::Context;
-use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag};
+use crate::stl::token::CodeKeyword;
 use crate::stl::{StlInsn, check};
-
-/// A part of a header.
-pub enum HeaderPart {
-    Title(String),
-    Text(HeaderField, String),
-    Flag(HeaderFlag),
-    Attributes(Vec<(String, String)>),
-}
 
 /// A part of a block before BEGIN.
 pub enum Part {
@@ -169,24 +161,7 @@ fn data_parts(context: &mut Context, parts: Vec<Part>, range: Range<usize>) -> (
 }
 
 fn header(context: &Context, parts: Vec<HeaderPart>, range: Range<usize>) -> Header {
-    let mut header = Header { comment: context.comment_lines(range), ..Header::default() };
-    for part in parts {
-        match part {
-            HeaderPart::Title(text) => header.title = Some(text),
-            HeaderPart::Text(HeaderField::Author, text) => header.author = Some(text),
-            HeaderPart::Text(HeaderField::Family, text) => header.family = Some(text),
-            HeaderPart::Text(HeaderField::Name, text) => header.name = Some(text),
-            HeaderPart::Text(HeaderField::Version, text) => header.version = Some(text),
-            HeaderPart::Flag(HeaderFlag::KnowHowProtect) => header.know_how_protect = true,
-            HeaderPart::Flag(HeaderFlag::Standard) => header.standard = true,
-            HeaderPart::Flag(HeaderFlag::CodeVersion1) => header.code_version1 = true,
-            HeaderPart::Flag(HeaderFlag::Unlinked) => header.unlinked = true,
-            HeaderPart::Flag(HeaderFlag::ReadOnly) => header.read_only = true,
-            HeaderPart::Flag(HeaderFlag::NonRetain) => header.non_retain = true,
-            HeaderPart::Attributes(attributes) => header.attributes.extend(attributes),
-        }
-    }
-    header
+    frame::header(context.comment_lines(range), parts)
 }
 
 /// The variables of one declaration; the comment behind it belongs to each.

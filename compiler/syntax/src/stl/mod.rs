@@ -29,6 +29,7 @@ use std::fmt::Write as _;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ast::{Block, SourceUnit};
+use crate::comment::CommentForm;
 use crate::{ParseOptions, frame};
 
 pub use instructions::{Mnemonics, OperandClass, StlInsn};
@@ -123,7 +124,7 @@ fn refuse(file: FileId, text: &str, raw: &raw::RawText) -> Option<Diagnostic> {
 }
 
 fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagnostic>) {
-    for comment in raw.comments.iter().filter(|comment| comment.block) {
+    for comment in raw.comments.iter().filter(|comment| comment.form == CommentForm::Block) {
         if raw.unterminated_comment == Some(comment.start) {
             let span = Span { file, start: comment.start, end: comment.start + 2 };
             diagnostics.push(

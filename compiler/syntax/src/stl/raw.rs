@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use crate::comment::{Comment, CommentForm};
 use logos::{Lexer, Logos};
 
 /// What a raw token is.
@@ -115,16 +116,6 @@ impl RawToken {
     }
 }
 
-/// A comment `//`, or `(* *)`.
-#[derive(Clone, Copy, Debug)]
-pub struct Comment {
-    pub start: u32,
-    pub end: u32,
-    /// Nothing but blanks stands before it on its line.
-    pub own_line: bool,
-    pub block: bool,
-}
-
 /// The tokens and comments of a text, both in its order.
 pub struct RawText {
     pub tokens: Vec<RawToken>,
@@ -144,12 +135,12 @@ pub fn scan(text: &str) -> RawText {
         let (start, end) = (lexer.span().start as u32, lexer.span().end as u32);
         match kind.unwrap_or(RawKind::Stray) {
             RawKind::Newline => first_on_line = true,
-            RawKind::Comment => comments.push(Comment { start, end, own_line: first_on_line, block: false }),
+            RawKind::Comment => comments.push(Comment { start, end, own_line: first_on_line, form: CommentForm::Line }),
             kind @ (RawKind::BlockComment | RawKind::UnterminatedComment) => {
                 if kind == RawKind::UnterminatedComment {
                     unterminated_comment = Some(start);
                 }
-                comments.push(Comment { start, end, own_line: first_on_line, block: true });
+                comments.push(Comment { start, end, own_line: first_on_line, form: CommentForm::Block });
                 first_on_line |= lexer.slice().contains('\n');
             }
             RawKind::Stray

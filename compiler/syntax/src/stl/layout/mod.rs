@@ -20,9 +20,10 @@ mod operand;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ast::Pragma;
+use crate::comment::{self, Comment};
 use crate::literal::{self, Literal};
 use crate::stl::mnemonics::{Detected, Upper};
-use crate::stl::raw::{Comment, RawKind, RawText, RawToken};
+use crate::stl::raw::{RawKind, RawText, RawToken};
 use crate::stl::token::{Spanned, Tok};
 use crate::stl::{Mnemonics, pragma};
 
@@ -278,19 +279,7 @@ impl<'a> Layout<'a> {
         if !self.obey_pragmas {
             return None;
         }
-        while let Some(comment) = self.comments.get(self.next_comment).copied() {
-            if comment.start >= before {
-                return None;
-            }
-            if comment.own_line
-                && !comment.block
-                && pragma::is_pragma(&self.text[comment.start as usize..comment.end as usize])
-            {
-                return Some(comment);
-            }
-            self.next_comment += 1;
-        }
-        None
+        comment::next_pragma(self.text, &self.comments, &mut self.next_comment, before)
     }
 
     fn read_pragma(&mut self, comment: Comment) -> Pragma {

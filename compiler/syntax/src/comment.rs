@@ -1,0 +1,75 @@
+//! Comments of a source: what the lexers of all languages find, and who reads them.
+
+use std::ops::Range;
+
+use crate::stl::pragma;
+
+/// How a comment is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CommentForm {
+    /// `//`
+    Line,
+    /// `(* *)`, `(/* */)`
+    Block,
+    /// `/* */`
+    Slash,
+    /// Never closed.
+    Unterminated,
+}
+
+/// A comment.
+#[derive(Clone, Copy, Debug)]
+pub struct Comment {
+    pub start: u32,
+    pub end: u32,
+    /// Nothing but blanks stands before it on its line.
+    pub own_line: bool,
+    pub form: CommentForm,
+}
+
+impl Comment {
+    /// Its text without `//`; none of a pragma.
+    fn text(&self, source: &str) -> Option<String> {
+        let text = &source[self.start as usize + 2..self.end as usize];
+        if text.starts_with('@') { None } else { Some(text.trim().to_owned()) }
+    }
+}
+
+/// Comment lines of their own between the bytes, without `//`. Pragmas are none.
+pub fn lines(source: &str, comments: &[Comment], range: Range<usize>) -> Vec<String> {
+    let first = comments.partition_point(|comment| (comment.start as usize) < range.start);
+    comments[first..]
+        .iter()
+        .take_while(|comment| (comment.end as usize) <= range.end)
+        .filter(|comment| comment.own_line && comment.form == CommentForm::Line)
+        .filter_map(|comment| comment.text(source))
+        .collect()
+}
+
+/// The comment on the line that byte `end` is on, if only blanks stand between.
+pub fn behind(source: &str, comments: &[Comment], end: usize) -> Option<String> {
+    let first = comments.partition_point(|comment| (comment.start as usize) < end);
+    let comment = comments.get(first)?;
+    let between = &source[end..comment.start as usize];
+    if comment.form != CommentForm::Line || !between.bytes().all(|byte| matches!(byte, b' ' | b'\t')) {
+        return None;
+    }
+    comment.text(source)
+}
+
+/// The first comment line `//@` from number `next` on that begins before byte `before`; `next` is then its number.
+pub fn next_pragma(source: &str, comments: &[Comment], next: &mut usize, before: u32) -> Option<Comment> {
+    while let Some(comment) = comments.get(*next).copied() {
+        if comment.start >= before {
+            return None;
+        }
+        if comment.own_line
+            && comment.form == CommentForm::Line
+            && pragma::is_pragma(&source[comment.start as usize..comment.end as usize])
+        {
+            return Some(comment);
+        }
+        *next += 1;
+    }
+    None
+}

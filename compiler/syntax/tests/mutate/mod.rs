@@ -1,0 +1,29 @@
+//! Changes to the text of a source, for tests that any text is read.
+
+use proptest::sample::Index;
+
+/// `text` with each edit made: up to so many bytes at a place give way to a piece.
+pub fn mutated(text: &str, edits: Vec<(Index, usize, usize)>, pieces: &[&str]) -> String {
+    let mut text = text.to_owned();
+    for (place, removed, piece) in edits {
+        let mut start = place.index(text.len());
+        while !text.is_char_boundary(start) {
+            start -= 1;
+        }
+        let mut end = (start + removed).min(text.len());
+        while !text.is_char_boundary(end) {
+            end += 1;
+        }
+        text.replace_range(start..end, pieces[piece]);
+    }
+    text
+}
+
+/// The two parts of `text` before and behind a place.
+pub fn cut(text: &str, place: Index) -> (&str, &str) {
+    let mut end = place.index(text.len());
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    text.split_at(end)
+}
