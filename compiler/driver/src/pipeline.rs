@@ -181,7 +181,7 @@ fn runs(profile: &Profile, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
         Family::S7300 | Family::S7400 | Family::S71500 => true,
         Family::S7200 => false,
         Family::S71200 => units.iter().flat_map(|(_, unit)| &unit.blocks).all(|block| match block {
-            Block::Code(code) => matches!(code.code, plcc_syntax::ast::Code::Scl(_)),
+            Block::Code(code) => !matches!(code.code, plcc_syntax::ast::Code::Stl(_)),
             Block::Data(_) | Block::Type(_) => true,
         }),
     }

@@ -6,6 +6,7 @@
 use plcc_diag::Span;
 
 use crate::literal::Literal;
+use crate::network;
 use crate::scl;
 use crate::stl::{Mnemonics, StlInsn};
 
@@ -17,6 +18,9 @@ pub struct SourceUnit {
     pub blocks: Vec<Block>,
     /// `//@ cpu`, `//@ test` and other pragmas that hold for the file.
     pub pragmas: Vec<Pragma>,
+    /// Of files that hold names and operands in a notation of their own (XML): text as long as the file, which has at each span what the
+    /// span means, `#motor.speed`.
+    pub overlay: Option<String>,
 }
 
 /// A block of a source.
@@ -138,7 +142,7 @@ impl CodeBlock {
     pub fn networks(&self) -> &[Network] {
         match &self.code {
             Code::Stl(networks) => networks,
-            Code::Scl(_) => &[],
+            Code::Scl(_) | Code::Graphic(_) => &[],
         }
     }
 }
@@ -148,6 +152,8 @@ impl CodeBlock {
 pub enum Code {
     Stl(Vec<Network>),
     Scl(scl::ast::Body),
+    /// Networks of LAD, FBD and other languages.
+    Graphic(network::ast::Body),
 }
 
 /// A named constant of a block.

@@ -7,6 +7,8 @@ use std::fmt::{Display, Write};
 
 use crate::ast::*;
 use crate::literal::Literal;
+use crate::network;
+use crate::network::ast::Content;
 use crate::scl;
 use crate::stl::Mnemonics;
 
@@ -86,6 +88,7 @@ impl Out {
                         out.line(format_args!("{}{line}", "  ".repeat(depth)));
                     }
                 }
+                Code::Graphic(body) => out.graphic(body),
             }
         });
     }
@@ -189,6 +192,30 @@ impl Out {
             | TypeKind::WideString(_)
             | TypeKind::Reference(_)
             | TypeKind::Block(_) => {}
+        }
+    }
+
+    fn graphic(&mut self, body: &network::ast::Body) {
+        for network in &body.networks {
+            let title = network.title.as_ref().map_or(String::new(), |title| format!(" {title:?}"));
+            self.line(format_args!("{:?} network{title}", network.language));
+            self.inside(|out| {
+                for comment in &network.comment {
+                    out.line(format_args!("comment {comment:?}"));
+                }
+                for label in &network.labels {
+                    out.line(format_args!("label {}", label.text));
+                }
+                match &network.content {
+                    Content::Graphic(graph) => network::text::graph(graph).iter().for_each(|line| out.line(line)),
+                    Content::Scl(statements) => {
+                        for (depth, line) in scl::text::statements(statements) {
+                            out.line(format_args!("{}{line}", "  ".repeat(depth)));
+                        }
+                    }
+                    Content::Stl(statements) => statements.iter().for_each(|statement| out.statement(statement)),
+                }
+            });
         }
     }
 

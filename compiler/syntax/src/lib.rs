@@ -2,6 +2,7 @@
 //!
 //! - [`ast`]: the syntax tree, [`ast_text`](fn@ast_text) prints it.
 //! - [`literal`]: constants, the same for every language.
+//! - [`network`]: networks of LAD and FBD.
 //! - [`scl`]: lexer and grammar of SCL.
 //! - [`stl`]: lexer, grammar and instruction table of STL for S7-300/400.
 //!
@@ -15,6 +16,7 @@ mod encoding;
 mod frame;
 mod language;
 pub mod literal;
+pub mod network;
 pub mod scl;
 pub mod stl;
 

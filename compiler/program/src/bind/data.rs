@@ -262,36 +262,31 @@ impl Binder<'_> {
         let mut calls = Vec::new();
         for block in self.input.units.iter().flat_map(|(_, unit)| &unit.blocks) {
             let ast::Block::Code(code) = block else { continue };
-            match &code.code {
-                ast::Code::Stl(networks) => {
-                    for statement in networks.iter().flat_map(|network| &network.statements) {
-                        if let ast::StatementKind::Call(call) = &statement.kind
-                            && let Some(instance) = &call.instance
-                            && let Some((BlockPrefix::Db, number)) = self.named_number(instance)
-                        {
-                            calls.push(InstanceCall {
-                                target: self.named_number(&call.target),
-                                target_span: call.target.span,
-                                instance: number,
-                                span: instance.span,
-                            });
-                        }
-                    }
+            let networks = code.networks().iter().flat_map(|network| &network.statements);
+            for statement in networks.chain(mentions::stl_statements(&code.code)) {
+                if let ast::StatementKind::Call(call) = &statement.kind
+                    && let Some(instance) = &call.instance
+                    && let Some((BlockPrefix::Db, number)) = self.named_number(instance)
+                {
+                    calls.push(InstanceCall {
+                        target: self.named_number(&call.target),
+                        target_span: call.target.span,
+                        instance: number,
+                        span: instance.span,
+                    });
                 }
-                ast::Code::Scl(body) => {
-                    for (target, instance) in mentions::instance_calls(body) {
-                        let block = self.type_block(&target.text);
-                        if let Some((BlockPrefix::Fb | BlockPrefix::Sfb, _)) = block
-                            && let Some((BlockPrefix::Db, number)) = self.type_block(&instance.text)
-                        {
-                            calls.push(InstanceCall {
-                                target: block,
-                                target_span: target.span,
-                                instance: number,
-                                span: instance.span,
-                            });
-                        }
-                    }
+            }
+            for (target, instance) in mentions::instance_calls(&code.code) {
+                let block = self.type_block(&target.text);
+                if let Some((BlockPrefix::Fb | BlockPrefix::Sfb, _)) = block
+                    && let Some((BlockPrefix::Db, number)) = self.type_block(&instance.text)
+                {
+                    calls.push(InstanceCall {
+                        target: block,
+                        target_span: target.span,
+                        instance: number,
+                        span: instance.span,
+                    });
                 }
             }
         }

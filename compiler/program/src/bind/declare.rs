@@ -548,6 +548,8 @@ pub fn is_tia(input: &super::BindInput) -> bool {
 pub fn dialect(block: &ast::CodeBlock) -> Option<Dialect> {
     match &block.code {
         ast::Code::Scl(body) => Some(body.dialect),
+        // The files that hold networks are those of the TIA Portal, and of tools that came after it.
+        ast::Code::Graphic(_) => Some(Dialect::Tia),
         ast::Code::Stl(_) => None,
     }
 }

@@ -2,6 +2,7 @@
 //! data blocks of calls.
 
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, Code, OperandKind, StatementKind, TypeKind, TypeRef};
+use plcc_syntax::network::ast as network;
 use plcc_syntax::scl::ast as scl;
 
 use crate::symbols::{SymbolTarget, parse_address};
@@ -16,8 +17,13 @@ pub fn numbers(block: &ast::Block) -> Vec<(BlockPrefix, u32)> {
                 variable_numbers(&section.variables, &mut numbers);
             }
             match &code.code {
-                Code::Stl(networks) => stl_numbers(networks, &mut numbers),
-                Code::Scl(body) => expressions(body, &mut |value| scl_number(value, &mut numbers)),
+                Code::Stl(networks) => {
+                    stl_numbers(networks.iter().flat_map(|network| &network.statements), &mut numbers);
+                }
+                Code::Scl(_) | Code::Graphic(_) => {
+                    expressions(&code.code, &mut |value| scl_number(value, &mut numbers));
+                    stl_numbers(stl_statements(&code.code), &mut numbers);
+                }
             }
         }
         ast::Block::Data(data) => match &data.content {
@@ -77,8 +83,8 @@ fn operand_number(kind: &OperandKind, numbers: &mut Vec<(BlockPrefix, u32)>) {
     }
 }
 
-fn stl_numbers(networks: &[ast::Network], numbers: &mut Vec<(BlockPrefix, u32)>) {
-    for statement in networks.iter().flat_map(|network| &network.statements) {
+fn stl_numbers<'a>(statements: impl Iterator<Item = &'a ast::Statement>, numbers: &mut Vec<(BlockPrefix, u32)>) {
+    for statement in statements {
         match &statement.kind {
             StatementKind::Instruction { operand: Some(operand), .. } => operand_number(&operand.kind, numbers),
             StatementKind::Call(call) => {
@@ -104,9 +110,18 @@ fn scl_number(value: &scl::Expr, numbers: &mut Vec<(BlockPrefix, u32)>) {
 }
 
 /// Calls of a function block with a data block behind it, `FB10.DB20(…)`, `"Fb"."Db"(…)`: both names.
-pub fn instance_calls(body: &scl::Body) -> Vec<(scl::Name, scl::Name)> {
+pub fn instance_calls(code: &Code) -> Vec<(scl::Name, scl::Name)> {
     let mut found = Vec::new();
-    expressions(body, &mut |value| {
+    if let Code::Graphic(body) = code {
+        for element in graphs(body).flat_map(|graph| &graph.elements) {
+            if let network::Target::Block { callee, instance: Some(instance) } = &element.target
+                && let (scl::ExprKind::Name(block), scl::ExprKind::Name(name)) = (&callee.kind, &instance.kind)
+            {
+                found.push((block.clone(), name.clone()));
+            }
+        }
+    }
+    expressions(code, &mut |value| {
         if let scl::ExprKind::Call { callee, .. } = &value.kind
             && let scl::ExprKind::Member { base, name } = &callee.kind
             && let scl::ExprKind::Name(block) = &base.kind
@@ -117,9 +132,63 @@ pub fn instance_calls(body: &scl::Body) -> Vec<(scl::Name, scl::Name)> {
     found
 }
 
-/// Goes through all expressions of a block, their parts included.
-pub fn expressions(body: &scl::Body, visit: &mut dyn FnMut(&scl::Expr)) {
-    statements(&body.statements, visit);
+/// Goes through all expressions of a block in SCL, LAD or FBD, their parts included.
+pub fn expressions(code: &Code, visit: &mut dyn FnMut(&scl::Expr)) {
+    match code {
+        Code::Stl(_) => {}
+        Code::Scl(body) => statements(&body.statements, visit),
+        Code::Graphic(body) => {
+            for network in &body.networks {
+                match &network.content {
+                    network::Content::Graphic(graph) => graph_expressions(graph, visit),
+                    network::Content::Scl(list) => statements(list, visit),
+                    network::Content::Stl(_) => {}
+                }
+            }
+        }
+    }
+}
+
+/// The statements of STL networks in a block of LAD or FBD.
+pub fn stl_statements(code: &Code) -> impl Iterator<Item = &ast::Statement> {
+    let networks = match code {
+        Code::Graphic(body) => body.networks.as_slice(),
+        Code::Stl(_) | Code::Scl(_) => &[],
+    };
+    networks
+        .iter()
+        .filter_map(|network| match &network.content {
+            network::Content::Stl(list) => Some(list),
+            network::Content::Graphic(_) | network::Content::Scl(_) => None,
+        })
+        .flatten()
+}
+
+fn graphs(body: &network::Body) -> impl Iterator<Item = &network::Graph> {
+    body.networks.iter().filter_map(|network| match &network.content {
+        network::Content::Graphic(graph) => Some(graph),
+        network::Content::Scl(_) | network::Content::Stl(_) => None,
+    })
+}
+
+fn graph_expressions(graph: &network::Graph, visit: &mut dyn FnMut(&scl::Expr)) {
+    for source in graph.nets.iter().flat_map(|net| &net.sources) {
+        if let network::Source::Operand { value, .. } = source {
+            expression(value, visit);
+        }
+    }
+    for element in &graph.elements {
+        let (callee, instance) = match &element.target {
+            network::Target::Element { instance, .. } => (None, instance),
+            network::Target::Block { callee, instance } => (Some(callee), instance),
+        };
+        callee.into_iter().chain(instance).chain(&element.equation).for_each(|value| expression(value, visit));
+        for pin in &element.pins {
+            if let network::PinValue::Operand(value) = &pin.value {
+                expression(value, visit);
+            }
+        }
+    }
 }
 
 fn statements(list: &[scl::Statement], visit: &mut dyn FnMut(&scl::Expr)) {

@@ -23,6 +23,7 @@ mod interface;
 mod library;
 mod mentions;
 mod names;
+mod network;
 mod operand;
 mod path;
 mod pragma;
@@ -297,6 +298,7 @@ impl<'a> Binder<'a> {
         match &block.code {
             ast::Code::Stl(_) => Body::Stl(self.bind_body(ctx, block)),
             ast::Code::Scl(body) => Body::Scl(self.bind_scl(ctx, block, body)),
+            ast::Code::Graphic(body) => Body::Scl(self.bind_networks(ctx, block, body)),
         }
     }
 
@@ -349,8 +351,10 @@ impl<'a> Binder<'a> {
         if span.file == SYSTEM_FILE {
             return String::new();
         }
-        let file = self.input.sources.files().nth(span.file.0 as usize);
-        let text = file.and_then(|(_, file)| file.text.get(span.range())).unwrap_or("");
+        let overlay =
+            self.input.units.iter().find(|(file, _)| *file == span.file).and_then(|(_, unit)| unit.overlay.as_ref());
+        let file = self.input.sources.files().nth(span.file.0 as usize).map(|(_, file)| &file.text);
+        let text = overlay.or(file).and_then(|text| text.get(span.range())).unwrap_or("");
         let mut words = text.split_whitespace();
         let mut line = words.next().unwrap_or("").to_string();
         for word in words {

@@ -11,6 +11,7 @@ pub mod ast;
 mod context;
 mod dialect;
 mod extent;
+pub mod fragment;
 mod keyword;
 mod layout;
 mod literal;
@@ -30,7 +31,7 @@ use std::fmt::Write as _;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use crate::ast::SourceUnit;
+use crate::ast::{Block, Pragma, SourceUnit};
 use crate::comment::CommentForm;
 use crate::{ParseOptions, frame};
 
@@ -42,11 +43,31 @@ pub use address::{absolute, area_word, db_address, db_area_word};
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let raw = raw::scan(text);
     let looks = looks_like_scl(text, &raw);
+    let Parsed { blocks, pragmas, diagnostics } = parse_raw(file, text, raw, options.pragmas);
+    let mnemonics = options.mnemonics.unwrap_or_default();
+    if !looks && let Some(wrong) = diagnostics.iter().find(|diagnostic| diagnostic.code == Code::Syntax) {
+        let span = wrong.primary.span;
+        let refused = Diagnostic::new(Code::NotASource, span, "this file holds no SCL source")
+            .label("no statement of SCL, and no block begins before it")
+            .help("pass a source as STEP 7 or the TIA Portal exports it: blocks from FUNCTION, DATA_BLOCK, TYPE … to their END");
+        return (SourceUnit { mnemonics, blocks: Vec::new(), pragmas, overlay: None }, vec![refused]);
+    }
+    (SourceUnit { mnemonics, blocks, pragmas, overlay: None }, diagnostics)
+}
+
+/// What the tokens of a text hold.
+struct Parsed {
+    blocks: Vec<Block>,
+    pragmas: Vec<Pragma>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+fn parse_raw(file: FileId, text: &str, raw: raw::RawText, obey_pragmas: bool) -> Parsed {
     let dialect = dialect::of(text, &raw);
     let mut diagnostics = Vec::new();
     report_comments(file, &raw, &mut diagnostics);
     region::check(file, &raw, &mut diagnostics);
-    let laid = layout::lay_out(file, text, raw, options.pragmas);
+    let laid = layout::lay_out(file, text, raw, obey_pragmas);
     diagnostics.extend(laid.diagnostics);
     let mut reported: Vec<u32> = diagnostics
         .iter()
@@ -76,15 +97,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     };
     diagnostics.append(&mut context.diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
-    let mnemonics = options.mnemonics.unwrap_or_default();
-    if !looks && let Some(wrong) = diagnostics.iter().find(|diagnostic| diagnostic.code == Code::Syntax) {
-        let span = wrong.primary.span;
-        let refused = Diagnostic::new(Code::NotASource, span, "this file holds no SCL source")
-            .label("no statement of SCL, and no block begins before it")
-            .help("pass a source as STEP 7 or the TIA Portal exports it: blocks from FUNCTION, DATA_BLOCK, TYPE … to their END");
-        return (SourceUnit { mnemonics, blocks: Vec::new(), pragmas: laid.pragmas }, vec![refused]);
-    }
-    (SourceUnit { mnemonics, blocks, pragmas: laid.pragmas }, diagnostics)
+    Parsed { blocks, pragmas: laid.pragmas, diagnostics }
 }
 
 /// True if a text has the head of a block, or an assignment: mistakes in it are told one by one.

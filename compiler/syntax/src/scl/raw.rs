@@ -180,6 +180,24 @@ pub struct RawText {
     pub regions: Vec<Region>,
 }
 
+impl RawText {
+    /// Moves everything to where the scanned part of a text begins.
+    pub fn shift(&mut self, by: u32) {
+        for token in &mut self.tokens {
+            token.start += by;
+            token.end += by;
+        }
+        for comment in &mut self.comments {
+            comment.start += by;
+            comment.end += by;
+        }
+        for region in &mut self.regions {
+            region.start += by;
+            region.end += by;
+        }
+    }
+}
+
 /// Splits `text` into raw tokens. Never fails: what is no token is `Stray`.
 pub fn scan(text: &str) -> RawText {
     let mut out = RawText { tokens: Vec::with_capacity(text.len() / 4), ..RawText::default() };

@@ -16,6 +16,13 @@ pub fn expr(value: &Expr) -> String {
     out
 }
 
+/// Lines for statements, each with its depth.
+pub fn statements(list: &[Statement]) -> Vec<(usize, String)> {
+    let mut lines = Lines { lines: Vec::new(), depth: 0 };
+    lines.statements(list);
+    lines.lines
+}
+
 /// Lines for the statements of a block, each with its depth.
 pub fn body(value: &Body) -> Vec<(usize, String)> {
     let mut lines = Lines { lines: Vec::new(), depth: 0 };

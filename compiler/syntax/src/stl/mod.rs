@@ -83,7 +83,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
         diagnostics.retain(|diagnostic| diagnostic.code != Code::MixedMnemonics);
     }
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
-    (SourceUnit { mnemonics: detected.set, blocks, pragmas: laid.pragmas }, diagnostics)
+    (SourceUnit { mnemonics: detected.set, blocks, pragmas: laid.pragmas, overlay: None }, diagnostics)
 }
 
 /// A file that is not worth parsing: no source, or a template that was never filled in.

@@ -1,0 +1,561 @@
+//! The elements of LAD and FBD: one row each, for all files that carry them.
+//!
+//! Pins are a list of words: `?` before one that may be missing, `>` before an output, `=` before one that is read and written, `|` between
+//! spellings (the first one is the pin's name in the syntax tree), `+` behind the first of numbered ones (`in1+` is in1, in2, …).
+//! Letter case does not matter. Source: LAD/FBD reference, chapter B; what each kind does: chapter C.
+
+/// An element.
+#[derive(Debug, PartialEq)]
+pub struct Row {
+    /// As messages call it; also its first name in SIMATIC SD.
+    pub name: &'static str,
+    /// Other names in SIMATIC SD.
+    pub sd: &'static [&'static str],
+    /// Names in SimaticML.
+    pub xml: &'static [&'static str],
+    /// Names in PLCopen XML.
+    pub open: &'static [&'static str],
+    pub pins: &'static str,
+    /// Pins that the flow enters and leaves; empty: none.
+    pub flow: (&'static str, &'static str),
+    pub kind: Kind,
+}
+
+/// What an element does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Contact,
+    Not,
+    Gate(Gate),
+    EdgeContact {
+        rising: bool,
+    },
+    /// P_TRIG, N_TRIG: edge of the flow.
+    EdgeTrigger {
+        rising: bool,
+    },
+    Coil,
+    SetCoil,
+    ResetCoil,
+    EdgeCoil {
+        rising: bool,
+    },
+    BitField {
+        set: bool,
+    },
+    FlipFlop {
+        set_wins: bool,
+    },
+    Compare(&'static str),
+    Range {
+        inside: bool,
+    },
+    Valid {
+        valid: bool,
+    },
+    /// A function block of the system on an instance, by the name that the library has for it.
+    Instance(&'static str),
+    /// TP, TON, TOF, TONR as coils.
+    TimerCoil(&'static str),
+    ResetTimer,
+    PresetTimer,
+    Calculate,
+    /// An operator of SCL between all numbered inputs, in the type of the template.
+    Operator(&'static str),
+    /// INC, DEC.
+    Step {
+        up: bool,
+    },
+    /// A function of SCL with a value; pins have the names of its formals. Inputs are converted to the template's type.
+    Function(&'static str),
+    /// A function without a value, or a block of the library: every pin is a formal.
+    Procedure(&'static str),
+    Move,
+    Convert,
+    /// ROUND, TRUNC, CEIL, FLOOR.
+    Round(&'static str),
+    Negate,
+    Invert,
+    Mux,
+    Demux,
+    Jump {
+        negated: bool,
+    },
+    JumpList,
+    Switch,
+    Return(ReturnValue),
+    /// S_PULSE …, with all pins of the box; as a coil only the start and the time.
+    S5Timer(&'static str),
+    S5Counter(&'static str),
+    CounterCoil(CounterCoil),
+    /// OPN, into the DB or the DI register.
+    OpenDb {
+        di: bool,
+    },
+    Mcr(Mcr),
+    /// An FC or SFC without parameters.
+    CallCoil,
+    Save,
+    /// A bit of the status word, or the relation of the last result to 0.
+    Flag(Flag),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gate {
+    And,
+    Or,
+    Xor,
+}
+
+/// What becomes of ENO of the block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReturnValue {
+    /// The operand, or the flow without one.
+    Operand,
+    True,
+    False,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CounterCoil {
+    Up,
+    Down,
+    Set,
+}
+
+/// Coils of the Master Control Relay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mcr {
+    Activate,
+    Open,
+    Close,
+    Deactivate,
+}
+
+/// Status contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flag {
+    Ov,
+    Os,
+    Uo,
+    Br,
+    Equal,
+    NotEqual,
+    Greater,
+    Less,
+    GreaterEqual,
+    LessEqual,
+}
+
+/// A pin of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PinRow {
+    /// Spellings with `|` between.
+    text: &'static str,
+    pub optional: bool,
+    pub direction: PinDirection,
+    pub numbered: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PinDirection {
+    Input,
+    Output,
+    InOut,
+}
+
+impl PinRow {
+    fn read(word: &'static str) -> PinRow {
+        let optional = word.starts_with('?');
+        let rest = word.trim_start_matches('?');
+        let direction = match rest.as_bytes().first() {
+            Some(b'>') => PinDirection::Output,
+            Some(b'=') => PinDirection::InOut,
+            _ => PinDirection::Input,
+        };
+        let rest = rest.trim_start_matches(['>', '=']);
+        let numbered = rest.ends_with('+');
+        PinRow { text: rest.trim_end_matches('+'), optional, direction, numbered }
+    }
+
+    /// Its name in the syntax tree; of numbered ones the first.
+    pub fn name(&self) -> &'static str {
+        self.text.split('|').next().unwrap_or(self.text)
+    }
+
+    /// The name in the syntax tree of a pin that a file calls `given`: `IN3` is `in3` of `in1+`.
+    pub fn matches(&self, given: &str) -> Option<String> {
+        if self.text.split('|').any(|known| known.eq_ignore_ascii_case(given)) {
+            return Some(self.name().to_string());
+        }
+        if !self.numbered {
+            return None;
+        }
+        let name = self.name();
+        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        let first: u32 = name[stem.len()..].parse().ok()?;
+        self.text.split('|').find_map(|known| {
+            let known = known.trim_end_matches(|c: char| c.is_ascii_digit());
+            let head = given.get(..known.len())?;
+            let digits = given.get(known.len()..)?;
+            if !head.eq_ignore_ascii_case(known)
+                || digits.starts_with('0') && digits.len() > 1
+                || digits.starts_with('+')
+            {
+                return None;
+            }
+            let number: u32 = digits.parse().ok()?;
+            (number >= first && number < first + PINS_MAX).then(|| format!("{stem}{number}"))
+        })
+    }
+}
+
+/// More numbered pins than this no element has.
+const PINS_MAX: u32 = 256;
+
+impl Row {
+    /// The pins, in the order of the table.
+    pub fn pins(&self) -> impl Iterator<Item = PinRow> {
+        self.pins.split_whitespace().map(PinRow::read)
+    }
+
+    /// The pin that a file calls `given`, and its name in the syntax tree.
+    pub fn pin(&self, given: &str) -> Option<(PinRow, String)> {
+        self.pins().find_map(|pin| Some((pin, pin.matches(given)?)))
+    }
+
+    /// The element has EN and ENO.
+    pub fn is_box(&self) -> bool {
+        self.flow.0 == "en"
+    }
+}
+
+/// The element of that name in SIMATIC SD. `negated`: the name says that the operand is (`I_Contact`).
+pub fn find_sd(name: &str) -> Option<(&'static Row, bool)> {
+    let is = |known: &str| known.eq_ignore_ascii_case(name);
+    if let Some((_, row)) = NEGATED_SD.iter().find(|(negated, _)| is(negated)) {
+        return ELEMENTS.iter().find(|known| known.name == *row).map(|row| (row, true));
+    }
+    ELEMENTS.iter().find(|row| is(row.name) || row.sd.iter().any(|known| is(known))).map(|row| (row, false))
+}
+
+/// The element of that name in SimaticML.
+pub fn find_xml(name: &str) -> Option<&'static Row> {
+    let find = |of: fn(&'static Row) -> &'static [&'static str]| {
+        ELEMENTS.iter().find(|row| of(row).iter().any(|known| known.eq_ignore_ascii_case(name)))
+    };
+    find(|row| row.xml).or_else(|| find(|row| row.open).filter(|row| matches!(row.kind, Kind::Instance(_))))
+}
+
+/// The element of that name in PLCopen XML: a standard function or function block.
+pub fn find_open(name: &str) -> Option<&'static Row> {
+    ELEMENTS.iter().find(|row| row.open.iter().any(|known| known.eq_ignore_ascii_case(name)))
+}
+
+/// Names in SIMATIC SD that stand for an element with a negated operand.
+const NEGATED_SD: &[(&str, &str)] = &[("I_Contact", "Contact"), ("I_Coil", "Coil")];
+
+const fn row(
+    name: &'static str,
+    xml: &'static [&'static str],
+    open: &'static [&'static str],
+    pins: &'static str,
+    flow: (&'static str, &'static str),
+    kind: Kind,
+) -> Row {
+    Row { name, sd: &[], xml, open, pins, flow, kind }
+}
+
+/// A box with EN and ENO; both are added to its pins.
+const fn en(
+    name: &'static str,
+    xml: &'static [&'static str],
+    open: &'static [&'static str],
+    pins: &'static str,
+    kind: Kind,
+) -> Row {
+    Row { name, sd: &[], xml, open, pins, flow: ("en", "eno"), kind }
+}
+
+impl Row {
+    const fn sd(mut self, names: &'static [&'static str]) -> Row {
+        self.sd = names;
+        self
+    }
+}
+
+const IN_OUT: (&str, &str) = ("in", "out");
+const PRE: (&str, &str) = ("pre", "out");
+const COMPARE: &str = "?pre|en in1 in2 ?>out|eno";
+const S5_TIMER: &str = "?timer|operand|t_no|no s|in ?tv|pt|value ?r ?>bi|rt ?>bcd|rtbcd ?>q ?>out";
+const S5_COUNTER: &str = "?counter|operand|c_no|no ?cu ?cd ?s ?pv ?r ?>cv|cvbin ?>cv_bcd|cvbcd ?>q";
+const FLAG: &str = "?pre|in ?>out";
+const UNARY: &str = "?en in ?>out ?>eno";
+const BINARY: &str = "?en in1 in2 ?>out ?>eno";
+const MANY: &str = "?en in1+ ?>out ?>eno";
+const SHIFT: &str = "?en in n ?>out ?>eno";
+
+use Kind::{
+    BitField, Calculate, CallCoil, Coil, Compare, Contact, Convert, CounterCoil as CountCoil, Demux, EdgeCoil,
+    EdgeContact, EdgeTrigger, Flag as StatusFlag, FlipFlop, Function, Gate as LogicGate, Instance, Invert, Jump,
+    JumpList, Mcr as McrCoil, Move, Mux, Negate, Not, OpenDb, Operator, PresetTimer, Procedure, Range, ResetCoil,
+    ResetTimer, Return, Round, S5Counter, S5Timer, Save, SetCoil, Step, Switch, TimerCoil, Valid,
+};
+
+/// All elements.
+#[rustfmt::skip]
+pub static ELEMENTS: &[Row] = &[
+    // B.1 Bit logic
+    row("Contact", &["Contact"], &[], "in operand >out", IN_OUT, Contact),
+    row("Not", &["Not"], &["NOT"], "in >out", IN_OUT, Not),
+    row("A", &["A"], &["AND"], "in1+ >out", ("in1", "out"), LogicGate(Gate::And)),
+    row("O", &["O"], &["OR"], "in1+ >out", ("in1", "out"), LogicGate(Gate::Or)),
+    row("X", &["X"], &["XOR"], "in1+ >out", ("in1", "out"), LogicGate(Gate::Xor)),
+    row("P_Contact", &["PContact"], &[], "?pre|in operand =bit >out", PRE, EdgeContact { rising: true }),
+    row("N_Contact", &["NContact"], &[], "?pre|in operand =bit >out", PRE, EdgeContact { rising: false }),
+    row("P_Trig", &["PBox", "P_TRIG"], &[], "in|clk =bit|operand >out|q", IN_OUT, EdgeTrigger { rising: true }),
+    row("N_Trig", &["NBox", "N_TRIG"], &[], "in|clk =bit|operand >out|q", IN_OUT, EdgeTrigger { rising: false }),
+    en("R_TRIG", &["R_TRIG"], &["R_TRIG"], "?en clk ?>q ?>eno", Instance("R_TRIG")),
+    en("F_TRIG", &["F_TRIG"], &["F_TRIG"], "?en clk ?>q ?>eno", Instance("F_TRIG")),
+    row("Coil", &["Coil"], &[], "in >operand ?>out", IN_OUT, Coil),
+    row("S_Coil", &["SCoil"], &[], "in >operand ?>out", IN_OUT, SetCoil),
+    row("R_Coil", &["RCoil"], &[], "in >operand ?>out", IN_OUT, ResetCoil),
+    row("P_Coil", &["PCoil"], &[], "in >operand =bit ?>out", IN_OUT, EdgeCoil { rising: true }),
+    row("N_Coil", &["NCoil"], &[], "in >operand =bit ?>out", IN_OUT, EdgeCoil { rising: false }),
+    row("S_BitfieldCoil", &["SET_BF", "SetBf", "SCoil_BF"], &[], "in|en >operand|s_bit|out_bit n|count ?>out|eno", IN_OUT, BitField { set: true }),
+    row("R_BitfieldCoil", &["RESET_BF", "ResetBf", "RCoil_BF"], &[], "in|en >operand|r_bit|out_bit n|count ?>out|eno", IN_OUT, BitField { set: false }),
+    row("S_SR", &["Sr"], &["RS"], "s =operand ?r1 ?>q|q1", ("s", "q"), FlipFlop { set_wins: false }).sd(&["SR"]),
+    row("S_RS", &["Rs"], &["SR"], "r =operand ?s1 ?>q|q1", ("r", "q"), FlipFlop { set_wins: true }).sd(&["RS"]),
+    // B.2 Comparators
+    row("EQ", &["Eq"], &["EQ"], COMPARE, PRE, Compare("=")).sd(&["EQ_Contact"]),
+    row("NE", &["Ne"], &["NE"], COMPARE, PRE, Compare("<>")).sd(&["NE_Contact"]),
+    row("GE", &["Ge"], &["GE"], COMPARE, PRE, Compare(">=")).sd(&["GE_Contact"]),
+    row("LE", &["Le"], &["LE"], COMPARE, PRE, Compare("<=")).sd(&["LE_Contact"]),
+    row("GT", &["Gt"], &["GT"], COMPARE, PRE, Compare(">")).sd(&["GT_Contact"]),
+    row("LT", &["Lt"], &["LT"], COMPARE, PRE, Compare("<")).sd(&["LT_Contact"]),
+    row("InRange", &["InRange", "IN_RANGE"], &[], "?pre min in|val max ?>out", PRE, Range { inside: true }),
+    row("OutRange", &["OutRange", "OUT_RANGE"], &[], "?pre min in|val max ?>out", PRE, Range { inside: false }),
+    row("OK", &["IsValid", "OK"], &[], "?pre|in operand ?>out", PRE, Valid { valid: true }).sd(&["IsValidContact", "OK_Contact"]),
+    row("NOK", &["IsNotValid", "NOT_OK", "IsInvalid"], &[], "?pre|in operand ?>out", PRE, Valid { valid: false }).sd(&["IsNotValidContact", "NOT_OK"]),
+    // B.3 Timers, counters
+    row("TP", &["TP"], &["TP"], "in pt ?>q ?>et", ("in", "q"), Instance("TP")),
+    row("TON", &["TON"], &["TON"], "in pt ?>q ?>et", ("in", "q"), Instance("TON")),
+    row("TOF", &["TOF"], &["TOF"], "in pt ?>q ?>et", ("in", "q"), Instance("TOF")),
+    row("TONR", &["TONR"], &["TONR"], "in ?r pt ?>q ?>et", ("in", "q"), Instance("TONR")),
+    row("TP_Coil", &["CoilTP", "TP_Coil"], &[], "in timer|operand pt|value ?>out", IN_OUT, TimerCoil("TP")),
+    row("TON_Coil", &["CoilTON", "TON_Coil"], &[], "in timer|operand pt|value ?>out", IN_OUT, TimerCoil("TON")),
+    row("TOF_Coil", &["CoilTOF", "TOF_Coil"], &[], "in timer|operand pt|value ?>out", IN_OUT, TimerCoil("TOF")),
+    row("TONR_Coil", &["CoilTONR", "TONR_Coil"], &[], "in timer|operand pt|value ?>out", IN_OUT, TimerCoil("TONR")),
+    row("RT_Coil", &["RtCoil", "ResetTimer", "RT", "CoilRT"], &[], "in timer|operand ?>out", IN_OUT, ResetTimer),
+    row("PT_Coil", &["PtCoil", "PresetTimer", "PT", "CoilPT"], &[], "in timer|operand pt|value ?>out", IN_OUT, PresetTimer),
+    row("CTU", &["CTU"], &["CTU", "CTU_DINT", "CTU_UDINT", "CTU_LINT", "CTU_ULINT"], "cu ?r|reset pv ?>q ?>cv", ("cu", "q"), Instance("CTU")),
+    row("CTD", &["CTD"], &["CTD", "CTD_DINT", "CTD_UDINT", "CTD_LINT", "CTD_ULINT"], "cd ?ld|load pv ?>q ?>cv", ("cd", "q"), Instance("CTD")),
+    row("CTUD", &["CTUD"], &["CTUD", "CTUD_DINT", "CTUD_UDINT", "CTUD_LINT", "CTUD_ULINT"], "cu ?cd ?r|reset ?ld|load pv ?>qu ?>qd ?>cv", ("cu", "qu"), Instance("CTUD")),
+    en("CTRL_HSC", &["CTRL_HSC"], &[], "?en hsc ?dir ?cv ?rv ?period ?new_dir ?new_cv ?new_rv ?new_period ?>busy ?>status ?>eno", Instance("CTRL_HSC")),
+    // B.4 Math
+    en("Calculate", &["Calc", "Calculate"], &[], MANY, Calculate),
+    en("Add", &["Add"], &["ADD"], MANY, Operator("+")),
+    en("Sub", &["Sub"], &["SUB"], BINARY, Operator("-")),
+    en("Mul", &["Mul"], &["MUL"], MANY, Operator("*")),
+    en("Div", &["Div"], &["DIV"], BINARY, Operator("/")),
+    en("Mod", &["Mod"], &["MOD"], BINARY, Operator("MOD")),
+    en("Neg", &["Neg"], &[], UNARY, Negate),
+    en("Abs", &["Abs"], &["ABS"], UNARY, Function("ABS")),
+    en("Inc", &["Inc"], &[], "?en =operand ?>eno", Step { up: true }),
+    en("Dec", &["Dec"], &[], "?en =operand ?>eno", Step { up: false }),
+    en("MIN", &["Min"], &["MIN"], MANY, Function("MIN")),
+    en("MAX", &["Max"], &["MAX"], MANY, Function("MAX")),
+    en("Limit", &["Limit"], &["LIMIT"], "?en mn|min in mx|max ?>out ?>eno", Function("LIMIT")),
+    en("Sqr", &["Sqr"], &[], UNARY, Function("SQR")),
+    en("Sqrt", &["Sqrt"], &["SQRT"], UNARY, Function("SQRT")),
+    en("Ln", &["Ln"], &["LN"], UNARY, Function("LN")),
+    en("Log", &["Log"], &["LOG"], UNARY, Function("LOG")),
+    en("Exp", &["Exp"], &["EXP"], UNARY, Function("EXP")),
+    en("Sin", &["Sin"], &["SIN"], UNARY, Function("SIN")),
+    en("Cos", &["Cos"], &["COS"], UNARY, Function("COS")),
+    en("Tan", &["Tan"], &["TAN"], UNARY, Function("TAN")),
+    en("Asin", &["Asin"], &["ASIN"], UNARY, Function("ASIN")),
+    en("Acos", &["Acos"], &["ACOS"], UNARY, Function("ACOS")),
+    en("Atan", &["Atan"], &["ATAN"], UNARY, Function("ATAN")),
+    en("Frac", &["Frac"], &[], UNARY, Function("FRAC")),
+    en("Expt", &["Expt"], &["EXPT"], BINARY, Operator("**")),
+    // B.5 Move
+    en("Move", &["Move"], &["MOVE"], "?en in ?>out1|out+ ?>eno", Move),
+    en("MoveBlockI", &["MoveBlockI", "MOVE_BLK"], &[], "?en in count >out ?>eno", Procedure("MOVE_BLK")).sd(&["MOVE_BLK"]),
+    en("MoveBlockU", &["MoveBlockU", "UMOVE_BLK"], &[], "?en in count >out ?>eno", Procedure("UMOVE_BLK")).sd(&["UMOVE_BLK"]),
+    en("FillBlockI", &["FillBlockI", "FILL_BLK"], &[], "?en in count >out ?>eno", Procedure("FILL_BLK")).sd(&["FILL_BLK"]),
+    en("FillBlockU", &["FillBlockU", "UFILL_BLK"], &[], "?en in count >out ?>eno", Procedure("UFILL_BLK")).sd(&["UFILL_BLK"]),
+    en("Swap", &["Swap"], &[], UNARY, Function("SWAP")),
+    en("MoveBlockVariant", &["MOVE_BLK_VARIANT"], &[], "?en src count src_index|srcIndex dest_index|dstIndex ?>ret_val >dest|dst ?>eno", Procedure("MOVE_BLK_VARIANT")),
+    en("S_Move", &["S_MOVE"], &[], "?en in >out ?>eno", Procedure("S_MOVE")),
+    en("Serialize", &["Serialize"], &[], "?en src_variable|srcVariable =pos ?>ret_val >dest_array|dstArray ?>eno", Procedure("Serialize")),
+    en("Deserialize", &["Deserialize"], &[], "?en src_array|srcArray =pos ?>ret_val >dest_variable|dstVariable ?>eno", Procedure("Deserialize")),
+    en("GATHER", &["GATHER", "Gather"], &[], "?en in >out ?>eno", Procedure("GATHER")),
+    en("SCATTER", &["SCATTER", "Scatter"], &[], "?en in >out ?>eno", Procedure("SCATTER")),
+    en("GatherBlock", &["GATHER_BLK"], &[], "?en in count_out|countOut >out ?>eno", Procedure("GATHER_BLK")),
+    en("ScatterBlock", &["SCATTER_BLK"], &[], "?en in count_in|countIn >out ?>eno", Procedure("SCATTER_BLK")),
+    en("VariantGet", &["VariantGet"], &[], "?en src >dst ?>eno", Procedure("VariantGet")),
+    en("VariantPut", &["VariantPut"], &[], "?en src dst ?>eno", Procedure("VariantPut")),
+    en("CountOfElements", &["CountOfElements"], &[], "?en in ?>out|ret_val ?>eno", Function("CountOfElements")),
+    en("Lower_Bound", &["LOWER_BOUND"], &[], "?en arr dim ?>out ?>eno", Function("LOWER_BOUND")),
+    en("Upper_Bound", &["UPPER_BOUND"], &[], "?en arr dim ?>out ?>eno", Function("UPPER_BOUND")),
+    // B.6 Conversion
+    en("Convert", &["Convert"], &[], UNARY, Convert),
+    en("Round", &["Round"], &[], UNARY, Round("ROUND")),
+    en("Trunc", &["Trunc"], &["TRUNC"], UNARY, Round("TRUNC")),
+    en("Ceil", &["Ceil"], &[], UNARY, Round("CEIL")),
+    en("Floor", &["Floor"], &[], UNARY, Round("FLOOR")),
+    en("Scale", &["Scale_X", "ScaleX", "SCALE_X"], &[], "?en min value max ?>out ?>eno", Function("SCALE_X")).sd(&["Scale_X"]),
+    en("Normalize", &["Normalize", "Norm_X", "NORM_X"], &[], "?en min value max ?>out ?>eno", Function("NORM_X")).sd(&["Norm_X"]),
+    // B.7 Program control
+    row("JumpCoil", &["Jump"], &[], "?in label", ("in", ""), Jump { negated: false }),
+    row("I_JumpCoil", &["JumpNot"], &[], "?in label", ("in", ""), Jump { negated: true }),
+    row("JumpList", &["JmpList", "JMP_LIST"], &[], "?en k ?>dest0|dst0+", ("en", ""), JumpList),
+    row("Switch", &["Switch"], &[], "?en k ?case0+ ?>dest0|dst0+ ?>else", ("en", ""), Switch),
+    row("ReturnCoil", &["Return", "Ret"], &[], "?in ?operand", ("in", ""), Return(ReturnValue::Operand)).sd(&["Return"]),
+    row("ReturnTrue", &["ReturnTrue"], &[], "?in", ("in", ""), Return(ReturnValue::True)),
+    row("ReturnFalse", &["ReturnFalse"], &[], "?in", ("in", ""), Return(ReturnValue::False)),
+    en("RE_TRIGR", &["RE_TRIGR"], &[], "?en ?>eno", Procedure("RE_TRIGR")),
+    en("STP", &["STP"], &[], "?en ?>eno", Procedure("STP")),
+    en("WAIT", &["WAIT"], &[], "?en wt ?>eno", Procedure("WAIT")),
+    en("GetError", &["GetError", "GET_ERROR"], &[], "?en >error ?>eno", Procedure("GET_ERROR")),
+    en("GetErrorID", &["GetErrorID", "GET_ERR_ID"], &[], "?en ?>out|id ?>eno", Function("GET_ERR_ID")),
+    en("Runtime", &["RUNTIME"], &[], "?en =mem ?>out|ret_val ?>eno", Function("RUNTIME")),
+    // B.8 Word logic, selection, shift
+    en("And", &["And"], &[], MANY, Operator("AND")),
+    en("Or", &["Or"], &[], MANY, Operator("OR")),
+    en("Xor", &["Xor"], &[], MANY, Operator("XOR")),
+    en("Inv", &["Inv"], &[], UNARY, Invert),
+    en("ENCO", &["ENCO"], &[], UNARY, Function("ENCO")),
+    en("DECO", &["DECO"], &[], UNARY, Function("DECO")),
+    en("SEL", &["Sel"], &["SEL"], "?en g in0 in1 ?>out ?>eno", Function("SEL")),
+    en("Mux", &["Mux"], &["MUX"], "?en k in0+ ?else|inelse ?>out ?>eno", Mux),
+    en("Demux", &["Demux"], &[], "?en k in ?>out0+ ?>else|outelse ?>eno", Demux),
+    en("Shr", &["Shr"], &["SHR"], SHIFT, Function("SHR")),
+    en("Shl", &["Shl"], &["SHL"], SHIFT, Function("SHL")),
+    en("Ror", &["Ror"], &["ROR"], SHIFT, Function("ROR")),
+    en("Rol", &["Rol"], &["ROL"], SHIFT, Function("ROL")),
+    // B.9 Extended instructions
+    en("T_CONV", &["T_CONV"], &[], UNARY, Function("T_CONV")),
+    en("T_ADD", &["T_ADD"], &[], BINARY, Function("T_ADD")),
+    en("T_SUB", &["T_SUB"], &[], BINARY, Function("T_SUB")),
+    en("T_DIFF", &["T_DIFF"], &[], BINARY, Function("T_DIFF")),
+    en("T_COMBINE", &["T_COMBINE"], &[], BINARY, Function("T_COMBINE")),
+    en("WR_SYS_T", &["WR_SYS_T"], &[], "?en in ?>ret_val ?>eno", Procedure("WR_SYS_T")),
+    en("RD_SYS_T", &["RD_SYS_T"], &[], "?en ?>ret_val >out ?>eno", Procedure("RD_SYS_T")),
+    en("RD_LOC_T", &["RD_LOC_T"], &[], "?en ?>ret_val >out ?>eno", Procedure("RD_LOC_T")),
+    en("WR_LOC_T", &["WR_LOC_T"], &[], "?en loctime dst ?>ret_val ?>eno", Procedure("WR_LOC_T")),
+    en("S_CONV", &["S_CONV"], &[], "?en in >out ?>eno", Procedure("S_CONV")),
+    en("StringToValue", &["STRG_VAL"], &[], "?en in format =p >out ?>eno", Procedure("STRG_VAL")).sd(&["STRG_VAL"]),
+    en("ValueToString", &["VAL_STRG"], &[], "?en in size prec format =p >out ?>eno", Procedure("VAL_STRG")).sd(&["VAL_STRG"]),
+    en("Strg_TO_Chars", &["Strg_TO_Chars"], &[], "?en strg pchars =cnt|chars >chars ?>eno", Procedure("Strg_TO_Chars")),
+    en("Chars_TO_Strg", &["Chars_TO_Strg"], &[], "?en chars pchars cnt >strg ?>eno", Procedure("Chars_TO_Strg")),
+    en("AsciiToHex", &["ATH"], &[], "?en in n ?>ret_val >out ?>eno", Procedure("ATH")).sd(&["ATH"]),
+    en("HexToAscii", &["HTA"], &[], "?en in n ?>ret_val >out ?>eno", Procedure("HTA")).sd(&["HTA"]),
+    en("LEN", &["LEN"], &["LEN"], UNARY, Function("LEN")),
+    en("MaxLen", &["MAX_LEN"], &[], UNARY, Function("MAX_LEN")).sd(&["MAX_LEN"]),
+    en("CONCAT", &["CONCAT"], &["CONCAT"], MANY, Function("CONCAT")),
+    en("LEFT", &["LEFT"], &["LEFT"], "?en in l ?>out ?>eno", Function("LEFT")),
+    en("RIGHT", &["RIGHT"], &["RIGHT"], "?en in l ?>out ?>eno", Function("RIGHT")),
+    en("MID", &["MID"], &["MID"], "?en in l p ?>out ?>eno", Function("MID")),
+    en("DELETE", &["DELETE"], &["DELETE"], "?en in l p ?>out ?>eno", Function("DELETE")),
+    en("INSERT", &["INSERT"], &["INSERT"], "?en in1 in2 p ?>out ?>eno", Function("INSERT")),
+    en("REPLACE", &["REPLACE"], &["REPLACE"], "?en in1 in2 l p ?>out ?>eno", Function("REPLACE")),
+    en("FIND", &["FIND"], &["FIND"], BINARY, Function("FIND")),
+    en("ATTACH", &["ATTACH"], &[], "?en ob_nr event ?add ?>ret_val ?>eno", Procedure("ATTACH")),
+    en("DETACH", &["DETACH"], &[], "?en ob_nr ?event ?>ret_val ?>eno", Procedure("DETACH")),
+    en("SET_CINT", &["SET_CINT"], &[], "?en ob_nr cycle phase ?>ret_val ?>eno", Procedure("SET_CINT")),
+    en("QRY_CINT", &["QRY_CINT"], &[], "?en ob_nr ?>ret_val ?>cycle ?>phase ?>status ?>eno", Procedure("QRY_CINT")),
+    en("SRT_DINT", &["SRT_DINT"], &[], "?en ob_nr dtime sign ?>ret_val ?>eno", Procedure("SRT_DINT")),
+    en("CAN_DINT", &["CAN_DINT"], &[], "?en ob_nr ?>ret_val ?>eno", Procedure("CAN_DINT")),
+    en("QRY_DINT", &["QRY_DINT"], &[], "?en ob_nr ?>ret_val ?>status ?>eno", Procedure("QRY_DINT")),
+    en("DIS_AIRT", &["DIS_AIRT"], &[], "?en ?>ret_val ?>eno", Procedure("DIS_AIRT")),
+    en("EN_AIRT", &["EN_AIRT"], &[], "?en ?>ret_val ?>eno", Procedure("EN_AIRT")),
+    en("CTRL_PWM", &["CTRL_PWM"], &[], "?en pwm enable ?>busy ?>status ?>eno", Instance("CTRL_PWM")),
+    en("TSEND_C", &["TSEND_C"], &[], "?en ?req ?cont ?len =connect =data ?addr ?com_rst ?>done ?>busy ?>error ?>status ?>eno", Instance("TSEND_C")),
+    en("TRCV_C", &["TRCV_C"], &[], "?en ?en_r ?cont ?len ?adhoc =connect =data ?addr ?com_rst ?>done ?>busy ?>error ?>status ?>rcvd_len ?>eno", Instance("TRCV_C")),
+    en("TCON", &["TCON"], &[], "?en req id =connect ?>done ?>busy ?>error ?>status ?>eno", Instance("TCON")),
+    en("TDISCON", &["TDISCON"], &[], "?en req id ?>done ?>busy ?>error ?>status ?>eno", Instance("TDISCON")),
+    en("TSEND", &["TSEND"], &[], "?en req id ?len =data ?>done ?>busy ?>error ?>status ?>eno", Instance("TSEND")),
+    en("TRCV", &["TRCV"], &[], "?en en_r id ?len ?adhoc =data ?>ndr ?>busy ?>error ?>status ?>rcvd_len ?>eno", Instance("TRCV")),
+    en("PID_Compact", &["PID_Compact"], &[],
+        "?en ?setpoint ?input ?input_per ?disturbance ?manualenable ?manualvalue ?errorack ?reset ?modeactivate ?=mode ?>scaledinput ?>output ?>output_per ?>output_pwm ?>setpointlimit_h ?>setpointlimit_l ?>inputwarning_h ?>inputwarning_l ?>state ?>error ?>errorbits ?>eno",
+        Instance("PID_Compact")),
+    // B.10 Classic S7-300/400 boxes
+    row("S_PULSE", &["S_PULSE", "Sp", "SP_Coil", "CoilSP"], &[], S5_TIMER, ("s", "q"), S5Timer("S_PULSE")).sd(&["SP_Coil"]),
+    row("S_PEXT", &["S_PEXT", "Se", "SE_Coil", "CoilSE"], &[], S5_TIMER, ("s", "q"), S5Timer("S_PEXT")).sd(&["SE_Coil"]),
+    row("S_ODT", &["S_ODT", "Sd", "SD_Coil", "CoilSD"], &[], S5_TIMER, ("s", "q"), S5Timer("S_ODT")).sd(&["SD_Coil"]),
+    row("S_ODTS", &["S_ODTS", "Ss", "SS_Coil", "CoilSS"], &[], S5_TIMER, ("s", "q"), S5Timer("S_ODTS")).sd(&["SS_Coil"]),
+    row("S_OFFDT", &["S_OFFDT", "Sf", "SF_Coil", "CoilSF"], &[], S5_TIMER, ("s", "q"), S5Timer("S_OFFDT")).sd(&["SF_Coil"]),
+    row("S_Cud", &["S_CUD"], &[], S5_COUNTER, ("cu", "q"), S5Counter("S_CUD")),
+    row("S_Cu", &["S_CU"], &[], S5_COUNTER, ("cu", "q"), S5Counter("S_CU")),
+    row("S_Cd", &["S_CD"], &[], S5_COUNTER, ("cd", "q"), S5Counter("S_CD")),
+    row("CU_Coil", &["CU", "CoilCU"], &[], "in ?counter|operand ?>out", IN_OUT, CountCoil(CounterCoil::Up)),
+    row("CD_Coil", &["CD", "CoilCD"], &[], "in ?counter|operand ?>out", IN_OUT, CountCoil(CounterCoil::Down)),
+    row("SC_Coil", &["SC", "CoilSC"], &[], "in ?counter|operand pv|value ?>out", IN_OUT, CountCoil(CounterCoil::Set)),
+    row("OpenDBCoil", &["OPN", "OpenDB"], &[], "?in operand", ("in", ""), OpenDb { di: false }),
+    row("OpenDICoil", &["OPNI", "OpenDI"], &[], "?in operand", ("in", ""), OpenDb { di: true }),
+    row("McrActivateCoil", &["MCRA"], &[], "?in", ("in", ""), McrCoil(Mcr::Activate)),
+    row("McrOpenCoil", &["MCR<", "McrOpen", "MCR_Open"], &[], "?in", ("in", ""), McrCoil(Mcr::Open)),
+    row("McrCloseCoil", &["MCR>", "McrClose", "MCR_Close"], &[], "?in", ("in", ""), McrCoil(Mcr::Close)),
+    row("McrDeactivateCoil", &["MCRD"], &[], "?in", ("in", ""), McrCoil(Mcr::Deactivate)),
+    row("CallCoil", &["CallCoil", "CALL"], &[], "?in operand", ("in", ""), CallCoil),
+    row("SaveCoil", &["Save", "SaveCoil"], &[], "in ?>out", IN_OUT, Save),
+    row("OV_FlagContact", &["OV", "OvContact"], &[], FLAG, PRE, StatusFlag(Flag::Ov)),
+    row("OS_FlagContact", &["OS", "OsContact"], &[], FLAG, PRE, StatusFlag(Flag::Os)),
+    row("UO_FlagContact", &["UO", "UoContact"], &[], FLAG, PRE, StatusFlag(Flag::Uo)),
+    row("BR_FlagContact", &["BR", "BrContact"], &[], FLAG, PRE, StatusFlag(Flag::Br)),
+    row("EQ_I_Flags_Contact", &["==0"], &[], FLAG, PRE, StatusFlag(Flag::Equal)).sd(&["EQ_I_Flags_Contract"]),
+    row("NE_I_Flags_Contact", &["<>0"], &[], FLAG, PRE, StatusFlag(Flag::NotEqual)).sd(&["NE_I_Flags_Contract"]),
+    row("GT_I_Flags_Contact", &[">0"], &[], FLAG, PRE, StatusFlag(Flag::Greater)).sd(&["GT_I_Flags_Contract"]),
+    row("LT_I_Flags_Contact", &["<0"], &[], FLAG, PRE, StatusFlag(Flag::Less)).sd(&["LT_I_Flags_Contract"]),
+    row("GE_I_Flags_Contact", &[">=0"], &[], FLAG, PRE, StatusFlag(Flag::GreaterEqual)).sd(&["GE_I_Flags_Contract"]),
+    row("LE_I_Flags_Contact", &["<=0"], &[], FLAG, PRE, StatusFlag(Flag::LessEqual)).sd(&["LE_I_Flags_Contract"]),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_found_in_every_carrier() {
+        let contact = find_sd("i_contact").map(|(row, negated)| (row.name, negated));
+        assert_eq!(contact, Some(("Contact", true)));
+        assert_eq!(find_sd("gt").map(|(row, _)| row.name), Some("GT"));
+        assert_eq!(find_xml("PBox").map(|row| row.name), Some("P_Trig"));
+        // IEC SR is set-dominant, which Siemens calls RS.
+        assert_eq!(find_open("SR").map(|row| row.name), Some("S_RS"));
+    }
+
+    #[test]
+    fn numbered_pins_have_canonical_names() {
+        let add = find_xml("Add").expect("a row");
+        assert_eq!(add.pin("IN12").map(|(_, name)| name), Some("in12".to_string()));
+        assert_eq!(add.pin("in0"), None);
+        assert_eq!(add.pin("out").map(|(pin, _)| pin.direction), Some(PinDirection::Output));
+        let moved = find_xml("Move").expect("a row");
+        assert_eq!(moved.pin("OUT").map(|(_, name)| name), Some("out1".to_string()));
+    }
+
+    #[test]
+    fn every_flow_pin_is_a_pin() {
+        for row in ELEMENTS {
+            for flow in [row.flow.0, row.flow.1] {
+                assert!(flow.is_empty() || row.pin(flow).is_some(), "{}: {flow}", row.name);
+            }
+        }
+    }
+
+    #[test]
+    fn no_name_means_two_elements() {
+        for (at, row) in ELEMENTS.iter().enumerate() {
+            for other in &ELEMENTS[at + 1..] {
+                let clash = |a: &[&str], b: &[&str]| a.iter().any(|a| b.iter().any(|b| a.eq_ignore_ascii_case(b)));
+                assert!(!clash(row.xml, other.xml), "{} and {} in SimaticML", row.name, other.name);
+                assert!(!clash(row.open, other.open), "{} and {} in PLCopen", row.name, other.name);
+                let names = |row: &Row| [&[row.name], row.sd].concat();
+                assert!(!clash(&names(row), &names(other)), "{} and {} in SD", row.name, other.name);
+            }
+        }
+    }
+}

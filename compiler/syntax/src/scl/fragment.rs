@@ -1,0 +1,37 @@
+//! Statements and expressions that stand in files of other notations: networks in SCL, operands of elements, ST in XML.
+//!
+//! Spans are those of `text`, of which only `range` is read.
+
+use std::ops::Range;
+
+use plcc_diag::{Diagnostic, FileId, Span};
+
+use super::ast::{Expr, ExprKind, Statement, StatementKind};
+use super::raw;
+use crate::ast::{Block, Code};
+
+/// The statements in a part of a text. `pragmas`: assertions are read.
+pub fn statements(file: FileId, text: &str, range: Range<usize>, pragmas: bool) -> (Vec<Statement>, Vec<Diagnostic>) {
+    let mut raw = raw::scan(text.get(range.clone()).unwrap_or_default());
+    raw.shift(range.start as u32);
+    let parsed = super::parse_raw(file, text, raw, pragmas);
+    let mut found = Vec::new();
+    for block in parsed.blocks {
+        if let Block::Code(block) = block
+            && let Code::Scl(body) = block.code
+        {
+            found.extend(body.statements);
+        }
+    }
+    (found, parsed.diagnostics)
+}
+
+/// The expression in a part of a text; an error node if there is none.
+pub fn expression(file: FileId, text: &str, range: Range<usize>) -> (Expr, Vec<Diagnostic>) {
+    let span = Span::new(file, range.clone());
+    let (mut statements, diagnostics) = statements(file, text, range, false);
+    match (statements.pop(), statements.is_empty()) {
+        (Some(Statement { kind: StatementKind::Expression(expr), .. }), true) => (expr, diagnostics),
+        _ => (Expr { kind: ExprKind::Error, span }, diagnostics),
+    }
+}
