@@ -372,6 +372,16 @@ struct SclScan<'f, 'a> {
 const ALIGNMENT: u32 = 1;
 
 impl Visitor for SclScan<'_, '_> {
+    fn statement(&mut self, statement: &scl::Statement) {
+        let scl::StatementKind::Stl(statement) = &statement.kind else { return };
+        self.facts.scan(statement);
+        if let StlStatementKind::Call(call) = &statement.kind
+            && let Some(&callee) = self.index.get(&call.target)
+        {
+            self.statement += temporary_bytes(&self.program.blocks[callee], call);
+        }
+    }
+
     fn call(&mut self, call: &scl::Call) {
         self.facts.stops |= call.target == BlockKey { kind: BlockKind::Sfc, number: SFC_STP };
         self.facts.calls.push(call.target);

@@ -52,7 +52,9 @@ fn of_statement(statement: &StatementKind, visit: &mut dyn FnMut(&Access)) {
         | StatementKind::Goto(_)
         | StatementKind::Label(_)
         | StatementKind::Assert(_)
-        | StatementKind::Sleep(_) => {}
+        // Networks in STL are looked at where all STL is.
+        | StatementKind::Sleep(_)
+        | StatementKind::Stl(_) => {}
     }
 }
 

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 
 use plcc_abi::image::Module;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_program::model::scl::Base;
-use plcc_program::model::{Actual, Body, Operand, Place, Program, StlStatementKind, Width};
+use plcc_program::model::scl::{Base, StatementKind};
+use plcc_program::model::{Actual, Body, Operand, Place, Program, StlStatement, StlStatementKind, Width};
 
 use super::scl_accesses;
 
@@ -46,27 +46,19 @@ pub fn check_program(program: &Program) -> Vec<Diagnostic> {
     let mut uses = Uses { modules, missing: BTreeMap::new(), diagnostics: Vec::new() };
     for block in &program.blocks {
         match &block.body {
-            Body::Stl(statements) => statements.iter().for_each(|statement| match &statement.kind {
-                StlStatementKind::Instruction { operand: Operand::Memory { place, width }, .. } => {
-                    uses.place(place, width_bytes(*width), statement.span);
-                }
-                StlStatementKind::Call(call) => {
-                    for argument in &call.arguments {
-                        if let Actual::Place(place) = &argument.actual {
-                            let ty = program.block(call.target).and_then(|block| {
-                                block.interface.parameters.get(argument.parameter).map(|parameter| parameter.passing)
-                            });
-                            uses.place(place, passing_bytes(ty), argument.span);
-                        }
+            Body::Stl(statements) => statements.iter().for_each(|statement| uses.stl_statement(program, statement)),
+            Body::Scl(body) => {
+                scl_accesses::of_body(body, &mut |access| {
+                    if let (Base::Place(place), Some(ty)) = (&access.base, access.elementary()) {
+                        uses.place(place, ty.bits().div_ceil(8), access.span);
+                    }
+                });
+                for statement in &body.statements {
+                    if let StatementKind::Stl(statement) = &statement.kind {
+                        uses.stl_statement(program, statement);
                     }
                 }
-                _ => {}
-            }),
-            Body::Scl(body) => scl_accesses::of_body(body, &mut |access| {
-                if let (Base::Place(place), Some(ty)) = (&access.base, access.elementary()) {
-                    uses.place(place, ty.bits().div_ceil(8), access.span);
-                }
-            }),
+            }
             Body::Runtime => {}
         }
     }
@@ -98,6 +90,25 @@ struct Uses<'a> {
 }
 
 impl Uses<'_> {
+    fn stl_statement(&mut self, program: &Program, statement: &StlStatement) {
+        match &statement.kind {
+            StlStatementKind::Instruction { operand: Operand::Memory { place, width }, .. } => {
+                self.place(place, width_bytes(*width), statement.span);
+            }
+            StlStatementKind::Call(call) => {
+                for argument in &call.arguments {
+                    if let Actual::Place(place) = &argument.actual {
+                        let ty = program.block(call.target).and_then(|block| {
+                            block.interface.parameters.get(argument.parameter).map(|parameter| parameter.passing)
+                        });
+                        self.place(place, passing_bytes(ty), argument.span);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
     fn place(&mut self, place: &Place, bytes: u32, span: Span) {
         let (area, start) = match *place {
             Place::I { byte, .. } => (Area::Input, byte),

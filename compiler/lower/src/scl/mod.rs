@@ -58,6 +58,10 @@ struct Loop {
 /// Lowers a block to a function.
 pub fn lower_block<'p>(plan: &'p Plan<'p>, output: &mut Output<'p>, block: &'p CodeBlock, body: &'p Body) -> Function {
     let mut context = Context::new(plan, output, block);
+    context.uses_mcr = body
+        .statements
+        .iter()
+        .any(|statement| matches!(&statement.kind, StatementKind::Stl(statement) if crate::stl::uses_mcr(statement)));
     context.begin_scl(body);
     for (label, jumps) in count_jumps(body) {
         context.declare_label(label, jumps);
@@ -217,7 +221,12 @@ fn count_jumps(body: &Body) -> Vec<(LabelId, u32)> {
     }
     impl walk::Visitor for Jumps {
         fn statement(&mut self, statement: &plcc_program::model::scl::Statement) {
-            if let StatementKind::Goto(label) = statement.kind {
+            let jumps = match &statement.kind {
+                StatementKind::Goto(label) => vec![*label],
+                StatementKind::Stl(statement) => crate::stl::jumps_of(statement),
+                _ => return,
+            };
+            for label in jumps {
                 let order = &mut self.order;
                 *self.counts.entry(label).or_insert_with(|| {
                     order.push(label);

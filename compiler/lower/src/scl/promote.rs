@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use plcc_abi::image::BlockKind;
 use plcc_program::layout;
-use plcc_program::model::scl::{Access, Base, Statement};
+use plcc_program::model::scl::{Access, Base, Statement, StatementKind};
 use plcc_program::model::{Assert, AssertSide, CodeBlock, Direction, Operand, Passing, Place};
 use plcc_program::types::{DataType, Elementary};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -28,6 +28,9 @@ pub enum Slot {
 pub fn promotable(block: &CodeBlock, statements: &[Statement]) -> Vec<(Slot, Elementary)> {
     let mut seen = Seen::default();
     walk::statements(statements, &mut seen);
+    if seen.everything {
+        return Vec::new();
+    }
     let mut slots = seen.locals(block);
     for (&index, &ty) in &seen.parameters {
         let Some(ty) = ty else { continue };
@@ -67,6 +70,8 @@ struct Seen {
     memory: Vec<(u32, u32)>,
     /// Parameters; none if they are reached as memory or as different types.
     parameters: BTreeMap<usize, Option<Elementary>>,
+    /// All of it is reached as memory.
+    everything: bool,
 }
 
 impl Seen {
@@ -113,6 +118,13 @@ impl Seen {
 }
 
 impl Visitor for Seen {
+    /// STL reaches local data and parameters by address, also by one that it computes.
+    fn statement(&mut self, statement: &Statement) {
+        if matches!(statement.kind, StatementKind::Stl(_)) {
+            self.everything = true;
+        }
+    }
+
     fn access(&mut self, access: &Access, role: Role) {
         match (slot(access), role) {
             (Some((Slot::Local(start), ty)), Role::Value) => {

@@ -75,6 +75,7 @@ impl Context<'_, '_> {
             StatementKind::Label(label) => self.place_label(*label),
             StatementKind::Assert(assert) => self.assert(assert, statement.span),
             StatementKind::Sleep(ms) => self.sleep(*ms),
+            StatementKind::Stl(statement) => self.stl_statement(statement),
         }
     }
 

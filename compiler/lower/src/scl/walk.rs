@@ -86,7 +86,8 @@ fn statement(statement: &Statement, visitor: &mut dyn Visitor) {
         | StatementKind::Return(None)
         | StatementKind::Goto(_)
         | StatementKind::Label(_)
-        | StatementKind::Sleep(_) => {}
+        | StatementKind::Sleep(_)
+        | StatementKind::Stl(_) => {}
     }
     visitor.own_part_done();
 }

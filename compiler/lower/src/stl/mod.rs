@@ -37,9 +37,7 @@ pub fn lower_block<'p>(
     statements: &[StlStatement],
 ) -> Function {
     let mut context = Context::new(plan, output, block);
-    context.uses_mcr = statements.iter().any(|statement| {
-        matches!(statement.kind, StlStatementKind::Instruction { insn: StlInsn::McrActivate | StlInsn::McrOpen, .. })
-    });
+    context.uses_mcr = statements.iter().any(uses_mcr);
     context.prepare_instance(statements);
     for (label, jumps) in count_jumps(statements) {
         context.declare_label(label, jumps);
@@ -49,6 +47,11 @@ pub fn lower_block<'p>(
         context.lower_statement(statement);
     }
     context.finish()
+}
+
+/// The statement begins the work of the Master Control Relay.
+pub fn uses_mcr(statement: &StlStatement) -> bool {
+    matches!(statement.kind, StlStatementKind::Instruction { insn: StlInsn::McrActivate | StlInsn::McrOpen, .. })
 }
 
 /// Jumps to each label that has any, in the order of the first ones.
@@ -67,7 +70,7 @@ fn count_jumps(statements: &[StlStatement]) -> Vec<(LabelId, u32)> {
 }
 
 /// Labels that `statement` jumps to.
-fn jumps_of(statement: &StlStatement) -> Vec<LabelId> {
+pub fn jumps_of(statement: &StlStatement) -> Vec<LabelId> {
     match &statement.kind {
         StlStatementKind::Instruction { operand: Operand::Label(label), .. } => vec![*label],
         StlStatementKind::JumpList { targets, default } => targets.iter().chain([default]).copied().collect(),
@@ -80,6 +83,12 @@ fn jumps_of(statement: &StlStatement) -> Vec<LabelId> {
 }
 
 impl Context<'_, '_> {
+    /// A statement of a network in STL between networks of other languages.
+    pub fn stl_statement(&mut self, statement: &StlStatement) {
+        self.set_statement(statement);
+        self.lower_statement(statement);
+    }
+
     fn lower_statement(&mut self, statement: &StlStatement) {
         if let StlStatementKind::Label(label) = &statement.kind {
             self.place_label(*label);

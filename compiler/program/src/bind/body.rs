@@ -5,6 +5,7 @@ use plcc_syntax::ast::{self, OperandKind, Statement, StatementKind};
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
 
+use super::names::fold;
 use super::{Binder, Ctx};
 use crate::model::{LabelId, Operand, StlStatement, StlStatementKind};
 
@@ -27,12 +28,36 @@ struct Flow<'b> {
     regions: Vec<u32>,
     /// MCR zones around each statement.
     zones: Vec<u32>,
+    /// Labels of the other networks of a block in LAD or FBD, by folded name.
+    elsewhere: FxHashMap<String, LabelId>,
 }
 
 impl Binder<'_> {
     /// Binds the statements of a block.
     pub fn bind_body(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock) -> Vec<StlStatement> {
-        let flow = self.flow(block);
+        let mut statements = Vec::new();
+        for (network, content) in block.networks().iter().enumerate() {
+            let number = u16::try_from(network + 1).unwrap_or(u16::MAX);
+            statements.extend(content.statements.iter().map(|statement| (number, statement)));
+        }
+        let flow = self.statement_flow(statements);
+        self.bind_flow(ctx, &flow)
+    }
+
+    /// Binds a network in STL of a block in LAD or FBD: its labels are known already.
+    pub fn bind_statements(&mut self, ctx: &mut Ctx, list: &[Statement], number: u16) -> Vec<StlStatement> {
+        let mut flow = self.statement_flow(list.iter().map(|statement| (number, statement)).collect());
+        let own: Vec<&str> = flow.labels.keys().copied().collect();
+        for name in own {
+            if let (Some(known), Some(info)) = (ctx.scl.labels.get(&fold(name)), flow.labels.get_mut(name)) {
+                info.id = known.id;
+            }
+        }
+        flow.elsewhere = ctx.scl.labels.iter().map(|(name, label)| (name.clone(), label.id)).collect();
+        self.bind_flow(ctx, &flow)
+    }
+
+    fn bind_flow(&mut self, ctx: &mut Ctx, flow: &Flow) -> Vec<StlStatement> {
         let mut bound = Vec::with_capacity(flow.statements.len());
         let mut at = 0;
         while at < flow.statements.len() {
@@ -48,13 +73,13 @@ impl Binder<'_> {
             let kind = match &statement.kind {
                 StatementKind::Empty | StatementKind::Error => None,
                 StatementKind::Instruction { insn: StlInsn::JumpList, mnemonic_span, operand } => {
-                    let (list, kind) = self.jump_list(&flow, at, *mnemonic_span, operand.as_ref());
+                    let (list, kind) = self.jump_list(flow, at, *mnemonic_span, operand.as_ref());
                     at += list;
                     kind
                 }
                 StatementKind::Instruction { insn, mnemonic_span, operand } => {
                     self.check_instruction(*insn, *mnemonic_span);
-                    self.instruction(ctx, &flow, at - 1, *insn, *mnemonic_span, operand.as_ref())
+                    self.instruction(ctx, flow, at - 1, *insn, *mnemonic_span, operand.as_ref())
                 }
                 StatementKind::Call(call) => {
                     if flow.zones[at - 1] > 0 && call.parameters.iter().any(|parameter| parameter.actual.is_some()) {
@@ -80,21 +105,13 @@ impl Binder<'_> {
     }
 
     /// First walk: labels, parentheses and MCR zones.
-    fn flow<'b>(&mut self, block: &'b ast::CodeBlock) -> Flow<'b> {
-        let statements: Vec<(u16, &Statement)> = block
-            .networks()
-            .iter()
-            .enumerate()
-            .flat_map(|(network, content)| {
-                let number = u16::try_from(network + 1).unwrap_or(u16::MAX);
-                content.statements.iter().map(move |statement| (number, statement))
-            })
-            .collect();
+    fn statement_flow<'b>(&mut self, statements: Vec<(u16, &'b Statement)>) -> Flow<'b> {
         let mut flow = Flow {
             labels: FxHashMap::default(),
             regions: Vec::with_capacity(statements.len()),
             zones: Vec::with_capacity(statements.len()),
             statements: Vec::new(),
+            elsewhere: FxHashMap::default(),
         };
         let mut open: Vec<u32> = Vec::new();
         let mut regions = 0;
@@ -172,6 +189,11 @@ impl Binder<'_> {
 
     /// A jump from inside parenthesis `region` to the label `name`.
     fn jump(&mut self, flow: &Flow, region: u32, name: &str, span: Span) -> Option<LabelId> {
+        if !flow.labels.contains_key(name)
+            && let Some(id) = flow.elsewhere.get(&fold(name))
+        {
+            return Some(*id);
+        }
         let Some(label) = flow.labels.get(name) else {
             let message = Diagnostic::new(Code::UnknownLabel, span, format!("this block has no label `{name}`"))
                 .label("nowhere to jump to");

@@ -97,6 +97,8 @@ pub enum StatementKind {
     Assert(Assert),
     /// `//@ sleep N`, in milliseconds.
     Sleep(u32),
+    /// A statement of a network in STL.
+    Stl(Box<super::StlStatement>),
 }
 
 /// An arm of CASE.

@@ -23,7 +23,7 @@ use crate::types::{DataType, ParameterType};
 
 impl Binder<'_> {
     /// Binds a variable.
-    pub(super) fn scl_access(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Access> {
+    pub(in crate::bind) fn scl_access(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Access> {
         let spot = self.scl_spot(ctx, node, intent)?;
         Some(spot.access(node.span))
     }
@@ -66,7 +66,7 @@ impl Binder<'_> {
     }
 
     /// What an expression of names stands for.
-    pub(super) fn thing(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Thing> {
+    pub(in crate::bind) fn thing(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Thing> {
         if ctx.scl.depth >= Self::DEPTH_MAX {
             self.too_deep(node.span);
             return None;
@@ -142,6 +142,9 @@ impl Binder<'_> {
 
     fn name_thing(&mut self, ctx: &mut Ctx, name: &Name, intent: Intent) -> Option<Thing> {
         let text = name.text.as_str();
+        if let Some(variable) = ctx.scl.hidden.get(text) {
+            return Some(Thing::Spot(Spot::fixed(variable.clone())));
+        }
         let global = self.globals.contains_key(&fold(text));
         if !(name.form == NameForm::Quoted && global && !self.is_own_name(ctx, name)) {
             let own = if self.is_own_name(ctx, name) { "RET_VAL" } else { text };
@@ -296,6 +299,11 @@ impl Binder<'_> {
     /// An operand in one token.
     fn operand_thing(&mut self, ctx: &mut Ctx, operand: &OperandKind, span: Span) -> Option<Thing> {
         match operand {
+            OperandKind::Absolute { area: area @ (Area::Db | Area::Di), width, byte, bit }
+                if let Some(opened) = opened(ctx, *area) =>
+            {
+                self.db_place(ctx, Db::Dynamic(opened), *width, *byte, *bit, span)
+            }
             OperandKind::Absolute { area: Area::L | Area::Db | Area::Di, .. } => {
                 self.refuse(
                     Code::OperandKind,
@@ -556,4 +564,9 @@ fn block_thing(prefix: BlockPrefix, number: Number) -> Thing {
         }
         (prefix, number) => Thing::Block { prefix, number },
     }
+}
+
+/// Number of the DB in the register of an area, where the block opens data blocks.
+fn opened(ctx: &Ctx, area: Area) -> Option<Expr> {
+    if area == Area::Di { ctx.scl.open_di.clone() } else { ctx.scl.open_db.clone() }
 }

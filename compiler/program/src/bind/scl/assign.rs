@@ -79,7 +79,7 @@ impl Binder<'_> {
         result
     }
 
-    pub(super) fn binary_value(
+    pub(in crate::bind) fn binary_value(
         &mut self,
         ctx: &mut Ctx,
         op: Operator,
@@ -95,7 +95,7 @@ impl Binder<'_> {
     }
 
     /// The statement that assigns `value` to `target`, by the target's type.
-    fn assignment(&mut self, ctx: &mut Ctx, target: Access, value: Value) -> Option<StatementKind> {
+    pub(in crate::bind) fn assignment(&mut self, ctx: &mut Ctx, target: Access, value: Value) -> Option<StatementKind> {
         let value = match self.result_in_place(&target, value) {
             Ok(call) => return Some(call),
             Err(value) => value,
@@ -157,7 +157,7 @@ impl Binder<'_> {
 }
 
 /// The value of a variable.
-fn value_of(access: &Access, span: Span) -> Option<Value> {
+pub(in crate::bind) fn value_of(access: &Access, span: Span) -> Option<Value> {
     Some(match (access.elementary(), &access.ty) {
         (Some(ty), _) => Value::Elementary(Expr { kind: ExprKind::Load(Box::new(access.clone())), ty, span }),
         (None, DataType::Parameter(_) | DataType::OpenArray(_)) => Value::Parameter { access: access.clone(), span },

@@ -107,7 +107,7 @@ impl Binder<'_> {
         ctx.scl.temp_writes.extend(uses);
     }
 
-    fn callee(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Callee> {
+    pub(in crate::bind) fn callee(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Callee> {
         match &node.kind {
             NodeKind::Name(name) => self.named_callee(ctx, node, name),
             NodeKind::Absolute(OperandKind::Block(name)) => {
@@ -267,7 +267,8 @@ impl Binder<'_> {
         };
         if let Some(key) = own
             && let Some(block) = self.library_block(key)
-            && block.name.split('_').next().is_some_and(|first| first.eq_ignore_ascii_case(name))
+            && (block.name.eq_ignore_ascii_case(name)
+                || block.name.split('_').next().is_some_and(|first| first.eq_ignore_ascii_case(name)))
         {
             return Some(key);
         }

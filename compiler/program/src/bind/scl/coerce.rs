@@ -21,13 +21,13 @@ const STRING_MAX: usize = 254;
 
 impl Binder<'_> {
     /// Binds an expression that must give a value of type `ty`, by implicit conversion if need be.
-    pub(super) fn scl_of_type(&mut self, ctx: &mut Ctx, node: &Node, ty: Elementary) -> Option<Expr> {
+    pub(in crate::bind) fn scl_of_type(&mut self, ctx: &mut Ctx, node: &Node, ty: Elementary) -> Option<Expr> {
         let value = self.scl_value(ctx, node)?;
         self.scl_convert(ctx, value, ty)
     }
 
     /// Gives a bound value the type `ty`, by implicit conversion if need be; what has no conversion is reported.
-    pub(super) fn scl_convert(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Expr> {
+    pub(in crate::bind) fn scl_convert(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Expr> {
         match value {
             Value::Elementary(expr) => self.implicit(ctx, expr, ty),
             Value::Constant(constant, span) => self.constant_of_type(ctx, &constant, span, ty),
@@ -52,7 +52,7 @@ impl Binder<'_> {
     }
 
     /// A value in its own type; a constant in that which it has without a partner.
-    pub(super) fn scl_own_type(&mut self, ctx: &mut Ctx, value: Value) -> Option<Expr> {
+    pub(in crate::bind) fn scl_own_type(&mut self, ctx: &mut Ctx, value: Value) -> Option<Expr> {
         let ty = match &value {
             Value::Elementary(expr) => expr.ty,
             Value::Constant(constant, _) => constant::default_type(ctx.scl.rules, constant),
@@ -66,7 +66,7 @@ impl Binder<'_> {
     }
 
     /// The implicit conversion of a value to `ty`.
-    pub(super) fn implicit(&mut self, ctx: &Ctx, value: Expr, ty: Elementary) -> Option<Expr> {
+    pub(in crate::bind) fn implicit(&mut self, ctx: &Ctx, value: Expr, ty: Elementary) -> Option<Expr> {
         let (from, span) = (value.ty, value.span);
         if from == ty {
             return Some(value);

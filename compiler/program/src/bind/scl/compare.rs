@@ -32,7 +32,7 @@ const fn library(op: CompareOp) -> (u16, u16) {
 }
 
 impl Binder<'_> {
-    pub(super) fn compare(
+    pub(in crate::bind) fn compare(
         &mut self,
         ctx: &mut Ctx,
         op: Operator,

@@ -13,7 +13,7 @@ use crate::model::scl::{BinaryOp, Conversion, Expr, ExprKind, UnaryOp};
 
 impl Binder<'_> {
     /// Binds an expression, calls included.
-    pub(super) fn scl_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Value> {
+    pub(in crate::bind) fn scl_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Value> {
         if ctx.scl.depth >= Self::DEPTH_MAX {
             self.too_deep(node.span);
             return None;

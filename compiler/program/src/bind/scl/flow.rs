@@ -3,7 +3,7 @@
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic};
 use plcc_syntax::ast;
-use plcc_syntax::scl::ast::{Body as Tree, Name, Statement, StatementKind};
+use plcc_syntax::scl::ast::{Name, Statement, StatementKind};
 
 use super::rules::Label;
 use crate::bind::names::fold;
@@ -16,7 +16,7 @@ const OB_START_INFORMATION_BYTES: u32 = 20;
 
 impl Binder<'_> {
     /// The first walk: labels, with the lists of statements in which they stand.
-    pub(super) fn collect_labels(&mut self, ctx: &mut Ctx, statements: &[Statement]) {
+    pub(in crate::bind) fn collect_labels(&mut self, ctx: &mut Ctx, statements: &[Statement]) {
         let mut open: Vec<(&[Statement], u32)> = vec![(statements, 0)];
         while let Some((list, depth)) = open.pop() {
             if depth > Self::DEPTH_MAX {
@@ -69,12 +69,12 @@ impl Binder<'_> {
     }
 
     /// A label where it stands; none for the second of two.
-    pub(super) fn label(&mut self, ctx: &Ctx, name: &Name) -> Option<LabelId> {
+    pub(in crate::bind) fn label(&mut self, ctx: &Ctx, name: &Name) -> Option<LabelId> {
         let label = ctx.scl.labels.get(&fold(&name.text))?;
         (label.span == name.span).then_some(label.id)
     }
 
-    pub(super) fn goto(&mut self, ctx: &Ctx, name: &Name) -> Option<LabelId> {
+    pub(in crate::bind) fn goto(&mut self, ctx: &Ctx, name: &Name) -> Option<LabelId> {
         let text = &name.text;
         let Some(label) = ctx.scl.labels.get(&fold(text)) else {
             let message = Diagnostic::new(Code::UnknownLabel, name.span, format!("this block has no label `{text}`"))
@@ -97,8 +97,8 @@ impl Binder<'_> {
         Some(label.id)
     }
 
-    /// Tells of TEMP data that is read and never written, and of a function without a value.
-    pub(super) fn unused_data(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, body: &Tree) {
+    /// Tells of TEMP data that is read and never written, and of a function without a value. `empty`: the block has no statements.
+    pub(in crate::bind) fn unused_data(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, empty: bool) {
         let reads = std::mem::take(&mut ctx.scl.temp_reads);
         let supplied = if ctx.key.kind == BlockKind::Ob { OB_START_INFORMATION_BYTES } else { 0 };
         let mut told: Vec<(u32, u32)> = Vec::new();
@@ -116,7 +116,7 @@ impl Binder<'_> {
         }
         let has_value = ctx.bound.interface.parameters.iter().any(|parameter| parameter.name == "RET_VAL");
         let is_function = matches!(ctx.key.kind, BlockKind::Fc | BlockKind::Sfc) && block.return_type.is_some();
-        if is_function && has_value && !ctx.scl.value_set && !body.statements.is_empty() {
+        if is_function && has_value && !ctx.scl.value_set && !empty {
             let name = match &block.name {
                 ast::BlockName::Symbol { name, .. } => format!("#{name}"),
                 ast::BlockName::Numbered { number, .. } => format!("FC{number}"),

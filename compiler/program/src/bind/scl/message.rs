@@ -11,7 +11,7 @@ use crate::layout;
 
 impl Binder<'_> {
     /// Nesting of expressions and statements beyond which nobody reads them.
-    pub(super) const DEPTH_MAX: u32 = 200;
+    pub(in crate::bind) const DEPTH_MAX: u32 = 200;
 
     pub(super) fn too_deep(&mut self, span: Span) {
         self.report.push(
@@ -22,7 +22,7 @@ impl Binder<'_> {
     }
 
     /// A value of a type that does not become `wanted` by itself.
-    pub(super) fn wrong_type(&mut self, span: Span, is: &str, wanted: &str, help: Option<String>) {
+    pub(in crate::bind) fn wrong_type(&mut self, span: Span, is: &str, wanted: &str, help: Option<String>) {
         let text = self.text(span);
         let message = Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` is {is}, but {wanted} is wanted"))
             .label(is.to_string());
@@ -58,7 +58,7 @@ impl Binder<'_> {
     }
 
     /// Something that is not possible here, with what to do.
-    pub(super) fn refuse(&mut self, code: Code, span: Span, title: &str, label: &str, help: &str) {
+    pub(in crate::bind) fn refuse(&mut self, code: Code, span: Span, title: &str, label: &str, help: &str) {
         let message = Diagnostic::new(code, span, title).label(label);
         self.report.push(if help.is_empty() { message } else { message.help(help) });
     }

@@ -14,36 +14,36 @@ mod access;
 mod actual;
 mod arguments;
 mod array;
-mod assign;
-mod call;
+pub(in crate::bind) mod assign;
+pub(in crate::bind) mod call;
 mod case;
-mod coerce;
+pub(in crate::bind) mod coerce;
 mod compare;
-mod constant;
-mod convert;
+pub(in crate::bind) mod constant;
+pub(in crate::bind) mod convert;
 mod enable;
-mod expression;
+pub(in crate::bind) mod expression;
 mod flow;
-mod function;
+pub(in crate::bind) mod function;
 mod iec_timer;
 mod indexed;
 mod memory;
-mod message;
+pub(in crate::bind) mod message;
 mod number;
-mod numeric;
+pub(in crate::bind) mod numeric;
 mod pins;
-mod place;
+pub(in crate::bind) mod place;
 mod pointer;
 mod reference;
 mod result;
-mod rules;
+pub(in crate::bind) mod rules;
 mod statement;
-mod temporary;
+pub(in crate::bind) mod temporary;
 mod text;
 mod text_number;
 mod time;
 mod timer;
-mod value;
+pub(in crate::bind) mod value;
 
 #[cfg(test)]
 mod call_tests;
@@ -73,7 +73,7 @@ impl Binder<'_> {
         ctx.scl = Scope::new(self.input, &block.header, body.dialect);
         self.collect_labels(ctx, &body.statements);
         let statements = self.statements(ctx, &body.statements);
-        self.unused_data(ctx, block, body);
+        self.unused_data(ctx, block, body.statements.is_empty());
         let scope = &ctx.scl;
         Body {
             statements,

@@ -8,7 +8,9 @@ use rustc_hash::FxHashMap;
 
 use super::place::Spot;
 use crate::bind::BindInput;
+use crate::bind::path::Variable;
 use crate::model::LabelId;
+use crate::model::scl::Expr;
 
 /// The rules that a block's source and the CPU choose together. Source: SCL reference, dialects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -89,6 +91,11 @@ pub struct Scope {
     pub temp_writes: Vec<(u32, u32)>,
     /// The function's own value is assigned somewhere.
     pub value_set: bool,
+    /// Variables that no source declares, by names that none can have: values of nets in LAD and FBD.
+    pub hidden: FxHashMap<String, Variable>,
+    /// Numbers of the DBs in the DB and the DI register, WORDs: of blocks in LAD or FBD that open data blocks.
+    pub open_db: Option<Expr>,
+    pub open_di: Option<Expr>,
 }
 
 /// Attributes that make the code set OK/ENO, with their value. Source: SCL reference, OK and ENO.

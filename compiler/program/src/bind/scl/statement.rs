@@ -17,7 +17,7 @@ use crate::types::DataType;
 
 impl Binder<'_> {
     /// A list of statements.
-    pub(super) fn statements(&mut self, ctx: &mut Ctx, trees: &[Tree]) -> Vec<Statement> {
+    pub(in crate::bind) fn statements(&mut self, ctx: &mut Ctx, trees: &[Tree]) -> Vec<Statement> {
         ctx.scl.lists.push(trees.as_ptr() as usize);
         let mut bound = Vec::with_capacity(trees.len());
         for tree in trees {
@@ -31,7 +31,7 @@ impl Binder<'_> {
         bound
     }
 
-    pub(super) fn statement(&mut self, ctx: &mut Ctx, tree: &Tree, bound: &mut Vec<Statement>) {
+    pub(in crate::bind) fn statement(&mut self, ctx: &mut Ctx, tree: &Tree, bound: &mut Vec<Statement>) {
         if has_enable(tree) && self.enabled_function(ctx, tree, bound) {
             return;
         }
@@ -300,6 +300,7 @@ fn leaves(statement: &Statement) -> bool {
         | StatementKind::Continue
         | StatementKind::Label(_)
         | StatementKind::Assert(_)
-        | StatementKind::Sleep(_) => false,
+        | StatementKind::Sleep(_)
+        | StatementKind::Stl(_) => false,
     }
 }

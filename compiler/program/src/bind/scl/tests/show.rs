@@ -44,6 +44,7 @@ fn statement(statement: &Statement) -> String {
         StatementKind::Goto(label) => format!("goto {}", label.0),
         StatementKind::Label(label) => format!("label {}", label.0),
         StatementKind::Assert(assert) => format!("assert {}", assert.text),
+        StatementKind::Stl(statement) => format!("stl {:?}", statement.kind),
         StatementKind::Sleep(milliseconds) => format!("sleep {milliseconds}"),
     }
 }

@@ -1,0 +1,374 @@
+//! Contacts, gates, coils, edges, flip-flops, bit fields. Source: LAD/FBD reference C.2 to C.4.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::CellKind;
+use plcc_syntax::network::ast::{Pin, PinValue, Storage};
+use plcc_syntax::network::elements::Gate;
+use plcc_syntax::scl::ast::{
+    Argument, Expr as Node, ExprKind as NodeKind, Name, NameForm, Statement as Tree, StatementKind as TreeKind,
+};
+use plcc_syntax::{Class, Elementary};
+
+use super::pins::{and, bare, connected, inverted, no, yes};
+use super::sheet::Sheet;
+use crate::bind::scl::Intent;
+use crate::bind::scl::assign::value_of;
+use crate::bind::scl::expression::{binary_expr, constant_expr};
+use crate::bind::scl::numeric::Shape;
+use crate::bind::scl::place::Thing;
+use crate::bind::scl::value::Value;
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::scl::{Access, Base, BinaryOp, Expr, StatementKind};
+use crate::model::{Place, Width};
+use crate::types::DataType;
+
+/// More bits no memory area has.
+const BIT_FIELD_MAX: i128 = 8 * 65_536;
+
+impl Binder<'_> {
+    pub fn contact(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        let span = sheet.element(at).span;
+        let flow = self.flow(ctx, sheet, at, "in");
+        let operand = self.input_of(ctx, sheet, at, "operand", Elementary::Bool);
+        self.output(ctx, sheet, at, "out", Value::Elementary(and(flow?, operand?, span)))
+    }
+
+    pub fn not_element(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        let flow = self.flow(ctx, sheet, at, "in")?;
+        self.output(ctx, sheet, at, "out", Value::Elementary(inverted(flow)))
+    }
+
+    /// All inputs are read. In PLCopen the gates of BOOL and of bit strings have one name.
+    pub fn gate(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, gate: Gate) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let mut values = Vec::new();
+        for pin in element.pins.iter().filter(|pin| !pin.output && pin.value != PinValue::Open) {
+            values.push(self.pin_value(ctx, sheet, pin)?);
+        }
+        let bits = |value: &Value| match Shape::of(value).elementary() {
+            Some(ty) if ty.class() == Class::Bits => Some(ty),
+            _ => None,
+        };
+        let ty = values.iter().filter_map(bits).max_by_key(|ty| ty.bits()).unwrap_or(Elementary::Bool);
+        let op = match gate {
+            Gate::And => BinaryOp::And,
+            Gate::Or => BinaryOp::Or,
+            Gate::Xor => BinaryOp::Xor,
+        };
+        let mut result: Option<Expr> = None;
+        for value in values {
+            let value = self.scl_convert(ctx, value, ty)?;
+            result = Some(match result {
+                None => value,
+                Some(before) => binary_expr(op, before, value, ty, span),
+            });
+        }
+        self.output(ctx, sheet, at, "out", Value::Elementary(result?))
+    }
+
+    /// The flow of a coil: what it writes, and what leaves it. A relay that is off writes 0.
+    fn coil_flow(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<Expr> {
+        let flow = self.flow(ctx, sheet, at, "in")?;
+        Some(sheet.keep(ctx, flow))
+    }
+
+    pub fn coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let flow = self.coil_flow(ctx, sheet, at)?;
+        let pin = connected(element, "operand")?;
+        let value = if pin.negated { inverted(flow.clone()) } else { flow.clone() };
+        let value = match sheet.registers().relay(span) {
+            Some(on) => and(value, on, span),
+            None => value,
+        };
+        self.write_pin(ctx, sheet, pin, value)?;
+        self.output(ctx, sheet, at, "out", Value::Elementary(flow))
+    }
+
+    /// Writes the operand of a coil.
+    fn write_pin(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, pin: &Pin, value: Expr) -> Option<()> {
+        match &pin.value {
+            PinValue::Operand(node) => self.write(ctx, sheet, node, Value::Elementary(value), Storage::None),
+            PinValue::Net(_) | PinValue::Open => None,
+        }
+    }
+
+    pub fn set_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, set: bool) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let flow = self.coil_flow(ctx, sheet, at)?;
+        let PinValue::Operand(node) = &connected(element, "operand")?.value else { return None };
+        let condition = self.relayed(sheet, flow.clone(), span);
+        if !set && let Some(kind) = self.cell_operand(ctx, node) {
+            self.reset_cell(ctx, sheet, kind, node, condition, span)?;
+        } else {
+            let target = self.scl_access(ctx, node, Intent::Write)?;
+            let value = if set { yes(span) } else { no(span) };
+            let kind = self.assignment(ctx, target, Value::Elementary(value))?;
+            self.conditional(sheet, condition, kind, span);
+        }
+        self.output(ctx, sheet, at, "out", Value::Elementary(flow))
+    }
+
+    /// The condition of what a relay that is off does not write.
+    pub fn relayed(&mut self, sheet: &Sheet, flow: Expr, span: Span) -> Expr {
+        match sheet.registers().relay(span) {
+            Some(on) => and(flow, on, span),
+            None => flow,
+        }
+    }
+
+    /// The operand is a timer or counter of the S7-300/400.
+    fn cell_operand(&mut self, ctx: &mut Ctx, node: &Node) -> Option<CellKind> {
+        if !matches!(node.kind, NodeKind::Name(_) | NodeKind::Absolute(_)) {
+            return None;
+        }
+        let told = self.report.diagnostics.len();
+        let thing = self.thing(ctx, node, Intent::Read);
+        self.report.diagnostics.truncate(told);
+        match thing? {
+            Thing::Cell { kind, .. } => Some(kind),
+            _ => None,
+        }
+    }
+
+    /// `R T1`, `R C1`.
+    fn reset_cell(
+        &mut self,
+        ctx: &mut Ctx,
+        sheet: &mut Sheet,
+        kind: CellKind,
+        node: &Node,
+        condition: Expr,
+        span: Span,
+    ) -> Option<()> {
+        let (function, formal) = match kind {
+            CellKind::Timer => ("S_PULSE", "T_NO"),
+            CellKind::Counter => ("S_CU", "C_NO"),
+        };
+        let reset = self.value_node(ctx, sheet, condition);
+        let arguments = vec![argument(formal, node.clone(), false), argument("R", reset, false)];
+        self.call_statement(ctx, sheet, function, arguments, span)
+    }
+
+    /// A function of SCL as a statement.
+    pub fn call_statement(
+        &mut self,
+        ctx: &mut Ctx,
+        sheet: &mut Sheet,
+        name: &str,
+        arguments: Vec<Argument>,
+        span: Span,
+    ) -> Option<()> {
+        let before = self.report.diagnostics.len();
+        let node = call_node(name, arguments, span);
+        let tree = Tree { kind: TreeKind::Expression(node), span };
+        let mut bound = Vec::new();
+        self.statement(ctx, &tree, &mut bound);
+        let good = !self.report.diagnostics[before..].iter().any(Diagnostic::is_error);
+        sheet.statements.extend(bound);
+        good.then_some(())
+    }
+
+    pub fn edge_contact(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, rising: bool) -> Option<()> {
+        let span = sheet.element(at).span;
+        let flow = self.flow(ctx, sheet, at, "pre")?;
+        let operand = self.input_of(ctx, sheet, at, "operand", Elementary::Bool)?;
+        let operand = sheet.keep(ctx, operand);
+        let edge = self.edge(ctx, sheet, at, operand, rising)?;
+        self.output(ctx, sheet, at, "out", Value::Elementary(and(flow, edge, span)))
+    }
+
+    pub fn edge_trigger(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, rising: bool) -> Option<()> {
+        let flow = self.flow(ctx, sheet, at, "in")?;
+        let flow = sheet.keep(ctx, flow);
+        let edge = self.edge(ctx, sheet, at, flow, rising)?;
+        self.output(ctx, sheet, at, "out", Value::Elementary(edge))
+    }
+
+    pub fn edge_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, rising: bool) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let flow = self.coil_flow(ctx, sheet, at)?;
+        let edge = self.edge(ctx, sheet, at, flow.clone(), rising)?;
+        let edge = self.relayed(sheet, edge, span);
+        self.write_pin(ctx, sheet, connected(element, "operand")?, edge)?;
+        self.output(ctx, sheet, at, "out", Value::Elementary(flow))
+    }
+
+    /// The edge of a value against its memory bit, which then holds the value.
+    fn edge(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, value: Expr, rising: bool) -> Option<Expr> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let PinValue::Operand(bit) = &connected(element, "bit")?.value else { return None };
+        let access = self.scl_access(ctx, bit, Intent::Both)?;
+        self.check_edge_bit(&access, bit.span);
+        let before = self.scl_convert(ctx, value_of(&access, bit.span)?, Elementary::Bool)?;
+        let edge = if rising {
+            and(value.clone(), inverted(before), span)
+        } else {
+            and(inverted(value.clone()), before, span)
+        };
+        let edge = sheet.keep(ctx, edge);
+        let kind = self.assignment(ctx, access, Value::Elementary(value))?;
+        sheet.push(kind, span);
+        Some(edge)
+    }
+
+    /// An edge memory bit keeps its value from one cycle to the next.
+    fn check_edge_bit(&mut self, access: &Access, span: Span) {
+        let area = match &access.base {
+            Base::Place(Place::L { .. }) => "temporary data, which is lost when the block ends",
+            Base::Place(Place::I { .. }) => "an input, which the process image overwrites",
+            _ => return,
+        };
+        let text = self.text(span);
+        let mut message = Diagnostic::new(Code::EdgeBit, span, format!("`{text}` cannot remember an edge"))
+            .label(area)
+            .help("use a bit memory, a static variable or a bit of a data block");
+        if matches!(access.base, Base::Place(Place::L { .. })) {
+            message.severity = plcc_diag::Severity::Error;
+        }
+        self.report.push(message);
+    }
+
+    pub fn flip_flop(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, set_wins: bool) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let (set, reset) = if set_wins { ("s1", "r") } else { ("s", "r1") };
+        let mut input = |binder: &mut Self, name: &str| match connected(element, name) {
+            Some(_) => {
+                let value = binder.input_of(ctx, sheet, at, name, Elementary::Bool)?;
+                Some(sheet.keep(ctx, value))
+            }
+            None => Some(no(span)),
+        };
+        let (set, reset) = (input(self, set)?, input(self, reset)?);
+        let PinValue::Operand(node) = &connected(element, "operand")?.value else { return None };
+        let access = self.scl_access(ctx, node, Intent::Both)?;
+        let state = self.scl_convert(ctx, value_of(&access, node.span)?, Elementary::Bool)?;
+        let value = if set_wins {
+            super::pins::or(and(state, inverted(reset), span), set, span)
+        } else {
+            and(super::pins::or(state, set, span), inverted(reset), span)
+        };
+        let value = sheet.keep(ctx, value);
+        let kind = self.assignment(ctx, access.clone(), Value::Elementary(value.clone()))?;
+        match sheet.registers().relay(span) {
+            Some(on) => {
+                self.conditional(sheet, on, kind, span);
+                let state = value_of(&access, node.span)?;
+                self.output(ctx, sheet, at, "q", state)
+            }
+            None => {
+                sheet.push(kind, span);
+                self.output(ctx, sheet, at, "q", Value::Elementary(value))
+            }
+        }
+    }
+
+    /// SET_BF, RESET_BF: whole bytes where they are known to be whole.
+    pub fn bit_field(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, set: bool) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let flow = self.coil_flow(ctx, sheet, at)?;
+        let PinValue::Operand(count) = &connected(element, "n")?.value else { return None };
+        let count = self.constant_integer(ctx, count)?;
+        let PinValue::Operand(node) = &connected(element, "operand")?.value else { return None };
+        let access = self.scl_access(ctx, node, Intent::Write)?;
+        let count = count.clamp(0, BIT_FIELD_MAX);
+        let count = match self.bits_from(ctx, node) {
+            Some(left) => count.min(left),
+            None => count,
+        };
+        if access.elementary() != Some(Elementary::Bool) || access.part.is_some() || !access.indices.is_empty() {
+            let text = self.text(node.span);
+            self.refuse(
+                Code::OperandKind,
+                node.span,
+                &format!("`{text}` cannot begin a bit field"),
+                "no bit with a fixed address",
+                "name a BOOL: an input, output, bit memory, or an element of an ARRAY OF BOOL with a constant index",
+            );
+            return None;
+        }
+        let condition = self.relayed(sheet, flow.clone(), span);
+        let mut body = Vec::new();
+        let mut bit = 0;
+        while bit < count {
+            let (target, width) = moved_bit(&access, bit as u32, count - bit >= 8)?;
+            let (value, ty) = match (width, set) {
+                (Width::Byte, true) => (0xFF, Elementary::Byte),
+                (Width::Byte, false) => (0, Elementary::Byte),
+                (_, true) => (1, Elementary::Bool),
+                (_, false) => (0, Elementary::Bool),
+            };
+            let kind = StatementKind::Assign { target, value: constant_expr(value, ty, span) };
+            body.push(crate::model::scl::Statement { kind, span });
+            bit += i128::from(width.bits());
+        }
+        sheet.push(StatementKind::If { branches: vec![(condition, body)], otherwise: Vec::new() }, span);
+        self.output(ctx, sheet, at, "out", Value::Elementary(flow))
+    }
+
+    /// Elements of an array from the one that `node` names to its end; none of other operands.
+    fn bits_from(&mut self, ctx: &mut Ctx, node: &Node) -> Option<i128> {
+        let NodeKind::Index { base, indices } = &node.kind else { return None };
+        let array = self.scl_access(ctx, base, Intent::Write)?;
+        let DataType::Array(ty) = &array.ty else { return None };
+        let mut position = 0;
+        for (index, (low, high)) in indices.iter().zip(&ty.bounds) {
+            let value = self.constant_integer(ctx, index)?;
+            position = position * (i128::from(*high) - i128::from(*low) + 1) + (value - i128::from(*low));
+        }
+        Some((i128::from(layout::element_count(&ty.bounds)) - position).max(0))
+    }
+}
+
+/// The place `bits` behind a bit: the whole byte, if `whole` and it begins there.
+fn moved_bit(access: &Access, bits: u32, whole: bool) -> Option<(Access, Width)> {
+    let Base::Place(place) = &access.base else { return None };
+    let mut place = place.clone();
+    let (byte, bit) = match &mut place {
+        Place::I { byte, bit }
+        | Place::Q { byte, bit }
+        | Place::M { byte, bit }
+        | Place::L { byte, bit }
+        | Place::Db { byte, bit, .. }
+        | Place::Instance { byte, bit }
+        | Place::Parameter { byte, bit, .. }
+        | Place::ThroughPointer { byte, bit, .. } => (byte, bit),
+        Place::Pi { .. }
+        | Place::Pq { .. }
+        | Place::OpenDb { .. }
+        | Place::OpenDi { .. }
+        | Place::Indirect { .. }
+        | Place::Register { .. } => return None,
+    };
+    let moved = 8 * *byte + u32::from(*bit) + bits;
+    *byte = moved / 8;
+    *bit = (moved % 8) as u8;
+    let whole = whole && *bit == 0;
+    let ty = if whole { Elementary::Byte } else { Elementary::Bool };
+    let access = Access { base: Base::Place(place), ty: DataType::Elementary(ty), ..access.clone() };
+    Some((access, if whole { Width::Byte } else { Width::Bit }))
+}
+
+/// An argument of a call in the syntax tree.
+pub fn argument(name: &str, value: Node, output: bool) -> Argument {
+    let span = value.span;
+    Argument {
+        name: Some(Name { text: name.to_string(), form: NameForm::Bare, span }),
+        output,
+        value: Some(value),
+        span,
+    }
+}
+
+/// A call in the syntax tree.
+pub fn call_node(name: &str, arguments: Vec<Argument>, span: Span) -> Node {
+    Node { kind: NodeKind::Call { callee: Box::new(bare(name, span)), arguments }, span }
+}

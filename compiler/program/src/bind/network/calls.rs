@@ -1,0 +1,371 @@
+//! Calls: blocks of the program, function blocks of the system on their instances, functions without a value, timer coils.
+//!
+//! Source: LAD/FBD reference A.8, B.3, B.9, C.1, C.6, C.7.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::network::ast::{Element, Pin, PinValue, Target};
+use plcc_syntax::network::elements::Row;
+use plcc_syntax::scl::ast::{
+    Argument, Expr as Node, ExprKind as NodeKind, Name, NameForm, Statement as Tree, StatementKind as TreeKind,
+};
+
+use super::bits::{argument, call_node};
+use super::pins::{connected, outputs};
+use super::sheet::Sheet;
+use crate::bind::names::fold;
+use crate::bind::scl::call::Callee;
+use crate::bind::scl::value::Value;
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::StatementKind;
+use crate::model::{BlockKey, Direction};
+use crate::types::DataType;
+use plcc_abi::image::BlockKind;
+
+/// The parameter that an FC returns its value in.
+const RESULT: &str = "ret_val";
+
+impl Binder<'_> {
+    /// TON, CTU, R_TRIG, TSEND_C and the like on an instance.
+    pub fn instance_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let Target::Element { row, instance: Some(instance) } = &element.target else {
+            self.refuse(
+                Code::MissingOperand,
+                span,
+                &format!("{name} has no instance"),
+                "the data of the element would have no place",
+                "declare a static variable of its type, or create an instance data block, and name it at the element",
+            );
+            return None;
+        };
+        if row.is_box() || connected(element, "en").is_some() {
+            self.boxed(ctx, sheet, at, |binder, ctx, sheet| binder.instance_call(ctx, sheet, at, row, instance, name))
+        } else {
+            self.instance_call(ctx, sheet, at, row, instance, name)
+        }
+    }
+
+    fn instance_call(
+        &mut self,
+        ctx: &mut Ctx,
+        sheet: &mut Sheet,
+        at: usize,
+        row: &'static Row,
+        instance: &Node,
+        name: &str,
+    ) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let arguments = self.input_arguments(ctx, sheet, element)?;
+        let member = Name { text: name.to_string(), form: NameForm::Bare, span };
+        let callee =
+            Node { kind: NodeKind::Member { base: Box::new(instance.clone()), name: member }, span: instance.span };
+        self.call_tree(ctx, sheet, callee, arguments, span)?;
+        for pin in row.pins().filter(|pin| pin.direction == plcc_syntax::network::elements::PinDirection::Output) {
+            if pin.name() != "eno" {
+                self.instance_output(ctx, sheet, at, instance, pin.name())?;
+            }
+        }
+        Some(())
+    }
+
+    /// Sends the output of an instance to what is connected to it.
+    fn instance_output(
+        &mut self,
+        ctx: &mut Ctx,
+        sheet: &mut Sheet,
+        at: usize,
+        instance: &Node,
+        name: &str,
+    ) -> Option<()> {
+        let Some((_, pin)) = outputs(sheet.element(at), name).next() else { return Some(()) };
+        let member = Name { text: name.to_string(), form: NameForm::Bare, span: pin.span };
+        let node = Node { kind: NodeKind::Member { base: Box::new(instance.clone()), name: member }, span: pin.span };
+        let value = self.scl_value(ctx, &node)?;
+        self.output(ctx, sheet, at, name, value)
+    }
+
+    /// Arguments for the inputs and in-outs of an element.
+    fn input_arguments(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, element: &Element) -> Option<Vec<Argument>> {
+        let mut arguments = Vec::new();
+        for pin in element.pins.iter().filter(|pin| !pin.output && !pin.name.eq_ignore_ascii_case("en")) {
+            if pin.value == PinValue::Open {
+                continue;
+            }
+            let node = self.pin_node(ctx, sheet, pin)?;
+            arguments.push(named(pin, node, false));
+        }
+        Some(arguments)
+    }
+
+    /// A call as a statement.
+    fn call_tree(
+        &mut self,
+        ctx: &mut Ctx,
+        sheet: &mut Sheet,
+        callee: Node,
+        arguments: Vec<Argument>,
+        span: Span,
+    ) -> Option<()> {
+        let node = Node { kind: NodeKind::Call { callee: Box::new(callee), arguments }, span };
+        let tree = Tree { kind: TreeKind::Expression(node), span };
+        let before = self.report.diagnostics.len();
+        let mut bound = Vec::new();
+        self.statement(ctx, &tree, &mut bound);
+        let good = !self.report.diagnostics[before..].iter().any(Diagnostic::is_error);
+        sheet.statements.extend(bound);
+        good.then_some(())
+    }
+
+    /// The call of an FC or FB.
+    pub fn block_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
+            let element = sheet.element(at);
+            let Target::Block { callee, instance } = &element.target else { return None };
+            let node = match instance {
+                None => callee.clone(),
+                Some(instance) => binder.instance_callee(callee, instance),
+            };
+            let told = binder.report.diagnostics.len();
+            let key = match binder.callee(ctx, &node) {
+                Some(Callee::Block { key, .. }) => key,
+                Some(Callee::Function(_)) => return binder.function_call(ctx, sheet, at, &node),
+                None => {
+                    if binder.report.diagnostics.len() == told {
+                        return Some(());
+                    }
+                    return None;
+                }
+            };
+            if matches!(key.kind, BlockKind::Fb | BlockKind::Sfb) {
+                let data = instance.as_ref().unwrap_or(callee);
+                return binder.function_block_call(ctx, sheet, at, node, data, key);
+            }
+            binder.function_call_of(ctx, sheet, at, node, key)
+        })
+    }
+
+    /// What calls a function block with its instance: the instance itself, or `"block"."data block"` where the latter is not declared.
+    fn instance_callee(&self, callee: &Node, instance: &Node) -> Node {
+        match (&callee.kind, &instance.kind) {
+            (NodeKind::Name(block), NodeKind::Name(name))
+                if name.form != NameForm::Local && self.globals.contains_key(&fold(&block.text)) =>
+            {
+                let kind = NodeKind::Member { base: Box::new(callee.clone()), name: name.clone() };
+                Node { kind, span: callee.span }
+            }
+            _ => instance.clone(),
+        }
+    }
+
+    fn function_block_call(
+        &mut self,
+        ctx: &mut Ctx,
+        sheet: &mut Sheet,
+        at: usize,
+        node: Node,
+        instance: &Node,
+        key: BlockKey,
+    ) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let bound = self.interface(key, span)?;
+        let mut arguments = Vec::new();
+        let mut after = Vec::new();
+        for pin in element.pins.iter().filter(|pin| !is_enable(pin) && pin.value != PinValue::Open) {
+            let output = bound.interface.parameters.iter().any(|parameter| {
+                parameter.direction == Direction::Output && parameter.name.eq_ignore_ascii_case(&pin.name)
+            });
+            if output || pin.output {
+                if !after.contains(&pin.name) {
+                    after.push(pin.name.clone());
+                }
+                if !output {
+                    // The call tells that there is no such output.
+                    let node = self.pin_node_of_output(pin)?;
+                    arguments.push(named(pin, node, true));
+                }
+            } else {
+                let node = self.pin_node(ctx, sheet, pin)?;
+                arguments.push(named(pin, node, false));
+            }
+        }
+        self.call_tree(ctx, sheet, node, arguments, span)?;
+        for name in after {
+            self.instance_output(ctx, sheet, at, instance, &name)?;
+        }
+        Some(())
+    }
+
+    fn pin_node_of_output(&self, pin: &Pin) -> Option<Node> {
+        match &pin.value {
+            PinValue::Operand(node) => Some(node.clone()),
+            PinValue::Net(_) | PinValue::Open => None,
+        }
+    }
+
+    /// The call of an FC: outputs that feed nets are written into hidden variables first.
+    fn function_call_of(
+        &mut self,
+        ctx: &mut Ctx,
+        sheet: &mut Sheet,
+        at: usize,
+        node: Node,
+        key: BlockKey,
+    ) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let bound = self.interface(key, span)?;
+        let mut arguments = Vec::new();
+        let mut after = Vec::new();
+        let mut result = None;
+        for pin in element.pins.iter().filter(|pin| !is_enable(pin) && pin.value != PinValue::Open) {
+            let formal = bound.interface.parameters.iter().find(|one| one.name.eq_ignore_ascii_case(&pin.name));
+            if pin.output && pin.name.eq_ignore_ascii_case(RESULT) {
+                result = Some(pin.name.clone());
+                continue;
+            }
+            let direct = match &pin.value {
+                PinValue::Operand(_) => pin.storage == plcc_syntax::network::ast::Storage::None && !pin.negated,
+                PinValue::Net(_) | PinValue::Open => false,
+            };
+            let is_output = formal.map_or(pin.output, |formal| formal.direction == Direction::Output);
+            if !is_output {
+                let node = self.pin_node(ctx, sheet, pin)?;
+                arguments.push(named(pin, node, false));
+            } else if direct && outputs(element, &pin.name).count() == 1 {
+                arguments.push(named(pin, self.pin_node_of_output(pin)?, true));
+            } else if !after.iter().any(|(name, _): &(String, _)| name.eq_ignore_ascii_case(&pin.name)) {
+                let Some(DataType::Elementary(ty)) = formal.map(|formal| &formal.ty) else {
+                    self.wire_without_type(pin.span);
+                    return None;
+                };
+                let hidden = sheet.hidden_reference(ctx, *ty);
+                arguments.push(named(pin, hidden.node(pin.span), true));
+                after.push((pin.name.clone(), hidden));
+            }
+        }
+        match result {
+            Some(name) => {
+                let call = Node { kind: NodeKind::Call { callee: Box::new(node), arguments }, span };
+                let value = self.scl_call(ctx, &call, false)?;
+                let value = match value {
+                    Value::Elementary(expr) => Value::Elementary(sheet.keep(ctx, expr)),
+                    value => value,
+                };
+                self.output(ctx, sheet, at, &name, value)?;
+            }
+            None => self.call_tree(ctx, sheet, node, arguments, span)?,
+        }
+        for (name, hidden) in after {
+            self.output(ctx, sheet, at, &name, Value::Elementary(hidden.load(span)))?;
+        }
+        Some(())
+    }
+
+    /// An output that is no single value cannot feed a wire.
+    fn wire_without_type(&mut self, span: Span) {
+        self.report.push(
+            Diagnostic::new(Code::MissingOperand, span, "this output needs an operand")
+                .label("only single values go along wires")
+                .help("write a variable to the output"),
+        );
+    }
+
+    /// A function of SCL that a file calls like a block.
+    fn function_call(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, node: &Node) -> Option<()> {
+        let NodeKind::Name(name) = &node.kind else { return None };
+        self.procedure(ctx, sheet, at, &name.text)
+    }
+
+    /// A function without a value, or a block of the library.
+    pub fn procedure_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+        self.boxed(ctx, sheet, at, |binder, ctx, sheet| binder.procedure(ctx, sheet, at, name))
+    }
+
+    fn procedure(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let node = super::pins::bare(name, span);
+        if let Some(key) = self.library_function(ctx.scl.rules, name)
+            && matches!(key.kind, BlockKind::Fc | BlockKind::Sfc)
+        {
+            return self.function_call_of(ctx, sheet, at, node, key);
+        }
+        let mut arguments = Vec::new();
+        for pin in element.pins.iter().filter(|pin| !is_enable(pin) && pin.value != PinValue::Open) {
+            match &pin.value {
+                PinValue::Operand(operand) if pin.output => arguments.push(named(pin, operand.clone(), true)),
+                PinValue::Net(_) if pin.output => {
+                    self.wire_without_type(pin.span);
+                    return None;
+                }
+                _ => {
+                    let node = self.pin_node(ctx, sheet, pin)?;
+                    arguments.push(named(pin, node, false));
+                }
+            }
+        }
+        self.call_tree(ctx, sheet, node, arguments, span)
+    }
+
+    /// TP, TON, TOF, TONR as coils: the flow is IN.
+    pub fn timer_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let flow = self.flow(ctx, sheet, at, "in")?;
+        let flow = sheet.keep(ctx, flow);
+        let timer = self.operand_node(element, "timer")?;
+        let time = self.pin_node(ctx, sheet, connected(element, "pt")?)?;
+        let start = self.value_node(ctx, sheet, flow.clone());
+        let member = Name { text: name.to_string(), form: NameForm::Bare, span };
+        let callee = Node { kind: NodeKind::Member { base: Box::new(timer.clone()), name: member }, span: timer.span };
+        self.call_tree(ctx, sheet, callee, vec![argument("IN", start, false), argument("PT", time, false)], span)?;
+        self.output(ctx, sheet, at, "out", Value::Elementary(flow))
+    }
+
+    /// RT.
+    pub fn reset_timer_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        self.timer_function_coil(ctx, sheet, at, "RESET_TIMER")
+    }
+
+    /// PT.
+    pub fn preset_timer_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        self.timer_function_coil(ctx, sheet, at, "PRESET_TIMER")
+    }
+
+    fn timer_function_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let flow = self.flow(ctx, sheet, at, "in")?;
+        let flow = sheet.keep(ctx, flow);
+        let mut arguments = vec![argument("TIMER", self.operand_node(element, "timer")?, false)];
+        if let Some(pin) = connected(element, "pt") {
+            arguments.push(argument("PT", self.pin_node(ctx, sheet, pin)?, false));
+        }
+        let node = call_node(name, arguments, span);
+        let mut body = Vec::new();
+        self.statement(ctx, &Tree { kind: TreeKind::Expression(node), span }, &mut body);
+        sheet.push(StatementKind::If { branches: vec![(flow.clone(), body)], otherwise: Vec::new() }, span);
+        self.output(ctx, sheet, at, "out", Value::Elementary(flow))
+    }
+
+    /// The operand at a pin that takes no wire.
+    pub fn operand_node(&mut self, element: &Element, name: &str) -> Option<Node> {
+        match &connected(element, name)?.value {
+            PinValue::Operand(node) => Some(node.clone()),
+            PinValue::Net(_) | PinValue::Open => None,
+        }
+    }
+}
+
+fn is_enable(pin: &Pin) -> bool {
+    pin.name.eq_ignore_ascii_case("en") || pin.name.eq_ignore_ascii_case("eno")
+}
+
+/// An argument for a pin.
+fn named(pin: &Pin, value: Node, output: bool) -> Argument {
+    let name = Name { text: pin.name.clone(), form: NameForm::Bare, span: pin.span };
+    Argument { name: Some(name), output, value: Some(value), span: pin.span }
+}

@@ -1,0 +1,384 @@
+//! Boxes that compute: operators, CALCULATE, INC and DEC, functions of SCL. Source: LAD/FBD reference C.8, C.9, C.13, C.14.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::network::ast::{Element, PinValue, TemplateKey};
+use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind};
+use plcc_syntax::{Class, Elementary};
+
+use super::bits::{argument, call_node};
+use super::pins::{connected, inverted};
+use super::sheet::Sheet;
+use crate::bind::constant::Constant;
+use crate::bind::scl::Intent;
+use crate::bind::scl::assign::value_of;
+use crate::bind::scl::constant;
+use crate::bind::scl::expression::{binary_expr, binary_op, constant_expr};
+use crate::bind::scl::numeric::{self, Shape};
+use crate::bind::scl::value::Value;
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::{BinaryOp, Expr, ExprKind, UnaryOp};
+
+impl Binder<'_> {
+    /// The type that a setting names; none if it is not there, found from the operands, or no elementary type.
+    pub fn template_type(&self, element: &Element, keys: &[TemplateKey]) -> Option<Elementary> {
+        let template = keys.iter().find_map(|key| element.template(*key))?;
+        Elementary::from_word(&template.value.trim().to_ascii_uppercase())
+    }
+
+    /// The type in which an element works.
+    fn working_type(&self, element: &Element) -> Option<Elementary> {
+        self.template_type(
+            element,
+            &[TemplateKey::Source, TemplateKey::Value, TemplateKey::Destination, TemplateKey::Time],
+        )
+    }
+
+    /// An integer that is known now.
+    pub fn constant_integer(&mut self, ctx: &Ctx, node: &Node) -> Option<i128> {
+        match self.constant(&ctx.bound.constants, node)? {
+            Constant::Integer { value, .. } => Some(value),
+            Constant::Typed { ty, bits } if !ty.is_float() => Some(constant::integer(ty, bits)),
+            _ => {
+                let text = self.text(node.span);
+                self.wrong_type(node.span, &format!("`{text}`"), "a whole number", None);
+                None
+            }
+        }
+    }
+
+    /// The values of inputs, in the element's type if its settings name one.
+    pub fn typed_inputs(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, names: &[&str]) -> Option<Vec<Value>> {
+        let ty = self.working_type(sheet.element(at));
+        let mut values = Vec::with_capacity(names.len());
+        for name in names {
+            let value = self.input(ctx, sheet, at, name);
+            values.push(match (value, ty) {
+                (Some(value), Some(ty)) => self.scl_convert(ctx, value, ty).map(Value::Elementary),
+                (value, _) => value,
+            });
+        }
+        values.into_iter().collect()
+    }
+
+    /// The type that values have in common; with a message if there is none.
+    pub fn common_type(&mut self, ctx: &Ctx, values: &[&Value], span: Span) -> Option<Elementary> {
+        let rules = ctx.scl.rules;
+        let mut shape: Option<Shape> = None;
+        for value in values {
+            let next = Shape::of(value);
+            shape = match shape {
+                None => Some(next),
+                Some(before) if before == next => Some(before),
+                Some(before) => numeric::common(rules, before, next).map(Shape::Of),
+            };
+            shape?;
+        }
+        let ty = match shape? {
+            Shape::Of(ty) => Some(ty),
+            Shape::Integer(_) => Some(Elementary::Dint),
+            Shape::Real => Some(Elementary::Real),
+            Shape::Letter => Some(Elementary::Char),
+            Shape::Other => None,
+        };
+        if ty.is_none() {
+            self.no_type(span);
+        }
+        ty
+    }
+
+    /// The data type of an element is not known.
+    pub fn no_type(&mut self, span: Span) {
+        let text = self.text(span);
+        self.report.push(
+            Diagnostic::new(Code::ElementType, span, format!("the data type of `{text}` is not known"))
+                .label("its operands do not tell of one type")
+                .help("set the type of the element, or use operands of one type"),
+        );
+    }
+
+    /// The numbered inputs of an element, in order.
+    fn numbered_inputs(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<Vec<Value>> {
+        let element = sheet.element(at);
+        let mut pins: Vec<(u32, &plcc_syntax::network::ast::Pin)> = element
+            .pins
+            .iter()
+            .filter(|pin| !pin.output && pin.value != PinValue::Open)
+            .filter_map(|pin| Some((pin.name.strip_prefix("in")?.parse().ok()?, pin)))
+            .collect();
+        pins.sort_by_key(|(number, _)| *number);
+        let values: Vec<Option<Value>> = pins.into_iter().map(|(_, pin)| self.pin_value(ctx, sheet, pin)).collect();
+        values.into_iter().collect()
+    }
+
+    /// Type of what is connected to an output, where it is a variable; binds nothing.
+    pub fn output_type(&mut self, ctx: &mut Ctx, element: &Element, name: &str) -> Option<Elementary> {
+        let (_, pin) = super::pins::outputs(element, name).next()?;
+        let PinValue::Operand(node) = &pin.value else { return None };
+        let told = self.report.diagnostics.len();
+        let access = self.scl_access(ctx, node, Intent::Write);
+        self.report.diagnostics.truncate(told);
+        access?.elementary()
+    }
+
+    /// ADD, SUB, MUL, DIV, MOD, EXPT, AND, OR, XOR: from the first input to the last.
+    pub fn operator_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, op: &str) -> Option<()> {
+        let element = sheet.element(at);
+        self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
+            let values = binder.numbered_inputs(ctx, sheet, at)?;
+            let value = binder.operated(ctx, element, op, values)?;
+            binder.box_result(ctx, sheet, at, value)
+        })
+    }
+
+    fn operated(&mut self, ctx: &mut Ctx, element: &Element, op: &str, values: Vec<Value>) -> Option<Value> {
+        let span = element.span;
+        let operator = match op {
+            "+" => Operator::Add,
+            "-" => Operator::Subtract,
+            "*" => Operator::Multiply,
+            "/" => Operator::Divide,
+            "MOD" => Operator::Modulo,
+            "AND" => Operator::And,
+            "OR" => Operator::Or,
+            "XOR" => Operator::Xor,
+            _ => Operator::Power,
+        };
+        let ty = self.working_type(element).filter(|ty| works_in(operator, *ty)).or_else(|| {
+            // Times and dates have no type of the operation, and constants that of what they go to.
+            let typed = values.iter().any(|value| !Shape::of(value).is_untyped());
+            if typed { None } else { self.output_type(ctx, element, "out").filter(|ty| works_in(operator, *ty)) }
+        });
+        let mut values = values.into_iter();
+        let mut result = values.next()?;
+        for value in values {
+            result = match (ty, operator) {
+                (Some(ty), _) if operator != Operator::Power => {
+                    let left = self.scl_convert(ctx, result, ty)?;
+                    let right = self.scl_convert(ctx, value, ty)?;
+                    Value::Elementary(binary_expr(binary_op(operator), left, right, ty, span))
+                }
+                (_, Operator::Power) => {
+                    let ty =
+                        ty.or_else(|| self.own_type(&result)).filter(|ty| ty.is_float()).unwrap_or(Elementary::Real);
+                    let left = self.scl_convert(ctx, result, ty)?;
+                    let right = self.scl_convert(ctx, value, ty)?;
+                    Value::Elementary(binary_expr(BinaryOp::Power, left, right, ty, span))
+                }
+                (_, Operator::And | Operator::Or | Operator::Xor) => {
+                    let bits = |value: &Value| {
+                        Shape::of(value).elementary().and_then(|ty| numeric::bit_string(ctx.scl.rules, ty))
+                    };
+                    let Some(ty) = wider(bits(&result), bits(&value)) else {
+                        self.no_type(span);
+                        return None;
+                    };
+                    let left = self.scl_convert(ctx, result, ty)?;
+                    let right = self.scl_convert(ctx, value, ty)?;
+                    Value::Elementary(binary_expr(binary_op(operator), left, right, ty, span))
+                }
+                _ => self.binary_value(ctx, operator, span, result, value, span)?,
+            };
+        }
+        Some(result)
+    }
+
+    /// The value of a box: to `out`. What a single output takes goes there in the type that it wants.
+    pub fn box_result(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, value: Value) -> Option<()> {
+        let value = match value {
+            Value::Elementary(expr) => {
+                let expr = sheet.keep(ctx, expr);
+                let outcome = self.note_result(ctx, sheet, &expr);
+                sheet.statements.extend(outcome);
+                Value::Elementary(expr)
+            }
+            value => value,
+        };
+        self.output(ctx, sheet, at, "out", value)
+    }
+
+    /// NEG or INV.
+    pub fn unary_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, negate: bool) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
+            let ty = binder.working_type(element);
+            let value = binder.input(ctx, sheet, at, "in")?;
+            let ty = ty.or_else(|| binder.own_type(&value)).or_else(|| binder.output_type(ctx, element, "out"));
+            let Some(ty) = ty else {
+                binder.no_type(span);
+                return None;
+            };
+            let value = binder.scl_convert(ctx, value, ty)?;
+            let possible = if negate {
+                matches!(ty.class(), Class::Signed | Class::Float | Class::Duration)
+            } else {
+                matches!(ty.class(), Class::Bits | Class::Signed | Class::Unsigned)
+            };
+            if !possible {
+                binder.impossible_type(element, ty);
+                return None;
+            }
+            let value = if negate {
+                Expr { kind: ExprKind::Unary { op: UnaryOp::Negate, operand: Box::new(value) }, ty, span }
+            } else {
+                inverted(value)
+            };
+            binder.box_result(ctx, sheet, at, Value::Elementary(value))
+        })
+    }
+
+    /// An element that does not work in a type.
+    pub fn impossible_type(&mut self, element: &Element, ty: Elementary) {
+        let text = self.text(element.span);
+        self.report.push(
+            Diagnostic::new(Code::ElementType, element.span, format!("`{text}` does not work with {}", ty.name()))
+                .label(format!("no element for values of type {}", ty.name()))
+                .help("convert the value first, with CONVERT"),
+        );
+    }
+
+    /// INC, DEC.
+    pub fn step_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, up: bool) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
+            let PinValue::Operand(node) = &connected(element, "operand")?.value else { return None };
+            let access = binder.scl_access(ctx, node, Intent::Both)?;
+            let ty = match access.elementary() {
+                Some(ty) if ty.is_integer() => ty,
+                Some(ty) => {
+                    binder.impossible_type(element, ty);
+                    return None;
+                }
+                None => {
+                    binder.no_type(span);
+                    return None;
+                }
+            };
+            let value = binder.scl_convert(ctx, value_of(&access, node.span)?, ty)?;
+            let op = if up { BinaryOp::Add } else { BinaryOp::Subtract };
+            let value = binary_expr(op, value, constant_expr(1, ty, span), ty, span);
+            let kind = binder.assignment(ctx, access, Value::Elementary(value))?;
+            sheet.push(kind, span);
+            Some(())
+        })
+    }
+
+    /// CALCULATE: the formula over the inputs, each read once.
+    pub fn calculate_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        let Some(equation) = &element.equation else {
+            self.refuse(
+                Code::MissingOperand,
+                span,
+                "CALCULATE has no formula",
+                "nothing to compute",
+                "enter one: IN1 + IN2",
+            );
+            return None;
+        };
+        self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
+            let ty = binder.working_type(element).or_else(|| binder.output_type(ctx, element, "out"));
+            let mut formula = equation.clone();
+            for pin in element.pins.iter().filter(|pin| !pin.output && pin.name.starts_with("in")) {
+                let Some(value) = binder.pin_value(ctx, sheet, pin) else { continue };
+                let value = match ty {
+                    Some(ty) => binder.scl_convert(ctx, value, ty)?,
+                    None => binder.scl_own_type(ctx, value)?,
+                };
+                let node = binder.value_node(ctx, sheet, value);
+                substitute(&mut formula, &pin.name, &node);
+            }
+            let value = binder.scl_value(ctx, &formula)?;
+            let value = match ty {
+                Some(ty) => Value::Elementary(binder.scl_convert(ctx, value, ty)?),
+                None => value,
+            };
+            binder.box_result(ctx, sheet, at, value)
+        })
+    }
+
+    /// A function of SCL with a value. Inputs that have the element's type are converted to it before.
+    pub fn function_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
+            let source = binder.template_type(element, &[TemplateKey::Source, TemplateKey::Value]);
+            let target = binder.template_type(element, &[TemplateKey::Destination]);
+            let mut arguments = Vec::new();
+            for pin in element.pins.iter().filter(|pin| !pin.output && pin.value != PinValue::Open && pin.name != "en")
+            {
+                let ty = pin_type(name, &pin.name, source, target);
+                let node = match ty {
+                    Some(ty) => {
+                        let value = binder.pin_value(ctx, sheet, pin)?;
+                        let value = binder.scl_convert(ctx, value, ty)?;
+                        binder.value_node(ctx, sheet, value)
+                    }
+                    None => binder.pin_node(ctx, sheet, pin)?,
+                };
+                arguments.push(argument(&pin.name, node, false));
+            }
+            let ty = match name {
+                "NORM_X" | "SCALE_X" | "DECO" => target.or_else(|| binder.output_type(ctx, element, "out")),
+                _ => None,
+            };
+            let called = match ty {
+                Some(ty) => format!("{name}_{}", ty.name()),
+                None => name.to_string(),
+            };
+            let call = call_node(&called, arguments, span);
+            let value = binder.scl_call(ctx, &call, false)?;
+            binder.box_result(ctx, sheet, at, value)
+        })
+    }
+}
+
+/// The type of a pin of a function box; none for pins that have their own.
+fn pin_type(name: &str, pin: &str, source: Option<Elementary>, target: Option<Elementary>) -> Option<Elementary> {
+    match (name, pin) {
+        ("SHL" | "SHR" | "ROL" | "ROR", "n") | ("SEL", "g") => None,
+        ("SCALE_X", "min" | "max") => target,
+        ("T_CONV" | "T_ADD" | "T_SUB" | "T_DIFF" | "T_COMBINE", _) => None,
+        ("LEN" | "MAX_LEN" | "LEFT" | "RIGHT" | "MID" | "DELETE" | "INSERT" | "REPLACE" | "FIND" | "CONCAT", _) => None,
+        ("CountOfElements" | "LOWER_BOUND" | "UPPER_BOUND" | "RUNTIME" | "GET_ERR_ID", _) => None,
+        _ => source,
+    }
+}
+
+/// Puts `value` in place of the name `IN1` in a formula.
+fn substitute(formula: &mut Node, name: &str, value: &Node) {
+    match &mut formula.kind {
+        NodeKind::Name(given) if given.text.eq_ignore_ascii_case(name) => formula.kind = value.kind.clone(),
+        NodeKind::Unary { operand, .. } => substitute(operand, name, value),
+        NodeKind::Binary { left, right, .. } => {
+            substitute(left, name, value);
+            substitute(right, name, value);
+        }
+        NodeKind::Call { arguments, .. } => {
+            arguments
+                .iter_mut()
+                .filter_map(|argument| argument.value.as_mut())
+                .for_each(|one| substitute(one, name, value));
+        }
+        _ => {}
+    }
+}
+
+/// True if an operator works in that type.
+fn works_in(operator: Operator, ty: Elementary) -> bool {
+    match operator {
+        Operator::And | Operator::Or | Operator::Xor => ty.class() == Class::Bits,
+        Operator::Modulo => ty.is_integer(),
+        _ => ty.is_integer() || ty.is_float(),
+    }
+}
+
+/// The longer of two types.
+fn wider(a: Option<Elementary>, b: Option<Elementary>) -> Option<Elementary> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(if a.bits() >= b.bits() { a } else { b }),
+        (a, b) => a.or(b),
+    }
+}

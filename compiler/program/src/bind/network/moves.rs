@@ -1,0 +1,201 @@
+//! MOVE, MUX, DEMUX. Source: LAD/FBD reference C.10, C.13.
+
+use plcc_syntax::network::ast::{PinValue, TemplateKey};
+use plcc_syntax::{Class, Elementary};
+
+use super::pins::{connected, no, outputs};
+use super::sheet::Sheet;
+use crate::bind::scl::Intent;
+use crate::bind::scl::convert::{converted, explicit_expr};
+use crate::bind::scl::value::Value;
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::{Arm, Conversion, Expr, Statement, StatementKind};
+
+impl Binder<'_> {
+    /// MOVE: the value to each output, in the output's width.
+    pub fn move_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
+            let value = binder.input(ctx, sheet, at, "in")?;
+            let value = match value {
+                Value::Elementary(expr) => Value::Elementary(sheet.keep(ctx, expr)),
+                value => value,
+            };
+            // A relay that is off moves 0.
+            let value = match (sheet.registers().relay(span), value) {
+                (Some(on), Value::Elementary(expr)) => Value::Elementary(binder.relayed_value(ctx, sheet, expr, on)),
+                (_, value) => value,
+            };
+            let mut good = Some(());
+            let names: Vec<&str> = element
+                .pins
+                .iter()
+                .filter(|pin| pin.output && pin.name != "eno")
+                .map(|pin| pin.name.as_str())
+                .collect();
+            for name in names {
+                good = binder.moved(ctx, sheet, at, name, value.clone()).and(good);
+            }
+            good
+        })
+    }
+
+    fn moved(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str, value: Value) -> Option<()> {
+        let element = sheet.element(at);
+        let Value::Elementary(expr) = &value else { return self.output(ctx, sheet, at, name, value) };
+        let Some((_, pin)) = outputs(element, name).next() else { return Some(()) };
+        let PinValue::Operand(node) = &pin.value else { return self.output(ctx, sheet, at, name, value) };
+        let access = self.scl_access(ctx, node, Intent::Write)?;
+        let fitted = match access.elementary() {
+            Some(to) => moved_value(expr.clone(), to).map(Value::Elementary),
+            None => None,
+        };
+        let kind = self.assignment(ctx, access, fitted.unwrap_or(value))?;
+        sheet.push(kind, node.span);
+        Some(())
+    }
+
+    /// MUX. K outside: ELSE, or nothing is written; ENO is 0.
+    pub fn mux_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
+            let selector = binder.input(ctx, sheet, at, "k")?;
+            let selector = binder.scl_own_type(ctx, selector)?;
+            let selector = sheet.keep(ctx, selector);
+            let ty = binder.template_type(element, &[TemplateKey::Source, TemplateKey::Value]);
+            let mut inputs: Vec<(u32, Value)> = Vec::new();
+            for pin in element.pins.iter().filter(|pin| !pin.output && pin.value != PinValue::Open) {
+                let Some(number) = pin.name.strip_prefix("in").and_then(|digits| digits.parse().ok()) else { continue };
+                let value = binder.pin_value(ctx, sheet, pin)?;
+                inputs.push((number, value));
+            }
+            inputs.sort_by_key(|(number, _)| *number);
+            let otherwise = match connected(element, "else") {
+                Some(pin) => Some(binder.pin_value(ctx, sheet, pin)?),
+                None => None,
+            };
+            let ty = match ty {
+                Some(ty) => Some(ty),
+                None => {
+                    let values: Vec<&Value> = inputs.iter().map(|(_, value)| value).chain(&otherwise).collect();
+                    let elementary = values.iter().all(|value| !matches!(value, Value::Complex { .. }));
+                    if elementary { Some(binder.common_type(ctx, &values, span)?) } else { None }
+                }
+            };
+            let mut arms = Vec::new();
+            for (number, value) in inputs {
+                let body = binder.selected(ctx, sheet, at, value, ty)?;
+                arms.push(Arm { ranges: vec![(i128::from(number), i128::from(number))], body });
+            }
+            let mut rest = match otherwise {
+                Some(value) => binder.selected(ctx, sheet, at, value, ty)?,
+                None => Vec::new(),
+            };
+            rest.push(Statement { kind: StatementKind::SetFlag(no(span)), span });
+            sheet.push(StatementKind::Case { selector, arms, otherwise: rest }, span);
+            Some(())
+        })
+    }
+
+    /// The statements that send one input of MUX out.
+    fn selected(
+        &mut self,
+        ctx: &mut Ctx,
+        sheet: &mut Sheet,
+        at: usize,
+        value: Value,
+        ty: Option<Elementary>,
+    ) -> Option<Vec<Statement>> {
+        let value = match ty {
+            Some(ty) => Value::Elementary(self.scl_convert(ctx, value, ty)?),
+            None => value,
+        };
+        let outer = std::mem::take(&mut sheet.statements);
+        // All branches write one variable of a net.
+        let known: Vec<_> = outputs(sheet.element(at), "out").map(|(index, _)| (at, index)).collect();
+        let net = known.iter().find_map(|place| sheet.outputs.get(place).cloned());
+        let sent = match (net, value) {
+            (Some(Expr { kind: crate::model::scl::ExprKind::Load(access), .. }), Value::Elementary(value)) => {
+                let span = value.span;
+                sheet.push(StatementKind::Assign { target: *access, value }, span);
+                Some(())
+            }
+            (_, value) => self.output(ctx, sheet, at, "out", value),
+        };
+        let body = std::mem::replace(&mut sheet.statements, outer);
+        sent.map(|()| body)
+    }
+
+    /// DEMUX: the output of number K takes the input, the others stay.
+    pub fn demux_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        let element = sheet.element(at);
+        let span = element.span;
+        self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
+            let selector = binder.input(ctx, sheet, at, "k")?;
+            let selector = binder.scl_own_type(ctx, selector)?;
+            let selector = sheet.keep(ctx, selector);
+            let value = binder.input(ctx, sheet, at, "in")?;
+            let value = match (value, binder.template_type(element, &[TemplateKey::Source, TemplateKey::Value])) {
+                (value, Some(ty)) => {
+                    let value = binder.scl_convert(ctx, value, ty)?;
+                    Value::Elementary(sheet.keep(ctx, value))
+                }
+                (Value::Elementary(value), None) => Value::Elementary(sheet.keep(ctx, value)),
+                (value, None) => value,
+            };
+            let mut arms = Vec::new();
+            let mut rest = Vec::new();
+            for pin in element.pins.iter().filter(|pin| pin.output && pin.name != "eno") {
+                let outer = std::mem::take(&mut sheet.statements);
+                let sent = binder.output(ctx, sheet, at, &pin.name, value.clone());
+                let body = std::mem::replace(&mut sheet.statements, outer);
+                sent?;
+                match pin.name.strip_prefix("out").and_then(|digits| digits.parse::<i128>().ok()) {
+                    Some(number) => arms.push(Arm { ranges: vec![(number, number)], body }),
+                    None => rest = body,
+                }
+            }
+            rest.push(Statement { kind: StatementKind::SetFlag(no(span)), span });
+            sheet.push(StatementKind::Case { selector, arms, otherwise: rest }, span);
+            Some(())
+        })
+    }
+}
+
+/// A value as MOVE writes it into another type: a narrower one takes the low bytes, a wider one gets zeros or, from a signed integer to a
+/// signed one, the sign. None if the types must be the same or have a conversion of their own.
+fn moved_value(value: Expr, to: Elementary) -> Option<Expr> {
+    let from = value.ty;
+    let plain = |ty: Elementary| {
+        ty != Elementary::Bool && matches!(ty.class(), Class::Bits | Class::Signed | Class::Unsigned | Class::Character)
+    };
+    if from == to {
+        return Some(value);
+    }
+    // Dates and durations are the integers of their widths; floating-point numbers the bit strings of theirs.
+    let same_width = from.bits() == to.bits() && (from.class() == Class::Bits || to.class() == Class::Bits);
+    let integers = plain(from) && plain(to);
+    if !integers && !same_width {
+        return None;
+    }
+    // Sign extension is for signed targets only.
+    if integers && from.class() == Class::Signed && to.class() != Class::Signed && to.bits() > from.bits() {
+        let own = unsigned(from)?;
+        let bits = converted(value, Conversion::Bits { checked: false }, own);
+        return explicit_expr(crate::bind::scl::Rules::Tia1500, bits, to);
+    }
+    Some(converted(value, Conversion::Bits { checked: false }, to))
+}
+
+/// The bit string of the width of a type.
+fn unsigned(ty: Elementary) -> Option<Elementary> {
+    Some(match ty.bits() {
+        8 => Elementary::Byte,
+        16 => Elementary::Word,
+        32 => Elementary::Dword,
+        64 => Elementary::Lword,
+        _ => return None,
+    })
+}

@@ -1,0 +1,160 @@
+//! The network that is being bound: values of its nets, hidden variables, statements.
+
+use plcc_diag::Span;
+use plcc_syntax::Elementary;
+use plcc_syntax::network::ast::{Element, Graph, NetId, Network};
+use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Name, NameForm};
+use rustc_hash::FxHashMap;
+
+use super::Page;
+use super::classic::Registers;
+use crate::bind::Ctx;
+use crate::bind::path::{self, Variable};
+use crate::bind::scl::place::Spot;
+use crate::model::scl::{Access, Expr, ExprKind, Statement, StatementKind};
+use crate::types::DataType;
+
+/// A variable of the frame that no source declares.
+#[derive(Clone, Debug)]
+pub struct Hidden {
+    pub ty: Elementary,
+    /// What expressions of the syntax tree call it.
+    name: String,
+    byte: u32,
+}
+
+impl Hidden {
+    fn variable(&self) -> Variable {
+        Variable { base: path::Base::L, byte: self.byte, bit: 0, ty: DataType::Elementary(self.ty), untyped: false }
+    }
+
+    pub fn access(&self, span: Span) -> Access {
+        Spot::fixed(self.variable()).access(span)
+    }
+
+    /// Its value.
+    pub fn load(&self, span: Span) -> Expr {
+        Expr { kind: ExprKind::Load(Box::new(self.access(span))), ty: self.ty, span }
+    }
+
+    /// Gives it a value of its type.
+    pub fn set(&self, value: Expr, span: Span) -> Statement {
+        Statement { kind: StatementKind::Assign { target: self.access(span), value }, span }
+    }
+
+    /// It as an expression of the syntax tree.
+    pub fn node(&self, span: Span) -> Node {
+        Node { kind: NodeKind::Name(Name { text: self.name.clone(), form: NameForm::Local, span }), span }
+    }
+}
+
+/// Hidden variables of a block. Those of one network serve the next one again.
+pub struct Pool {
+    /// By type and use: values in the order in which a network takes them.
+    values: FxHashMap<(Elementary, Use), Vec<Hidden>>,
+    taken: FxHashMap<(Elementary, Use), usize>,
+    count: u32,
+}
+
+/// What becomes of a hidden variable. One that is handed over by reference lives in memory, so that it is never one of the others.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Use {
+    Value,
+    Reference,
+}
+
+impl Pool {
+    pub fn new(ctx: &mut Ctx) -> Pool {
+        ctx.local_bytes = ctx.local_bytes.max(ctx.bound.temp_bytes);
+        Pool { values: FxHashMap::default(), taken: FxHashMap::default(), count: 0 }
+    }
+
+    /// The variables of the network before are free.
+    pub fn next_network(&mut self) {
+        self.taken.clear();
+    }
+
+    /// A variable for this network.
+    pub fn take(&mut self, ctx: &mut Ctx, ty: Elementary, used: Use) -> Hidden {
+        let at = self.taken.entry((ty, used)).or_default();
+        let known = self.values.get(&(ty, used)).and_then(|list| list.get(*at)).cloned();
+        *at += 1;
+        known.unwrap_or_else(|| {
+            let hidden = self.lasting(ctx, ty);
+            self.values.entry((ty, used)).or_default().push(hidden.clone());
+            hidden
+        })
+    }
+
+    /// A variable for all networks of the block.
+    pub fn lasting(&mut self, ctx: &mut Ctx, ty: Elementary) -> Hidden {
+        let byte = ctx.local_bytes.next_multiple_of(2);
+        ctx.local_bytes = byte + ty.bits().div_ceil(8);
+        self.count += 1;
+        // No name of a source has this character.
+        let hidden = Hidden { ty, name: format!("\u{1}{}", self.count), byte };
+        ctx.scl.hidden.insert(hidden.name.clone(), hidden.variable());
+        hidden
+    }
+}
+
+/// A network while it is bound.
+pub struct Sheet<'n> {
+    pub page: &'n mut Page,
+    pub network: &'n Network,
+    pub graph: &'n Graph,
+    /// Values that output pins give, by element and pin.
+    pub outputs: FxHashMap<(usize, usize), Expr>,
+    /// Values of nets that something has asked for.
+    pub nets: FxHashMap<NetId, Expr>,
+    pub statements: Vec<Statement>,
+    /// Outputs of the box that is being bound, which have a value also if it does not run.
+    pub skipped: Vec<Hidden>,
+}
+
+impl<'n> Sheet<'n> {
+    pub fn new(page: &'n mut Page, network: &'n Network, graph: &'n Graph) -> Sheet<'n> {
+        Sheet {
+            page,
+            network,
+            graph,
+            outputs: FxHashMap::default(),
+            nets: FxHashMap::default(),
+            statements: Vec::new(),
+            skipped: Vec::new(),
+        }
+    }
+
+    pub fn element(&self, at: usize) -> &'n Element {
+        &self.graph.elements[at]
+    }
+
+    pub fn registers(&self) -> &Registers {
+        &self.page.registers
+    }
+
+    /// A hidden variable.
+    pub fn hidden(&mut self, ctx: &mut Ctx, ty: Elementary) -> Hidden {
+        self.page.pool.take(ctx, ty, Use::Value)
+    }
+
+    /// A hidden variable that a call writes.
+    pub fn hidden_reference(&mut self, ctx: &mut Ctx, ty: Elementary) -> Hidden {
+        self.page.pool.take(ctx, ty, Use::Reference)
+    }
+
+    pub fn push(&mut self, kind: StatementKind, span: Span) {
+        self.statements.push(Statement { kind, span });
+    }
+
+    /// Keeps a value from now on: nobody computes it again.
+    pub fn keep(&mut self, ctx: &mut Ctx, value: Expr) -> Expr {
+        if matches!(value.kind, ExprKind::Const(_)) {
+            return value;
+        }
+        let span = value.span;
+        let hidden = self.hidden(ctx, value.ty);
+        self.statements.push(hidden.set(value, span));
+        hidden.load(span)
+    }
+}
