@@ -3,6 +3,7 @@
 //! | Folder | A test | Beside it |
 //! | --- | --- | --- |
 //! | `run/` | STL or SCL with assertions, in all forms at -O0 and -O2; the verifier passes the IR behind each pass | `x.scenario.toml` |
+//! | `run/*/` | a project: a folder with a `plc.toml` | its scenarios below `tests` |
 //! | `check/` | STL or SCL with caret lines | |
 //! | `parse/` | STL or SCL | `x.ast`, and `x.tokens` if it is there |
 //! | `ir/` | IR that prints as it stands | |
@@ -21,7 +22,7 @@ use plcc_driver::emit;
 use plcc_driver::inputs::{self, TestInput};
 use plcc_driver::pipeline::{self, Settings};
 use plcc_driver::testing::{self, Form, Outcome, Variant, carets, prepare};
-use plcc_tests::{all_variants, bind_file, expect_file, files, plan, root, shown, tests_folder, updating};
+use plcc_tests::{all_variants, bind_file, expect_file, files, plan, projects, root, shown, tests_folder, updating};
 
 /// Endings of the sources that are tests.
 const LANGUAGES: [&str; 2] = ["stl", "scl"];
@@ -43,6 +44,11 @@ fn trials() -> Vec<Trial> {
         file_trials("parse", language, check_parse, &mut trials);
         file_trials("clif", language, check_clif, &mut trials);
         file_trials("messages", language, check_messages, &mut trials);
+    }
+    for project in projects(&tests.join("run")) {
+        trials.push(trial(shown(&project), move || {
+            all_passed(&testing::run(&[TestInput::Project(project)], &plan(all_variants())))
+        }));
     }
     file_trials("ir", "ir", check_ir, &mut trials);
     file_trials("opt", "ir", check_opt, &mut trials);

@@ -31,14 +31,29 @@ pub fn updating() -> bool {
     std::env::var_os(UPDATE).is_some_and(|value| value != "0")
 }
 
-/// Files with this suffix in `folder` and below, sorted; none if there is no such folder.
+/// Projects in `folder` and below, sorted.
+pub fn projects(folder: &Path) -> Vec<PathBuf> {
+    if is_project(folder) {
+        return vec![folder.to_path_buf()];
+    }
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut found: Vec<PathBuf> = entries.filter(|path| path.is_dir()).flat_map(|path| projects(&path)).collect();
+    found.sort();
+    found
+}
+
+fn is_project(folder: &Path) -> bool {
+    folder.join("plc.toml").is_file()
+}
+
+/// Files with this suffix in `folder` and below, sorted; none if there is no such folder. Those of projects are left out.
 pub fn files(folder: &Path, suffix: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut entries: Vec<PathBuf> =
         fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     entries.sort();
     for path in entries {
-        if path.is_dir() {
+        if path.is_dir() && !is_project(&path) {
             found.extend(files(&path, suffix));
         } else if path.extension().is_some_and(|ending| ending == suffix) {
             found.push(path);

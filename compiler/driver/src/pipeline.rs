@@ -166,6 +166,9 @@ fn profile_of(
     };
     let title = match profile::lookup(&name) {
         Some(profile) if runs(&profile, units) => return profile,
+        Some(profile) if profile.family == Family::S71200 => {
+            format!("`{}` has no STL: it runs LAD, FBD and SCL", profile.name)
+        }
         Some(profile) => format!("`{}` does not run S7-300/400 programs", profile.name),
         None => format!("plcc does not know the CPU `{name}`"),
     };

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use plcc_abi::image::{Config, Module, TimeOfDay};
+use plcc_abi::ob::{OB_CLASSES, OB_FREE, OB_NUMBER_MAX, ObClass};
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
 use plcc_syntax::stl::Mnemonics;
 use serde::Deserialize;
@@ -58,7 +59,10 @@ struct Keys {
     symbols: Vec<Spanned<String>>,
     startup: Option<StartupKey>,
     cycle_time_max: Option<Spanned<String>>,
+    cycle_time_exceeded: Option<ExceededKey>,
+    #[serde(alias = "clock_memory_byte")]
     clock_memory: Option<Spanned<i64>>,
+    system_memory_byte: Option<Spanned<i64>>,
     #[serde(default)]
     ob: BTreeMap<Spanned<String>, ObKeys>,
     #[serde(default)]
@@ -82,10 +86,18 @@ enum StartupKey {
     Cold,
 }
 
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum ExceededKey {
+    Run,
+    Stop,
+}
+
 /// `[ob.N]`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ObKeys {
+    class: Option<Spanned<String>>,
     period: Option<Spanned<String>>,
     phase: Option<Spanned<String>>,
     priority: Option<Spanned<i64>>,
@@ -141,6 +153,15 @@ impl Context {
             config.cycle_time_max_ms = self.duration(time, 1..=6000).unwrap_or(config.cycle_time_max_ms);
         }
         config.clock_memory_byte = keys.clock_memory.and_then(|byte| self.number(&byte, 0..=65535, "a memory byte"));
+        config.system_memory_byte =
+            keys.system_memory_byte.as_ref().and_then(|byte| self.number(byte, 0..=65535, "a memory byte"));
+        if let Some(byte) = &keys.system_memory_byte
+            && config.system_memory_byte.is_some()
+            && config.system_memory_byte == config.clock_memory_byte
+        {
+            self.report(byte.span(), "clock memory and system memory are one byte", "give each a byte of its own");
+        }
+        config.overrun_stops = keys.cycle_time_exceeded.map(|key| matches!(key, ExceededKey::Stop));
         config.startup = match keys.startup {
             None | Some(StartupKey::Warm) => 100,
             Some(StartupKey::Hot) => 101,
@@ -177,16 +198,23 @@ impl Context {
     }
 
     fn organization_block(&mut self, number: &Spanned<String>, keys: &ObKeys, config: &mut Config) {
-        let cyclic = number.get_ref().parse::<u16>().ok().filter(|ob| (30..=38).contains(ob));
-        let time_of_day = number.get_ref().parse::<u16>().ok().filter(|ob| (10..=17).contains(ob));
-        let Ok(ob @ 1..=122) = number.get_ref().parse::<u16>() else {
+        let Ok(ob @ 1..=OB_NUMBER_MAX) = number.get_ref().parse::<u16>() else {
             let title = format!("`{}` is no number of an organization block", number.get_ref());
             return self.report(number.span(), title, "write `[ob.35]`");
         };
+        let class = keys.class.as_ref().and_then(|class| self.class(ob, class));
+        config.ob_classes.extend(class.map(|class| (ob, class)));
+        // Without a class here, that of the block counts.
+        let may_be = |wanted: ObClass| match class.or(ObClass::of_number(ob)) {
+            Some(class) => class == wanted,
+            None => ob >= OB_FREE,
+        };
+        let (cyclic, time_of_day) = (may_be(ObClass::Cyclic), may_be(ObClass::TimeOfDay));
         for (key, is_phase) in [(&keys.period, false), (&keys.phase, true)] {
             let Some(time) = key else { continue };
-            if cyclic.is_none() {
-                self.report(time.span(), format!("OB {ob} is not cyclic"), "OB 30 to OB 38 have a period and a phase");
+            if !cyclic {
+                let help = "OB 30 to OB 38 have a period and a phase, and OBs from 123 on with `class = \"cyclic\"`";
+                self.report(time.span(), format!("OB {ob} is not cyclic"), help);
             } else if let Some(ms) = self.duration(time, if is_phase { 0..=60_000 } else { 1..=60_000 }) {
                 let list = if is_phase { &mut config.cyclic_phase_ms } else { &mut config.cyclic_period_ms };
                 list.push((ob, ms));
@@ -197,7 +225,7 @@ impl Context {
         }
         match (&keys.start, &keys.every) {
             (None, None) => {}
-            (Some(start), every) if time_of_day.is_some() => {
+            (Some(start), every) if time_of_day => {
                 let period = self.time_of_day_period(every.as_ref());
                 if !is_date_and_time(start.get_ref()) {
                     let title = format!("`{}` is no date and time", start.get_ref());
@@ -205,7 +233,7 @@ impl Context {
                 }
                 config.time_of_day.push(TimeOfDay { ob, start: start.get_ref().clone(), period });
             }
-            (Some(key), _) | (None, Some(key)) if time_of_day.is_none() => {
+            (Some(key), _) | (None, Some(key)) if !time_of_day => {
                 self.report(
                     key.span(),
                     format!("OB {ob} is no time-of-day interrupt"),
@@ -217,6 +245,24 @@ impl Context {
             }
             (Some(_), None) => {}
         }
+    }
+
+    /// The class of an OB from 123 on.
+    fn class(&mut self, ob: u16, word: &Spanned<String>) -> Option<ObClass> {
+        let free: Vec<_> = OB_CLASSES.iter().filter(|row| row.free).collect();
+        let row = free.iter().find(|row| row.word == word.get_ref().as_str());
+        if ob < OB_FREE || row.is_none() {
+            let words: Vec<&str> = free.iter().map(|row| row.word).collect();
+            let title = if ob < OB_FREE {
+                format!("OB {ob} has its class by its number")
+            } else {
+                format!("`{}` is no class of OB {ob}", word.get_ref())
+            };
+            let help = format!("OB {OB_FREE} and above have one of the classes {}", words.join(", "));
+            self.report(word.span(), title, &help);
+            return None;
+        }
+        row.map(|row| row.class)
     }
 
     fn time_of_day_period(&mut self, every: Option<&Spanned<String>>) -> u16 {
@@ -344,6 +390,12 @@ symbols = ["symbols.sdf"]
 startup = "cold"
 cycle_time_max = "200ms"
 clock_memory = 100
+system_memory_byte = 1
+cycle_time_exceeded = "run"
+
+[ob.123]
+class = "cyclic"
+period = "20ms"
 
 [ob.35]
 period = "50ms"
@@ -366,7 +418,9 @@ outputs = { start = 0, bytes = 1 }
         assert_eq!(project.sources.map(|sources| sources.len()), Some(2));
         let config = project.config;
         assert_eq!((config.cycle_time_max_ms, config.clock_memory_byte, config.startup), (200, Some(100), 102));
-        assert_eq!((config.cyclic_period_ms, config.cyclic_phase_ms), (vec![(35, 50)], vec![(35, 5)]));
+        assert_eq!((config.system_memory_byte, config.overrun_stops), (Some(1), Some(false)));
+        assert_eq!(config.ob_classes, [(123, ObClass::Cyclic)]);
+        assert_eq!((config.cyclic_period_ms, config.cyclic_phase_ms), (vec![(123, 20), (35, 50)], vec![(35, 5)]));
         assert_eq!(config.priorities, [(35, 12)]);
         assert_eq!((config.time_of_day[0].ob, config.time_of_day[0].period), (10, 0x1001));
         assert_eq!(config.modules.map(|modules| modules[0].output_bytes), Some(1));
@@ -382,6 +436,11 @@ outputs = { start = 0, bytes = 1 }
         assert_eq!(line("[ob.main]\npriority = 3\n"), Some(1));
         assert_eq!(line("[ob.10]\nstart = \"soon\"\n"), Some(2));
         assert_eq!(line("[ob.35]\nevery = \"day\"\n"), Some(2));
+        assert_eq!(line("[ob.35]\nclass = \"cyclic\"\n"), Some(2));
+        assert_eq!(line("[ob.123]\nclass = \"time error\"\n"), Some(2));
+        assert_eq!(line("[ob.123]\nclass = \"startup\"\nperiod = \"1s\"\n"), Some(3));
+        assert_eq!(line("[ob.123]\nperiod = \"1s\"\n"), None);
+        assert_eq!(line("clock_memory_byte = 1\nsystem_memory_byte = 1\n"), Some(2));
         assert_eq!(line("name = \n"), Some(1));
         let two = "[[module]]\nname = \"a\"\ninputs = { start = 0, bytes = 4 }\n";
         assert_eq!(line(&format!("{two}{}", two.replace("= 0", "= 3"))), Some(5));

@@ -44,7 +44,14 @@ fn image() -> ProgramImage {
         error_depth: 4,
         limits_checked: false,
     };
-    let ob1 = BlockEntry { kind: BlockKind::Ob, number: 1, name: String::new(), entry: 0, frame: 32 };
+    let ob1 = BlockEntry {
+        kind: BlockKind::Ob,
+        number: 1,
+        name: String::new(),
+        entry: 0,
+        frame: 32,
+        start_inputs: Vec::new(),
+    };
     ProgramImage {
         name: "test".to_string(),
         profile,

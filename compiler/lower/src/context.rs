@@ -198,7 +198,7 @@ impl<'p, 'o> Context<'p, 'o> {
         let mut first_local = 0;
         if self.block.kind == BlockKind::Ob {
             // The runtime has put the start information there.
-            first_local = 20.min(self.local_bytes);
+            first_local = self.block.interface.start_bytes.min(self.local_bytes);
         } else {
             let plan = self.plan;
             for (index, &register) in plan.registers.iter().enumerate() {

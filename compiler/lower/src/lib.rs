@@ -72,6 +72,7 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
             name: block.name.clone(),
             entry: output.module.entries.len() as u32,
             frame,
+            start_inputs: block.interface.start_inputs.clone(),
         });
         output.module.entries.push(entry);
     }

@@ -173,10 +173,7 @@ impl<'a> Plan<'a> {
                 None => return true,
                 Some(height) => {
                     let block = &self.program.blocks[root];
-                    let depth_max = match block.number {
-                        121 | 122 => profile.error_depth,
-                        _ => profile.block_depth,
-                    };
+                    let depth_max = profile.depth_max(self.program.config.class_of(block.number));
                     if block.kind == BlockKind::Ob && (height.depth > depth_max || height.bytes > profile.local_data) {
                         return true;
                     }

@@ -5,6 +5,7 @@
 pub mod scl;
 
 use plcc_abi::image::{AssertOp, BlockKind, Config, Profile, SymbolEntry};
+use plcc_abi::ob::StartInput;
 use plcc_diag::Span;
 pub use plcc_syntax::ast::{AddressRegister, AssertRegister, CellKind, SpecialRegister, StatusOperand, Width};
 use plcc_syntax::stl::StlInsn;
@@ -89,6 +90,10 @@ pub struct Interface {
     pub bytes: u32,
     /// FB, SFB: parameters and STAT with their places in the instance.
     pub instance: Vec<Member>,
+    /// OB: bytes at the head of its local data that the CPU writes when it starts: start information, then the input parameters.
+    pub start_bytes: u32,
+    /// OB: its input parameters and their places in its local data.
+    pub start_inputs: Vec<StartInput>,
     /// FB: `CODE_VERSION1`, not for multi-instances.
     pub code_version1: bool,
 }

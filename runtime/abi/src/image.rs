@@ -5,6 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::ob::{OB_FREE, ObClass, StartInput};
+
 /// Kinds of blocks, as passed to [`RuntimeFn::CallBlock`](crate::RuntimeFn::CallBlock).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[repr(u8)]
@@ -41,6 +43,13 @@ pub enum Family {
     S71500,
 }
 
+impl Family {
+    /// A CPU that only the TIA Portal programs.
+    pub const fn is_portal(self) -> bool {
+        matches!(self, Family::S71200 | Family::S71500)
+    }
+}
+
 /// Limits and properties of a CPU. Sizes in bytes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Profile {
@@ -58,10 +67,22 @@ pub struct Profile {
     pub local_data: u32,
     pub db_bytes_max: u32,
     pub block_depth: u32,
-    /// What error OBs may add to the depth.
+    /// What error OBs may add to the depth; on an S7-1200 the depth of interrupt OBs.
     pub error_depth: u32,
     /// Limits come from a checked source: passing them is an error, else a warning.
     pub limits_checked: bool,
+}
+
+impl Profile {
+    /// Blocks that an OB of class `class` may nest, itself included. Source: technical data of the families.
+    pub fn depth_max(&self, class: Option<ObClass>) -> u32 {
+        match (class, self.family) {
+            (Some(ObClass::ProgramError | ObClass::AccessError), _) => self.error_depth,
+            (Some(ObClass::ProgramCycle | ObClass::Startup), _) | (None, _) => self.block_depth,
+            (Some(_), Family::S71200) => self.error_depth,
+            (Some(_), _) => self.block_depth,
+        }
+    }
 }
 
 /// A place in the source, for messages at run time.
@@ -88,6 +109,8 @@ pub struct BlockEntry {
     pub entry: u32,
     /// L stack bytes of the block itself, rounded to frames.
     pub frame: u32,
+    /// Input parameters of an OB, which the CPU sets when it starts.
+    pub start_inputs: Vec<StartInput>,
 }
 
 /// A data block that exists before the first cycle.
@@ -143,13 +166,19 @@ pub struct SymbolEntry {
 pub struct Config {
     /// Cycle-time monitoring; 150 by default.
     pub cycle_time_max_ms: u32,
+    /// S7-1200/1500 without OB 80: whether the first cycle that is too long stops the CPU; `None`: as the family has it.
+    pub overrun_stops: Option<bool>,
     /// Clock memory byte, if one is configured.
     pub clock_memory_byte: Option<u16>,
-    /// Period of OB 30-38 by OB number, where it differs from the default.
+    /// System memory byte, if one is configured.
+    pub system_memory_byte: Option<u16>,
+    /// Classes of OBs from [`OB_FREE`] on, where they are not those of the program cycle.
+    pub ob_classes: Vec<(u16, ObClass)>,
+    /// Period of cyclic interrupts by OB number, where it differs from the default.
     pub cyclic_period_ms: Vec<(u16, u32)>,
-    /// Phase offset of OB 30-38.
+    /// Phase offset of cyclic interrupts.
     pub cyclic_phase_ms: Vec<(u16, u32)>,
-    /// Priority by OB number, where it differs from the default (S7-400 only).
+    /// Priority by OB number, where it differs from the default (not on an S7-300).
     pub priorities: Vec<(u16, u8)>,
     /// Time-of-day interrupts that are active from the start.
     pub time_of_day: Vec<TimeOfDay>,
@@ -165,7 +194,10 @@ impl Default for Config {
     fn default() -> Self {
         Config {
             cycle_time_max_ms: 150,
+            overrun_stops: None,
             clock_memory_byte: None,
+            system_memory_byte: None,
+            ob_classes: Vec::new(),
             cyclic_period_ms: Vec::new(),
             cyclic_phase_ms: Vec::new(),
             priorities: Vec::new(),
@@ -177,10 +209,18 @@ impl Default for Config {
     }
 }
 
+impl Config {
+    /// What starts OB `ob`.
+    pub fn class_of(&self, ob: u16) -> Option<ObClass> {
+        let given = self.ob_classes.iter().find(|(number, _)| *number == ob).map(|(_, class)| *class);
+        given.or_else(|| if ob >= OB_FREE { Some(ObClass::ProgramCycle) } else { ObClass::of_number(ob) })
+    }
+}
+
 /// A time-of-day interrupt set in plc.toml.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TimeOfDay {
-    /// 10..=17.
+    /// An OB of this class.
     pub ob: u16,
     /// First start, `2026-01-31T06:00:00`.
     pub start: String,

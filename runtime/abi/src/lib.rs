@@ -4,6 +4,7 @@
 //! - [`functions`]: the table of runtime functions that generated code may call.
 //! - [`image`]: what the compiler tells the runtime about a program.
 //! - [`codes`]: error numbers of S7 CPUs that both sides use.
+//! - [`ob`]: organization blocks by what starts them.
 //!
 //! **Invariant**: nothing here executes; it is data and constants only.
 
@@ -11,6 +12,7 @@ pub mod codes;
 pub mod functions;
 pub mod image;
 pub mod layout;
+pub mod ob;
 
 pub use functions::{RuntimeFn, Type};
 pub use image::ProgramImage;

@@ -9,6 +9,7 @@ use std::rc::Rc;
 use plcc_abi::ProgramImage;
 use plcc_abi::image::{BlockEntry, BlockKind};
 use plcc_abi::layout::{self, state};
+use plcc_abi::ob::{OB_FREE, ObClass};
 
 use crate::clock::Clock;
 use crate::code::Code;
@@ -49,6 +50,8 @@ pub struct Cpu {
     blocks: Vec<BlockEntry>,
     /// DBs made at run time: number, address, bytes. Sorted by address.
     pub(crate) created_dbs: RefCell<Vec<(u16, u32, u32)>>,
+    /// An event of the diagnostics came since the last cycle began, for the system memory byte.
+    pub(crate) diagnostics_changed: Cell<bool>,
     /// Run-time meters.
     pub(crate) meters: [Meter; METERS],
 }
@@ -76,6 +79,7 @@ impl Cpu {
             stop: Cell::new(None),
             blocks,
             created_dbs: RefCell::new(Vec::with_capacity(CREATED_DBS_MAX)),
+            diagnostics_changed: Cell::new(false),
             meters: Default::default(),
         });
         cpu.memory.set_host64(state::CPU, Rc::as_ptr(&cpu) as u64);
@@ -103,6 +107,13 @@ impl Cpu {
     pub fn block(&self, kind: BlockKind, number: u16) -> Option<&BlockEntry> {
         let index = self.blocks.binary_search_by_key(&(kind, number), |block| (block.kind, block.number)).ok()?;
         self.blocks.get(index)
+    }
+
+    /// Loaded OBs of a class, in the order of their numbers. From OB 123 on only an S7-1200/1500 has them.
+    pub(crate) fn obs_of(&self, class: ObClass) -> impl Iterator<Item = u16> {
+        let portal = self.image.profile.family.is_portal();
+        let obs = self.blocks.iter().filter(|block| block.kind == BlockKind::Ob).map(|block| block.number);
+        obs.filter(move |&ob| (portal || ob < OB_FREE) && self.image.config.class_of(ob) == Some(class))
     }
 
     pub fn has_ob(&self, number: u16) -> bool {

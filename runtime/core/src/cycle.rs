@@ -5,6 +5,7 @@
 //! Interrupts enter at safepoints of OB 1 and while time passes between cycles.
 
 use plcc_abi::layout;
+use plcc_abi::ob::{OB_FREE, ObClass};
 
 use crate::clock::NS_PER_MS;
 use crate::cpu::{Area, Cpu};
@@ -78,18 +79,25 @@ impl Cpu {
         self.arm_hang();
         self.rearm();
         observer.before(self, 0, self.clock.now());
+        self.update_clock_memory();
+        self.update_system_memory(false);
         self.set_configured_times();
         let cause = match ob {
             101 => 0x83,
             102 => 0x85,
             _ => 0x81,
         };
-        if self.has_ob(ob) {
-            self.run_ob(ob, self.priority_of(ob), StartInfo::new(0x13, cause, ob));
+        let further = self.obs_of(ObClass::Startup).filter(|&other| other >= OB_FREE);
+        for ob in std::iter::once(ob).filter(|&ob| self.has_ob(ob)).chain(further) {
+            if !self.is_stopped() {
+                self.run_ob(ob, self.priority_of(ob), StartInfo::new(0x13, cause, ob));
+            }
         }
         if !self.is_stopped() {
             self.dispatch();
         }
+        // From here on every OB has its first call.
+        self.running.called.clear();
         if !self.is_stopped() {
             self.log(0x4302, NO_SITE, 0);
             self.start_interrupts(self.clock.now());
@@ -104,14 +112,13 @@ impl Cpu {
         self.arm_hang();
         observer.before(self, cycle, start);
         self.update_clock_memory();
+        self.update_system_memory(cycle == 1);
         self.read_inputs();
         self.schedule.monitor.begin(start);
         self.rearm();
         self.poll();
         self.dispatch();
-        if self.has_ob(1) && !self.is_stopped() {
-            self.run_ob(1, 1, self.ob1_info(cycle, times));
-        }
+        self.run_program_cycle(cycle, times);
         self.schedule.monitor.end();
         if self.is_stopped() {
             self.driver.stop();
@@ -121,14 +128,23 @@ impl Cpu {
         observer.after(self, cycle, start);
     }
 
-    fn ob1_info(&self, cycle: u64, times: &CycleTimes) -> StartInfo {
+    /// OB 1, on an S7-1200/1500 then the other OBs of the program cycle in the order of their numbers.
+    fn run_program_cycle(&self, cycle: u64, times: &CycleTimes) {
+        for ob in self.obs_of(ObClass::ProgramCycle) {
+            if !self.is_stopped() {
+                self.run_ob(ob, 1, self.cycle_info(ob, cycle, times));
+            }
+        }
+    }
+
+    fn cycle_info(&self, ob: u16, cycle: u64, times: &CycleTimes) -> StartInfo {
         let scan = match (cycle, self.image.config.startup) {
             (1, 101) => 2,
             (1, 102) => 4,
             (1, _) => 1,
             (_, _) => 3,
         };
-        StartInfo::new(0x11, scan, 1).word(6, times.last).word(8, times.shortest.unwrap_or(0)).word(10, times.longest)
+        StartInfo::new(0x11, scan, ob).word(6, times.last).word(8, times.shortest.unwrap_or(0)).word(10, times.longest)
     }
 
     /// Copies the named inputs into the process image.
@@ -149,6 +165,17 @@ impl Cpu {
         let Some(byte) = self.image.config.clock_memory_byte else { return };
         let ms = self.clock.now() / NS_PER_MS;
         let value = (0u32..).zip(HALF_PERIOD_MS).fold(0, |bits, (bit, half)| bits | ((ms / half) as u8 & 1) << bit);
+        if u32::from(byte) < self.area(Area::BitMemory).1 {
+            self.memory.set_byte(layout::M + u32::from(byte), value);
+        }
+    }
+
+    /// The system memory byte: bit 0 in the first cycle, 1 in a cycle after a change of diagnostics, 2 always, 3 never.
+    /// Source: LAD/FBD reference for S7-1200, memory areas and scan.
+    fn update_system_memory(&self, first: bool) {
+        let Some(byte) = self.image.config.system_memory_byte else { return };
+        let changed = self.diagnostics_changed.replace(false);
+        let value = u8::from(first) | u8::from(changed) << 1 | 1 << 2;
         if u32::from(byte) < self.area(Area::BitMemory).1 {
             self.memory.set_byte(layout::M + u32::from(byte), value);
         }

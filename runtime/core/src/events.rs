@@ -2,13 +2,11 @@
 //!
 //! Source: System and standard functions, organization blocks.
 
-use plcc_abi::image::{Family, Profile};
+use plcc_abi::image::{Config, Family, Profile};
+use plcc_abi::ob::{OB_FREE, ObClass};
 
 /// Bytes of start information at the head of an OB's TEMP.
 pub const START_INFO_BYTES: usize = 20;
-
-/// Highest OB number that an event can name, plus 1.
-pub const OB_NUMBERS: usize = 128;
 
 /// The first 12 bytes of start information; the time of the start is added when the OB starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,8 +55,25 @@ pub enum Missing {
     ClassError,
 }
 
+/// Second byte of the start information of an OB whose class begins with OB `first`, which has `base`. Further OBs of an
+/// S7-1200/1500 have that of the first.
+pub fn cause(base: u8, first: u16, ob: u16) -> u8 {
+    match ob.checked_sub(first) {
+        Some(index @ 0..=8) => base + index as u8,
+        Some(_) | None => base,
+    }
+}
+
 /// Reaction to a missing OB.
+///
+/// Source: for S7-1200 the LAD/FBD reference, organization blocks.
 pub fn missing(ob: u16, family: Family) -> Missing {
+    match (ob, family) {
+        (83, Family::S71200) => return Missing::Stop(0x456B),
+        (86, Family::S71200) => return Missing::Stop(0x456F),
+        (_, Family::S71200 | Family::S71500) => return Missing::Continue,
+        (_, Family::S7300 | Family::S7400 | Family::S7200) => {}
+    }
     match ob {
         10..=23 | 30..=57 => Missing::ClassError,
         80 => Missing::Stop(0x4568),
@@ -90,17 +105,24 @@ pub fn default_priority(ob: u16, family: Family) -> u8 {
     }
 }
 
-/// Priority of an OB on this CPU: those of an S7-400 can be configured from 2 to 24.
-pub fn priority(ob: u16, profile: &Profile, configured: &[(u16, u8)]) -> u8 {
-    let default = default_priority(ob, profile.family);
-    match configured.iter().find(|(number, _)| *number == ob) {
-        Some((_, priority)) if profile.family == Family::S7400 => (*priority).clamp(2, 24),
-        _ => default,
+/// Priority of an OB on this CPU: those of an S7-400/1200/1500 can be configured from 2 to 24, the cycle and the startup excepted.
+pub fn priority(ob: u16, profile: &Profile, config: &Config) -> u8 {
+    let class = config.class_of(ob);
+    let configured = config.priorities.iter().find(|(number, _)| *number == ob).map(|(_, priority)| *priority);
+    match (profile.family, class, configured) {
+        (Family::S7400, _, Some(priority)) => priority.clamp(2, 24),
+        (Family::S71200 | Family::S71500, Some(ObClass::ProgramCycle | ObClass::Startup), _) => 1,
+        (Family::S71200 | Family::S71500, Some(_), Some(priority)) => priority.clamp(2, 24),
+        (Family::S71200 | Family::S71500, Some(class), None) => class.row().priority,
+        _ => default_priority(ob, profile.family),
     }
 }
 
-/// Default period of OB 30-38 in milliseconds.
+/// Default period of a cyclic interrupt in milliseconds; 100 ms from OB 123 on.
 pub fn default_period_ms(ob: u16) -> u32 {
+    if ob >= OB_FREE {
+        return 100;
+    }
     [5000, 2000, 1000, 500, 200, 100, 50, 20, 10][usize::from(ob.clamp(30, 38) - 30)]
 }
 
@@ -116,7 +138,8 @@ const fn field(name: &'static str, offset: usize, bytes: usize) -> Field {
 }
 
 /// Fields of all start information.
-const COMMON: &[Field] = &[field("EV_CLASS", 0, 1), field("RESERVED_1", 4, 1), field("RESERVED_2", 5, 1)];
+const COMMON: &[Field] =
+    &[field("EV_CLASS", 0, 1), field("EVENT_CLASS", 0, 1), field("RESERVED_1", 4, 1), field("RESERVED_2", 5, 1)];
 
 /// Fields by OB range.
 ///
@@ -131,7 +154,19 @@ const FIELDS: &[(std::ops::RangeInclusive<u16>, &[Field])] = &[
         30..=38,
         &[field("STRT_INF", 1, 1), field("PHASE_OFFSET", 6, 2), field("RESERVED_3", 8, 2), field("EXC_FREQ", 10, 2)],
     ),
-    (40..=47, &[field("STRT_INF", 1, 1), field("IO_FLAG", 5, 1), field("MDL_ADDR", 6, 2), field("POINT_ADDR", 8, 4)]),
+    (
+        40..=47,
+        &[
+            field("STRT_INF", 1, 1),
+            field("IO_FLAG", 5, 1),
+            field("MDL_ADDR", 6, 2),
+            field("POINT_ADDR", 8, 4),
+            field("LADDR", 6, 2),
+            field("USI", 8, 2),
+            field("ICHANNEL", 10, 1),
+            field("EVENTTYPE", 11, 1),
+        ],
+    ),
     (
         55..=57,
         &[
@@ -156,7 +191,19 @@ const FIELDS: &[(std::ops::RangeInclusive<u16>, &[Field])] = &[
         ],
     ),
     (81..=81, &[field("FLT_ID", 1, 1), field("RACK_CPU", 6, 2), field("RESERVED_3", 8, 4)]),
-    (82..=82, &[field("FLT_ID", 1, 1), field("IO_FLAG", 5, 1), field("MDL_ADDR", 6, 2), field("MDL_DIAG", 8, 4)]),
+    (
+        82..=82,
+        &[
+            field("FLT_ID", 1, 1),
+            field("IO_FLAG", 5, 1),
+            field("MDL_ADDR", 6, 2),
+            field("MDL_DIAG", 8, 4),
+            field("MULTIERROR", 4, 1),
+            field("LADDR", 6, 2),
+            field("IO_STATE", 8, 2),
+            field("CHANNEL", 10, 2),
+        ],
+    ),
     (
         83..=83,
         &[
@@ -165,6 +212,8 @@ const FIELDS: &[(std::ops::RangeInclusive<u16>, &[Field])] = &[
             field("MDL_ADDR", 6, 2),
             field("RACK_NUM", 8, 2),
             field("MDL_TYPE", 10, 2),
+            field("LADDR", 6, 2),
+            field("FAULT_ID", 1, 1),
         ],
     ),
     (
@@ -179,24 +228,39 @@ const FIELDS: &[(std::ops::RangeInclusive<u16>, &[Field])] = &[
             field("OB_NUM", 11, 1),
         ],
     ),
-    (86..=86, &[field("FLT_ID", 1, 1), field("MDL_ADDR", 6, 2), field("RACKS_FLTD", 8, 4)]),
+    (
+        86..=86,
+        &[
+            field("FLT_ID", 1, 1),
+            field("MDL_ADDR", 6, 2),
+            field("RACKS_FLTD", 8, 4),
+            field("LADDR", 6, 2),
+            field("FAULT_ID", 1, 1),
+        ],
+    ),
     (84..=88, &[field("FLT_ID", 1, 1), field("INFO_1", 6, 2), field("INFO_2_3", 8, 4)]),
 ];
 
+/// The OB whose start information is that of `ob`: the first of the class for those from OB 123 on.
+fn model(ob: u16, class: Option<ObClass>) -> u16 {
+    class.filter(|_| ob >= OB_FREE).map_or(ob, |class| class.row().numbers.0)
+}
+
 /// The field `name` (any case, with or without `OB40_`) of the start information of `ob`.
-pub fn find_field(ob: u16, name: &str) -> Option<&'static Field> {
+pub fn find_field(ob: u16, class: Option<ObClass>, name: &str) -> Option<&'static Field> {
     let upper = name.to_ascii_uppercase();
     let short = upper.strip_prefix(&format!("OB{ob}_")).unwrap_or(&upper);
-    let specific = FIELDS.iter().filter(|(range, _)| range.contains(&ob)).flat_map(|(_, fields)| fields.iter());
+    let model = model(ob, class);
+    let specific = FIELDS.iter().filter(|(range, _)| range.contains(&model)).flat_map(|(_, fields)| fields.iter());
     specific.chain(COMMON).find(|field| field.name == short)
 }
 
 /// The event of `ob` with the usual start information; `None` for an OB that no event starts.
-pub fn usual(ob: u16) -> Option<Event> {
-    let info = match ob {
-        10..=17 => StartInfo::new(0x11, 0x11 + (ob - 10) as u8, ob),
-        20..=23 => StartInfo::new(0x11, 0x21 + (ob - 20) as u8, ob),
-        30..=38 => StartInfo::new(0x11, 0x31 + (ob - 30) as u8, ob).word(10, default_period_ms(ob) as u16),
+pub fn usual(ob: u16, class: Option<ObClass>) -> Option<Event> {
+    let info = match model(ob, class) {
+        10..=17 => StartInfo::new(0x11, cause(0x11, 10, ob), ob),
+        20..=23 => StartInfo::new(0x11, cause(0x21, 20, ob), ob),
+        30..=38 => StartInfo::new(0x11, cause(0x31, 30, ob), ob).word(10, default_period_ms(ob) as u16),
         40..=47 => StartInfo::new(0x11, 0x41, ob).byte(5, 0x54),
         55..=57 => StartInfo::new(0x11, 0x55 + (ob - 55) as u8, ob),
         80 => StartInfo::new(0x35, 0x01, ob),

@@ -126,6 +126,9 @@ impl Cpu {
 
     /// An event whose OB is to run by its priority. When the OB is not loaded: the reaction of the table.
     pub(crate) fn request(&self, event: Event) {
+        if matches!(event.ob, 82 | 83 | 86) {
+            self.diagnostics_changed.set(true);
+        }
         if self.is_stopped() || self.schedule.is_disabled(event.ob) {
             return;
         }
@@ -161,7 +164,10 @@ impl Cpu {
     /// OB 80 with fault `cause` about the OB of `event`.
     pub(crate) fn time_error(&self, cause: u8, event: Event) {
         self.log(0x3500 | u16::from(cause), NO_SITE, u32::from(event.ob));
+        // An S7-1200/1500 has OBs whose numbers take a word.
+        let portal = self.image.profile.family.is_portal();
         let info = StartInfo::new(0x35, cause, 80)
+            .word(6, if portal { event.ob } else { 0 })
             .byte(8, event.info.0[0])
             .byte(9, event.info.0[1])
             .byte(10, self.priority_of(event.ob))
@@ -175,10 +181,17 @@ impl Cpu {
         let monitor = &self.schedule.monitor;
         monitor.overruns.set(monitor.overruns.get() + 1);
         monitor.restart(self.clock.now());
-        if monitor.overruns.get() >= 2 || self.running.active.get() >> 80 & 1 != 0 {
+        if monitor.overruns.get() >= 2 || self.running.active.contains(80) {
             self.stop_because(0x4568, site, TIME_ERROR_TWICE, Some(cause));
         } else if !self.has_ob(80) {
-            self.stop_because(0x4568, site, 0, Some(cause));
+            let config = &self.image.config;
+            if config.overrun_stops.unwrap_or(self.image.profile.family != Family::S71200) {
+                self.stop_because(0x4568, site, 0, Some(cause));
+            }
+        } else if self.image.profile.family.is_portal() {
+            let info =
+                StartInfo::new(0x35, 0x01, 80).word(6, self.running.ob.get()).byte(10, self.running.priority.get());
+            self.request(Event { ob: 80, info });
         } else {
             self.request(Event { ob: 80, info: StartInfo::new(0x35, 0x01, 80).word(6, ms.min(0xFFFF) as u16) });
         }

@@ -13,6 +13,7 @@ use plcc_abi::layout::{self, CpuRegister, state};
 use crate::cpu::Cpu;
 use crate::diagnostics::NO_SITE;
 use crate::events::StartInfo;
+use crate::ob_set::ObSet;
 use crate::{datetime, events};
 
 /// First priority class that no OB uses (OB 90 has 29 by name, and class 0 here).
@@ -34,8 +35,10 @@ pub struct Running {
     pub(crate) priority: Cell<u8>,
     /// Number of the innermost OB, 0: none.
     pub(crate) ob: Cell<u16>,
-    /// Active asynchronous OBs by number.
-    pub(crate) active: Cell<u128>,
+    /// Active asynchronous OBs.
+    pub(crate) active: ObSet,
+    /// OBs that have run since the change to RUN.
+    pub(crate) called: ObSet,
     /// SFC 41 calls that SFC 42 has not undone, in the running OB.
     pub(crate) delayed: Cell<u16>,
     /// In OB 121 and OB 122: whether the faulty instruction was a read, whose value SFC 44 can give; `None` elsewhere.
@@ -78,15 +81,15 @@ impl Cpu {
         let replaceable = running.replaceable.take();
         let masks = running.masks.take();
         let class = u32::from(priority).min(ERROR_CLASS - 1);
-        let bit = 1u128 << (ob as usize % events::OB_NUMBERS);
         running.priority.set(priority);
         running.ob.set(ob);
         running.delayed.set(0);
         running.error_depth.set(0);
-        running.active.set(running.active.get() | bit);
+        running.active.set(ob, true);
         let limit = self.image.profile.local_data.min(layout::L_CLASS_BYTES);
-        self.enter(block, layout::l_stack(class), limit, self.image.profile.block_depth, priority, info);
-        running.active.set(running.active.get() & !bit);
+        let depth_max = self.image.profile.depth_max(self.image.config.class_of(ob));
+        self.enter(block, layout::l_stack(class), limit, depth_max, priority, info);
+        running.active.set(ob, false);
         running.priority.set(before.0);
         running.ob.set(before.1);
         running.delayed.set(before.2);
@@ -131,6 +134,7 @@ impl Cpu {
             self.running.startup_info.set(info);
         }
         memory.set_bytes(base, info);
+        self.set_start_inputs(block, base, &info, !self.running.called.set(block.number, true));
         memory.set_bytes(base + 12, datetime::encode(self.clock.wall()));
         memory.clear(state::REGISTERS, 4 * REGISTER_SLOTS as u32);
         memory.set_host32(state::DEPTH, 1);

@@ -9,12 +9,14 @@ use std::cell::{Cell, RefCell};
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::{BlockEntry, BlockKind};
+use plcc_abi::ob::ObClass;
 
 use crate::clock::NS_PER_MS;
 use crate::cpu::Cpu;
 use crate::datetime::{self, Period};
 use crate::diagnostics::NO_SITE;
-use crate::events::{self, Event, OB_NUMBERS, StartInfo};
+use crate::events::{self, Event, StartInfo};
+use crate::ob_set::ObSet;
 
 /// Events that can wait.
 const QUEUE_MAX: usize = 64;
@@ -25,23 +27,27 @@ const STARTUP_LOOK: u64 = 100 * NS_PER_MS;
 /// Never due.
 pub(crate) const NEVER: u64 = u64::MAX;
 
-/// A cyclic interrupt, OB 30-38.
+/// A cyclic interrupt.
 pub(crate) struct Cyclic {
     pub ob: u16,
     period: u64,
     phase: u64,
     due: Cell<u64>,
+    /// Events that were lost since the OB last ran.
+    lost: Cell<u16>,
 }
 
-/// A time-delay interrupt, OB 20-23.
+/// A time-delay interrupt.
 pub(crate) struct Delay {
+    pub ob: u16,
     pub due: Cell<u64>,
     pub delay_ms: Cell<u32>,
     pub sign: Cell<u16>,
 }
 
-/// A time-of-day interrupt, OB 10-17. Moments are of the wall clock.
+/// A time-of-day interrupt. Moments are of the wall clock.
 pub(crate) struct TimeOfDay {
+    pub ob: u16,
     pub set: Cell<bool>,
     pub active: Cell<bool>,
     pub start: Cell<i64>,
@@ -85,11 +91,13 @@ impl Monitor {
 pub struct Schedule {
     queue: RefCell<Vec<Event>>,
     pub(crate) cyclic: Vec<Cyclic>,
-    pub(crate) delays: [Delay; 4],
-    pub(crate) times_of_day: [TimeOfDay; 8],
+    /// OB 20-23 and others that are loaded.
+    pub(crate) delays: Vec<Delay>,
+    /// OB 10-17 and others that are loaded.
+    pub(crate) times_of_day: Vec<TimeOfDay>,
     pub(crate) monitor: Monitor,
-    /// OBs whose events are lost (SFC 39), by number.
-    pub(crate) disabled: Cell<u128>,
+    /// OBs whose events are lost (SFC 39).
+    pub(crate) disabled: ObSet,
     /// True in RUN: only then interrupts other than errors are served.
     pub(crate) in_run: Cell<bool>,
     /// Host time that a cycle may take under the virtual clock; set by the cycle.
@@ -101,17 +109,26 @@ impl Schedule {
     pub(crate) fn new(image: &ProgramImage, blocks: &[BlockEntry]) -> Schedule {
         let config = &image.config;
         let of = |table: &[(u16, u32)], ob: u16| table.iter().find(|(number, _)| *number == ob).map(|(_, ms)| *ms);
-        let cyclic = (30..=38)
-            .filter(|&ob| blocks.iter().any(|block| block.kind == BlockKind::Ob && block.number == ob))
+        let loaded = |class: ObClass| {
+            let obs = blocks.iter().filter(|block| block.kind == BlockKind::Ob).map(|block| block.number);
+            obs.filter(move |&ob| config.class_of(ob) == Some(class))
+        };
+        let cyclic = loaded(ObClass::Cyclic)
             .map(|ob| Cyclic {
                 ob,
                 period: u64::from(of(&config.cyclic_period_ms, ob).unwrap_or(events::default_period_ms(ob)).max(1))
                     * NS_PER_MS,
                 phase: u64::from(of(&config.cyclic_phase_ms, ob).unwrap_or(0)) * NS_PER_MS,
                 due: Cell::new(NEVER),
+                lost: Cell::new(0),
             })
             .collect();
-        let times_of_day = std::array::from_fn(|_| TimeOfDay {
+        let with_fixed = |class: ObClass| {
+            let (first, last) = class.row().numbers;
+            (first..=last).chain(loaded(class).filter(move |ob| !(first..=last).contains(ob)))
+        };
+        let times_of_day = with_fixed(ObClass::TimeOfDay).map(|ob| TimeOfDay {
+            ob,
             set: Cell::new(false),
             active: Cell::new(false),
             start: Cell::new(0),
@@ -119,22 +136,24 @@ impl Schedule {
             period_code: Cell::new(0),
             next: Cell::new(i64::MAX),
         });
+        let delays = with_fixed(ObClass::TimeDelay).map(|ob| Delay {
+            ob,
+            due: Cell::new(NEVER),
+            delay_ms: Cell::new(0),
+            sign: Cell::new(0),
+        });
         Schedule {
             queue: RefCell::new(Vec::with_capacity(QUEUE_MAX)),
             cyclic,
-            delays: std::array::from_fn(|_| Delay {
-                due: Cell::new(NEVER),
-                delay_ms: Cell::new(0),
-                sign: Cell::new(0),
-            }),
-            times_of_day,
+            delays: delays.collect(),
+            times_of_day: times_of_day.collect(),
             monitor: Monitor {
                 limit: u64::from(config.cycle_time_max_ms.max(1)) * NS_PER_MS,
                 deadline: Cell::new(NEVER),
                 since: Cell::new(0),
                 overruns: Cell::new(0),
             },
-            disabled: Cell::new(0),
+            disabled: ObSet::default(),
             in_run: Cell::new(false),
             hang_limit: Cell::new(NEVER),
             hang_deadline: Cell::new(NEVER),
@@ -142,7 +161,15 @@ impl Schedule {
     }
 
     pub(crate) fn is_disabled(&self, ob: u16) -> bool {
-        self.disabled.get() >> (ob as usize % OB_NUMBERS) & 1 != 0
+        self.disabled.contains(ob)
+    }
+
+    pub(crate) fn delay(&self, ob: u16) -> Option<&Delay> {
+        self.delays.iter().find(|delay| delay.ob == ob)
+    }
+
+    pub(crate) fn time_of_day(&self, ob: u16) -> Option<&TimeOfDay> {
+        self.times_of_day.iter().find(|time| time.ob == ob)
     }
 
     fn is_waiting(&self, ob: u16) -> bool {
@@ -152,7 +179,7 @@ impl Schedule {
 
 impl Cpu {
     pub(crate) fn priority_of(&self, ob: u16) -> u8 {
-        events::priority(ob, &self.image.profile, &self.image.config.priorities)
+        events::priority(ob, &self.image.profile, &self.image.config)
     }
 
     /// Puts an event whose OB exists into the queue.
@@ -179,8 +206,11 @@ impl Cpu {
 
     /// A timed interrupt is due. One that is still active or waiting is a time error.
     fn request_timed(&self, event: Event) {
-        let busy = self.running.active.get() >> (event.ob as usize % OB_NUMBERS) & 1 != 0;
+        let busy = self.running.active.contains(event.ob);
         if (busy || self.schedule.is_waiting(event.ob)) && !self.schedule.is_disabled(event.ob) {
+            if let Some(cyclic) = self.schedule.cyclic.iter().find(|cyclic| cyclic.ob == event.ob) {
+                cyclic.lost.set(cyclic.lost.get().saturating_add(1));
+            }
             self.time_error(0x02, event);
         } else {
             self.request(event);
@@ -198,9 +228,8 @@ impl Cpu {
     /// Time-of-day interrupts from plc.toml.
     pub(crate) fn set_configured_times(&self) {
         for entry in &self.image.config.time_of_day {
-            let index = usize::from(entry.ob.wrapping_sub(10));
             let (Some(time), Some(start), Some(period)) =
-                (self.schedule.times_of_day.get(index), datetime::parse(&entry.start), Period::from_code(entry.period))
+                (self.schedule.time_of_day(entry.ob), datetime::parse(&entry.start), Period::from_code(entry.period))
             else {
                 continue;
             };
@@ -245,32 +274,38 @@ impl Cpu {
             // Periods that the host slept through are not made up for.
             let missed = (now - cyclic.due.get()) / cyclic.period;
             cyclic.due.set(cyclic.due.get() + (missed + 1) * cyclic.period);
-            let info = StartInfo::new(0x11, 0x31 + (cyclic.ob - 30) as u8, cyclic.ob)
+            // On an S7-1200/1500 word 8 tells of the lost events.
+            let portal = self.image.profile.family.is_portal();
+            let lost = if portal { cyclic.lost.replace(0) } else { 0 };
+            let info = StartInfo::new(0x11, events::cause(0x31, 30, cyclic.ob), cyclic.ob)
                 .word(6, (cyclic.phase / NS_PER_MS) as u16)
+                .word(8, lost)
                 .word(10, (cyclic.period / NS_PER_MS) as u16);
             self.request_timed(Event { ob: cyclic.ob, info });
         }
-        for (ob, delay) in (20u16..).zip(&self.schedule.delays) {
+        for delay in &self.schedule.delays {
             if delay.due.get() <= now {
+                let ob = delay.ob;
                 delay.due.set(NEVER);
-                let info = StartInfo::new(0x11, 0x21 + (ob - 20) as u8, ob)
+                let info = StartInfo::new(0x11, events::cause(0x21, 20, ob), ob)
                     .word(6, delay.sign.get())
                     .dword(8, delay.delay_ms.get());
                 self.request_timed(Event { ob, info });
             }
         }
         let wall = self.clock.wall();
-        for (ob, time) in (10u16..).zip(&self.schedule.times_of_day) {
+        for time in &self.schedule.times_of_day {
             if time.active.get() && time.next.get() <= wall {
-                let event = self.time_of_day_event(ob, time);
+                let event = self.time_of_day_event(time);
                 self.step_time_of_day(time, wall);
                 self.request_timed(event);
             }
         }
     }
 
-    fn time_of_day_event(&self, ob: u16, time: &TimeOfDay) -> Event {
-        let info = StartInfo::new(0x11, 0x11 + (ob - 10) as u8, ob).word(6, time.period_code.get());
+    fn time_of_day_event(&self, time: &TimeOfDay) -> Event {
+        let ob = time.ob;
+        let info = StartInfo::new(0x11, events::cause(0x11, 10, ob), ob).word(6, time.period_code.get());
         Event { ob, info }
     }
 
@@ -286,12 +321,12 @@ impl Cpu {
     /// again come again.
     pub(crate) fn wall_clock_was_set(&self) {
         let wall = self.clock.wall();
-        for (ob, time) in (10u16..).zip(&self.schedule.times_of_day) {
+        for time in &self.schedule.times_of_day {
             if !time.active.get() {
                 continue;
             }
             if time.next.get() < wall {
-                let event = self.time_of_day_event(ob, time);
+                let event = self.time_of_day_event(time);
                 self.step_time_of_day(time, wall.saturating_sub(1));
                 self.time_error(0x05, event);
             } else if time.period.get() != Period::Once {
@@ -393,7 +428,7 @@ impl Cpu {
         }
         let ms = (schedule.hang_limit.get() / NS_PER_MS) as u32;
         let cause = self.log(0x3501, site, ms);
-        let in_time_error = self.running.active.get() >> 80 & 1 != 0;
+        let in_time_error = self.running.active.contains(80);
         if self.has_ob(80) && !in_time_error {
             self.arm_hang();
             let info = StartInfo::new(0x35, 0x01, 80).word(6, ms.min(0xFFFF) as u16);

@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use plcc_abi::image::BlockKind;
 use plcc_program::layout;
 use plcc_program::model::scl::{Access, Base, Statement, StatementKind};
 use plcc_program::model::{Assert, AssertSide, CodeBlock, Direction, Operand, Passing, Place};
@@ -11,9 +10,6 @@ use plcc_program::types::{DataType, Elementary};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::walk::{self, Role, Visitor};
-
-/// Start information of an OB, which the runtime writes.
-const START_INFORMATION_BITS: u32 = 20 * 8;
 
 /// A variable that may be promoted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -76,7 +72,8 @@ struct Seen {
 
 impl Seen {
     fn locals(&self, block: &CodeBlock) -> Vec<(Slot, Elementary)> {
-        let first = if block.kind == BlockKind::Ob { START_INFORMATION_BITS } else { 0 };
+        // What the runtime writes at the start of an OB.
+        let first = 8 * block.interface.start_bytes;
         let mut overlapped: FxHashSet<u32> = FxHashSet::default();
         let extents: FxHashMap<u32, u32> =
             self.values.iter().map(|(&start, ty)| (start, start + ty.map_or(64, Elementary::bits))).collect();

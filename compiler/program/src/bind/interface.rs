@@ -83,7 +83,8 @@ impl<'a> Binder<'a> {
         self.check_sections(key, block);
         match key.kind {
             BlockKind::Fb | BlockKind::Sfb => self.instance_interface(key, block, &mut bound, &mut names)?,
-            BlockKind::Ob | BlockKind::Fc | BlockKind::Sfc | BlockKind::Db => {
+            BlockKind::Ob => {}
+            BlockKind::Fc | BlockKind::Sfc | BlockKind::Db => {
                 self.function_interface(key, block, &mut bound, &mut names);
             }
         }
@@ -132,6 +133,7 @@ impl<'a> Binder<'a> {
     fn check_sections(&mut self, key: BlockKey, block: &ast::CodeBlock) {
         for section in &block.sections {
             let allowed = match key.kind {
+                BlockKind::Ob if section.kind == SectionKind::Input => self.has_start_inputs(block),
                 BlockKind::Ob => section.kind == SectionKind::Temp,
                 BlockKind::Fc | BlockKind::Sfc => section.kind != SectionKind::Static,
                 BlockKind::Fb | BlockKind::Sfb | BlockKind::Db => true,
@@ -284,23 +286,6 @@ impl<'a> Binder<'a> {
         add_parameter(bound, placer, "RET_VAL".to_string(), Direction::Output, resolved);
     }
 
-    /// The OBs of S7-1200/1500 for cycle, startup and cyclic interrupts have no start information in VAR_TEMP; those of S7-300/400
-    /// declare it first, `OB1_EV_CLASS` and the rest.
-    fn hides_start_information(&self, number: u16, block: &ast::CodeBlock) -> bool {
-        if !matches!(number, 1 | 30..=38 | 100..=102 | 123..) {
-            return false;
-        }
-        let Some(dialect) = super::declare::dialect(block) else { return false };
-        let rules = super::scl::Rules::of(self.input, dialect);
-        let first = block.sections.iter().flat_map(|section| &section.variables).next();
-        let declared = first.is_some_and(|variable| {
-            let digits = variable.name.get(2..).unwrap_or("");
-            variable.name.get(..2).is_some_and(|letters| letters.eq_ignore_ascii_case("OB"))
-                && digits.starts_with(|letter: char| letter.is_ascii_digit())
-        });
-        !rules.is_300() && !declared
-    }
-
     fn temporaries(
         &mut self,
         key: BlockKey,
@@ -309,8 +294,14 @@ impl<'a> Binder<'a> {
         names: &mut FxHashMap<String, Span>,
     ) {
         let mut placer = Placer::default();
-        if key.kind == BlockKind::Ob && self.hides_start_information(key.number, block) {
-            placer.reserve(super::OB_START_INFORMATION_BYTES);
+        if key.kind == BlockKind::Ob {
+            bound.interface.start_bytes = super::OB_START_INFORMATION_BYTES;
+            if self.hides_start_information(key.number, block) {
+                placer.reserve(super::OB_START_INFORMATION_BYTES);
+            }
+            if self.has_start_inputs(block) {
+                self.start_inputs(key.number, block, bound, names, &mut placer);
+            }
         }
         for variable in variables(block, SectionKind::Temp).filter(|variable| variable.at.is_none()) {
             self.declare_name(names, &variable.name, variable.name_span);

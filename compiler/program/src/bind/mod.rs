@@ -23,7 +23,7 @@ mod interface;
 mod library;
 mod mentions;
 mod names;
-mod network;
+mod ob;
 mod operand;
 mod path;
 mod pragma;
@@ -41,6 +41,7 @@ mod tests;
 use std::rc::Rc;
 
 use plcc_abi::image::{BlockKind, Config, Profile, SymbolEntry};
+use plcc_abi::ob::ObClass;
 use plcc_diag::{Code, Diagnostic, FileId, SourceMap, Span};
 use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, SourceUnit, Width};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -81,13 +82,21 @@ pub struct BindInput<'a> {
 pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
     let mut binder = Binder::new(input);
     binder.collect();
+    binder.ob_classes();
     binder.bind_types();
     binder.bind_data();
     let mut blocks = binder.bind_user_blocks();
     binder.bind_system_blocks(&mut blocks);
     binder.check_pointers();
     blocks.sort_by_key(CodeBlock::key);
-    if input.require_main && !blocks.iter().any(|block| block.kind == BlockKind::Ob && block.number == 1) {
+    let config = std::mem::take(&mut binder.config);
+    let is_main = |block: &CodeBlock| match block.kind {
+        BlockKind::Ob if input.profile.family.is_portal() => {
+            config.class_of(block.number) == Some(ObClass::ProgramCycle)
+        }
+        kind => kind == BlockKind::Ob && block.number == 1,
+    };
+    if input.require_main && !blocks.iter().any(is_main) {
         binder.no_main_block();
     }
     let test = binder.file_pragmas();
@@ -103,15 +112,8 @@ pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
         }
         diagnostic.secondary.retain(|label| label.span.file != SYSTEM_FILE);
     }
-    let program = Program {
-        name: input.name.clone(),
-        profile: input.profile.clone(),
-        config: input.config.clone(),
-        blocks,
-        dbs,
-        symbols,
-        test,
-    };
+    let program =
+        Program { name: input.name.clone(), profile: input.profile.clone(), config, blocks, dbs, symbols, test };
     (program, diagnostics)
 }
 
@@ -148,6 +150,8 @@ struct SystemUse {
 
 struct Binder<'a> {
     input: &'a BindInput<'a>,
+    /// As the input has it, with what the blocks say.
+    config: Config,
     report: Report,
     globals: FxHashMap<String, Global>,
     block_names: FxHashMap<(BlockPrefix, u16), String>,
@@ -204,6 +208,7 @@ impl<'a> Binder<'a> {
     fn new(input: &'a BindInput<'a>) -> Binder<'a> {
         Binder {
             input,
+            config: input.config.clone(),
             report: Report::new(input.partial),
             globals: FxHashMap::default(),
             block_names: FxHashMap::default(),

@@ -104,6 +104,14 @@ fn ob_number(name: &str) -> Option<u32> {
     (index < *count).then_some(first + index)
 }
 
+/// What starts an OB, if its attributes tell.
+fn block_class(block: &ast::Block) -> Option<plcc_abi::ob::ObClass> {
+    match block {
+        ast::Block::Code(code) if code.kind == CodeKind::Ob => super::ob::class_attribute(&code.header)?.0,
+        ast::Block::Code(_) | ast::Block::Data(_) | ast::Block::Type(_) => None,
+    }
+}
+
 /// Attributes that hold the number of a block which is written with a name.
 const NUMBER_ATTRIBUTES: [&str; 2] = ["S7_BlockNumber", "BlockNumber"];
 
@@ -164,7 +172,12 @@ impl<'a> Binder<'a> {
             }
             match &numbered(block, prefix, name, &self.globals) {
                 BlockName::Numbered { number, span, .. } => {
-                    let limit = if prefix == BlockPrefix::Ob { 255 } else { 65_535 };
+                    let portal = self.input.profile.family.is_portal();
+                    let limit = match prefix {
+                        BlockPrefix::Ob if portal => u32::from(plcc_abi::ob::OB_NUMBER_MAX),
+                        BlockPrefix::Ob => 255,
+                        _ => 65_535,
+                    };
                     if *number > limit || (prefix == BlockPrefix::Db && *number == 0) {
                         self.report.push(
                             Diagnostic::new(
@@ -211,7 +224,8 @@ impl<'a> Binder<'a> {
         let lonely = blocks.iter().filter(|block| frame(block).0 == BlockPrefix::Ob).count() == 1;
         let mut next: FxHashMap<BlockPrefix, u32> = FxHashMap::default();
         for (block, prefix, name, span) in unnumbered {
-            if prefix == BlockPrefix::Ob && (!lonely || used.contains(&(BlockPrefix::Ob, 1))) {
+            let class = block_class(block);
+            if prefix == BlockPrefix::Ob && class.is_none() && (!lonely || used.contains(&(BlockPrefix::Ob, 1))) {
                 self.report.push(
                     Diagnostic::new(Code::BlockFrame, span, format!("which OB `{name}` is cannot be known"))
                         .label("the CPU finds an organization block by its number")
@@ -231,6 +245,12 @@ impl<'a> Binder<'a> {
                 continue;
             }
             let number = next.entry(prefix).or_insert(1);
+            // An OB of which only the class is known: the usual number of the class, else a free one.
+            if let Some(class) = class {
+                let (first, last) = class.row().numbers;
+                let usual = (first..=last).map(u32::from).find(|number| !used.contains(&(prefix, *number)));
+                *number = usual.unwrap_or(u32::from(plcc_abi::ob::OB_FREE));
+            }
             while used.contains(&(prefix, *number)) {
                 *number += 1;
             }

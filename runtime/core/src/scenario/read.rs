@@ -159,7 +159,7 @@ impl Reader<'_> {
     }
 
     fn event(&self, event: &Spanned<toml::Value>) -> Result<Event, String> {
-        parse_event(event.get_ref()).or_else(|message| self.error(event.span().start, &message))
+        parse_event(event.get_ref(), self.image).or_else(|message| self.error(event.span().start, &message))
     }
 }
 
@@ -190,12 +190,12 @@ fn scalar_text(value: &toml::Value) -> Result<String, String> {
 }
 
 /// `"OB40"`, or a table with `ob` and fields of its start information.
-fn parse_event(event: &toml::Value) -> Result<Event, String> {
+fn parse_event(event: &toml::Value, image: &ProgramImage) -> Result<Event, String> {
     let number = |name: &str| {
         let digits = name.trim().to_ascii_uppercase();
         let number = digits.strip_prefix("OB").map(str::trim).and_then(|digits| digits.parse().ok());
-        number.and_then(events::usual).ok_or_else(|| {
-            format!("`{name}` is no OB that an event starts; those are OB 10-17, 20-23, 30-38, 40-47, 55-57 and 80-88")
+        number.and_then(|ob| events::usual(ob, image.config.class_of(ob))).ok_or_else(|| {
+            format!("`{name}` is no OB that an event starts; those are OB 10-17, 20-23, 30-38, 40-47, 55-57, 80-88 and interrupts from OB 123 on")
         })
     };
     match event {
@@ -204,7 +204,7 @@ fn parse_event(event: &toml::Value) -> Result<Event, String> {
             let name = table.get("ob").or_else(|| table.get("OB")).and_then(toml::Value::as_str);
             let mut event = number(name.ok_or("an event needs `ob = \"OB40\"`")?)?;
             for (key, given) in table.iter().filter(|(key, _)| !key.eq_ignore_ascii_case("ob")) {
-                let field = events::find_field(event.ob, key)
+                let field = events::find_field(event.ob, image.config.class_of(event.ob), key)
                     .ok_or_else(|| format!("the start information of OB {} has no field `{key}`", event.ob))?;
                 let width = match field.bytes {
                     1 => address::Width::Byte,

@@ -9,7 +9,7 @@ use crate::schedule::{Delay, NEVER};
 const DELAY_MS_MAX: u32 = 60_000;
 
 fn delay<'a>(call: &'a Call) -> Option<&'a Delay> {
-    call.cpu.schedule.delays.get(usize::from(call.word(0).wrapping_sub(20)))
+    call.cpu.schedule.delay(call.word(0))
 }
 
 /// OB_NR, DTIME, SIGN. Starting again resets the time. 8090 OB, 8091 DTIME.

@@ -6,7 +6,7 @@ use crate::datetime::{self, NS_PER_S, Period};
 use crate::schedule::TimeOfDay;
 
 fn time_of_day<'a>(call: &'a Call) -> Option<&'a TimeOfDay> {
-    call.cpu.schedule.times_of_day.get(usize::from(call.word(0).wrapping_sub(10)))
+    call.cpu.schedule.time_of_day(call.word(0))
 }
 
 /// STATUS of SFC 31 and SFC 34: bit 0 in startup, 1 disabled, 2 active, 4 OB loaded.

@@ -51,6 +51,7 @@ pub fn image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         name: String::new(),
         entry,
         frame: 24,
+        start_inputs: Vec::new(),
     };
     ProgramImage {
         name: "test".to_string(),

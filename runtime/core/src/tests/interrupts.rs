@@ -29,7 +29,7 @@ fn log_sleep(entries: &Log, text: &'static str, ms: u64) -> Block {
 }
 
 fn request(cpu: &Cpu, ob: u16) {
-    cpu.request(events::usual(ob).unwrap());
+    cpu.request(events::usual(ob, None).unwrap());
 }
 
 #[test]

@@ -211,7 +211,7 @@ fn time_of_day_interrupt_every_minute() {
 fn interrupts_can_be_delayed_and_disabled() {
     let ob40: Block = Box::new(|cpu, _| cpu.memory.set_byte(layout::M, cpu.memory.byte(layout::M) + 1));
     let ob1: Block = Box::new(|cpu, lbase| {
-        let event = crate::events::usual(40).unwrap();
+        let event = crate::events::usual(40, None).unwrap();
         let runs = || cpu.memory.byte(layout::M);
         cpu.system_function(0, 41, AT, lbase);
         cpu.system_function(0, 41, AT, lbase);

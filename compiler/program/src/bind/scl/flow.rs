@@ -11,9 +11,6 @@ use crate::bind::path::similar;
 use crate::bind::{Binder, Ctx};
 use crate::model::LabelId;
 
-/// Start information of an OB: the operating system writes it.
-const OB_START_INFORMATION_BYTES: u32 = 20;
-
 impl Binder<'_> {
     /// The first walk: labels, with the lists of statements in which they stand.
     pub(in crate::bind) fn collect_labels(&mut self, ctx: &mut Ctx, statements: &[Statement]) {
@@ -100,7 +97,7 @@ impl Binder<'_> {
     /// Tells of TEMP data that is read and never written, and of a function without a value. `empty`: the block has no statements.
     pub(in crate::bind) fn unused_data(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, empty: bool) {
         let reads = std::mem::take(&mut ctx.scl.temp_reads);
-        let supplied = if ctx.key.kind == BlockKind::Ob { OB_START_INFORMATION_BYTES } else { 0 };
+        let supplied = ctx.bound.interface.start_bytes;
         let mut told: Vec<(u32, u32)> = Vec::new();
         for read in reads {
             let written = ctx.scl.temp_writes.iter().any(|&(first, end)| first < read.end && read.first < end);

@@ -1,0 +1,170 @@
+//! Organization blocks: what starts each, and the values that an S7-1200/1500 hands to it.
+//!
+//! Source: LAD/FBD reference for S7-1200, organization blocks.
+
+use plcc_abi::image::BlockKind;
+use plcc_abi::ob::{OB_CLASSES, OB_FREE, ObClass, START_VALUES, StartInput};
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{self, SectionKind};
+use rustc_hash::FxHashMap;
+
+use super::declare::{self, BoundInterface, Local, Use};
+use super::names::fold;
+use super::path::Base;
+use super::{Binder, CodeSource, OB_START_INFORMATION_BYTES};
+use crate::layout::{self, Placer};
+use crate::types::{DataType, Elementary};
+
+/// Attributes that tell what starts an OB: of sources, of SimaticML.
+const CLASS_ATTRIBUTES: [&str; 2] = ["S7_EventClass", "SecondaryType"];
+
+/// What the attributes of a block say about its start; the value, too, for messages.
+pub fn class_attribute(header: &ast::Header) -> Option<(Option<ObClass>, &str)> {
+    let is_class = |name: &str| CLASS_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name));
+    let (_, value) = header.attributes.iter().find(|(name, _)| is_class(name))?;
+    let value = value.trim().trim_matches(['\'', '"']);
+    Some((ObClass::of_name(value), value))
+}
+
+impl Binder<'_> {
+    /// The classes of the program's OBs: of plc.toml, else of their attributes.
+    pub fn ob_classes(&mut self) {
+        let mut obs: Vec<(u16, &ast::CodeBlock)> = self
+            .code
+            .iter()
+            .filter(|(key, _)| key.kind == BlockKind::Ob)
+            .filter_map(|(key, source)| match source {
+                CodeSource::User(block) => Some((key.number, *block)),
+                CodeSource::System(_) => None,
+            })
+            .collect();
+        obs.sort_unstable_by_key(|(number, _)| *number);
+        for (number, block) in obs {
+            let Some((class, text)) = class_attribute(&block.header) else { continue };
+            if self.config.ob_classes.iter().any(|(ob, _)| *ob == number) {
+                continue;
+            }
+            match class {
+                None => {
+                    let names: Vec<&str> = OB_CLASSES.iter().map(|row| row.names[0]).collect();
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::BlockFrame,
+                            block.name.span(),
+                            format!("`{text}` is no class of organization blocks"),
+                        )
+                        .label(format!("what starts OB {number} cannot be known"))
+                        .help(format!("one of {}", names.join(", "))),
+                    );
+                }
+                Some(class) if number >= OB_FREE && class.row().free => self.config.ob_classes.push((number, class)),
+                Some(class) if ObClass::of_number(number) == Some(class) => {}
+                Some(class) => self.wrong_class(number, class, block.name.span()),
+            }
+        }
+    }
+
+    fn wrong_class(&mut self, number: u16, class: ObClass, span: Span) {
+        let row = class.row();
+        let (first, last) = row.numbers;
+        let numbers = if first == last { format!("OB {first}") } else { format!("OB {first} to OB {last}") };
+        let free = if row.free { format!(", or OB {OB_FREE} and above") } else { String::new() };
+        self.report.push(
+            Diagnostic::new(Code::BlockFrame, span, format!("OB {number} cannot be a {} OB", row.word))
+                .label(format!("the block says {}", row.names[0]))
+                .help(format!("{} OBs are {numbers}{free}", row.word)),
+        );
+    }
+
+    /// The OBs of S7-1200/1500 have no start information in VAR_TEMP; those of S7-300/400 declare it first, `OB1_EV_CLASS` and the
+    /// rest.
+    pub(super) fn hides_start_information(&self, number: u16, block: &ast::CodeBlock) -> bool {
+        let always = matches!(number, 1 | 30..=38 | 100..=102 | 123..);
+        let first = block.sections.iter().flat_map(|section| &section.variables).next();
+        let declared = first.is_some_and(|variable| {
+            let digits = variable.name.get(2..).unwrap_or("");
+            variable.name.get(..2).is_some_and(|letters| letters.eq_ignore_ascii_case("OB"))
+                && digits.starts_with(|letter: char| letter.is_ascii_digit())
+        });
+        self.has_start_inputs(block) && !declared && (always || declare::portal_cpu(self.input))
+    }
+
+    /// OBs of the TIA Portal may have input parameters.
+    pub(super) fn has_start_inputs(&self, block: &ast::CodeBlock) -> bool {
+        match declare::dialect(block) {
+            Some(dialect) => !super::scl::Rules::of(self.input, dialect).is_300(),
+            None => declare::portal_cpu(self.input),
+        }
+    }
+
+    /// The input parameters of an OB, behind the start information.
+    pub(super) fn start_inputs(
+        &mut self,
+        number: u16,
+        block: &ast::CodeBlock,
+        bound: &mut BoundInterface,
+        names: &mut FxHashMap<String, Span>,
+        placer: &mut Placer,
+    ) {
+        let class = self.config.class_of(number);
+        let inputs = block.sections.iter().filter(|section| section.kind == SectionKind::Input);
+        let variables: Vec<&ast::Variable> = inputs.flat_map(|section| &section.variables).collect();
+        if variables.is_empty() {
+            return;
+        }
+        // Where TEMP is not already behind the start information, the inputs are.
+        placer.reserve(OB_START_INFORMATION_BYTES);
+        for variable in variables {
+            self.declare_name(names, &variable.name, variable.name_span);
+            self.no_initial(variable, "the CPU sets it at each start");
+            let Some(typed) = self.variable_type(variable, Use::Component) else { continue };
+            let known = START_VALUES
+                .iter()
+                .find(|(of, name, ..)| Some(*of) == class && name.eq_ignore_ascii_case(variable.name.trim()));
+            let Some(&(_, _, bits, value)) = known else {
+                self.no_start_value(number, class, variable);
+                continue;
+            };
+            if !matches!(typed.ty, DataType::Elementary(ty) if ty.bits() == bits) {
+                let wanted = match bits {
+                    1 => Elementary::Bool,
+                    8 => Elementary::Byte,
+                    _ => Elementary::Word,
+                };
+                self.report.push(
+                    Diagnostic::new(
+                        Code::WidthMismatch,
+                        variable.ty.span,
+                        format!("`{}` of OB {number} is not of this type", variable.name),
+                    )
+                    .label(layout::type_name(&typed.ty))
+                    .help(format!("the CPU hands over {bits} bits: declare it as {}", wanted.name())),
+                );
+                continue;
+            }
+            let (byte, bit) = placer.place(&typed.ty);
+            bound.interface.start_inputs.push(StartInput { value, byte, bit, bits });
+            let local = Local { name: variable.name.clone(), ty: typed.ty, base: Base::L, byte, bit };
+            bound.locals.entry(fold(&variable.name)).or_insert(local);
+        }
+        bound.interface.start_bytes = placer.clone().size();
+    }
+
+    fn no_start_value(&mut self, number: u16, class: Option<ObClass>, variable: &ast::Variable) {
+        let known: Vec<&str> =
+            START_VALUES.iter().filter(|(of, ..)| Some(*of) == class).map(|(_, name, ..)| *name).collect();
+        let help = match known.as_slice() {
+            [] => "use VAR_TEMP, bit memory or a data block".to_string(),
+            names => format!("it gets {}; for other data use VAR_TEMP or a data block", names.join(", ")),
+        };
+        self.report.push(
+            Diagnostic::new(
+                Code::SectionNotAllowed,
+                variable.name_span,
+                format!("the CPU hands no `{}` to OB {number}", variable.name),
+            )
+            .label("no input of this organization block")
+            .help(help),
+        );
+    }
+}

@@ -1,0 +1,172 @@
+//! Organization blocks by what starts them, and the values that an S7-1200/1500 hands to each.
+//!
+//! Source: LAD/FBD reference for S7-1200, organization blocks.
+
+use serde::{Deserialize, Serialize};
+
+/// What starts an organization block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum ObClass {
+    ProgramCycle,
+    Startup,
+    TimeOfDay,
+    TimeDelay,
+    Cyclic,
+    Hardware,
+    Status,
+    Update,
+    Profile,
+    TimeError,
+    Diagnostic,
+    PullPlug,
+    RackFailure,
+    ProgramError,
+    AccessError,
+}
+
+/// A row of [`OB_CLASSES`].
+#[derive(Debug)]
+pub struct ObClassRow {
+    pub class: ObClass,
+    /// Word of plc.toml.
+    pub word: &'static str,
+    /// Values of the attributes `S7_EventClass` and `SecondaryType`; the first is the usual one.
+    pub names: &'static [&'static str],
+    /// Numbers with this class on every CPU.
+    pub numbers: (u16, u16),
+    /// OBs from [`OB_FREE`] on may have it.
+    pub free: bool,
+    /// Priority on an S7-1200/1500 without configuration.
+    pub priority: u8,
+}
+
+/// OBs from this number on have the class that their block or plc.toml gives, else that of the program cycle.
+pub const OB_FREE: u16 = 123;
+/// Largest number of an OB of an S7-1200/1500.
+pub const OB_NUMBER_MAX: u16 = 32_767;
+
+const fn row(
+    class: ObClass,
+    word: &'static str,
+    names: &'static [&'static str],
+    numbers: (u16, u16),
+    free: bool,
+    priority: u8,
+) -> ObClassRow {
+    ObClassRow { class, word, names, numbers, free, priority }
+}
+
+use ObClass::{
+    AccessError, Cyclic, Diagnostic, Hardware, Profile, ProgramCycle, ProgramError, PullPlug, RackFailure, Startup,
+    Status, TimeDelay, TimeError, TimeOfDay, Update,
+};
+
+/// The classes, a row each. Priorities are those of the S7-1200 from V4 on; those of OB 121 and 122 do not count, as they run in the
+/// class that failed.
+#[rustfmt::skip]
+pub const OB_CLASSES: &[ObClassRow] = &[
+    row(ProgramCycle, "program cycle",  &["ProgramCycle"],                                    (1, 1),     true,  1),
+    row(Startup,      "startup",        &["Startup"],                                         (100, 102), true,  1),
+    row(TimeOfDay,    "time of day",    &["TimeOfDay", "TimeOfDayInterrupt"],                 (10, 17),   true,  2),
+    row(TimeDelay,    "time delay",     &["TimeDelayInterrupt", "TimeDelay"],                 (20, 23),   true,  3),
+    row(Cyclic,       "cyclic",         &["CyclicInterrupt", "Cyclic"],                       (30, 38),   true,  8),
+    row(Hardware,     "hardware",       &["HardwareInterrupt", "ProcessInterrupt", "Hardware"], (40, 47), true,  18),
+    row(Status,       "status",         &["Status", "StatusInterrupt"],                       (55, 55),   false, 4),
+    row(Update,       "update",         &["Update", "UpdateInterrupt"],                       (56, 56),   false, 4),
+    row(Profile,      "profile",        &["Profile", "ProfileInterrupt"],                     (57, 57),   false, 4),
+    row(TimeError,    "time error",     &["TimeErrorInterrupt", "TimeError"],                 (80, 80),   false, 22),
+    row(Diagnostic,   "diagnostic",     &["DiagnosticErrorInterrupt", "DiagnosticError"],     (82, 82),   false, 5),
+    row(PullPlug,     "pull or plug",   &["PullOrPlugModules", "PullPlugOfModules"],          (83, 83),   false, 6),
+    row(RackFailure,  "rack failure",   &["RackOrStationFailure", "RackFailure"],             (86, 86),   false, 6),
+    row(ProgramError, "program error",  &["ProgrammingError"],                                (121, 121), false, 7),
+    row(AccessError,  "access error",   &["IOAccessError"],                                   (122, 122), false, 7),
+];
+
+impl ObClass {
+    pub fn row(self) -> &'static ObClassRow {
+        OB_CLASSES.iter().find(|row| row.class == self).unwrap_or(&OB_CLASSES[0])
+    }
+
+    /// The class that an OB below [`OB_FREE`] has by its number.
+    pub fn of_number(ob: u16) -> Option<ObClass> {
+        OB_CLASSES.iter().find(|row| (row.numbers.0..=row.numbers.1).contains(&ob)).map(|row| row.class)
+    }
+
+    /// The class of an attribute's value, in any letter case.
+    pub fn of_name(name: &str) -> Option<ObClass> {
+        let same = |known: &&str| known.eq_ignore_ascii_case(name.trim());
+        OB_CLASSES.iter().find(|row| row.names.iter().any(|known| same(&known))).map(|row| row.class)
+    }
+}
+
+/// A value that an S7-1200/1500 hands to an OB as an input parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum StartValue {
+    /// First call since the change to RUN.
+    InitialCall,
+    /// Retentive data are there.
+    Remanence,
+    LostRetentive,
+    LostRtc,
+    /// The call makes up for one that the clock jumped over.
+    CaughtUp,
+    /// The second call for one time, after the clock was set back.
+    SecondTime,
+    /// SIGN of SRT_DINT.
+    Sign,
+    /// Events that were lost since the last call.
+    EventCount,
+    /// Hardware identifier of the module.
+    Laddr,
+    Usi,
+    IChannel,
+    EventType,
+    IoState,
+    Channel,
+    MultiError,
+    FaultId,
+    EventClass,
+    /// OB that caused the time error, and its priority.
+    CsgObNr,
+    CsgPrio,
+}
+
+/// An input that the CPU knows: class of the OB, name, width in bits, value.
+pub const START_VALUES: &[(ObClass, &str, u32, StartValue)] = &[
+    (ProgramCycle, "Initial_Call", 1, StartValue::InitialCall),
+    (ProgramCycle, "Remanence", 1, StartValue::Remanence),
+    (Startup, "LostRetentive", 1, StartValue::LostRetentive),
+    (Startup, "LostRTC", 1, StartValue::LostRtc),
+    (TimeOfDay, "CaughtUp", 1, StartValue::CaughtUp),
+    (TimeOfDay, "SecondTime", 1, StartValue::SecondTime),
+    (TimeDelay, "Sign", 16, StartValue::Sign),
+    (Cyclic, "Initial_Call", 1, StartValue::InitialCall),
+    (Cyclic, "Event_Count", 16, StartValue::EventCount),
+    (Hardware, "LADDR", 16, StartValue::Laddr),
+    (Hardware, "USI", 16, StartValue::Usi),
+    (Hardware, "IChannel", 8, StartValue::IChannel),
+    (Hardware, "EventType", 8, StartValue::EventType),
+    (TimeError, "Fault_ID", 8, StartValue::FaultId),
+    (TimeError, "Csg_OBnr", 16, StartValue::CsgObNr),
+    (TimeError, "Csg_Prio", 16, StartValue::CsgPrio),
+    (Diagnostic, "IO_State", 16, StartValue::IoState),
+    (Diagnostic, "LADDR", 16, StartValue::Laddr),
+    (Diagnostic, "Channel", 16, StartValue::Channel),
+    (Diagnostic, "MultiError", 1, StartValue::MultiError),
+    (PullPlug, "LADDR", 16, StartValue::Laddr),
+    (PullPlug, "Event_Class", 8, StartValue::EventClass),
+    (PullPlug, "Fault_ID", 8, StartValue::FaultId),
+    (RackFailure, "LADDR", 16, StartValue::Laddr),
+    (RackFailure, "Event_Class", 8, StartValue::EventClass),
+    (RackFailure, "Fault_ID", 8, StartValue::FaultId),
+];
+
+/// An input parameter of an OB and its place in the OB's local data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StartInput {
+    pub value: StartValue,
+    pub byte: u32,
+    pub bit: u8,
+    /// 1, 8 or 16.
+    pub bits: u32,
+}
