@@ -83,7 +83,9 @@ fn find_tests_below(folder: &Path, tests: &mut Vec<TestInput>) {
     for path in entries(folder) {
         if path.is_dir() {
             find_tests_below(&path, tests);
-        } else if read_text(&path).is_ok_and(|text| !text.is_empty() && content_of(&path, &text) == Content::Source) {
+        } else if path.extension().is_none_or(|suffix| suffix != "toml")
+            && read_text(&path).is_ok_and(|text| !text.is_empty() && content_of(&path, &text) == Content::Source)
+        {
             tests.push(TestInput::File(path));
         }
     }

@@ -225,6 +225,20 @@ impl Context<'_, '_> {
         self.end_guard(guard);
     }
 
+    /// Writes one bit of a peripheral output byte: `value` is an i1.
+    pub fn write_peripheral_bit(&mut self, address: Value, bit: u8, value: Value) {
+        let bit = self.b.i32_const(u32::from(bit));
+        let value = self.b.zext(Type::I32, value);
+        let missing = self
+            .b
+            .call_runtime(RuntimeFn::PeripheralWriteBit, &[address, bit, value])
+            .expect("peripheral_write_bit has a result");
+        let ok = self.b.icmp_imm(IntCc::Eq, missing, 0);
+        let check = self.peripheral_check(ok, address, Width::Bit, Direction::Write);
+        let guard = self.begin_guard(vec![check], Substitute::None);
+        self.end_guard(guard);
+    }
+
     /// The access to `place`. Opens the DB of a fully qualified address.
     pub fn target(&mut self, place: &Place, width: Width, direction: Direction) -> Target {
         let mut target = match *place {

@@ -53,7 +53,8 @@ const fn row(
 
 use Family::{S7200, S7300, S7400, S71200, S71500};
 
-/// Source: the generic profiles are design decisions, 313 is from its technical data, those of S7-1200 from the LAD/FBD reference. The others are not `checked`: what exceeds one of
+/// Source: the generic profiles are design decisions, 313 is from its technical data, those of S7-1200 (firmware V4) from the
+/// LAD/FBD reference. The others are not `checked`: what exceeds one of
 /// their limits is a warning only.
 #[rustfmt::skip]
 const PROFILES: &[Row] = &[
@@ -63,9 +64,11 @@ const PROFILES: &[Row] = &[
     row("s7-200",       S7200,  2,    16,    32,  256,  256,    64, 10240,  8, 0, true),
     row("s7-1200",      S71200, 2,  1024,  8192,    0,    0, 65536, 65534, 16, 6, true),
     row("s7-1500",      S71500, 2, 32768, 16384, 2048, 2048, 65536, 65534, 24, 2, true),
-    row("1211C",        S71200, 2,  1024,  4096,    0,    0, 16384, 25600, 16, 6, false),
-    row("1212C",        S71200, 2,  1024,  4096,    0,    0, 16384, 25600, 16, 6, false),
-    row("1214C",        S71200, 2,  1024,  8192,    0,    0, 16384, 51200, 16, 6, false),
+    row("1211C",        S71200, 2,  1024,  4096,    0,    0, 16384, 30720, 16, 6, true),
+    row("1212C",        S71200, 2,  1024,  4096,    0,    0, 16384, 51200, 16, 6, true),
+    row("1214C",        S71200, 2,  1024,  8192,    0,    0, 16384, 65534, 16, 6, true),
+    row("1215C",        S71200, 2,  1024,  8192,    0,    0, 16384, 65534, 16, 6, true),
+    row("1217C",        S71200, 2,  1024,  8192,    0,    0, 16384, 65534, 16, 6, true),
     row("312IFM",       S7300,  2,   128,   128,   64,   32,   256,  8192,  8, 4, false),
     row("312",          S7300,  2,   128,   256,  128,  128,   256, 16384,  8, 4, false),
     row("312C",         S7300,  2,   128,   128,  128,  128,   256, 16384,  8, 4, false),
@@ -94,6 +97,35 @@ const PROFILES: &[Row] = &[
     row("416-3PN/DP",   S7400,  4, 16384, 16384, 2048, 2048, 32768, 65534, 24, 2, false),
     row("417-4",        S7400,  4, 16384, 16384, 2048, 2048, 65536, 65534, 24, 2, false),
 ];
+
+/// What an S7-1200 has on board, by the name of its row: fast counters, pulse generators, bytes of digital inputs and outputs from
+/// address 0, analog inputs and outputs from address 64.
+///
+/// Source: LAD/FBD reference for S7-1200, CPU limits; two more pulse generators and 1215C, 1217C from the firmware V4 on.
+pub struct OnBoard {
+    name: &'static str,
+    pub fast_counters: u8,
+    pub pulse_generators: u8,
+    pub input_bytes: u32,
+    pub output_bytes: u32,
+    pub analog_inputs: u32,
+    pub analog_outputs: u32,
+}
+
+#[rustfmt::skip]
+const ON_BOARD: &[OnBoard] = &[
+    OnBoard { name: "s7-1200", fast_counters: 6, pulse_generators: 4, input_bytes: 2, output_bytes: 2, analog_inputs: 2, analog_outputs: 2 },
+    OnBoard { name: "1211C",   fast_counters: 3, pulse_generators: 4, input_bytes: 1, output_bytes: 1, analog_inputs: 2, analog_outputs: 0 },
+    OnBoard { name: "1212C",   fast_counters: 4, pulse_generators: 4, input_bytes: 1, output_bytes: 1, analog_inputs: 2, analog_outputs: 0 },
+    OnBoard { name: "1214C",   fast_counters: 6, pulse_generators: 4, input_bytes: 2, output_bytes: 2, analog_inputs: 2, analog_outputs: 0 },
+    OnBoard { name: "1215C",   fast_counters: 6, pulse_generators: 4, input_bytes: 2, output_bytes: 2, analog_inputs: 2, analog_outputs: 2 },
+    OnBoard { name: "1217C",   fast_counters: 6, pulse_generators: 4, input_bytes: 2, output_bytes: 2, analog_inputs: 2, analog_outputs: 2 },
+];
+
+/// What the CPU of a profile has on board; `None`: nothing.
+pub fn on_board(profile: &Profile) -> Option<&'static OnBoard> {
+    ON_BOARD.iter().find(|board| board.name == profile.name)
+}
 
 /// Short forms that mean a row of the table.
 const ALIASES: &[(&str, &str)] = &[("315DP", "3152DP"), ("3172", "3172DP"), ("317", "3172DP"), ("319", "3193PNDP")];
@@ -152,6 +184,11 @@ mod tests {
         assert_eq!(lookup("S7-300"), Some(generic(Family::S7300)));
         assert_eq!(lookup("315-2 PN/DP").map(|profile| profile.bit_memory), Some(2048));
         assert_eq!(lookup("CPU 1214C").map(|profile| (profile.family, profile.timers)), Some((Family::S71200, 0)));
+        for row in PROFILES.iter().filter(|row| row.family == Family::S71200) {
+            let profile = profile(row);
+            assert!(on_board(&profile).is_some_and(|board| board.fast_counters >= 3), "{}", row.name);
+        }
+        assert_eq!(lookup("1217c").map(|profile| (profile.bit_memory, profile.limits_checked)), Some((8192, true)));
         assert_eq!(lookup("s7-1500"), Some(generic(Family::S71500)));
         assert_eq!(lookup("999"), None);
     }

@@ -147,6 +147,10 @@ runtime_functions! {
     /// Writes `bytes` at peripheral address `address`, and the output image where it covers it. Result not 0: no module there.
     PeripheralWrite = "peripheral_write"(address: I32, bytes: I32, value: I32) -> I32, Io;
 
+    /// Writes bit `bit` of the peripheral output byte `address` and of the output image; the other bits of the module stay. Result as
+    /// `PeripheralWrite`.
+    PeripheralWriteBit = "peripheral_write_bit"(address: I32, bit: I32, value: I32) -> I32, Io;
+
     /// Checks assertion `id` of a test: `left` and `right` as 32-bit patterns. How they are compared is in the
     /// program image.
     Assert = "assert"(id: I32, left: I32, right: I32), Cells;

@@ -205,6 +205,20 @@ impl Cpu {
         false
     }
 
+    /// Writes one bit of a peripheral output byte, and of the process image where it covers the byte. True: no module there.
+    pub(crate) fn peripheral_write_bit(&self, address: u32, bit: u32, value: bool) -> bool {
+        let mask = 1u8 << (bit & 7);
+        let with_bit = |byte: u8| if value { byte | mask } else { byte & !mask };
+        if !self.driver.write(address, 1, u32::from(with_bit(self.driver.output(address, 1) as u8))) {
+            return true;
+        }
+        let (base, length) = self.area(Area::Outputs);
+        if address < length {
+            self.memory.set_byte(base + address, with_bit(self.memory.byte(base + address)));
+        }
+        false
+    }
+
     /// Ends waiting between cycles when the process is asked to end.
     pub(crate) fn schedule_ended(&self) -> bool {
         self.running.priority.get() == 0 && crate::run::end_requested()

@@ -372,6 +372,14 @@ impl Context<'_, '_> {
             unreachable!("the binder writes elementary variables as values")
         };
         let width = layout::width(ty);
+        if let (Base::Place(Place::Pq { .. }), Some(part)) = (&access.base, access.part)
+            && part.width == Width::Bit
+        {
+            let target = self.located_target(located, width, Direction::Write);
+            if let TargetKind::Peripheral { address } = target.kind {
+                return self.write_peripheral_bit(address, part.index, value);
+            }
+        }
         let value = match access.part {
             Some(part) => {
                 let target = self.located_target(located, width, Direction::Read);

@@ -138,7 +138,7 @@ impl Binder<'_> {
                         format!("`{}` of OB {number} is not of this type", variable.name),
                     )
                     .label(layout::type_name(&typed.ty))
-                    .help(format!("the CPU hands over {bits} bits: declare it as {}", wanted.name())),
+                    .help(format!("declare it as {}", wanted.name())),
                 );
                 continue;
             }

@@ -515,7 +515,11 @@ impl Binder<'_> {
             Root::Fixed(path::Base::Pq) | Root::Indexed { area: IndexedArea::Memory(Area::Pq), .. } => Some(Area::Pq),
             _ => None,
         };
-        let reads = intent != Intent::Write || spot.part.is_some();
+        // A bit is written alone; other parts need what is there.
+        let is_bit = spot.part.is_some_and(|part| part.width == Width::Bit)
+            && spot.ty == DataType::Elementary(Elementary::Byte)
+            && matches!(spot.root, Root::Fixed(_));
+        let reads = intent != Intent::Write || (spot.part.is_some() && !is_bit);
         if area == Some(Area::Pq) && reads {
             let title = format!("`{text}` cannot be read");
             self.refuse(Code::OperandKind, span, &title, "a peripheral output", "use the process image, e.g. `QW4`");
