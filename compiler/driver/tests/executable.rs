@@ -60,6 +60,7 @@ fn image() -> ProgramImage {
         dbs: Vec::new(),
         db_end: plcc_abi::layout::DB_DATA,
         sites: Vec::new(),
+        error_slots: Vec::new(),
         files: Vec::new(),
         asserts: Vec::new(),
         symbols: Vec::new(),

@@ -149,7 +149,7 @@ impl<'p, 'o> Context<'p, 'o> {
         let (result, result_bit) = (b.declare_var(Type::I32), b.declare_var(Type::I1));
         let result_long = b.declare_var(Type::I64);
         let reference = b.declare_var(Type::I32);
-        let local_bytes = plan::local_bytes(block);
+        let local_bytes = plan.local_bytes(block);
         let mut context = Context {
             plan,
             output,

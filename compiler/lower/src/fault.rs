@@ -59,10 +59,13 @@ impl Context<'_, '_> {
     /// Calls the error OB, then goes on at `behind`.
     fn raise(&mut self, check: &Check, substitute: Substitute, behind: Block) {
         let site = self.b.i32_const(self.site);
-        let stop = self
-            .b
-            .call_runtime(RuntimeFn::SyncError, &[site, check.code, check.access, check.info])
-            .expect("sync_error has a result");
+        let mut arguments = vec![site, check.code, check.access, check.info];
+        let mut function = RuntimeFn::SyncError;
+        if self.plan.handles_errors(self.block.key()) {
+            function = RuntimeFn::LocalError;
+            arguments.push(self.b.frame_base(false));
+        }
+        let stop = self.b.call_runtime(function, &arguments).expect("both have a result");
         match substitute {
             Substitute::None => {}
             Substitute::Word => {

@@ -109,6 +109,7 @@ impl<'s> Output<'s> {
                 .collect(),
             db_end: plan.db_end,
             sites: Vec::new(),
+            error_slots: plan.error_slots(),
             files: Vec::new(),
             asserts: Vec::new(),
             symbols: program.symbols.clone(),

@@ -1,7 +1,8 @@
 //! What the blocks of a program must know of each other before one of them is lowered.
 
 use plcc_abi::Type;
-use plcc_abi::image::BlockKind;
+use plcc_abi::codes;
+use plcc_abi::image::{BlockKind, ErrorSlot};
 use plcc_abi::layout::{self, CpuRegister};
 use plcc_ir::StaticDb;
 use plcc_ir::entities::{Entity, FuncId};
@@ -40,6 +41,8 @@ pub struct Plan<'a> {
     index: FxHashMap<BlockKey, usize>,
     changes_ar2: Vec<bool>,
     frame_estimates: Vec<u32>,
+    /// Blocks that contain GET_ERROR or GET_ERR_ID.
+    handles_errors: Vec<bool>,
 }
 
 impl<'a> Plan<'a> {
@@ -78,7 +81,11 @@ impl<'a> Plan<'a> {
             functions,
             index,
             changes_ar2: Vec::new(),
-            frame_estimates: facts.iter().map(|facts| facts.frame_estimate).collect(),
+            frame_estimates: facts
+                .iter()
+                .map(|facts| facts.frame_estimate + if facts.handles_errors() { ERROR_SLOT_BYTES } else { 0 })
+                .collect(),
+            handles_errors: facts.iter().map(BlockFacts::handles_errors).collect(),
         };
         plan.changes_ar2 = plan.find_ar2_changes(&facts);
         plan.checks_depth = plan.has_dynamic_calls || plan.too_deep(&facts);
@@ -102,6 +109,22 @@ impl<'a> Plan<'a> {
     /// True if the block's code changes AR2, itself or by blocks that it calls: its caller cannot rely on AR2.
     pub fn changes_ar2(&self, key: BlockKey) -> bool {
         self.block_index(key).is_some_and(|index| self.changes_ar2[index])
+    }
+
+    /// True if the block keeps its synchronous errors for itself.
+    pub fn handles_errors(&self, key: BlockKey) -> bool {
+        self.block_index(key).is_some_and(|index| self.handles_errors[index])
+    }
+
+    /// As [`local_bytes`], with the room for the first error of a block that handles its errors.
+    pub fn local_bytes(&self, block: &CodeBlock) -> u32 {
+        local_bytes(block) + if self.handles_errors(block.key()) { codes::local_error::BYTES } else { 0 }
+    }
+
+    /// Where the blocks that handle their errors keep the first one: behind their local data.
+    pub fn error_slots(&self) -> Vec<ErrorSlot> {
+        let blocks = self.program.blocks.iter().filter(|block| self.handles_errors(block.key()));
+        blocks.map(|block| ErrorSlot { kind: block.kind, number: block.number, offset: local_bytes(block) }).collect()
     }
 
     /// Upper bound of the block's frame, in bytes.
@@ -279,7 +302,15 @@ struct BlockFacts {
     frame_estimate: u32,
 }
 
+/// Room that the first error takes in a frame, at most.
+const ERROR_SLOT_BYTES: u32 = layout::frame_bytes(codes::local_error::BYTES);
+
 impl BlockFacts {
+    fn handles_errors(&self) -> bool {
+        let numbers = [codes::local_error::GET_ERROR, codes::local_error::GET_ERR_ID];
+        self.calls.iter().any(|key| key.kind == BlockKind::Sfc && numbers.contains(&key.number))
+    }
+
     fn new(block: &CodeBlock, program: &Program, index: &FxHashMap<BlockKey, usize>) -> BlockFacts {
         let mut facts = BlockFacts {
             calls: Vec::new(),

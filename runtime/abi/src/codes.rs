@@ -28,6 +28,17 @@ pub mod sync {
     pub const IO_WRITE: u8 = 0x43;
 }
 
+/// Instructions with which a block handles its own synchronous errors, and what they give.
+/// Source: LAD/FBD reference for S7-1200, GET_ERROR and GET_ERR_ID.
+pub mod local_error {
+    /// Number of the system function GET_ERROR.
+    pub const GET_ERROR: u16 = 1400;
+    /// Number of the system function GET_ERR_ID.
+    pub const GET_ERR_ID: u16 = 1401;
+    /// Size of an ErrorStruct.
+    pub const BYTES: u32 = 28;
+}
+
 /// Width of a faulty access, bits 7-4 of the access byte of OB 121.
 pub mod access {
     pub const BIT: u8 = 0x00;

@@ -110,6 +110,9 @@ runtime_functions! {
     /// (address or number). Runs OB 121 or OB 122, else STOP. Result as `Safepoint`; afterwards SUBSTITUTE holds what a
     /// read gives.
     SyncError = "sync_error"(site: I32, code: I32, access: I32, info: I32) -> I32, All;
+    /// As `SyncError`, in a block that contains GET_ERROR or GET_ERR_ID: keeps the first error in the frame at `lbase`. Result as
+    /// `Safepoint`.
+    LocalError = "local_error"(site: I32, code: I32, access: I32, info: I32, lbase: I32) -> I32, All;
     /// STOP with event `code` (see `codes::stop`) at `site`. The block must be left at once.
     Stop = "stop"(site: I32, code: I32), All;
     /// Calls a block whose number is known at run time only. `kind` is a [`BlockKind`](crate::image::BlockKind) as

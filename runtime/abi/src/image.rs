@@ -266,6 +266,15 @@ pub struct AnalogChannel {
     pub wire_break: bool,
 }
 
+/// A block that handles its own synchronous errors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ErrorSlot {
+    pub kind: BlockKind,
+    pub number: u16,
+    /// Where the ErrorStruct of the first error lies in the block's local data.
+    pub offset: u32,
+}
+
 /// Everything the runtime must know about a program besides its code.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProgramImage {
@@ -277,6 +286,8 @@ pub struct ProgramImage {
     /// First byte after the DBs of the program, where the pool begins.
     pub db_end: u32,
     pub sites: Vec<Site>,
+    /// Sorted by kind and number.
+    pub error_slots: Vec<ErrorSlot>,
     pub files: Vec<String>,
     pub asserts: Vec<AssertEntry>,
     pub symbols: Vec<SymbolEntry>,

@@ -144,6 +144,9 @@ functions! {
         CounterEnable = plcc_rt_counter_enable(cpu, number, rlo) { counters::enable(&cpu.memory, number, rlo != 0) }
         CounterValue = plcc_rt_counter_value(cpu, number) -> u32 { counters::value(&cpu.memory, number) }
         PeripheralRead = plcc_rt_peripheral_read(cpu, address, bytes) -> u64 { cpu.peripheral_read(address, bytes) }
+        LocalError = plcc_rt_local_error(cpu, site, code, access, info, lbase) -> u32 {
+            cpu.local_error(site, code as u8, access as u8, info, lbase)
+        }
         PeripheralWriteBit = plcc_rt_peripheral_write_bit(cpu, address, bit, value) -> u32 {
             cpu.peripheral_write_bit(address, bit, value != 0).into()
         }

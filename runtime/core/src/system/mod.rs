@@ -17,6 +17,7 @@ mod disable;
 mod distributed;
 mod dtl;
 mod images;
+mod local_error;
 mod masks;
 pub(crate) mod meters;
 mod numbers;
@@ -135,6 +136,8 @@ system_functions! {
   1160 DTL_TO_LDT (Dtl)                   -> (Lword)           = dtl::to_ldt;
   1161 ADD_DTL_TIME (Dtl, Dword, Bool)    -> (Dtl)             = dtl::add;
   1162 SUB_DTL_DTL (Dtl, Dtl)             -> (Dword)           = dtl::difference;
+  1400 GET_ERROR ()                       -> (ErrorStruct)     = local_error::get_error;
+  1401 GET_ERR_ID ()                      -> (Word)            = local_error::get_err_id;
     2000 TEXT_JOIN (Any, Word, Word, Any, Word, Word, Any, Word, Word) -> (Word, Any) = text::join;
     2001 TEXT_COMPARE (Any, Any)          -> (Word)            = text::compare;
     2002 TEXT_FIND (Any, Any)             -> (Word)            = text::find;

@@ -1,5 +1,7 @@
 //! The parameter structure of a system function.
 
+use plcc_abi::codes::local_error;
+
 use crate::cpu::Cpu;
 
 /// Types of parameters by their layout.
@@ -23,6 +25,7 @@ pub(super) enum Kind {
     Pointer,
     /// Twelve bytes of start information.
     StartInfo,
+    ErrorStruct,
 }
 
 impl Kind {
@@ -36,6 +39,7 @@ impl Kind {
             Kind::Any => 10,
             Kind::Pointer => 6,
             Kind::Dtl | Kind::StartInfo => 12,
+            Kind::ErrorStruct => local_error::BYTES,
         }
     }
 }
@@ -127,6 +131,10 @@ impl Call<'_> {
     }
 
     pub fn set_start_info(&self, index: usize, value: [u8; 12]) {
+        self.cpu.memory.set_bytes(self.at(index), value);
+    }
+
+    pub fn set_error(&self, index: usize, value: [u8; local_error::BYTES as usize]) {
         self.cpu.memory.set_bytes(self.at(index), value);
     }
 

@@ -61,6 +61,7 @@ pub fn image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         dbs: Vec::new(),
         db_end: layout::DB_DATA,
         sites: Vec::new(),
+        error_slots: Vec::new(),
         files: Vec::new(),
         asserts: Vec::new(),
         symbols: Vec::new(),
