@@ -38,6 +38,8 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/bits.scl")),
     (Language::Scl, include_str!("../scl/instances.scl")),
     (Language::Scl, include_str!("../scl/drum.scl")),
+    (Language::Scl, include_str!("../scl/communication.scl")),
+    (Language::Scl, include_str!("../scl/connections.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_c.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_s.scl")),
     (Language::Scl, include_str!("../scl/pid/pulsegen.scl")),

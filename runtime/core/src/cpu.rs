@@ -13,6 +13,7 @@ use plcc_abi::ob::{OB_FREE, ObClass};
 
 use crate::clock::Clock;
 use crate::code::Code;
+use crate::communication::Communication;
 use crate::diagnostics::{Diagnostics, Entry};
 use crate::io::Driver;
 use crate::memory::Memory;
@@ -50,8 +51,8 @@ pub struct Cpu {
     blocks: Vec<BlockEntry>,
     /// DBs made at run time: number, address, bytes. Sorted by address.
     pub(crate) created_dbs: RefCell<Vec<(u16, u32, u32)>>,
-    /// An event of the diagnostics came since the last cycle began, for the system memory byte.
-    pub(crate) diagnostics_changed: Cell<bool>,
+    /// Connections of the program.
+    pub(crate) communication: RefCell<Communication>,
     /// Run-time meters.
     pub(crate) meters: [Meter; METERS],
 }
@@ -79,7 +80,7 @@ impl Cpu {
             stop: Cell::new(None),
             blocks,
             created_dbs: RefCell::new(Vec::with_capacity(CREATED_DBS_MAX)),
-            diagnostics_changed: Cell::new(false),
+            communication: RefCell::default(),
             meters: Default::default(),
         });
         cpu.memory.set_host64(state::CPU, Rc::as_ptr(&cpu) as u64);

@@ -63,6 +63,7 @@ impl Cpu {
                 times.add(start.saturating_sub(last));
             }
             self.run_cycle(cycle, start, &times, observer);
+            self.communicate();
             if !self.is_stopped() {
                 // Real cycles start so far apart; virtual time moves by it, beside what passed within the cycle.
                 let from = if self.clock.is_virtual() { self.clock.now() } else { start };
@@ -145,6 +146,19 @@ impl Cpu {
             (_, _) => 3,
         };
         StartInfo::new(0x11, scan, ob).word(6, times.last).word(8, times.shortest.unwrap_or(0)).word(10, times.longest)
+    }
+
+    /// Moves connections on, or ends them in STOP. Without a real clock the partner gets some time here if a block waits for it.
+    fn communicate(&self) {
+        let mut communication = self.communication.borrow_mut();
+        if self.is_stopped() {
+            communication.close_all();
+            return;
+        }
+        communication.work(self.clock.now());
+        if communication.take_waiting() && self.clock.is_virtual() {
+            std::thread::sleep(crate::communication::PATIENCE);
+        }
     }
 
     /// Copies the named inputs into the process image.

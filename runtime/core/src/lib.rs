@@ -7,6 +7,7 @@
 //! - [`system`]: system functions (SFC), one file a family.
 //! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: what is behind the I/O.
 //! - [`address`], [`value`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user says and sees.
+//! - [`communication`]: TCP and ISO-on-TCP connections of the program.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
@@ -18,6 +19,7 @@ pub mod analog;
 pub mod bcd;
 pub mod clock;
 pub mod code;
+pub mod communication;
 pub mod counters;
 pub mod cpu;
 pub mod cycle;

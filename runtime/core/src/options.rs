@@ -53,6 +53,9 @@ pub struct RunOptions {
     /// Print nothing but the values of --print and faults
     #[arg(long)]
     pub quiet: bool,
+    /// TCP port of ISO-on-TCP connections; 102 if left out, which takes privileges to listen on
+    #[arg(long, value_name = "PORT")]
+    pub iso_port: Option<u16>,
     /// Host time that a cycle may take under the virtual clock; 10s if left out
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub hang_limit: Option<Duration>,

@@ -86,6 +86,9 @@ pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 
     };
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
     let cpu = Cpu::new(image, code, clock, driver);
+    if let Some(port) = options.iso_port {
+        cpu.communication.borrow_mut().set_iso_port(port);
+    }
     let (printed, mut session) = match prepare(&cpu, options) {
         Ok(prepared) => prepared,
         Err(message) => {

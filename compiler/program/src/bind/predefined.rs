@@ -1,7 +1,9 @@
-//! Data types that the language or the CPU brings along: DTL, ErrorStruct, numbers of hardware objects and OBs, and the instance
+//! Data types that the language or the CPU brings along: DTL, ErrorStruct, connection descriptions, numbers of hardware objects and OBs, and the instance
 //! types of IEC timers and counters, which are blocks of the standard library.
 //!
 //! Source: LAD/FBD reference for S7-1200, data types, date and time, and GET_ERROR.
+
+use std::rc::Rc;
 
 use plcc_abi::image::BlockKind;
 use plcc_syntax::ast::BlockPrefix;
@@ -10,15 +12,40 @@ use super::Binder;
 use super::declare::{StructBuilder, Typed, TypedStruct, elementary_typed};
 use super::names;
 use crate::symbols::{SymbolTarget, parse_address};
-use crate::types::{DTL, DataType, Elementary};
+use crate::types::{ArrayType, DTL, DataType, Elementary};
 use plcc_diag::Span;
 
 /// `DTL#1970-01-01-00:00:00`, a Thursday.
 const DTL_DEFAULT: [u8; 12] = [0x07, 0xB2, 1, 1, 5, 0, 0, 0, 0, 0, 0, 0];
 
+/// Length 64, connection 1, TCP, device 1.
+const TCON_PARAM_DEFAULT: [u8; 64] = {
+    let mut bytes = [0; 64];
+    bytes[1] = 64;
+    bytes[3] = 1;
+    bytes[4] = 0x11;
+    bytes[6] = 1;
+    bytes
+};
+
+/// The CPU's own interface, connection 1, TCP.
+const TCON_IP_V4_DEFAULT: [u8; 14] = [0, 64, 0, 1, 0x0B, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+
+/// Type of a component.
+#[derive(Clone, Copy)]
+enum Part {
+    One(Elementary),
+    /// ARRAY[1..n] OF BYTE.
+    Bytes(u16),
+    /// Another structure of the table.
+    Structure(&'static str),
+}
+
+use Part::{Bytes, One};
+
 struct Structure {
     name: &'static str,
-    members: &'static [(&'static str, Elementary)],
+    members: &'static [(&'static str, Part)],
     /// All zero if empty.
     default: &'static [u8],
 }
@@ -28,23 +55,45 @@ const STRUCTURES: &[Structure] = &[
     Structure {
         name: DTL,
         members: &[
-            ("YEAR", Elementary::Uint), ("MONTH", Elementary::Usint), ("DAY", Elementary::Usint),
-            ("WEEKDAY", Elementary::Usint), ("HOUR", Elementary::Usint), ("MINUTE", Elementary::Usint),
-            ("SECOND", Elementary::Usint), ("NANOSECOND", Elementary::Udint),
+            ("YEAR", One(Elementary::Uint)), ("MONTH", One(Elementary::Usint)), ("DAY", One(Elementary::Usint)),
+            ("WEEKDAY", One(Elementary::Usint)), ("HOUR", One(Elementary::Usint)), ("MINUTE", One(Elementary::Usint)),
+            ("SECOND", One(Elementary::Usint)), ("NANOSECOND", One(Elementary::Udint)),
         ],
         default: &DTL_DEFAULT,
     },
     Structure {
         name: "ErrorStruct",
         members: &[
-            ("ERROR_ID", Elementary::Word), ("FLAGS", Elementary::Byte), ("REACTION", Elementary::Byte),
-            ("BLOCK_TYPE", Elementary::Byte), ("PAD_0", Elementary::Byte), ("CODE_BLOCK_NUMBER", Elementary::Uint),
-            ("ADDRESS", Elementary::Udint), ("MODE", Elementary::Byte), ("PAD_1", Elementary::Byte),
-            ("OPERAND_NUMBER", Elementary::Uint), ("POINTER_NUMBER_LOCATION", Elementary::Uint),
-            ("SLOT_NUMBER_SCOPE", Elementary::Uint), ("AREA", Elementary::Byte), ("PAD_2", Elementary::Byte),
-            ("DB_NUMBER", Elementary::Uint), ("OFFSET", Elementary::Udint),
+            ("ERROR_ID", One(Elementary::Word)), ("FLAGS", One(Elementary::Byte)), ("REACTION", One(Elementary::Byte)),
+            ("BLOCK_TYPE", One(Elementary::Byte)), ("PAD_0", One(Elementary::Byte)), ("CODE_BLOCK_NUMBER", One(Elementary::Uint)),
+            ("ADDRESS", One(Elementary::Udint)), ("MODE", One(Elementary::Byte)), ("PAD_1", One(Elementary::Byte)),
+            ("OPERAND_NUMBER", One(Elementary::Uint)), ("POINTER_NUMBER_LOCATION", One(Elementary::Uint)),
+            ("SLOT_NUMBER_SCOPE", One(Elementary::Uint)), ("AREA", One(Elementary::Byte)), ("PAD_2", One(Elementary::Byte)),
+            ("DB_NUMBER", One(Elementary::Uint)), ("OFFSET", One(Elementary::Udint)),
         ],
         default: &[],
+    },
+    Structure {
+        name: "TCON_Param",
+        members: &[
+            ("block_length", One(Elementary::Uint)), ("id", One(Elementary::Word)), ("connection_type", One(Elementary::Usint)),
+            ("active_est", One(Elementary::Bool)), ("local_device_id", One(Elementary::Usint)),
+            ("local_tsap_id_len", One(Elementary::Usint)), ("rem_subnet_id_len", One(Elementary::Usint)),
+            ("rem_staddr_len", One(Elementary::Usint)), ("rem_tsap_id_len", One(Elementary::Usint)),
+            ("next_staddr_len", One(Elementary::Usint)), ("local_tsap_id", Bytes(16)), ("rem_subnet_id", Bytes(6)),
+            ("rem_staddr", Bytes(6)), ("rem_tsap_id", Bytes(16)), ("next_staddr", Bytes(6)), ("spare", One(Elementary::Word)),
+        ],
+        default: &TCON_PARAM_DEFAULT,
+    },
+    Structure { name: "IP_V4", members: &[("ADDR", Bytes(4))], default: &[] },
+    Structure {
+        name: "TCON_IP_v4",
+        members: &[
+            ("InterfaceId", One(Elementary::Word)), ("ID", One(Elementary::Word)), ("ConnectionType", One(Elementary::Byte)),
+            ("ActiveEstablished", One(Elementary::Bool)), ("RemoteAddress", Part::Structure("IP_V4")),
+            ("RemotePort", One(Elementary::Uint)), ("LocalPort", One(Elementary::Uint)),
+        ],
+        default: &TCON_IP_V4_DEFAULT,
     },
 ];
 
@@ -134,8 +183,13 @@ impl Binder<'_> {
 
     fn predefined_structure(&mut self, structure: &Structure, span: Span) -> Option<TypedStruct> {
         let mut builder = StructBuilder::default();
-        for (name, ty) in structure.members {
-            builder.add((*name).to_string(), &elementary_typed(*ty));
+        for (name, part) in structure.members {
+            let typed = match part {
+                One(ty) => elementary_typed(*ty),
+                Bytes(count) => bytes_typed(*count),
+                Part::Structure(other) => self.predefined(other, span)?,
+            };
+            builder.add((*name).to_string(), &typed);
         }
         let mut typed = self.finish_structure(builder, structure.name.to_string(), None, span)?;
         if !structure.default.is_empty() {
@@ -143,6 +197,13 @@ impl Binder<'_> {
         }
         Some(typed)
     }
+}
+
+/// ARRAY[1..count] OF BYTE.
+fn bytes_typed(count: u16) -> Typed {
+    let element = DataType::Elementary(Elementary::Byte);
+    let array = ArrayType { bounds: vec![(1, i32::from(count))], element, bytes: u32::from(count) };
+    Typed { ty: DataType::Array(Rc::new(array)), image: vec![0; usize::from(count)].into() }
 }
 
 /// True of blocks that can be components of data blocks and PLC data types: those of the system.

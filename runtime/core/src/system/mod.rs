@@ -9,6 +9,7 @@
 mod any;
 mod block_move;
 mod clock;
+mod communication;
 mod control;
 mod data_blocks;
 mod dates;
@@ -164,6 +165,12 @@ system_functions! {
     2032 DT_COMBINE (Word, Dword)         -> (Word, DateAndTime) = dates::combine;
     2033 DT_SPLIT (DateAndTime)           -> (Word, Word, Dword, Word) = dates::split;
     2034 DT_COMPARE (DateAndTime, DateAndTime) -> (Word)       = dates::compare;
+    2100 LINK_OPEN (Any, Word, Bool)      -> (Word, Word)      = communication::open;
+    2101 LINK_STATE (Word)                -> (Word, Word, Word) = communication::state;
+    2102 LINK_CLOSE (Word, Bool)          -> (Word)            = communication::close;
+    2103 LINK_SEND (Word, Dword, Any)     -> (Word)            = communication::send;
+    2104 LINK_SENT (Word)                 -> (Word)            = communication::sent;
+    2105 LINK_RECEIVE (Word, Dword, Bool) -> (Word, Dword, Any) = communication::receive;
     // Instructions of the TIA Portal.
     // What blocks of the library do not do themselves.
 }

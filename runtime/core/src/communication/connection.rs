@@ -1,0 +1,266 @@
+//! One connection: how it is set up, kept up and used.
+//!
+//! ```text
+//!            ┌─────────── 5 ───────────┐
+//!            ▼                         │
+//! passive: Listening ──── 1 ────────► Up     1 a partner has connected        `accept`, `take_caller`
+//! active:  Connecting ─ 2 ─► Greeting ─┘     2 TCP stands: ISO sends its CR   `connected`
+//!            │    ▲            │ 3           3 the partner's CC has come      `greeted`
+//!            4    │            4             4 refused                        `fail`
+//!            └─► Resting ◄─────┘             5 lost: set up again             `restart`
+//! ```
+
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+
+use socket2::{Domain, Protocol as IpProtocol, Socket, Type};
+
+use super::description::{Description, Protocol};
+use super::iso::{self, Offer, Transport};
+use super::link::Link;
+use super::status;
+
+/// Time between two attempts of an active side, by the clock of the CPU.
+const REST_NS: u64 = 100_000_000;
+/// An attempt that takes longer has failed.
+const ATTEMPT_NS: u64 = 10_000_000_000;
+/// Received bytes that nobody takes keep a connection whose partner has ended it open for so long.
+const LEAVE_NS: u64 = 1_000_000_000;
+/// Messages that wait for a receiver.
+const MESSAGES_MAX: usize = 4;
+
+enum State {
+    /// Passive TCP with its own listener; passive ISO-on-TCP shares one.
+    Listening(Option<TcpListener>),
+    Connecting {
+        socket: Socket,
+        until: u64,
+    },
+    /// ISO: the request is sent.
+    Greeting {
+        link: Link,
+        until: u64,
+    },
+    Up {
+        link: Link,
+        transport: Option<Transport>,
+        ended_at: Option<u64>,
+    },
+    /// Until the next attempt.
+    Resting {
+        until: u64,
+    },
+}
+
+/// See the module comment.
+pub struct Connection {
+    pub description: Description,
+    /// Blocks that use it.
+    pub users: u32,
+    /// How often it was lost, modulo 2^16.
+    pub losses: u16,
+    /// How often an attempt failed, modulo 2^16.
+    pub failures: u16,
+    iso_port: u16,
+    state: State,
+}
+
+/// What a receive job gets.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Receive {
+    Bytes(Vec<u8>),
+    /// A message that is longer than the receive area; it is gone.
+    TooLong,
+    Nothing,
+}
+
+/// A listener on all interfaces. `Err`: STATUS.
+pub fn listen(port: u16) -> Result<TcpListener, u16> {
+    let listener = TcpListener::bind((Ipv4Addr::UNSPECIFIED, port)).map_err(|_| status::INCONSISTENT)?;
+    listener.set_nonblocking(true).map_err(|_| status::TEMPORARY)?;
+    Ok(listener)
+}
+
+/// The next partner that has connected.
+pub fn accept(listener: &TcpListener) -> Option<(Link, Ipv4Addr)> {
+    match listener.accept().ok()? {
+        (stream, SocketAddr::V4(from)) => Some((Link::new(stream).ok()?, *from.ip())),
+        _ => None,
+    }
+}
+
+impl Connection {
+    /// Begins to set it up. `Err`: STATUS.
+    pub fn open(description: Description, iso_port: u16, now: u64) -> Result<Connection, u16> {
+        let state = begin(&description, iso_port, now)?;
+        Ok(Connection { description, users: 1, losses: 0, failures: 0, iso_port, state })
+    }
+
+    pub fn is_up(&self) -> bool {
+        matches!(self.state, State::Up { .. })
+    }
+
+    /// Moves it on.
+    pub fn work(&mut self, now: u64) {
+        let state = std::mem::replace(&mut self.state, State::Resting { until: now });
+        self.state = self.moved(state, now);
+    }
+
+    fn moved(&mut self, state: State, now: u64) -> State {
+        match state {
+            State::Listening(Some(listener)) => self.listened(listener),
+            State::Listening(None) => State::Listening(None),
+            State::Connecting { socket, until } => self.connected(socket, until, now),
+            State::Greeting { link, until } => self.greeted(link, until, now),
+            State::Up { mut link, mut transport, ended_at } => {
+                link.work();
+                let sound = transport.as_mut().is_none_or(|iso| iso.work(&mut link.input, MESSAGES_MAX).is_ok());
+                let left = link.ended.then(|| ended_at.unwrap_or(now));
+                let unread = match &transport {
+                    Some(iso) => !iso.messages.is_empty(),
+                    None => !link.input.is_empty(),
+                };
+                let waits = left.is_none_or(|since| unread && now < since.saturating_add(LEAVE_NS));
+                if sound && !link.broken && waits {
+                    return State::Up { link, transport, ended_at: left };
+                }
+                drop(link);
+                self.restart(now)
+            }
+            State::Resting { until } if now < until => State::Resting { until },
+            State::Resting { .. } => match begin(&self.description, self.iso_port, now) {
+                Ok(state) => state,
+                Err(_) => self.fail(now),
+            },
+        }
+    }
+
+    fn listened(&mut self, listener: TcpListener) -> State {
+        let Description { remote, .. } = self.description;
+        // A partner that is not the one described is turned away.
+        while let Some((link, from)) = accept(&listener) {
+            let port = link.partner_port();
+            if remote.is_none_or(|wanted| wanted == from)
+                && (self.description.remote_port == 0 || Some(self.description.remote_port) == port)
+            {
+                return State::Up { link, transport: None, ended_at: None };
+            }
+        }
+        State::Listening(Some(listener))
+    }
+
+    fn connected(&mut self, socket: Socket, until: u64, now: u64) -> State {
+        if matches!(socket.take_error(), Ok(Some(_)) | Err(_)) {
+            return self.fail(now);
+        }
+        if socket.peer_addr().is_err() {
+            return if now < until { State::Connecting { socket, until } } else { self.fail(now) };
+        }
+        let Ok(mut link) = Link::new(socket.into()) else { return self.fail(now) };
+        match self.description.protocol {
+            Protocol::Tcp => State::Up { link, transport: None, ended_at: None },
+            Protocol::Iso => {
+                let Description { id, local_tsap, remote_tsap, .. } = &self.description;
+                link.send(&iso::request(*id, local_tsap, remote_tsap));
+                State::Greeting { link, until }
+            }
+        }
+    }
+
+    fn greeted(&mut self, mut link: Link, until: u64, now: u64) -> State {
+        link.work();
+        match iso::confirmed(&mut link.input) {
+            Ok(Some(transport)) => State::Up { link, transport: Some(transport), ended_at: None },
+            Ok(None) if !link.ended && !link.broken && now < until => State::Greeting { link, until },
+            Ok(None) | Err(_) => self.fail(now),
+        }
+    }
+
+    fn fail(&mut self, now: u64) -> State {
+        self.failures = self.failures.wrapping_add(1);
+        State::Resting { until: now.saturating_add(REST_NS) }
+    }
+
+    fn restart(&mut self, now: u64) -> State {
+        self.losses = self.losses.wrapping_add(1);
+        match begin(&self.description, self.iso_port, now) {
+            Ok(state) => state,
+            Err(_) => State::Resting { until: now.saturating_add(REST_NS) },
+        }
+    }
+
+    /// Waits for a partner that makes this offer.
+    pub fn wants(&self, offer: &Offer, from: Ipv4Addr) -> bool {
+        let Description { protocol, active, remote, local_tsap, remote_tsap, .. } = &self.description;
+        *protocol == Protocol::Iso
+            && !active
+            && !self.is_up()
+            && *local_tsap == offer.called
+            && (remote_tsap.is_empty() || *remote_tsap == offer.calling)
+            && remote.is_none_or(|wanted| wanted == from)
+    }
+
+    /// Takes a partner that [`Connection::wants`] said yes to.
+    pub fn take_caller(&mut self, mut link: Link, offer: &Offer) {
+        let (answer, transport) = iso::confirm(offer, self.description.id);
+        link.send(&answer);
+        self.state = State::Up { link, transport: Some(transport), ended_at: None };
+    }
+
+    /// Begins to send; false if it is not up.
+    pub fn send(&mut self, bytes: &[u8]) -> bool {
+        let State::Up { link, transport, ended_at: None } = &mut self.state else { return false };
+        match transport {
+            Some(iso) => link.send(&iso.message(bytes)),
+            None => link.send(bytes),
+        }
+        !link.broken
+    }
+
+    /// Everything is sent; `None`: it is not up.
+    pub fn is_sent(&self) -> Option<bool> {
+        match &self.state {
+            State::Up { link, .. } => Some(link.is_drained()),
+            _ => None,
+        }
+    }
+
+    /// Takes what has arrived: at most `room` bytes, just so many if `exact`. A message is taken whole.
+    pub fn receive(&mut self, room: usize, exact: bool) -> Receive {
+        let State::Up { link, transport, .. } = &mut self.state else { return Receive::Nothing };
+        if let Some(iso) = transport {
+            return match iso.messages.pop_front() {
+                Some(message) if message.len() > room => Receive::TooLong,
+                Some(message) => Receive::Bytes(message),
+                None => Receive::Nothing,
+            };
+        }
+        let there = link.input.len();
+        if there == 0 || (exact && there < room) {
+            return Receive::Nothing;
+        }
+        Receive::Bytes(link.input.drain(..there.min(room)).collect())
+    }
+}
+
+/// The first state. `Err`: STATUS.
+fn begin(description: &Description, iso_port: u16, now: u64) -> Result<State, u16> {
+    let iso = description.protocol == Protocol::Iso;
+    let Some(remote) = description.remote.filter(|_| description.active) else {
+        return Ok(State::Listening(if iso { None } else { Some(listen(description.local_port)?) }));
+    };
+    let socket = Socket::new(Domain::IPV4, Type::STREAM, Some(IpProtocol::TCP)).map_err(|_| status::RESOURCES)?;
+    socket.set_nonblocking(true).map_err(|_| status::TEMPORARY)?;
+    if description.local_port != 0 {
+        // Without it a new connection from the same port would have to wait for minutes.
+        let _ = socket.set_reuse_address(true);
+        let own = SocketAddr::from((Ipv4Addr::UNSPECIFIED, description.local_port));
+        socket.bind(&own.into()).map_err(|_| status::INCONSISTENT)?;
+    }
+    let port = if iso { iso_port } else { description.remote_port };
+    let until = now.saturating_add(ATTEMPT_NS);
+    match socket.connect(&SocketAddr::from((remote, port)).into()) {
+        Ok(()) => Ok(State::Connecting { socket, until }),
+        Err(error) if error.raw_os_error() == Some(libc::EINPROGRESS) => Ok(State::Connecting { socket, until }),
+        Err(_) => Err(status::TEMPORARY),
+    }
+}

@@ -1,0 +1,215 @@
+//! Connection descriptions: TCON_Param of 64 bytes and TCON_IP_v4 of 14 bytes, big-endian.
+//!
+//! Source: S7-1200 reference, TSEND_C and TRCV_C, parameters of the connection.
+
+use std::net::Ipv4Addr;
+
+/// Length of TCON_Param, which also stands in its first word.
+pub const PARAM_BYTES: usize = 64;
+/// Length of TCON_IP_v4.
+pub const IP_V4_BYTES: usize = 14;
+
+/// Connection types of TCON_Param.
+const TYPE_TCP: u8 = 0x11;
+const TYPE_ISO: u8 = 0x12;
+/// Connection type of TCON_IP_v4.
+const TYPE_TCP_IP_V4: u8 = 0x0B;
+/// Highest connection ID.
+const ID_MAX: u16 = 4095;
+/// First character of a TSAP with rack and slot.
+const TSAP_DEVICE: u8 = 0xE0;
+
+/// STATUS of a description that cannot be used.
+const ID_RANGE: u16 = 0x8086;
+const LENGTH_WRONG: u16 = 0x809A;
+const DEVICE_WRONG: u16 = 0x809B;
+const INCONSISTENT: u16 = 0x80B3;
+const TSAP_WRONG: u16 = 0x80B4;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Protocol {
+    Tcp,
+    /// RFC 1006 on TCP.
+    Iso,
+}
+
+/// What to connect, checked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Description {
+    /// 1 to 4095.
+    pub id: u16,
+    pub protocol: Protocol,
+    /// This side connects; else it waits for the partner.
+    pub active: bool,
+    /// TCP: own port; 0 only on an active side: any.
+    pub local_port: u16,
+    /// `None` only on a passive side: anyone.
+    pub remote: Option<Ipv4Addr>,
+    /// TCP: port of the partner; 0 only on a passive side: any.
+    pub remote_port: u16,
+    /// ISO-on-TCP: 2 to 16 bytes.
+    pub local_tsap: Vec<u8>,
+    /// ISO-on-TCP: 2 to 16 bytes; empty only on a passive side: any.
+    pub remote_tsap: Vec<u8>,
+}
+
+impl Description {
+    /// Reads either form, told by its length. `Err`: STATUS.
+    pub fn read(bytes: &[u8]) -> Result<Description, u16> {
+        match bytes.len() {
+            PARAM_BYTES => param(bytes),
+            IP_V4_BYTES => ip_v4(bytes),
+            _ => Err(LENGTH_WRONG),
+        }
+    }
+}
+
+fn word(bytes: &[u8], at: usize) -> u16 {
+    u16::from_be_bytes([bytes[at], bytes[at + 1]])
+}
+
+fn check_id(id: u16) -> Result<u16, u16> {
+    if (1..=ID_MAX).contains(&id) { Ok(id) } else { Err(ID_RANGE) }
+}
+
+fn address(bytes: &[u8]) -> Option<Ipv4Addr> {
+    let address = Ipv4Addr::new(bytes[0], bytes[1], bytes[2], bytes[3]);
+    (!address.is_unspecified()).then_some(address)
+}
+
+/// TCON_Param, all of its 64 bytes.
+fn param(bytes: &[u8]) -> Result<Description, u16> {
+    if usize::from(word(bytes, 0)) != PARAM_BYTES {
+        return Err(LENGTH_WRONG);
+    }
+    let id = check_id(word(bytes, 2))?;
+    let active = bytes[5] & 1 != 0;
+    if bytes[6] != 1 {
+        return Err(DEVICE_WRONG);
+    }
+    let (local_length, remote_length) = (usize::from(bytes[7]), usize::from(bytes[10]));
+    let remote = match (bytes[9], active) {
+        (4, _) => address(&bytes[34..38]),
+        (0, false) => None,
+        _ => return Err(INCONSISTENT),
+    };
+    if (active && remote.is_none()) || bytes[8] != 0 || bytes[11] != 0 {
+        return Err(INCONSISTENT);
+    }
+    let (local, far) = (&bytes[12..28], &bytes[40..56]);
+    match bytes[4] {
+        TYPE_TCP => {
+            let port = |length: usize, tsap: &[u8], open: bool| match length {
+                2 => Ok(word(tsap, 0)),
+                0 if open => Ok(0),
+                _ => Err(INCONSISTENT),
+            };
+            let local_port = port(local_length, local, active)?;
+            let remote_port = port(remote_length, far, !active)?;
+            tcp(id, active, local_port, remote, remote_port)
+        }
+        TYPE_ISO => {
+            if !active && (local_length < 2 || local[0] != TSAP_DEVICE) {
+                return Err(TSAP_WRONG);
+            }
+            let fits = |length: usize, open: bool| (2..=16).contains(&length) || (length == 0 && open);
+            if !fits(local_length, false) || !fits(remote_length, !active) {
+                return Err(INCONSISTENT);
+            }
+            Ok(Description {
+                id,
+                protocol: Protocol::Iso,
+                active,
+                local_port: 0,
+                remote,
+                remote_port: 0,
+                local_tsap: local[..local_length].to_vec(),
+                remote_tsap: far[..remote_length].to_vec(),
+            })
+        }
+        _ => Err(INCONSISTENT),
+    }
+}
+
+/// TCON_IP_v4, all of its 14 bytes.
+fn ip_v4(bytes: &[u8]) -> Result<Description, u16> {
+    // 64 is the hardware identifier of the CPU's own interface; 0 lets the CPU choose.
+    if !matches!(word(bytes, 0), 0 | 1 | 64) {
+        return Err(DEVICE_WRONG);
+    }
+    let id = check_id(word(bytes, 2))?;
+    if bytes[4] != TYPE_TCP_IP_V4 {
+        return Err(INCONSISTENT);
+    }
+    tcp(id, bytes[5] & 1 != 0, word(bytes, 12), address(&bytes[6..10]), word(bytes, 10))
+}
+
+fn tcp(id: u16, active: bool, local_port: u16, remote: Option<Ipv4Addr>, remote_port: u16) -> Result<Description, u16> {
+    let complete = if active { remote.is_some() && remote_port != 0 } else { local_port != 0 };
+    if !complete {
+        return Err(INCONSISTENT);
+    }
+    let protocol = Protocol::Tcp;
+    let (local_tsap, remote_tsap) = (Vec::new(), Vec::new());
+    Ok(Description { id, protocol, active, local_port, remote, remote_port, local_tsap, remote_tsap })
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+
+    /// A TCON_Param. TCP: `local` and `far` are ports.
+    pub fn param_bytes(id: u16, kind: u8, active: bool, local: &[u8], remote: &[u8], far: &[u8]) -> Vec<u8> {
+        let mut bytes = vec![0; PARAM_BYTES];
+        bytes[1] = 64;
+        bytes[2..4].copy_from_slice(&id.to_be_bytes());
+        bytes[4..8].copy_from_slice(&[kind, u8::from(active), 1, local.len() as u8]);
+        bytes[9] = remote.len() as u8;
+        bytes[10] = far.len() as u8;
+        bytes[12..12 + local.len()].copy_from_slice(local);
+        bytes[34..34 + remote.len()].copy_from_slice(remote);
+        bytes[40..40 + far.len()].copy_from_slice(far);
+        bytes
+    }
+
+    const HOME: [u8; 4] = [127, 0, 0, 1];
+
+    #[test]
+    fn tcp_of_both_forms() {
+        let long = Description::read(&param_bytes(7, TYPE_TCP, true, &[], &HOME, &[0x07, 0xD0]));
+        let mut short = [0; IP_V4_BYTES];
+        short[1] = 64;
+        short[3] = 7;
+        short[4..6].copy_from_slice(&[TYPE_TCP_IP_V4, 1]);
+        short[6..10].copy_from_slice(&HOME);
+        short[10..12].copy_from_slice(&2000u16.to_be_bytes());
+        assert_eq!(long, Description::read(&short));
+        assert_eq!(long.map(|found| (found.remote_port, found.local_port)), Ok((2000, 0)));
+    }
+
+    #[test]
+    fn wrong_descriptions() {
+        let code = |bytes: &[u8]| Description::read(bytes).err();
+        let with = |at: usize, value: u8| {
+            let mut bytes = param_bytes(7, TYPE_TCP, true, &[], &HOME, &[0x07, 0xD0]);
+            bytes[at] = value;
+            code(&bytes)
+        };
+        assert_eq!(code(&[0; 20]), Some(0x809A));
+        assert_eq!(with(1, 63), Some(0x809A));
+        assert_eq!(with(3, 0), Some(0x8086));
+        assert_eq!(with(2, 0x10), Some(0x8086));
+        assert_eq!(with(6, 2), Some(0x809B));
+        assert_eq!(with(4, 0x13), Some(0x80B3));
+        assert_eq!(with(7, 1), Some(0x80B3));
+        assert_eq!(with(9, 0), Some(0x80B3));
+        assert_eq!(with(10, 0), Some(0x80B3));
+        assert_eq!(with(34, 0), None);
+        let passive = |local: &[u8]| code(&param_bytes(7, TYPE_ISO, false, local, &[], &[]));
+        assert_eq!(passive(&[0xE0, 1]), None);
+        assert_eq!(passive(&[0xE0]), Some(0x80B4));
+        assert_eq!(passive(b"ABC"), Some(0x80B4));
+        assert_eq!(code(&param_bytes(7, TYPE_ISO, true, b"ABC", &HOME, b"DEF")), None);
+        assert_eq!(code(&param_bytes(7, TYPE_ISO, true, b"ABC", &HOME, b"D")), Some(0x80B3));
+    }
+}

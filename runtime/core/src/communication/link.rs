@@ -1,0 +1,78 @@
+//! A TCP stream that never blocks, with what waits to be sent and what has arrived.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::time::Duration;
+
+use socket2::{SockRef, TcpKeepalive};
+
+/// Received bytes that wait here; more stays with the operating system, which slows the partner down.
+const INPUT_MAX: usize = 1 << 16;
+/// A silent partner is asked after so long.
+const KEEP_ALIVE: Duration = Duration::from_secs(30);
+
+pub struct Link {
+    stream: TcpStream,
+    /// What has arrived and nobody has taken.
+    pub input: Vec<u8>,
+    output: Vec<u8>,
+    /// Nothing more will arrive.
+    pub ended: bool,
+    /// Nothing more can be sent.
+    pub broken: bool,
+}
+
+impl Link {
+    pub fn new(stream: TcpStream) -> std::io::Result<Link> {
+        stream.set_nonblocking(true)?;
+        // Neither is needed for the connection to work.
+        let _ = stream.set_nodelay(true);
+        let _ = SockRef::from(&stream).set_tcp_keepalive(&TcpKeepalive::new().with_time(KEEP_ALIVE));
+        Ok(Link { stream, input: Vec::new(), output: Vec::new(), ended: false, broken: false })
+    }
+
+    /// Sends now what can be sent, the rest by and by.
+    pub fn send(&mut self, bytes: &[u8]) {
+        self.output.extend_from_slice(bytes);
+        self.flush();
+    }
+
+    pub fn partner_port(&self) -> Option<u16> {
+        self.stream.peer_addr().ok().map(|address| address.port())
+    }
+
+    /// Everything is with the operating system.
+    pub fn is_drained(&self) -> bool {
+        self.output.is_empty()
+    }
+
+    pub fn work(&mut self) {
+        self.flush();
+        self.fill();
+    }
+
+    fn flush(&mut self) {
+        while !self.output.is_empty() && !self.broken {
+            match self.stream.write(&self.output) {
+                Ok(0) => self.broken = true,
+                Ok(count) => drop(self.output.drain(..count)),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(_) => self.broken = true,
+            }
+        }
+    }
+
+    fn fill(&mut self) {
+        let mut buffer = [0; 4096];
+        while !self.ended && self.input.len() < INPUT_MAX {
+            match self.stream.read(&mut buffer) {
+                Ok(0) => self.ended = true,
+                Ok(count) => self.input.extend_from_slice(&buffer[..count]),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(_) => self.ended = true,
+            }
+        }
+    }
+}

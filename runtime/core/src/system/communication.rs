@@ -1,0 +1,174 @@
+//! Open user communication: what TCON, TSEND_C, … leave to the runtime. RET_VAL is a STATUS.
+//!
+//! Source: S7-1200 reference, TSEND_C and TRCV_C, tables of STATUS.
+
+use plcc_abi::layout::area;
+
+use super::any::{self, Access, Range};
+use super::parameters::Call;
+use super::{OK, Outcome, error};
+use crate::communication::{Description, IP_V4_BYTES, JOB_BYTES_MAX, PARAM_BYTES, Protocol, Receive, status};
+
+/// Sending or receiving goes on.
+const RUNNING: u16 = 0x7002;
+const LENGTH: u16 = 0x8085;
+const ID: u16 = 0x8086;
+const AREA_SHORT: u16 = 0x8088;
+const NO_DATA_BLOCK: u16 = 0x8089;
+const CONNECT_LENGTH: u16 = 0x809A;
+const UNLINKED: u16 = 0x80B2;
+const CONNECT_AREA: u16 = 0x8722;
+const CONNECT_ACCESS: u16 = 0x873A;
+
+/// RET_VAL of [`state`].
+const MISSING: u16 = 0;
+const ESTABLISHING: u16 = 1;
+const ESTABLISHED: u16 = 2;
+
+fn status(result: Result<(), u16>) -> Outcome {
+    match result {
+        Ok(()) => OK,
+        Err(code) => error(code),
+    }
+}
+
+/// CONNECT, ID (0: that of the description), ALONE (no connection of this ID may exist) -> RET_VAL, HANDLE: the ID.
+pub(super) fn open(call: &Call) -> Outcome {
+    let described = description(call).and_then(|description| match call.word(1) {
+        0 => Ok(description),
+        id if !(1..=4095).contains(&id) => Err(ID),
+        id if id != description.id => Err(status::INCONSISTENT),
+        _ => Ok(description),
+    });
+    let description = match described {
+        Ok(description) => description,
+        Err(code) => return error(code),
+    };
+    call.set_word(4, description.id);
+    let now = call.cpu.clock.now();
+    status(call.cpu.communication.borrow_mut().open(description, call.byte(2) & 1 != 0, now))
+}
+
+fn description(call: &Call) -> Result<Description, u16> {
+    let [_, _, _, _, db_high, db_low, area_code, ..] = call.any_bytes(0);
+    if !matches!(area_code, area::DB | area::DI) {
+        return Err(NO_DATA_BLOCK);
+    }
+    let number = u16::from_be_bytes([db_high, db_low]);
+    if call.cpu.image.dbs.iter().any(|db| db.number == number && db.unlinked) {
+        return Err(UNLINKED);
+    }
+    if call.cpu.memory.db(number).1 == 0 {
+        return Err(CONNECT_ACCESS);
+    }
+    let range = any::decode(call, 0, Access::Read).map_err(|_| CONNECT_AREA)?.ok_or(CONNECT_AREA)?;
+    if ![PARAM_BYTES, IP_V4_BYTES].contains(&(range.bytes as usize)) {
+        return Err(CONNECT_LENGTH);
+    }
+    if range.existing < range.bytes {
+        return Err(CONNECT_AREA);
+    }
+    let mut found = Err(CONNECT_AREA);
+    call.cpu.memory.view(range.offset, range.bytes, |bytes| found = Description::read(bytes));
+    found
+}
+
+/// HANDLE -> RET_VAL: 0 there is none, 1 being established, 2 established; LOSSES and FAILURES, counted.
+pub(super) fn state(call: &Call) -> Outcome {
+    let mut communication = call.cpu.communication.borrow_mut();
+    let Some(connection) = communication.connection(call.word(0)) else { return Outcome::RetVal(MISSING) };
+    connection.work(call.cpu.clock.now());
+    call.set_word(2, connection.losses);
+    call.set_word(3, connection.failures);
+    if connection.is_up() {
+        return Outcome::RetVal(ESTABLISHED);
+    }
+    communication.note_waiting();
+    Outcome::RetVal(ESTABLISHING)
+}
+
+/// HANDLE, FORCE (for all blocks that use it) -> RET_VAL: 0, 80A3.
+pub(super) fn close(call: &Call) -> Outcome {
+    let id = call.word(0);
+    if !(1..=4095).contains(&id) {
+        return error(ID);
+    }
+    status(call.cpu.communication.borrow_mut().close(id, call.byte(1) & 1 != 0))
+}
+
+/// HANDLE, LEN, DATA -> RET_VAL: 0 it begins, 8085, 8086, 8088, 80A1.
+pub(super) fn send(call: &Call) -> Outcome {
+    if call.dword(1) == 0 {
+        return error(LENGTH);
+    }
+    let range = match job(call, 2, Access::Read) {
+        Ok(range) => range,
+        Err(code) => return error(code),
+    };
+    let mut bytes = Vec::new();
+    call.cpu.memory.view(range.offset, range.bytes, |data| bytes.extend_from_slice(data));
+    let mut communication = call.cpu.communication.borrow_mut();
+    if !communication.connection(call.word(0)).is_some_and(|connection| connection.send(&bytes)) {
+        return error(status::NOT_CONNECTED);
+    }
+    communication.note_waiting();
+    OK
+}
+
+/// HANDLE -> RET_VAL: 0 all is sent, 7002 not yet, 80A1 not connected.
+pub(super) fn sent(call: &Call) -> Outcome {
+    let mut communication = call.cpu.communication.borrow_mut();
+    match communication.connection(call.word(0)).and_then(|connection| connection.is_sent()) {
+        Some(true) => OK,
+        Some(false) => {
+            communication.note_waiting();
+            Outcome::RetVal(RUNNING)
+        }
+        None => error(status::NOT_CONNECTED),
+    }
+}
+
+/// HANDLE, LEN (0: as much as fits DATA), ADHOC (TCP: what there is) -> RET_VAL: 0, 7002 nothing yet, 8085, 8086, 8088, 80A1; RCVD_LEN;
+/// DATA takes it.
+pub(super) fn receive(call: &Call) -> Outcome {
+    let range = match job(call, 5, Access::Write) {
+        Ok(range) => range,
+        Err(code) => return error(code),
+    };
+    let mut communication = call.cpu.communication.borrow_mut();
+    let Some(connection) = communication.connection(call.word(0)) else { return error(status::NOT_CONNECTED) };
+    if !connection.is_up() {
+        return error(status::NOT_CONNECTED);
+    }
+    let ad_hoc = call.byte(2) & 1 != 0 || call.dword(1) == 0;
+    let exact = connection.description.protocol == Protocol::Tcp && !ad_hoc;
+    match connection.receive(range.bytes as usize, exact) {
+        Receive::Bytes(bytes) => {
+            call.cpu.memory.load(range.offset, &bytes);
+            call.set_dword(4, bytes.len() as u32);
+            OK
+        }
+        Receive::TooLong => error(AREA_SHORT),
+        Receive::Nothing => {
+            communication.note_waiting();
+            Outcome::RetVal(RUNNING)
+        }
+    }
+}
+
+/// The part of DATA, parameter `index`, that LEN, parameter 1, names. `Err`: STATUS.
+fn job(call: &Call, index: usize, access: Access) -> Result<Range, u16> {
+    if !(1..=4095).contains(&call.word(0)) {
+        return Err(ID);
+    }
+    let length = call.dword(1);
+    if length > JOB_BYTES_MAX {
+        return Err(LENGTH);
+    }
+    let range = any::decode(call, index, access).map_err(|_| AREA_SHORT)?.ok_or(AREA_SHORT)?;
+    let bytes = if length == 0 { range.bytes.min(JOB_BYTES_MAX) } else { length };
+    if bytes > range.bytes || bytes > range.existing {
+        return Err(AREA_SHORT);
+    }
+    Ok(Range { bytes, ..range })
+}
