@@ -21,6 +21,8 @@ pub struct Diagnostic {
     pub secondary: Vec<Label>,
     /// What to write instead.
     pub help: Option<String>,
+    /// Lines that are shown as they stand: a network as a drawing.
+    pub note: Option<String>,
     /// Overrides the severity of the code: `check --partial` turns some errors into warnings.
     pub severity: Severity,
 }
@@ -34,6 +36,7 @@ impl Diagnostic {
             primary: Label { span, text: String::new() },
             secondary: Vec::new(),
             help: None,
+            note: None,
             severity: code.severity(),
         }
     }
@@ -53,6 +56,12 @@ impl Diagnostic {
     /// What to write.
     pub fn help(mut self, text: impl Into<String>) -> Diagnostic {
         self.help = Some(text.into());
+        self
+    }
+
+    /// Lines to show as they stand.
+    pub fn note(mut self, text: impl Into<String>) -> Diagnostic {
+        self.note = Some(text.into());
         self
     }
 

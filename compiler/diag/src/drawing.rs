@@ -60,6 +60,10 @@ fn draw_short(diagnostic: &Diagnostic, sources: &SourceMap) -> String {
     for note in [&diagnostic.primary.text].into_iter().chain(&diagnostic.help).filter(|note| !note.is_empty()) {
         text.push_str(&format!("  = {}\n", one_line(note)));
     }
+    for line in diagnostic.note.iter().flat_map(|note| note.lines()) {
+        text.push_str(format!("    {}", one_line(line)).trim_end());
+        text.push('\n');
+    }
     text.push('\n');
     text
 }
@@ -97,6 +101,13 @@ fn translate(diagnostic: &Diagnostic, sources: &SourceMap) -> drawn::Diagnostic<
         .with_label(translate_label(drawn::LabelStyle::Primary, &diagnostic.primary, sources))
         .with_labels_iter(secondary)
         .with_notes_iter(diagnostic.help.iter().map(|help| format!("help: {}", one_line(help))))
+        .with_notes_iter(diagnostic.note.iter().map(|note| verbatim(note)))
+}
+
+/// The lines of a note, below its heading.
+fn verbatim(note: &str) -> String {
+    let lines: Vec<String> = note.lines().map(|line| one_line(line).trim_end().to_string()).collect();
+    format!("drawn:\n{}", lines.join("\n"))
 }
 
 fn translate_label(style: drawn::LabelStyle, label: &Label, sources: &SourceMap) -> drawn::Label<FileId> {
@@ -217,6 +228,16 @@ mod tests {
         let (sources, message) = sample(&"A ".repeat(500), 12..17);
         let text = draw(&[message], &sources, false);
         assert!(text.contains("FC12.stl:1:13") && text.len() < 300);
+    }
+
+    #[test]
+    fn notes_keep_their_lines() {
+        let (sources, message) = sample("      A     MW 10\n", 12..17);
+        let text = draw(&[message.note("  #a\n--| |--\n  ^^^")], &sources, false);
+        assert!(text.ends_with("  = drawn:\n      #a\n    --| |--\n      ^^^\n\n"), "{text}");
+        let (sources, message) = sample(&"A ".repeat(500), 12..17);
+        let text = draw(&[message.note("  #a\n--| |--\n")], &sources, false);
+        assert!(text.ends_with("\n      #a\n    --| |--\n\n"), "{text}");
     }
 
     #[test]

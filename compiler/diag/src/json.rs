@@ -16,6 +16,8 @@ struct Message<'a> {
     place: Place<'a>,
     secondary: Vec<Place<'a>>,
     help: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -41,6 +43,7 @@ fn line(diagnostic: &Diagnostic, sources: &SourceMap) -> String {
         place: place(&diagnostic.primary, sources),
         secondary: diagnostic.secondary.iter().map(|label| place(label, sources)).collect(),
         help: diagnostic.help.as_deref(),
+        note: diagnostic.note.as_deref(),
     };
     serde_json::to_string(&message).expect("a structure of texts and numbers is JSON")
 }

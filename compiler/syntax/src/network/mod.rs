@@ -10,5 +10,6 @@
 //! put the elements into the order of evaluation (LAD/FBD reference A.11); which types and blocks the operands name is the binder's.
 
 pub mod ast;
+pub mod draw;
 pub mod elements;
 pub mod text;

@@ -1,0 +1,73 @@
+//! Operands as a programmer writes them.
+
+use crate::scl::ast::{Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
+use crate::scl::text;
+use crate::{Class, Elementary};
+
+/// Characters of an operand that are shown.
+const LENGTH_MAX: usize = 28;
+
+/// `#Start`, `"Tank".level[3]`, `%I0.0`, `T#1500ms`, cut to a length that fits a drawing.
+pub fn operand(value: &Expr) -> String {
+    let full = long(value);
+    if full.chars().count() <= LENGTH_MAX {
+        return full;
+    }
+    full.chars().take(LENGTH_MAX - 3).chain("...".chars()).collect()
+}
+
+fn long(value: &Expr) -> String {
+    match &value.kind {
+        ExprKind::Name(value) => name(value),
+        ExprKind::Member { base, name: member } => format!("{}.{}", long(base), name(member)),
+        ExprKind::Index { base, indices } => {
+            format!("{}[{}]", long(base), indices.iter().map(long).collect::<Vec<_>>().join(","))
+        }
+        ExprKind::Literal(value) => literal(value),
+        ExprKind::Unary { op: UnaryOp::Minus, operand } => format!("-{}", long(operand)),
+        ExprKind::Unary { op: UnaryOp::Not, operand } => format!("NOT {}", long(operand)),
+        ExprKind::Error => "???".to_string(),
+        ExprKind::Absolute(_)
+        | ExprKind::MemberAbsolute { .. }
+        | ExprKind::Slice { .. }
+        | ExprKind::Call { .. }
+        | ExprKind::Dereference(_)
+        | ExprKind::Reference(_)
+        | ExprKind::Unary { op: UnaryOp::Plus, .. }
+        | ExprKind::Binary { .. } => text::expr(value),
+    }
+}
+
+fn name(name: &Name) -> String {
+    match name.form {
+        NameForm::Bare => name.text.clone(),
+        NameForm::Local => format!("#{}", name.text),
+        NameForm::Quoted => format!("\"{}\"", name.text),
+    }
+}
+
+fn literal(value: &Literal) -> String {
+    let Literal::Typed { ty, bits } = value else {
+        let printed = text::expr(&Expr { kind: ExprKind::Literal(value.clone()), span: Default::default() });
+        return match value {
+            Literal::Text { bytes, typed: false } => {
+                format!("'{}'", bytes.iter().map(|byte| char::from(*byte)).collect::<String>())
+            }
+            _ => printed,
+        };
+    };
+    let shift = 64 - ty.bits();
+    let signed = ((*bits << shift) as i64) >> shift;
+    match (ty, ty.class()) {
+        (Elementary::Bool, _) => if *bits == 0 { "FALSE" } else { "TRUE" }.to_string(),
+        (Elementary::Time, _) if signed % 1000 == 0 => format!("T#{}s", signed / 1000),
+        (Elementary::Time, _) => format!("T#{signed}ms"),
+        (Elementary::Real, _) => format!("{:?}", f32::from_bits(*bits as u32)),
+        (Elementary::Lreal, _) => format!("{:?}", f64::from_bits(*bits)),
+        (_, Class::Signed) => format!("{}#{signed}", ty.name()),
+        (_, Class::Unsigned) => format!("{}#{bits}", ty.name()),
+        (_, Class::Bits | Class::Float | Class::Character | Class::Duration | Class::Date) => {
+            format!("{}#16#{bits:X}", ty.name())
+        }
+    }
+}
