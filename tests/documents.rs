@@ -225,6 +225,7 @@ fn codes_of(code: Code, example: &str) -> Vec<Code> {
             "sdf" => "symbols.sdf",
             "scl" => "main.scl",
             "txt" => "main.txt",
+            "xml" => "main.xml",
             "sh" => {
                 let words = text.split_whitespace().skip(2);
                 named = Some(words.map(|word| folder.path().join(word)).collect());

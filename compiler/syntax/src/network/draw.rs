@@ -48,6 +48,3 @@ fn draw_part(network: &Network, graph: &Graph, mark: Option<usize>, most: usize)
         chosen.iter().map(|&at| Shape::of(graph, &graph.elements[at], network.language, mark == Some(at))).collect();
     Plan::of(graph, &chosen, &shapes).paint(graph, &shapes)
 }
-
-#[cfg(test)]
-mod tests;

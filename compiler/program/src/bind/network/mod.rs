@@ -8,21 +8,8 @@
 //!
 //! Source: LAD/FBD reference, chapters A.11, C and E.2.
 
-mod bits;
-mod calls;
-mod classic;
-mod compare;
-mod control;
-mod convert;
-mod math;
-mod moves;
-mod order;
-mod pins;
-mod sheet;
-mod stl;
+mod legality;
 
-use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::Elementary;
 use plcc_syntax::ast;
 use plcc_syntax::network::ast::{Body as Networks, Content, Graph, Network, Target};
 use plcc_syntax::network::elements::Kind;
@@ -46,156 +33,12 @@ pub struct Page {
 
 impl Binder<'_> {
     /// Binds the networks of a block.
-    pub fn bind_networks(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, networks: &Networks) -> Body {
-        ctx.scl = Scope::new(self.input, &block.header, Dialect::Tia);
-        // Boxes tell of their errors by ENO.
-        ctx.scl.sets_flag = true;
-        ctx.scl.lists = vec![TOP];
-        self.collect_network_labels(ctx, networks);
-        let span = ctx.fixed_span.unwrap_or(block.name.span());
-        let mut page = Page { pool: Pool::new(ctx), eno: None, registers: Registers::default() };
-        let mut statements = Vec::new();
-        self.begin_registers(ctx, &mut page, networks, span, &mut statements);
-        self.begin_eno(ctx, &mut page, networks, span, &mut statements);
-        for (number, network) in networks.networks.iter().enumerate() {
-            self.bind_network(ctx, &mut page, network, number as u16 + 1, &mut statements);
-        }
-        let eno = match &page.eno {
-            Some(eno) => eno.load(span),
-            None => constant_expr(1, Elementary::Bool, span),
-        };
-        statements.push(Statement { kind: StatementKind::SetFlag(eno), span });
-        self.unused_data(ctx, block, networks.networks.is_empty());
-        Body { statements, sets_flag: true, calls_set_flag: true, temporary_texts: temporary::texts(&ctx.bound) }
-    }
-
-    /// ENO of the block is kept aside where SCL networks set it, and on an S7-300/400, where it is the BR that boxes and SAVE change.
-    fn begin_eno(
-        &mut self,
-        ctx: &mut Ctx,
-        page: &mut Page,
-        networks: &Networks,
-        span: Span,
-        statements: &mut Vec<Statement>,
-    ) {
-        let scl = networks.networks.iter().any(|network| matches!(network.content, Content::Scl(_)));
-        let saves = |network: &Network| match &network.content {
-            Content::Graphic(graph) => graph
-                .elements
-                .iter()
-                .any(|element| matches!(&element.target, Target::Element { row, .. } if row.kind == Kind::Save)),
-            Content::Scl(_) | Content::Stl(_) => false,
-        };
-        if !scl && !has_br(ctx.scl.rules) && !networks.networks.iter().any(saves) {
-            return;
-        }
-        let eno = page.pool.lasting(ctx, Elementary::Bool);
-        statements.push(eno.set(constant_expr(1, Elementary::Bool, span), span));
-        page.eno = Some(eno);
-    }
-
-    fn bind_network(
-        &mut self,
-        ctx: &mut Ctx,
-        page: &mut Page,
-        network: &Network,
-        number: u16,
-        statements: &mut Vec<Statement>,
-    ) {
-        page.pool.next_network();
-        for label in &network.labels {
-            if let Some(id) = self.label(ctx, label) {
-                statements.push(Statement { kind: StatementKind::Label(id), span: label.span });
-            }
-        }
-        match &network.content {
-            Content::Graphic(graph) => statements.extend(self.bind_graph(ctx, page, network, graph)),
-            Content::Scl(list) => {
-                let flag = |page: &Page| page.eno.as_ref().map(|eno| eno.load(network.span));
-                if let Some(eno) = flag(page) {
-                    statements.push(Statement { kind: StatementKind::SetFlag(eno), span: network.span });
-                }
-                statements.extend(self.statements(ctx, list));
-                if let Some(eno) = &page.eno {
-                    let flag = Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span: network.span };
-                    statements.push(eno.set(flag, network.span));
-                }
-            }
-            Content::Stl(list) => self.bind_stl_network(ctx, list, number, statements),
-        }
-    }
-
-    fn bind_graph(&mut self, ctx: &mut Ctx, page: &mut Page, network: &Network, graph: &Graph) -> Vec<Statement> {
-        let mut sheet = Sheet::new(page, network, graph);
-        for element in order::order(graph) {
-            let before = self.report.diagnostics.len();
-            if self.bind_element(ctx, &mut sheet, element).is_none() && self.report.diagnostics.len() == before {
-                self.not_bound(graph.elements[element].span);
-            }
-        }
-        sheet.statements
-    }
-
-    /// An element of which something is missing that no message has told of.
-    fn not_bound(&mut self, span: Span) {
-        let text = self.text(span);
-        self.report.push(
-            Diagnostic::new(Code::MissingOperand, span, format!("`{text}` is not connected as it must be"))
-                .label("a pin lacks its operand or its wire")
-                .help("connect all its inputs"),
-        );
-    }
-
-    fn bind_element(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
-        let element = sheet.element(at);
-        let row = match &element.target {
-            Target::Block { .. } => return self.block_box(ctx, sheet, at),
-            Target::Element { row, .. } => *row,
-        };
-        match row.kind {
-            Kind::Contact => self.contact(ctx, sheet, at),
-            Kind::Not => self.not_element(ctx, sheet, at),
-            Kind::Gate(gate) => self.gate(ctx, sheet, at, gate),
-            Kind::EdgeContact { rising } => self.edge_contact(ctx, sheet, at, rising),
-            Kind::EdgeTrigger { rising } => self.edge_trigger(ctx, sheet, at, rising),
-            Kind::Coil => self.coil(ctx, sheet, at),
-            Kind::SetCoil => self.set_coil(ctx, sheet, at, true),
-            Kind::ResetCoil => self.set_coil(ctx, sheet, at, false),
-            Kind::EdgeCoil { rising } => self.edge_coil(ctx, sheet, at, rising),
-            Kind::BitField { set } => self.bit_field(ctx, sheet, at, set),
-            Kind::FlipFlop { set_wins } => self.flip_flop(ctx, sheet, at, set_wins),
-            Kind::Compare(op) => self.compare_contact(ctx, sheet, at, op),
-            Kind::Range { inside } => self.range_contact(ctx, sheet, at, inside),
-            Kind::Valid { valid } => self.valid_contact(ctx, sheet, at, valid),
-            Kind::Instance(name) => self.instance_box(ctx, sheet, at, name),
-            Kind::TimerCoil(name) => self.timer_coil(ctx, sheet, at, name),
-            Kind::ResetTimer => self.reset_timer_coil(ctx, sheet, at),
-            Kind::PresetTimer => self.preset_timer_coil(ctx, sheet, at),
-            Kind::Calculate => self.calculate_box(ctx, sheet, at),
-            Kind::Operator(op) => self.operator_box(ctx, sheet, at, op),
-            Kind::Step { up } => self.step_box(ctx, sheet, at, up),
-            Kind::Function(name) => self.function_box(ctx, sheet, at, name),
-            Kind::Procedure(name) => self.procedure_box(ctx, sheet, at, name),
-            Kind::Move => self.move_box(ctx, sheet, at),
-            Kind::Convert => self.convert_box(ctx, sheet, at),
-            Kind::Round(name) => self.round_box(ctx, sheet, at, name),
-            Kind::Negate => self.unary_box(ctx, sheet, at, true),
-            Kind::Invert => self.unary_box(ctx, sheet, at, false),
-            Kind::Mux => self.mux_box(ctx, sheet, at),
-            Kind::Demux => self.demux_box(ctx, sheet, at),
-            Kind::Jump { negated } => self.jump_coil(ctx, sheet, at, negated),
-            Kind::JumpList => self.jump_list_box(ctx, sheet, at),
-            Kind::Switch => self.switch_box(ctx, sheet, at),
-            Kind::Return(value) => self.return_coil(ctx, sheet, at, value),
-            Kind::S5Timer(name) => self.s5_timer_box(ctx, sheet, at, name),
-            Kind::S5Counter(name) => self.s5_counter_box(ctx, sheet, at, name),
-            Kind::CounterCoil(coil) => self.counter_coil(ctx, sheet, at, coil),
-            Kind::OpenDb { di } => self.open_db(ctx, sheet, at, di),
-            Kind::Mcr(coil) => self.mcr_coil(ctx, sheet, at, coil),
-            Kind::CallCoil => self.call_coil(ctx, sheet, at),
-            Kind::Save => self.save_coil(ctx, sheet, at),
-            Kind::Flag(flag) => self.flag_contact(ctx, sheet, at, flag),
-        }
+    pub fn bind_networks(&mut self, _ctx: &mut Ctx, _block: &ast::CodeBlock, networks: &Networks) -> Body {
+        let mut messages = legality::labels(networks);
+        networks.networks.iter().for_each(|network| legality::legality(network, &mut messages));
+        messages.extend(legality::block_warnings(networks));
+        messages.into_iter().for_each(|message| self.report.push(message));
+        Body::default()
     }
 }
 

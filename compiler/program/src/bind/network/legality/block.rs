@@ -1,0 +1,229 @@
+//! What only all networks of a block together show: operands of two coils, shared edge memory bits and instances, labels.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::network::ast::{Body, Content, Element, Network, PinValue, Source, Target};
+use plcc_syntax::network::draw::{draw, operand};
+use plcc_syntax::network::elements::Kind;
+use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm, Statement, StatementKind};
+use plcc_syntax::scl::text::expr;
+use rustc_hash::FxHashMap;
+
+use super::row;
+
+/// Warnings about operands that several elements of a block use; operands are compared as they are written.
+pub fn block_warnings(body: &Body) -> Vec<Diagnostic> {
+    let mut block = Block::default();
+    for network in &body.networks {
+        // A jump may come from anywhere and leave out what is before.
+        if !network.labels.is_empty() {
+            block.forget();
+        }
+        match &network.content {
+            Content::Graphic(graph) => {
+                let operands = graph.nets.iter().flat_map(|net| &net.sources).filter_map(|source| match source {
+                    Source::Operand { value, .. } => Some(value),
+                    Source::Rail | Source::Pin { .. } | Source::Net(_) => None,
+                });
+                operands.for_each(|value| block.read(value));
+                for (at, element) in graph.elements.iter().enumerate() {
+                    block.element(network, at, element);
+                }
+            }
+            Content::Scl(_) | Content::Stl(_) => block.forget(),
+        }
+    }
+    block.messages
+}
+
+/// Uses so far, by the text of the operand.
+#[derive(Default)]
+struct Block {
+    coils: FxHashMap<String, Span>,
+    instances: FxHashMap<String, Span>,
+    edges: FxHashMap<String, Span>,
+    messages: Vec<Diagnostic>,
+}
+
+impl Block {
+    /// What comes next may run without what came before.
+    fn forget(&mut self) {
+        self.coils.clear();
+        self.instances.clear();
+    }
+
+    /// A local variable that was read between two coils is used again, which is no mistake.
+    fn read(&mut self, value: &Expr) {
+        if let Some(key) = key(value).filter(|_| is_local(value)) {
+            self.coils.remove(&key);
+        }
+    }
+
+    fn element(&mut self, network: &Network, at: usize, element: &Element) {
+        for pin in element.pins.iter().filter(|pin| !pin.output) {
+            if let PinValue::Operand(value) = &pin.value {
+                self.read(value);
+            }
+        }
+        let Some(row) = row(element) else { return };
+        let pin = |name: &str| match element.pin(name).map(|pin| &pin.value) {
+            Some(PinValue::Operand(value)) => Some(value),
+            Some(PinValue::Net(_) | PinValue::Open) | None => None,
+        };
+        match row.kind {
+            Kind::Coil => self.coil(network, at, pin("operand")),
+            Kind::EdgeContact { .. } | Kind::EdgeTrigger { .. } | Kind::EdgeCoil { .. } => {
+                self.edge(network, at, pin("bit"));
+            }
+            Kind::Instance(name) if is_timed(name) => {
+                if let Target::Element { instance, .. } = &element.target {
+                    self.instance(network, at, instance.as_ref());
+                }
+            }
+            Kind::TimerCoil(_) => self.instance(network, at, pin("timer")),
+            Kind::Jump { .. } | Kind::JumpList | Kind::Switch | Kind::Return(_) => self.forget(),
+            _ => {}
+        }
+    }
+
+    fn coil(&mut self, network: &Network, at: usize, value: Option<&Expr>) {
+        let Some((value, key)) = value.and_then(|value| Some((value, key(value)?))) else { return };
+        if let Some(first) = self.coils.insert(key, value.span) {
+            let text = format!("`{}` is written by two coils; the last one wins", operand(value));
+            let message = Diagnostic::new(Code::DoubleCoil, value.span, text)
+                .label("overwrites what the first coil wrote")
+                .also(first, "the first coil")
+                .help("join both conditions before one coil, or use a set and a reset coil");
+            self.messages.push(message.note(draw(network, Some(at))));
+        }
+    }
+
+    fn edge(&mut self, network: &Network, at: usize, value: Option<&Expr>) {
+        let Some((value, key)) = value.and_then(|value| Some((value, key(value)?))) else { return };
+        if let Some(first) = self.edges.insert(key, value.span) {
+            let text = format!("two edges share the edge memory bit `{}`", operand(value));
+            let message = Diagnostic::new(Code::EdgeBit, value.span, text)
+                .label("this edge sees what the other one wrote")
+                .also(first, "the first edge")
+                .help("give each edge a BOOL of its own, in bit memory or in static data");
+            self.messages.push(message.note(draw(network, Some(at))));
+        }
+    }
+
+    fn instance(&mut self, network: &Network, at: usize, value: Option<&Expr>) {
+        let Some((value, key)) = value.and_then(|value| Some((value, key(value)?))) else { return };
+        if let Some(first) = self.instances.insert(key, value.span) {
+            let text = format!("the instance `{}` runs twice in a cycle", operand(value));
+            let message = Diagnostic::new(Code::InstanceUse, value.span, text)
+                .label("runs with other inputs here")
+                .also(first, "runs here already")
+                .help("declare an instance for each of the two; its outputs may be read as often as you like");
+            self.messages.push(message.note(draw(network, Some(at))));
+        }
+    }
+}
+
+/// Blocks that count calls, time or edges.
+fn is_timed(name: &str) -> bool {
+    matches!(name, "TP" | "TON" | "TOF" | "TONR" | "CTU" | "CTD" | "CTUD" | "R_TRIG" | "F_TRIG")
+}
+
+/// The text of an operand that is the same variable wherever it stands.
+fn key(value: &Expr) -> Option<String> {
+    is_fixed(value).then(|| expr(value).to_lowercase())
+}
+
+fn is_fixed(value: &Expr) -> bool {
+    match &value.kind {
+        ExprKind::Name(_) | ExprKind::Absolute(_) => true,
+        ExprKind::Member { base, .. } | ExprKind::MemberAbsolute { base, .. } | ExprKind::Slice { base, .. } => {
+            is_fixed(base)
+        }
+        ExprKind::Index { base, indices } => {
+            is_fixed(base) && indices.iter().all(|index| matches!(index.kind, ExprKind::Literal(_)))
+        }
+        ExprKind::Literal(_)
+        | ExprKind::Call { .. }
+        | ExprKind::Dereference(_)
+        | ExprKind::Reference(_)
+        | ExprKind::Unary { .. }
+        | ExprKind::Binary { .. }
+        | ExprKind::Error => false,
+    }
+}
+
+fn is_local(value: &Expr) -> bool {
+    match &value.kind {
+        ExprKind::Name(name) => name.form != NameForm::Quoted,
+        ExprKind::Member { base, .. } | ExprKind::Slice { base, .. } | ExprKind::Index { base, .. } => is_local(base),
+        _ => false,
+    }
+}
+
+/// Jumps of graphic networks to labels that the block does not have, and labels that it has twice.
+pub fn labels(body: &Body) -> Vec<Diagnostic> {
+    let mut known: FxHashMap<String, Span> = FxHashMap::default();
+    let mut messages = Vec::new();
+    for network in &body.networks {
+        for (name, span) in labels_of(network) {
+            if let Some(first) = known.insert(name.to_lowercase(), span) {
+                let message = Diagnostic::new(Code::DuplicateLabel, span, format!("the label `{name}` stands twice"));
+                messages.push(message.also(first, "the first one").help("give one of the networks another label"));
+            }
+        }
+    }
+    for network in &body.networks {
+        let Content::Graphic(graph) = &network.content else { continue };
+        for (at, element) in graph.elements.iter().enumerate() {
+            let targets = element.pins.iter().filter_map(|pin| match &pin.value {
+                PinValue::Operand(value) if is_target(element, &pin.name) => Some(value),
+                PinValue::Operand(_) | PinValue::Net(_) | PinValue::Open => None,
+            });
+            for value in targets {
+                if let ExprKind::Name(name) = &value.kind
+                    && !known.contains_key(&name.text.to_lowercase())
+                {
+                    let text = format!("no network of the block has the label `{}`", name.text);
+                    let message = Diagnostic::new(Code::UnknownLabel, value.span, text)
+                        .label("jumps to a label that is not there")
+                        .help("put the label before the network where the jump goes; jumps stay in their block");
+                    messages.push(message.note(draw(network, Some(at))));
+                }
+            }
+        }
+    }
+    messages
+}
+
+/// The pin names a label.
+fn is_target(element: &Element, pin: &str) -> bool {
+    match row(element).map(|row| row.kind) {
+        Some(Kind::Jump { .. }) => pin == "label",
+        Some(Kind::JumpList | Kind::Switch) => pin == "else" || pin.starts_with("dest"),
+        _ => false,
+    }
+}
+
+/// Labels of a network with their places.
+fn labels_of(network: &Network) -> Vec<(String, Span)> {
+    let mut found: Vec<(String, Span)> =
+        network.labels.iter().map(|name| (name.text.clone(), name.span)).filter(|(name, _)| !name.is_empty()).collect();
+    match &network.content {
+        Content::Graphic(_) => {}
+        Content::Scl(statements) => scl_labels(statements, &mut found),
+        Content::Stl(statements) => {
+            found.extend(
+                statements.iter().filter_map(|s| s.label.as_ref()).map(|label| (label.name.clone(), label.span)),
+            );
+        }
+    }
+    found
+}
+
+/// Only those outside of IF, CASE and loops: a jump into them is not possible.
+fn scl_labels(statements: &[Statement], found: &mut Vec<(String, Span)>) {
+    for statement in statements {
+        if let StatementKind::Label(name) = &statement.kind {
+            found.push((name.text.clone(), name.span));
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Pins: what must be connected is, and once.
+
+use plcc_diag::Code;
+use plcc_syntax::network::ast::{Element, Language, Pin, PinValue};
+use plcc_syntax::network::elements::{Gate, Kind, PinDirection, Row};
+
+use super::{Check, row, title};
+
+pub fn check(check: &mut Check) {
+    let graph = check.graph;
+    for (at, element) in graph.elements.iter().enumerate() {
+        twice(check, at, element);
+        if let Some(row) = row(element) {
+            required(check, at, element, row);
+            gate(check, at, element, row);
+        }
+    }
+}
+
+fn is_open(pin: Option<&Pin>) -> bool {
+    pin.is_none_or(|pin| pin.value == PinValue::Open)
+}
+
+/// An input that is given twice. Outputs may go to several places.
+fn twice(check: &mut Check, at: usize, element: &Element) {
+    for (place, pin) in element.pins.iter().enumerate() {
+        let same = |other: &&Pin| !other.output && other.name.eq_ignore_ascii_case(&pin.name);
+        if !pin.output && element.pins[..place].iter().any(|other| same(&other)) {
+            let text = format!("{} has its pin `{}` twice", title(element), pin.name);
+            let help = "connect the pin once; join signals by a gate or by parallel contacts";
+            check.report(Code::DuplicateParameter, pin.span, Some(at), text, "given a second time here", help);
+        }
+    }
+}
+
+/// Pins that the element cannot do without.
+fn required(check: &mut Check, at: usize, element: &Element, row: &'static Row) {
+    for pin in row.pins().filter(|pin| !pin.optional && pin.name() != row.flow.1) {
+        let given = element.pin(pin.name());
+        if !is_open(given) {
+            continue;
+        }
+        let span = given.map_or(element.span, |pin| pin.span);
+        let name = pin.name();
+        if name == row.flow.0 {
+            no_flow(check, at, element, name);
+        } else if matches!(name, "operand" | "label" | "timer" | "bit") {
+            let what = match name {
+                "label" => "label to jump to",
+                "bit" => "edge memory bit",
+                "timer" => "timer",
+                _ => "operand",
+            };
+            let help = match name {
+                "label" => "give the jump a label, and the network where it goes to the same one",
+                "bit" => "give a BOOL in bit memory or in static data that nothing else uses",
+                _ => "put the name of a variable where the editor shows <??.?>",
+            };
+            let text = format!("{} without its {what}", title(element));
+            check.report(Code::MissingOperand, span, Some(at), text, &format!("no {what}"), help);
+        } else {
+            let text = format!("{} without its {} `{name}`", title(element), side(pin.direction));
+            let help = "connect the pin with a variable, a constant or another element";
+            check.report(Code::MissingParameter, span, Some(at), text, &format!("`{name}` is not connected"), help);
+        }
+    }
+}
+
+fn side(direction: PinDirection) -> &'static str {
+    match direction {
+        PinDirection::Input => "input",
+        PinDirection::Output => "output",
+        PinDirection::InOut => "in/out",
+    }
+}
+
+/// The flow enters an element through this pin, and nothing is connected with it.
+fn no_flow(check: &mut Check, at: usize, element: &Element, pin: &str) {
+    match check.network.language {
+        Language::Fbd => {
+            let text = format!("input `{pin}` of {} is not connected", title(element));
+            let help = "connect the input with a variable, a constant or another element";
+            check.report(Code::GateInputs, element.span, Some(at), text, "nothing comes in here", help);
+        }
+        Language::Lad | Language::Scl | Language::Stl => {
+            let text = format!("{} is not connected with the power rail", title(element));
+            let help = "draw the rung from the left power rail";
+            check.report(Code::NoSource, element.span, Some(at), text, "no power can come here", help);
+        }
+    }
+}
+
+/// A gate joins at least two signals; an AND with one is how FBD passes a signal on.
+fn gate(check: &mut Check, at: usize, element: &Element, row: &'static Row) {
+    let Kind::Gate(gate) = row.kind else { return };
+    let inputs = element.pins.iter().filter(|pin| !pin.output);
+    let connected = inputs.clone().filter(|pin| pin.value != PinValue::Open).count();
+    let passes = gate == Gate::And && connected == 1 && inputs.count() == 1;
+    // Without in1 there is a message already.
+    if connected < 2 && !passes && !is_open(element.pin(row.flow.0)) {
+        let sign = match gate {
+            Gate::And => "AND",
+            Gate::Or => "OR",
+            Gate::Xor => "XOR",
+        };
+        let text = format!("an {sign} gate with one connected input");
+        let help = "connect a second input, or remove the gate";
+        check.report(Code::GateInputs, element.span, Some(at), text, "at least two inputs must be connected", help);
+    }
+}
