@@ -37,9 +37,9 @@ impl Settings {
         Settings { cpu: args.cpu.clone(), mnemonics: args.mnemonics.map(Mnemonics::from), ..Settings::default() }
     }
 
-    fn parse_options(&self, project: Option<&Project>) -> ParseOptions {
+    fn parse_options(&self, project: Option<&Project>) -> ParseOptions<'static> {
         let mnemonics = self.mnemonics.or_else(|| project.and_then(|project| project.mnemonics));
-        ParseOptions { mnemonics, pragmas: self.pragmas, language: None }
+        ParseOptions { mnemonics, pragmas: self.pragmas, language: None, texts: None }
     }
 }
 

@@ -9,6 +9,8 @@ use crate::scl::{Outline, outline};
 pub enum Language {
     Stl,
     Scl,
+    /// SIMATIC SD: LAD, FBD and SCL networks.
+    Sd,
 }
 
 impl Language {
@@ -19,6 +21,8 @@ impl Language {
             Some(Language::Scl)
         } else if is(&["stl", "awl"]) {
             Some(Language::Stl)
+        } else if is(&["s7dcl"]) {
+            Some(Language::Sd)
         } else {
             None
         }
@@ -35,6 +39,9 @@ pub enum Reading {
 
 /// Tells how to read `text`; `hint` decides where its content does not.
 pub fn detect(text: &str, hint: Option<Language>) -> Reading {
+    if hint == Some(Language::Sd) || hint.is_none() && has_networks_of_sd(text) {
+        return Reading::Whole(Language::Sd);
+    }
     let Outline { blocks, modern } = outline(text);
     let scl = blocks.iter().any(|block| block.language == Some(Language::Scl));
     let stl = blocks.iter().any(|block| block.language == Some(Language::Stl));
@@ -49,6 +56,11 @@ pub fn detect(text: &str, hint: Option<Language>) -> Reading {
         (false, true, None) => Reading::Whole(Language::Stl),
         (false, false, None) => Reading::Whole(if modern { Language::Scl } else { Language::Stl }),
     }
+}
+
+/// Whether a line of the text ends a network, which only SIMATIC SD does.
+fn has_networks_of_sd(text: &str) -> bool {
+    text.lines().any(|line| line.trim().eq_ignore_ascii_case("END_NETWORK"))
 }
 
 /// `text` with blanks in place of all bytes inside (`keep` false) or outside (`keep` true) of `ranges`; line ends stay.

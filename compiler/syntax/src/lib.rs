@@ -4,6 +4,7 @@
 //! - [`literal`]: constants, the same for every language.
 //! - [`network`]: networks of LAD and FBD.
 //! - [`scl`]: lexer and grammar of SCL.
+//! - [`sd`]: SIMATIC SD, the text form of LAD and FBD.
 //! - [`stl`]: lexer, grammar and instruction table of STL for S7-300/400.
 //!
 //! **Invariant**: never fails; gives a tree and diagnostics.
@@ -11,6 +12,7 @@
 pub mod ast;
 mod ast_text;
 mod comment;
+mod distance;
 mod elementary;
 mod encoding;
 mod frame;
@@ -18,6 +20,7 @@ mod language;
 pub mod literal;
 pub mod network;
 pub mod scl;
+pub mod sd;
 pub mod stl;
 
 pub use ast_text::ast_text;
@@ -31,13 +34,15 @@ use language::Reading;
 
 /// How a source is read.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ParseOptions {
+pub struct ParseOptions<'a> {
     /// The mnemonic set; `None`: found in the file.
     pub mnemonics: Option<stl::Mnemonics>,
     /// Assertion pragmas (`//@ …`) are read; else they are comments.
     pub pragmas: bool,
     /// The language, if the name of the file tells; `None`: found in the file.
     pub language: Option<Language>,
+    /// Texts of titles and comments that the file names by id.
+    pub texts: Option<&'a sd::Texts>,
 }
 
 /// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
@@ -45,6 +50,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (ast::SourceUn
     match language::detect(text, options.language) {
         Reading::Whole(Language::Stl) => stl::parse(file, text, options),
         Reading::Whole(Language::Scl) => scl::parse(file, text, options),
+        Reading::Whole(Language::Sd) => sd::parse(file, text, options),
         Reading::Mixed(scl) => {
             let (mut unit, mut diagnostics) = stl::parse(file, &language::masked(text, &scl, false), options);
             let (other, messages) = scl::parse(file, &language::masked(text, &scl, true), options);
@@ -64,6 +70,7 @@ pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
     match language::detect(text, options.language) {
         Reading::Whole(Language::Stl) => stl::tokens_text(text, options),
         Reading::Whole(Language::Scl) => scl::tokens_text(text, options),
+        Reading::Whole(Language::Sd) => sd::tokens_text(text),
         Reading::Mixed(scl) => {
             let stl = stl::tokens_text(&language::masked(text, &scl, false), options);
             stl + &scl::tokens_text(&language::masked(text, &scl, true), options)

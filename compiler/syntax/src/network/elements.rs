@@ -239,6 +239,19 @@ pub fn find_sd(name: &str) -> Option<(&'static Row, bool)> {
     ELEMENTS.iter().find(|row| is(row.name) || row.sd.iter().any(|known| is(known))).map(|row| (row, false))
 }
 
+/// The name in SIMATIC SD that `name` was probably meant to be.
+pub fn nearest_sd(name: &str) -> Option<&'static str> {
+    let name = name.to_lowercase();
+    let limit = if name.len() < 4 { 1 } else { 2 };
+    let negated = NEGATED_SD.iter().map(|(negated, _)| *negated);
+    let names = ELEMENTS.iter().flat_map(|row| row.sd.iter().copied().chain([row.name])).chain(negated);
+    names
+        .map(|known| (crate::distance::between(&name, &known.to_lowercase()), known))
+        .filter(|(distance, _)| *distance <= limit)
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, known)| known)
+}
+
 /// The element of that name in SimaticML.
 pub fn find_xml(name: &str) -> Option<&'static Row> {
     let find = |of: fn(&'static Row) -> &'static [&'static str]| {

@@ -8,7 +8,7 @@ use plcc_diag::{Diagnostic, FileId, Span};
 
 use super::ast::{Expr, ExprKind, Statement, StatementKind};
 use super::raw;
-use crate::ast::{Block, Code};
+use crate::ast::{Block, Code, Pragma};
 
 /// The statements in a part of a text. `pragmas`: assertions are read.
 pub fn statements(file: FileId, text: &str, range: Range<usize>, pragmas: bool) -> (Vec<Statement>, Vec<Diagnostic>) {
@@ -24,6 +24,17 @@ pub fn statements(file: FileId, text: &str, range: Range<usize>, pragmas: bool) 
         }
     }
     (found, parsed.diagnostics)
+}
+
+/// Blocks and file pragmas of tokens that were taken from a text: frames and declarations of a notation that is otherwise not SCL.
+pub(crate) fn blocks(
+    file: FileId,
+    text: &str,
+    raw: raw::RawText,
+    pragmas: bool,
+) -> (Vec<Block>, Vec<Pragma>, Vec<Diagnostic>) {
+    let parsed = super::parse_raw(file, text, raw, pragmas);
+    (parsed.blocks, parsed.pragmas, parsed.diagnostics)
 }
 
 /// The expression in a part of a text; an error node if there is none.

@@ -1,0 +1,38 @@
+//! Tokens of a network as the grammar sees them: rungs and parentheses are balanced, operands are one token each.
+
+use super::pragma::Attribute;
+use crate::network::ast::Comparison;
+
+/// A token of the grammar.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Tok<'a> {
+    /// `Label` at the start of a network.
+    Label,
+    Rung,
+    EndRung,
+    /// `wire#w1`: its name.
+    Wire(&'a str),
+    Not,
+    /// `{ S7_Templates := "…" }` before an element.
+    Pragma(Vec<Attribute>),
+    /// An operand, constant or name, in all its length.
+    Operand,
+    /// What stands before the parentheses of an element.
+    Target,
+    /// `{ SrcType := Int }` behind the name of an element.
+    Inline(Vec<Attribute>),
+    /// The name of a pin before `:=` or `=>`.
+    Pin,
+    /// `GE` in `GE #limit => label`.
+    Case(Comparison),
+    Assign,
+    Arrow,
+    Comma,
+    LeftParen,
+    RightParen,
+    /// What no network holds.
+    Stray,
+}
+
+/// A token with its bytes in the text.
+pub type Spanned<'a> = (usize, Tok<'a>, usize);
