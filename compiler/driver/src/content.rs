@@ -2,21 +2,21 @@
 
 use plcc_program::symbols;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
+use plcc_syntax::xml::{self, XmlKind};
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// A source in STL or SCL.
+    /// A source in STL or SCL, or an export of blocks in XML.
     Source,
     SymbolTable,
+    /// An export that holds both.
+    SourceAndTable,
     /// Text that does not look like any of them.
     Prose,
     /// Not for us; what it is instead.
     Other(&'static str),
 }
-
-/// What exports of blocks in LAD, FBD and GRAPH are.
-pub const XML: &str = "XML";
 
 /// Words that begin a line of a source and are no mnemonics.
 const FRAME_WORDS: [&str; 17] = [
@@ -44,13 +44,15 @@ pub fn of(text: &str) -> Content {
     if text.chars().take(4096).any(|c| c.is_control() && !matches!(c, '\t' | '\n' | '\r' | '\x0c' | '\x1a')) {
         return Content::Other("binary data");
     }
+    if let Some(kind) = xml::kind(text) {
+        return of_xml(kind);
+    }
     if symbols::is_symbol_table(text) {
         return Content::SymbolTable;
     }
     let lines = || text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//"));
     match lines().next() {
         None => return Content::Source,
-        Some(line) if line.starts_with('<') => return Content::Other(XML),
         Some(line) if line.starts_with("%PDF") => return Content::Other("a PDF document"),
         Some(_) => {}
     }
@@ -60,6 +62,32 @@ pub fn of(text: &str) -> Content {
         Content::Source
     } else {
         Content::Prose
+    }
+}
+
+/// What a file in XML is, by its objects.
+fn of_xml(kind: XmlKind) -> Content {
+    match kind {
+        XmlKind::SimaticMl(contents) => match (contents.blocks, contents.tags, contents.other.as_deref()) {
+            (true, true, _) => Content::SourceAndTable,
+            (true, false, _) => Content::Source,
+            (false, true, _) => Content::SymbolTable,
+            (false, false, Some(name)) if name.starts_with("SW.WatchAndForceTables.") => {
+                Content::Other("a watch or force table")
+            }
+            (false, false, Some(name)) if name.starts_with("SW.TechnologicalObjects.") => {
+                Content::Other("a technology object")
+            }
+            (false, false, Some(_)) => {
+                Content::Other("an export of the TIA Portal without blocks, data types and tags")
+            }
+            (false, false, None) => Content::Other("an empty export of the TIA Portal"),
+        },
+        XmlKind::PlcOpen => Content::Other("PLCopen XML"),
+        XmlKind::Other(root) if root == "CAEXFile" => Content::Other("a hardware configuration (AML)"),
+        XmlKind::Other(_) => Content::Other("XML that is no export of blocks"),
+        // The parser says best what is wrong with it.
+        XmlKind::Broken => Content::Prose,
     }
 }
 
@@ -107,7 +135,10 @@ mod tests {
             assert_eq!(of(text), Content::Source, "{text:?}");
         }
         assert_eq!(of("%PDF-1.4\n1 0 obj\n"), Content::Other("a PDF document"));
-        assert_eq!(of("<?xml version=\"1.0\"?>\n<Document/>"), Content::Other("XML"));
+        assert_eq!(of("<?xml version=\"1.0\"?>\n<Document/>"), Content::Other("XML that is no export of blocks"));
+        assert_eq!(of("<Document><SW.Blocks.FC ID=\"0\"/></Document>"), Content::Source);
+        assert_eq!(of("<Document><SW.Tags.PlcTagTable ID=\"0\"/></Document>"), Content::SymbolTable);
+        assert_eq!(of("<CAEXFile/>"), Content::Other("a hardware configuration (AML)"));
         assert_eq!(of("A\0B"), Content::Other("binary data"));
         assert_eq!(of("If the tank is full then the valve is closed by hand.\n"), Content::Prose);
         assert_eq!(of("# Tank\n\nA program that fills a tank when the level is low.\n"), Content::Prose);

@@ -15,7 +15,7 @@ pub struct Read {
     /// Name of the program: of the project, or of the first source without its suffix.
     pub name: String,
     pub sources: SourceMap,
-    /// Sources in STL and SCL, in the order in which they were given or found.
+    /// Sources in STL and SCL, and exports of blocks, in the order in which they were given or found.
     pub units: Vec<FileId>,
     /// Symbol tables.
     pub tables: Vec<FileId>,
@@ -83,9 +83,7 @@ fn find_tests_below(folder: &Path, tests: &mut Vec<TestInput>) {
     for path in entries(folder) {
         if path.is_dir() {
             find_tests_below(&path, tests);
-        } else if path.extension().is_none_or(|suffix| suffix != "toml")
-            && read_text(&path).is_ok_and(|text| !text.is_empty() && content_of(&path, &text) == Content::Source)
-        {
+        } else if read_text(&path).is_ok_and(|text| !text.is_empty() && is_source(&path, &text)) {
             tests.push(TestInput::File(path));
         }
     }
@@ -101,6 +99,10 @@ pub fn project_scenarios(folder: &Path) -> Vec<PathBuf> {
 /// The scenario of a single test file, if it has one: `x.scenario.toml` beside `x.stl`.
 pub fn file_scenario(file: &Path) -> Option<PathBuf> {
     Some(file.with_extension("scenario.toml")).filter(|path| path.is_file())
+}
+
+fn is_source(path: &Path, text: &str) -> bool {
+    matches!(content_of(path, text), Content::Source | Content::SourceAndTable)
 }
 
 /// What a file holds. The ending of its name tells of a text that might be prose.
@@ -135,12 +137,15 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
     let source = SourceFile::new(path.display().to_string(), text);
     match content {
         // The parser says best why a text is no source.
-        Content::Source | Content::Prose => {
+        Content::Source | Content::SourceAndTable | Content::Prose => {
             if read.name.is_empty() {
                 read.name = stem(path);
             }
             let file = read.sources.add(source);
             read.units.push(file);
+            if content == Content::SourceAndTable {
+                read.tables.push(file);
+            }
         }
         Content::SymbolTable => {
             let file = read.sources.add(source);
@@ -148,10 +153,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
         }
         Content::Other(what) => {
             let title = format!("`{}` holds no PLC source but {what}", path.display());
-            let help = match what {
-                content::XML => "export the blocks as text, in STL or SCL; plcc does not read LAD, FBD and GRAPH",
-                _ => "give a source in STL or SCL, or a symbol table",
-            };
+            let help = "give a source in STL or SCL, blocks that the TIA Portal exported as XML, or a symbol table";
             read.report(Code::NotASource, path, title, help);
         }
     }
@@ -287,11 +289,11 @@ mod tests {
     #[test]
     fn a_named_file_must_be_a_source() {
         let folder = folder(&[("notes.md", "# Notes\n\nThis is prose that explains the program.\n")]);
-        fs::write(folder.path().join("block.xml"), "<?xml version=\"1.0\"?>\n<Document/>\n").unwrap();
+        fs::write(folder.path().join("other.xml"), "<?xml version=\"1.0\"?>\n<html/>\n").unwrap();
         let codes = |path: &str| -> Vec<Code> {
             read(&[folder.path().join(path)]).diagnostics.iter().map(|message| message.code).collect()
         };
-        assert_eq!(codes("block.xml"), [Code::NotASource]);
+        assert_eq!(codes("other.xml"), [Code::NotASource]);
         assert_eq!(codes("missing.stl"), [Code::Unreadable]);
         assert_eq!(codes("notes.md"), []);
     }

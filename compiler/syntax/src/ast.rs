@@ -113,6 +113,8 @@ pub struct Header {
     pub author: Option<String>,
     pub family: Option<String>,
     pub name: Option<String>,
+    /// The number of a block that is written with its name.
+    pub number: Option<u32>,
     pub version: Option<String>,
     pub know_how_protect: bool,
     pub standard: bool,

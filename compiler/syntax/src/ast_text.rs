@@ -140,6 +140,9 @@ impl Out {
                 self.line(format_args!("{name} {text:?}"));
             }
         }
+        if let Some(number) = header.number {
+            self.line(format_args!("number {number}"));
+        }
         for comment in &header.comment {
             self.line(format_args!("comment {comment:?}"));
         }

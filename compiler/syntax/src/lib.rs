@@ -4,7 +4,7 @@
 //! - [`literal`]: constants, the same for every language.
 //! - [`network`]: networks of LAD and FBD.
 //! - [`scl`]: lexer and grammar of SCL.
-//! - [`sd`]: SIMATIC SD, the text form of LAD and FBD.
+//! - [`simatic_ml`]: exports of the TIA Portal in XML.
 //! - [`stl`]: lexer, grammar and instruction table of STL for S7-300/400.
 //!
 //! **Invariant**: never fails; gives a tree and diagnostics.
@@ -20,8 +20,9 @@ mod language;
 pub mod literal;
 pub mod network;
 pub mod scl;
-pub mod sd;
+pub mod simatic_ml;
 pub mod stl;
+pub mod xml;
 
 pub use ast_text::ast_text;
 pub use elementary::{Class, Elementary};
@@ -47,6 +48,9 @@ pub struct ParseOptions<'a> {
 
 /// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (ast::SourceUnit, Vec<Diagnostic>) {
+    if let Some(kind) = xml::kind(text) {
+        return simatic_ml::parse(file, text, &kind, options);
+    }
     match language::detect(text, options.language) {
         Reading::Whole(Language::Stl) => stl::parse(file, text, options),
         Reading::Whole(Language::Scl) => scl::parse(file, text, options),
@@ -67,6 +71,9 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (ast::SourceUn
 
 /// The tokens of a source as its grammar sees them, one per line, for `--emit tokens`.
 pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
+    if xml::kind(text).is_some() {
+        return simatic_ml::tokens_text(text, options);
+    }
     match language::detect(text, options.language) {
         Reading::Whole(Language::Stl) => stl::tokens_text(text, options),
         Reading::Whole(Language::Scl) => scl::tokens_text(text, options),

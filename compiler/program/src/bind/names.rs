@@ -115,7 +115,7 @@ fn block_class(block: &ast::Block) -> Option<plcc_abi::ob::ObClass> {
 /// Attributes that hold the number of a block which is written with a name.
 const NUMBER_ATTRIBUTES: [&str; 2] = ["S7_BlockNumber", "BlockNumber"];
 
-/// The name of a block with its number, where the text tells it: `FC10` in one word, the attribute `S7_BlockNumber`, an OB by its usual
+/// The name of a block with its number, where the text tells it: `FC10` in one word, a number beside the name, the attribute `S7_BlockNumber`, an OB by its usual
 /// name. A symbol table comes first.
 fn numbered(
     block: &ast::Block,
@@ -142,7 +142,7 @@ fn numbered(
         .find(|(name, _)| NUMBER_ATTRIBUTES.iter().any(|number| number.eq_ignore_ascii_case(name)))
         .and_then(|(_, value)| value.trim().trim_matches(['\'', '"']).parse().ok());
     let usual = || if prefix == BlockPrefix::Ob { ob_number(text) } else { None };
-    match written.or(attribute).or_else(usual) {
+    match written.or(header.number).or(attribute).or_else(usual) {
         Some(number) => BlockName::Numbered { prefix, number, span: *span },
         None => name.clone(),
     }

@@ -37,6 +37,7 @@ use crate::{ParseOptions, frame};
 
 pub(crate) use outline::{Outline, outline};
 
+pub(crate) use actions::bound;
 pub use address::{absolute, area_word, db_address, db_area_word};
 
 /// Parses a source. Errors are recovered; what could not be parsed is left out or is an error node.

@@ -9,6 +9,7 @@ mod actions;
 mod block_check;
 mod check;
 mod context;
+pub mod fragment;
 pub mod instructions;
 mod layout;
 mod messages;
@@ -28,7 +29,7 @@ use std::fmt::Write as _;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use crate::ast::{Block, SourceUnit};
+use crate::ast::{Block, Pragma, SourceUnit};
 use crate::comment::CommentForm;
 use crate::{ParseOptions, frame};
 
@@ -55,7 +56,27 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     let mut diagnostics = Vec::new();
     report_comments(file, &raw, &mut diagnostics);
     report_mixture(file, text, &detected, options, &mut diagnostics);
-    let laid = layout::lay_out(file, text, raw, &detected, options.pragmas);
+    let Parsed { blocks, pragmas, diagnostics } = parse_raw(file, text, raw, &detected, options.pragmas, diagnostics);
+    (SourceUnit { mnemonics: detected.set, blocks, pragmas, overlay: None }, diagnostics)
+}
+
+/// What the tokens of a text hold.
+struct Parsed {
+    blocks: Vec<Block>,
+    pragmas: Vec<Pragma>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+/// Parses tokens; their messages join those that were found before.
+fn parse_raw(
+    file: FileId,
+    text: &str,
+    raw: raw::RawText,
+    detected: &mnemonics::Detected,
+    obey_pragmas: bool,
+    mut diagnostics: Vec<Diagnostic>,
+) -> Parsed {
+    let laid = layout::lay_out(file, text, raw, detected, obey_pragmas);
     diagnostics.extend(laid.diagnostics);
     let mut context = context::Context::new(file, text, &laid.tokens);
     context.comments = &laid.comments;
@@ -83,7 +104,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
         diagnostics.retain(|diagnostic| diagnostic.code != Code::MixedMnemonics);
     }
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
-    (SourceUnit { mnemonics: detected.set, blocks, pragmas: laid.pragmas, overlay: None }, diagnostics)
+    Parsed { blocks, pragmas: laid.pragmas, diagnostics }
 }
 
 /// A file that is not worth parsing: no source, or a template that was never filled in.

@@ -124,6 +124,23 @@ pub struct RawText {
     pub unterminated_comment: Option<u32>,
 }
 
+impl RawText {
+    /// Moves everything to where the scanned part of a text begins.
+    pub fn shift(&mut self, by: u32) {
+        for token in &mut self.tokens {
+            token.start += by;
+            token.end += by;
+        }
+        for comment in &mut self.comments {
+            comment.start += by;
+            comment.end += by;
+        }
+        if let Some(start) = &mut self.unterminated_comment {
+            *start += by;
+        }
+    }
+}
+
 /// Splits `text` into raw tokens. Never fails: what is no token is `Stray`.
 pub fn scan(text: &str) -> RawText {
     let mut tokens: Vec<RawToken> = Vec::with_capacity(text.len() / 4);

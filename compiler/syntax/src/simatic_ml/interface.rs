@@ -1,0 +1,147 @@
+//! Interfaces: `Sections` with their members.
+
+use plcc_diag::Span;
+use roxmltree::Node;
+
+use super::data_type;
+use super::initial;
+use super::reader::Reader;
+use crate::ast::{Constant, Retain, Section, SectionKind, TypeKind, TypeRef, Variable};
+use crate::scl::ast::{Expr, ExprKind};
+use crate::xml::{attribute_range, child, children, head, text_of};
+
+/// How deep structures may stand in one another.
+const DEPTH_MAX: usize = 64;
+
+/// The declarations of a block.
+#[derive(Default)]
+pub struct Interface {
+    pub sections: Vec<Section>,
+    pub constants: Vec<Constant>,
+    /// What the function gives; `None` for VOID.
+    pub return_type: Option<TypeRef>,
+}
+
+/// The sections of an object: in `Interface`, or right below its attributes.
+pub fn sections<'a, 'i>(object: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
+    let interface = super::reader::setting(object, "Interface")?;
+    child(interface, "Sections")
+}
+
+/// Reads the sections of a block with code.
+pub fn read(reader: &mut Reader, sections: Option<Node>) -> Interface {
+    let mut interface = Interface::default();
+    for section in sections.iter().flat_map(|sections| children(*sections, "Section")) {
+        let kind = match section.attribute("Name").unwrap_or_default() {
+            "Input" => SectionKind::Input,
+            "Output" => SectionKind::Output,
+            "InOut" => SectionKind::InOut,
+            "Static" => SectionKind::Static,
+            "Temp" => SectionKind::Temp,
+            "Constant" => {
+                let constants: Vec<Constant> =
+                    children(section, "Member").map(|member| constant(reader, member)).collect();
+                interface.constants.extend(constants);
+                continue;
+            }
+            "Return" => {
+                if let Some(member) = children(section, "Member").next() {
+                    let ty = type_of(reader, member, 0);
+                    interface.return_type = Some(ty).filter(|ty| ty.kind != TypeKind::Named("VOID".to_string()));
+                }
+                continue;
+            }
+            // `Base` of sequences belongs to the system.
+            _ => continue,
+        };
+        for member in children(section, "Member") {
+            let retain = match member.attribute("Remanence") {
+                Some("Retain") => Retain::Retain,
+                Some("SetInIDB") => Retain::DbSpecific,
+                _ => Retain::Unsaid,
+            };
+            let variable = variable(reader, member, 0);
+            match interface.sections.last_mut() {
+                Some(last) if last.kind == kind && last.retain == retain => last.variables.push(variable),
+                _ => {
+                    let span = reader.span(head(section));
+                    interface.sections.push(Section { kind, retain, variables: vec![variable], span });
+                }
+            }
+        }
+    }
+    interface
+}
+
+/// The members of all sections as components: of a data block or data type.
+pub fn components(reader: &mut Reader, sections: Option<Node>) -> Vec<Variable> {
+    let sections = sections.iter().flat_map(|sections| children(*sections, "Section"));
+    let members: Vec<Node> = sections.flat_map(|section| children(section, "Member")).collect();
+    members.into_iter().map(|member| variable(reader, member, 0)).collect()
+}
+
+fn constant(reader: &mut Reader, member: Node) -> Constant {
+    let name_span = reader.name_span(member, "Name");
+    let ty = type_of(reader, member, 0);
+    let value = child(member, "StartValue").and_then(|value| reader.start_value(value)).and_then(initial::expression);
+    let value = value.unwrap_or(Expr { kind: ExprKind::Error, span: name_span });
+    Constant { name: name_of(member), name_span, ty: Some(ty), value }
+}
+
+fn name_of(member: Node) -> String {
+    member.attribute("Name").unwrap_or_default().trim().to_string()
+}
+
+/// A member with its structure and its start value.
+pub fn variable(reader: &mut Reader, member: Node, depth: usize) -> Variable {
+    let name_span = reader.name_span(member, "Name");
+    let ty = type_of(reader, member, depth);
+    Variable {
+        name: name_of(member),
+        name_span,
+        attributes: Vec::new(),
+        at: overlaid(reader, member),
+        initial: initial::of_member(reader, member, &ty),
+        ty,
+        comment: child(member, "Comment").map(text_of).filter(|text| !text.is_empty()),
+    }
+}
+
+/// The type of a member; a `Struct`, or an array of them, has its members below it.
+fn type_of(reader: &mut Reader, member: Node, depth: usize) -> TypeRef {
+    let range = attribute_range(member, "Datatype");
+    let text = member.attribute("Datatype").unwrap_or("Void");
+    let Some(range) = reader.overlay.place(text, range.start, range) else {
+        return TypeRef { kind: TypeKind::Named(text.to_uppercase()), span: reader.span(head(member)) };
+    };
+    let mut ty = data_type::read(reader, range);
+    if depth < DEPTH_MAX
+        && let Some(members) = structure(&mut ty)
+    {
+        let below = children(member, "Member");
+        let nested = child(member, "Sections").into_iter().flat_map(|sections| children(sections, "Section"));
+        let nested = nested.flat_map(|section| children(section, "Member"));
+        let found: Vec<Node> = below.chain(nested).collect();
+        *members = found.into_iter().map(|member| variable(reader, member, depth + 1)).collect();
+    }
+    ty
+}
+
+/// The members of the structure that a type is or is an array of.
+fn structure(ty: &mut TypeRef) -> Option<&mut Vec<Variable>> {
+    match &mut ty.kind {
+        TypeKind::Struct(members) => Some(members),
+        TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => structure(element),
+        _ => None,
+    }
+}
+
+/// The variable that a member is a view of (AT).
+fn overlaid(reader: &mut Reader, member: Node) -> Option<(String, Span)> {
+    let list = child(member, "AttributeList")?;
+    let at = children(list, "StringAttribute").find(|attribute| attribute.attribute("Name") == Some("At"))?;
+    let name = text_of(at).trim_matches(['"', '#']).to_string();
+    let range = at.first_child().map_or_else(|| head(at), |text| text.range());
+    let placed = reader.overlay.place(&name, range.start, range.clone());
+    (!name.is_empty()).then(|| (name, reader.span(placed.unwrap_or(range))))
+}

@@ -1,0 +1,88 @@
+//! SimaticML: exports of the TIA Portal (Openness, Version Control Interface), of the versions V14 SP1 to V21.
+//!
+//! ```text
+//! Document ─► objects ─► block.rs ─► interface.rs ─► data_type.rs, initial.rs
+//!                           │
+//!                           └► network.rs ─► parts.rs ─► graph.rs, order.rs   FlgNet: LAD, FBD
+//!                                       ├──► tokens.rs                        StructuredText: SCL
+//!                                       └──► statements.rs                    StatementList: STL
+//! ```
+//!
+//! Names, operands and tokens are written to their places in an [`overlay`], from which the parsers of SCL and STL read them. Tag tables are
+//! read by `plcc_program::symbols`. Source: LAD/FBD reference A2.
+//!
+//! **Invariant**: what the reader does not know refuses its network or block; nothing is left out silently.
+
+mod block;
+mod data_type;
+mod graph;
+mod initial;
+mod interface;
+mod network;
+mod operand;
+mod order;
+mod overlay;
+mod parts;
+mod reader;
+mod statements;
+mod tokens;
+
+use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
+use roxmltree::Document;
+
+use crate::ParseOptions;
+use crate::ast::SourceUnit;
+use crate::xml::{self, XmlKind, head, objects};
+use overlay::Overlay;
+use reader::Reader;
+
+/// Parses an export. What cannot be read is left out, and a message tells of it.
+pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
+    let document = match Document::parse(text) {
+        Ok(document) => document,
+        Err(error) => return (SourceUnit::default(), vec![xml::broken(file, text, &error)]),
+    };
+    let root = document.root_element();
+    if let XmlKind::PlcOpen | XmlKind::Other(_) | XmlKind::Broken = kind {
+        let span = Span::new(file, head(root));
+        let title = format!("XML of this kind is no PLC source: `{}`", root.tag_name().name());
+        let refused = Diagnostic::new(Code::NotASource, span, title)
+            .label("neither an export of the TIA Portal nor one of PLCopen")
+            .help("export the blocks from the TIA Portal as XML (SimaticML)");
+        return (SourceUnit::default(), vec![refused]);
+    }
+    let mut reader = Reader { file, overlay: Overlay::new(text), pragmas: options.pragmas, diagnostics: Vec::new() };
+    let mut blocks = Vec::new();
+    for object in objects(root) {
+        match object.tag_name().name() {
+            // The reader of symbol tables has these.
+            "SW.Tags.PlcTagTable" => {}
+            name if xml::is_block(name) => blocks.extend(block::read(&mut reader, object)),
+            name => {
+                let span = reader.span(head(object));
+                let mut note = Diagnostic::new(Code::ForeignContent, span, format!("`{name}` is skipped"))
+                    .label("no block, data type or tag table")
+                    .help("nothing need be done, unless the program depends on it");
+                note.severity = Severity::Warning;
+                reader.diagnostics.push(note);
+            }
+        }
+    }
+    let mut diagnostics = reader.diagnostics;
+    diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    let overlay = Some(reader.overlay.into_text());
+    (SourceUnit { blocks, overlay, ..SourceUnit::default() }, diagnostics)
+}
+
+/// The overlay of a file without blank lines, for `--emit tokens`.
+pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
+    let kind = xml::kind(text).unwrap_or(XmlKind::Broken);
+    let (unit, _) = parse(FileId::default(), text, &kind, options);
+    let overlay = unit.overlay.unwrap_or_default();
+    let mut out = String::new();
+    for word in overlay.split("  ").map(str::trim).filter(|word| !word.is_empty()) {
+        out.push_str(word);
+        out.push('\n');
+    }
+    out
+}

@@ -1,0 +1,139 @@
+//! Files in XML: what they are, by their root element, and small helpers to walk in them.
+//!
+//! Names of elements are compared without their name space: it changes with each version of the tool, the words do not.
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+use roxmltree::{Document, Node};
+
+/// What a text in XML holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum XmlKind {
+    /// An export of the TIA Portal.
+    SimaticMl(Contents),
+    /// An export of PLCopen TC6.
+    PlcOpen,
+    /// Something else: the name of its root element.
+    Other(String),
+    /// It cannot be read as XML.
+    Broken,
+}
+
+/// What an export of the TIA Portal holds.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Contents {
+    /// Blocks or data types.
+    pub blocks: bool,
+    /// Tables of tags and user constants.
+    pub tags: bool,
+    /// The first object that is neither of them, by the name of its element.
+    pub other: Option<String>,
+}
+
+/// Tells what `text` holds; `None` if it is no XML.
+pub fn kind(text: &str) -> Option<XmlKind> {
+    if !text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
+        return None;
+    }
+    let Ok(document) = Document::parse(text) else { return Some(XmlKind::Broken) };
+    let root = document.root_element();
+    let contents = contents(root);
+    Some(match root.tag_name().name() {
+        _ if contents.blocks || contents.tags => XmlKind::SimaticMl(contents),
+        "Document" if contents.other.is_some() || child(root, "Engineering").is_some() => XmlKind::SimaticMl(contents),
+        "project" => XmlKind::PlcOpen,
+        name => XmlKind::Other(name.to_string()),
+    })
+}
+
+/// The objects of an export stand below its root, or one level deeper in files that hold several.
+fn contents(root: Node) -> Contents {
+    let mut contents = Contents::default();
+    for node in objects(root) {
+        match node.tag_name().name() {
+            "SW.Tags.PlcTagTable" => contents.tags = true,
+            name if is_block(name) => contents.blocks = true,
+            name => {
+                contents.other.get_or_insert_with(|| name.to_string());
+            }
+        }
+    }
+    contents
+}
+
+/// Whether an element of that name is a block or data type.
+pub fn is_block(name: &str) -> bool {
+    name.starts_with("SW.Blocks.") && name != "SW.Blocks.CompileUnit" && !name.ends_with("Group")
+        || name == "SW.Types.PlcStruct"
+}
+
+/// The objects of an export, in the order of the file: elements with a point in their name that stand in no other one.
+pub fn objects<'a, 'i>(root: Node<'a, 'i>) -> Vec<Node<'a, 'i>> {
+    let is_object = |node: &Node| node.is_element() && node.tag_name().name().contains('.');
+    if is_object(&root) {
+        return vec![root];
+    }
+    let mut found: Vec<Node> = Vec::new();
+    for node in elements(root) {
+        if is_object(&node) {
+            found.push(node);
+        } else {
+            found.extend(elements(node).filter(is_object));
+        }
+    }
+    found
+}
+
+/// The message for a text that is no well-formed XML.
+pub fn broken(file: FileId, text: &str, error: &roxmltree::Error) -> Diagnostic {
+    let at = error.pos();
+    let line = text.split_inclusive('\n').take(at.row.saturating_sub(1) as usize).map(str::len).sum::<usize>();
+    let rest = text.get(line..).unwrap_or_default();
+    let column = rest.char_indices().nth(at.col.saturating_sub(1) as usize).map_or(rest.len(), |(column, _)| column);
+    let start = (line + column).min(text.len());
+    let end = text.get(start..).and_then(|rest| rest.chars().next()).map_or(start, |c| start + c.len_utf8());
+    Diagnostic::new(Code::NotASource, Span::new(file, start..end), "the file is no well-formed XML")
+        .label(error.to_string())
+        .help("export it again, and copy it whole")
+}
+
+/// The elements below a node.
+pub fn elements<'a, 'i>(node: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>> {
+    node.children().filter(Node::is_element)
+}
+
+/// Whether a node is an element of that name.
+pub fn is(node: Node, name: &str) -> bool {
+    node.is_element() && node.tag_name().name() == name
+}
+
+/// The first element of that name below a node.
+pub fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    node.children().find(|child| is(*child, name))
+}
+
+/// All elements of that name directly below a node.
+pub fn children<'a, 'i, 'n>(node: Node<'a, 'i>, name: &'n str) -> impl Iterator<Item = Node<'a, 'i>> + use<'a, 'i, 'n> {
+    node.children().filter(move |child| is(*child, name))
+}
+
+/// The text inside a node, without outer blanks.
+pub fn text_of(node: Node) -> String {
+    raw_text_of(node).trim().to_string()
+}
+
+/// The text inside a node.
+pub fn raw_text_of(node: Node) -> String {
+    node.descendants().filter(Node::is_text).filter_map(|text| text.text()).collect()
+}
+
+/// The bytes of an attribute's value in the file, else those of its element.
+pub fn attribute_range(node: Node, name: &str) -> std::ops::Range<usize> {
+    node.attribute_node(name).map_or_else(|| head(node), |attribute| attribute.range_value())
+}
+
+/// The bytes of an element's start tag, up to the end of its name.
+pub fn head(node: Node) -> std::ops::Range<usize> {
+    let range = node.range();
+    let length = 1 + node.tag_name().name().len();
+    range.start..(range.start + length).min(range.end)
+}
