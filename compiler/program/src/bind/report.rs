@@ -42,6 +42,11 @@ impl Report {
         Report { diagnostics: Vec::new(), missing: Vec::new(), index: FxHashMap::default(), partial }
     }
 
+    /// No error was told of, and nothing is undefined.
+    pub fn is_clean(&self) -> bool {
+        self.missing.is_empty() && !self.diagnostics.iter().any(Diagnostic::is_error)
+    }
+
     pub fn push(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
     }

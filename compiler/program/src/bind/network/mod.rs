@@ -29,14 +29,104 @@ pub struct Page {
     /// ENO of the block so far, a BOOL; none if nothing but RET sets it.
     eno: Option<sheet::Hidden>,
     pub registers: Registers,
+    /// The first element that could not be bound.
+    failed: Option<Span>,
 }
 
 impl Binder<'_> {
     /// Binds the networks of a block.
-    pub fn bind_networks(&mut self, _ctx: &mut Ctx, _block: &ast::CodeBlock, networks: &Networks) -> Body {
-        let mut messages = legality::labels(networks);
-        networks.networks.iter().for_each(|network| legality::legality(network, &mut messages));
-        messages.extend(legality::block_warnings(networks));
+    pub fn bind_networks(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, networks: &Networks) -> Body {
+        ctx.scl = Scope::new(self.input, &block.header, Dialect::Tia);
+        // Boxes tell of their errors by ENO.
+        ctx.scl.sets_flag = true;
+        ctx.scl.lists = vec![TOP];
+        self.collect_network_labels(ctx, networks);
+        let span = ctx.fixed_span.unwrap_or(block.name.span());
+        let mut page = Page { pool: Pool::new(ctx), eno: None, registers: Registers::default(), failed: None };
+        let mut statements = Vec::new();
+        self.begin_registers(ctx, &mut page, networks, span, &mut statements);
+        self.begin_eno(ctx, &mut page, networks, span, &mut statements);
+        for (number, network) in networks.networks.iter().enumerate() {
+            self.bind_network(ctx, &mut page, network, number as u16 + 1, &mut statements);
+        }
+        let eno = match &page.eno {
+            Some(eno) => eno.load(span),
+            None => constant_expr(1, Elementary::Bool, span),
+        };
+        statements.push(Statement { kind: StatementKind::SetFlag(eno), span });
+        for warning in legality::block_warnings(networks) {
+            self.report.push(warning);
+        }
+        // Each has had its message; this one is for what none of them saw.
+        if let Some(span) = page.failed
+            && self.report.is_clean()
+        {
+            self.not_bound(span);
+        }
+        self.unused_data(ctx, block, networks.networks.is_empty());
+        Body { statements, sets_flag: true, calls_set_flag: true, temporary_texts: temporary::texts(&ctx.bound) }
+    }
+
+    /// ENO of the block is kept aside where SCL networks set it, and on an S7-300/400, where it is the BR that boxes and SAVE change.
+    fn begin_eno(
+        &mut self,
+        ctx: &mut Ctx,
+        page: &mut Page,
+        networks: &Networks,
+        span: Span,
+        statements: &mut Vec<Statement>,
+    ) {
+        let scl = networks.networks.iter().any(|network| matches!(network.content, Content::Scl(_)));
+        let saves = |network: &Network| match &network.content {
+            Content::Graphic(graph) => graph
+                .elements
+                .iter()
+                .any(|element| matches!(&element.target, Target::Element { row, .. } if row.kind == Kind::Save)),
+            Content::Scl(_) | Content::Stl(_) => false,
+        };
+        if !scl && !has_br(ctx.scl.rules) && !networks.networks.iter().any(saves) {
+            return;
+        }
+        let eno = page.pool.lasting(ctx, Elementary::Bool);
+        statements.push(eno.set(constant_expr(1, Elementary::Bool, span), span));
+        page.eno = Some(eno);
+    }
+
+    fn bind_network(
+        &mut self,
+        ctx: &mut Ctx,
+        page: &mut Page,
+        network: &Network,
+        number: u16,
+        statements: &mut Vec<Statement>,
+    ) {
+        page.pool.next_network();
+        for label in &network.labels {
+            if let Some(id) = self.label(ctx, label) {
+                statements.push(Statement { kind: StatementKind::Label(id), span: label.span });
+            }
+        }
+        match &network.content {
+            Content::Graphic(graph) => statements.extend(self.bind_graph(ctx, page, network, graph)),
+            Content::Scl(list) => {
+                let flag = |page: &Page| page.eno.as_ref().map(|eno| eno.load(network.span));
+                if let Some(eno) = flag(page) {
+                    statements.push(Statement { kind: StatementKind::SetFlag(eno), span: network.span });
+                }
+                statements.extend(self.statements(ctx, list));
+                if let Some(eno) = &page.eno {
+                    let flag = Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span: network.span };
+                    statements.push(eno.set(flag, network.span));
+                }
+            }
+            Content::Stl(list) => self.bind_stl_network(ctx, list, number, statements),
+        }
+    }
+
+    fn bind_graph(&mut self, ctx: &mut Ctx, page: &mut Page, network: &Network, graph: &Graph) -> Vec<Statement> {
+        let mut messages = Vec::new();
+        legality::legality(network, &mut messages);
+        let legal = !messages.iter().any(Diagnostic::is_error);
         messages.into_iter().for_each(|message| self.report.push(message));
         Body::default()
     }
