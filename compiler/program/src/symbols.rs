@@ -1,16 +1,31 @@
-//! Symbol tables: `.asc`, `.sdf`, `.seq`, `.dif` and `;`-separated, told apart by their content.
+//! Symbol tables: `.asc`, `.sdf`, `.seq`, `.dif`, `;`-separated and tag tables in XML, told apart by their content.
 //!
 //! Each row gives a symbol, its address, its data type and a comment. Addresses are taken in both mnemonic sets (`E 0.0` is
 //! `I 0.0`). A row that cannot be read is one message; the others are read all the same.
 //! Source: STL reference, symbol tables; exports of the newer portal tool have more columns behind the first three.
 
+mod tag_table;
+
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Width};
+use plcc_syntax::scl::ast::Expr;
 
 /// The rows of one table.
 #[derive(Clone, Debug, Default)]
 pub struct SymbolTable {
     pub symbols: Vec<Symbol>,
+    /// User constants of tag tables.
+    pub constants: Vec<GlobalConstant>,
+}
+
+/// A constant that every block can use by its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GlobalConstant {
+    pub name: String,
+    /// As written.
+    pub ty: String,
+    pub value: Expr,
+    pub span: Span,
 }
 
 /// A row: a name for an address.
@@ -51,6 +66,9 @@ pub fn is_symbol_table(text: &str) -> bool {
 
 /// Reads the table in `source`, which is file `file`.
 pub fn parse(file: FileId, source: &SourceFile) -> (SymbolTable, Vec<Diagnostic>) {
+    if plcc_syntax::xml::kind(&source.text).is_some() {
+        return tag_table::parse(file, &source.text);
+    }
     let mut reader = Reader { file, text: &source.text, table: SymbolTable::default(), diagnostics: Vec::new() };
     match format(&source.text) {
         Some(Format::Asc) => reader.asc(),

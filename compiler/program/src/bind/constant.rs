@@ -179,7 +179,8 @@ impl Binder<'_> {
     }
 
     fn named_constant(&mut self, constants: &Constants, name: &Name) -> Option<Constant> {
-        if let Some(constant) = constants.get(&names::fold(&name.text)) {
+        let folded = names::fold(&name.text);
+        if let Some(constant) = constants.get(&folded).or_else(|| self.global_constants.get(&folded)) {
             return Some(constant.clone());
         }
         self.unknown_constant(&name.text, name.span);
@@ -245,7 +246,9 @@ impl Binder<'_> {
                 }
             }
             Bound::Name(name, span) => {
-                if let Some(number) = self.scope.constants.get(&names::fold(name)).and_then(Constant::integer) {
+                let folded = names::fold(name);
+                let constant = self.scope.constants.get(&folded).or_else(|| self.global_constants.get(&folded));
+                if let Some(number) = constant.and_then(Constant::integer) {
                     return i64::try_from(number).ok();
                 }
                 if self.scope.scl {

@@ -50,6 +50,7 @@ use crate::model::{BlockKey, Body, CodeBlock, Program, TestSettings};
 use crate::symbols::{SymbolTable, SymbolTarget};
 use crate::types::StructType;
 pub use catalog::standard_library;
+use constant::Constants;
 use declare::{BoundInterface, Scope, Typed, TypedStruct};
 use names::Global;
 use report::Report;
@@ -154,6 +155,8 @@ struct Binder<'a> {
     config: Config,
     report: Report,
     globals: FxHashMap<String, Global>,
+    /// User constants of tag tables, by folded name.
+    global_constants: Constants,
     block_names: FxHashMap<(BlockPrefix, u16), String>,
     /// Where each block of the sources is defined.
     defined: FxHashMap<(BlockPrefix, u16), Span>,
@@ -211,6 +214,7 @@ impl<'a> Binder<'a> {
             config: input.config.clone(),
             report: Report::new(input.partial),
             globals: FxHashMap::default(),
+            global_constants: Constants::default(),
             block_names: FxHashMap::default(),
             defined: FxHashMap::default(),
             code: FxHashMap::default(),

@@ -5,6 +5,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::constant::{Constant, Constants};
 use super::{Binder, mentions};
 use crate::model::BlockKey;
 use crate::symbols::{SymbolTarget, parse_address};
@@ -152,6 +153,7 @@ impl<'a> Binder<'a> {
     /// Reads the symbol tables and gives every block of the sources its number.
     pub fn collect(&mut self) {
         self.collect_tables();
+        self.collect_constants();
         let blocks: Vec<&'a ast::Block> = self.input.units.iter().flat_map(|(_, unit)| &unit.blocks).collect();
         let mut used: FxHashSet<(BlockPrefix, u32)> = FxHashSet::default();
         for global in self.globals.values() {
@@ -299,6 +301,22 @@ impl<'a> Binder<'a> {
                     }
                 }
             }
+        }
+    }
+
+    /// User constants of tag tables, in their types.
+    fn collect_constants(&mut self) {
+        let input = self.input;
+        for constant in input.tables.iter().flat_map(|table| &table.constants) {
+            let Some(value) = self.constant(&Constants::default(), &constant.value) else { continue };
+            let value = match Elementary::from_word(&constant.ty.to_ascii_uppercase()) {
+                Some(ty) => match self.constant_bits(&value, ty, constant.value.span) {
+                    Some(bits) => Constant::Typed { ty, bits },
+                    None => continue,
+                },
+                None => value,
+            };
+            self.global_constants.entry(fold(&constant.name)).or_insert(value);
         }
     }
 

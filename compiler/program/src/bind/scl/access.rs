@@ -174,6 +174,9 @@ impl Binder<'_> {
         {
             return self.peripheral_tag(ctx, tag, name.span);
         }
+        if !global && let Some(constant) = self.global_constants.get(&fold(text)) {
+            return Some(Thing::Constant(constant.clone()));
+        }
         match self.resolve_global(ctx, text, name.span)? {
             Resolved::Variable(variable) => Some(Thing::Spot(Spot::fixed(variable))),
             Resolved::Cell { kind, number } => self.cell(kind, number, name.span),
