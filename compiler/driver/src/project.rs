@@ -58,6 +58,7 @@ struct Keys {
     #[serde(default)]
     symbols: Vec<Spanned<String>>,
     startup: Option<StartupKey>,
+    cycle_time: Option<Spanned<String>>,
     cycle_time_max: Option<Spanned<String>>,
     cycle_time_exceeded: Option<ExceededKey>,
     #[serde(alias = "clock_memory_byte")]
@@ -149,6 +150,7 @@ impl Context {
 
     fn project(&mut self, keys: Keys) -> Project {
         let mut config = Config::default();
+        config.cycle_time_ms = keys.cycle_time.as_ref().and_then(|time| self.duration(time, 1..=6000));
         if let Some(time) = &keys.cycle_time_max {
             config.cycle_time_max_ms = self.duration(time, 1..=6000).unwrap_or(config.cycle_time_max_ms);
         }

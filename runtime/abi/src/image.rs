@@ -166,6 +166,8 @@ pub struct SymbolEntry {
 pub struct Config {
     /// Cycle-time monitoring; 150 by default.
     pub cycle_time_max_ms: u32,
+    /// Time from one cycle start to the next, if the flags of the run say nothing.
+    pub cycle_time_ms: Option<u32>,
     /// S7-1200/1500 without OB 80: whether the first cycle that is too long stops the CPU; `None`: as the family has it.
     pub overrun_stops: Option<bool>,
     /// Clock memory byte, if one is configured.
@@ -194,6 +196,7 @@ impl Default for Config {
     fn default() -> Self {
         Config {
             cycle_time_max_ms: 150,
+            cycle_time_ms: None,
             overrun_stops: None,
             clock_memory_byte: None,
             system_memory_byte: None,

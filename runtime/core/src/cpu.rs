@@ -11,12 +11,13 @@ use plcc_abi::image::{BlockEntry, BlockKind};
 use plcc_abi::layout::{self, state};
 use plcc_abi::ob::{OB_FREE, ObClass};
 
-use crate::clock::Clock;
+use crate::clock::{Clock, NS_PER_MS};
 use crate::code::Code;
 use crate::communication::Communication;
 use crate::diagnostics::{Diagnostics, Entry};
 use crate::io::Driver;
 use crate::memory::Memory;
+use crate::options::CYCLE_TIME_DEFAULT;
 use crate::organization::Running;
 use crate::schedule::Schedule;
 use crate::system::meters::{METERS, Meter};
@@ -102,6 +103,12 @@ impl Cpu {
             self.memory.load(db.address, &db.data);
             self.memory.set_db(db.number, db.address, db.data.len() as u32);
         }
+    }
+
+    /// Nanoseconds from one cycle start to the next, if nobody asks for another time.
+    pub fn cycle_time(&self) -> u64 {
+        let given = self.image.config.cycle_time_ms.map(|ms| u64::from(ms) * NS_PER_MS);
+        given.unwrap_or(CYCLE_TIME_DEFAULT.0)
     }
 
     /// The block of this kind and number.

@@ -14,7 +14,7 @@ use crate::cpu::Cpu;
 use crate::cycle::{Observer, Pace};
 use crate::faults::STOP_BY_REQUEST;
 use crate::io::Simulated;
-use crate::options::{CYCLE_TIME_DEFAULT, ClockKind, HANG_LIMIT_DEFAULT, RunOptions, split_list};
+use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions, split_list};
 use crate::plant::Plant;
 use crate::scenario::{Player, Scenario};
 use crate::signal::{Signal, Source};
@@ -99,7 +99,7 @@ pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 
     watch_signals();
     let pace = Pace {
         cycles: options.cycles,
-        cycle_time: options.cycle_time.unwrap_or(CYCLE_TIME_DEFAULT).0,
+        cycle_time: options.cycle_time.map_or_else(|| cpu.cycle_time(), |time| time.0),
         hang_limit: options.hang_limit.unwrap_or(HANG_LIMIT_DEFAULT).0,
     };
     let cycles = cpu.execute(&pace, &mut session);

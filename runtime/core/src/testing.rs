@@ -13,7 +13,7 @@ use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Pace;
 use crate::io::Simulated;
-use crate::options::{CYCLE_TIME_DEFAULT, HANG_LIMIT_DEFAULT};
+use crate::options::HANG_LIMIT_DEFAULT;
 use crate::scenario::{Player, Scenario};
 
 /// Cycles that a program which stops itself may take.
@@ -149,7 +149,7 @@ pub fn test(image: ProgramImage, code: Rc<dyn Code>, options: &TestOptions) -> T
             return report;
         }
     };
-    let cycle_time = options.cycle_time.unwrap_or(CYCLE_TIME_DEFAULT.0);
+    let cycle_time = options.cycle_time.unwrap_or_else(|| cpu.cycle_time());
     let until_stop = options.cycles.is_none() && cpu.image.stops_itself && scenario.entries.is_empty();
     let cycles = match options.cycles {
         Some(cycles) => cycles,
