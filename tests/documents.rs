@@ -71,7 +71,7 @@ const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
 
 #[test]
 fn every_code_has_a_failing_and_a_passing_file() {
-    let check_files = ["stl", "scl"].map(|suffix| files(&tests_folder().join("check"), suffix)).concat();
+    let check_files = ["stl", "scl", "s7dcl"].map(|suffix| files(&tests_folder().join("check"), suffix)).concat();
     let names: Vec<String> =
         check_files.iter().map(|path| path.file_stem().unwrap().to_string_lossy().into()).collect();
     let has_pair = |code: Code| {
@@ -85,7 +85,7 @@ fn every_code_has_a_failing_and_a_passing_file() {
         let reason = WITHOUT_CHECK_FILE.iter().find(|(other, _)| *other == code).map(|(_, reason)| reason);
         match reason {
             None => {
-                assert!(has_pair(code), "tests/check has no {0}-NAME.stl or .scl with its {0}-NAME-ok", code.name())
+                assert!(has_pair(code), "tests/check has no {0}-NAME.stl, .scl or .s7dcl with its {0}-NAME-ok", code.name())
             }
             Some(reason) => assert!(!has_pair(code), "{} has a pair of files, although it {reason}", code.name()),
         }
@@ -224,6 +224,12 @@ fn codes_of(code: Code, example: &str) -> Vec<Code> {
             "toml" => "plc.toml",
             "sdf" => "symbols.sdf",
             "scl" => "main.scl",
+            "s7dcl" => "main.s7dcl",
+            "s7res" => {
+                // It lies beside the source and is no source itself.
+                fs::write(folder.path().join("main.s7res"), text).unwrap();
+                continue;
+            }
             "txt" => "main.txt",
             "xml" => "main.xml",
             "sh" => {

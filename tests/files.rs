@@ -25,7 +25,7 @@ use plcc_driver::testing::{self, Form, Outcome, Variant, carets, prepare};
 use plcc_tests::{all_variants, bind_file, expect_file, files, plan, projects, root, shown, tests_folder, updating};
 
 /// Endings of the sources that are tests.
-const LANGUAGES: [&str; 3] = ["stl", "scl", "xml"];
+const LANGUAGES: [&str; 3] = ["stl", "scl", "s7dcl"];
 
 /// Run tests in one trial: their executables share links.
 const RUN_GROUP: usize = 40;

@@ -10,8 +10,7 @@ pub fn tokens(read: &Read, settings: &Settings) -> String {
     let texts = read.units.iter().map(|&unit| {
         let file = read.sources.file(unit);
         let language = pipeline::language_of(&file.name);
-        let options =
-            ParseOptions { mnemonics: settings.mnemonics, pragmas: settings.pragmas, language, texts: None };
+        let options = ParseOptions { mnemonics: settings.mnemonics, pragmas: settings.pragmas, language, texts: None };
         (file.name.as_str(), plcc_syntax::tokens_text(&file.text, &options))
     });
     join(texts)

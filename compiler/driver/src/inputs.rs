@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
+use plcc_syntax::Language;
 
 use crate::content::{self, Content};
 use crate::pipeline;
@@ -15,10 +16,12 @@ pub struct Read {
     /// Name of the program: of the project, or of the first source without its suffix.
     pub name: String,
     pub sources: SourceMap,
-    /// Sources in STL and SCL, and exports of blocks, in the order in which they were given or found.
+    /// Sources in STL, SCL and SIMATIC SD, in the order in which they were given or found.
     pub units: Vec<FileId>,
     /// Symbol tables.
     pub tables: Vec<FileId>,
+    /// Sources with the texts that lie beside them (`.s7res`).
+    pub texts: Vec<(FileId, FileId)>,
     pub project: Option<Project>,
     pub diagnostics: Vec<Diagnostic>,
 }
@@ -101,12 +104,14 @@ pub fn file_scenario(file: &Path) -> Option<PathBuf> {
     Some(file.with_extension("scenario.toml")).filter(|path| path.is_file())
 }
 
-fn is_source(path: &Path, text: &str) -> bool {
-    matches!(content_of(path, text), Content::Source | Content::SourceAndTable)
-}
+/// The suffix of files with the texts of a source in SIMATIC SD.
+const TEXTS_SUFFIX: &str = "s7res";
 
 /// What a file holds. The ending of its name tells of a text that might be prose.
 fn content_of(path: &Path, text: &str) -> Content {
+    if path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case(TEXTS_SUFFIX)) {
+        return Content::Other("texts of a block");
+    }
     match content::of(text) {
         Content::Prose if pipeline::language_of(&path.display().to_string()).is_some() => Content::Source,
         content => content,
@@ -143,9 +148,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
             }
             let file = read.sources.add(source);
             read.units.push(file);
-            if content == Content::SourceAndTable {
-                read.tables.push(file);
-            }
+            add_texts(read, path, file);
         }
         Content::SymbolTable => {
             let file = read.sources.add(source);
@@ -153,9 +156,23 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
         }
         Content::Other(what) => {
             let title = format!("`{}` holds no PLC source but {what}", path.display());
-            let help = "give a source in STL or SCL, blocks that the TIA Portal exported as XML, or a symbol table";
+            let help = match what {
+                content::XML => "export the blocks as text, in STL or SCL; plcc does not read LAD, FBD and GRAPH",
+                _ => "give a source in STL, SCL or SIMATIC SD, or a symbol table",
+            };
             read.report(Code::NotASource, path, title, help);
         }
+    }
+}
+
+/// The texts of titles and comments beside a source in SIMATIC SD.
+fn add_texts(read: &mut Read, path: &Path, unit: FileId) {
+    let beside = path.with_extension(TEXTS_SUFFIX);
+    if pipeline::language_of(&path.display().to_string()) == Some(Language::Sd)
+        && let Ok(text) = read_text(&beside)
+    {
+        let texts = read.sources.add(SourceFile::new(beside.display().to_string(), text));
+        read.texts.push((unit, texts));
     }
 }
 

@@ -10,6 +10,7 @@ use plcc_program::model::Program;
 use plcc_program::symbols::{self, SymbolTable};
 use plcc_program::{BindInput, profile};
 use plcc_syntax::ast::{Block, SourceUnit, StatementKind};
+use plcc_syntax::sd::Texts;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::{Language, ParseOptions};
 
@@ -77,11 +78,16 @@ pub struct Compiled {
 
 /// Parses all sources and symbol tables.
 pub fn parse(read: Read, settings: &Settings) -> Parsed {
-    let Read { name, sources, units, tables, project, mut diagnostics } = read;
+    let Read { name, sources, units, tables, texts, project, mut diagnostics } = read;
     let options = settings.parse_options(project.as_ref());
     let mut parse_unit = |file| {
         let source = sources.file(file);
-        let options = ParseOptions { language: language_of(&source.name), ..options };
+        let texts = texts.iter().find(|(unit, _)| *unit == file).map(|&(_, texts)| {
+            let (texts, messages) = Texts::parse(texts, &sources.file(texts).text);
+            diagnostics.extend(messages);
+            texts
+        });
+        let options = ParseOptions { language: language_of(&source.name), texts: texts.as_ref(), ..options };
         let (unit, messages) = plcc_syntax::parse(file, &source.text, &options);
         diagnostics.extend(messages);
         (file, unit)

@@ -81,8 +81,13 @@ fn marked(read: &Read, plan: &Plan, outcome: &mut Outcome) -> Option<Vec<TestPro
 
 /// The messages that caret lines must mark.
 fn messages_of(read: &Read, plan: &Plan) -> (Vec<Diagnostic>, SourceMap) {
-    let again =
-        Read { name: read.name.clone(), sources: read.sources.clone(), units: read.units.clone(), ..Read::default() };
+    let again = Read {
+        name: read.name.clone(),
+        sources: read.sources.clone(),
+        units: read.units.clone(),
+        texts: read.texts.clone(),
+        ..Read::default()
+    };
     let bound = pipeline::front(again, &settings(plan));
     (bound.diagnostics, bound.sources)
 }

@@ -20,7 +20,7 @@ pub fn build(
     options: &ParseOptions,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> SourceUnit {
-    let Document { tokens, declarations, blocks: frames, members } = document;
+    let Document { tokens, declarations, blocks: frames, comments, members } = document;
     let (mut blocks, pragmas, messages) = fragment::blocks(file, text, declarations, options.pragmas);
     diagnostics.extend(messages);
     let mut texts = texts::Lookup::new(options.texts);
@@ -43,7 +43,7 @@ pub fn build(
                 BlockCode::Scl(body) => body.statements,
                 BlockCode::Stl(_) | BlockCode::Graphic(_) => Vec::new(),
             };
-            let source = Source { file, text, tokens: &tokens, pragmas: options.pragmas };
+            let source = Source { file, text, tokens: &tokens, comments: &comments, pragmas: options.pragmas };
             let mut networks: Vec<Network> = frame
                 .networks
                 .iter()

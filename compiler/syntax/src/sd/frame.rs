@@ -21,6 +21,8 @@ pub struct Document {
     /// Heads and declarations, in the form of SCL.
     pub declarations: RawText,
     pub blocks: Vec<Frame>,
+    /// Comments inside of networks.
+    pub comments: Vec<Comment>,
     /// Attributes before a name that is declared, by the first byte of the name.
     pub members: HashMap<u32, Vec<Attribute>>,
 }
@@ -64,11 +66,11 @@ pub fn read(file: FileId, text: &str, raw: RawText, diagnostics: &mut Vec<Diagno
         blocks.iter().flat_map(|block| &block.networks).map(|network| &network.bytes).collect();
     let inside = |at: u32| networks.iter().any(|bytes| bytes.contains(&(at as usize)));
     let kept = |comment: &Comment| comment.form == CommentForm::Unterminated || !inside(comment.start);
-    let comments = comments.into_iter().filter(kept).collect();
+    let (outside, inside): (Vec<Comment>, Vec<Comment>) = comments.into_iter().partition(kept);
     // Regions count tokens, of which some are gone; those of networks are read again with them.
     drop(regions);
-    let declarations = RawText { tokens: out, comments, regions: Vec::new() };
-    Document { tokens, declarations, blocks, members }
+    let declarations = RawText { tokens: out, comments: outside, regions: Vec::new() };
+    Document { tokens, declarations, blocks, comments: inside, members }
 }
 
 /// Attributes that stand before something that has not been read.

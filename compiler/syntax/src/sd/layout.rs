@@ -83,9 +83,12 @@ impl<'a> Layout<'a, '_> {
                 break;
             } else if self.is_word("END_RUNG") {
                 self.take(Tok::EndRung);
-                self.wire();
+                if let Some(name) = self.wire() {
+                    self.push_up_to(Tok::Wire(name), self.at + 2);
+                }
                 return;
-            } else if self.wire() {
+            } else if let Some(name) = self.wire() {
+                self.push_up_to(Tok::Wire(name), self.at + 2);
             } else if token.kind == RawKind::LeftBrace {
                 let (attributes, behind) = pragma::read(self.file, self.text, self.raw, self.at, &mut self.diagnostics);
                 self.push_up_to(Tok::Pragma(attributes), behind);
@@ -105,16 +108,12 @@ impl<'a> Layout<'a, '_> {
         self.push_here(Tok::EndRung);
     }
 
-    /// Takes `wire#w1`.
-    fn wire(&mut self) -> bool {
-        let Some(next) = self.raw.get(self.at + 1).copied() else { return false };
+    /// The name of the wire at hand, `wire#w1`, which is two raw tokens.
+    fn wire(&self) -> Option<&'a str> {
+        let next = self.raw.get(self.at + 1).copied()?;
         let adjacent = self.raw[self.at].end == next.start;
-        if !self.is_word("wire") || next.kind != RawKind::Local || !adjacent {
-            return false;
-        }
-        let name = self.text[next.range()].trim_start_matches('#').trim_matches('"');
-        self.push_up_to(Tok::Wire(name), self.at + 2);
-        true
+        let is_wire = self.is_word("wire") && next.kind == RawKind::Local && adjacent;
+        is_wire.then(|| self.text[next.range()].trim_start_matches('#').trim_matches('"'))
     }
 
     /// An element with its pins, or an operand that leads a rung. The tokens of its name end before index `behind`.
@@ -149,12 +148,8 @@ impl<'a> Layout<'a, '_> {
                 {
                     self.take(Tok::Pin);
                 }
-                _ if self.is_word("NOT") => self.take(Tok::Not),
-                _ if self.wire() => {}
-                _ => match self.case() {
-                    Some(sign) => self.take(Tok::Case(sign)),
-                    None => self.value(),
-                },
+                _ if self.is_word("NOT") => self.take(Tok::Negated),
+                _ => self.value_of_pin(),
             }
         }
         self.diagnostics.push(
@@ -163,6 +158,17 @@ impl<'a> Layout<'a, '_> {
                 .help("write `)` behind the last pin"),
         );
         self.push_here(Tok::RightParen);
+    }
+
+    /// A wire, an operand, or a comparison of SWITCH with its operand.
+    fn value_of_pin(&mut self) {
+        if let Some(name) = self.wire() {
+            return self.push_up_to(Tok::Connected(name), self.at + 2);
+        }
+        if let Some(sign) = self.case() {
+            self.take(Tok::Case(sign));
+        }
+        self.value();
     }
 
     /// The comparison at hand in `GE #limit => label`.
@@ -196,7 +202,7 @@ impl<'a> Layout<'a, '_> {
         }
         let behind = self.at;
         self.at = first;
-        if behind == first { self.take(Tok::Stray) } else { self.push_up_to(Tok::Operand, behind) }
+        if behind == first { self.take(Tok::Stray) } else { self.push_up_to(Tok::Value, behind) }
     }
 
     /// Index behind the name or constant at hand: `#a.b[1]`, `"DB".x`, `%I0.0`, `TRUE`, `Contact`.

@@ -1,9 +1,10 @@
 //! A network of a document: its language, its texts, and what it holds.
 
-use plcc_diag::{Diagnostic, FileId};
+use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use super::frame::{Frame, NetworkSource};
 use super::{blocks, context, grammar, graph, layout, pragma, texts};
+use crate::comment::{self, Comment};
 use crate::network::ast::{Content, Language, Network};
 use crate::scl::fragment;
 use crate::scl::raw::RawToken;
@@ -14,6 +15,8 @@ pub struct Source<'a> {
     pub text: &'a str,
     /// All tokens of the text.
     pub tokens: &'a [RawToken],
+    /// Comments inside of networks.
+    pub comments: &'a [Comment],
     /// Assertions are read.
     pub pragmas: bool,
 }
@@ -75,6 +78,7 @@ fn graphic(
     language: Language,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> (Vec<crate::scl::ast::Name>, crate::network::ast::Graph) {
+    report_assertions(source, network, diagnostics);
     let laid = layout::lay_out(source.file, source.text, &source.tokens[network.tokens.clone()]);
     let mut reported: Vec<u32> = laid.diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
     reported.sort_unstable();
@@ -100,4 +104,20 @@ fn graphic(
     };
     diagnostics.append(&mut context.diagnostics);
     graph::build(source, language, parts, diagnostics)
+}
+
+/// Assertions stand between networks: in a network nothing tells when they would be looked at.
+fn report_assertions(source: &Source, network: &NetworkSource, diagnostics: &mut Vec<Diagnostic>) {
+    let mut next = source.comments.partition_point(|comment| (comment.start as usize) < network.bytes.start);
+    while source.pragmas
+        && let Some(found) = comment::next_pragma(source.text, source.comments, &mut next, network.bytes.end as u32)
+    {
+        let span = Span { file: source.file, start: found.start, end: found.end };
+        diagnostics.push(
+            Diagnostic::new(Code::Pragma, span, "an assertion stands inside a network of LAD or FBD")
+                .label("between rungs")
+                .help("write it behind `END_NETWORK`; it is looked at when the network has run"),
+        );
+        next += 1;
+    }
 }

@@ -10,12 +10,13 @@ pub enum Tok<'a> {
     Label,
     Rung,
     EndRung,
-    /// `wire#w1`: its name.
+    /// `wire#w1` in a rung: its name.
     Wire(&'a str),
+    /// `NOT` in a rung.
     Not,
     /// `{ S7_Templates := "…" }` before an element.
     Pragma(Vec<Attribute>),
-    /// An operand, constant or name, in all its length.
+    /// An operand that leads a rung, in all its length.
     Operand,
     /// What stands before the parentheses of an element.
     Target,
@@ -25,6 +26,12 @@ pub enum Tok<'a> {
     Pin,
     /// `GE` in `GE #limit => label`.
     Case(Comparison),
+    /// An operand, constant or name at a pin, in all its length.
+    Value,
+    /// `wire#w1` at a pin: its name.
+    Connected(&'a str),
+    /// `NOT` at a pin.
+    Negated,
     Assign,
     Arrow,
     Comma,

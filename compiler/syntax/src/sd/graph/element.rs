@@ -7,7 +7,6 @@ use super::settings::{self, Settings};
 use super::{Builder, Carried, Flow};
 use crate::network::ast::{Comparison, Element, Eno, Language, Pin, Storage, Target};
 use crate::network::elements::{self, Kind, Row};
-use crate::scl::ast::Expr;
 use crate::sd::pragma::Attribute;
 use crate::sd::tree::Node;
 
@@ -38,7 +37,7 @@ impl Builder<'_, '_> {
                 let mut pins = Pins::of_row(row, negated);
                 let mut instance = None;
                 if let Some(span) = operand {
-                    let value = self.expression(span);
+                    let value = self.operand(span);
                     match row.kind {
                         Kind::Instance(_) => instance = Some(value),
                         _ => pins.operand(span, value),
@@ -53,7 +52,7 @@ impl Builder<'_, '_> {
             }
             Meaning::Block => {
                 let settings = self.settings(&attributes, inline);
-                let callee = self.expression(node.target);
+                let callee = self.operand(node.target);
                 let mut pins = Pins::of_block();
                 self.pins(&mut pins, node.arguments);
                 self.flow_in(&mut pins, Some("en".to_string()), before, node.target);
@@ -176,11 +175,6 @@ impl Builder<'_, '_> {
         cases.sort_by_key(|(number, _)| *number);
         cases.dedup_by_key(|(number, _)| *number);
         cases.into_iter().map(|(_, comparison)| comparison).collect()
-    }
-
-    /// The expression of an operand; labels are names.
-    pub(super) fn operand(&mut self, span: Span, label: bool) -> Expr {
-        if label { self.label_expression(span) } else { self.expression(span) }
     }
 }
 

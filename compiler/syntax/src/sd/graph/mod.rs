@@ -15,7 +15,7 @@ use super::pragma::Attribute;
 use super::tree::{Argument, Item, Part, Rung, ValueKind, Wire};
 use crate::network::ast::{Element, Eno, Graph, Language, NetId, Pin, PinValue, Source, Storage, Target};
 use crate::network::elements::{self, Kind};
-use crate::scl::ast::{Expr, ExprKind, Name, NameForm};
+use crate::scl::ast::{Expr, ExprKind, Name, NameForm, UnaryOp};
 use crate::scl::fragment;
 use nets::Nets;
 
@@ -185,7 +185,7 @@ impl Builder<'_, '_> {
 
     /// The operand that a rung of FBD begins with.
     fn lead(&mut self, carried: &mut Carried, span: Span, next: Option<&Item>) {
-        carried.flow = Flow::Operand(self.expression(span));
+        carried.flow = Flow::Operand(self.operand(span));
         if let Some(Item::Element(node)) = next
             && let Some((row, _)) = elements::find_sd(self.slice(node.target))
             && row.is_box()
@@ -372,6 +372,24 @@ impl Builder<'_, '_> {
         expr
     }
 
+    /// The expression of an operand: a variable, an address or a constant.
+    fn operand(&mut self, span: Span) -> Expr {
+        let (expr, messages) = fragment::expression(self.text.file, self.text.text, span.range());
+        let told = messages.iter().any(|message| message.is_error() && message.code != Code::Syntax);
+        self.diagnostics.extend(messages.into_iter().filter(|message| message.code != Code::Syntax));
+        if told || is_operand(&expr) {
+            return expr;
+        }
+        self.report(
+            Diagnostic::new(Code::Syntax, span, format!("`{}` is no operand", self.slice(span)))
+                .label("neither a variable nor an address nor a constant")
+                .help(
+                    "write e.g. `#name`, `\"Tag\"`, `\"DB\".member`, `%I0.0` or a constant; CALCULATE takes a formula",
+                ),
+        );
+        Expr { kind: ExprKind::Error, span }
+    }
+
     /// A label; it may be called like a keyword.
     fn label_name(&self, span: Span) -> Name {
         let text = self.slice(span).trim_matches(['"', '#']).to_string();
@@ -384,5 +402,23 @@ impl Builder<'_, '_> {
 
     fn report(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
+    }
+}
+
+/// Whether an expression can be connected to a pin.
+fn is_operand(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Literal(_)
+        | ExprKind::Name(_)
+        | ExprKind::Absolute(_)
+        | ExprKind::Member { .. }
+        | ExprKind::MemberAbsolute { .. }
+        | ExprKind::Slice { .. }
+        | ExprKind::Index { .. }
+        | ExprKind::Dereference(_) => true,
+        ExprKind::Unary { op, operand } => {
+            *op != UnaryOp::Not && matches!(operand.kind, ExprKind::Literal(_) | ExprKind::Name(_))
+        }
+        ExprKind::Call { .. } | ExprKind::Reference(_) | ExprKind::Binary { .. } | ExprKind::Error => false,
     }
 }

@@ -264,7 +264,8 @@ impl Builder<'_, '_> {
                 self.fed(wire, None, nets::Place::Inline, true).map_or(PinValue::Open, PinValue::Net)
             }
             ValueKind::Wire(wire) => PinValue::Net(self.consumed(wire)),
-            ValueKind::Operand(span) => PinValue::Operand(self.operand(span, label)),
+            ValueKind::Operand(span) if label => PinValue::Operand(self.label_expression(span)),
+            ValueKind::Operand(span) => PinValue::Operand(self.operand(span)),
         };
         (value, negated)
     }

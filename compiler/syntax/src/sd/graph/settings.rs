@@ -41,7 +41,7 @@ const ENO_ALWAYS: [&str; 16] = [
 
 /// Whether ENO of an element tells of errors. `inline`: its settings stand behind its name, as V20 writes them.
 pub fn eno(row: &Row, said: Option<Eno>, inline: bool) -> Eno {
-    let switch = row.is_box()
+    let switch = row.flow.1 == "eno"
         && match row.kind {
             Kind::Instance(_) | Kind::Procedure(_) => false,
             Kind::Function(name) => !ENO_ALWAYS.contains(&name),
