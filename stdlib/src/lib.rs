@@ -26,6 +26,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Stl, include_str!("../stl/sfb.stl")),
     (Language::Scl, include_str!("../scl/clock.scl")),
     (Language::Scl, include_str!("../scl/errors.scl")),
+    (Language::Scl, include_str!("../scl/technology.scl")),
     (Language::Stl, include_str!("../stl/primitives.stl")),
     (Language::Stl, include_str!("../stl/strings.stl")),
     (Language::Stl, include_str!("../stl/dates.stl")),

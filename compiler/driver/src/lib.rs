@@ -25,6 +25,7 @@ pub mod plot;
 pub mod project;
 pub mod report;
 pub mod station;
+pub mod technology;
 pub mod testing;
 
 use cli::{Cli, Command};

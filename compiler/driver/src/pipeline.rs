@@ -18,6 +18,7 @@ use crate::cli::{CompileArgs, Level};
 use crate::inputs::Read;
 use crate::project::Project;
 use crate::station;
+use crate::technology;
 
 /// What the arrows up to the bound program must know.
 #[derive(Clone, Debug, Default)]
@@ -114,6 +115,9 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         Some(profile) => profile,
         None => profile_of(settings, project.as_ref(), &units, &mut sources, &mut diagnostics),
     };
+    if let Some(project) = &project {
+        diagnostics.extend(technology::check(&project.technology, &profile));
+    }
     let has_station = project.as_ref().is_some_and(|project| project.station.is_some());
     let (program, messages) = plcc_program::bind(&BindInput {
         name,

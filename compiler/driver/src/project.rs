@@ -11,6 +11,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::station::{self, Station, StationKeys};
+use crate::technology;
 
 /// Name of the file that makes a folder a project.
 pub const FILE_NAME: &str = "plc.toml";
@@ -27,6 +28,8 @@ pub struct Project {
     pub symbols: Vec<(String, Span)>,
     pub config: Config,
     pub station: Option<Station>,
+    /// Fast counters and pulse generators, to be checked against the CPU.
+    pub technology: technology::Used,
 }
 
 /// Reads the text of a `plc.toml`. What is wrong is left out and reported as P0601.
@@ -69,6 +72,12 @@ struct Keys {
     #[serde(default)]
     module: Vec<ModuleKeys>,
     station: Option<StationKeys>,
+    #[serde(default)]
+    hsc: BTreeMap<Spanned<String>, technology::HscKeys>,
+    #[serde(default)]
+    pulse: BTreeMap<Spanned<String>, technology::PulseKeys>,
+    #[serde(default)]
+    hardware_interrupt: BTreeMap<Spanned<String>, technology::InterruptKeys>,
 }
 
 #[derive(Deserialize)]
@@ -172,6 +181,9 @@ impl Context {
         for (number, ob) in &keys.ob {
             self.organization_block(number, ob, &mut config);
         }
+        let (technology, messages) =
+            technology::read(&keys.hsc, &keys.pulse, &keys.hardware_interrupt, self.file, &mut config);
+        self.diagnostics.extend(messages);
         let file = self.file;
         let place = |text: Spanned<String>| (text.get_ref().clone(), Span::new(file, text.span()));
         let cpu = keys.cpu.map(place);
@@ -196,6 +208,7 @@ impl Context {
             symbols: keys.symbols.into_iter().map(place).collect(),
             config,
             station,
+            technology,
         }
     }
 

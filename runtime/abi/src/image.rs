@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::ob::{OB_FREE, ObClass, StartInput};
+use crate::technology::{FastCounter, HardwareEvent, PulseGenerator};
 
 /// Kinds of blocks, as passed to [`RuntimeFn::CallBlock`](crate::RuntimeFn::CallBlock).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -176,6 +177,10 @@ pub struct Config {
     pub system_memory_byte: Option<u16>,
     /// Classes of OBs from [`OB_FREE`] on, where they are not those of the program cycle.
     pub ob_classes: Vec<(u16, ObClass)>,
+    /// Fast counters, pulse generators and hardware interrupts of an S7-1200.
+    pub fast_counters: Vec<FastCounter>,
+    pub pulse_generators: Vec<PulseGenerator>,
+    pub hardware_events: Vec<HardwareEvent>,
     /// Period of cyclic interrupts by OB number, where it differs from the default.
     pub cyclic_period_ms: Vec<(u16, u32)>,
     /// Phase offset of cyclic interrupts.
@@ -201,6 +206,9 @@ impl Default for Config {
             clock_memory_byte: None,
             system_memory_byte: None,
             ob_classes: Vec::new(),
+            fast_counters: Vec::new(),
+            pulse_generators: Vec::new(),
+            hardware_events: Vec::new(),
             cyclic_period_ms: Vec::new(),
             cyclic_phase_ms: Vec::new(),
             priorities: Vec::new(),

@@ -4,6 +4,7 @@
 //! - [`functions`]: the table of runtime functions that generated code may call.
 //! - [`image`]: what the compiler tells the runtime about a program.
 //! - [`codes`]: error numbers of S7 CPUs that both sides use.
+//! - [`technology`]: fast counters, pulse generators, hardware interrupts.
 //! - [`ob`]: organization blocks by what starts them.
 //!
 //! **Invariant**: nothing here executes; it is data and constants only.
@@ -13,6 +14,7 @@ pub mod functions;
 pub mod image;
 pub mod layout;
 pub mod ob;
+pub mod technology;
 
 pub use functions::{RuntimeFn, Type};
 pub use image::ProgramImage;

@@ -21,6 +21,7 @@ use crate::options::CYCLE_TIME_DEFAULT;
 use crate::organization::Running;
 use crate::schedule::Schedule;
 use crate::system::meters::{METERS, Meter};
+use crate::technology::Technology;
 use crate::testing::Assertions;
 use crate::watchdog::Watchdog;
 
@@ -52,8 +53,10 @@ pub struct Cpu {
     blocks: Vec<BlockEntry>,
     /// DBs made at run time: number, address, bytes. Sorted by address.
     pub(crate) created_dbs: RefCell<Vec<(u16, u32, u32)>>,
-    /// Connections of the program.
-    pub(crate) communication: RefCell<Communication>,
+    /// An event of the diagnostics came since the last cycle began, for the system memory byte.
+    pub(crate) diagnostics_changed: Cell<bool>,
+    /// Fast counters, pulse generators, hardware interrupts.
+    pub(crate) technology: Technology,
     /// Run-time meters.
     pub(crate) meters: [Meter; METERS],
 }
@@ -69,6 +72,7 @@ impl Cpu {
         let memory = Memory::new(image.db_end);
         let cpu = Rc::new(Cpu {
             schedule: Schedule::new(&image, &blocks),
+            technology: Technology::new(&image.config),
             assertions: Assertions::new(image.asserts.len()),
             watchdog: Watchdog::new(&memory),
             memory,

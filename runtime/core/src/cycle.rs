@@ -83,6 +83,7 @@ impl Cpu {
         self.update_clock_memory();
         self.update_system_memory(false);
         self.set_configured_times();
+        self.start_technology();
         let cause = match ob {
             101 => 0x83,
             102 => 0x85,
@@ -117,6 +118,7 @@ impl Cpu {
         self.read_inputs();
         self.schedule.monitor.begin(start);
         self.rearm();
+        self.look_at_inputs();
         self.poll();
         self.dispatch();
         self.run_program_cycle(cycle, times);
@@ -163,6 +165,7 @@ impl Cpu {
 
     /// Copies the named inputs into the process image.
     pub(crate) fn read_inputs(&self) {
+        self.show_counters();
         let (base, length) = self.area(Area::Inputs);
         self.driver.named(length, &mut |address, value| self.memory.set_byte(base + address, value));
     }
@@ -199,7 +202,10 @@ impl Cpu {
     pub(crate) fn peripheral_read(&self, address: u32, bytes: u32) -> u64 {
         const MISSING: u64 = 1 << 32;
         match bytes {
-            1 | 2 | 4 => self.driver.read(address, bytes).map_or(MISSING, u64::from),
+            1 | 2 | 4 => {
+                let counter = self.read_counter(address, bytes);
+                counter.or_else(|| self.driver.read(address, bytes)).map_or(MISSING, u64::from)
+            }
             _ => MISSING,
         }
     }

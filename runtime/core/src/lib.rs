@@ -45,6 +45,7 @@ pub mod schedule;
 pub mod signal;
 mod start_values;
 pub mod system;
+pub mod technology;
 pub mod testing;
 pub mod text;
 pub mod timers;

@@ -24,17 +24,44 @@ const QUEUE_MAX: usize = 64;
 /// How often a startup under the real clock looks whether the process is asked to end.
 const STARTUP_LOOK: u64 = 100 * NS_PER_MS;
 
+const NS_PER_US: u64 = 1000;
+
 /// Never due.
 pub(crate) const NEVER: u64 = u64::MAX;
 
 /// A cyclic interrupt.
 pub(crate) struct Cyclic {
     pub ob: u16,
-    period: u64,
-    phase: u64,
+    /// In nanoseconds; 0: it does not run.
+    period: Cell<u64>,
+    phase: Cell<u64>,
     due: Cell<u64>,
     /// Events that were lost since the OB last ran.
     lost: Cell<u16>,
+}
+
+impl Cyclic {
+    /// RUN begins at `now`, or period and phase are new.
+    fn start(&self, now: u64) {
+        self.due.set(match self.period.get() {
+            0 => NEVER,
+            period => now.saturating_add(period).saturating_add(self.phase.get()),
+        });
+    }
+
+    /// New period and phase in microseconds, SET_CINT.
+    pub fn set(&self, now: u64, period_us: u32, phase_us: u32, in_run: bool) {
+        self.period.set(u64::from(period_us) * NS_PER_US);
+        self.phase.set(u64::from(phase_us) * NS_PER_US);
+        if in_run {
+            self.start(now);
+        }
+    }
+
+    /// Period and phase in microseconds.
+    pub fn times_us(&self) -> (u32, u32) {
+        ((self.period.get() / NS_PER_US) as u32, (self.phase.get() / NS_PER_US) as u32)
+    }
 }
 
 /// A time-delay interrupt.
@@ -116,9 +143,11 @@ impl Schedule {
         let cyclic = loaded(ObClass::Cyclic)
             .map(|ob| Cyclic {
                 ob,
-                period: u64::from(of(&config.cyclic_period_ms, ob).unwrap_or(events::default_period_ms(ob)).max(1))
-                    * NS_PER_MS,
-                phase: u64::from(of(&config.cyclic_phase_ms, ob).unwrap_or(0)) * NS_PER_MS,
+                period: Cell::new(
+                    u64::from(of(&config.cyclic_period_ms, ob).unwrap_or(events::default_period_ms(ob)).max(1))
+                        * NS_PER_MS,
+                ),
+                phase: Cell::new(u64::from(of(&config.cyclic_phase_ms, ob).unwrap_or(0)) * NS_PER_MS),
                 due: Cell::new(NEVER),
                 lost: Cell::new(0),
             })
@@ -166,6 +195,10 @@ impl Schedule {
 
     pub(crate) fn delay(&self, ob: u16) -> Option<&Delay> {
         self.delays.iter().find(|delay| delay.ob == ob)
+    }
+
+    pub(crate) fn cyclic_of(&self, ob: u16) -> Option<&Cyclic> {
+        self.cyclic.iter().find(|cyclic| cyclic.ob == ob)
     }
 
     pub(crate) fn time_of_day(&self, ob: u16) -> Option<&TimeOfDay> {
@@ -221,7 +254,7 @@ impl Cpu {
     pub(crate) fn start_interrupts(&self, now: u64) {
         self.schedule.in_run.set(true);
         for cyclic in &self.schedule.cyclic {
-            cyclic.due.set(now + cyclic.period + cyclic.phase);
+            cyclic.start(now);
         }
     }
 
@@ -261,7 +294,8 @@ impl Cpu {
         let cyclic = schedule.cyclic.iter().map(|cyclic| cyclic.due.get());
         let delays = schedule.delays.iter().map(|delay| delay.due.get());
         let times = schedule.times_of_day.iter().filter(|time| time.active.get());
-        cyclic.chain(delays).chain(times.map(|time| self.clock.time_of(time.next.get()))).min().unwrap_or(NEVER)
+        let times = times.map(|time| self.clock.time_of(time.next.get()));
+        cyclic.chain(delays).chain(times).chain(self.next_counter_due()).min().unwrap_or(NEVER)
     }
 
     /// Turns everything that is due now into events.
@@ -270,17 +304,19 @@ impl Cpu {
             return;
         }
         let now = self.clock.now();
+        self.poll_counters();
         for cyclic in self.schedule.cyclic.iter().filter(|cyclic| cyclic.due.get() <= now) {
             // Periods that the host slept through are not made up for.
-            let missed = (now - cyclic.due.get()) / cyclic.period;
-            cyclic.due.set(cyclic.due.get() + (missed + 1) * cyclic.period);
+            let period = cyclic.period.get().max(1);
+            let missed = (now - cyclic.due.get()) / period;
+            cyclic.due.set(cyclic.due.get() + (missed + 1) * period);
             // On an S7-1200/1500 word 8 tells of the lost events.
             let portal = self.image.profile.family.is_portal();
             let lost = if portal { cyclic.lost.replace(0) } else { 0 };
             let info = StartInfo::new(0x11, events::cause(0x31, 30, cyclic.ob), cyclic.ob)
-                .word(6, (cyclic.phase / NS_PER_MS) as u16)
+                .word(6, (cyclic.phase.get() / NS_PER_MS) as u16)
                 .word(8, lost)
-                .word(10, (cyclic.period / NS_PER_MS) as u16);
+                .word(10, (period / NS_PER_MS) as u16);
             self.request_timed(Event { ob: cyclic.ob, info });
         }
         for delay in &self.schedule.delays {

@@ -6,6 +6,7 @@
 //! | `AO0 in %`, `Level_Transmitter in mA` | number in a unit, by the range of the channel |
 //! | `Level as REAL`, `MW10 as INT` | number |
 //! | `plant.level` | number, from the plant of the scenario |
+//! | `pulse.1.duty`, `pulse.1.period` | of a pulse generator: on-time in percent of its cycle, cycle in milliseconds |
 //!
 //! Behind the last two ` in UNIT` may name their unit, for the axis of a picture; it changes nothing.
 
@@ -27,6 +28,10 @@ pub enum Source {
     Channel(Address, Scale),
     /// A value of the plant, by its number.
     Plant(usize),
+    /// Of the pulse generator with this number: on-time in percent.
+    PulseDuty(u8),
+    /// Of the pulse generator with this number: cycle in milliseconds.
+    PulsePeriod(u8),
 }
 
 /// How bits at an address are a number.
@@ -87,6 +92,9 @@ impl Source {
             let name = without_unit(name);
             return plant.find(name).map(Source::Plant).ok_or_else(|| format!("the plant has no value `{name}`"));
         }
+        if let Some(rest) = text.strip_prefix("pulse.") {
+            return pulse(without_unit(rest), image);
+        }
         let plain = address::resolve(text, image).map(Source::Bits);
         if plain.is_ok() {
             return plain;
@@ -112,7 +120,7 @@ impl Source {
     pub fn address(&self) -> Option<&Address> {
         match self {
             Source::Bits(address) | Source::Number(address, _) | Source::Channel(address, _) => Some(address),
-            Source::Plant(_) => None,
+            Source::Plant(_) | Source::PulseDuty(_) | Source::PulsePeriod(_) => None,
         }
     }
 
@@ -140,6 +148,12 @@ impl Source {
                 let is_output = matches!(address.place, Place::Output(_) | Place::PeripheralOutput(_));
                 Value::Number(if is_output { scale.output(word) } else { scale.input(word) })
             }
+            Source::PulseDuty(number) => Value::Number(cpu.pulse_duty(*number)),
+            Source::PulsePeriod(number) => {
+                let generators = &cpu.image.config.pulse_generators;
+                let found = generators.iter().find(|generator| generator.number == *number);
+                Value::Number(found.map_or(0.0, |generator| f64::from(generator.cycle_us) / 1000.0))
+            }
             Source::Plant(index) => Value::Number(plant.map_or(0.0, |plant| plant.value(*index))),
         }
     }
@@ -148,7 +162,11 @@ impl Source {
     pub fn width(&self) -> Option<Width> {
         match self {
             Source::Bits(address) => Some(address.width),
-            Source::Number(..) | Source::Channel(..) | Source::Plant(_) => None,
+            Source::Number(..)
+            | Source::Channel(..)
+            | Source::Plant(_)
+            | Source::PulseDuty(_)
+            | Source::PulsePeriod(_) => None,
         }
     }
 
@@ -159,9 +177,25 @@ impl Source {
             Source::Number(address, NumberType::Real) => (address, u64::from((number as f32).to_bits())),
             Source::Number(address, NumberType::Int | NumberType::Dint) => (address, whole(number, address.width)),
             Source::Channel(address, scale) => (address, u64::from(scale.word(number) as u16)),
+            Source::PulseDuty(_) | Source::PulsePeriod(_) => {
+                return Err("the program sets a pulse generator".to_string());
+            }
             Source::Plant(_) => return Err("a value of the plant is set by `plant = { name = 1.0 }`".to_string()),
         };
         cpu.write(address, bits)
+    }
+}
+
+/// `1.duty`, `1.period`
+fn pulse(text: &str, image: &ProgramImage) -> Result<Source, String> {
+    let (number, what) = text.split_once('.').ok_or("write `pulse.1.duty` or `pulse.1.period`")?;
+    let generators = &image.config.pulse_generators;
+    let number = number.parse().ok().filter(|number| generators.iter().any(|known| known.number == *number));
+    let number = number.ok_or_else(|| format!("plc.toml enables no pulse generator `{text}`"))?;
+    match what {
+        "duty" => Ok(Source::PulseDuty(number)),
+        "period" => Ok(Source::PulsePeriod(number)),
+        _ => Err(format!("a pulse generator has no `{what}`; it has `duty` and `period`")),
     }
 }
 

@@ -18,6 +18,7 @@ mod catalog;
 mod constant;
 mod data;
 mod declare;
+mod hardware;
 mod initial;
 mod interface;
 mod library;

@@ -30,6 +30,17 @@ pub struct Setting {
     pub line: u32,
 }
 
+/// Pulses at the inputs of a fast counter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pulses {
+    /// Place of the counter in the configuration.
+    pub counter: usize,
+    pub count: u64,
+    /// Nanoseconds from one to the next.
+    pub period: u64,
+    pub backward: bool,
+}
+
 /// An entry.
 #[derive(Clone, Debug)]
 pub struct At {
@@ -38,6 +49,7 @@ pub struct At {
     /// Parameters and states of the plant, by number.
     pub plant: Vec<(usize, f64)>,
     pub event: Option<Event>,
+    pub pulses: Vec<Pulses>,
     pub expect: Vec<Setting>,
     pub print: Vec<Signal>,
 }

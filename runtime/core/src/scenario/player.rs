@@ -145,6 +145,9 @@ impl Observer for Player {
             if let Some(plant) = &mut self.scenario.plant {
                 at.plant.iter().for_each(|&(index, value)| plant.set(index, value));
             }
+            for pulses in &at.pulses {
+                cpu.begin_pulses(pulses.counter, pulses.period, pulses.count, pulses.backward);
+            }
             if let Some(event) = at.event {
                 cpu.request(event);
             }

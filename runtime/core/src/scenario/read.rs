@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use plcc_abi::ProgramImage;
+use plcc_abi::technology::CountMode;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{At, Scenario, Setting, When};
+use super::{At, Pulses, Scenario, Setting, When};
 use crate::address::{self, Place};
 use crate::analog;
 use crate::events::{self, Event};
@@ -34,10 +35,27 @@ struct AtText {
     plant: BTreeMap<String, Spanned<f64>>,
     event: Option<Spanned<toml::Value>>,
     #[serde(default)]
+    pulses: BTreeMap<Spanned<String>, PulsesText>,
+    #[serde(default)]
     expect: BTreeMap<String, Spanned<toml::Value>>,
     #[serde(default)]
     print: Vec<Spanned<String>>,
 }
+
+/// Pulses at the inputs of a fast counter.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PulsesText {
+    count: u64,
+    /// In hertz.
+    frequency: f64,
+    #[serde(default)]
+    backward: bool,
+}
+
+/// Fastest pulses. Source: LAD/FBD reference for S7-1200, CPU limits; one input of a 1217C takes 1 MHz.
+const FREQUENCY_MAX: f64 = 1e6;
+const NS_PER_S: f64 = 1e9;
 
 /// Reads a scenario. `Err`: message with file and line.
 pub(super) fn parse(file: &str, text: &str, image: &ProgramImage) -> Result<Scenario, String> {
@@ -98,6 +116,7 @@ impl Reader<'_> {
             set: self.settings(&entry.set, Self::to_set)?,
             plant: plant.collect::<Result<_, _>>()?,
             event: entry.event.map(|event| self.event(&event)).transpose()?,
+            pulses: entry.pulses.iter().map(|(name, text)| self.pulses(name, text)).collect::<Result<_, _>>()?,
             expect: self.settings(&entry.expect, Self::to_expect)?,
             print: print.collect::<Result<_, _>>()?,
         })
@@ -151,11 +170,42 @@ impl Reader<'_> {
                 let scale = signal::scale(&address, unit, self.image)?;
                 Ok((Source::Channel(address, scale), Value::Number(number(middle)?), tolerance.abs()))
             }
-            (Source::Number(..) | Source::Channel(..) | Source::Plant(_), tolerance) => {
+            (
+                Source::Number(..)
+                | Source::Channel(..)
+                | Source::Plant(_)
+                | Source::PulseDuty(_)
+                | Source::PulsePeriod(_),
+                tolerance,
+            ) => {
                 let tolerance = tolerance.map_or(Ok(0.0), number)?;
                 Ok((source, Value::Number(number(middle)?), tolerance.abs()))
             }
         }
+    }
+
+    fn pulses(&self, name: &Spanned<String>, text: &PulsesText) -> Result<Pulses, String> {
+        let upper = name.get_ref().to_ascii_uppercase();
+        let number = upper.strip_prefix("LOCAL~").unwrap_or(&upper).strip_prefix("HSC_");
+        let number = number.and_then(|digits| digits.parse::<u8>().ok());
+        let counters = &self.image.config.fast_counters;
+        let counter = number.and_then(|number| counters.iter().position(|counter| counter.number == number));
+        let Some(counter) = counter else {
+            let message =
+                format!("plc.toml enables no fast counter `{}`; they are HSC_1, HSC_2 and so on", name.get_ref());
+            return self.error(name.span().start, &message);
+        };
+        let possible = text.frequency > 0.0 && text.frequency <= FREQUENCY_MAX;
+        let mode = counters.get(counter).map(|counter| counter.mode);
+        if text.backward && !mode.is_some_and(CountMode::is_external) {
+            return self.error(name.span().start, "the inputs of this fast counter give no direction");
+        }
+        if !possible {
+            let message = format!("{} is no frequency up to 1000000 Hz", text.frequency);
+            return self.error(name.span().start, &message);
+        }
+        let period = ((NS_PER_S / text.frequency) as u64).max(1);
+        Ok(Pulses { counter, count: text.count, period, backward: text.backward })
     }
 
     fn event(&self, event: &Spanned<toml::Value>) -> Result<Event, String> {

@@ -26,6 +26,7 @@ mod output_bits;
 mod parameters;
 mod station;
 mod status_list;
+mod technology;
 mod text;
 mod time_of_day;
 
@@ -139,6 +140,11 @@ system_functions! {
   1162 SUB_DTL_DTL (Dtl, Dtl)             -> (Dword)           = dtl::difference;
   1400 GET_ERROR ()                       -> (ErrorStruct)     = local_error::get_error;
   1401 GET_ERR_ID ()                      -> (Word)            = local_error::get_err_id;
+  1402 ATTACH (Word, Dword, Bool)         -> (Word)            = technology::attach;
+  1403 DETACH (Word, Dword)               -> (Word)            = technology::detach;
+  1404 SET_CINT (Word, Dword, Dword)      -> (Word)            = technology::set_cint;
+  1405 QRY_CINT (Word)                    -> (Word, Dword, Dword, Word) = technology::qry_cint;
+  1406 RUNTIME ()                         -> (Lword, Lword)    = technology::runtime;
     2000 TEXT_JOIN (Any, Word, Word, Any, Word, Word, Any, Word, Word) -> (Word, Any) = text::join;
     2001 TEXT_COMPARE (Any, Any)          -> (Word)            = text::compare;
     2002 TEXT_FIND (Any, Any)             -> (Word)            = text::find;
@@ -165,12 +171,8 @@ system_functions! {
     2032 DT_COMBINE (Word, Dword)         -> (Word, DateAndTime) = dates::combine;
     2033 DT_SPLIT (DateAndTime)           -> (Word, Word, Dword, Word) = dates::split;
     2034 DT_COMPARE (DateAndTime, DateAndTime) -> (Word)       = dates::compare;
-    2100 LINK_OPEN (Any, Word, Bool)      -> (Word, Word)      = communication::open;
-    2101 LINK_STATE (Word)                -> (Word, Word, Word) = communication::state;
-    2102 LINK_CLOSE (Word, Bool)          -> (Word)            = communication::close;
-    2103 LINK_SEND (Word, Dword, Any)     -> (Word)            = communication::send;
-    2104 LINK_SENT (Word)                 -> (Word)            = communication::sent;
-    2105 LINK_RECEIVE (Word, Dword, Bool) -> (Word, Dword, Any) = communication::receive;
+  2040 HSC_CONTROL (Word, Byte, Word, Dword, Dword, Word) -> (Word) = technology::hsc_control;
+  2041 PWM_CONTROL (Word, Bool)           -> (Word)            = technology::pwm_control;
     // Instructions of the TIA Portal.
     // What blocks of the library do not do themselves.
 }

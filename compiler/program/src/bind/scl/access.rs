@@ -174,8 +174,11 @@ impl Binder<'_> {
         {
             return self.peripheral_tag(ctx, tag, name.span);
         }
-        if !global && let Some(constant) = self.global_constants.get(&fold(text)) {
-            return Some(Thing::Constant(constant.clone()));
+        if !global
+            && name.form == NameForm::Quoted
+            && let Some(constant) = self.system_constant(text)
+        {
+            return Some(Thing::Constant(constant));
         }
         match self.resolve_global(ctx, text, name.span)? {
             Resolved::Variable(variable) => Some(Thing::Spot(Spot::fixed(variable))),

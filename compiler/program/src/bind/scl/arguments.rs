@@ -15,8 +15,9 @@ use super::{Intent, Rules};
 use crate::bind::declare::BoundInterface;
 use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Access, Actual, Argument, Expr};
+use crate::model::scl::{Access, Actual, Argument, Expr, ExprKind};
 use crate::model::{BlockKey, Direction, Parameter};
+use crate::types::DataType;
 
 /// The bound arguments of a call.
 #[derive(Default)]
@@ -224,6 +225,13 @@ impl Binder<'_> {
                     dropped.push(&formal.name);
                     list.arguments.push(Argument { parameter: index, actual: Actual::Dropped, span: name });
                 }
+                Direction::Input if is_optional(key, &formal.name) => {
+                    // Left out it is 0.
+                    if let DataType::Elementary(ty) = formal.ty {
+                        let zero = Expr { kind: ExprKind::Const(0), ty, span: name };
+                        list.arguments.push(Argument { parameter: index, actual: Actual::Value(zero), span: name });
+                    }
+                }
                 Direction::Input | Direction::Output | Direction::InOut => missing.push(&formal.name),
             }
         }
@@ -265,6 +273,13 @@ impl Binder<'_> {
         }
         Some(access)
     }
+}
+
+/// Inputs of ATTACH and DETACH that a call may leave out. Source: LAD/FBD reference for S7-1200, ATTACH and DETACH.
+fn is_optional(key: BlockKey, name: &str) -> bool {
+    const OPTIONAL: [(&str, &str); 2] = [("ATTACH", "ADD"), ("DETACH", "EVENT")];
+    let of = |block: &str| plcc_stdlib::find_tia(block).is_some_and(|found| found.number == key.number);
+    key.kind == BlockKind::Sfc && OPTIONAL.iter().any(|(block, parameter)| *parameter == name && of(block))
 }
 
 enum Formal {
