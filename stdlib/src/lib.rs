@@ -30,6 +30,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Stl, include_str!("../stl/primitives.stl")),
     (Language::Stl, include_str!("../stl/strings.stl")),
     (Language::Stl, include_str!("../stl/dates.stl")),
+    (Language::Scl, include_str!("../scl/technology_parts.scl")),
     (Language::Stl, include_str!("../stl/selection.stl")),
     (Language::Stl, include_str!("../stl/tia_strings.stl")),
     (Language::Stl, include_str!("../stl/tia_numbers.stl")),

@@ -1,9 +1,12 @@
 //! System constants of an S7-1200/1500: hardware identifiers, events of hardware interrupts, numbers of organization blocks.
 //!
-//! Source: LAD/FBD reference for S7-1200, data types HW_*, EVENT_* and OB_*.
+//! And the access to blocks: optimised ones have no addresses.
+//!
+//! Source: LAD/FBD reference for S7-1200, data types HW_*, EVENT_* and OB_*; optimised and standard access.
 
 use plcc_abi::technology::{EVENT_ID, HSC_ID, PULSE_ID};
-use plcc_syntax::ast::BlockPrefix;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{self, BlockPrefix};
 
 use super::Binder;
 use super::constant::Constant;
@@ -12,7 +15,78 @@ use crate::profile;
 use crate::symbols::SymbolTarget;
 use crate::types::Elementary;
 
+/// Attributes that say whether a block has optimised access: of sources, of SD documents.
+const OPTIMIZED_ATTRIBUTES: [&str; 2] = ["S7_Optimized_Access", "S7_Optimized"];
+
+/// The block says that it has optimised access.
+fn is_optimized(header: &ast::Header) -> bool {
+    header.attributes.iter().any(|(name, value)| {
+        OPTIMIZED_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name))
+            && value.trim().trim_matches(['\'', '"']).eq_ignore_ascii_case("TRUE")
+    })
+}
+
 impl Binder<'_> {
+    /// Reports the name of a fast counter or pulse generator that the CPU does not have; false: the name means something else.
+    pub fn missing_hardware(&mut self, name: &str, span: Span) -> bool {
+        let folded = fold(name);
+        let board = profile::on_board(&self.input.profile);
+        let rows = [
+            ("local~hsc_", "fast counter", board.map_or(0, |board| board.fast_counters)),
+            ("local~pulse_", "pulse generator", board.map_or(0, |board| board.pulse_generators)),
+        ];
+        let found = rows.iter().find_map(|(prefix, what, count)| {
+            let number: u32 = folded.strip_prefix(prefix)?.parse().ok()?;
+            Some((what, number, count))
+        });
+        let Some((what, number, count)) = found else { return false };
+        let cpu = self.input.profile.name.clone();
+        let help = match count {
+            0 => format!("{what}s belong to CPUs of the S7-1200; name one with --cpu or in plc.toml"),
+            _ => format!("it has {what}s 1 to {count}"),
+        };
+        let title = format!("the CPU {cpu} has no {what} {number}");
+        self.report
+            .push(Diagnostic::new(Code::AddressRange, span, title).label("a system constant of other CPUs").help(help));
+        true
+    }
+
+    /// Reports an address in a data block with optimised access; `None`: it has none.
+    pub fn check_absolute_access(&mut self, number: u16, span: Span) -> Option<()> {
+        let Some(data) = self.data.get(&number).copied() else { return Some(()) };
+        if !self.input.profile.family.is_portal() || !is_optimized(&data.header) {
+            return Some(());
+        }
+        let (declared, text) = (data.name.span(), self.text(span));
+        self.report.push(
+            Diagnostic::new(
+                Code::OperandKind,
+                span,
+                format!("`{text}` is an address in a block with optimised access"),
+            )
+            .label(format!("DB {number} has no addresses"))
+            .also(declared, "`S7_Optimized_Access` is TRUE here")
+            .help("write the name of the component, or switch the optimised access of the data block off"),
+        );
+        None
+    }
+
+    /// Reports a view in a block with optimised access.
+    pub fn check_view_access(&mut self, block: &ast::CodeBlock, section: &ast::Section, at: Span) {
+        if !self.input.profile.family.is_portal()
+            || !is_optimized(&block.header)
+            || section.retain == ast::Retain::DbSpecific
+        {
+            return;
+        }
+        self.report.push(
+            Diagnostic::new(Code::SectionNotAllowed, at, "a block with optimised access has no views")
+                .label("AT needs addresses")
+                .also(block.name.span(), "`S7_Optimized_Access` is TRUE for this block")
+                .help("switch the optimised access of the block off, or use slices such as `.%B0`"),
+        );
+    }
+
     /// The system constant `name`: `Local~HSC_1`, `Local~Pulse_1`, an event of plc.toml, `OB_Main`.
     pub fn system_constant(&self, name: &str) -> Option<Constant> {
         if !self.input.profile.family.is_portal() {

@@ -337,6 +337,7 @@ impl<'a> Binder<'a> {
         for section in &block.sections {
             for variable in &section.variables {
                 let Some((base, span)) = &variable.at else { continue };
+                self.check_view_access(block, section, *span);
                 self.declare_name(names, &variable.name, variable.name_span);
                 let Some(under) = bound.locals.get(&fold(base)).cloned() else {
                     self.report.push(

@@ -171,8 +171,8 @@ system_functions! {
     2032 DT_COMBINE (Word, Dword)         -> (Word, DateAndTime) = dates::combine;
     2033 DT_SPLIT (DateAndTime)           -> (Word, Word, Dword, Word) = dates::split;
     2034 DT_COMPARE (DateAndTime, DateAndTime) -> (Word)       = dates::compare;
-  2040 HSC_CONTROL (Word, Byte, Word, Dword, Dword, Word) -> (Word) = technology::hsc_control;
-  2041 PWM_CONTROL (Word, Bool)           -> (Word)            = technology::pwm_control;
+    2090 HSC_CONTROL (Word, Byte, Word, Dword, Dword, Word) -> (Word) = technology::hsc_control;
+    2091 PWM_CONTROL (Word, Bool)           -> (Word)            = technology::pwm_control;
     // Instructions of the TIA Portal.
     // What blocks of the library do not do themselves.
 }

@@ -174,11 +174,13 @@ impl Binder<'_> {
         {
             return self.peripheral_tag(ctx, tag, name.span);
         }
-        if !global
-            && name.form == NameForm::Quoted
-            && let Some(constant) = self.system_constant(text)
-        {
-            return Some(Thing::Constant(constant));
+        if !global && name.form == NameForm::Quoted {
+            if let Some(constant) = self.system_constant(text) {
+                return Some(Thing::Constant(constant));
+            }
+            if self.missing_hardware(text, name.span) {
+                return None;
+            }
         }
         match self.resolve_global(ctx, text, name.span)? {
             Resolved::Variable(variable) => Some(Thing::Spot(Spot::fixed(variable))),

@@ -258,6 +258,8 @@ impl Binder<'_> {
         match db {
             Db::Known(number) => {
                 self.use_db(number, span);
+                // Reported there; the rest is checked all the same.
+                let _ = self.check_absolute_access(number, span);
                 IndexedArea::Db(number)
             }
             Db::Dynamic(number) => IndexedArea::DynamicDb(Box::new(number)),
@@ -279,6 +281,7 @@ impl Binder<'_> {
         match db {
             Db::Known(number) => {
                 self.use_db(number, span);
+                self.check_absolute_access(number, span)?;
                 self.check_db_end(number, byte + width.bytes(), span);
                 let base = path::Base::Db(number);
                 Some(Thing::Spot(Spot::fixed(Variable { base, byte, bit, ty, untyped: true })))
