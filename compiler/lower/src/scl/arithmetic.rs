@@ -1,6 +1,7 @@
 //! Operators: integers wrap, a division by 0 gives 0. Source: SCL reference, arithmetic, bit and comparison operators.
 
 use plcc_abi::RuntimeFn;
+use plcc_abi::image::Family;
 use plcc_ir::{BinaryOp as Ir, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
 use plcc_program::model::scl::{BinaryOp, CompareOp};
 use plcc_program::types::Elementary;
@@ -62,6 +63,9 @@ impl Context<'_, '_> {
     /// A NaN becomes the one NaN; infinities, NaN, denormal numbers and underflows clear the bit.
     fn float_result(&mut self, result: Value, a: Value, b: Value, op: Ir) -> Value {
         let value = self.checked_float(result);
+        if self.flushes(self.b.ty(a)) {
+            return value;
+        }
         if self.wants_flag() && matches!(op, Ir::Fmul | Ir::Fdiv) {
             let zero = self.b.iconst(self.b.ty(a), 0);
             let is_zero = self.b.fcmp(FloatCc::Eq, result, zero);
@@ -74,9 +78,26 @@ impl Context<'_, '_> {
         value
     }
 
+    /// True if the CPU has no denormal numbers of this type: an S7-1200 makes them 0 without an error.
+    /// Source: S7-1200 reference, math; see decision 46.
+    fn flushes(&self, ty: Type) -> bool {
+        ty == Type::F32 && self.plan.program.profile.family == Family::S71200
+    }
+
+    /// 0 of the same sign in place of a denormal number.
+    fn flushed(&mut self, result: Value) -> Value {
+        let bits = self.b.bitcast(Type::I32, result);
+        let exponent = self.b.binary_imm(Ir::And, bits, INFINITY);
+        let small = self.b.icmp_imm(IntCc::Eq, exponent, 0);
+        let sign = self.b.binary_imm(Ir::And, bits, i64::from(i32::MIN));
+        let zero = self.b.bitcast(Type::F32, sign);
+        self.b.select(small, zero, result)
+    }
+
     /// As `float_result` for what cannot underflow to 0.
     pub fn checked_float(&mut self, result: Value) -> Value {
         let ty = self.b.ty(result);
+        let result = if self.flushes(ty) { self.flushed(result) } else { result };
         let nan = self.b.fcmp(FloatCc::Uno, result, result);
         let pattern = self.b.iconst(ty, if ty == Type::F32 { NAN } else { -1 });
         let value = self.b.select(nan, pattern, result);

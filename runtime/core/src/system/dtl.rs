@@ -62,6 +62,11 @@ pub(super) fn set_clock(call: &Call) -> Outcome {
     }
 }
 
+/// LOCTIME, DST -> RET_VAL, as [`set_clock`]: without a time zone there is no daylight saving time.
+pub(super) fn set_clock_local(call: &Call) -> Outcome {
+    if call.byte(1) & 1 != 0 { error(0x8080) } else { set_clock(call) }
+}
+
 /// Gives a DTL; one that is none is 1970-01-01 with an error.
 fn give(call: &Call, index: usize, moment: Option<i64>) -> Outcome {
     call.set_dtl(index, encode(moment.unwrap_or(0)));

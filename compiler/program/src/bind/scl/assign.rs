@@ -5,12 +5,13 @@ use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{AssignOp, BinaryOp as Operator, Expr as Node, ExprKind as NodeKind};
 
 use super::coerce::{access_has_call, copied_bytes};
+use super::convert;
 use super::place::Thing;
 use super::value::Value;
-use super::{Intent, message};
+use super::{Intent, Rules, message};
 use crate::bind::{Binder, Ctx};
 use crate::layout;
-use crate::model::scl::{Access, Complex, Expr, ExprKind, Statement, StatementKind};
+use crate::model::scl::{Access, Complex, Expr, ExprKind, Function, Statement, StatementKind};
 use crate::types::DataType;
 
 impl Binder<'_> {
@@ -102,6 +103,7 @@ impl Binder<'_> {
         };
         if let Some(ty) = target.elementary() {
             let value = self.scl_convert(ctx, value, ty)?;
+            let value = with_else(ctx.scl.rules, &target, value);
             return Some(StatementKind::Assign { target, value });
         }
         let ty = target.ty.clone();
@@ -153,6 +155,31 @@ impl Binder<'_> {
         let value = self.scl_convert(ctx, value, Elementary::Bool)?;
         bound.push(Statement { kind: StatementKind::SetFlag(value), span });
         read.then_some(Value::Elementary(Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span }))
+    }
+}
+
+/// MUX without ELSE leaves the variable as it is where no input is meant. Source: S7-1200 reference, MUX.
+fn with_else(rules: Rules, target: &Access, mut value: Expr) -> Expr {
+    let usable = matches!(rules, Rules::Tia1200 | Rules::Tia1500) && !access_has_call(target);
+    if let (Some(ty), true) = (target.elementary(), usable) {
+        let (kind, span) = (ExprKind::Load(Box::new(target.clone())), value.span);
+        add_else(rules, Expr { kind, ty, span }, &mut value);
+    }
+    value
+}
+
+/// Gives `otherwise` to a MUX, also to one whose value is converted.
+fn add_else(rules: Rules, otherwise: Expr, value: &mut Expr) {
+    let ty = value.ty;
+    match &mut value.kind {
+        ExprKind::Function { function: Function::Mux { has_else: has_else @ false }, arguments } => {
+            if let Some(otherwise) = convert::explicit_expr(rules, otherwise, ty) {
+                *has_else = true;
+                arguments.push(otherwise);
+            }
+        }
+        ExprKind::Convert { operand, .. } => add_else(rules, otherwise, operand),
+        _ => {}
     }
 }
 

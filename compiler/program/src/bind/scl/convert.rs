@@ -182,7 +182,7 @@ pub fn explicit(rules: Rules, from: Elementary, to: Elementary) -> Option<Conver
             (Class::Signed, Class::Bits) => match (rules, a == b) {
                 (_, true) => bits,
                 // On these a negative number only fails where bits get lost.
-                (Rules::Classic, false) if b > a => bits,
+                (Rules::Classic | Rules::Tia1200, false) if b > a => bits,
                 (Rules::Classic | Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500, false) => cut,
             },
             (Class::Signed, Class::Character) => cut,

@@ -395,6 +395,12 @@ impl Binder<'_> {
         if op == NodeOp::Subtract && Self::is_dtl_value(&left) && Self::is_dtl_value(&right) {
             return self.dtl_difference(ctx, left, right, Elementary::Time, span);
         }
+        // A sum that no TIME holds is 0 there. Source: S7-1200 reference, date and time.
+        let times = [&left, &right].iter().all(|value| Shape::of(value) == Shape::Of(Elementary::Time));
+        if times && ctx.scl.rules == Rules::Tia1200 {
+            let name = if op == NodeOp::Subtract { "SUB_TIME_TIME" } else { "ADD_TIME_TIME" };
+            return self.instruction_value(ctx, name, vec![left, right], span);
+        }
         self.binary_value(ctx, op, pins.name, left, right, span)
     }
 }

@@ -125,6 +125,11 @@ impl Binder<'_> {
 
     /// An ANY that points at a variable.
     fn any_to(&mut self, callee: BlockKey, formal: &Parameter, access: Access, node: &Node) -> Option<Actual> {
+        let counts = self.library_block(callee).is_some_and(|block| COUNTS_ELEMENTS.contains(&block.name));
+        if counts && !has_counted_elements(&access.ty) {
+            let is = format!("{}, whose elements an ANY does not count", access_type(&access));
+            return self.wrong_actual(callee, formal, &is, node.span);
+        }
         let (type_code, count) = match &access.ty {
             DataType::Parameter(ParameterType::Any) => return Some(Actual::PointerCopy(access)),
             DataType::Parameter(_) | DataType::OpenArray(_) | DataType::Void => {
@@ -149,6 +154,24 @@ impl Binder<'_> {
     /// The variable at which a pointer points. What an ANY or POINTER formal refers to is not itself read or written here.
     fn pointed(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Access> {
         self.scl_access(ctx, node, intent)
+    }
+}
+
+/// Instructions that number the elements of what an ANY points at.
+const COUNTS_ELEMENTS: [&str; 1] = ["MOVE_BLK_VARIANT"];
+
+/// True if an ANY says how many elements there are: those that have a type of ANY and whole bytes. A formal says it when it is called.
+fn has_counted_elements(ty: &DataType) -> bool {
+    let counted = |ty: &Elementary| matches!(ty.bits(), 8 | 16 | 32);
+    match ty {
+        DataType::Array(array) => match &array.element {
+            DataType::Elementary(ty) => counted(ty),
+            DataType::DateAndTime => true,
+            _ => false,
+        },
+        DataType::Elementary(ty) => counted(ty),
+        DataType::Parameter(ParameterType::Any) => true,
+        _ => false,
     }
 }
 

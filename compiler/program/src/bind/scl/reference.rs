@@ -141,7 +141,10 @@ fn described(row: &Row) -> (usize, &'static str) {
         Kind::Extreme(_) => (1, "greatest"),
         Kind::Limit => (1, "IN within MN and MX; MN above MX is an error and gives IN"),
         Kind::Select => (1, "IN0 if G is FALSE, else IN1"),
-        Kind::Mux => (1, "IN0, IN1, … by number K; beyond them INELSE, or 0, and an error"),
+        Kind::Mux => (
+            1,
+            "IN0, IN1, … by number K; beyond them INELSE, and an error; without it a variable to which TIA assigns it keeps its value, else 0",
+        ),
         Kind::Demux => (1, "writes IN to OUT0, OUT1, … by number K; beyond them to OUTELSE, and an error"),
         Kind::Shift(BinaryOp::ShiftLeft) => (2, "shifted left by N"),
         Kind::Shift(BinaryOp::ShiftRight) => {
