@@ -20,20 +20,20 @@ use crate::model::scl::{
 use crate::types::{ArrayType, DataType};
 
 /// Elements of an array from one on.
-struct Run {
+pub(super) struct Run {
     /// The whole array.
-    array: Access,
-    element: DataType,
+    pub array: Access,
+    pub element: DataType,
     bounds: IndexBounds,
     /// Distance of elements in bits.
     stride: u32,
     /// Number of the first element, a DINT; known if it is a constant.
-    first: Expr,
+    pub first: Expr,
 }
 
 impl Run {
     /// The element `first + offset`.
-    fn at(&self, first: &Expr, offset: Expr) -> Access {
+    pub fn at(&self, first: &Expr, offset: Expr) -> Access {
         let value = binary(BinaryOp::Add, first.clone(), offset);
         self.element(value)
     }
@@ -135,7 +135,7 @@ impl Binder<'_> {
     }
 
     /// `a[i]`, and all that follows in the array.
-    fn run(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Run> {
+    pub(super) fn run(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Run> {
         let NodeKind::Index { base, indices } = &node.kind else { return self.no_element(node.span) };
         let [index] = indices.as_slice() else { return self.no_element(node.span) };
         let array = self.scl_access(ctx, base, intent)?;
@@ -322,7 +322,7 @@ fn whole_copy(source: &Run, target: &Run, count: &Expr) -> Option<StatementKind>
 }
 
 /// Makes `left` the number of elements that the array still has, if it is more.
-fn shortened(ctx: &Ctx, left: &Access, run: &Run, first: &Expr, span: Span) -> StatementKind {
+pub(super) fn shortened(ctx: &Ctx, left: &Access, run: &Run, first: &Expr, span: Span) -> StatementKind {
     let room = || {
         let rest = binary(BinaryOp::Subtract, run.last(), first.clone());
         binary(BinaryOp::Add, rest, number(1, span))

@@ -57,6 +57,10 @@ pub enum Kind {
     FillBlock,
     Scatter,
     Gather,
+    /// SCATTER_BLK, else GATHER_BLK.
+    ScatterBlock {
+        to_bits: bool,
+    },
     /// Text to text, without a value.
     MoveText,
     /// RESET_TIMER.
@@ -165,6 +169,8 @@ pub const ROWS: &[Row] = &[
     row("UFILL_BLK", "IN COUNT >OUT", Kind::FillBlock),
     row("SCATTER", "IN >OUT", Kind::Scatter),
     row("GATHER", "IN >OUT", Kind::Gather),
+    row("SCATTER_BLK", "IN COUNT_IN >OUT", Kind::ScatterBlock { to_bits: true }),
+    row("GATHER_BLK", "IN COUNT_OUT >OUT", Kind::ScatterBlock { to_bits: false }),
     row("S_MOVE", "IN >OUT", Kind::MoveText),
     row("CONCAT", "IN1+", Kind::Concat),
     row("CONCAT_STRING", "IN1+", Kind::Concat),
@@ -180,8 +186,6 @@ pub const ROWS: &[Row] = &[
 
 /// Functions that the tools of the vendor have and plcc has not, unless a block of the standard library is called so.
 pub const NOT_SUPPORTED: &[&str] = &[
-    "SCATTER_BLK",
-    "GATHER_BLK",
     "TypeOf",
     "TypeOfElements",
     "IS_ARRAY",
@@ -328,6 +332,7 @@ impl Binder<'_> {
             | Kind::FillBlock
             | Kind::Scatter
             | Kind::Gather
+            | Kind::ScatterBlock { .. }
             | Kind::MoveText
             | Kind::ResetTimer
             | Kind::PresetTimer

@@ -44,6 +44,7 @@ impl Binder<'_> {
             Kind::FillBlock => self.fill_block(ctx, pins, span)?,
             Kind::Scatter => self.scatter(ctx, pins, span)?,
             Kind::Gather => self.gather(ctx, pins, span)?,
+            Kind::ScatterBlock { to_bits } => self.scatter_block(ctx, to_bits, pins, span)?,
             Kind::Demux => self.demux(ctx, pins, span)?,
             Kind::TextNumber(kind) => vec![StatementKind::Call(Box::new(self.text_number(ctx, kind, pins, span)?))],
             Kind::ResetTimer => self.reset_timer(ctx, pins, span)?,
@@ -338,7 +339,7 @@ pub fn minus_one(value: Expr) -> Expr {
 }
 
 /// Bit `index` of a variable, 0 the lowest.
-fn bit_of(access: &Access, index: usize) -> Access {
+pub fn bit_of(access: &Access, index: usize) -> Access {
     let part = crate::model::scl::Part { width: crate::model::Width::Bit, index: index as u8 };
     Access { part: Some(part), ..access.clone() }
 }

@@ -158,6 +158,12 @@ fn described(row: &Row) -> (usize, &'static str) {
         Kind::BitSum => (2, "how many bits are 1, an INT"),
         Kind::Scatter => (2, "writes the bits of IN to an array or structure of BOOL"),
         Kind::Gather => (2, "writes an array or structure of BOOL to a bit string"),
+        Kind::ScatterBlock { to_bits: true } => {
+            (2, "as SCATTER, of COUNT_IN elements from array element IN on; what does not fit is an error")
+        }
+        Kind::ScatterBlock { to_bits: false } => {
+            (2, "as GATHER, to COUNT_OUT elements from array element OUT on; what does not fit is an error")
+        }
         Kind::Bound { upper: false } => (3, "lower bound of dimension DIM, a DINT"),
         Kind::Bound { upper: true } => (3, "upper bound of dimension DIM, a DINT"),
         Kind::CountOfElements => (3, "elements of an array, an UDINT"),
