@@ -372,8 +372,8 @@ fn blocks_without_number_take_the_lowest_free_one() {
 
 #[test]
 fn library_blocks_are_known_by_name_only() {
-    assert_eq!(codes("CALL \"ATH\"\n"), ["P0303"]);
-    assert_eq!(codes("CALL FC 94\n"), ["P0302"]);
+    assert_eq!(codes("CALL \"FIFO\"\n"), ["P0303"]);
+    assert_eq!(codes("CALL FC 85\n"), ["P0302"]);
 }
 
 #[test]
