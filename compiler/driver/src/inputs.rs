@@ -156,10 +156,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
         }
         Content::Other(what) => {
             let title = format!("`{}` holds no PLC source but {what}", path.display());
-            let help = match what {
-                content::XML => "export the blocks as text, in STL or SCL; plcc does not read LAD, FBD and GRAPH",
-                _ => "give a source in STL, SCL or SIMATIC SD, or a symbol table",
-            };
+            let help = "give a source in STL, SCL or SIMATIC SD, blocks exported as XML, or a symbol table";
             read.report(Code::NotASource, path, title, help);
         }
     }

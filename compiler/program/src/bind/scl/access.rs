@@ -174,6 +174,9 @@ impl Binder<'_> {
         {
             return self.peripheral_tag(ctx, tag, name.span);
         }
+        if !global && let Some(constant) = self.global_constants.get(&fold(text)) {
+            return Some(Thing::Constant(constant.clone()));
+        }
         if !global && name.form == NameForm::Quoted {
             if let Some(constant) = self.system_constant(text) {
                 return Some(Thing::Constant(constant));

@@ -36,7 +36,7 @@ pub(in crate::bind) mod place;
 mod pointer;
 mod reference;
 mod result;
-mod rules;
+pub(in crate::bind) mod rules;
 mod scatter;
 mod statement;
 pub(in crate::bind) mod temporary;
