@@ -48,7 +48,8 @@ pub struct NetworkSource {
 
 /// Takes a document apart.
 pub fn read(file: FileId, text: &str, raw: RawText, diagnostics: &mut Vec<Diagnostic>) -> Document {
-    let RawText { tokens, comments, regions } = raw;
+    // Regions count tokens, of which some go; those of networks are read again with them.
+    let RawText { tokens, comments, regions: _ } = raw;
     let mut reader = Reader {
         file,
         text,
@@ -64,11 +65,13 @@ pub fn read(file: FileId, text: &str, raw: RawText, diagnostics: &mut Vec<Diagno
     let Reader { out, blocks, members, .. } = reader;
     let networks: Vec<&Range<usize>> =
         blocks.iter().flat_map(|block| &block.networks).map(|network| &network.bytes).collect();
-    let inside = |at: u32| networks.iter().any(|bytes| bytes.contains(&(at as usize)));
-    let kept = |comment: &Comment| comment.form == CommentForm::Unterminated || !inside(comment.start);
+    let kept = |comment: &Comment| {
+        let at = comment.start as usize;
+        let before = networks.partition_point(|bytes| bytes.start <= at);
+        let inside = before > 0 && networks[before - 1].contains(&at);
+        comment.form == CommentForm::Unterminated || !inside
+    };
     let (outside, inside): (Vec<Comment>, Vec<Comment>) = comments.into_iter().partition(kept);
-    // Regions count tokens, of which some are gone; those of networks are read again with them.
-    drop(regions);
     let declarations = RawText { tokens: out, comments: outside, regions: Vec::new() };
     Document { tokens, declarations, blocks, comments: inside, members }
 }
@@ -141,7 +144,7 @@ impl Reader<'_, '_> {
         self.blocks.push(Frame { start: token.start, attributes, networks: Vec::new() });
         match keyword {
             Keyword::DataBlock => self.data_block(),
-            Keyword::Type => self.types(token),
+            Keyword::Type => self.types(),
             _ => self.code_block(),
         }
     }
@@ -310,31 +313,23 @@ impl Reader<'_, '_> {
 
     /// An assignment is at hand: `a.b[1] := 5`.
     fn value_begins(&self) -> bool {
-        let rest = &self.tokens[self.at..];
-        let end = rest
-            .iter()
-            .position(|token| matches!(token.kind, RawKind::Assign | RawKind::Semicolon | RawKind::Colon))
-            .map(|at| (at, rest[at].kind));
-        let same = |length: usize| {
-            rest[1..length].iter().all(|token| {
-                matches!(
-                    token.kind,
-                    RawKind::Dot
-                        | RawKind::LeftBracket
-                        | RawKind::RightBracket
-                        | RawKind::Comma
-                        | RawKind::Number
-                        | RawKind::Minus
-                ) || matches!(token.kind, RawKind::Word | RawKind::Quoted) && token.keyword.is_none()
-            })
-        };
-        let path = |length: usize| {
-            // Two words in a row are no path.
-            !rest[..length].windows(2).any(|pair| {
-                pair.iter().all(|token| matches!(token.kind, RawKind::Word | RawKind::Quoted | RawKind::Local))
-            })
-        };
-        matches!(end, Some((length, RawKind::Assign)) if same(length) && path(length))
+        let mut after_name = false;
+        for token in &self.tokens[self.at..] {
+            match token.kind {
+                // Two words in a row are no path.
+                RawKind::Word | RawKind::Quoted | RawKind::Local if after_name => return false,
+                RawKind::Word | RawKind::Quoted | RawKind::Local => after_name = true,
+                RawKind::Dot
+                | RawKind::LeftBracket
+                | RawKind::RightBracket
+                | RawKind::Comma
+                | RawKind::Number
+                | RawKind::Minus => after_name = false,
+                RawKind::Assign => return true,
+                _ => return false,
+            }
+        }
+        false
     }
 
     /// The attributes behind the name of a data block are its own.
@@ -346,7 +341,7 @@ impl Reader<'_, '_> {
     }
 
     /// The types of a TYPE document. SCL wants TYPE and END_TYPE around each.
-    fn types(&mut self, opening: RawToken) {
+    fn types(&mut self) {
         self.push();
         let mut first = true;
         while let Some(token) = self.token() {
@@ -369,14 +364,14 @@ impl Reader<'_, '_> {
                         block.attributes.extend(attributes);
                     }
                     first = false;
-                    self.type_of_document(opening);
+                    self.type_of_document();
                 }
             }
         }
     }
 
     /// `Name : STRUCT … END_STRUCT;`, `Name : Int;`, up to its `;`.
-    fn type_of_document(&mut self, _opening: RawToken) {
+    fn type_of_document(&mut self) {
         if let Some(mut name) = self.token() {
             // `Name : …` alone on its line is no field of a head.
             name.first_on_line = false;

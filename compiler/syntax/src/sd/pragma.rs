@@ -37,9 +37,9 @@ pub fn find<'p>(attributes: &'p [Attribute], key: &str) -> Option<&'p Attribute>
 
 /// Index behind the `}` that closes the brace at `open`; none if it is not closed.
 pub fn end(tokens: &[RawToken], open: usize) -> Option<usize> {
-    let close = tokens[open..].iter().position(|token| token.kind == RawKind::RightBrace)?;
-    let again = tokens[open + 1..].iter().position(|token| token.kind == RawKind::LeftBrace).map(|at| at + 1);
-    if again.is_some_and(|again| again < close) { None } else { Some(open + close + 1) }
+    let brace = |token: &RawToken| matches!(token.kind, RawKind::LeftBrace | RawKind::RightBrace);
+    let next = open + 1 + tokens[open + 1..].iter().position(brace)?;
+    (tokens[next].kind == RawKind::RightBrace).then_some(next + 1)
 }
 
 /// Reads the attributes in the braces that begin at `open`; gives the index behind them. Braces that are not closed end at their line.
