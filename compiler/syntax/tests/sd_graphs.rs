@@ -7,8 +7,9 @@ use plcc_syntax::{Language, ParseOptions, network, parse};
 
 /// The graph of a network with these rungs, as text.
 fn graph(language: &str, rungs: &str) -> String {
-    let text =
-        format!("FUNCTION F : Void\n{{ S7_Language := \"{language}\" }}\nNETWORK\n{rungs}\nEND_NETWORK\nEND_FUNCTION\n");
+    let text = format!(
+        "FUNCTION F : Void\n{{ S7_Language := \"{language}\" }}\nNETWORK\n{rungs}\nEND_NETWORK\nEND_FUNCTION\n"
+    );
     let options = ParseOptions { language: Some(Language::Sd), ..ParseOptions::default() };
     let (unit, diagnostics) = parse(FileId(0), &text, &options);
     let errors: Vec<_> = diagnostics.iter().filter(|diagnostic| diagnostic.is_error()).collect();
@@ -75,7 +76,11 @@ fn all_forms_of_a_flip_flop_are_one() {
 fn a_gate_without_pins_adds_nothing() {
     same("FBD", "RUNG #a A() P_Trig( #m ) Coil( #q ) END_RUNG", "RUNG #a P_Trig( #m ) Coil( #q ) END_RUNG");
     same("FBD", "RUNG #a NOT A() Coil( #q ) END_RUNG", "RUNG #a NOT Coil( #q ) END_RUNG");
-    same("LAD", "RUNG wire#powerrail Coil( #q ) END_RUNG", "RUNG wire#powerrail Coil( #q ) END_RUNG\nRUNG wire#powerrail END_RUNG");
+    same(
+        "LAD",
+        "RUNG wire#powerrail Coil( #q ) END_RUNG",
+        "RUNG wire#powerrail Coil( #q ) END_RUNG\nRUNG wire#powerrail END_RUNG",
+    );
 }
 
 #[test]
@@ -103,4 +108,12 @@ fn not_inverts_the_pin_that_the_flow_enters() {
         graph("FBD", "RUNG #a NOT O( in2 := #b ) NOT Coil( #q ) END_RUNG"),
         "O (in1 := NOT #a, in2 := #b, out => n0)\nCoil (in := NOT n0, operand => #q)\nn0 = 0.out"
     );
+}
+
+#[test]
+fn the_end_of_a_network_tells_the_language_of_a_file() {
+    let text = "FUNCTION F : Void\n{ S7_Language := \"LAD\" }\nNETWORK\nEND_NETWORK\nEND_FUNCTION\n";
+    let (unit, diagnostics) = parse(FileId(0), text, &ParseOptions::default());
+    assert!(diagnostics.is_empty(), "{diagnostics:?}");
+    assert!(matches!(unit.blocks.as_slice(), [Block::Code(block)] if matches!(block.code, Code::Graphic(_))));
 }
