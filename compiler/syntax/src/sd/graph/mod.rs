@@ -5,6 +5,7 @@
 
 mod element;
 mod nets;
+mod operand;
 mod pins;
 mod settings;
 
@@ -15,8 +16,7 @@ use super::pragma::Attribute;
 use super::tree::{Argument, Item, Part, Rung, ValueKind, Wire};
 use crate::network::ast::{Element, Eno, Graph, Language, NetId, Pin, PinValue, Source, Storage, Target};
 use crate::network::elements::{self, Kind};
-use crate::scl::ast::{Expr, ExprKind, Name, NameForm, UnaryOp};
-use crate::scl::fragment;
+use crate::scl::ast::{Expr, Name};
 use nets::Nets;
 
 /// Builds the graph of a network, and its labels.
@@ -108,7 +108,7 @@ impl Builder<'_, '_> {
                 Item::Wire(wire) if first => carried.flow = Flow::Net(self.consumed(wire)),
                 Item::Wire(wire) if items.peek().is_none() && rung.end.is_none() => {
                     let last = std::mem::replace(&mut carried, Carried { flow: Flow::Lost, inverted: false });
-                    self.into_wire(last, wire, first_element);
+                    self.end_in_wire(last, wire, first_element);
                 }
                 Item::Wire(wire) => self.through_wire(&mut carried, wire, first_element),
                 Item::Operand(span) if first => {
@@ -173,7 +173,7 @@ impl Builder<'_, '_> {
             );
         }
         match rung.end {
-            Some(wire) => self.into_wire(carried, wire, first_element),
+            Some(wire) => self.end_in_wire(carried, wire, first_element),
             None if carried.inverted && !matches!(carried.flow, Flow::Lost) => self.report(
                 Diagnostic::new(Code::Syntax, rung.span, "the rung ends with `NOT`")
                     .label("nothing takes the inverted flow")
@@ -337,7 +337,7 @@ impl Builder<'_, '_> {
     }
 
     /// The wire at the end of a rung.
-    fn into_wire(&mut self, carried: Carried, wire: Wire, first_element: usize) {
+    fn end_in_wire(&mut self, carried: Carried, wire: Wire, first_element: usize) {
         let effect = self.has_effect(first_element);
         let source = self.source(carried);
         self.fed(wire, source, nets::Place::End, effect);
@@ -360,65 +360,7 @@ impl Builder<'_, '_> {
         })
     }
 
-    // Texts.
-
-    fn slice(&self, span: Span) -> &str {
-        self.text.text.get(span.range()).unwrap_or_default()
-    }
-
-    fn expression(&mut self, span: Span) -> Expr {
-        let (expr, messages) = fragment::expression(self.text.file, self.text.text, span.range());
-        self.diagnostics.extend(messages);
-        expr
-    }
-
-    /// The expression of an operand: a variable, an address or a constant.
-    fn operand(&mut self, span: Span) -> Expr {
-        let (expr, messages) = fragment::expression(self.text.file, self.text.text, span.range());
-        let told = messages.iter().any(|message| message.is_error() && message.code != Code::Syntax);
-        self.diagnostics.extend(messages.into_iter().filter(|message| message.code != Code::Syntax));
-        if told || is_operand(&expr) {
-            return expr;
-        }
-        self.report(
-            Diagnostic::new(Code::Syntax, span, format!("`{}` is no operand", self.slice(span)))
-                .label("neither a variable nor an address nor a constant")
-                .help(
-                    "write e.g. `#name`, `\"Tag\"`, `\"DB\".member`, `%I0.0` or a constant; CALCULATE takes a formula",
-                ),
-        );
-        Expr { kind: ExprKind::Error, span }
-    }
-
-    /// A label; it may be called like a keyword.
-    fn label_name(&self, span: Span) -> Name {
-        let text = self.slice(span).trim_matches(['"', '#']).to_string();
-        Name { text, form: NameForm::Bare, span }
-    }
-
-    fn label_expression(&self, span: Span) -> Expr {
-        Expr { kind: ExprKind::Name(self.label_name(span)), span }
-    }
-
     fn report(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
-    }
-}
-
-/// Whether an expression can be connected to a pin.
-fn is_operand(expr: &Expr) -> bool {
-    match &expr.kind {
-        ExprKind::Literal(_)
-        | ExprKind::Name(_)
-        | ExprKind::Absolute(_)
-        | ExprKind::Member { .. }
-        | ExprKind::MemberAbsolute { .. }
-        | ExprKind::Slice { .. }
-        | ExprKind::Index { .. }
-        | ExprKind::Dereference(_) => true,
-        ExprKind::Unary { op, operand } => {
-            *op != UnaryOp::Not && matches!(operand.kind, ExprKind::Literal(_) | ExprKind::Name(_))
-        }
-        ExprKind::Call { .. } | ExprKind::Reference(_) | ExprKind::Binary { .. } | ExprKind::Error => false,
     }
 }
