@@ -60,6 +60,7 @@ fn snake_case(row: &str) -> String {
 /// Codes that no source file alone can show; the examples on their pages are the tests.
 const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
     (Code::SymbolTable, "needs a symbol table"),
+    (Code::ForeignContent, "needs an export in XML"),
     (Code::Project, "needs a plc.toml"),
     (Code::UnknownCpu, "needs a plc.toml or `--cpu`"),
     (Code::Unreadable, "needs a file that cannot be read"),
@@ -224,12 +225,7 @@ fn codes_of(code: Code, example: &str) -> Vec<Code> {
             "toml" => "plc.toml",
             "sdf" => "symbols.sdf",
             "scl" => "main.scl",
-            "s7dcl" => "main.s7dcl",
-            "s7res" => {
-                // It lies beside the source and is no source itself.
-                fs::write(folder.path().join("main.s7res"), text).unwrap();
-                continue;
-            }
+            "xml" => "main.xml",
             "txt" => "main.txt",
             "xml" => "main.xml",
             "sh" => {

@@ -29,6 +29,8 @@ pub struct Part {
     pub card: Option<u32>,
     /// Of a call: its parameters in their order, and whether the block writes them.
     parameters: Vec<(String, bool)>,
+    /// The file does not list the parameters: wires tell of them.
+    open_parameters: bool,
     pub span: Span,
 }
 
@@ -53,6 +55,15 @@ impl Part {
             None if given.eq_ignore_ascii_case("eno") => Some(("eno".to_string(), true)),
             None => self.parameters.iter().find(|(name, _)| name.eq_ignore_ascii_case(given)).cloned(),
         }
+    }
+
+    /// A parameter of a block whose file does not list them.
+    fn parameter(&mut self, name: &str, output: bool) -> Option<(String, bool)> {
+        if !self.open_parameters {
+            return None;
+        }
+        self.parameters.push((name.to_string(), output));
+        self.parameters.last().cloned()
     }
 
     /// Where a pin stands among the others: flow in, the pins of the table or the parameters, flow out.
@@ -134,7 +145,7 @@ pub fn read(reader: &mut Reader, net: Node, whose: &str) -> Result<Parts, Refuse
     }
     let index: HashMap<UId, usize> = found.parts.iter().enumerate().map(|(at, part)| (part.uid, at)).collect();
     for node in wires {
-        let wire = wire(reader, node, whose, &found, &index)?;
+        let wire = wire(reader, node, whose, &mut found, &index)?;
         found.wires.push(wire);
     }
     Ok(found)
@@ -165,37 +176,45 @@ fn parts(reader: &mut Reader, list: Node, whose: &str, found: &mut Parts) -> Res
 fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, Refused> {
     let name = node.attribute("Name").unwrap_or_default();
     let span = reader.name_span(node, "Name");
-    let Some(row) = elements::find_xml(name) else {
-        let message = Diagnostic::new(
-            Code::UnknownElement,
-            span,
-            format!("{whose} holds the element `{name}`, which plcc does not know"),
-        );
-        let help = "call a block that does the same, or write the network in SCL";
-        reader.diagnostics.push(message.label("not known").help(help));
-        return Err(Refused);
+    let row = elements::find_xml(name);
+    let target = match row {
+        Some(row) => Target::Element { row, instance: None },
+        // A block of the system's library, by its name.
+        None if is_library_call(node) => {
+            let name = Name { text: name.to_string(), form: NameForm::Bare, span };
+            Target::Block { callee: Expr { kind: ExprKind::Name(name), span }, instance: None }
+        }
+        None => {
+            let message = Diagnostic::new(
+                Code::UnknownElement,
+                span,
+                format!("{whose} holds the element `{name}`, which plcc does not know"),
+            );
+            let help = "call a block that does the same, or write the network in SCL";
+            reader.diagnostics.push(message.label("not known").help(help));
+            return Err(Refused);
+        }
     };
     let mut part = Part {
         uid,
-        target: Target::Element { row, instance: None },
+        target,
         templates: Vec::new(),
-        eno: match node.attribute("DisabledENO") {
-            Some(value) if value.eq_ignore_ascii_case("true") || value == "1" => Eno::Disabled,
-            Some(_) if row.is_box() => Eno::Generated,
-            _ => Eno::Default,
-        },
+        eno: if row.is_none_or(Row::is_box) { eno(node) } else { Eno::Default },
         equation: None,
         cases: Vec::new(),
         negated: Vec::new(),
         card: None,
         parameters: Vec::new(),
+        open_parameters: row.is_none(),
         span,
     };
     for setting in elements(node) {
         match setting.tag_name().name() {
             "Instance" => {
-                let instance = reader.instance(setting, whose)?;
-                part.target = Target::Element { row, instance: Some(instance) };
+                let found = reader.instance(setting, whose)?;
+                match &mut part.target {
+                    Target::Element { instance, .. } | Target::Block { instance, .. } => *instance = Some(found),
+                }
             }
             "TemplateValue" => template(reader, setting, &mut part),
             "AutomaticTyped" => {
@@ -213,6 +232,19 @@ fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
         }
     }
     Ok(part)
+}
+
+/// Whether a part that no table has is a call of the system's library: these have a version, an instance, or ENO to choose.
+fn is_library_call(node: Node) -> bool {
+    node.attribute("Version").is_some() || node.attribute("DisabledENO").is_some() || child(node, "Instance").is_some()
+}
+
+fn eno(node: Node) -> Eno {
+    match node.attribute("DisabledENO") {
+        Some(value) if value.eq_ignore_ascii_case("true") || value == "1" => Eno::Disabled,
+        Some(_) => Eno::Generated,
+        None => Eno::Default,
+    }
 }
 
 fn template(reader: &mut Reader, node: Node, part: &mut Part) {
@@ -235,7 +267,7 @@ fn template(reader: &mut Reader, node: Node, part: &mut Part) {
 
 fn negate(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Result<(), Refused> {
     let name = node.attribute("Name").unwrap_or_default();
-    match part.pin(name) {
+    match part.pin(name).or_else(|| part.parameter(name, false)) {
         Some((name, _)) => part.negated.push(name),
         None => return Err(reader.refuse(node, whose, &format!("an inversion of the pin `{name}`"))),
     }
@@ -267,16 +299,13 @@ fn call(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
         uid,
         target: Target::Block { callee, instance },
         templates: Vec::new(),
-        eno: match node.attribute("DisabledENO") {
-            Some(value) if value.eq_ignore_ascii_case("true") || value == "1" => Eno::Disabled,
-            Some(_) => Eno::Generated,
-            None => Eno::Default,
-        },
+        eno: eno(node),
         equation: None,
         cases: Vec::new(),
         negated: Vec::new(),
         card: None,
         parameters,
+        open_parameters: false,
         span,
     };
     for setting in elements(node) {
@@ -293,10 +322,10 @@ fn wire(
     reader: &mut Reader,
     node: Node,
     whose: &str,
-    found: &Parts,
+    found: &mut Parts,
     index: &HashMap<UId, usize>,
 ) -> Result<Wire, Refused> {
-    let mut ends = Vec::new();
+    let mut ends: Vec<End> = Vec::new();
     if !crate::xml::is(node, "Wire") {
         return Err(reader.refuse(node, whose, &format!("`{}`", node.tag_name().name())));
     }
@@ -314,7 +343,11 @@ fn wire(
                 let Some(part) = uid(end).and_then(|uid| index.get(&uid)).copied() else {
                     return Err(reader.refuse(end, whose, "a wire to an element that it does not have"));
                 };
-                let Some((pin, output)) = found.parts[part].pin(name) else {
+                // What a wire begins with feeds the others.
+                let feeds = ends.is_empty();
+                let Some((pin, output)) =
+                    found.parts[part].pin(name).or_else(|| found.parts[part].parameter(name, feeds))
+                else {
                     return Err(unknown_pin(reader, end, &found.parts[part], whose));
                 };
                 let span = reader.name_span(end, "Name");

@@ -34,9 +34,11 @@ impl Reader {
             self.span(head(node)),
             format!("{whose} holds {what}, which plcc does not read"),
         );
-        self.diagnostics.push(message.label("not known").help(
-            "write the network in another way, in SCL for example; what cannot be read is never left out of a network silently",
-        ));
+        self.diagnostics.push(
+            message.label("not known").help(
+                "write the network in another way, in SCL for example; no part of a network is left out silently",
+            ),
+        );
         Refused
     }
 
