@@ -31,7 +31,7 @@ use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use roxmltree::Document;
 
 use crate::ParseOptions;
-use crate::ast::SourceUnit;
+use crate::ast::{Pragma, SourceUnit};
 use crate::xml::{self, XmlKind, head, objects};
 use overlay::Overlay;
 use reader::Reader;
@@ -68,10 +68,21 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ParseOptions) -
             }
         }
     }
+    let pragmas = if options.pragmas { pragmas(file, &document) } else { Vec::new() };
     let mut diagnostics = reader.diagnostics;
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     let overlay = Some(reader.overlay.into_text());
-    (SourceUnit { blocks, overlay, ..SourceUnit::default() }, diagnostics)
+    (SourceUnit { blocks, pragmas, overlay, ..SourceUnit::default() }, diagnostics)
+}
+
+/// `<!--@ cpu … -->`: settings of a test, as `//@ cpu …` in a source.
+fn pragmas(file: FileId, document: &Document) -> Vec<Pragma> {
+    let comments = document.root().descendants().filter(|node| node.is_comment());
+    let pragmas = comments.filter_map(|node| {
+        let text = node.text()?.trim().strip_prefix('@')?.trim().to_string();
+        Some(Pragma { text, span: Span::new(file, node.range()), assert: None })
+    });
+    pragmas.collect()
 }
 
 /// The overlay of a file without blank lines, for `--emit tokens`.
