@@ -104,8 +104,9 @@ pub fn file_scenario(file: &Path) -> Option<PathBuf> {
     Some(file.with_extension("scenario.toml")).filter(|path| path.is_file())
 }
 
-/// The suffix of files with the texts of a source in SIMATIC SD.
-const TEXTS_SUFFIX: &str = "s7res";
+fn is_source(path: &Path, text: &str) -> bool {
+    matches!(content_of(path, text), Content::Source | Content::SourceAndTable)
+}
 
 /// What a file holds. The ending of its name tells of a text that might be prose.
 fn content_of(path: &Path, text: &str) -> Content {
@@ -148,7 +149,9 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
             }
             let file = read.sources.add(source);
             read.units.push(file);
-            add_texts(read, path, file);
+            if content == Content::SourceAndTable {
+                read.tables.push(file);
+            }
         }
         Content::SymbolTable => {
             let file = read.sources.add(source);

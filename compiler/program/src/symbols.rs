@@ -64,10 +64,20 @@ pub fn is_symbol_table(text: &str) -> bool {
     format(text).is_some()
 }
 
+/// The variables of a project in PLCopen XML that have an address.
+fn plcopen(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
+    let (tags, diagnostics) = plcc_syntax::plcopen::tags(file, text);
+    let symbol = |tag: plcc_syntax::plcopen::Tag| {
+        let target = parse_address(&tag.address)?;
+        Some(Symbol { name: tag.name, target, ty: tag.ty, comment: String::new(), span: tag.span })
+    };
+    (SymbolTable { symbols: tags.into_iter().filter_map(symbol).collect() }, diagnostics)
+}
+
 /// Reads the table in `source`, which is file `file`.
 pub fn parse(file: FileId, source: &SourceFile) -> (SymbolTable, Vec<Diagnostic>) {
-    if plcc_syntax::xml::kind(&source.text).is_some() {
-        return tag_table::parse(file, &source.text);
+    if plcc_syntax::plcopen::is_project(&source.text) {
+        return plcopen(file, &source.text);
     }
     let mut reader = Reader { file, text: &source.text, table: SymbolTable::default(), diagnostics: Vec::new() };
     match format(&source.text) {

@@ -3,6 +3,7 @@
 //! - [`ast`]: the syntax tree, [`ast_text`](fn@ast_text) prints it.
 //! - [`literal`]: constants, the same for every language.
 //! - [`network`]: networks of LAD and FBD.
+//! - [`plcopen`]: projects in PLCopen XML.
 //! - [`scl`]: lexer and grammar of SCL.
 //! - [`simatic_ml`]: exports of the TIA Portal in XML.
 //! - [`stl`]: lexer, grammar and instruction table of STL for S7-300/400.
@@ -19,6 +20,7 @@ mod frame;
 mod language;
 pub mod literal;
 pub mod network;
+pub mod plcopen;
 pub mod scl;
 pub mod simatic_ml;
 pub mod stl;
@@ -48,8 +50,8 @@ pub struct ParseOptions<'a> {
 
 /// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (ast::SourceUnit, Vec<Diagnostic>) {
-    if let Some(kind) = xml::kind(text) {
-        return simatic_ml::parse(file, text, &kind, options);
+    if plcopen::is_project(text) {
+        return plcopen::parse(file, text);
     }
     match language::detect(text, options.language) {
         Reading::Whole(Language::Stl) => stl::parse(file, text, options),

@@ -1,0 +1,544 @@
+//! Objects of a network as elements and nets.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use plcc_diag::{Code, Diagnostic, Severity, Span};
+
+use super::objects::{Connection, Edge, Kind, Object};
+use super::{Body, Reader};
+use crate::network::ast::{
+    Element, Eno, Graph, NetId, Pin, PinValue, Source, Storage, Target, Template, TemplateKey,
+};
+use crate::network::elements::{self, PinDirection, Row};
+use crate::scl::ast::{Expr, ExprKind, Name, NameForm};
+use crate::scl::fragment;
+use crate::Elementary;
+
+/// Connectors lead to connectors up to this depth.
+const DEPTH_MAX: usize = 64;
+
+/// Where a signal comes from.
+#[derive(Clone, Debug, PartialEq)]
+enum Origin {
+    Rail,
+    /// A pin of an element, by its name in the file.
+    Pin(usize, String),
+    Operand(Expr, bool),
+}
+
+/// A network in the making.
+pub struct Build<'r, 'a, 'b> {
+    reader: &'r mut Reader<'a>,
+    body: &'b mut Body,
+    objects: &'r [Object],
+    graph: Graph,
+    /// Elements by their objects.
+    made: HashMap<usize, usize>,
+    /// Nets by what feeds them.
+    nets: Vec<(Vec<Origin>, NetId)>,
+    /// Variables that keep a signal for the next cycle, by the object and the pin that it comes from.
+    kept: HashMap<(usize, String), Expr>,
+}
+
+/// The graph of the objects `order`, which run in this order.
+pub fn build(reader: &mut Reader, body: &mut Body, objects: &[Object], order: &[usize]) -> Graph {
+    let mut build = Build {
+        reader,
+        body,
+        objects,
+        graph: Graph::default(),
+        made: HashMap::new(),
+        nets: Vec::new(),
+        kept: HashMap::new(),
+    };
+    for at in order {
+        build.object(*at);
+    }
+    build.keep();
+    build.finish()
+}
+
+fn name(text: impl Into<String>, form: NameForm, span: Span) -> Expr {
+    Expr { kind: ExprKind::Name(Name { text: text.into(), form, span }), span }
+}
+
+fn pin(name: &str, value: PinValue, output: bool, span: Span) -> Pin {
+    Pin { name: name.to_string(), value, negated: false, output, storage: Storage::None, span }
+}
+
+impl Build<'_, '_, '_> {
+    fn object(&mut self, at: usize) {
+        let object = &self.objects[at];
+        match object.kind {
+            Kind::Contact => self.contact(at, object),
+            Kind::Coil => self.coil(at, object),
+            Kind::Block => self.block(at, object),
+            Kind::OutVariable => self.out_variable(at, object),
+            Kind::Jump | Kind::Return => self.leave(at, object),
+            Kind::LeftRail
+            | Kind::InVariable
+            | Kind::InOutVariable
+            | Kind::Label
+            | Kind::Connector
+            | Kind::Continuation => {}
+        }
+    }
+
+    fn element(&mut self, at: Option<usize>, target: Target, pins: Vec<Pin>, span: Span) -> usize {
+        let (templates, equation, cases) = (Vec::new(), None, Vec::new());
+        self.graph.elements.push(Element { target, templates, eno: Eno::Default, pins, equation, cases, span });
+        let index = self.graph.elements.len() - 1;
+        if let Some(at) = at {
+            self.made.insert(at, index);
+        }
+        index
+    }
+
+    fn row(&mut self, name: &str) -> Option<Target> {
+        elements::find_sd(name).map(|(row, _)| Target::Element { row, instance: None })
+    }
+
+    /// The expression in a part of the file.
+    fn expr(&mut self, range: Range<usize>) -> Expr {
+        let (mut value, messages) = fragment::expression(self.reader.file, &self.reader.overlay, range);
+        self.reader.messages.extend(messages);
+        self.body.scope.expr(&mut value);
+        value
+    }
+
+    /// The operand of a contact, coil or variable.
+    fn operand(&mut self, object: &Object) -> PinValue {
+        match object.text.clone() {
+            Some(range) => PinValue::Operand(self.expr(range)),
+            None => PinValue::Open,
+        }
+    }
+
+    /// A BOOL of the instance that keeps a signal from cycle to cycle.
+    fn hidden(&mut self, stem: &str, span: Span) -> Option<Expr> {
+        if self.body.is_function {
+            let text = "a function has no memory for an edge or for the signal of the last cycle";
+            let mut message = Diagnostic::new(Code::EdgeBit, span, text);
+            message.severity = Severity::Error;
+            let help = "make the POU a function block, or hand the signal of the last cycle to it as a parameter";
+            self.reader.messages.push(message.label("needs a BOOL that outlives the call").help(help));
+            return None;
+        }
+        Some(name(self.body.hidden_name(stem, span), NameForm::Local, span))
+    }
+
+    fn contact(&mut self, at: usize, object: &Object) {
+        let operand = self.operand(object);
+        let value = self.input(object.inputs.first(), object.span);
+        let negated = object.modifiers.negated;
+        let mut pins = vec![pin("in", value, false, object.span), pin("operand", operand, false, object.span)];
+        pins[1].negated = negated;
+        let (row, span) = (edge_name(object.modifiers.edge, "Contact", "P_Contact", "N_Contact"), object.span);
+        if object.modifiers.edge != Edge::None {
+            let Some(bit) = self.hidden("edge", span) else { return };
+            pins[0].name = "pre".to_string();
+            pins.push(pin("bit", PinValue::Operand(bit), false, span));
+        }
+        if let Some(target) = self.row(row) {
+            self.element(Some(at), target, pins, span);
+        }
+    }
+
+    fn coil(&mut self, at: usize, object: &Object) {
+        let operand = self.operand(object);
+        let value = self.input(object.inputs.first(), object.span);
+        let span = object.span;
+        let mut pins = vec![pin("in", value, false, span), pin("operand", operand, true, span)];
+        let row = match (object.modifiers.edge, object.modifiers.storage) {
+            (Edge::None, Storage::None) => "Coil",
+            (Edge::None, Storage::Set) => "S_Coil",
+            (Edge::None, Storage::Reset) => "R_Coil",
+            (Edge::Rising, _) => "P_Coil",
+            (Edge::Falling, _) => "N_Coil",
+        };
+        pins[1].negated = object.modifiers.negated && row == "Coil";
+        if object.modifiers.edge != Edge::None {
+            let Some(bit) = self.hidden("edge", span) else { return };
+            pins.push(pin("bit", PinValue::Operand(bit), false, span));
+        }
+        if let Some(target) = self.row(row) {
+            self.element(Some(at), target, pins, span);
+        }
+    }
+
+    fn leave(&mut self, at: usize, object: &Object) {
+        let row = match (object.kind, object.modifiers.negated) {
+            (Kind::Return, _) => "ReturnCoil",
+            (_, false) => "JumpCoil",
+            (_, true) => "I_JumpCoil",
+        };
+        let mut pins = Vec::new();
+        if object.inputs.first().is_some_and(|input| !input.from.is_empty()) {
+            let mut condition = pin("in", self.input(object.inputs.first(), object.span), false, object.span);
+            condition.negated = object.kind == Kind::Return && object.modifiers.negated;
+            pins.push(condition);
+        }
+        if object.kind == Kind::Jump {
+            let label = match object.name.as_str() {
+                "" => PinValue::Open,
+                label => PinValue::Operand(name(label, NameForm::Bare, object.span)),
+            };
+            pins.push(pin("label", label, false, object.span));
+        }
+        if let Some(target) = self.row(row) {
+            self.element(Some(at), target, pins, object.span);
+        }
+    }
+
+    /// A variable that no block writes: a coil, or a move of another variable.
+    fn out_variable(&mut self, at: usize, object: &Object) {
+        let Some(input) = object.inputs.first().filter(|input| !input.from.is_empty()) else { return };
+        let origins = self.origins(&input.from, 0);
+        if let [Origin::Pin(element, _)] = origins.as_slice()
+            && self.objects.iter().enumerate().any(|(block, object)| {
+                object.kind == Kind::Block && self.made.get(&block) == Some(element)
+            })
+            && object.modifiers.edge == Edge::None
+            && input.modifiers.edge == Edge::None
+        {
+            return self.write(at, object, origins);
+        }
+        let operand = self.operand(object);
+        let value = self.input(Some(input), object.span);
+        let span = object.span;
+        let is_value = matches!(&value, PinValue::Operand(_)) && object.modifiers.storage == Storage::None
+            && !object.modifiers.negated;
+        let (row, mut pins) = if is_value {
+            ("Move", vec![pin("in", value, false, span), pin("out1", operand, true, span)])
+        } else {
+            let row = match object.modifiers.storage {
+                Storage::None => "Coil",
+                Storage::Set => "S_Coil",
+                Storage::Reset => "R_Coil",
+            };
+            (row, vec![pin("in", value, false, span), pin("operand", operand, true, span)])
+        };
+        pins[1].negated = object.modifiers.negated;
+        if let Some(target) = self.row(row) {
+            self.element(Some(at), target, pins, span);
+        }
+    }
+
+    /// The output of a block goes to a variable: another pin of the block.
+    fn write(&mut self, at: usize, object: &Object, origins: Vec<Origin>) {
+        let Some(Origin::Pin(element, formal)) = origins.into_iter().next() else { return };
+        let operand = self.operand(object);
+        let canonical = self.output_name(element, &formal, object.span);
+        let mut output = pin(&canonical, operand, true, object.span);
+        output.storage = object.modifiers.storage;
+        output.negated = object.modifiers.negated ^ self.negated_output(element, &formal);
+        self.graph.elements[element].pins.push(output);
+        self.made.insert(at, element);
+    }
+
+    /// The name of an output in the syntax tree; reports one that the element does not have.
+    fn output_name(&mut self, element: usize, formal: &str, span: Span) -> String {
+        let Some(target) = self.graph.elements.get(element).map(|element| &element.target) else {
+            return formal.to_string();
+        };
+        pin_name(target, formal, true, 0).unwrap_or_else(|| {
+            let text = format!("the block has no output `{formal}`");
+            let message = Diagnostic::new(Code::UnknownParameter, span, text);
+            self.reader.messages.push(message.label("comes from a pin that is not there").help("connect an output of the block"));
+            formal.to_string()
+        })
+    }
+
+    /// The block has a circle at this output.
+    fn negated_output(&self, element: usize, formal: &str) -> bool {
+        self.made.iter().filter(|(_, made)| **made == element).any(|(at, _)| {
+            let mut outputs = self.objects[*at].outputs.iter();
+            outputs.any(|output| output.formal.eq_ignore_ascii_case(formal) && output.modifiers.negated)
+        })
+    }
+
+    fn block(&mut self, at: usize, object: &Object) {
+        let instance = object.instance.clone().map(|range| self.expr(range));
+        let span = object.span;
+        let mut templates = Vec::new();
+        let user = self.reader.pous.contains(&object.name.to_lowercase());
+        let conversion = if user { None } else { conversion(&object.name) };
+        let row = match &conversion {
+            Some((_, _, row)) => elements::find_sd(row).map(|(row, _)| row),
+            None if user => None,
+            None => self.word_gate(object).or_else(|| elements::find_open(&object.name)),
+        };
+        if let Some((from, to, _)) = conversion {
+            let template = |key, ty: Elementary| Template { key, value: ty.name().to_string(), span };
+            templates.push(template(TemplateKey::Source, from));
+            templates.push(template(TemplateKey::Destination, to));
+        }
+        let flip_flop = row.is_some_and(|row| matches!(row.kind, elements::Kind::FlipFlop { .. }));
+        let target = match row {
+            Some(row) => Target::Element { row, instance: instance.clone().filter(|_| !flip_flop) },
+            None => {
+                let callee = instance.clone().unwrap_or_else(|| name(object.name.clone(), NameForm::Bare, span));
+                Target::Block { callee, instance: None }
+            }
+        };
+        let mut pins = Vec::new();
+        for (number, input) in object.inputs.iter().enumerate() {
+            if input.from.is_empty() {
+                continue;
+            }
+            let Some(canonical) = pin_name(&target, &input.formal, false, number) else {
+                let text = format!("`{}` has no input `{}`", object.name, input.formal);
+                let message = Diagnostic::new(Code::UnknownParameter, input.span, text);
+                let help = "connect the pins that the block has";
+                self.reader.messages.push(message.label("not a pin of this block").help(help));
+                continue;
+            };
+            let mut connected = pin(&canonical, self.input(Some(input), input.span), false, input.span);
+            connected.negated = input.modifiers.negated;
+            pins.push(connected);
+        }
+        if let (true, Some(state)) = (flip_flop, instance) {
+            pins.push(pin("operand", PinValue::Operand(state), false, span));
+        }
+        let element = self.element(Some(at), target, pins, span);
+        self.graph.elements[element].templates = templates;
+    }
+
+    /// AND, OR, XOR and NOT of words, when a declared variable at an input is one.
+    fn word_gate(&self, object: &Object) -> Option<&'static Row> {
+        let word = match object.name.to_ascii_uppercase().as_str() {
+            "AND" => "And",
+            "OR" => "Or",
+            "XOR" => "Xor",
+            "NOT" => "Inv",
+            _ => return None,
+        };
+        let is_word = |at: &usize| {
+            let text = self.objects[*at].text.clone().and_then(|range| self.reader.overlay.get(range));
+            text.is_some_and(|text| self.body.words.contains(&text.trim().to_lowercase()))
+        };
+        let mut inputs = object.inputs.iter().flat_map(|input| &input.from).map(|(at, _)| at);
+        inputs.any(is_word).then(|| elements::find_sd(word).map(|(row, _)| row))?
+    }
+
+    /// The value of an input, with an edge before it if it has one.
+    fn input(&mut self, input: Option<&Connection>, span: Span) -> PinValue {
+        let Some(input) = input.filter(|input| !input.from.is_empty()) else { return PinValue::Open };
+        let origins = self.origins(&input.from, 0);
+        let value = match origins.as_slice() {
+            [] => PinValue::Open,
+            [Origin::Operand(value, negated)] if !*negated && (input.in_out || input.modifiers.edge == Edge::None) => {
+                PinValue::Operand(value.clone())
+            }
+            _ => PinValue::Net(self.net(origins, span)),
+        };
+        let row = match input.modifiers.edge {
+            Edge::None => return value,
+            Edge::Rising => "P_Trig",
+            Edge::Falling => "N_Trig",
+        };
+        let Some(bit) = self.hidden("edge", span) else { return value };
+        let Some(target) = self.row(row) else { return value };
+        let pins = vec![pin("in", value, false, span), pin("bit", PinValue::Operand(bit), false, span)];
+        let element = self.element(None, target, pins, span);
+        PinValue::Net(self.net(vec![Origin::Pin(element, "out".to_string())], span))
+    }
+
+    /// What feeds the ends of lines.
+    fn origins(&mut self, from: &[(usize, String)], depth: usize) -> Vec<Origin> {
+        let mut found = Vec::new();
+        for (at, formal) in from {
+            for origin in self.origin(*at, formal, depth) {
+                if !found.contains(&origin) {
+                    found.push(origin);
+                }
+            }
+        }
+        found
+    }
+
+    fn origin(&mut self, at: usize, formal: &str, depth: usize) -> Vec<Origin> {
+        let object = &self.objects[at];
+        match object.kind {
+            Kind::LeftRail => vec![Origin::Rail],
+            Kind::InVariable | Kind::InOutVariable => match object.text.clone() {
+                Some(range) => vec![Origin::Operand(self.expr(range), object.modifiers.negated)],
+                None => Vec::new(),
+            },
+            Kind::Continuation => {
+                let connector = |other: &&Object| other.kind == Kind::Connector && other.name == object.name;
+                let found = self.objects.iter().find(connector).and_then(|connector| connector.inputs.first());
+                match found.filter(|_| depth < DEPTH_MAX) {
+                    Some(input) => self.origins(&input.from, depth + 1),
+                    None => {
+                        let text = format!("no connector of the network is called `{}`", object.name);
+                        let message = Diagnostic::new(Code::NoSource, object.span, text);
+                        self.reader.messages.push(message.help("give the continuation the name of a connector"));
+                        Vec::new()
+                    }
+                }
+            }
+            Kind::Connector => match object.inputs.first().filter(|_| depth < DEPTH_MAX) {
+                Some(input) => self.origins(&input.from, depth + 1),
+                None => Vec::new(),
+            },
+            Kind::Contact | Kind::Coil => self.made_pin(at, "out"),
+            Kind::Block => {
+                // A line from the only output needs no name.
+                let first = object.outputs.iter().find(|output| !output.formal.eq_ignore_ascii_case("ENO"));
+                let formal = match (formal, first) {
+                    ("", Some(first)) => first.formal.clone(),
+                    _ => formal.to_string(),
+                };
+                self.made_pin(at, &formal)
+            }
+            Kind::OutVariable | Kind::Label | Kind::Jump | Kind::Return => Vec::new(),
+        }
+    }
+
+    /// An output of an object that ran; else the value that it had in the last cycle.
+    fn made_pin(&mut self, at: usize, formal: &str) -> Vec<Origin> {
+        if let Some(element) = self.made.get(&at) {
+            return vec![Origin::Pin(*element, formal.to_string())];
+        }
+        let object = &self.objects[at];
+        let flip_flop = ["SR", "RS"].iter().any(|name| object.name.eq_ignore_ascii_case(name));
+        if let Some(range) = object.instance.clone() {
+            let base = self.expr(range);
+            let span = object.span;
+            let member = Name { text: formal.to_string(), form: NameForm::Bare, span };
+            let kind = ExprKind::Member { base: Box::new(base.clone()), name: member };
+            return vec![Origin::Operand(if flip_flop { base } else { Expr { kind, span } }, false)];
+        }
+        let key = (at, formal.to_string());
+        if let Some(known) = self.kept.get(&key) {
+            return vec![Origin::Operand(known.clone(), false)];
+        }
+        let boolean = object.kind != Kind::Block
+            || elements::find_open(&object.name).is_some_and(|row| {
+                matches!(row.kind, elements::Kind::Gate(_) | elements::Kind::Not | elements::Kind::Compare(_))
+            });
+        if !boolean {
+            let text = format!("the output of `{}` leads back to its own inputs", object.name);
+            let message = Diagnostic::new(Code::ReverseFlow, object.span, text);
+            let help = "write the output to a variable and read that one: it has the value of the last cycle";
+            self.reader.messages.push(message.label("its value of the last cycle is not known").help(help));
+            return Vec::new();
+        }
+        let Some(hidden) = self.hidden("loop", object.span) else { return Vec::new() };
+        self.kept.insert(key, hidden.clone());
+        vec![Origin::Operand(hidden, false)]
+    }
+
+    /// Signals that are read before they are computed are kept for the next cycle.
+    fn keep(&mut self) {
+        let mut kept: Vec<((usize, String), Expr)> = std::mem::take(&mut self.kept).into_iter().collect();
+        kept.sort_by_key(|((at, _), _)| *at);
+        for ((at, formal), hidden) in kept {
+            let Some(element) = self.made.get(&at).copied() else { continue };
+            let span = self.objects[at].span;
+            let net = self.net(vec![Origin::Pin(element, formal)], span);
+            let pins =
+                vec![pin("in", PinValue::Net(net), false, span), pin("operand", PinValue::Operand(hidden), true, span)];
+            if let Some(target) = self.row("Coil") {
+                self.element(None, target, pins, span);
+            }
+        }
+    }
+
+    /// The net that these feed.
+    fn net(&mut self, origins: Vec<Origin>, span: Span) -> NetId {
+        if let Some((_, id)) = self.nets.iter().find(|(known, _)| *known == origins) {
+            return *id;
+        }
+        let id = self.graph.add_net("", span);
+        for origin in &origins {
+            let source = match origin {
+                Origin::Rail => Source::Rail,
+                Origin::Operand(value, negated) => Source::Operand { value: value.clone(), negated: *negated },
+                Origin::Pin(element, formal) => {
+                    let canonical = self.output_name(*element, formal, span);
+                    let mut output = pin(&canonical, PinValue::Net(id), true, span);
+                    output.negated = self.negated_output(*element, formal);
+                    let Some(from) = self.graph.elements.get_mut(*element) else { continue };
+                    from.pins.push(output);
+                    Source::Pin { element: *element, pin: from.pins.len() - 1 }
+                }
+            };
+            if let Some(net) = self.graph.nets.get_mut(id.0 as usize) {
+                net.sources.push(source);
+            }
+        }
+        self.nets.push((origins, id));
+        id
+    }
+
+    /// Puts the pins of each element into their order: the flow first, then as in the table, the flow out last.
+    fn finish(mut self) -> Graph {
+        let mut moved: Vec<Vec<usize>> = Vec::new();
+        for element in &mut self.graph.elements {
+            let (flow, row) = match &element.target {
+                Target::Element { row, .. } => (row.flow, Some(*row)),
+                Target::Block { .. } => (("en", "eno"), None),
+            };
+            let place = |pin: &Pin| {
+                let known = row.and_then(|row| row.pins().position(|known| known.matches(&pin.name).is_some()));
+                let last = pin.name.eq_ignore_ascii_case(flow.1) && matches!(pin.value, PinValue::Net(_));
+                (!pin.name.eq_ignore_ascii_case(flow.0), last, known.unwrap_or(usize::from(pin.output)))
+            };
+            let mut order: Vec<usize> = (0..element.pins.len()).collect();
+            order.sort_by_key(|at| place(&element.pins[*at]));
+            let mut to = vec![0; order.len()];
+            order.iter().enumerate().for_each(|(new, old)| to[*old] = new);
+            element.pins = order.iter().map(|at| element.pins[*at].clone()).collect();
+            moved.push(to);
+        }
+        for source in self.graph.nets.iter_mut().flat_map(|net| &mut net.sources) {
+            if let Source::Pin { element, pin } = source
+                && let Some(to) = moved.get(*element).and_then(|to| to.get(*pin))
+            {
+                *pin = *to;
+            }
+        }
+        self.graph
+    }
+}
+
+fn edge_name(edge: Edge, none: &'static str, rising: &'static str, falling: &'static str) -> &'static str {
+    match edge {
+        Edge::None => none,
+        Edge::Rising => rising,
+        Edge::Falling => falling,
+    }
+}
+
+/// Types and element of `INT_TO_REAL`, `REAL_TRUNC_INT`.
+fn conversion(name: &str) -> Option<(Elementary, Elementary, &'static str)> {
+    let upper = name.to_ascii_uppercase();
+    for (infix, row) in [("_TO_", "Convert"), ("_TRUNC_", "Trunc")] {
+        if let Some((from, to)) = upper.split_once(infix) {
+            return Some((Elementary::from_word(from)?, Elementary::from_word(to)?, row));
+        }
+    }
+    None
+}
+
+/// The name of a pin in the syntax tree; `None`: the element has no such pin. A pin without a name is the `number`th of its side.
+fn pin_name(target: &Target, formal: &str, output: bool, number: usize) -> Option<String> {
+    let Target::Element { row, .. } = target else { return Some(formal.to_string()) };
+    let on_side = |pin: &elements::PinRow| (pin.direction == PinDirection::Output) == output;
+    if !formal.is_empty() {
+        return row.pin(formal).filter(|(pin, _)| on_side(pin)).map(|(_, canonical)| canonical);
+    }
+    let pins: Vec<elements::PinRow> =
+        row.pins().filter(|pin| on_side(pin) && pin.name() != "en" && pin.name() != "eno").collect();
+    match pins.iter().find(|pin| pin.numbered).filter(|_| !output) {
+        Some(first) => {
+            let stem = first.name().trim_end_matches(|c: char| c.is_ascii_digit());
+            let base: usize = first.name()[stem.len()..].parse().ok()?;
+            Some(format!("{stem}{}", base + number))
+        }
+        None => pins.get(number).map(|pin| pin.name().to_string()),
+    }
+}

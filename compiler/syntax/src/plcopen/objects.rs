@@ -1,0 +1,211 @@
+//! The objects of an LD or FBD body as the file has them.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use plcc_diag::{Code, Diagnostic, Span};
+use roxmltree::Node;
+
+use super::Reader;
+use super::interface::{child, elements};
+use crate::network::ast::Storage;
+
+/// What an object is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    LeftRail,
+    Contact,
+    Coil,
+    Block,
+    /// A value that others read.
+    InVariable,
+    /// A variable that is written.
+    OutVariable,
+    InOutVariable,
+    Label,
+    Jump,
+    Return,
+    Connector,
+    Continuation,
+}
+
+impl Kind {
+    /// It does something when its turn comes.
+    pub fn runs(self) -> bool {
+        matches!(self, Kind::Contact | Kind::Coil | Kind::Block | Kind::OutVariable | Kind::Jump | Kind::Return)
+    }
+}
+
+/// Edge modifiers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Edge {
+    None,
+    Rising,
+    Falling,
+}
+
+/// An object of a body.
+pub struct Object {
+    pub kind: Kind,
+    /// Type of a block, name of a connector, label.
+    pub name: String,
+    pub instance: Option<Range<usize>>,
+    /// Expression of a variable, operand of a contact or coil.
+    pub text: Option<Range<usize>>,
+    pub inputs: Vec<Connection>,
+    pub outputs: Vec<Connection>,
+    pub modifiers: Modifiers,
+    /// From the top, then from the left.
+    pub position: (i64, i64),
+    /// Of execution; 0: none was set.
+    pub order: u64,
+    /// What stands for it in messages.
+    pub span: Span,
+}
+
+/// What a pin or object does to its signal.
+#[derive(Clone, Copy, Debug)]
+pub struct Modifiers {
+    pub negated: bool,
+    pub edge: Edge,
+    pub storage: Storage,
+}
+
+/// A pin of a block, or the only one of another object.
+pub struct Connection {
+    /// As the file calls it; empty if it does not.
+    pub formal: String,
+    pub modifiers: Modifiers,
+    /// Where the signal comes from: objects, and the pins of blocks. Empty for outputs.
+    pub from: Vec<(usize, String)>,
+    pub in_out: bool,
+    pub span: Span,
+}
+
+fn modifiers(node: Node) -> Modifiers {
+    let attribute = |name: &str| node.attribute(name).unwrap_or("").trim();
+    Modifiers {
+        negated: matches!(attribute("negated"), "true" | "1"),
+        edge: match attribute("edge") {
+            "rising" => Edge::Rising,
+            "falling" => Edge::Falling,
+            _ => Edge::None,
+        },
+        storage: match attribute("storage") {
+            "set" => Storage::Set,
+            "reset" => Storage::Reset,
+            _ => Storage::None,
+        },
+    }
+}
+
+fn position(node: Node) -> (i64, i64) {
+    let position = child(node, "position");
+    let number = |name: &str| -> i64 {
+        position.and_then(|node| node.attribute(name)).and_then(|text| text.trim().parse::<f64>().ok()).unwrap_or(0.0)
+            as i64
+    };
+    (number("y"), number("x"))
+}
+
+impl Reader<'_> {
+    /// The objects of a body, with their connections as indices into the list.
+    pub fn objects(&mut self, body: Node) -> Vec<Object> {
+        let mut ids: HashMap<&str, usize> = HashMap::new();
+        let mut nodes = Vec::new();
+        for node in elements(body) {
+            let kind = match node.tag_name().name() {
+                "leftPowerRail" => Kind::LeftRail,
+                "contact" => Kind::Contact,
+                "coil" => Kind::Coil,
+                "block" => Kind::Block,
+                "inVariable" => Kind::InVariable,
+                "outVariable" => Kind::OutVariable,
+                "inOutVariable" => Kind::InOutVariable,
+                "label" => Kind::Label,
+                "jump" => Kind::Jump,
+                "return" => Kind::Return,
+                "connector" => Kind::Connector,
+                "continuation" => Kind::Continuation,
+                "rightPowerRail" | "comment" | "documentation" | "addData" => continue,
+                name => {
+                    let span = self.place(node, "name");
+                    let text = format!("plcc does not read the element `{name}` of PLCopen XML");
+                    let help = "draw it with contacts, coils, blocks and variables, and export again";
+                    let message = Diagnostic::new(Code::ForeignContent, span, text);
+                    self.messages.push(message.label("nothing is compiled in its place").help(help));
+                    continue;
+                }
+            };
+            if let Some(id) = node.attribute("localId") {
+                ids.insert(id.trim(), nodes.len());
+            }
+            nodes.push((kind, node));
+        }
+        nodes.into_iter().map(|(kind, node)| self.object(kind, node, &ids)).collect()
+    }
+
+    fn object(&mut self, kind: Kind, node: Node, ids: &HashMap<&str, usize>) -> Object {
+        let text = ["variable", "expression"]
+            .iter()
+            .find_map(|name| child(node, name).filter(|_| kind != Kind::Block))
+            .and_then(|node| self.text_range(node));
+        let attribute = |name: &str| node.attribute(name).map(str::trim).filter(|text| !text.is_empty());
+        let name_attribute = match kind {
+            Kind::Block => "typeName",
+            Kind::Label | Kind::Jump => "label",
+            _ => "name",
+        };
+        let span = text.clone().map_or_else(|| self.place(node, name_attribute), |range| self.span(range));
+        let mut object = Object {
+            kind,
+            name: attribute(name_attribute).unwrap_or("").to_string(),
+            instance: attribute("instanceName").and(node.attribute_node("instanceName")).map(|a| a.range_value()),
+            text,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            modifiers: modifiers(node),
+            position: position(node),
+            order: attribute("executionOrderId").and_then(|text| text.parse().ok()).unwrap_or(0),
+            span,
+        };
+        if kind == Kind::Block {
+            for list in elements(node) {
+                let (output, in_out) = match list.tag_name().name() {
+                    "inputVariables" => (false, false),
+                    "inOutVariables" => (false, true),
+                    "outputVariables" => (true, false),
+                    _ => continue,
+                };
+                for pin in elements(list).filter(|pin| pin.tag_name().name() == "variable") {
+                    let connection = self.connection(pin, ids, in_out);
+                    if output { &mut object.outputs } else { &mut object.inputs }.push(connection);
+                }
+            }
+        } else if child(node, "connectionPointIn").is_some() {
+            let connection = self.connection(node, ids, false);
+            object.inputs.push(Connection { formal: String::new(), ..connection });
+        }
+        object
+    }
+
+    fn connection(&mut self, node: Node, ids: &HashMap<&str, usize>, in_out: bool) -> Connection {
+        let span = self.place(node, "formalParameter");
+        let mut from = Vec::new();
+        for input in elements(node).filter(|point| point.tag_name().name() == "connectionPointIn") {
+            for line in elements(input).filter(|line| line.tag_name().name() == "connection") {
+                let Some(id) = line.attribute("refLocalId") else { continue };
+                match ids.get(id.trim()) {
+                    Some(at) => from.push((*at, line.attribute("formalParameter").unwrap_or("").trim().to_string())),
+                    None => {
+                        let text = format!("a line comes from object {id}, which the network does not have");
+                        let message = Diagnostic::new(Code::NoSource, self.place(line, "refLocalId"), text);
+                        self.messages.push(message.help("connect the pin again in the editor, and export the project"));
+                    }
+                }
+            }
+        }
+        let formal = node.attribute("formalParameter").unwrap_or("").trim().to_string();
+        Connection { formal, modifiers: modifiers(node), from, in_out, span }
+    }
+}
