@@ -53,7 +53,9 @@ pub fn of(text: &str) -> Content {
     let lines = || text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//"));
     match lines().next() {
         None => return Content::Source,
-        Some(line) if line.starts_with('<') && plcc_syntax::plcopen::is_project(text) => return Content::SourceAndTable,
+        Some(line) if line.starts_with('<') && plcc_syntax::plcopen::is_project(text) => {
+            return Content::SourceAndTable;
+        }
         Some(line) if line.starts_with('<') => return Content::Other(XML),
         Some(line) if line.starts_with("%PDF") => return Content::Other("a PDF document"),
         Some(_) => {}

@@ -7,13 +7,11 @@ use plcc_diag::{Code, Diagnostic, Severity, Span};
 
 use super::objects::{Connection, Edge, Kind, Object};
 use super::{Body, Reader};
-use crate::network::ast::{
-    Element, Eno, Graph, NetId, Pin, PinValue, Source, Storage, Target, Template, TemplateKey,
-};
+use crate::Elementary;
+use crate::network::ast::{Element, Eno, Graph, NetId, Pin, PinValue, Source, Storage, Target, Template, TemplateKey};
 use crate::network::elements::{self, PinDirection, Row};
 use crate::scl::ast::{Expr, ExprKind, Name, NameForm};
 use crate::scl::fragment;
-use crate::Elementary;
 
 /// Connectors lead to connectors up to this depth.
 const DEPTH_MAX: usize = 64;
@@ -196,9 +194,11 @@ impl Build<'_, '_, '_> {
         let Some(input) = object.inputs.first().filter(|input| !input.from.is_empty()) else { return };
         let origins = self.origins(&input.from, 0);
         if let [Origin::Pin(element, _)] = origins.as_slice()
-            && self.objects.iter().enumerate().any(|(block, object)| {
-                object.kind == Kind::Block && self.made.get(&block) == Some(element)
-            })
+            && self
+                .objects
+                .iter()
+                .enumerate()
+                .any(|(block, object)| object.kind == Kind::Block && self.made.get(&block) == Some(element))
             && object.modifiers.edge == Edge::None
             && input.modifiers.edge == Edge::None
         {
@@ -207,7 +207,8 @@ impl Build<'_, '_, '_> {
         let operand = self.operand(object);
         let value = self.input(Some(input), object.span);
         let span = object.span;
-        let is_value = matches!(&value, PinValue::Operand(_)) && object.modifiers.storage == Storage::None
+        let is_value = matches!(&value, PinValue::Operand(_))
+            && object.modifiers.storage == Storage::None
             && !object.modifiers.negated;
         let (row, mut pins) = if is_value {
             ("Move", vec![pin("in", value, false, span), pin("out1", operand, true, span)])
@@ -245,7 +246,9 @@ impl Build<'_, '_, '_> {
         pin_name(target, formal, true, 0).unwrap_or_else(|| {
             let text = format!("the block has no output `{formal}`");
             let message = Diagnostic::new(Code::UnknownParameter, span, text);
-            self.reader.messages.push(message.label("comes from a pin that is not there").help("connect an output of the block"));
+            self.reader
+                .messages
+                .push(message.label("comes from a pin that is not there").help("connect an output of the block"));
             formal.to_string()
         })
     }
@@ -409,7 +412,8 @@ impl Build<'_, '_, '_> {
             let span = object.span;
             let member = Name { text: formal.to_string(), form: NameForm::Bare, span };
             let kind = ExprKind::Member { base: Box::new(base.clone()), name: member };
-            return vec![Origin::Operand(if flip_flop { base } else { Expr { kind, span } }, false)];
+            let negated = object.outputs.iter().any(|pin| pin.formal == formal && pin.modifiers.negated);
+            return vec![Origin::Operand(if flip_flop { base } else { Expr { kind, span } }, negated)];
         }
         let key = (at, formal.to_string());
         if let Some(known) = self.kept.get(&key) {

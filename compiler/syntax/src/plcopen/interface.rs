@@ -91,7 +91,8 @@ impl Reader<'_> {
         let value = child(node, "initialValue").and_then(|value| child(value, "simpleValue"));
         let Some(value) = value.and_then(|value| value.attribute_node("value")) else {
             let text = format!("the constant `{name}` has no value");
-            self.messages.push(Diagnostic::new(Code::DeclarationSyntax, name_span, text).help("give it an initial value"));
+            self.messages
+                .push(Diagnostic::new(Code::DeclarationSyntax, name_span, text).help("give it an initial value"));
             return None;
         };
         let (value, messages) = fragment::expression(self.file, &self.overlay, value.range_value());
@@ -190,7 +191,8 @@ impl Reader<'_> {
                         Some(count) if count != 1 => {
                             let count = Bound::Number(count, self.place(item, "repetitionValue"));
                             let span = value.span;
-                            values.push(InitialValue { kind: InitialKind::Repeat { count, values: vec![value] }, span });
+                            values
+                                .push(InitialValue { kind: InitialKind::Repeat { count, values: vec![value] }, span });
                         }
                         _ => values.push(value),
                     }

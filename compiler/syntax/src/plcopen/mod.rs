@@ -57,7 +57,10 @@ pub fn parse(file: FileId, text: &str) -> (SourceUnit, Vec<Diagnostic>) {
         Ok(document) => document,
         Err(error) => {
             let message = Diagnostic::new(Code::NotASource, Span::new(file, 0..text.len().min(1)), error.to_string());
-            return (SourceUnit::default(), vec![message.help("export the project again; the file is no complete XML")]);
+            return (
+                SourceUnit::default(),
+                vec![message.help("export the project again; the file is no complete XML")],
+            );
         }
     };
     let mut reader = Reader {
@@ -182,12 +185,8 @@ impl<'a> Reader<'a> {
             .and_then(|interface| child(interface, "returnType"))
             .filter(|_| is_function)
             .and_then(|ty| self.type_of(ty, 0));
-        let mut body = Body {
-            scope: self.scope_of(name, interface),
-            is_function,
-            words: words(interface),
-            hidden: Vec::new(),
-        };
+        let mut body =
+            Body { scope: self.scope_of(name, interface), is_function, words: words(interface), hidden: Vec::new() };
         for (node, value_name, number) in self.enums.clone() {
             // Only those that the POU mentions: names of values are often words that other POUs use for variables.
             let used = self.overlay.get(pou.range()).is_some_and(|text| mentions(text, &value_name));
@@ -195,7 +194,8 @@ impl<'a> Reader<'a> {
                 constants.push(self.enum_constant(node, &value_name, number));
             }
         }
-        let code = child(pou, "body").map_or(BlockCode::Graphic(Networks::default()), |node| self.body(node, &mut body));
+        let code =
+            child(pou, "body").map_or(BlockCode::Graphic(Networks::default()), |node| self.body(node, &mut body));
         if !body.hidden.is_empty() {
             let variables = std::mem::take(&mut body.hidden);
             sections.push(Section { kind: SectionKind::Static, retain: Retain::Unsaid, variables, span });
@@ -255,9 +255,8 @@ impl<'a> Reader<'a> {
         let mut networks = Vec::new();
         for group in order::groups(&objects) {
             let labels = group.labels.iter().map(|at| &objects[*at]);
-            let labels: Vec<Name> = labels
-                .map(|label| Name { text: label.name.clone(), form: NameForm::Bare, span: label.span })
-                .collect();
+            let labels: Vec<Name> =
+                labels.map(|label| Name { text: label.name.clone(), form: NameForm::Bare, span: label.span }).collect();
             let graph = match group.objects.is_empty() {
                 true => Graph::default(),
                 false => graph::build(self, body, &objects, &group.objects),

@@ -71,6 +71,10 @@ pub struct Modifiers {
     pub storage: Storage,
 }
 
+impl Modifiers {
+    const NONE: Modifiers = Modifiers { negated: false, edge: Edge::None, storage: Storage::None };
+}
+
 /// A pin of a block, or the only one of another object.
 pub struct Connection {
     /// As the file calls it; empty if it does not.
@@ -184,7 +188,8 @@ impl Reader<'_> {
             }
         } else if child(node, "connectionPointIn").is_some() {
             let connection = self.connection(node, ids, false);
-            object.inputs.push(Connection { formal: String::new(), ..connection });
+            // What stands at the object is no property of its line.
+            object.inputs.push(Connection { formal: String::new(), modifiers: Modifiers::NONE, ..connection });
         }
         object
     }

@@ -125,12 +125,17 @@ fn flow(objects: &[Object], part: &[usize]) -> Vec<usize> {
         .filter(|at| objects[**at].kind == Kind::Connector)
         .map(|at| (objects[*at].name.as_str(), *at))
         .collect();
-    let feeding = |at: usize| -> Vec<usize> {
+    let all = |at: usize| -> Vec<usize> {
         let object = &objects[at];
         match connectors.get(object.name.as_str()).filter(|_| object.kind == Kind::Continuation) {
             Some(connector) => vec![*connector],
             None => object.inputs.iter().flat_map(|input| &input.from).map(|(from, _)| *from).collect(),
         }
+    };
+    // Of a loop, the line from the right to the left has the value of the last cycle.
+    let column = |at: usize| objects[at].position.1;
+    let feeding = |at: usize| -> Vec<usize> {
+        all(at).into_iter().filter(|from| column(*from) <= column(at) || !depends(*from, at, &all)).collect()
     };
     let mut seen: HashSet<usize> = HashSet::new();
     let mut order = Vec::new();
@@ -153,4 +158,17 @@ fn flow(objects: &[Object], part: &[usize]) -> Vec<usize> {
     }
     order.retain(|at| objects[*at].kind.runs());
     order
+}
+
+/// Whether `at` needs, over others, what `on` gives.
+fn depends(at: usize, on: usize, feeding: &dyn Fn(usize) -> Vec<usize>) -> bool {
+    let mut seen = HashSet::from([at]);
+    let mut work = vec![at];
+    while let Some(next) = work.pop() {
+        if next == on {
+            return true;
+        }
+        work.extend(feeding(next).into_iter().filter(|from| seen.insert(*from)));
+    }
+    false
 }

@@ -12,10 +12,13 @@ pub fn overlay(text: &str, document: &Document) -> String {
             && let Some(range) = content(node)
             && (node.tag_name().name() == "xhtml" || node.children().all(|child| child.is_text()))
         {
-            blank_markup(&mut bytes, range);
+            blank_markup(&mut bytes, range.clone());
+            decode(&mut bytes[range]);
+        }
+        if let Some(value) = node.attribute_node("value") {
+            decode(&mut bytes[value.range_value()]);
         }
     }
-    decode_entities(&mut bytes);
     addresses(&mut bytes);
     String::from_utf8(bytes).unwrap_or_else(|_| text.to_string())
 }
@@ -61,33 +64,63 @@ fn blank_markup(bytes: &mut [u8], range: Range<usize>) {
     }
 }
 
-/// `&lt;` becomes `   <`; entities that follow each other stay together, and so do the two characters of an operator.
-fn decode_entities(bytes: &mut [u8]) {
+/// `&lt;` becomes `   <`. Entities that follow each other stay together, and so do the two characters of an operator; in a text in quotes
+/// nothing is inserted, blanks come behind it.
+fn decode(bytes: &mut [u8]) {
+    let mut out: Vec<u8> = Vec::with_capacity(bytes.len());
+    let mut quote = None;
+    let mut owed = 0;
     let mut at = 0;
     while at < bytes.len() {
-        if bytes[at] != b'&' {
-            at += 1;
-            continue;
+        let (text, length) = entity(&bytes[at..]).unwrap_or_else(|| (vec![bytes[at]], 1));
+        let free = length - text.len();
+        at += length;
+        match (quote, text.as_slice()) {
+            (None, [c @ (b'\'' | b'"')]) => {
+                out.resize(out.len() + free, b' ');
+                quote = Some(*c);
+                out.push(*c);
+            }
+            (Some(open), [c]) if *c == open || *c == b'\n' => {
+                // A line end ends a text too: it was an apostrophe in a comment.
+                let line_end = *c == b'\n';
+                if !line_end {
+                    out.push(*c);
+                }
+                out.resize(out.len() + free + std::mem::take(&mut owed), b' ');
+                if line_end {
+                    out.push(*c);
+                }
+                quote = None;
+            }
+            (Some(_), text) => {
+                out.extend_from_slice(text);
+                owed += free;
+            }
+            (None, text) if free == 0 => out.extend_from_slice(text),
+            (None, text) => {
+                let mut text = text.to_vec();
+                let mut free = free;
+                while let Some((more, length)) =
+                    entity(&bytes[at..]).filter(|(more, _)| !matches!(more[..], [b'\'' | b'"']))
+                {
+                    free += length - more.len();
+                    at += length;
+                    text.extend(more);
+                }
+                let behind = out.last() == Some(&b'=');
+                out.resize(out.len() + if behind { 0 } else { free }, b' ');
+                out.extend(text);
+                out.resize(out.len() + if behind { free } else { 0 }, b' ');
+            }
         }
-        let start = at;
-        let mut decoded = Vec::new();
-        while let Some((text, length)) = entity(&bytes[at..]) {
-            decoded.extend_from_slice(text.as_bytes());
-            at += length;
-        }
-        if decoded.is_empty() {
-            at += 1;
-            continue;
-        }
-        let free = at - start - decoded.len().min(at - start);
-        let left = if start > 0 && bytes[start - 1] == b'=' { 0 } else { free };
-        bytes[start..at].fill(b' ');
-        bytes[start + left..start + left + decoded.len()].copy_from_slice(&decoded);
     }
+    out.resize(bytes.len(), b' ');
+    bytes.copy_from_slice(&out);
 }
 
 /// The text of an entity, and its length in the file; the text is never longer.
-fn entity(bytes: &[u8]) -> Option<(String, usize)> {
+fn entity(bytes: &[u8]) -> Option<(Vec<u8>, usize)> {
     if bytes.first() != Some(&b'&') {
         return None;
     }
@@ -108,7 +141,7 @@ fn entity(bytes: &[u8]) -> Option<(String, usize)> {
             char::from_u32(code)?.to_string()
         }
     };
-    (text.len() <= end + 1).then_some((text, end + 1))
+    (text.len() <= end + 1).then(|| (text.into_bytes(), end + 1))
 }
 
 /// `%IX0.0` becomes ` %I0.0`.
@@ -121,5 +154,36 @@ fn addresses(bytes: &mut [u8]) {
         {
             (bytes[at + 2], bytes[at + 1], bytes[at]) = (bytes[at + 1], b'%', b' ');
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(body: &str) -> String {
+        let text = format!("<project><ST>{body}</ST></project>");
+        let document = Document::parse(&text).expect("well-formed");
+        let all = overlay(&text, &document);
+        assert_eq!(all.len(), text.len());
+        all["<project><ST>".len()..text.len() - "</ST></project>".len()].to_string()
+    }
+
+    #[test]
+    fn entities_are_read_as_what_they_mean() {
+        assert_eq!(of("a &lt; b"), "a    < b");
+        assert_eq!(of("a &gt;= b"), "a    >= b");
+        assert_eq!(of("a &lt;&gt; b"), "a       <> b");
+        assert_eq!(of("q =&gt; b"), "q =>    b");
+        assert_eq!(of("a &amp; b"), "a     & b");
+        assert_eq!(of("x := 'a&amp;b'; y"), "x := 'a&b'    ; y");
+        assert_eq!(of("x := &apos;a&lt;b&apos;; y"), "x :=      'a<b'        ; y");
+        assert_eq!(of("don&apos;t\na &lt; b"), "don     't\na    < b");
+    }
+
+    #[test]
+    fn markup_is_blank() {
+        assert_eq!(of("<![CDATA[a < b]]>"), "         a < b   ");
+        assert_eq!(of("%IX0.1 := %qx1.2"), " %I0.1 :=  %q1.2");
     }
 }

@@ -49,7 +49,8 @@ pub fn tags(file: FileId, text: &str) -> (Vec<Tag>, Vec<Diagnostic>) {
         let (Some(name), Some(place)) = (variable.attribute("name"), variable.attribute_node("address")) else {
             continue;
         };
-        let pou = variable.ancestors().find(|node| node.tag_name().name() == "pou").and_then(|pou| pou.attribute("name"));
+        let pou =
+            variable.ancestors().find(|node| node.tag_name().name() == "pou").and_then(|pou| pou.attribute("name"));
         let span = Span::new(file, place.range_value());
         let ty = child(variable, "type").and_then(|ty| elements(ty).next());
         let ty = ty.map(|ty| ty.tag_name().name().to_ascii_uppercase()).unwrap_or_default();
@@ -122,7 +123,8 @@ impl<'a> Reader<'a> {
             .collect();
         let mut instances = Vec::new();
         for node in root.descendants().filter(|node| node.tag_name().name() == "pouInstance") {
-            let (Some(name), Some(program)) = (node.attribute("name"), node.attribute("typeName").or(node.attribute("type")))
+            let (Some(name), Some(program)) =
+                (node.attribute("name"), node.attribute("typeName").or(node.attribute("type")))
             else {
                 continue;
             };
@@ -233,7 +235,8 @@ impl<'a> Reader<'a> {
         };
         periods.push((period, *number));
         let text = format!("no cyclic OB has a period of {period} ms by itself");
-        let message = Diagnostic::new(Code::Tolerated, span, text).label(format!("runs in OB {number}, each {default} ms"));
+        let message =
+            Diagnostic::new(Code::Tolerated, span, text).label(format!("runs in OB {number}, each {default} ms"));
         self.messages.push(message.help(format!("set the period of OB {number} to {period} ms in plc.toml")));
         Some(*number)
     }
@@ -250,7 +253,8 @@ fn milliseconds(text: &str) -> Option<u64> {
         let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.')?;
         let number: f64 = rest[..digits].parse().ok()?;
         rest = &rest[digits..];
-        let units = [("ms", 1.0), ("us", 0.001), ("s", 1000.0), ("m", 60_000.0), ("h", 3_600_000.0), ("d", 86_400_000.0)];
+        let units =
+            [("ms", 1.0), ("us", 0.001), ("s", 1000.0), ("m", 60_000.0), ("h", 3_600_000.0), ("d", 86_400_000.0)];
         let (unit, factor) = units.iter().find(|(unit, _)| rest.starts_with(unit))?;
         total += number * factor;
         rest = rest[unit.len()..].trim_start_matches('_');
