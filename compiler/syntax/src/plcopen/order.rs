@@ -74,8 +74,8 @@ fn components(objects: &[Object]) -> Vec<Vec<usize>> {
     }
     let mut parts: Vec<Vec<usize>> = Vec::new();
     let mut known: HashMap<usize, usize> = HashMap::new();
-    for at in 0..objects.len() {
-        if objects[at].kind == Kind::LeftRail {
+    for (at, object) in objects.iter().enumerate() {
+        if object.kind == Kind::LeftRail {
             continue;
         }
         let part = *known.entry(root(&mut parent, at)).or_insert_with(|| {

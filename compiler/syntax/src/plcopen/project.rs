@@ -260,5 +260,5 @@ fn milliseconds(text: &str) -> Option<u64> {
         rest = rest[unit.len()..].trim_start_matches('_');
     }
     let rounded = total.round();
-    ((total - rounded).abs() < 1e-6 && rounded >= 1.0 && rounded < 1e9).then_some(rounded as u64)
+    ((total - rounded).abs() < 1e-6 && (1.0..1e9).contains(&rounded)).then_some(rounded as u64)
 }
