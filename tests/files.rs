@@ -45,7 +45,11 @@ fn trials() -> Vec<Trial> {
         file_trials("clif", language, check_clif, &mut trials);
         file_trials("messages", language, check_messages, &mut trials);
     }
-    file_trials("parse", "xml", check_parse, &mut trials);
+    for project in projects(&tests.join("run")) {
+        trials.push(trial(shown(&project), move || {
+            all_passed(&testing::run(&[TestInput::Project(project)], &plan(all_variants())))
+        }));
+    }
     file_trials("ir", "ir", check_ir, &mut trials);
     file_trials("opt", "ir", check_opt, &mut trials);
     sample_trials(&mut trials);

@@ -87,7 +87,7 @@ fn of_xml(kind: XmlKind) -> Content {
             }
             (false, false, None) => Content::Other("an empty export of the TIA Portal"),
         },
-        XmlKind::PlcOpen => Content::Other("PLCopen XML"),
+        XmlKind::PlcOpen => Content::SourceAndTable,
         XmlKind::Other(root) if root == "CAEXFile" => Content::Other("a hardware configuration (AML)"),
         XmlKind::Other(_) => Content::Other("XML that is no export of blocks"),
         // The parser says best what is wrong with it.

@@ -108,6 +108,9 @@ fn is_source(path: &Path, text: &str) -> bool {
     matches!(content_of(path, text), Content::Source | Content::SourceAndTable)
 }
 
+/// The suffix of files with the texts of a source in SIMATIC SD.
+const TEXTS_SUFFIX: &str = "s7res";
+
 /// What a file holds. The ending of its name tells of a text that might be prose.
 fn content_of(path: &Path, text: &str) -> Content {
     if path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case(TEXTS_SUFFIX)) {

@@ -76,8 +76,10 @@ fn plcopen(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
 
 /// Reads the table in `source`, which is file `file`.
 pub fn parse(file: FileId, source: &SourceFile) -> (SymbolTable, Vec<Diagnostic>) {
-    if plcc_syntax::plcopen::is_project(&source.text) {
-        return plcopen(file, &source.text);
+    match plcc_syntax::xml::kind(&source.text) {
+        Some(plcc_syntax::xml::XmlKind::PlcOpen) => return plcopen(file, &source.text),
+        Some(_) => return tag_table::parse(file, &source.text),
+        None => {}
     }
     let mut reader = Reader { file, text: &source.text, table: SymbolTable::default(), diagnostics: Vec::new() };
     match format(&source.text) {

@@ -50,8 +50,10 @@ pub struct ParseOptions<'a> {
 
 /// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (ast::SourceUnit, Vec<Diagnostic>) {
-    if plcopen::is_project(text) {
-        return plcopen::parse(file, text);
+    match xml::kind(text) {
+        Some(xml::XmlKind::PlcOpen) => return plcopen::parse(file, text),
+        Some(kind) => return simatic_ml::parse(file, text, &kind, options),
+        None => {}
     }
     match language::detect(text, options.language) {
         Reading::Whole(Language::Stl) => stl::parse(file, text, options),

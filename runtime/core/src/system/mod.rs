@@ -127,6 +127,7 @@ system_functions! {
     79 SET      (Word)                    -> (Word, Pointer)   = output_bits::set;
     80 RSET     (Word)                    -> (Word, Pointer)   = output_bits::rset;
     81 UBLKMOV  (Any)                     -> (Word, Any)       = block_move::ublkmov;
+    // Instructions of the TIA Portal.
     1150 RD_SYS_T ()                        -> (Word, Dtl)       = dtl::read_clock;
     1151 RD_LOC_T ()                        -> (Word, Dtl)       = dtl::read_clock;
     1152 WR_SYS_T (Dtl)                     -> (Word)            = dtl::set_clock;
@@ -160,6 +161,7 @@ system_functions! {
     1404 SET_CINT (Word, Dword, Dword)      -> (Word)            = technology::set_cint;
     1405 QRY_CINT (Word)                    -> (Word, Dword, Dword, Word) = technology::qry_cint;
     1406 RUNTIME ()                         -> (Lword, Lword)    = technology::runtime;
+    // What blocks of the library do not do themselves.
     2000 TEXT_JOIN (Any, Word, Word, Any, Word, Word, Any, Word, Word) -> (Word, Any) = text::join;
     2001 TEXT_COMPARE (Any, Any)          -> (Word)            = text::compare;
     2002 TEXT_FIND (Any, Any)             -> (Word)            = text::find;
@@ -194,8 +196,6 @@ system_functions! {
     2103 LINK_SEND (Word, Dword, Any)     -> (Word)            = communication::send;
     2104 LINK_SENT (Word)                 -> (Word)            = communication::sent;
     2105 LINK_RECEIVE (Word, Dword, Bool) -> (Word, Dword, Any) = communication::receive;
-    // Instructions of the TIA Portal.
-    // What blocks of the library do not do themselves.
 }
 
 fn row(number: u32) -> Option<&'static Row> {
