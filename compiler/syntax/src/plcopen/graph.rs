@@ -1,14 +1,16 @@
 //! Objects of a network as elements and nets.
 
+mod signals;
+
 use std::collections::HashMap;
 use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 
-use super::objects::{Connection, Edge, Kind, Object};
+use super::objects::{Edge, Kind, Object};
 use super::{Body, Reader};
 use crate::Elementary;
-use crate::network::ast::{Element, Eno, Graph, NetId, Pin, PinValue, Source, Storage, Target, Template, TemplateKey};
+use crate::network::ast::{Element, Eno, Graph, NetId, Pin, PinValue, Storage, Target, Template, TemplateKey};
 use crate::network::elements::{self, PinDirection, Row};
 use crate::scl::ast::{Expr, ExprKind, Name, NameForm};
 use crate::scl::fragment;
@@ -323,189 +325,6 @@ impl Build<'_, '_, '_> {
         };
         let mut inputs = object.inputs.iter().flat_map(|input| &input.from).map(|(at, _)| at);
         inputs.any(is_word).then(|| elements::find_sd(word).map(|(row, _)| row))?
-    }
-
-    /// The value of an input, with an edge before it if it has one.
-    fn input(&mut self, input: Option<&Connection>, span: Span) -> PinValue {
-        let Some(input) = input.filter(|input| !input.from.is_empty()) else { return PinValue::Open };
-        let origins = self.origins(&input.from, 0);
-        let value = match origins.as_slice() {
-            [] => PinValue::Open,
-            [Origin::Operand(value, negated)] if !*negated && (input.in_out || input.modifiers.edge == Edge::None) => {
-                PinValue::Operand(value.clone())
-            }
-            _ => PinValue::Net(self.net(origins, span)),
-        };
-        let row = match input.modifiers.edge {
-            Edge::None => return value,
-            Edge::Rising => "P_Trig",
-            Edge::Falling => "N_Trig",
-        };
-        let Some(bit) = self.hidden("edge", span) else { return value };
-        let Some(target) = self.row(row) else { return value };
-        let pins = vec![pin("in", value, false, span), pin("bit", PinValue::Operand(bit), false, span)];
-        let element = self.element(None, target, pins, span);
-        PinValue::Net(self.net(vec![Origin::Pin(element, "out".to_string())], span))
-    }
-
-    /// What feeds the ends of lines.
-    fn origins(&mut self, from: &[(usize, String)], depth: usize) -> Vec<Origin> {
-        let mut found = Vec::new();
-        for (at, formal) in from {
-            for origin in self.origin(*at, formal, depth) {
-                if !found.contains(&origin) {
-                    found.push(origin);
-                }
-            }
-        }
-        found
-    }
-
-    fn origin(&mut self, at: usize, formal: &str, depth: usize) -> Vec<Origin> {
-        let object = &self.objects[at];
-        match object.kind {
-            Kind::LeftRail => vec![Origin::Rail],
-            Kind::InVariable | Kind::InOutVariable => match object.text.clone() {
-                Some(range) => vec![Origin::Operand(self.expr(range), object.modifiers.negated)],
-                None => Vec::new(),
-            },
-            Kind::Continuation => {
-                let connector = |other: &&Object| other.kind == Kind::Connector && other.name == object.name;
-                let found = self.objects.iter().find(connector).and_then(|connector| connector.inputs.first());
-                match found.filter(|_| depth < DEPTH_MAX) {
-                    Some(input) => self.origins(&input.from, depth + 1),
-                    None => {
-                        let text = format!("no connector of the network is called `{}`", object.name);
-                        let message = Diagnostic::new(Code::NoSource, object.span, text);
-                        self.reader.messages.push(message.help("give the continuation the name of a connector"));
-                        Vec::new()
-                    }
-                }
-            }
-            Kind::Connector => match object.inputs.first().filter(|_| depth < DEPTH_MAX) {
-                Some(input) => self.origins(&input.from, depth + 1),
-                None => Vec::new(),
-            },
-            Kind::Contact | Kind::Coil => self.made_pin(at, "out"),
-            Kind::Block => {
-                // A line from the only output needs no name.
-                let first = object.outputs.iter().find(|output| !output.formal.eq_ignore_ascii_case("ENO"));
-                let formal = match (formal, first) {
-                    ("", Some(first)) => first.formal.clone(),
-                    _ => formal.to_string(),
-                };
-                self.made_pin(at, &formal)
-            }
-            Kind::OutVariable | Kind::Label | Kind::Jump | Kind::Return => Vec::new(),
-        }
-    }
-
-    /// An output of an object that ran; else the value that it had in the last cycle.
-    fn made_pin(&mut self, at: usize, formal: &str) -> Vec<Origin> {
-        if let Some(element) = self.made.get(&at) {
-            return vec![Origin::Pin(*element, formal.to_string())];
-        }
-        let object = &self.objects[at];
-        let flip_flop = ["SR", "RS"].iter().any(|name| object.name.eq_ignore_ascii_case(name));
-        if let Some(range) = object.instance.clone() {
-            let base = self.expr(range);
-            let span = object.span;
-            let member = Name { text: formal.to_string(), form: NameForm::Bare, span };
-            let kind = ExprKind::Member { base: Box::new(base.clone()), name: member };
-            let negated = object.outputs.iter().any(|pin| pin.formal == formal && pin.modifiers.negated);
-            return vec![Origin::Operand(if flip_flop { base } else { Expr { kind, span } }, negated)];
-        }
-        let key = (at, formal.to_string());
-        if let Some(known) = self.kept.get(&key) {
-            return vec![Origin::Operand(known.clone(), false)];
-        }
-        let boolean = object.kind != Kind::Block
-            || elements::find_open(&object.name).is_some_and(|row| {
-                matches!(row.kind, elements::Kind::Gate(_) | elements::Kind::Not | elements::Kind::Compare(_))
-            });
-        if !boolean {
-            let text = format!("the output of `{}` leads back to its own inputs", object.name);
-            let message = Diagnostic::new(Code::ReverseFlow, object.span, text);
-            let help = "write the output to a variable and read that one: it has the value of the last cycle";
-            self.reader.messages.push(message.label("its value of the last cycle is not known").help(help));
-            return Vec::new();
-        }
-        let Some(hidden) = self.hidden("loop", object.span) else { return Vec::new() };
-        self.kept.insert(key, hidden.clone());
-        vec![Origin::Operand(hidden, false)]
-    }
-
-    /// Signals that are read before they are computed are kept for the next cycle.
-    fn keep(&mut self) {
-        let mut kept: Vec<((usize, String), Expr)> = std::mem::take(&mut self.kept).into_iter().collect();
-        kept.sort_by_key(|((at, _), _)| *at);
-        for ((at, formal), hidden) in kept {
-            let Some(element) = self.made.get(&at).copied() else { continue };
-            let span = self.objects[at].span;
-            let net = self.net(vec![Origin::Pin(element, formal)], span);
-            let pins =
-                vec![pin("in", PinValue::Net(net), false, span), pin("operand", PinValue::Operand(hidden), true, span)];
-            if let Some(target) = self.row("Coil") {
-                self.element(None, target, pins, span);
-            }
-        }
-    }
-
-    /// The net that these feed.
-    fn net(&mut self, origins: Vec<Origin>, span: Span) -> NetId {
-        if let Some((_, id)) = self.nets.iter().find(|(known, _)| *known == origins) {
-            return *id;
-        }
-        let id = self.graph.add_net("", span);
-        for origin in &origins {
-            let source = match origin {
-                Origin::Rail => Source::Rail,
-                Origin::Operand(value, negated) => Source::Operand { value: value.clone(), negated: *negated },
-                Origin::Pin(element, formal) => {
-                    let canonical = self.output_name(*element, formal, span);
-                    let mut output = pin(&canonical, PinValue::Net(id), true, span);
-                    output.negated = self.negated_output(*element, formal);
-                    let Some(from) = self.graph.elements.get_mut(*element) else { continue };
-                    from.pins.push(output);
-                    Source::Pin { element: *element, pin: from.pins.len() - 1 }
-                }
-            };
-            if let Some(net) = self.graph.nets.get_mut(id.0 as usize) {
-                net.sources.push(source);
-            }
-        }
-        self.nets.push((origins, id));
-        id
-    }
-
-    /// Puts the pins of each element into their order: the flow first, then as in the table, the flow out last.
-    fn finish(mut self) -> Graph {
-        let mut moved: Vec<Vec<usize>> = Vec::new();
-        for element in &mut self.graph.elements {
-            let (flow, row) = match &element.target {
-                Target::Element { row, .. } => (row.flow, Some(*row)),
-                Target::Block { .. } => (("en", "eno"), None),
-            };
-            let place = |pin: &Pin| {
-                let known = row.and_then(|row| row.pins().position(|known| known.matches(&pin.name).is_some()));
-                let last = pin.name.eq_ignore_ascii_case(flow.1) && matches!(pin.value, PinValue::Net(_));
-                (!pin.name.eq_ignore_ascii_case(flow.0), last, known.unwrap_or(usize::from(pin.output)))
-            };
-            let mut order: Vec<usize> = (0..element.pins.len()).collect();
-            order.sort_by_key(|at| place(&element.pins[*at]));
-            let mut to = vec![0; order.len()];
-            order.iter().enumerate().for_each(|(new, old)| to[*old] = new);
-            element.pins = order.iter().map(|at| element.pins[*at].clone()).collect();
-            moved.push(to);
-        }
-        for source in self.graph.nets.iter_mut().flat_map(|net| &mut net.sources) {
-            if let Source::Pin { element, pin } = source
-                && let Some(to) = moved.get(*element).and_then(|to| to.get(*pin))
-            {
-                *pin = *to;
-            }
-        }
-        self.graph
     }
 }
 
