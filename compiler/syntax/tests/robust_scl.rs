@@ -156,7 +156,7 @@ fn read(text: &str) {
     }
 }
 
-fn scl() -> ParseOptions {
+fn scl() -> ParseOptions<'static> {
     ParseOptions { pragmas: true, language: Some(Language::Scl), ..ParseOptions::default() }
 }
 
