@@ -86,7 +86,11 @@ fn every_code_has_a_failing_and_a_passing_file() {
         let reason = WITHOUT_CHECK_FILE.iter().find(|(other, _)| *other == code).map(|(_, reason)| reason);
         match reason {
             None => {
-                assert!(has_pair(code), "tests/check has no {0}-NAME.stl, .scl or .s7dcl with its {0}-NAME-ok", code.name())
+                assert!(
+                    has_pair(code),
+                    "tests/check has no {0}-NAME.stl, .scl or .s7dcl with its {0}-NAME-ok",
+                    code.name()
+                )
             }
             Some(reason) => assert!(!has_pair(code), "{} has a pair of files, although it {reason}", code.name()),
         }

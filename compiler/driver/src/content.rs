@@ -53,10 +53,6 @@ pub fn of(text: &str) -> Content {
     let lines = || text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//"));
     match lines().next() {
         None => return Content::Source,
-        Some(line) if line.starts_with('<') && plcc_syntax::plcopen::is_project(text) => {
-            return Content::SourceAndTable;
-        }
-        Some(line) if line.starts_with('<') => return Content::Other(XML),
         Some(line) if line.starts_with("%PDF") => return Content::Other("a PDF document"),
         Some(_) => {}
     }
@@ -139,7 +135,10 @@ mod tests {
             assert_eq!(of(text), Content::Source, "{text:?}");
         }
         assert_eq!(of("%PDF-1.4\n1 0 obj\n"), Content::Other("a PDF document"));
-        assert_eq!(of("<?xml version=\"1.0\"?>\n<Document/>"), Content::Other("XML"));
+        assert_eq!(of("<?xml version=\"1.0\"?>\n<Document/>"), Content::Other("XML that is no export of blocks"));
+        assert_eq!(of("<Document><SW.Blocks.FC ID=\"0\"/></Document>"), Content::Source);
+        assert_eq!(of("<Document><SW.Tags.PlcTagTable ID=\"0\"/></Document>"), Content::SymbolTable);
+        assert_eq!(of("<CAEXFile/>"), Content::Other("a hardware configuration (AML)"));
         assert_eq!(of("<project><types/></project>"), Content::SourceAndTable);
         assert_eq!(of("A\0B"), Content::Other("binary data"));
         assert_eq!(of("If the tank is full then the valve is closed by hand.\n"), Content::Prose);

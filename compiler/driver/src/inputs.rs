@@ -86,7 +86,9 @@ fn find_tests_below(folder: &Path, tests: &mut Vec<TestInput>) {
     for path in entries(folder) {
         if path.is_dir() {
             find_tests_below(&path, tests);
-        } else if read_text(&path).is_ok_and(|text| !text.is_empty() && is_source(&path, &text)) {
+        } else if path.extension().is_none_or(|suffix| suffix != "toml")
+            && read_text(&path).is_ok_and(|text| !text.is_empty() && is_source(&path, &text))
+        {
             tests.push(TestInput::File(path));
         }
     }

@@ -71,7 +71,7 @@ fn plcopen(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
         let target = parse_address(&tag.address)?;
         Some(Symbol { name: tag.name, target, ty: tag.ty, comment: String::new(), span: tag.span })
     };
-    (SymbolTable { symbols: tags.into_iter().filter_map(symbol).collect() }, diagnostics)
+    (SymbolTable { symbols: tags.into_iter().filter_map(symbol).collect(), ..SymbolTable::default() }, diagnostics)
 }
 
 /// Reads the table in `source`, which is file `file`.
