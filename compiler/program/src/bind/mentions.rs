@@ -149,6 +149,15 @@ pub fn expressions(code: &Code, visit: &mut dyn FnMut(&scl::Expr)) {
     }
 }
 
+/// The statements name ENO of their block.
+pub fn names_eno(list: &[scl::Statement]) -> bool {
+    let mut found = false;
+    statements(list, &mut |value| {
+        found |= matches!(&value.kind, scl::ExprKind::Name(name) if name.text.eq_ignore_ascii_case("ENO"));
+    });
+    found
+}
+
 /// The statements of STL networks in a block of LAD or FBD.
 pub fn stl_statements(code: &Code) -> impl Iterator<Item = &ast::Statement> {
     let networks = match code {

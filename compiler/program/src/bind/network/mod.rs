@@ -15,6 +15,7 @@ use plcc_syntax::network::ast::{Body as Networks, Content, Graph, Network, Targe
 use plcc_syntax::network::elements::Kind;
 use plcc_syntax::scl::ast::Dialect;
 
+use super::mentions;
 use super::scl::expression::constant_expr;
 use super::scl::temporary;
 use super::scl::{Rules, Scope};
@@ -76,7 +77,9 @@ impl Binder<'_> {
         span: Span,
         statements: &mut Vec<Statement>,
     ) {
-        let scl = networks.networks.iter().any(|network| matches!(network.content, Content::Scl(_)));
+        let scl = networks.networks.iter().any(
+            |network| matches!(&network.content, Content::Scl(list) if mentions::names_eno(list)),
+        );
         let saves = |network: &Network| match &network.content {
             Content::Graphic(graph) => graph
                 .elements
@@ -109,12 +112,14 @@ impl Binder<'_> {
         match &network.content {
             Content::Graphic(graph) => statements.extend(self.bind_graph(ctx, page, network, graph)),
             Content::Scl(list) => {
-                let flag = |page: &Page| page.eno.as_ref().map(|eno| eno.load(network.span));
-                if let Some(eno) = flag(page) {
-                    statements.push(Statement { kind: StatementKind::SetFlag(eno), span: network.span });
+                // Without the word ENO nothing in it changes that of the block.
+                let eno = page.eno.as_ref().filter(|_| mentions::names_eno(list));
+                if let Some(eno) = eno {
+                    let kind = StatementKind::SetFlag(eno.load(network.span));
+                    statements.push(Statement { kind, span: network.span });
                 }
                 statements.extend(self.statements(ctx, list));
-                if let Some(eno) = &page.eno {
+                if let Some(eno) = eno {
                     let flag = Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span: network.span };
                     statements.push(eno.set(flag, network.span));
                 }
@@ -128,7 +133,24 @@ impl Binder<'_> {
         legality::legality(network, &mut messages);
         let legal = !messages.iter().any(Diagnostic::is_error);
         messages.into_iter().for_each(|message| self.report.push(message));
-        Body::default()
+        let mut sheet = Sheet::new(page, graph);
+        for element in order::order(graph) {
+            let before = self.report.diagnostics.len();
+            if self.bind_element(ctx, &mut sheet, element).is_none() {
+                sheet.page.failed.get_or_insert(graph.elements[element].span);
+            }
+            if !legal {
+                // Only what does not follow from the shape of the network.
+                let found = self.report.diagnostics.split_off(before);
+                self.report.diagnostics.extend(found.into_iter().filter(|message| is_about_names(message.code)));
+            }
+            for message in &mut self.report.diagnostics[before..] {
+                if message.note.is_none() {
+                    message.note = Some(draw(network, Some(element)));
+                }
+            }
+        }
+        sheet.statements
     }
 }
 
