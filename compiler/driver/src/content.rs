@@ -45,7 +45,7 @@ pub fn of(text: &str) -> Content {
         return Content::Other("binary data");
     }
     if let Some(kind) = xml::kind(text) {
-        return of_xml(kind);
+        return of_xml(kind, text);
     }
     if symbols::is_symbol_table(text) {
         return Content::SymbolTable;
@@ -66,7 +66,7 @@ pub fn of(text: &str) -> Content {
 }
 
 /// What a file in XML is, by its objects.
-fn of_xml(kind: XmlKind) -> Content {
+fn of_xml(kind: XmlKind, text: &str) -> Content {
     match kind {
         XmlKind::SimaticMl(contents) => match (contents.blocks, contents.tags, contents.other.as_deref()) {
             (true, true, _) => Content::SourceAndTable,
@@ -86,7 +86,8 @@ fn of_xml(kind: XmlKind) -> Content {
         XmlKind::PlcOpen => Content::SourceAndTable,
         XmlKind::Other(root) if root == "CAEXFile" => Content::Other("a hardware configuration (AML)"),
         XmlKind::Other(_) => Content::Other("XML that is no export of blocks"),
-        // The parser says best what is wrong with it.
+        // The parser says best what is wrong with a block that was cut off.
+        XmlKind::Broken if text.contains("<SW.") => Content::Source,
         XmlKind::Broken => Content::Prose,
     }
 }
