@@ -1,13 +1,20 @@
 //! Comparisons, ranges, validity. Source: LAD/FBD reference C.5.
 
+use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::BinaryOp as Operator;
 
-use super::pins::{and, inverted};
+use super::pins::{and, inverted, or};
 use super::sheet::Sheet;
+use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
 use crate::model::scl::{CompareOp, Expr, ExprKind, Function};
+
+/// The bits of the least REAL that is not denormal.
+const LEAST_NORMAL: u64 = 0x0080_0000;
+/// As above, of LREAL.
+const LEAST_NORMAL_LONG: u64 = 0x0010_0000_0000_0000;
 
 impl Binder<'_> {
     pub fn compare_contact(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, op: &str) -> Option<()> {
@@ -23,9 +30,20 @@ impl Binder<'_> {
             "<" => Operator::Less,
             _ => Operator::Equal,
         };
-        let result = self.compare(ctx, op, span, left, right, span)?;
+        let result = self.box_compare(ctx, op, left, right, span)?;
         let result = sheet.keep(ctx, result);
         self.output(ctx, sheet, at, "out", Value::Elementary(and(flow, result, span)))
+    }
+
+    /// A comparison as boxes make it: unlike in SCL, a NaN is not equal to anything but on an S7-300/400.
+    pub fn box_compare(&mut self, ctx: &mut Ctx, op: Operator, left: Value, right: Value, span: Span) -> Option<Expr> {
+        let result = self.compare(ctx, op, span, left, right, span)?;
+        let ExprKind::Compare { op: CompareOp::NotEqual, left, right } = &result.kind else { return Some(result) };
+        if !left.ty.is_float() || ctx.scl.rules.is_300() {
+            return Some(result);
+        }
+        let equal = ExprKind::Compare { op: CompareOp::Equal, left: left.clone(), right: right.clone() };
+        Some(inverted(Expr { kind: equal, ..result }))
     }
 
     pub fn range_contact(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, inside: bool) -> Option<()> {
@@ -36,7 +54,10 @@ impl Binder<'_> {
         let ty = self.common_type(ctx, &[&min, &value, &max], span)?;
         let value = self.scl_convert(ctx, value, ty)?;
         let value = sheet.keep(ctx, value);
-        let (min, max) = (self.scl_convert(ctx, min, ty)?, self.scl_convert(ctx, max, ty)?);
+        let min = self.scl_convert(ctx, min, ty)?;
+        let min = sheet.keep(ctx, min);
+        let max = self.scl_convert(ctx, max, ty)?;
+        let max = sheet.keep(ctx, max);
         let compare = |op, left: &Expr, right: Expr| Expr {
             kind: ExprKind::Compare { op, left: Box::new(left.clone()), right: Box::new(right) },
             ty: Elementary::Bool,
@@ -45,7 +66,16 @@ impl Binder<'_> {
         let result = if inside {
             and(compare(CompareOp::GreaterEqual, &value, min), compare(CompareOp::LessEqual, &value, max), span)
         } else {
-            super::pins::or(compare(CompareOp::Less, &value, min), compare(CompareOp::Greater, &value, max), span)
+            let below = compare(CompareOp::Less, &value, min.clone());
+            let above = compare(CompareOp::Greater, &value, max.clone());
+            let outside = or(below, above, span);
+            if ty.is_float() {
+                // Against a limit that is NaN nothing is outside.
+                let numbers = and(compare(CompareOp::Equal, &min, min.clone()), compare(CompareOp::Equal, &max, max.clone()), span);
+                and(outside, numbers, span)
+            } else {
+                outside
+            }
         };
         self.output(ctx, sheet, at, "out", Value::Elementary(and(flow, result, span)))
     }
@@ -61,11 +91,25 @@ impl Binder<'_> {
             return None;
         }
         let value = sheet.keep(ctx, value);
-        let check = Expr {
-            kind: ExprKind::Function { function: Function::IsValid, arguments: vec![value] },
+        let finite = Expr {
+            kind: ExprKind::Function { function: Function::IsValid, arguments: vec![value.clone()] },
             ty: Elementary::Bool,
             span,
         };
+        let least = if value.ty == Elementary::Real { LEAST_NORMAL } else { LEAST_NORMAL_LONG };
+        let sign = 1 << (value.ty.bits() - 1);
+        let against = |op, bits| Expr {
+            kind: ExprKind::Compare {
+                op,
+                left: Box::new(value.clone()),
+                right: Box::new(constant_expr(bits, value.ty, span)),
+            },
+            ty: Elementary::Bool,
+            span,
+        };
+        let large = or(against(CompareOp::GreaterEqual, least), against(CompareOp::LessEqual, least | sign), span);
+        let normal = or(large, against(CompareOp::Equal, 0), span);
+        let check = and(finite, normal, span);
         let result = if valid { check } else { inverted(check) };
         self.output(ctx, sheet, at, "out", Value::Elementary(and(flow, result, span)))
     }

@@ -22,7 +22,14 @@ impl Binder<'_> {
         for network in &networks.networks {
             match &network.content {
                 Content::Graphic(_) => {}
-                Content::Scl(list) => self.collect_labels(ctx, list),
+                Content::Scl(list) => {
+                    self.collect_labels(ctx, list);
+                    // The networks of a block are one list of statements.
+                    let inside = list.as_ptr() as usize;
+                    for label in ctx.scl.labels.values_mut().filter(|label| label.list == inside && !list.is_empty()) {
+                        label.list = TOP;
+                    }
+                }
                 Content::Stl(list) => {
                     for label in list.iter().filter_map(|statement| statement.label.as_ref()) {
                         self.block_label(ctx, &label.name, label.span);
@@ -97,7 +104,7 @@ impl Binder<'_> {
         for (number, comparison) in element.cases.iter().enumerate() {
             let value = self.input(ctx, sheet, at, &format!("case{number}"))?;
             let left = Value::Elementary(selector.clone());
-            let condition = self.compare(ctx, operator(*comparison), span, left, value, span)?;
+            let condition = self.box_compare(ctx, operator(*comparison), left, value, span)?;
             let Some(node) = self.operand_node(element, &format!("dest{number}")) else { continue };
             branches.push((condition, vec![Statement { kind: self.jump_to(ctx, &node)?, span }]));
         }

@@ -12,11 +12,12 @@ use crate::bind::constant::Constant;
 use crate::bind::scl::Intent;
 use crate::bind::scl::assign::value_of;
 use crate::bind::scl::constant;
+use crate::bind::scl::convert::converted;
 use crate::bind::scl::expression::{binary_expr, binary_op, constant_expr};
 use crate::bind::scl::numeric::{self, Shape};
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{BinaryOp, Expr, ExprKind, UnaryOp};
+use crate::model::scl::{BinaryOp, Conversion, Expr, ExprKind, UnaryOp};
 
 impl Binder<'_> {
     /// The type that a setting names; none if it is not there, found from the operands, or no elementary type.
@@ -246,18 +247,24 @@ impl Binder<'_> {
             let access = binder.scl_access(ctx, node, Intent::Both)?;
             let ty = match access.elementary() {
                 Some(ty) if ty.is_integer() => ty,
-                Some(ty) => {
-                    binder.impossible_type(element, ty);
-                    return None;
-                }
+                // A bit string holds the integer that the settings name.
+                Some(ty) => match binder.working_type(element) {
+                    Some(meant) if ty.class() == Class::Bits && meant.is_integer() && meant.bits() == ty.bits() => meant,
+                    _ => {
+                        binder.impossible_type(element, ty);
+                        return None;
+                    }
+                },
                 None => {
                     binder.no_type(span);
                     return None;
                 }
             };
-            let value = binder.scl_convert(ctx, value_of(&access, node.span)?, ty)?;
+            let value = binder.scl_own_type(ctx, value_of(&access, node.span)?)?;
+            let value = as_bits(value, ty);
             let op = if up { BinaryOp::Add } else { BinaryOp::Subtract };
             let value = binary_expr(op, value, constant_expr(1, ty, span), ty, span);
+            let value = as_bits(value, access.elementary()?);
             let kind = binder.assignment(ctx, access, Value::Elementary(value))?;
             sheet.push(kind, span);
             Some(())
@@ -364,6 +371,11 @@ fn substitute(formula: &mut Node, name: &str, value: &Node) {
         }
         _ => {}
     }
+}
+
+/// The same bits in a type of the same length.
+fn as_bits(value: Expr, ty: Elementary) -> Expr {
+    if value.ty == ty { value } else { converted(value, Conversion::Bits { checked: false }, ty) }
 }
 
 /// True if an operator works in that type.

@@ -272,8 +272,11 @@ impl Binder<'_> {
         {
             return Some(key);
         }
-        // Timers share one layout, and counters theirs, so that IEC_TIMER takes each of them.
-        let key = self.library_function(ctx.scl.rules, name)?;
+        // Timers share one layout, and counters of one type theirs, so that IEC_TIMER takes each of them.
+        let typed = own.and_then(|key| self.library_block(key)).and_then(|block| block.name.split_once('_'));
+        let key = typed
+            .and_then(|(_, ty)| self.library_function(ctx.scl.rules, &format!("{name}_{ty}")))
+            .or_else(|| self.library_function(ctx.scl.rules, name))?;
         if !matches!(key.kind, BlockKind::Fb | BlockKind::Sfb) {
             return None;
         }
