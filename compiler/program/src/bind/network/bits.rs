@@ -51,7 +51,11 @@ impl Binder<'_> {
             Some(ty) if ty.class() == Class::Bits => Some(ty),
             _ => None,
         };
-        let ty = values.iter().filter_map(bits).max_by_key(|ty| ty.bits()).unwrap_or(Elementary::Bool);
+        // One BOOL makes it a gate of signals.
+        let ty = match values.iter().filter_map(bits).min_by_key(|ty| ty.bits()) {
+            Some(Elementary::Bool) | None => Elementary::Bool,
+            Some(ty) => values.iter().filter_map(bits).max_by_key(|ty| ty.bits()).unwrap_or(ty),
+        };
         let op = match gate {
             Gate::And => BinaryOp::And,
             Gate::Or => BinaryOp::Or,

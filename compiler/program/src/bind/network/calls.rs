@@ -64,25 +64,40 @@ impl Binder<'_> {
         self.call_tree(ctx, sheet, callee, arguments, span)?;
         for pin in row.pins().filter(|pin| pin.direction == plcc_syntax::network::elements::PinDirection::Output) {
             if pin.name() != "eno" {
-                self.instance_output(ctx, sheet, at, instance, pin.name())?;
+                self.instance_output(ctx, sheet, at, (instance, name), pin.name())?;
             }
         }
         Some(())
     }
 
-    /// Sends the output of an instance to what is connected to it.
+    /// Sends the output of an instance, which runs the block of that name, to what is connected to it.
     fn instance_output(
         &mut self,
         ctx: &mut Ctx,
         sheet: &mut Sheet,
         at: usize,
-        instance: &Node,
+        (instance, block): (&Node, &str),
         name: &str,
     ) -> Option<()> {
         let Some((_, pin)) = outputs(sheet.element(at), name).next() else { return Some(()) };
-        let member = Name { text: name.to_string(), form: NameForm::Bare, span: pin.span };
-        let node = Node { kind: NodeKind::Member { base: Box::new(instance.clone()), name: member }, span: pin.span };
-        let value = self.scl_value(ctx, &node)?;
+        let member = |text: &str| {
+            let name = Name { text: text.to_string(), form: NameForm::Bare, span: pin.span };
+            Node { kind: NodeKind::Member { base: Box::new(instance.clone()), name }, span: pin.span }
+        };
+        // IEC_COUNTER and the like name their outputs as CTUD does.
+        let common = match (block, name) {
+            ("CTU", "q") => Some("QU"),
+            ("CTD", "q") => Some("QD"),
+            _ => None,
+        };
+        let told = self.report.diagnostics.len();
+        let value = match (self.scl_value(ctx, &member(name)), common) {
+            (None, Some(common)) => {
+                self.report.diagnostics.truncate(told);
+                self.scl_value(ctx, &member(common))?
+            }
+            (value, _) => value?,
+        };
         self.output(ctx, sheet, at, name, value)
     }
 
@@ -193,7 +208,7 @@ impl Binder<'_> {
         }
         self.call_tree(ctx, sheet, node, arguments, span)?;
         for name in after {
-            self.instance_output(ctx, sheet, at, instance, &name)?;
+            self.instance_output(ctx, sheet, at, (instance, ""), &name)?;
         }
         Some(())
     }

@@ -25,6 +25,13 @@ impl Binder<'_> {
             // A relay that is off moves 0.
             let value = match (sheet.registers().relay(span), value) {
                 (Some(on), Value::Elementary(expr)) => Value::Elementary(binder.relayed_value(ctx, sheet, expr, on)),
+                (Some(on), value @ Value::Constant(..)) => match binder.output_type(ctx, element, "out1") {
+                    Some(ty) => {
+                        let expr = binder.scl_convert(ctx, value, ty)?;
+                        Value::Elementary(binder.relayed_value(ctx, sheet, expr, on))
+                    }
+                    None => value,
+                },
                 (_, value) => value,
             };
             let mut good = Some(());

@@ -213,7 +213,16 @@ impl Binder<'_> {
                 sheet.skipped.push(hidden);
                 Some(())
             }
-            PinValue::Operand(node) => self.write(ctx, sheet, node, value, pin.storage),
+            PinValue::Operand(node) => {
+                // A relay that is off writes 0.
+                let value = match (sheet.registers().relay(pin.span), value) {
+                    (Some(on), Value::Elementary(expr)) => {
+                        Value::Elementary(self.relayed_value(ctx, sheet, expr, on))
+                    }
+                    (_, value) => value,
+                };
+                self.write(ctx, sheet, node, value, pin.storage)
+            }
             PinValue::Open => Some(()),
         }
     }

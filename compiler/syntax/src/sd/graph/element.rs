@@ -6,7 +6,7 @@ use super::pins::Pins;
 use super::settings::{self, Settings};
 use super::{Builder, Carried, Flow};
 use crate::network::ast::{Comparison, Element, Eno, Language, Pin, Storage, Target};
-use crate::network::elements::{self, Kind, Row};
+use crate::network::elements::{self, Gate, Kind, Row};
 use crate::sd::pragma::Attribute;
 use crate::sd::tree::Node;
 
@@ -180,7 +180,7 @@ impl Builder<'_, '_> {
 
 /// `A()` without pins: the flow goes through unchanged.
 fn passes_through(row: &Row, node: &Node) -> bool {
-    matches!(row.kind, Kind::Gate(_))
+    matches!(row.kind, Kind::Gate(Gate::And))
         && node
             .arguments
             .iter()

@@ -12,6 +12,7 @@ pub fn check(check: &mut Check) {
         twice(check, at, element);
         if let Some(row) = row(element) {
             required(check, at, element, row);
+            second(check, at, element, row);
             gate(check, at, element, row);
         }
     }
@@ -63,6 +64,19 @@ fn required(check: &mut Check, at: usize, element: &Element, row: &'static Row) 
             let help = "connect the pin with a variable, a constant or another element";
             check.report(Code::MissingParameter, span, Some(at), text, &format!("`{name}` is not connected"), help);
         }
+    }
+}
+
+/// Sums and the like are of two values at least.
+fn second(check: &mut Check, at: usize, element: &Element, row: &'static Row) {
+    let several = matches!(row.kind, Kind::Operator(_) | Kind::Function("MIN" | "MAX"));
+    let numbered = row.pins().any(|pin| pin.numbered && pin.name() == "in1");
+    let given = element.pin("in2");
+    if several && numbered && is_open(given) && !is_open(element.pin("in1")) {
+        let span = given.map_or(element.span, |pin| pin.span);
+        let text = format!("{} without its input `in2`", title(element));
+        let help = "connect the pin with a variable, a constant or another element";
+        check.report(Code::MissingParameter, span, Some(at), text, "`in2` is not connected", help);
     }
 }
 
