@@ -71,7 +71,11 @@ impl Binder<'_> {
             let outside = or(below, above, span);
             if ty.is_float() {
                 // Against a limit that is NaN nothing is outside.
-                let numbers = and(compare(CompareOp::Equal, &min, min.clone()), compare(CompareOp::Equal, &max, max.clone()), span);
+                let numbers = and(
+                    compare(CompareOp::Equal, &min, min.clone()),
+                    compare(CompareOp::Equal, &max, max.clone()),
+                    span,
+                );
                 and(outside, numbers, span)
             } else {
                 outside

@@ -59,7 +59,12 @@ impl Binder<'_> {
     /// The jump to the label that a pin names.
     fn jump_to(&mut self, ctx: &mut Ctx, node: &Node) -> Option<StatementKind> {
         let name = label_name(node)?;
-        self.goto(ctx, name).map(StatementKind::Goto)
+        let told = self.report.diagnostics.len();
+        let found = self.goto(ctx, name);
+        for message in self.report.diagnostics[told..].iter_mut().filter(|one| one.code == Code::UnknownLabel) {
+            message.help = Some(format!("give the network to jump to the label `{}`", name.text));
+        }
+        found.map(StatementKind::Goto)
     }
 
     pub fn jump_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, negated: bool) -> Option<()> {

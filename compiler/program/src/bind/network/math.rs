@@ -249,7 +249,9 @@ impl Binder<'_> {
                 Some(ty) if ty.is_integer() => ty,
                 // A bit string holds the integer that the settings name.
                 Some(ty) => match binder.working_type(element) {
-                    Some(meant) if ty.class() == Class::Bits && meant.is_integer() && meant.bits() == ty.bits() => meant,
+                    Some(meant) if ty.class() == Class::Bits && meant.is_integer() && meant.bits() == ty.bits() => {
+                        meant
+                    }
                     _ => {
                         binder.impossible_type(element, ty);
                         return None;

@@ -77,9 +77,10 @@ impl Binder<'_> {
         span: Span,
         statements: &mut Vec<Statement>,
     ) {
-        let scl = networks.networks.iter().any(
-            |network| matches!(&network.content, Content::Scl(list) if mentions::names_eno(list)),
-        );
+        let scl = networks
+            .networks
+            .iter()
+            .any(|network| matches!(&network.content, Content::Scl(list) if mentions::names_eno(list)));
         let saves = |network: &Network| match &network.content {
             Content::Graphic(graph) => graph
                 .elements
@@ -152,6 +153,96 @@ impl Binder<'_> {
         }
         sheet.statements
     }
+
+    /// An element of which something is missing that no message has told of.
+    fn not_bound(&mut self, span: Span) {
+        let text = self.text(span);
+        self.report.push(
+            Diagnostic::new(Code::MissingOperand, span, format!("`{text}` is not connected as it must be"))
+                .label("a pin lacks its operand or its wire")
+                .help("connect all its inputs"),
+        );
+    }
+
+    fn bind_element(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        let element = sheet.element(at);
+        let row = match &element.target {
+            Target::Block { .. } => return self.block_box(ctx, sheet, at),
+            Target::Element { row, .. } => *row,
+        };
+        if !has_br(ctx.scl.rules) && needs_registers(row.kind) {
+            self.refuse(
+                Code::UnknownElement,
+                element.span,
+                &format!("`{}` is an element of the S7-300 and S7-400", row.name),
+                "this CPU does not have it",
+                "write the network without it, or name another CPU with --cpu",
+            );
+            return None;
+        }
+        match row.kind {
+            Kind::Contact => self.contact(ctx, sheet, at),
+            Kind::Not => self.not_element(ctx, sheet, at),
+            Kind::Gate(gate) => self.gate(ctx, sheet, at, gate),
+            Kind::EdgeContact { rising } => self.edge_contact(ctx, sheet, at, rising),
+            Kind::EdgeTrigger { rising } => self.edge_trigger(ctx, sheet, at, rising),
+            Kind::Coil => self.coil(ctx, sheet, at),
+            Kind::SetCoil => self.set_coil(ctx, sheet, at, true),
+            Kind::ResetCoil => self.set_coil(ctx, sheet, at, false),
+            Kind::EdgeCoil { rising } => self.edge_coil(ctx, sheet, at, rising),
+            Kind::BitField { set } => self.bit_field(ctx, sheet, at, set),
+            Kind::FlipFlop { set_wins } => self.flip_flop(ctx, sheet, at, set_wins),
+            Kind::Compare(op) => self.compare_contact(ctx, sheet, at, op),
+            Kind::Range { inside } => self.range_contact(ctx, sheet, at, inside),
+            Kind::Valid { valid } => self.valid_contact(ctx, sheet, at, valid),
+            Kind::Instance(name) => self.instance_box(ctx, sheet, at, name),
+            Kind::TimerCoil(name) => self.timer_coil(ctx, sheet, at, name),
+            Kind::ResetTimer => self.reset_timer_coil(ctx, sheet, at),
+            Kind::PresetTimer => self.preset_timer_coil(ctx, sheet, at),
+            Kind::Calculate => self.calculate_box(ctx, sheet, at),
+            Kind::Operator(op) => self.operator_box(ctx, sheet, at, op),
+            Kind::Step { up } => self.step_box(ctx, sheet, at, up),
+            Kind::Function(name) => self.function_box(ctx, sheet, at, name),
+            Kind::Procedure(name) => self.procedure_box(ctx, sheet, at, name),
+            Kind::Move => self.move_box(ctx, sheet, at),
+            Kind::Convert => self.convert_box(ctx, sheet, at),
+            Kind::Round(name) => self.round_box(ctx, sheet, at, name),
+            Kind::Negate => self.unary_box(ctx, sheet, at, true),
+            Kind::Invert => self.unary_box(ctx, sheet, at, false),
+            Kind::Mux => self.mux_box(ctx, sheet, at),
+            Kind::Demux => self.demux_box(ctx, sheet, at),
+            Kind::Jump { negated } => self.jump_coil(ctx, sheet, at, negated),
+            Kind::JumpList => self.jump_list_box(ctx, sheet, at),
+            Kind::Switch => self.switch_box(ctx, sheet, at),
+            Kind::Return(value) => self.return_coil(ctx, sheet, at, value),
+            Kind::S5Timer(name) => self.s5_timer_box(ctx, sheet, at, name),
+            Kind::S5Counter(name) => self.s5_counter_box(ctx, sheet, at, name),
+            Kind::CounterCoil(coil) => self.counter_coil(ctx, sheet, at, coil),
+            Kind::OpenDb { di } => self.open_db(ctx, sheet, at, di),
+            Kind::Mcr(coil) => self.mcr_coil(ctx, sheet, at, coil),
+            Kind::CallCoil => self.call_coil(ctx, sheet, at),
+            Kind::Save => self.save_coil(ctx, sheet, at),
+            Kind::Flag(flag) => self.flag_contact(ctx, sheet, at, flag),
+        }
+    }
+}
+
+/// The message tells of a name that is not defined.
+fn is_about_names(code: Code) -> bool {
+    matches!(
+        code,
+        Code::UnknownSymbol
+            | Code::UnknownBlock
+            | Code::UnknownLocal
+            | Code::UnknownMember
+            | Code::UnknownLabel
+            | Code::NotShipped
+    )
+}
+
+/// The element works with registers that only an S7-300 or S7-400 shows: BR, status word, open data blocks, MCR.
+const fn needs_registers(kind: Kind) -> bool {
+    matches!(kind, Kind::OpenDb { .. } | Kind::Mcr(_) | Kind::CallCoil | Kind::Save | Kind::Flag(_))
 }
 
 /// The list of statements of a block of networks, as labels name it.

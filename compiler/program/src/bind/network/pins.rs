@@ -216,9 +216,7 @@ impl Binder<'_> {
             PinValue::Operand(node) => {
                 // A relay that is off writes 0.
                 let value = match (sheet.registers().relay(pin.span), value) {
-                    (Some(on), Value::Elementary(expr)) => {
-                        Value::Elementary(self.relayed_value(ctx, sheet, expr, on))
-                    }
+                    (Some(on), Value::Elementary(expr)) => Value::Elementary(self.relayed_value(ctx, sheet, expr, on)),
                     (_, value) => value,
                 };
                 self.write(ctx, sheet, node, value, pin.storage)
