@@ -23,7 +23,7 @@ impl Context<'_, '_> {
     pub fn statements(&mut self, statements: &[Statement]) {
         for statement in statements {
             self.reachable();
-            self.set_place(statement.span, 0);
+            self.place_statement(statement.span);
             self.statement(statement);
         }
     }
@@ -132,10 +132,19 @@ impl Context<'_, '_> {
         }
     }
 
+    /// What is built from now on belongs to what stands at `span`.
+    fn place_statement(&mut self, span: plcc_diag::Span) {
+        let network = match &self.block.body {
+            plcc_program::model::Body::Scl(body) => body.network_at(span.start),
+            plcc_program::model::Body::Stl(_) | plcc_program::model::Body::Runtime => 0,
+        };
+        self.set_place(span, network);
+    }
+
     fn if_statement(&mut self, branches: &[(Expr, Vec<Statement>)], otherwise: &[Statement]) {
         let end = self.b.create_block();
         for (condition, body) in branches {
-            self.set_place(condition.span, 0);
+            self.place_statement(condition.span);
             let condition = self.value(condition);
             let (then, other) = (self.b.create_block(), self.b.create_block());
             self.b.branch(condition, then, other);
@@ -306,7 +315,7 @@ impl Context<'_, '_> {
         self.scl.loops.pop();
         self.b.seal_block(next);
         self.b.switch_to(next);
-        self.set_place(until.span, 0);
+        self.place_statement(until.span);
         let done = self.value(until);
         self.b.branch(done, exit, again);
         self.b.seal_block(again);

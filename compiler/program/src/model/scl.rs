@@ -17,6 +17,15 @@ pub struct Body {
     pub calls_set_flag: bool,
     /// STRING and WSTRING variables in VAR_TEMP, also inside of structures and arrays: their heads are set when the block begins.
     pub temporary_texts: Vec<TemporaryText>,
+    /// Of a block in LAD or FBD: where its networks begin in the source, in order.
+    pub networks: Vec<u32>,
+}
+
+impl Body {
+    /// Number of the network at a place, 1 for the first; 0 if the block has none.
+    pub fn network_at(&self, start: u32) -> u16 {
+        self.networks.partition_point(|begin| *begin <= start) as u16
+    }
 }
 
 /// A text in the frame of a block.

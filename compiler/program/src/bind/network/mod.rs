@@ -65,7 +65,13 @@ impl Binder<'_> {
             self.not_bound(span);
         }
         self.unused_data(ctx, block, networks.networks.is_empty());
-        Body { statements, sets_flag: true, calls_set_flag: true, temporary_texts: temporary::texts(&ctx.bound) }
+        Body {
+            statements,
+            sets_flag: true,
+            calls_set_flag: true,
+            temporary_texts: temporary::texts(&ctx.bound),
+            networks: networks.networks.iter().map(|network| network.span.start).collect(),
+        }
     }
 
     /// ENO of the block is kept aside where SCL networks set it, and on an S7-300/400, where it is the BR that boxes and SAVE change.

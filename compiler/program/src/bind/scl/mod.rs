@@ -81,6 +81,7 @@ impl Binder<'_> {
             sets_flag: scope.sets_flag,
             calls_set_flag: scope.rules != Rules::Classic,
             temporary_texts: temporary::texts(&ctx.bound),
+            networks: Vec::new(),
         }
     }
 }
