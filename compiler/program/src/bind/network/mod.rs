@@ -137,8 +137,10 @@ impl Binder<'_> {
 
     fn bind_graph(&mut self, ctx: &mut Ctx, page: &mut Page, network: &Network, graph: &Graph) -> Vec<Statement> {
         let mut messages = Vec::new();
-        legality::legality(network, &mut messages);
-        let legal = !messages.iter().any(Diagnostic::is_error);
+        if !graph.broken {
+            legality::legality(network, &mut messages);
+        }
+        let legal = !graph.broken && !messages.iter().any(Diagnostic::is_error);
         messages.into_iter().for_each(|message| self.report.push(message));
         let mut sheet = Sheet::new(page, graph);
         for element in order::order(graph) {

@@ -26,6 +26,7 @@ pub fn build(
     parts: Vec<Part>,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> (Vec<Name>, Graph) {
+    let told = diagnostics.len();
     let mut builder = Builder { text, language, graph: Graph::default(), nets: Nets::default(), diagnostics };
     let mut labels = Vec::new();
     let mut rungs = 0;
@@ -39,6 +40,7 @@ pub fn build(
         }
     }
     builder.finish_nets();
+    builder.graph.broken = builder.diagnostics[told..].iter().any(Diagnostic::is_error);
     (labels, builder.graph)
 }
 
