@@ -145,7 +145,7 @@ impl Binder<'_> {
         let mut sheet = Sheet::new(page, graph);
         for element in order::order(graph) {
             let before = self.report.diagnostics.len();
-            if self.bind_element(ctx, &mut sheet, element).is_none() {
+            if self.bind_element(ctx, &mut sheet, element).is_none() && !graph.broken {
                 sheet.page.failed.get_or_insert(graph.elements[element].span);
             }
             if !legal {
