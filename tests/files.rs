@@ -4,6 +4,7 @@
 //! | --- | --- | --- |
 //! | `run/` | STL or SCL with assertions, in all forms at -O0 and -O2; the verifier passes the IR behind each pass | `x.scenario.toml` |
 //! | `run/*/` | a project: a folder with a `plc.toml` | its scenarios below `tests` |
+//! | `twins/*/` | one program in folders `sd`, `xml`, `open`: the IR is the same | |
 //! | `check/` | STL or SCL with caret lines | |
 //! | `parse/` | STL or SCL | `x.ast`, and `x.tokens` if it is there |
 //! | `ir/` | IR that prints as it stands | |
@@ -22,7 +23,10 @@ use plcc_driver::emit;
 use plcc_driver::inputs::{self, TestInput};
 use plcc_driver::pipeline::{self, Settings};
 use plcc_driver::testing::{self, Form, Outcome, Variant, carets, prepare};
-use plcc_tests::{all_variants, bind_file, expect_file, files, plan, projects, root, shown, tests_folder, updating};
+use plcc_tests::{
+    all_variants, bind_file, difference, expect_file, files, folders, plan, projects, root, shown, tests_folder, twins,
+    updating,
+};
 
 /// Endings of the sources that are tests.
 const LANGUAGES: [&str; 3] = ["stl", "scl", "s7dcl"];
@@ -49,6 +53,9 @@ fn trials() -> Vec<Trial> {
         trials.push(trial(shown(&project), move || {
             all_passed(&testing::run(&[TestInput::Project(project)], &plan(all_variants())))
         }));
+    }
+    for twins in folders(&tests.join("twins")) {
+        trials.push(trial(shown(&twins), move || check_twins(&twins)));
     }
     file_trials("ir", "ir", check_ir, &mut trials);
     file_trials("opt", "ir", check_opt, &mut trials);
@@ -140,6 +147,28 @@ fn check_parse(path: &Path) -> Result<(), String> {
         expect_file(&tokens, &emit::tokens(&read(), &settings))?;
     }
     expect_file(&path.with_extension("ast"), &emit::ast(&pipeline::parse(read(), &settings)))
+}
+
+/// The program of each folder below has the same IR, sites aside.
+fn check_twins(path: &Path) -> Result<(), String> {
+    let mut texts = Vec::new();
+    for carrier in folders(path) {
+        let text = twins::ir_text(&bind_file(&carrier, &Settings::default())?);
+        if !text.contains("func @OB1") {
+            return Err(format!("{}: there is no OB 1\n", shown(&carrier)));
+        }
+        texts.push((carrier, text));
+    }
+    let [(first, expected), others @ ..] = texts.as_slice() else {
+        return Err("there are no folders with programs\n".to_string());
+    };
+    if others.is_empty() {
+        return Err("a twin has at least two folders: `sd`, `xml`, `open`\n".to_string());
+    }
+    for (other, text) in others.iter().filter(|(_, text)| text != expected) {
+        return Err(format!("{} gives other IR than {}\n{}", shown(other), shown(first), difference(expected, text)));
+    }
+    Ok(())
 }
 
 /// IR text stands as it is printed, is valid, and parses back to what was printed.

@@ -1,5 +1,7 @@
 //! What the tests of the project share: where files are, how expected text is compared, how programs are compiled.
 
+pub mod twins;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -62,6 +64,14 @@ pub fn files(folder: &Path, suffix: &str) -> Vec<PathBuf> {
     found
 }
 
+/// Folders right in `folder`, sorted.
+pub fn folders(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut found: Vec<PathBuf> = entries.filter(|path| path.is_dir()).collect();
+    found.sort();
+    found
+}
+
 /// Compares `actual` with the file at `path`, or renews the file.
 pub fn expect_file(path: &Path, actual: &str) -> Result<(), String> {
     let expected = fs::read_to_string(path).unwrap_or_default();
@@ -79,7 +89,7 @@ pub fn expect_file(path: &Path, actual: &str) -> Result<(), String> {
 }
 
 /// The first lines that differ.
-fn difference(expected: &str, actual: &str) -> String {
+pub fn difference(expected: &str, actual: &str) -> String {
     let mut expected_lines = expected.lines();
     for (index, line) in actual.lines().enumerate() {
         match expected_lines.next() {
