@@ -130,13 +130,16 @@ impl Binder<'_> {
             let (prefix, number) = self.block_number(&block)?;
             return self.block_callee(prefix, number, node.span);
         }
-        if let Some(global) = self.globals.get(&fold(&name.text)) {
-            return match global.target {
-                SymbolTarget::Block { prefix, number } => self.block_callee(prefix, number as u16, node.span),
-                SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => self.no_callee(node.span),
-            };
-        }
         let rules = ctx.scl.rules;
+        if let Some(global) = self.globals.get(&fold(&name.text)) {
+            let target = global.target;
+            if name.form != NameForm::Bare || self.is_called(target) || !self.is_function(rules, &name.text) {
+                return match target {
+                    SymbolTarget::Block { prefix, number } => self.block_callee(prefix, number as u16, node.span),
+                    SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => self.no_callee(node.span),
+                };
+            }
+        }
         if let Some(named) = Named::find(&name.text) {
             return Some(Callee::Function(named));
         }
@@ -148,6 +151,23 @@ impl Binder<'_> {
                 None
             }
         }
+    }
+
+    /// True if a global symbol can stand before `(`. One that cannot hides no function: `LEN(…)` beside the tag `"Len"`.
+    fn is_called(&self, target: SymbolTarget) -> bool {
+        match target {
+            SymbolTarget::Block { prefix: BlockPrefix::Db | BlockPrefix::Di, number } => u16::try_from(number)
+                .ok()
+                .and_then(|number| self.dbs.get(&number))
+                .is_none_or(|db| db.block.instance_of.is_some()),
+            SymbolTarget::Block { .. } => true,
+            SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => false,
+        }
+    }
+
+    /// True if the language or the library has a function of that name.
+    fn is_function(&self, rules: Rules, name: &str) -> bool {
+        Named::find(name).is_some() || self.library_function(rules, name).is_some()
     }
 
     /// True if a name before `(` means a variable. One that cannot be called hides no function: `LIMIT(…)` beside `#limit`.
