@@ -4,7 +4,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::network::ast::{Element, Pin, PinValue, Target};
-use plcc_syntax::network::elements::Row;
+use plcc_syntax::network::elements::{PinDirection, Row};
 use plcc_syntax::scl::ast::{
     Argument, Expr as Node, ExprKind as NodeKind, Name, NameForm, Statement as Tree, StatementKind as TreeKind,
 };
@@ -16,7 +16,7 @@ use crate::bind::names::fold;
 use crate::bind::scl::call::Callee;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::StatementKind;
+use crate::model::scl::{Instance, StatementKind};
 use crate::model::{BlockKey, Direction};
 use crate::types::DataType;
 use plcc_abi::image::BlockKind;
@@ -61,16 +61,38 @@ impl Binder<'_> {
         let member = Name { text: name.to_string(), form: NameForm::Bare, span };
         let callee =
             Node { kind: NodeKind::Member { base: Box::new(instance.clone()), name: member }, span: instance.span };
-        self.call_tree(ctx, sheet, callee, arguments, span)?;
-        for pin in row.pins().filter(|pin| pin.direction == plcc_syntax::network::elements::PinDirection::Output) {
-            if pin.name() != "eno" {
-                self.instance_output(ctx, sheet, at, (instance, name), pin.name())?;
+        self.call_tree(ctx, sheet, callee.clone(), arguments, span)?;
+        for pin in row.pins().filter(|pin| pin.direction == PinDirection::Output && pin.name() != "eno") {
+            if outputs(sheet.element(at), pin.name()).next().is_some() {
+                let component = self.component_of_output(ctx, &callee, pin.name());
+                self.instance_output(ctx, sheet, at, instance, pin.name(), &component)?;
             }
         }
         Some(())
     }
 
-    /// Sends the output of an instance, which runs the block of that name, to what is connected to it.
+    /// The component of an instance that has an output's value. Data for several blocks, as IEC_COUNTER, may have another name at its
+    /// place: Q of CTU is QU there.
+    fn component_of_output(&mut self, ctx: &mut Ctx, callee: &Node, output: &str) -> String {
+        self.other_component(ctx, callee, output).unwrap_or_else(|| output.to_string())
+    }
+
+    fn other_component(&mut self, ctx: &mut Ctx, callee: &Node, output: &str) -> Option<String> {
+        let Some(Callee::Block { key, instance: Some(instance) }) = self.callee(ctx, callee) else { return None };
+        let data = match instance {
+            Instance::Db(number) => self.db_type(number)?,
+            Instance::Variable(access) => match access.ty {
+                DataType::Struct(data) => data,
+                _ => return None,
+            },
+        };
+        let bound = self.interface(key, callee.span)?;
+        let own = bound.interface.instance.iter().find(|member| member.name.eq_ignore_ascii_case(output))?;
+        let there = data.members.iter().find(|member| (member.byte, member.bit) == (own.byte, own.bit))?;
+        Some(there.name.clone())
+    }
+
+    /// Sends the output of an instance, which is the given component, to what is connected to it.
     fn instance_output(
         &mut self,
         ctx: &mut Ctx,
@@ -78,26 +100,12 @@ impl Binder<'_> {
         at: usize,
         (instance, block): (&Node, &str),
         name: &str,
+        component: &str,
     ) -> Option<()> {
         let Some((_, pin)) = outputs(sheet.element(at), name).next() else { return Some(()) };
-        let member = |text: &str| {
-            let name = Name { text: text.to_string(), form: NameForm::Bare, span: pin.span };
-            Node { kind: NodeKind::Member { base: Box::new(instance.clone()), name }, span: pin.span }
-        };
-        // IEC_COUNTER and the like name their outputs as CTUD does.
-        let common = match (block, name) {
-            ("CTU", "q") => Some("QU"),
-            ("CTD", "q") => Some("QD"),
-            _ => None,
-        };
-        let told = self.report.diagnostics.len();
-        let value = match (self.scl_value(ctx, &member(name)), common) {
-            (None, Some(common)) => {
-                self.report.diagnostics.truncate(told);
-                self.scl_value(ctx, &member(common))?
-            }
-            (value, _) => value?,
-        };
+        let member = Name { text: component.to_string(), form: NameForm::Bare, span: pin.span };
+        let node = Node { kind: NodeKind::Member { base: Box::new(instance.clone()), name: member }, span: pin.span };
+        let value = self.scl_value(ctx, &node)?;
         self.output(ctx, sheet, at, name, value)
     }
 
@@ -208,7 +216,7 @@ impl Binder<'_> {
         }
         self.call_tree(ctx, sheet, node, arguments, span)?;
         for name in after {
-            self.instance_output(ctx, sheet, at, (instance, ""), &name)?;
+            self.instance_output(ctx, sheet, at, instance, &name, &name)?;
         }
         Some(())
     }
