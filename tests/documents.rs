@@ -25,6 +25,11 @@ fn the_reference_of_scl_is_current() {
 }
 
 #[test]
+fn the_reference_of_lad_and_fbd_is_current() {
+    expect_file(&root().join("docs/reference/lad-fbd.md"), &plcc_program::lad_fbd_reference()).unwrap();
+}
+
+#[test]
 fn the_reference_of_the_standard_library_is_current() {
     expect_file(&root().join("docs/reference/stdlib.md"), &plcc_program::standard_library()).unwrap();
 }

@@ -11,7 +11,7 @@
 //! | `opt/` | IR; `; passes: a,b` in its first line | `x.expect` |
 //! | `clif/` | STL or SCL | `x.clif` |
 //! | `messages/` | STL or SCL | `x.txt`: its messages as drawn |
-//! | `../samples/*/` | a project with scenarios | `x.trace.csv`, `x.vcd`, `x.svg` beside `x.toml`, with the signals of its `# trace-signals:` line; `station.txt`: the list of `plcc station` |
+//! | `../samples/*/`, `../samples/*/*/` | a project with scenarios | `x.trace.csv`, `x.vcd`, `x.svg` beside `x.toml`, with the signals of its `# trace-signals:` line; `station.txt`: the list of `plcc station` |
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -208,12 +208,22 @@ fn check_messages(path: &Path) -> Result<(), String> {
     expect_file(&path.with_extension("txt"), &plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false))
 }
 
-/// Each sample is a project: its scenarios pass in all forms, and traces are as they were.
+/// Each sample is a project, or a folder of one for each language: its scenarios pass in all forms, and traces are as they were.
 fn sample_trials(trials: &mut Vec<Trial>) {
-    let mut folders: Vec<PathBuf> =
-        fs::read_dir(root().join("samples")).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
-    folders.sort();
-    for folder in folders.into_iter().filter(|folder| folder.join("plc.toml").is_file()) {
+    let samples = folders_in(&root().join("samples"));
+    for sample in &samples {
+        // One plant in several languages: a project each.
+        let variants: Vec<PathBuf> = projects(folders_in(sample));
+        if let [first, others @ ..] = variants.as_slice() {
+            for other in others {
+                let (first, other) = (first.clone(), other.clone());
+                let name = format!("{} as {}", shown(&other), shown(&first));
+                trials.push(trial(name, move || same_traces(&first, &other)));
+            }
+        }
+    }
+    let variants = samples.iter().flat_map(|sample| folders_in(sample)).collect();
+    for folder in [projects(samples), projects(variants)].concat() {
         let project = folder.clone();
         trials.push(trial(shown(&folder), move || {
             all_passed(&testing::run(&[TestInput::Project(project)], &plan(all_variants())))
@@ -232,6 +242,44 @@ fn sample_trials(trials: &mut Vec<Trial>) {
             trials.push(trial(shown(&station), move || check_station(&folder, &station)));
         }
     }
+}
+
+/// Folders in a folder, by name.
+fn folders_in(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut folders: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
+    folders.sort();
+    folders
+}
+
+fn projects(mut folders: Vec<PathBuf>) -> Vec<PathBuf> {
+    folders.retain(|folder| folder.join("plc.toml").is_file());
+    folders
+}
+
+/// Two variants of a sample have the same scenarios, and their traces are the same bytes.
+fn same_traces(first: &Path, other: &Path) -> Result<(), String> {
+    let files = |folder: &Path| -> Result<Vec<(String, String)>, String> {
+        let mut files = Vec::new();
+        for scenario in inputs::project_scenarios(folder) {
+            for path in [scenario.clone(), scenario.with_extension("trace.csv")] {
+                let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", shown(&path)))?;
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                files.push((name, text));
+            }
+        }
+        Ok(files)
+    };
+    let (first, other) = (files(first)?, files(other)?);
+    if first.is_empty() {
+        return Err("there is no scenario".to_string());
+    }
+    for ((name, text), (other_name, other_text)) in first.iter().zip(&other) {
+        if (name, text) != (other_name, other_text) {
+            return Err(format!("{name} and {other_name} are not the same"));
+        }
+    }
+    if first.len() == other.len() { Ok(()) } else { Err("one of them has more scenarios".to_string()) }
 }
 
 /// The list that `plcc station` prints.

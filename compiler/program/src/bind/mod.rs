@@ -54,6 +54,7 @@ pub use catalog::standard_library;
 use constant::Constants;
 use declare::{BoundInterface, Scope, Typed, TypedStruct};
 use names::Global;
+pub use network::reference as lad_fbd_reference;
 use report::Report;
 pub use scl::reference as scl_reference;
 

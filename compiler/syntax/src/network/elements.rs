@@ -183,6 +183,11 @@ impl PinRow {
         self.text.split('|').next().unwrap_or(self.text)
     }
 
+    /// Spellings in files; the first one is the name in the syntax tree.
+    pub fn spellings(&self) -> impl Iterator<Item = &'static str> {
+        self.text.split('|')
+    }
+
     /// The name in the syntax tree of a pin that a file calls `given`: `IN3` is `in3` of `in1+`.
     pub fn matches(&self, given: &str) -> Option<String> {
         if self.text.split('|').any(|known| known.eq_ignore_ascii_case(given)) {

@@ -5,11 +5,24 @@
 //! - `pins`: what comes in at pins and goes out of them; EN and ENO.
 //! - `bits`, `compare`, `math`, `moves`, `convert`, `calls`, `control`, `classic`: what the elements do, by the kinds of the table.
 //! - `stl`: networks in STL between the others.
+//! - `legality`: which networks can be.
+//! - `reference`: the page about all elements.
 //!
 //! Source: LAD/FBD reference, chapters A.11, C and E.2.
 
 mod legality;
+mod math;
+mod moves;
+mod order;
+mod pins;
+mod reference;
+mod sheet;
+mod stl;
 
+pub use reference::reference;
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Elementary;
 use plcc_syntax::ast;
 use plcc_syntax::network::ast::{Body as Networks, Content, Graph, Network, Target};
 use plcc_syntax::network::elements::Kind;

@@ -56,7 +56,7 @@ use plcc_syntax::scl::ast::Body as Tree;
 
 use super::{Binder, Ctx};
 use crate::model::scl::Body;
-pub use reference::reference;
+pub use reference::{effect, reference};
 pub use rules::{Rules, Scope};
 
 /// What an access is for.

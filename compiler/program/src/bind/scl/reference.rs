@@ -123,6 +123,11 @@ fn pin(word: &str) -> String {
     if optional { format!("[{text}]") } else { text }
 }
 
+/// What the function of that name gives.
+pub fn effect(name: &str) -> Option<&'static str> {
+    ROWS.iter().find(|row| row.name.eq_ignore_ascii_case(name)).map(|row| described(row).1)
+}
+
 /// Group and effect of a function.
 fn described(row: &Row) -> (usize, &'static str) {
     match row.kind {
