@@ -1,7 +1,7 @@
 //! Cost of the instruction classes: time and machine code of one instruction, in JIT code at -O2.
 //!
-//! Each kernel is a short sequence, repeated in OB 1; the same OB without it is subtracted. `cargo bench` prints a table, then the
-//! distribution of each kernel's run. How to read it: docs/benchmarks.md.
+//! Each kernel is a short sequence, repeated in OB 1; the same OB without it is subtracted. `cargo bench` prints a table, then one of
+//! networks in LAD beside the STL that does the same, then the distribution of each kernel's run. How to read it: docs/benchmarks.md.
 
 use std::rc::Rc;
 use std::time::Instant;
@@ -44,6 +44,90 @@ const KERNELS: &[(&str, &[&str])] = &[
     ("FB with instance DB", &["CALL FB 1, DB 11 (a := I {b}.{x}, v := MW {b}, r := QW {b});"]),
     ("FB with multi-instance", &["CALL FB 2, DB 12 (a := I {b}.{x}, v := MW {b}, r := QW {b});"]),
     ("large FC", &["CALL FC 6 (a := MW {b}, b := IW {b}, r := QW {b});"]),
+];
+
+/// A network in LAD, and STL that does the same.
+struct Pair {
+    name: &'static str,
+    /// Data block of each network, in SIMATIC SD and in STL.
+    data: Option<[&'static str; 2]>,
+    lad: &'static [&'static str],
+    stl: &'static [&'static str],
+}
+
+/// Networks of LAD. Places as in `KERNELS`; `{k}` is the number of a data block, `{w}` the address of another word, `{y}` another byte.
+const PAIRS: &[Pair] = &[
+    Pair {
+        name: "contacts and coil",
+        data: None,
+        lad: &[
+            "RUNG wire#powerrail Contact( %I{b}.{x} ) wire#w1 I_Contact( %M{b}.{x} ) Coil( %Q{b}.{x} ) END_RUNG",
+            "RUNG wire#powerrail Contact( %M{b}.1 ) END_RUNG wire#w1",
+        ],
+        stl: &["A(", "O I {b}.{x}", "O M {b}.1", ")", "AN M {b}.{x}", "= Q {b}.{x}"],
+    },
+    Pair {
+        name: "set coil",
+        data: None,
+        lad: &["RUNG wire#powerrail Contact( %I{b}.{x} ) S_Coil( %M{b}.{x} ) END_RUNG"],
+        stl: &["A I {b}.{x}", "S M {b}.{x}"],
+    },
+    Pair {
+        name: "chain of boxes",
+        data: None,
+        lad: &[
+            "RUNG wire#powerrail Contact( %I{b}.{x} )",
+            "{ S7_Templates := \"SrcType := Int\" } Add( in1 := %MW{b}, in2 := %IW{b}, out => %QW{b} )",
+            "{ S7_Templates := \"SrcType := Int\" } Sub( in1 := %QW{b}, in2 := 7, out => %MW{w} ) Coil( %M{y}.{x} ) END_RUNG",
+        ],
+        stl: &[
+            "A I {b}.{x}",
+            "JNB e{n}",
+            "L MW {b}",
+            "L IW {b}",
+            "+I",
+            "T QW {b}",
+            "AN OV",
+            "SAVE",
+            "CLR",
+            "e{n}: A BR",
+            "JNB f{n}",
+            "L QW {b}",
+            "L 7",
+            "-I",
+            "T MW {w}",
+            "AN OV",
+            "SAVE",
+            "CLR",
+            "f{n}: A BR",
+            "= M {y}.{x}",
+        ],
+    },
+    Pair {
+        name: "TON",
+        data: Some([
+            "DATA_BLOCK T{n} : TON_TIME\nEND_DATA_BLOCK\n",
+            "DATA_BLOCK DB {k}\nSFB 4\nBEGIN\nEND_DATA_BLOCK\n",
+        ]),
+        lad: &[
+            "RUNG wire#powerrail Contact( %I{b}.{x} )",
+            "{ S7_Templates := \"time_type := Time\" } \"T{n}\".TON( pt := T#1s, et => ) Coil( %Q{b}.{x} ) END_RUNG",
+        ],
+        stl: &["CALL SFB 4, DB {k} (IN := I {b}.{x}, PT := T#1S, Q := Q {b}.{x});"],
+    },
+    Pair {
+        name: "CTU",
+        data: Some([
+            "DATA_BLOCK C{n} : CTU_INT\nEND_DATA_BLOCK\n",
+            "DATA_BLOCK DB {k}\nSFB 0\nBEGIN\nEND_DATA_BLOCK\n",
+        ]),
+        lad: &[
+            "RUNG wire#powerrail Contact( %I{b}.{x} )",
+            "{ S7_Templates := \"value_type := Int\" } \"C{n}\".CTU( r := %M{b}.{x}, pv := 9, cv => )",
+            "Coil( %Q{b}.{x} ) END_RUNG",
+        ],
+        stl: &["CALL SFB 0, DB {k} (CU := I {b}.{x}, R := M {b}.{x}, PV := 9, Q := Q {b}.{x});"],
+    },
 ];
 
 /// How often a kernel stands in OB 1.
@@ -345,19 +429,56 @@ BEGIN
 END_DATA_BLOCK
 ";
 
+/// A line with the numbers of its repetition.
+fn filled(line: &str, index: usize) -> String {
+    let places = [
+        ("{b}", 2 * index),
+        ("{d}", 1000 + 4 * index),
+        ("{x}", index % 8),
+        ("{n}", index),
+        ("{k}", 100 + index),
+        ("{w}", 1000 + 2 * index),
+        ("{y}", 2000 + index),
+    ];
+    places.iter().fold(line.to_string(), |line, (mark, number)| line.replace(mark, &number.to_string()))
+}
+
 fn compile(kernel: &[&str], repetitions: usize) -> Compiled {
-    let mut source = format!("{BLOCKS}ORGANIZATION_BLOCK OB 1\nBEGIN\n");
+    compile_stl(BLOCKS, kernel, repetitions)
+}
+
+fn compile_stl(blocks: &str, kernel: &[&str], repetitions: usize) -> Compiled {
+    let mut source = format!("{blocks}ORGANIZATION_BLOCK OB 1\nBEGIN\n");
     for index in 0..repetitions {
         for line in kernel {
-            let places = [("{b}", 2 * index), ("{d}", 1000 + 4 * index), ("{x}", index % 8), ("{n}", index)];
-            let line =
-                places.iter().fold(line.to_string(), |line, (mark, number)| line.replace(mark, &number.to_string()));
-            source.push_str(&format!("      {line}\n"));
+            source.push_str(&format!("      {}\n", filled(line, index)));
         }
     }
     source.push_str("END_ORGANIZATION_BLOCK\n");
+    compiled("bench.stl", source)
+}
+
+/// The two programs of a pair.
+fn compile_pair(pair: &Pair, repetitions: usize) -> [Compiled; 2] {
+    let data = |at: usize| -> String {
+        let block = pair.data.map_or("", |data| data[at]);
+        (0..repetitions).map(|index| filled(block, index)).collect()
+    };
+    let mut source = format!("{}ORGANIZATION_BLOCK Main\n", data(0));
+    for index in 0..repetitions {
+        source.push_str("{ S7_Language := \"LAD\" }\nNETWORK\n");
+        for line in pair.lad {
+            source.push_str(&format!("{}\n", filled(line, index)));
+        }
+        source.push_str("END_NETWORK\n");
+    }
+    source.push_str("END_ORGANIZATION_BLOCK\n");
+    [compiled("bench.s7dcl", source), compile_stl(&data(1), pair.stl, repetitions)]
+}
+
+fn compiled(name: &str, source: String) -> Compiled {
     let mut read = Read { name: "bench".to_string(), ..Read::default() };
-    read.units.push(read.sources.add(SourceFile::new("bench.stl", source)));
+    read.units.push(read.sources.add(SourceFile::new(name, source)));
     let bound = pipeline::front(read, &Settings { require_main: true, ..Settings::default() });
     assert!(!bound.has_errors(), "{}", plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false));
     pipeline::back(&bound, Level::O2)
@@ -402,10 +523,28 @@ fn print_table() {
     println!();
 }
 
+/// What a network costs in LAD and in STL; the ratio is that of the medians.
+fn print_pairs() {
+    println!("{:<28}{:>12}{:>12}{:>10}{:>12}{:>12}", "network", "LAD ns", "STL ns", "ratio", "LAD bytes", "STL bytes");
+    for pair in PAIRS {
+        let (full, empty) = (compile_pair(pair, REPETITIONS), compile_pair(pair, 0));
+        let cost = |at: usize| {
+            let networks = REPETITIONS as f64;
+            let time = (nanoseconds(&full[at])[1] - nanoseconds(&empty[at])[1]) / networks / CYCLES as f64;
+            (time, code_bytes(&full[at]).saturating_sub(code_bytes(&empty[at])) as f64 / networks)
+        };
+        let ((lad, lad_bytes), (stl, stl_bytes)) = (cost(0), cost(1));
+        let ratio = lad / stl;
+        println!("{:<28}{lad:>12.2}{stl:>12.2}{ratio:>10.2}{lad_bytes:>12.1}{stl_bytes:>12.1}", pair.name);
+    }
+    println!();
+}
+
 fn main() {
     // `cargo test --benches` asks whether it works, not how fast it is.
     if std::env::args().any(|argument| argument == "--bench") {
         print_table();
+        print_pairs();
     }
     divan::main();
 }

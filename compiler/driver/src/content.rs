@@ -54,6 +54,7 @@ pub fn of(text: &str) -> Content {
     match lines().next() {
         None => return Content::Source,
         Some(line) if line.starts_with("%PDF") => return Content::Other("a PDF document"),
+        Some(line) if line.starts_with("cycle,time_ms,") => return Content::Other("a trace"),
         Some(_) => {}
     }
     if lines().any(|line| begins_like_stl(line) || is_assignment(line))
@@ -141,6 +142,7 @@ mod tests {
         assert_eq!(of("<Document><SW.Tags.PlcTagTable ID=\"0\"/></Document>"), Content::SymbolTable);
         assert_eq!(of("<CAEXFile/>"), Content::Other("a hardware configuration (AML)"));
         assert_eq!(of("<project><types/></project>"), Content::SourceAndTable);
+        assert_eq!(of("cycle,time_ms,I0.0\n0,0,0\n"), Content::Other("a trace"));
         assert_eq!(of("A\0B"), Content::Other("binary data"));
         assert_eq!(of("If the tank is full then the valve is closed by hand.\n"), Content::Prose);
         assert_eq!(of("# Tank\n\nA program that fills a tank when the level is low.\n"), Content::Prose);

@@ -78,7 +78,8 @@ impl Binder<'_> {
                 .label("nowhere to jump to");
             self.report.push(match similar(text, ctx.scl.labels.keys().map(String::as_str)) {
                 Some(other) => message.help(format!("is `{other}` meant?")),
-                None => message.help(format!("write `{text}:` before the statement to jump to")),
+                None => message
+                    .help(format!("write `{text}:` before the statement to jump to, or give the network that label")),
             });
             return None;
         };

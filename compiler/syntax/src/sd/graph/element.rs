@@ -61,7 +61,11 @@ impl Builder<'_, '_> {
                 let element = self.add(target, settings, eno, pins, Vec::new(), node.target);
                 carried.flow = Flow::Element(element);
             }
-            Meaning::Unknown => self.report_unknown(node.target),
+            Meaning::Unknown => {
+                self.report_unknown(node.target);
+                // What stands behind it is not to blame.
+                *carried = before;
+            }
         }
     }
 
@@ -115,7 +119,7 @@ impl Builder<'_, '_> {
                 format!("`{known}` was meant? FCs and instance DBs are called with quotes, `\"{name}\"( … )`")
             }
             None => format!(
-                "FCs and instance DBs are called with quotes, `\"{name}\"( … )`; `docs/reference` lists the elements"
+                "FCs and instance DBs are called with quotes, `\"{name}\"( … )`; `docs/reference/lad-fbd.md` lists the elements"
             ),
         };
         let diagnostic = Diagnostic::new(Code::UnknownElement, target, format!("`{name}` is no element of LAD or FBD"))
