@@ -65,7 +65,6 @@ fn snake_case(row: &str) -> String {
 /// Codes that no source file alone can show; the examples on their pages are the tests.
 const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
     (Code::SymbolTable, "needs a symbol table"),
-    (Code::ForeignContent, "needs an export in XML"),
     (Code::Project, "needs a plc.toml"),
     (Code::UnknownCpu, "needs a plc.toml or `--cpu`"),
     (Code::Unreadable, "needs a file that cannot be read"),

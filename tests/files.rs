@@ -213,7 +213,7 @@ fn sample_trials(trials: &mut Vec<Trial>) {
     let samples = folders_in(&root().join("samples"));
     for sample in &samples {
         // One plant in several languages: a project each.
-        let variants: Vec<PathBuf> = projects(folders_in(sample));
+        let variants = with_project(folders_in(sample));
         if let [first, others @ ..] = variants.as_slice() {
             for other in others {
                 let (first, other) = (first.clone(), other.clone());
@@ -223,7 +223,7 @@ fn sample_trials(trials: &mut Vec<Trial>) {
         }
     }
     let variants = samples.iter().flat_map(|sample| folders_in(sample)).collect();
-    for folder in [projects(samples), projects(variants)].concat() {
+    for folder in [with_project(samples), with_project(variants)].concat() {
         let project = folder.clone();
         trials.push(trial(shown(&folder), move || {
             all_passed(&testing::run(&[TestInput::Project(project)], &plan(all_variants())))
@@ -252,7 +252,7 @@ fn folders_in(folder: &Path) -> Vec<PathBuf> {
     folders
 }
 
-fn projects(mut folders: Vec<PathBuf>) -> Vec<PathBuf> {
+fn with_project(mut folders: Vec<PathBuf>) -> Vec<PathBuf> {
     folders.retain(|folder| folder.join("plc.toml").is_file());
     folders
 }

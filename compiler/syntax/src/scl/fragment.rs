@@ -23,6 +23,9 @@ pub fn statements(file: FileId, text: &str, range: Range<usize>, pragmas: bool) 
             found.extend(body.statements);
         }
     }
+    // Assertions where there is no statement.
+    let alone = parsed.pragmas.into_iter().filter(|pragma| pragma.assert.is_some());
+    found.extend(alone.map(|pragma| Statement { span: pragma.span, kind: StatementKind::Pragma(pragma) }));
     (found, parsed.diagnostics)
 }
 
@@ -44,5 +47,18 @@ pub fn expression(file: FileId, text: &str, range: Range<usize>) -> (Expr, Vec<D
     match (statements.pop(), statements.is_empty()) {
         (Some(Statement { kind: StatementKind::Expression(expr), .. }), true) => (expr, diagnostics),
         _ => (Expr { kind: ExprKind::Error, span }, diagnostics),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn assertions_without_a_statement_are_kept() {
+        let text = "//@ assert %M0.0 == 1\n;";
+        let (found, messages) = statements(FileId::default(), text, 0..text.len(), true);
+        assert!(messages.is_empty(), "{messages:?}");
+        assert!(matches!(found.as_slice(), [Statement { kind: StatementKind::Pragma(_), .. }]), "{found:?}");
     }
 }
