@@ -77,8 +77,8 @@ const PAIRS: &[Pair] = &[
         data: None,
         lad: &[
             "RUNG wire#powerrail Contact( %I{b}.{x} )",
-            "{ S7_Templates := \"SrcType := Int\" } Add( in1 := %MW{b}, in2 := %IW{b}, out => %QW{b} )",
-            "{ S7_Templates := \"SrcType := Int\" } Sub( in1 := %QW{b}, in2 := 7, out => %MW{w} ) Coil( %M{y}.{x} ) END_RUNG",
+            "{ S7_Templates := \"SrcType := Int\"; S7_GenerateENO := \"TRUE\" } Add( in1 := %MW{b}, in2 := %IW{b}, out => %QW{b} )",
+            "{ S7_Templates := \"SrcType := Int\"; S7_GenerateENO := \"TRUE\" } Sub( in1 := %QW{b}, in2 := 7, out => %MW{w} ) Coil( %M{y}.{x} ) END_RUNG",
         ],
         stl: &[
             "A I {b}.{x}",
