@@ -9,6 +9,7 @@
 //! Readers give elements and pins their names of the table [`elements`](crate::network::elements::ELEMENTS), settle what feeds what, and
 //! put the elements into the order of evaluation (LAD/FBD reference A.11); which types and blocks the operands name is the binder's.
 
+pub mod absent;
 pub mod ast;
 pub mod draw;
 pub mod elements;

@@ -7,6 +7,7 @@ use roxmltree::Node;
 
 use super::operand;
 use super::reader::{Reader, Refused};
+use crate::network::absent;
 use crate::network::ast::{Comparison, Eno, Target, Template, TemplateKey};
 use crate::network::elements::{self, Gate, Kind, PinDirection, Row};
 use crate::scl::ast::{Expr, ExprKind, Name, NameForm};
@@ -177,6 +178,11 @@ fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
     let name = node.attribute("Name").unwrap_or_default();
     let span = reader.name_span(node, "Name");
     let row = elements::find_xml(name);
+    if let (None, Some((why, help))) = (row, absent::reason(name)) {
+        let text = format!("{whose} holds the element `{name}`, which plcc does not have");
+        reader.diagnostics.push(Diagnostic::new(Code::UnknownElement, span, text).label(why).help(help));
+        return Err(Refused);
+    }
     let target = match row {
         Some(row) => Target::Element { row, instance: None },
         // A block of the system's library, by its name.

@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::network::ast::{Element, PinValue, TemplateKey};
-use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind};
+use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Literal, UnaryOp as Sign};
 use plcc_syntax::{Class, Elementary};
 
 use super::bits::{argument, call_node};
@@ -144,11 +144,8 @@ impl Binder<'_> {
             "XOR" => Operator::Xor,
             _ => Operator::Power,
         };
-        let ty = self.working_type(element).filter(|ty| works_in(operator, *ty)).or_else(|| {
-            // Times and dates have no type of the operation, and constants that of what they go to.
-            let typed = values.iter().any(|value| !Shape::of(value).is_untyped());
-            if typed { None } else { self.output_type(ctx, element, "out").filter(|ty| works_in(operator, *ty)) }
-        });
+        let ty = self.working_type(element).filter(|ty| works_in(operator, *ty));
+        let ty = ty.or_else(|| self.type_of_all(ctx, element, operator, &values));
         let mut values = values.into_iter();
         let mut result = values.next()?;
         for value in values {
@@ -181,6 +178,30 @@ impl Binder<'_> {
             };
         }
         Some(result)
+    }
+
+    /// The one type in which inputs and output of an operator work, where none is set. None of times, dates and bit strings, which have no
+    /// type of the operation. Source: LAD/FBD reference A.7, C.8.
+    fn type_of_all(
+        &mut self,
+        ctx: &mut Ctx,
+        element: &Element,
+        operator: Operator,
+        values: &[Value],
+    ) -> Option<Elementary> {
+        let works = |ty: &Elementary| works_in(operator, *ty);
+        let rules = ctx.scl.rules;
+        let target = self.output_type(ctx, element, "out").filter(works);
+        let (typed, constants): (Vec<Shape>, Vec<Shape>) =
+            values.iter().map(Shape::of).partition(|shape| !shape.is_untyped());
+        if typed.is_empty() || operator == Operator::Power {
+            return target;
+        }
+        let mut shapes = typed.into_iter().chain(constants);
+        let first = shapes.next()?.elementary().filter(works)?;
+        let inputs = shapes.try_fold(first, |ty, next| numeric::common(rules, Shape::Of(ty), next))?;
+        let all = target.and_then(|target| numeric::common(rules, Shape::Of(inputs), Shape::Of(target)));
+        Some(all.unwrap_or(inputs)).filter(works)
     }
 
     /// The value of a box: to `out`. What a single output takes goes there in the type that it wants.
@@ -245,18 +266,17 @@ impl Binder<'_> {
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
             let PinValue::Operand(node) = &connected(element, "operand")?.value else { return None };
             let access = binder.scl_access(ctx, node, Intent::Both)?;
+            let named = binder.template_type(element, &[TemplateKey::Destination, TemplateKey::Source]);
             let ty = match access.elementary() {
                 Some(ty) if ty.is_integer() => ty,
-                // A bit string holds the integer that the settings name.
-                Some(ty) => match binder.working_type(element) {
-                    Some(meant) if ty.class() == Class::Bits && meant.is_integer() && meant.bits() == ty.bits() => {
-                        meant
-                    }
-                    _ => {
-                        binder.impossible_type(element, ty);
-                        return None;
-                    }
-                },
+                // An address of bit memory has the type of the element.
+                Some(bits) if bits.class() == Class::Bits && named.is_some_and(|ty| is_number(ty, bits)) => {
+                    named.unwrap_or(bits)
+                }
+                Some(ty) => {
+                    binder.impossible_type(element, ty);
+                    return None;
+                }
                 None => {
                     binder.no_type(span);
                     return None;
@@ -271,6 +291,18 @@ impl Binder<'_> {
             sheet.push(kind, span);
             Some(())
         })
+    }
+
+    /// The type of a function whose inputs are constants, where none is set: that of its output.
+    fn type_of_constants(&mut self, ctx: &mut Ctx, element: &Element, name: &str) -> Option<Elementary> {
+        if !FOLLOW_OUTPUT.contains(&name) {
+            return None;
+        }
+        let mut inputs = element.pins.iter().filter(|pin| !pin.output && pin.name != "en" && has_type(name, &pin.name));
+        inputs
+            .all(|pin| matches!(&pin.value, PinValue::Operand(node) if is_untyped_number(node)))
+            .then(|| self.output_type(ctx, element, "out"))?
+            .filter(|ty| ty.bits() > 1)
     }
 
     /// CALCULATE: the formula over the inputs, each read once.
@@ -290,6 +322,7 @@ impl Binder<'_> {
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
             let ty = binder.working_type(element).or_else(|| binder.output_type(ctx, element, "out"));
             let mut formula = equation.clone();
+            as_in_scl(&mut formula);
             for pin in element.pins.iter().filter(|pin| !pin.output && pin.name.starts_with("in")) {
                 let Some(value) = binder.pin_value(ctx, sheet, pin) else { continue };
                 let value = match ty {
@@ -315,6 +348,7 @@ impl Binder<'_> {
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
             let source = binder.template_type(element, &[TemplateKey::Source, TemplateKey::Value]);
             let target = binder.template_type(element, &[TemplateKey::Destination]);
+            let source = source.or_else(|| binder.type_of_constants(ctx, element, name));
             let mut arguments = Vec::new();
             for pin in element.pins.iter().filter(|pin| !pin.output && pin.value != PinValue::Open && pin.name != "en")
             {
@@ -344,15 +378,63 @@ impl Binder<'_> {
     }
 }
 
+/// Functions with one type for inputs and output.
+const FOLLOW_OUTPUT: [&str; 10] = ["ABS", "MIN", "MAX", "LIMIT", "SEL", "SHL", "SHR", "ROL", "ROR", "SWAP"];
+
+/// False of the pins of shifts and SEL that have a type of their own.
+fn has_type(name: &str, pin: &str) -> bool {
+    !matches!((name, pin), ("SHL" | "SHR" | "ROL" | "ROR", "n") | ("SEL", "g"))
+}
+
+/// A number of no type: `5`, `-5`, `16#FF`.
+fn is_untyped_number(node: &Node) -> bool {
+    match &node.kind {
+        NodeKind::Unary { op: Sign::Plus | Sign::Minus, operand } => is_untyped_number(operand),
+        NodeKind::Literal(literal) => matches!(literal, Literal::Integer { .. } | Literal::Real(_)),
+        _ => false,
+    }
+}
+
 /// The type of a pin of a function box; none for pins that have their own.
 fn pin_type(name: &str, pin: &str, source: Option<Elementary>, target: Option<Elementary>) -> Option<Elementary> {
     match (name, pin) {
-        ("SHL" | "SHR" | "ROL" | "ROR", "n") | ("SEL", "g") => None,
+        _ if !has_type(name, pin) => None,
         ("SCALE_X", "min" | "max") => target,
         ("T_CONV" | "T_ADD" | "T_SUB" | "T_DIFF" | "T_COMBINE", _) => None,
         ("LEN" | "MAX_LEN" | "LEFT" | "RIGHT" | "MID" | "DELETE" | "INSERT" | "REPLACE" | "FIND" | "CONCAT", _) => None,
         ("CountOfElements" | "LOWER_BOUND" | "UPPER_BOUND" | "RUNTIME" | "GET_ERR_ID", _) => None,
         _ => source,
+    }
+}
+
+/// Functions of formulas that are operators in SCL: NEG, INV, EXPT.
+fn as_in_scl(formula: &mut Node) {
+    match &mut formula.kind {
+        NodeKind::Unary { operand, .. } => as_in_scl(operand),
+        NodeKind::Binary { left, right, .. } => {
+            as_in_scl(left);
+            as_in_scl(right);
+        }
+        NodeKind::Call { callee, arguments } => {
+            arguments.iter_mut().filter_map(|argument| argument.value.as_mut()).for_each(as_in_scl);
+            let NodeKind::Name(name) = &callee.kind else { return };
+            let op_span = callee.span;
+            let values: Vec<&Node> = arguments.iter().filter_map(|argument| argument.value.as_ref()).collect();
+            let unary = |op, operand: &Node| NodeKind::Unary { op, operand: Box::new(operand.clone()) };
+            let kind = match (name.text.to_ascii_uppercase().as_str(), values.as_slice()) {
+                ("NEG", [value]) => unary(Sign::Minus, value),
+                ("INV", [value]) => unary(Sign::Not, value),
+                ("EXPT", [base, exponent]) => NodeKind::Binary {
+                    op: Operator::Power,
+                    left: Box::new((*base).clone()),
+                    right: Box::new((*exponent).clone()),
+                    op_span,
+                },
+                _ => return,
+            };
+            formula.kind = kind;
+        }
+        _ => {}
     }
 }
 
@@ -387,6 +469,11 @@ fn works_in(operator: Operator, ty: Elementary) -> bool {
         Operator::Modulo => ty.is_integer(),
         _ => ty.is_integer() || ty.is_float(),
     }
+}
+
+/// True of an integer of the width of `bits`.
+fn is_number(ty: Elementary, bits: Elementary) -> bool {
+    ty.is_integer() && ty.bits() == bits.bits()
 }
 
 /// The longer of two types.

@@ -9,11 +9,12 @@ use plcc_syntax::{Class, Elementary};
 
 use super::Intent;
 use super::convert;
-use super::function::{Kind, Row};
+use super::function::{Kind, Row, TextNumber};
 use super::message::described;
 use super::numeric::Shape;
 use super::pins::Pins;
 use super::value::Value;
+use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
 use crate::layout;
 use crate::model::scl::{Access, Arm, Base, BinaryOp, Complex, Expr, ExprKind, IndexedArea, Statement, StatementKind};
@@ -46,23 +47,43 @@ impl Binder<'_> {
             Kind::Gather => self.gather(ctx, pins, span)?,
             Kind::ScatterBlock { to_bits } => self.scatter_block(ctx, to_bits, pins, span)?,
             Kind::Demux => self.demux(ctx, pins, span)?,
+            Kind::TextNumber(TextNumber::Convert) if self.is_text_to_text(ctx, pins) => {
+                vec![self.move_text(ctx, pins)?]
+            }
             Kind::TextNumber(kind) => vec![StatementKind::Call(Box::new(self.text_number(ctx, kind, pins, span)?))],
             Kind::ResetTimer => self.reset_timer(ctx, pins, span)?,
             Kind::PresetTimer => self.preset_timer(ctx, pins)?,
-            Kind::MoveText => {
-                let target = self.scl_access(ctx, pins.get("OUT")?, Intent::Write)?;
-                if !matches!(target.ty, DataType::String(_) | DataType::WideString(_)) {
-                    let is = format!("of type {}", layout::type_name(&target.ty));
-                    self.wrong_type(target.span, &is, "STRING", None);
-                    return None;
-                }
-                let value = self.scl_complex(ctx, pins.get("IN")?, &target.ty.clone())?;
-                vec![StatementKind::AssignText { target, value }]
-            }
+            Kind::MoveText => vec![self.move_text(ctx, pins)?],
             _ => return None,
         };
         let statements = kinds.into_iter().map(|kind| Statement { kind, span }).collect();
         Some(Value::Statements(statements, span))
+    }
+
+    fn move_text(&mut self, ctx: &mut Ctx, pins: &Pins) -> Option<StatementKind> {
+        let target = self.scl_access(ctx, pins.get("OUT")?, Intent::Write)?;
+        if !matches!(target.ty, DataType::String(_) | DataType::WideString(_)) {
+            let is = format!("of type {}", layout::type_name(&target.ty));
+            self.wrong_type(target.span, &is, "STRING", None);
+            return None;
+        }
+        let value = self.scl_complex(ctx, pins.get("IN")?, &target.ty.clone())?;
+        Some(StatementKind::AssignText { target, value })
+    }
+
+    /// S_CONV between two texts is S_MOVE. Messages about the pins are left to what binds them.
+    fn is_text_to_text(&mut self, ctx: &mut Ctx, pins: &Pins) -> bool {
+        let (Some(input), Some(output), None) = (pins.get("IN"), pins.get("OUT"), pins.eno) else { return false };
+        let told = self.report.diagnostics.len();
+        let target = self.scl_access(ctx, output, Intent::Write);
+        let to_text = target.is_some_and(|access| matches!(access.ty, DataType::String(_)));
+        let from_text = to_text
+            && matches!(
+                self.scl_value(ctx, input),
+                Some(Value::Complex { ty: DataType::String(_), .. } | Value::Constant(Constant::Text { .. }, _))
+            );
+        self.report.diagnostics.truncate(told);
+        from_text
     }
 
     pub fn peek(

@@ -5,6 +5,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use super::pins::Pins;
 use super::settings::{self, Settings};
 use super::{Builder, Carried, Flow};
+use crate::network::absent;
 use crate::network::ast::{Comparison, Element, Eno, Language, Pin, Storage, Target};
 use crate::network::elements::{self, Gate, Kind, Row};
 use crate::sd::pragma::Attribute;
@@ -114,6 +115,12 @@ impl Builder<'_, '_> {
 
     fn report_unknown(&mut self, target: Span) {
         let name = self.slice(target);
+        if let Some((why, help)) = absent::reason(name) {
+            let diagnostic =
+                Diagnostic::new(Code::UnknownElement, target, format!("plcc does not have the element `{name}`"));
+            self.report(diagnostic.label(why).help(help));
+            return;
+        }
         let help = match elements::nearest_sd(name) {
             Some(known) => {
                 format!("`{known}` was meant? FCs and instance DBs are called with quotes, `\"{name}\"( … )`")

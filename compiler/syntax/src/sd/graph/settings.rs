@@ -20,7 +20,7 @@ pub struct Settings {
 }
 
 /// Functions whose ENO always tells of errors (LAD/FBD reference B.9); the other boxes have a switch for it.
-const ENO_ALWAYS: [&str; 16] = [
+const ENO_ALWAYS: [&str; 17] = [
     "T_CONV",
     "T_ADD",
     "T_SUB",
@@ -37,13 +37,18 @@ const ENO_ALWAYS: [&str; 16] = [
     "REPLACE",
     "FIND",
     "RUNTIME",
+    "GET_ERR_ID",
 ];
+
+/// Boxes without a value that have the switch (LAD/FBD reference B.5).
+const ENO_SWITCHED: [&str; 4] = ["MOVE_BLK", "UMOVE_BLK", "FILL_BLK", "UFILL_BLK"];
 
 /// Whether ENO of an element tells of errors. `inline`: its settings stand behind its name, as V20 writes them.
 pub fn eno(row: &Row, said: Option<Eno>, inline: bool) -> Eno {
     let switch = row.flow.1 == "eno"
         && match row.kind {
-            Kind::Instance(_) | Kind::Procedure(_) => false,
+            Kind::Instance(_) => false,
+            Kind::Procedure(name) => ENO_SWITCHED.contains(&name),
             Kind::Function(name) => !ENO_ALWAYS.contains(&name),
             _ => true,
         };

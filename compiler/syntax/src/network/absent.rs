@@ -1,0 +1,91 @@
+//! Elements of the TIA Portal that plcc knows by name and does not have.
+//!
+//! Source: LAD/FBD reference, chapter B: elements marked as absent from the S7-1200, or without a meaning on a host.
+
+/// An element that is absent.
+struct Absent {
+    /// As SIMATIC SD and SimaticML spell it.
+    names: &'static [&'static str],
+    why: &'static str,
+    help: &'static str,
+}
+
+const VARIANT: &str = "a VARIANT does not carry its data type here, so it cannot be asked for";
+const VARIANT_HELP: &str =
+    "declare the parameter with its data type, one block for each type, or pass the type as a number beside it";
+
+const ABSENT: &[Absent] = &[
+    Absent {
+        names: &[
+            "TypeOf",
+            "TypeOfElements",
+            "TypeOfDB",
+            "EQ_Type",
+            "NE_Type",
+            "EQ_ElemType",
+            "NE_ElemType",
+            "EqType",
+            "NeType",
+            "EqElemType",
+            "NeElemType",
+            "EQ_Type_Contact",
+            "NE_Type_Contact",
+            "EQ_ElemType_Contact",
+            "NE_ElemType_Contact",
+            "IS_NULL",
+            "NOT_NULL",
+            "IsNull",
+            "NotNull",
+            "IS_ARRAY",
+            "IsArray",
+        ],
+        why: VARIANT,
+        help: VARIANT_HELP,
+    },
+    Absent {
+        names: &["CTRL_PTO"],
+        why: "a pulse generator gives pulses of a width here, no pulse train of a frequency",
+        help: "use CTRL_PWM, which sets the width of the pulses",
+    },
+    Absent {
+        names: &["SET_TIMEZONE"],
+        why: "no time zone is configured: local time is the time of the clock",
+        help: "set the clock to local time with WR_SYS_T",
+    },
+    Absent {
+        names: &["T_COMP"],
+        why: "T_COMP belongs to S7-1500 and compares in a mode given as a number",
+        help: "compare with the elements EQ, NE, GT, LT, GE, LE, which take times and dates",
+    },
+    Absent {
+        names: &["RTM"],
+        why: "the CPU has no runtime meters here",
+        help: "count the time with a TONR or with RUNTIME",
+    },
+    Absent {
+        names: &["ENDIS_PW", "INIT_RD"],
+        why: "passwords and retentive data of the CPU do not belong to the program here",
+        help: "remove the element",
+    },
+];
+
+/// Why an element of that name is absent, and what to do.
+pub fn reason(name: &str) -> Option<(&'static str, &'static str)> {
+    let absent = ABSENT.iter().find(|absent| absent.names.iter().any(|known| known.eq_ignore_ascii_case(name)))?;
+    Some((absent.why, absent.help))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::elements::{find_sd, find_xml};
+
+    #[test]
+    fn absent_elements_are_in_no_other_table() {
+        for name in ABSENT.iter().flat_map(|absent| absent.names) {
+            assert!(find_sd(name).is_none() && find_xml(name).is_none(), "{name}");
+        }
+        assert!(reason("is_array").is_some());
+        assert!(reason("Add").is_none());
+    }
+}
