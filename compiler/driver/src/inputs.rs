@@ -189,8 +189,16 @@ fn reason(error: &std::io::Error) -> String {
 
 fn add_folder(read: &mut Read, folder: &Path) {
     let before = read.units.len();
-    for path in files_below(folder) {
-        add_file(read, &path, Wanted::No);
+    let files = files_below(folder);
+    let is_project = |path: &&PathBuf| path.file_name().is_some_and(|name| name == project::FILE_NAME);
+    let projects: Vec<&PathBuf> = files.iter().filter(is_project).collect();
+    if let [_, .., last] = projects.as_slice() {
+        let title = format!("the folder `{}` holds {} projects", folder.display(), projects.len());
+        let one = last.parent().unwrap_or(folder).display();
+        return read.report(Code::Project, folder, title, &format!("give the folder of one of them, such as `{one}`"));
+    }
+    for path in &files {
+        add_file(read, path, Wanted::No);
     }
     if read.units.len() == before {
         let title = format!("the folder `{}` holds no PLC source", folder.display());
@@ -306,6 +314,14 @@ mod tests {
         let read = read(&[folder.path().to_path_buf()]);
         assert_eq!((read.units.len(), read.tables.len(), read.diagnostics.len()), (2, 1, 0));
         assert_eq!(read.name, "main");
+    }
+
+    #[test]
+    fn a_folder_of_projects_is_not_one_program() {
+        let folder = folder(&[("lad/plc.toml", ""), ("lad/a.stl", "A I 0.0\n"), ("fbd/plc.toml", "")]);
+        let read = read(&[folder.path().to_path_buf()]);
+        let codes: Vec<Code> = read.diagnostics.iter().map(|diagnostic| diagnostic.code).collect();
+        assert_eq!((codes, read.units.len()), (vec![Code::Project], 0));
     }
 
     #[test]
