@@ -19,7 +19,7 @@ const INFINITY: i64 = 0x7F80_0000;
 const LEAST_NORMAL_LONG: i64 = 0x0010_0000_0000_0000;
 const INFINITY_LONG: i64 = 0x7FF0_0000_0000_0000;
 /// Every NaN that an operation produces.
-const NAN: i64 = 0xFFFF_FFFF;
+pub const NAN: i64 = 0xFFFF_FFFF;
 
 impl Context<'_, '_> {
     /// `a op b`; `right` is the type of `b` where it is another one (shift counts, milliseconds).

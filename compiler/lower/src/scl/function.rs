@@ -1,10 +1,11 @@
 //! Functions of the language that are computed in place. Source: SCL reference, numbers and bits; LAD and FBD reference, conversions.
 
 use plcc_abi::RuntimeFn;
-use plcc_ir::{BinaryOp, ConvertOp, IntCc, Type, UnaryOp, Value};
-use plcc_program::model::scl::{BinaryOp as Operator, CompareOp, Conversion, Function, Overflow};
+use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
+use plcc_program::model::scl::{CompareOp, Conversion, Function, Overflow};
 use plcc_program::types::Elementary;
 
+use super::arithmetic::NAN;
 use super::value_type;
 use crate::context::Context;
 
@@ -73,9 +74,22 @@ impl Context<'_, '_> {
     fn limit(&mut self, low: Value, value: Value, high: Value, ty: Elementary) -> Value {
         let wrong = self.compare(CompareOp::Greater, low, high, ty);
         self.fail_if(wrong);
-        let raised = self.binary(Operator::Max, value, low, ty, ty);
-        let limited = self.binary(Operator::Min, raised, high, ty, ty);
-        self.b.select(wrong, value, limited)
+        let below = self.compare(CompareOp::Less, value, low, ty);
+        let above = self.compare(CompareOp::Greater, value, high, ty);
+        let lowered = self.b.select(above, high, value);
+        let limited = self.b.select(below, low, lowered);
+        let result = self.b.select(wrong, value, limited);
+        if !ty.is_float() {
+            return result;
+        }
+        // One input that is no number makes the result none; an infinite one that is limited does no harm.
+        let limits = self.b.fcmp(FloatCc::Uno, low, high);
+        let input = self.b.fcmp(FloatCc::Uno, value, value);
+        let nan = self.b.or(limits, input);
+        self.fail_if(nan);
+        let float = self.b.ty(value);
+        let pattern = self.b.iconst(float, if float == Type::F32 { NAN } else { -1 });
+        self.b.select(nan, pattern, result)
     }
 
     fn mux(&mut self, chooser: Value, choices: &[Value], has_else: bool, result: Elementary) -> Value {

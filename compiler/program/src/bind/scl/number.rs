@@ -183,7 +183,11 @@ impl Binder<'_> {
                 };
                 Some(converted(expr, Conversion::Bits { checked: false }, target))
             }
-            _ => self.scl_convert(ctx, value, Elementary::Int),
+            _ => {
+                let is_long = matches!(&value, Value::Constant(Constant::Integer { value: count, .. }, _) if *count > i128::from(i16::MAX));
+                let wide = is_long && !ctx.scl.rules.is_300();
+                self.scl_convert(ctx, value, if wide { Elementary::Udint } else { Elementary::Int })
+            }
         }
     }
 
