@@ -47,6 +47,9 @@ pub struct Page {
     failed: Option<Span>,
 }
 
+/// Messages of one network that get a drawing: more of them help nobody, and drawing costs time in large networks.
+const DRAWINGS_MAX: usize = 50;
+
 impl Binder<'_> {
     /// Binds the networks of a block.
     pub fn bind_networks(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, networks: &Networks) -> Body {
@@ -156,6 +159,7 @@ impl Binder<'_> {
         let legal = !graph.broken && !messages.iter().any(Diagnostic::is_error);
         messages.into_iter().for_each(|message| self.report.push(message));
         let mut sheet = Sheet::new(page, graph);
+        let mut drawn = 0;
         for element in order::order(graph) {
             let before = self.report.diagnostics.len();
             if self.bind_element(ctx, &mut sheet, element).is_none() && !graph.broken {
@@ -167,7 +171,8 @@ impl Binder<'_> {
                 self.report.diagnostics.extend(found.into_iter().filter(|message| is_about_names(message.code)));
             }
             for message in &mut self.report.diagnostics[before..] {
-                if message.note.is_none() {
+                if message.note.is_none() && drawn < DRAWINGS_MAX {
+                    drawn += 1;
                     message.note = Some(draw(network, Some(element)));
                 }
             }

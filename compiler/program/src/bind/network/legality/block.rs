@@ -9,6 +9,7 @@ use plcc_syntax::scl::text::expr;
 use rustc_hash::FxHashMap;
 
 use super::row;
+use crate::bind::network::DRAWINGS_MAX;
 
 /// Warnings about operands that several elements of a block use; operands are compared as they are written.
 pub fn block_warnings(body: &Body) -> Vec<Diagnostic> {
@@ -45,6 +46,11 @@ struct Block {
 }
 
 impl Block {
+    fn report(&mut self, message: Diagnostic, network: &Network, at: usize) {
+        let is_drawn = self.messages.len() < DRAWINGS_MAX;
+        self.messages.push(if is_drawn { message.note(draw(network, Some(at))) } else { message });
+    }
+
     /// What comes next may run without what came before.
     fn forget(&mut self) {
         self.coils.clear();
@@ -93,7 +99,7 @@ impl Block {
                 .label("overwrites what the first coil wrote")
                 .also(first, "the first coil")
                 .help("join both conditions before one coil, or use a set and a reset coil");
-            self.messages.push(message.note(draw(network, Some(at))));
+            self.report(message, network, at);
         }
     }
 
@@ -105,7 +111,7 @@ impl Block {
                 .label("this edge sees what the other one wrote")
                 .also(first, "the first edge")
                 .help("give each edge a BOOL of its own, in bit memory or in static data");
-            self.messages.push(message.note(draw(network, Some(at))));
+            self.report(message, network, at);
         }
     }
 
@@ -117,7 +123,7 @@ impl Block {
                 .label("runs with other inputs here")
                 .also(first, "runs here already")
                 .help("declare an instance for each of the two; its outputs may be read as often as you like");
-            self.messages.push(message.note(draw(network, Some(at))));
+            self.report(message, network, at);
         }
     }
 }
