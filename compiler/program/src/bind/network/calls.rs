@@ -245,15 +245,10 @@ impl Binder<'_> {
         let mut result = None;
         for pin in element.pins.iter().filter(|pin| !is_enable(pin)) {
             let formal = bound.interface.parameters.iter().find(|one| one.name.eq_ignore_ascii_case(&pin.name));
-            if pin.value == PinValue::Open {
-                // An output that is left open on purpose.
-                if formal.is_some_and(|formal| formal.direction == Direction::Output) {
-                    let name = Name { text: pin.name.clone(), form: NameForm::Bare, span: pin.span };
-                    arguments.push(Argument { name: Some(name), output: true, value: None, span: pin.span });
-                }
-                continue;
-            }
-            if pin.output && pin.name.eq_ignore_ascii_case(RESULT) {
+            // Open editors call the result OUT.
+            let is_result =
+                pin.name.eq_ignore_ascii_case(RESULT) || formal.is_none() && pin.name.eq_ignore_ascii_case("OUT");
+            if pin.output && is_result {
                 result = Some(pin.name.clone());
                 continue;
             }
