@@ -18,6 +18,8 @@ pub struct Global {
     pub target: SymbolTarget,
     /// Type of a memory operand, if the table tells it.
     pub ty: Option<Elementary>,
+    /// Data type of a tag that is a structure, by its name.
+    pub structure: Option<String>,
     pub span: Span,
 }
 
@@ -196,7 +198,8 @@ impl<'a> Binder<'a> {
                     self.define(block, prefix, *number as u16, *span);
                     if let (_, BlockName::Symbol { name, .. }) = frame(block) {
                         let target = SymbolTarget::Block { prefix, number: *number };
-                        let global = Global { name: name.trim().to_string(), target, ty: None, span: *span };
+                        let global =
+                            Global { name: name.trim().to_string(), target, ty: None, structure: None, span: *span };
                         self.globals.entry(fold(name)).or_insert(global);
                     }
                 }
@@ -262,7 +265,8 @@ impl<'a> Binder<'a> {
             let number = *number;
             used.insert((prefix, number));
             let target = SymbolTarget::Block { prefix, number };
-            self.globals.insert(fold(&name), Global { name: name.trim().to_string(), target, ty: None, span });
+            self.globals
+                .insert(fold(&name), Global { name: name.trim().to_string(), target, ty: None, structure: None, span });
             self.define(block, prefix, number as u16, span);
         }
         for global in self.globals.values() {
@@ -280,7 +284,9 @@ impl<'a> Binder<'a> {
         self.globals.reserve(rows);
         for symbol in self.input.tables.iter().flat_map(|table| &table.symbols) {
             let ty = Elementary::from_word(&symbol.ty.to_ascii_uppercase());
-            let global = Global { name: symbol.name.clone(), target: symbol.target, ty, span: symbol.span };
+            let structure = ty.is_none().then(|| symbol.ty.trim().trim_matches('"').to_string());
+            let structure = structure.filter(|name| !name.is_empty());
+            let global = Global { name: symbol.name.clone(), target: symbol.target, ty, structure, span: symbol.span };
             match self.globals.entry(fold(&symbol.name)) {
                 std::collections::hash_map::Entry::Vacant(entry) => {
                     entry.insert(global);

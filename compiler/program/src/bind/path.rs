@@ -179,6 +179,18 @@ impl Binder<'_> {
         Some(match target {
             SymbolTarget::Memory { area, width, byte, bit } => {
                 self.check_address(ctx, area, width, byte, span)?;
+                if let Some(structure) = self.structure_of_tag(name, span) {
+                    let last = byte.saturating_add(structure.bytes.saturating_sub(1));
+                    self.check_address(ctx, area, Width::Byte, last, span)?;
+                    let ty = DataType::Struct(structure);
+                    return Some(Resolved::Variable(Variable {
+                        base: Base::of_area(area),
+                        byte,
+                        bit: 0,
+                        ty,
+                        untyped: false,
+                    }));
+                }
                 let ty = ty.filter(|ty| layout::width(*ty) == width);
                 let untyped = ty.is_none();
                 let ty = DataType::Elementary(ty.unwrap_or(type_of_width(width)));
@@ -187,6 +199,18 @@ impl Binder<'_> {
             SymbolTarget::Cell { kind, number } => Resolved::Cell { kind, number },
             SymbolTarget::Block { prefix, number } => Resolved::Block { prefix, number: number as u16 },
         })
+    }
+
+    /// The structure that a tag is, whose type the tag table gives: one of the program.
+    fn structure_of_tag(&mut self, name: &str, span: Span) -> Option<Rc<StructType>> {
+        let ty = self.globals.get(&fold(name))?.structure.clone()?;
+        let SymbolTarget::Block { prefix: BlockPrefix::Udt, number } = self.globals.get(&fold(&ty))?.target else {
+            return None;
+        };
+        match self.udt(u16::try_from(number).ok()?, span)?.ty {
+            DataType::Struct(structure) => Some(structure),
+            _ => None,
+        }
     }
 
     /// Follows components and constant indices. A component of unknown type ends it silently: its type is reported.

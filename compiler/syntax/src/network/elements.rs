@@ -262,7 +262,10 @@ pub fn find_xml(name: &str) -> Option<&'static Row> {
     let find = |of: fn(&'static Row) -> &'static [&'static str]| {
         ELEMENTS.iter().find(|row| of(row).iter().any(|known| known.eq_ignore_ascii_case(name)))
     };
-    find(|row| row.xml).or_else(|| find(|row| row.open).filter(|row| matches!(row.kind, Kind::Instance(_))))
+    let instance = || find(|row| row.open).filter(|row| matches!(row.kind, Kind::Instance(_)));
+    // Versions of the TIA Portal differ in spelling; many names are those of SIMATIC SD. `SCALE` is a block of a library, so letter case matters.
+    let sd = || ELEMENTS.iter().find(|row| row.name == name || row.sd.contains(&name));
+    find(|row| row.xml).or_else(instance).or_else(sd)
 }
 
 /// The element of that name in PLCopen XML: a standard function or function block.
