@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 
-use super::objects::{Edge, Kind, Object};
+use super::objects::{Connection, Edge, Kind, Object};
 use super::{Body, Reader};
 use crate::Elementary;
 use crate::network::ast::{Element, Eno, Graph, NetId, Pin, PinValue, Storage, Target, Template, TemplateKey};
@@ -287,9 +287,14 @@ impl Build<'_, '_, '_> {
                 Target::Block { callee, instance: None }
             }
         };
-        let mut pins = Vec::new();
+        let compared = row.is_some_and(|row| matches!(row.kind, elements::Kind::Compare(op) if op != "<>"));
+        let (mut pins, mut further) = (Vec::new(), Vec::new());
         for (number, input) in object.inputs.iter().enumerate() {
             if input.from.is_empty() {
+                continue;
+            }
+            if compared && further_operand(&input.formal) {
+                further.push(input);
                 continue;
             }
             let Some(canonical) = pin_name(&target, &input.formal, false, number) else {
@@ -306,8 +311,26 @@ impl Build<'_, '_, '_> {
         if let (true, Some(state)) = (flip_flop, instance) {
             pins.push(pin("operand", PinValue::Operand(state), false, span));
         }
+        let last = pins.iter().find(|pin| pin.name == "in2").cloned();
         let element = self.element(Some(at), target, pins, span);
         self.graph.elements[element].templates = templates;
+        if let (Some(last), Some(row)) = (last, row) {
+            self.compare_on(at, row, last, further);
+        }
+    }
+
+    /// A comparison of more than two values: each with the next one, in a row.
+    fn compare_on(&mut self, at: usize, row: &'static Row, mut last: Pin, further: Vec<&Connection>) {
+        for input in further {
+            let Some(before) = self.made.get(&at).copied() else { return };
+            let flow = PinValue::Net(self.net(vec![Origin::Pin(before, "out".to_string())], input.span));
+            let mut next = pin("in2", self.input(Some(input), input.span), false, input.span);
+            next.negated = input.modifiers.negated;
+            last.name = "in1".to_string();
+            let pins = vec![pin("pre", flow, false, input.span), last, next.clone()];
+            self.element(Some(at), Target::Element { row, instance: None }, pins, input.span);
+            last = next;
+        }
     }
 
     /// AND, OR, XOR and NOT of words, when a declared variable at an input is one.
@@ -326,6 +349,12 @@ impl Build<'_, '_, '_> {
         let mut inputs = object.inputs.iter().flat_map(|input| &input.from).map(|(at, _)| at);
         inputs.any(is_word).then(|| elements::find_sd(word).map(|(row, _)| row))?
     }
+}
+
+/// `IN3` and above.
+fn further_operand(formal: &str) -> bool {
+    let upper = formal.to_ascii_uppercase();
+    upper.strip_prefix("IN").and_then(|number| number.parse::<u32>().ok()).is_some_and(|number| number > 2)
 }
 
 fn edge_name(edge: Edge, none: &'static str, rising: &'static str, falling: &'static str) -> &'static str {

@@ -7,6 +7,7 @@ use roxmltree::Node;
 
 use super::Reader;
 use super::overlay::content;
+use super::scope::FlipFlop;
 use crate::ast::{
     BlockName, Bound, Constant, InitialKind, InitialValue, Retain, Section, SectionKind, TypeKind, TypeRef, Variable,
 };
@@ -107,7 +108,7 @@ impl Reader<'_> {
         let ty = child(node, "type").and_then(|ty| self.type_of(ty, depth))?;
         let initial = child(node, "initialValue").and_then(|value| self.initial(value, depth));
         // A flip-flop is its state: see `Scope::flip_flops`.
-        let initial = if is_flip_flop(node) { None } else { initial };
+        let initial = if flip_flop(node).is_some() { None } else { initial };
         let comment = child(node, "documentation").map(|node| plain_text(node)).filter(|text| !text.is_empty());
         Some(Variable { name, name_span, attributes: Vec::new(), at: None, ty, initial, comment })
     }
@@ -250,12 +251,14 @@ fn standard_block(name: &str) -> Option<&'static str> {
     BLOCKS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, ty)| *ty)
 }
 
-/// A variable of type SR or RS.
-pub fn is_flip_flop(variable: Node) -> bool {
-    child(variable, "type")
-        .and_then(|ty| child(ty, "derived"))
-        .and_then(|ty| ty.attribute("name"))
-        .is_some_and(|name| name.eq_ignore_ascii_case("SR") || name.eq_ignore_ascii_case("RS"))
+/// Which flip-flop a variable is, of type SR or RS.
+pub fn flip_flop(variable: Node) -> Option<FlipFlop> {
+    let ty = child(variable, "type").and_then(|ty| child(ty, "derived"))?;
+    match ty.attribute("name")?.to_ascii_uppercase().as_str() {
+        "SR" => Some(FlipFlop::SetWins),
+        "RS" => Some(FlipFlop::ResetWins),
+        _ => None,
+    }
 }
 
 /// The words of a node, markup aside.

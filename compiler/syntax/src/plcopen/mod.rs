@@ -21,7 +21,7 @@ mod overlay;
 mod project;
 mod scope;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use roxmltree::{Document, Node};
@@ -33,7 +33,7 @@ use crate::ast::{
 use crate::network::ast::{Body as Networks, Content, Graph, Language, Network};
 use crate::scl::ast::{Body as SclBody, Dialect, Name, NameForm};
 use crate::scl::fragment;
-use interface::{child, elements, is_flip_flop, plain_text};
+use interface::{child, elements, flip_flop, plain_text};
 use objects::Kind;
 use scope::Scope;
 
@@ -131,7 +131,13 @@ impl<'a> Reader<'a> {
         };
         let pous = list("pous", "pou");
         self.pous = pous.iter().filter_map(|pou| pou.attribute("name")).map(str::to_lowercase).collect();
-        for node in list("dataTypes", "dataType") {
+        let data_types = list("dataTypes", "dataType");
+        let mut values = HashMap::new();
+        for node in &data_types {
+            self.enum_values(*node, &mut values);
+        }
+        overlay::typed_values(&mut self.overlay, &values);
+        for node in data_types {
             self.data_type(node);
         }
         self.global_variables(root);
@@ -141,19 +147,25 @@ impl<'a> Reader<'a> {
         self.configurations(root, &pous);
     }
 
+    /// The values of an enumeration; in `values` by their names with the type, `color#red`.
+    fn enum_values(&mut self, node: Node<'a, 'a>, values: &mut HashMap<String, i64>) {
+        let list = child(node, "baseType").and_then(|base| child(base, "enum"));
+        let mut next = 0;
+        for value in list.and_then(|list| child(list, "values")).into_iter().flat_map(elements) {
+            let number = value.attribute("value").and_then(|text| text.trim().parse().ok()).unwrap_or(next);
+            if let Some(name) = value.attribute("name") {
+                if let Some(ty) = node.attribute("name") {
+                    values.insert(format!("{ty}#{name}").to_ascii_lowercase(), number);
+                }
+                self.enums.push((value, name.to_string(), number));
+            }
+            next = number.saturating_add(1);
+        }
+    }
+
     fn data_type(&mut self, node: Node<'a, 'a>) {
         let (Some(name), Some(base)) = (node.attribute("name"), child(node, "baseType")) else { return };
         let span = self.place(node, "name");
-        if let Some(list) = child(base, "enum").and_then(|list| child(list, "values")) {
-            let mut next = 0;
-            for value in elements(list) {
-                let number = value.attribute("value").and_then(|text| text.trim().parse().ok()).unwrap_or(next);
-                if let Some(name) = value.attribute("name") {
-                    self.enums.push((value, name.to_string(), number));
-                }
-                next = number.saturating_add(1);
-            }
-        }
         let Some(ty) = self.type_of(base, 0) else { return };
         let (members, alias) = match ty.kind {
             TypeKind::Struct(members) => (members, None),
@@ -225,8 +237,8 @@ impl<'a> Reader<'a> {
                     scope.located.insert(key, project::tag_name(Some(pou), name));
                     continue;
                 }
-                if is_flip_flop(variable) {
-                    scope.flip_flops.insert(key.clone());
+                if let Some(kind) = flip_flop(variable) {
+                    scope.flip_flops.insert(key.clone(), kind);
                 }
                 scope.locals.insert(key);
             }

@@ -1,5 +1,6 @@
 //! The text of a file with its expressions as they mean: entities and markup in them replaced, each byte at its place.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use roxmltree::{Document, Node};
@@ -8,10 +9,14 @@ use roxmltree::{Document, Node};
 pub fn overlay(text: &str, document: &Document) -> String {
     let mut bytes = text.as_bytes().to_vec();
     for node in document.descendants().filter(|node| node.is_element()) {
-        if matches!(node.tag_name().name(), "xhtml" | "ST" | "expression" | "variable")
-            && let Some(range) = content(node)
-            && (node.tag_name().name() == "xhtml" || node.children().all(|child| child.is_text()))
-        {
+        let is_value = match node.tag_name().name() {
+            // With the elements in it, which are no values of their own.
+            "ST" => true,
+            "xhtml" => !node.ancestors().skip(1).any(|parent| parent.tag_name().name() == "ST"),
+            "expression" | "variable" => node.children().all(|child| child.is_text()),
+            _ => false,
+        };
+        if is_value && let Some(range) = content(node) {
             blank_markup(&mut bytes, range.clone());
             decode(&mut bytes[range]);
         }
@@ -23,12 +28,39 @@ pub fn overlay(text: &str, document: &Document) -> String {
     String::from_utf8(bytes).unwrap_or_else(|_| text.to_string())
 }
 
+/// `Color#Red` becomes the number of the value, with blanks up to its length.
+pub fn typed_values(text: &mut String, values: &HashMap<String, i64>) {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let signs: Vec<usize> = text.match_indices('#').map(|(at, _)| at).collect();
+    for sign in signs {
+        let start = text[..sign].trim_end_matches(is_word).len();
+        let end = text.len() - text[sign + 1..].trim_start_matches(is_word).len();
+        let Some(number) = values.get(&text[start..end].to_ascii_lowercase()).map(i64::to_string) else { continue };
+        if number.len() <= end - start {
+            text.replace_range(start..end, &format!("{number:width$}", width = end - start));
+        }
+    }
+}
+
 /// What stands between the tags of an element.
 pub fn content(node: Node) -> Option<Range<usize>> {
-    let (first, last) = (node.first_child()?, node.last_child()?);
-    // The range of a text in CDATA leaves its markers out.
-    let range = first.range().start..last.range().end;
-    (range.start <= range.end).then_some(range)
+    // Not the ranges of its children: a text and the CDATA behind it are one child, with the range of the first.
+    node.first_child()?;
+    let range = node.range();
+    let text = node.document().input_text().get(range.clone())?;
+    let mut quote = None;
+    let close = text.char_indices().find(|(_, c)| match quote {
+        Some(open) => {
+            quote = quote.filter(|_| *c != open);
+            false
+        }
+        None => {
+            quote = Some(*c).filter(|c| matches!(c, '"' | '\''));
+            *c == '>'
+        }
+    })?;
+    let (start, end) = (range.start + close.0 + 1, range.start + text.rfind("</")?);
+    (start <= end).then_some(start..end)
 }
 
 fn blank(bytes: &mut [u8]) {
@@ -184,6 +216,14 @@ mod tests {
     #[test]
     fn markup_is_blank() {
         assert_eq!(of("<![CDATA[a < b]]>"), "         a < b   ");
+        assert_eq!(of("<x:p xmlns:x=\"x\"><![CDATA[a < b]]></x:p>").trim(), "a < b");
         assert_eq!(of("%IX0.1 := %qx1.2"), " %I0.1 :=  %q1.2");
+    }
+
+    #[test]
+    fn typed_values_are_numbers() {
+        let mut text = "a := Color#Red + color#GREEN; b := Other#Red; c := 16#F;".to_string();
+        typed_values(&mut text, &HashMap::from([("color#red".to_string(), 0), ("color#green".to_string(), -12)]));
+        assert_eq!(text, "a := 0         + -12        ; b := Other#Red; c := 16#F;");
     }
 }

@@ -3,7 +3,16 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::ast::{OperandKind, Width};
-use crate::scl::ast::{CaseValue, Expr, ExprKind, Name, NameForm, Statement, StatementKind};
+use crate::scl::ast::{
+    AssignOp, BinaryOp, CaseValue, Expr, ExprKind, Name, NameForm, Statement, StatementKind, UnaryOp,
+};
+
+/// Flip-flops of IEC 61131-3: SR is set if both inputs are 1, RS is reset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlipFlop {
+    SetWins,
+    ResetWins,
+}
 
 /// The names that a POU knows, in lower case.
 #[derive(Clone, Default)]
@@ -15,7 +24,7 @@ pub struct Scope {
     /// Variables of the data block of the global ones.
     pub globals: HashSet<String>,
     /// Instances of SR and RS: the BOOL that keeps their state.
-    pub flip_flops: HashSet<String>,
+    pub flip_flops: HashMap<String, FlipFlop>,
     /// Function blocks of the file that are called by this POU's instances are locals; functions are found by the binder.
     pub global_block: String,
 }
@@ -28,6 +37,11 @@ impl Scope {
     }
 
     fn statement(&self, kind: &mut StatementKind) {
+        if let StatementKind::Expression(call) = kind
+            && let Some(assignment) = self.flip_flop(call)
+        {
+            *kind = assignment;
+        }
         match kind {
             StatementKind::Expression(value) => self.expr(value),
             StatementKind::Assign { targets, value } => {
@@ -87,7 +101,7 @@ impl Scope {
             ExprKind::Absolute(operand) => scale(operand),
             ExprKind::Member { base, name } => {
                 // The output of a flip-flop is its state.
-                let is_state = matches!(&base.kind, ExprKind::Name(base) if self.flip_flops.contains(&base.text.to_lowercase()))
+                let is_state = matches!(&base.kind, ExprKind::Name(base) if self.flip_flops.contains_key(&base.text.to_lowercase()))
                     && (name.text.eq_ignore_ascii_case("Q1") || name.text.eq_ignore_ascii_case("Q"));
                 self.expr(base);
                 if is_state {
@@ -113,6 +127,47 @@ impl Scope {
             }
             ExprKind::Literal(_) | ExprKind::Name(_) | ExprKind::Error => {}
         }
+    }
+
+    /// The call of a flip-flop as the assignment of its state: `s := S1 OR s AND NOT R` or `s := (S OR s) AND NOT R1`.
+    fn flip_flop(&self, call: &Expr) -> Option<StatementKind> {
+        let ExprKind::Call { callee, arguments } = &call.kind else { return None };
+        let ExprKind::Name(name) = &callee.kind else { return None };
+        let kind = *self.flip_flops.get(&name.text.to_lowercase())?;
+        let span = call.span;
+        let expr = |kind: ExprKind| Expr { kind, span };
+        let (mut set, mut reset, mut targets) = (None, None, Vec::new());
+        for (at, argument) in arguments.iter().enumerate() {
+            let formal = argument.name.as_ref().map(|name| name.text.to_ascii_uppercase());
+            let value = argument.value.clone();
+            match (formal.as_deref(), argument.output, at) {
+                (Some("S" | "S1"), false, _) | (None, false, 0) => set = value,
+                (Some("R" | "R1"), false, _) | (None, false, 1) => reset = value,
+                (Some("Q" | "Q1"), true, _) => targets.extend(value.map(|target| (target, AssignOp::Set))),
+                _ => return None,
+            }
+        }
+        let combine = |op, left, right| {
+            expr(ExprKind::Binary { op, op_span: span, left: Box::new(left), right: Box::new(right) })
+        };
+        let set_or = |value: Expr, set: Option<Expr>| match set {
+            Some(set) => combine(BinaryOp::Or, set, value),
+            None => value,
+        };
+        let unless_reset = |value: Expr| match reset {
+            Some(reset) => {
+                let not = expr(ExprKind::Unary { op: UnaryOp::Not, operand: Box::new(reset) });
+                combine(BinaryOp::And, value, not)
+            }
+            None => value,
+        };
+        let state = (**callee).clone();
+        let value = match kind {
+            FlipFlop::SetWins => set_or(unless_reset(state.clone()), set),
+            FlipFlop::ResetWins => unless_reset(set_or(state.clone(), set)),
+        };
+        targets.push((state, AssignOp::Set));
+        Some(StatementKind::Assign { targets, value })
     }
 
     fn name(&self, name: &Name) -> Option<ExprKind> {
