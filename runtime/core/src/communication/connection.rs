@@ -62,6 +62,10 @@ pub struct Connection {
     pub failures: u16,
     iso_port: u16,
     state: State,
+    /// `losses` when the last job began.
+    job_losses: u16,
+    /// The last job was sent before the connection was lost.
+    sent_before_loss: bool,
 }
 
 /// What a receive job gets.
@@ -92,7 +96,16 @@ impl Connection {
     /// Begins to set it up. `Err`: STATUS.
     pub fn open(description: Description, iso_port: u16, now: u64) -> Result<Connection, u16> {
         let state = begin(&description, iso_port, now)?;
-        Ok(Connection { description, users: 1, losses: 0, failures: 0, iso_port, state })
+        Ok(Connection {
+            description,
+            users: 1,
+            losses: 0,
+            failures: 0,
+            iso_port,
+            state,
+            job_losses: 0,
+            sent_before_loss: false,
+        })
     }
 
     pub fn is_up(&self) -> bool {
@@ -122,6 +135,9 @@ impl Connection {
                 let waits = left.is_none_or(|since| unread && now < since.saturating_add(LEAVE_NS));
                 if sound && !link.broken && waits {
                     return State::Up { link, transport, ended_at: left };
+                }
+                if self.losses == self.job_losses {
+                    self.sent_before_loss = link.is_drained() && !link.broken;
                 }
                 drop(link);
                 self.restart(now)
@@ -208,6 +224,8 @@ impl Connection {
 
     /// Begins to send; false if it is not up.
     pub fn send(&mut self, bytes: &[u8]) -> bool {
+        self.job_losses = self.losses;
+        self.sent_before_loss = false;
         let State::Up { link, transport, ended_at: None } = &mut self.state else { return false };
         match transport {
             Some(iso) => link.send(&iso.message(bytes)),
@@ -216,11 +234,11 @@ impl Connection {
         !link.broken
     }
 
-    /// Everything is sent; `None`: it is not up.
+    /// Everything is sent; `None`: the connection was lost before.
     pub fn is_sent(&self) -> Option<bool> {
         match &self.state {
-            State::Up { link, .. } => Some(link.is_drained()),
-            _ => None,
+            State::Up { link, .. } if self.losses == self.job_losses => Some(link.is_drained()),
+            _ => self.sent_before_loss.then_some(true),
         }
     }
 

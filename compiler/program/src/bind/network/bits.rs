@@ -15,13 +15,13 @@ use crate::bind::scl::Intent;
 use crate::bind::scl::assign::value_of;
 use crate::bind::scl::expression::{binary_expr, constant_expr};
 use crate::bind::scl::numeric::Shape;
-use crate::bind::scl::place::Thing;
+use crate::bind::scl::place::{Thing, shifted};
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
 use crate::layout;
 use crate::model::scl::{Access, Base, BinaryOp, Expr, StatementKind};
 use crate::model::{Place, Width};
-use crate::types::DataType;
+use crate::types::{ArrayType, DataType};
 
 /// More bits no memory area has.
 const BIT_FIELD_MAX: i128 = 8 * 65_536;
@@ -284,8 +284,9 @@ impl Binder<'_> {
         let PinValue::Operand(node) = &connected(element, "operand")?.value else { return None };
         let access = self.scl_access(ctx, node, Intent::Write)?;
         let count = count.clamp(0, BIT_FIELD_MAX);
-        let count = match self.bits_from(ctx, node) {
-            Some(left) => count.min(left),
+        let array = self.array_of_bits(ctx, node);
+        let count = match &array {
+            Some(array) => count.min(array.left()),
             None => count,
         };
         if access.elementary() != Some(Elementary::Bool) || access.part.is_some() || !access.indices.is_empty() {
@@ -303,7 +304,11 @@ impl Binder<'_> {
         let mut body = Vec::new();
         let mut bit = 0;
         while bit < count {
-            let (target, width) = moved_bit(&access, bit as u32, count - bit >= 8)?;
+            let (target, width) = match &array {
+                // Each row of an array with several dimensions begins at a byte of its own.
+                Some(array) if array.ty.bounds.len() > 1 => (array.element(bit)?, Width::Bit),
+                _ => moved_bit(&access, bit as u32, count - bit >= 8)?,
+            };
             let (value, ty) = match (width, set) {
                 (Width::Byte, true) => (0xFF, Elementary::Byte),
                 (Width::Byte, false) => (0, Elementary::Byte),
@@ -318,17 +323,39 @@ impl Binder<'_> {
         self.output(ctx, sheet, at, "out", Value::Elementary(flow))
     }
 
-    /// Elements of an array from the one that `node` names to its end; none of other operands.
-    fn bits_from(&mut self, ctx: &mut Ctx, node: &Node) -> Option<i128> {
+    /// The array of which `node` names an element by constant indices; none of other operands.
+    fn array_of_bits(&mut self, ctx: &mut Ctx, node: &Node) -> Option<BitArray> {
         let NodeKind::Index { base, indices } = &node.kind else { return None };
-        let array = self.scl_access(ctx, base, Intent::Write)?;
-        let DataType::Array(ty) = &array.ty else { return None };
+        let access = self.scl_access(ctx, base, Intent::Write)?;
+        let DataType::Array(ty) = &access.ty else { return None };
         let mut position = 0;
         for (index, (low, high)) in indices.iter().zip(&ty.bounds) {
             let value = self.constant_integer(ctx, index)?;
             position = position * (i128::from(*high) - i128::from(*low) + 1) + (value - i128::from(*low));
         }
-        Some((i128::from(layout::element_count(&ty.bounds)) - position).max(0))
+        Some(BitArray { ty: std::rc::Rc::clone(ty), access, position })
+    }
+}
+
+/// An element of an array of bits.
+struct BitArray {
+    access: Access,
+    ty: std::rc::Rc<ArrayType>,
+    /// In the order of the elements, 0 for the first.
+    position: i128,
+}
+
+impl BitArray {
+    /// Elements from this one to the end.
+    fn left(&self) -> i128 {
+        (i128::from(layout::element_count(&self.ty.bounds)) - self.position).max(0)
+    }
+
+    /// The element `distance` behind this one.
+    fn element(&self, distance: i128) -> Option<Access> {
+        let index = u64::try_from(self.position + distance).ok()?;
+        let (byte, bit) = layout::element_place(&self.ty, index);
+        shifted(&self.access, byte, bit, &self.ty.element)
     }
 }
 
