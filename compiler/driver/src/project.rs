@@ -158,8 +158,8 @@ impl Context {
     }
 
     fn project(&mut self, keys: Keys) -> Project {
-        let mut config = Config::default();
-        config.cycle_time_ms = keys.cycle_time.as_ref().and_then(|time| self.duration(time, 1..=6000));
+        let cycle_time_ms = keys.cycle_time.as_ref().and_then(|time| self.duration(time, 1..=6000));
+        let mut config = Config { cycle_time_ms, ..Config::default() };
         if let Some(time) = &keys.cycle_time_max {
             config.cycle_time_max_ms = self.duration(time, 1..=6000).unwrap_or(config.cycle_time_max_ms);
         }

@@ -95,7 +95,7 @@ impl ObClass {
     /// The class of an attribute's value, in any letter case.
     pub fn of_name(name: &str) -> Option<ObClass> {
         let same = |known: &&str| known.eq_ignore_ascii_case(name.trim());
-        OB_CLASSES.iter().find(|row| row.names.iter().any(|known| same(&known))).map(|row| row.class)
+        OB_CLASSES.iter().find(|row| row.names.iter().any(same)).map(|row| row.class)
     }
 }
 
