@@ -235,6 +235,12 @@ fn codes_of(code: Code, example: &str) -> Vec<Code> {
             "toml" => "plc.toml",
             "sdf" => "symbols.sdf",
             "scl" => "main.scl",
+            "s7dcl" => "main.s7dcl",
+            "s7res" => {
+                // It lies beside the source and is no source itself.
+                fs::write(folder.path().join("main.s7res"), text).unwrap();
+                continue;
+            }
             "xml" => "main.xml",
             "txt" => "main.txt",
             "sh" => {

@@ -25,6 +25,8 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Stl, include_str!("../stl/sfc.stl")),
     (Language::Stl, include_str!("../stl/sfb.stl")),
     (Language::Scl, include_str!("../scl/clock.scl")),
+    (Language::Scl, include_str!("../scl/errors.scl")),
+    (Language::Scl, include_str!("../scl/technology.scl")),
     (Language::Scl, include_str!("../scl/variants.scl")),
     (Language::Stl, include_str!("../stl/primitives.stl")),
     (Language::Stl, include_str!("../stl/strings.stl")),

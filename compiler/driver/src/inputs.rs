@@ -16,7 +16,7 @@ pub struct Read {
     /// Name of the program: of the project, or of the first source without its suffix.
     pub name: String,
     pub sources: SourceMap,
-    /// Sources in STL, SCL and SIMATIC SD, in the order in which they were given or found.
+    /// Sources in STL, SCL and SIMATIC SD and exports of blocks, in the order in which they were given or found.
     pub units: Vec<FileId>,
     /// Symbol tables.
     pub tables: Vec<FileId>,
@@ -157,6 +157,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
             if content == Content::SourceAndTable {
                 read.tables.push(file);
             }
+            add_texts(read, path, file);
         }
         Content::SymbolTable => {
             let file = read.sources.add(source);

@@ -5,6 +5,7 @@
 //! - [`network`]: networks of LAD and FBD.
 //! - [`plcopen`]: projects in PLCopen XML.
 //! - [`scl`]: lexer and grammar of SCL.
+//! - [`sd`]: SIMATIC SD, the text form of LAD and FBD.
 //! - [`simatic_ml`]: exports of the TIA Portal in XML.
 //! - [`stl`]: lexer, grammar and instruction table of STL for S7-300/400.
 //!
@@ -22,6 +23,7 @@ pub mod literal;
 pub mod network;
 pub mod plcopen;
 pub mod scl;
+pub mod sd;
 pub mod simatic_ml;
 pub mod stl;
 pub mod xml;

@@ -55,6 +55,8 @@ pub struct Cpu {
     pub(crate) created_dbs: RefCell<Vec<(u16, u32, u32)>>,
     /// An event of the diagnostics came since the last cycle began, for the system memory byte.
     pub(crate) diagnostics_changed: Cell<bool>,
+    /// Connections of the program.
+    pub(crate) communication: RefCell<Communication>,
     /// Fast counters, pulse generators, hardware interrupts.
     pub(crate) technology: Technology,
     /// Run-time meters.
@@ -85,6 +87,7 @@ impl Cpu {
             stop: Cell::new(None),
             blocks,
             created_dbs: RefCell::new(Vec::with_capacity(CREATED_DBS_MAX)),
+            diagnostics_changed: Cell::new(false),
             communication: RefCell::default(),
             meters: Default::default(),
         });

@@ -24,6 +24,7 @@ mod interface;
 mod library;
 mod mentions;
 mod names;
+mod network;
 mod ob;
 mod operand;
 mod path;

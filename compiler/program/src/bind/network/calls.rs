@@ -98,7 +98,7 @@ impl Binder<'_> {
         ctx: &mut Ctx,
         sheet: &mut Sheet,
         at: usize,
-        (instance, block): (&Node, &str),
+        instance: &Node,
         name: &str,
         component: &str,
     ) -> Option<()> {
@@ -245,6 +245,14 @@ impl Binder<'_> {
         let mut result = None;
         for pin in element.pins.iter().filter(|pin| !is_enable(pin)) {
             let formal = bound.interface.parameters.iter().find(|one| one.name.eq_ignore_ascii_case(&pin.name));
+            if pin.value == PinValue::Open {
+                // An output that is left open on purpose.
+                if formal.is_some_and(|formal| formal.direction == Direction::Output) {
+                    let name = Name { text: pin.name.clone(), form: NameForm::Bare, span: pin.span };
+                    arguments.push(Argument { name: Some(name), output: true, value: None, span: pin.span });
+                }
+                continue;
+            }
             // Open editors call the result OUT.
             let is_result =
                 pin.name.eq_ignore_ascii_case(RESULT) || formal.is_none() && pin.name.eq_ignore_ascii_case("OUT");

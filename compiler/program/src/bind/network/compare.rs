@@ -30,8 +30,8 @@ impl Binder<'_> {
             "<" => Operator::Less,
             _ => Operator::Equal,
         };
-        let result = self.compare(ctx, op, span, left, right, span)?;
-        let result = sheet.keep(ctx, unordered_differ(ctx, result));
+        let result = self.box_compare(ctx, op, left, right, span)?;
+        let result = sheet.keep(ctx, result);
         self.output(ctx, sheet, at, "out", Value::Elementary(and(flow, result, span)))
     }
 
@@ -116,16 +116,5 @@ impl Binder<'_> {
         let check = and(finite, normal, span);
         let result = if valid { check } else { inverted(check) };
         self.output(ctx, sheet, at, "out", Value::Elementary(and(flow, result, span)))
-    }
-}
-
-/// NaN `<>` any number is TRUE in LAD and FBD of an S7-1200 or S7-1500, where it is FALSE in SCL and on S7-300/400.
-fn unordered_differ(ctx: &Ctx, result: Expr) -> Expr {
-    let (ty, span) = (result.ty, result.span);
-    match result.kind {
-        ExprKind::Compare { op: CompareOp::NotEqual, left, right } if left.ty.is_float() && !ctx.scl.rules.is_300() => {
-            inverted(Expr { kind: ExprKind::Compare { op: CompareOp::Equal, left, right }, ty, span })
-        }
-        kind => Expr { kind, ty, span },
     }
 }

@@ -12,7 +12,7 @@ use plcc_syntax::network::ast::{Content, Element, Graph, Network, PinValue, Sour
 use plcc_syntax::network::draw::{draw, operand};
 use plcc_syntax::network::elements::{Kind, Row};
 
-pub use block::{block_warnings, labels};
+pub use block::block_warnings;
 
 /// Messages about one network; the first ones say what the others follow from.
 const MESSAGES_MAX: usize = 8;

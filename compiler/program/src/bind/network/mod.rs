@@ -10,6 +10,12 @@
 //!
 //! Source: LAD/FBD reference, chapters A.11, C and E.2.
 
+mod bits;
+mod calls;
+mod classic;
+mod compare;
+mod control;
+mod convert;
 mod legality;
 mod math;
 mod moves;
@@ -25,6 +31,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast;
 use plcc_syntax::network::ast::{Body as Networks, Content, Graph, Network, Target};
+use plcc_syntax::network::draw::draw;
 use plcc_syntax::network::elements::Kind;
 use plcc_syntax::scl::ast::Dialect;
 

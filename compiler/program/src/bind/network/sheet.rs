@@ -2,7 +2,7 @@
 
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
-use plcc_syntax::network::ast::{Element, Graph, NetId, Network};
+use plcc_syntax::network::ast::{Element, Graph, NetId};
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Name, NameForm};
 use rustc_hash::FxHashMap;
 
@@ -101,7 +101,6 @@ impl Pool {
 /// A network while it is bound.
 pub struct Sheet<'n> {
     pub page: &'n mut Page,
-    pub network: &'n Network,
     pub graph: &'n Graph,
     /// Values that output pins give, by element and pin.
     pub outputs: FxHashMap<(usize, usize), Expr>,
@@ -113,10 +112,9 @@ pub struct Sheet<'n> {
 }
 
 impl<'n> Sheet<'n> {
-    pub fn new(page: &'n mut Page, network: &'n Network, graph: &'n Graph) -> Sheet<'n> {
+    pub fn new(page: &'n mut Page, graph: &'n Graph) -> Sheet<'n> {
         Sheet {
             page,
-            network,
             graph,
             outputs: FxHashMap::default(),
             nets: FxHashMap::default(),

@@ -4,7 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::network::ast::{Body, Content, Element, Network, PinValue, Source, Target};
 use plcc_syntax::network::draw::{draw, operand};
 use plcc_syntax::network::elements::Kind;
-use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm, Statement, StatementKind};
+use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm};
 use plcc_syntax::scl::text::expr;
 use rustc_hash::FxHashMap;
 
@@ -162,74 +162,5 @@ fn is_local(value: &Expr) -> bool {
         ExprKind::Name(name) => name.form != NameForm::Quoted,
         ExprKind::Member { base, .. } | ExprKind::Slice { base, .. } | ExprKind::Index { base, .. } => is_local(base),
         _ => false,
-    }
-}
-
-/// Jumps of graphic networks to labels that the block does not have, and labels that it has twice.
-pub fn labels(body: &Body) -> Vec<Diagnostic> {
-    let mut known: FxHashMap<String, Span> = FxHashMap::default();
-    let mut messages = Vec::new();
-    for network in &body.networks {
-        for (name, span) in labels_of(network) {
-            if let Some(first) = known.insert(name.to_lowercase(), span) {
-                let message = Diagnostic::new(Code::DuplicateLabel, span, format!("the label `{name}` stands twice"));
-                messages.push(message.also(first, "the first one").help("give one of the networks another label"));
-            }
-        }
-    }
-    for network in &body.networks {
-        let Content::Graphic(graph) = &network.content else { continue };
-        for (at, element) in graph.elements.iter().enumerate() {
-            let targets = element.pins.iter().filter_map(|pin| match &pin.value {
-                PinValue::Operand(value) if is_target(element, &pin.name) => Some(value),
-                PinValue::Operand(_) | PinValue::Net(_) | PinValue::Open => None,
-            });
-            for value in targets {
-                if let ExprKind::Name(name) = &value.kind
-                    && !known.contains_key(&name.text.to_lowercase())
-                {
-                    let text = format!("no network of the block has the label `{}`", name.text);
-                    let message = Diagnostic::new(Code::UnknownLabel, value.span, text)
-                        .label("jumps to a label that is not there")
-                        .help("put the label before the network where the jump goes; jumps stay in their block");
-                    messages.push(message.note(draw(network, Some(at))));
-                }
-            }
-        }
-    }
-    messages
-}
-
-/// The pin names a label.
-fn is_target(element: &Element, pin: &str) -> bool {
-    match row(element).map(|row| row.kind) {
-        Some(Kind::Jump { .. }) => pin == "label",
-        Some(Kind::JumpList | Kind::Switch) => pin == "else" || pin.starts_with("dest"),
-        _ => false,
-    }
-}
-
-/// Labels of a network with their places.
-fn labels_of(network: &Network) -> Vec<(String, Span)> {
-    let mut found: Vec<(String, Span)> =
-        network.labels.iter().map(|name| (name.text.clone(), name.span)).filter(|(name, _)| !name.is_empty()).collect();
-    match &network.content {
-        Content::Graphic(_) => {}
-        Content::Scl(statements) => scl_labels(statements, &mut found),
-        Content::Stl(statements) => {
-            found.extend(
-                statements.iter().filter_map(|s| s.label.as_ref()).map(|label| (label.name.clone(), label.span)),
-            );
-        }
-    }
-    found
-}
-
-/// Only those outside of IF, CASE and loops: a jump into them is not possible.
-fn scl_labels(statements: &[Statement], found: &mut Vec<(String, Span)>) {
-    for statement in statements {
-        if let StatementKind::Label(name) = &statement.kind {
-            found.push((name.text.clone(), name.span));
-        }
     }
 }

@@ -6,7 +6,7 @@ use plcc_diag::{Code, FileId, Span};
 use plcc_syntax::network::ast::{Body, Language, Network};
 use plcc_syntax::scl::ast::{Name, NameForm};
 
-use super::{block_warnings, labels, legality};
+use super::{block_warnings, legality};
 
 fn codes(language: Language, lines: &[&str]) -> Vec<&'static str> {
     let mut messages = Vec::new();
@@ -147,14 +147,4 @@ fn shared_edge_bits_and_instances() {
     let timer: &[&str] = &["rail < #t.TON pt=T#1s"];
     assert_eq!(warnings(&[timer, timer]), [Code::InstanceUse]);
     assert_eq!(warnings(&[timer, &["rail < #u.TON pt=T#1s"]]), []);
-}
-
-#[test]
-fn labels_of_a_block() {
-    let jump: &[&str] = &["rail < Contact #a > w1", "w1 < JumpCoil label=L1"];
-    let found = |networks: &[&[&str]]| labels(&body(networks)).iter().map(|m| m.code).collect::<Vec<_>>();
-    assert_eq!(found(&[jump, &["L1:"]]), []);
-    assert_eq!(found(&[jump, &["l1:"]]), []);
-    assert_eq!(found(&[jump, &["L2:"]]), [Code::UnknownLabel]);
-    assert_eq!(found(&[jump, &["L1:"], &["L1:"]]), [Code::DuplicateLabel]);
 }
