@@ -469,7 +469,7 @@ pub static ELEMENTS: &[Row] = &[
     en("S_CONV", &["S_CONV"], &[], "?en in >out ?>eno", Procedure("S_CONV")),
     en("StringToValue", &["STRG_VAL", "StringToValue"], &[], "?en in format =p >out ?>eno", Procedure("STRG_VAL")).sd(&["STRG_VAL"]),
     en("ValueToString", &["VAL_STRG", "ValueToString"], &[], "?en in size prec format =p >out ?>eno", Procedure("VAL_STRG")).sd(&["VAL_STRG"]),
-    en("Strg_TO_Chars", &["Strg_TO_Chars"], &[], "?en strg pchars =cnt >chars ?>eno", Procedure("Strg_TO_Chars")),
+    en("Strg_TO_Chars", &["Strg_TO_Chars"], &[], "?en strg pchars ?>cnt =chars ?>eno", Procedure("Strg_TO_Chars")),
     en("Chars_TO_Strg", &["Chars_TO_Strg"], &[], "?en chars pchars cnt >strg ?>eno", Procedure("Chars_TO_Strg")),
     en("AsciiToHex", &["ATH", "AsciiToHex"], &[], "?en in n ?>ret_val >out ?>eno", Procedure("ATH")).sd(&["ATH"]),
     en("HexToAscii", &["HTA", "HexToAscii"], &[], "?en in n ?>ret_val >out ?>eno", Procedure("HTA")).sd(&["HTA"]),
