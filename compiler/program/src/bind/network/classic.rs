@@ -123,7 +123,7 @@ impl Binder<'_> {
     }
 
     /// The statements that keep what a result does to the status word.
-    pub fn note_result(&mut self, _ctx: &mut Ctx, sheet: &mut Sheet, result: &Expr) -> Vec<Statement> {
+    pub fn note_result(&self, sheet: &Sheet, result: &Expr) -> Vec<Statement> {
         let Some(status) = &sheet.page.registers.status else { return Vec::new() };
         let (ty, span) = (result.ty, result.span);
         let flag = Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span };

@@ -209,7 +209,7 @@ impl Binder<'_> {
         let value = match value {
             Value::Elementary(expr) => {
                 let expr = sheet.keep(ctx, expr);
-                let outcome = self.note_result(ctx, sheet, &expr);
+                let outcome = self.note_result(sheet, &expr);
                 sheet.statements.extend(outcome);
                 Value::Elementary(expr)
             }
