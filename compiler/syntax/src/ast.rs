@@ -5,6 +5,7 @@
 
 use plcc_diag::Span;
 
+use crate::chart;
 use crate::literal::Literal;
 use crate::network;
 use crate::scl;
@@ -144,7 +145,7 @@ impl CodeBlock {
     pub fn networks(&self) -> &[Network] {
         match &self.code {
             Code::Stl(networks) => networks,
-            Code::Scl(_) | Code::Graphic(_) => &[],
+            Code::Scl(_) | Code::Graphic(_) | Code::Chart(_) => &[],
         }
     }
 }
@@ -156,6 +157,8 @@ pub enum Code {
     Scl(scl::ast::Body),
     /// Networks of LAD, FBD and other languages.
     Graphic(network::ast::Body),
+    /// GRAPH.
+    Chart(chart::ast::Body),
 }
 
 /// A named constant of a block.

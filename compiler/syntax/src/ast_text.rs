@@ -89,8 +89,15 @@ impl Out {
                     }
                 }
                 Code::Graphic(body) => out.graphic(body),
+                Code::Chart(body) => out.chart(body),
             }
         });
+    }
+
+    fn chart(&mut self, body: &crate::chart::ast::Body) {
+        crate::chart::text::lines(body)
+            .into_iter()
+            .for_each(|(depth, line)| self.line(format_args!("{}{line}", "  ".repeat(depth))));
     }
 
     fn data_block(&mut self, block: &DataBlock) {

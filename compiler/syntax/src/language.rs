@@ -11,18 +11,22 @@ pub enum Language {
     Scl,
     /// SIMATIC SD: LAD, FBD and SCL networks.
     Sd,
+    /// GRAPH source text.
+    Graph,
 }
 
 impl Language {
     /// The language that the ending of a file's name stands for, `"scl"`; none for `.txt` and others, whose content tells.
     pub fn of_extension(extension: &str) -> Option<Language> {
         let is = |known: &[&str]| known.iter().any(|known| known.eq_ignore_ascii_case(extension));
-        if is(&["scl", "gr", "gr7"]) {
+        if is(&["scl"]) {
             Some(Language::Scl)
         } else if is(&["stl", "awl"]) {
             Some(Language::Stl)
         } else if is(&["s7dcl"]) {
             Some(Language::Sd)
+        } else if is(&["gr7", "gr"]) {
+            Some(Language::Graph)
         } else {
             None
         }
@@ -41,6 +45,9 @@ pub enum Reading {
 pub fn detect(text: &str, hint: Option<Language>) -> Reading {
     if hint == Some(Language::Sd) || hint.is_none() && has_networks_of_sd(text) {
         return Reading::Whole(Language::Sd);
+    }
+    if hint == Some(Language::Graph) {
+        return Reading::Whole(Language::Graph);
     }
     let Outline { blocks, modern } = outline(text);
     let scl = blocks.iter().any(|block| block.language == Some(Language::Scl));

@@ -1,6 +1,8 @@
 //! Lexers, parsers, syntax trees and instruction tables; knows no symbols.
 //!
 //! - [`ast`]: the syntax tree, [`ast_text`](fn@ast_text) prints it.
+//! - [`chart`]: charts of GRAPH.
+//! - [`gr7`]: GRAPH as source text.
 //! - [`literal`]: constants, the same for every language.
 //! - [`network`]: networks of LAD and FBD.
 //! - [`plcopen`]: projects in PLCopen XML.
@@ -13,11 +15,13 @@
 
 pub mod ast;
 mod ast_text;
+pub mod chart;
 mod comment;
 mod distance;
 mod elementary;
 mod encoding;
 mod frame;
+pub mod gr7;
 mod language;
 pub mod literal;
 pub mod network;
@@ -61,6 +65,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (ast::SourceUn
         Reading::Whole(Language::Stl) => stl::parse(file, text, options),
         Reading::Whole(Language::Scl) => scl::parse(file, text, options),
         Reading::Whole(Language::Sd) => sd::parse(file, text, options),
+        Reading::Whole(Language::Graph) => gr7::parse(file, text, options),
         Reading::Mixed(scl) => {
             let (mut unit, mut diagnostics) = stl::parse(file, &language::masked(text, &scl, false), options);
             let (other, messages) = scl::parse(file, &language::masked(text, &scl, true), options);
@@ -84,6 +89,7 @@ pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
         Reading::Whole(Language::Stl) => stl::tokens_text(text, options),
         Reading::Whole(Language::Scl) => scl::tokens_text(text, options),
         Reading::Whole(Language::Sd) => sd::tokens_text(text),
+        Reading::Whole(Language::Graph) => gr7::tokens_text(text),
         Reading::Mixed(scl) => {
             let stl = stl::tokens_text(&language::masked(text, &scl, false), options);
             stl + &scl::tokens_text(&language::masked(text, &scl, true), options)

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use plcc_abi::image::{BlockKind, Family};
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, Bound, SectionKind, TypeKind, TypeRef};
+use plcc_syntax::chart::ast as chart;
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
@@ -550,6 +551,10 @@ pub fn dialect(block: &ast::CodeBlock) -> Option<Dialect> {
         ast::Code::Scl(body) => Some(body.dialect),
         // The files that hold networks are those of the TIA Portal, and of tools that came after it.
         ast::Code::Graphic(_) => Some(Dialect::Tia),
+        ast::Code::Chart(body) => Some(match body.dialect {
+            chart::Dialect::Classic => Dialect::Classic,
+            chart::Dialect::Tia | chart::Dialect::Sfc => Dialect::Tia,
+        }),
         ast::Code::Stl(_) => None,
     }
 }

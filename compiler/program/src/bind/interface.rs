@@ -68,7 +68,7 @@ impl<'a> Binder<'a> {
             Some(Dialect::Either) | None => declare::portal_cpu(self.input),
         };
         Scope {
-            scl: matches!(block.code, ast::Code::Scl(_) | ast::Code::Graphic(_)),
+            scl: !matches!(block.code, ast::Code::Stl(_)),
             tia,
             instance: matches!(key.kind, BlockKind::Fb | BlockKind::Sfb),
             ..Scope::default()

@@ -2,6 +2,7 @@
 //! data blocks of calls.
 
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, Code, OperandKind, StatementKind, TypeKind, TypeRef};
+use plcc_syntax::chart::ast as chart;
 use plcc_syntax::network::ast as network;
 use plcc_syntax::scl::ast as scl;
 
@@ -20,7 +21,7 @@ pub fn numbers(block: &ast::Block) -> Vec<(BlockPrefix, u32)> {
                 Code::Stl(networks) => {
                     stl_numbers(networks.iter().flat_map(|network| &network.statements), &mut numbers);
                 }
-                Code::Scl(_) | Code::Graphic(_) => {
+                Code::Scl(_) | Code::Graphic(_) | Code::Chart(_) => {
                     expressions(&code.code, &mut |value| scl_number(value, &mut numbers));
                     stl_numbers(stl_statements(&code.code), &mut numbers);
                 }
@@ -121,6 +122,15 @@ pub fn instance_calls(code: &Code) -> Vec<(scl::Name, scl::Name)> {
             }
         }
     }
+    if let Code::Chart(chart) = code {
+        for call in calls(chart) {
+            if let (scl::ExprKind::Name(block), Some(scl::ExprKind::Name(name))) =
+                (&call.block.kind, call.instance.as_ref().map(|instance| &instance.kind))
+            {
+                found.push((block.clone(), name.clone()));
+            }
+        }
+    }
     expressions(code, &mut |value| {
         if let scl::ExprKind::Call { callee, .. } = &value.kind
             && let scl::ExprKind::Member { base, name } = &callee.kind
@@ -132,21 +142,74 @@ pub fn instance_calls(code: &Code) -> Vec<(scl::Name, scl::Name)> {
     found
 }
 
-/// Goes through all expressions of a block in SCL, LAD or FBD, their parts included.
+/// Goes through all expressions of a block in SCL, LAD, FBD or GRAPH, their parts included.
 pub fn expressions(code: &Code, visit: &mut dyn FnMut(&scl::Expr)) {
     match code {
         Code::Stl(_) => {}
         Code::Scl(body) => statements(&body.statements, visit),
-        Code::Graphic(body) => {
-            for network in &body.networks {
-                match &network.content {
-                    network::Content::Graphic(graph) => graph_expressions(graph, visit),
-                    network::Content::Scl(list) => statements(list, visit),
-                    network::Content::Stl(_) => {}
+        Code::Graphic(body) => body.networks.iter().for_each(|network| network_expressions(network, visit)),
+        Code::Chart(chart) => chart_expressions(chart, visit),
+    }
+}
+
+fn network_expressions(network: &network::Network, visit: &mut dyn FnMut(&scl::Expr)) {
+    match &network.content {
+        network::Content::Graphic(graph) => graph_expressions(graph, visit),
+        network::Content::Scl(list) => statements(list, visit),
+        network::Content::Stl(_) => {}
+    }
+}
+
+fn chart_expressions(chart: &chart::Body, visit: &mut dyn FnMut(&scl::Expr)) {
+    for permanent in chart.before.iter().chain(&chart.after) {
+        match &permanent.kind {
+            chart::PermanentKind::Coil { operand, value, .. } => {
+                [operand, value].into_iter().for_each(|value| expression(value, visit));
+            }
+            chart::PermanentKind::Call(call) => call_expressions(call, visit),
+            chart::PermanentKind::Network(network) => network_expressions(network, visit),
+        }
+    }
+    for step in &chart.steps {
+        for action in &step.actions {
+            match &action.body {
+                chart::ActionBody::Operand(operand) => expression(operand, visit),
+                chart::ActionBody::Value { operand, value } => {
+                    [operand, value].into_iter().for_each(|value| expression(value, visit));
                 }
+                chart::ActionBody::Call(call) => call_expressions(call, visit),
+                chart::ActionBody::Statements(list) => statements(list, visit),
+                chart::ActionBody::All { .. } | chart::ActionBody::Error => {}
             }
         }
     }
+    let of_steps = chart.steps.iter().flat_map(|step| step.interlock.iter().chain(&step.supervision));
+    let of_transitions = chart.transitions.iter().flat_map(|transition| &transition.condition);
+    for condition in of_steps.chain(of_transitions) {
+        match condition {
+            chart::Condition::Expression(value) => expression(value, visit),
+            chart::Condition::Network(network) => network_expressions(network, visit),
+            chart::Condition::Statements(list) => statements(list, visit),
+        }
+    }
+}
+
+fn call_expressions(call: &chart::Call, visit: &mut dyn FnMut(&scl::Expr)) {
+    let values = call.parameters.iter().filter_map(|parameter| parameter.value.as_ref());
+    [&call.block].into_iter().chain(&call.instance).chain(values).for_each(|value| expression(value, visit));
+}
+
+/// Block calls in rows of actions and permanent instructions.
+fn calls(chart: &chart::Body) -> impl Iterator<Item = &chart::Call> {
+    let permanent = chart.before.iter().chain(&chart.after).filter_map(|permanent| match &permanent.kind {
+        chart::PermanentKind::Call(call) => Some(call),
+        chart::PermanentKind::Coil { .. } | chart::PermanentKind::Network(_) => None,
+    });
+    let actions = chart.steps.iter().flat_map(|step| &step.actions).filter_map(|action| match &action.body {
+        chart::ActionBody::Call(call) => Some(call),
+        _ => None,
+    });
+    permanent.chain(actions)
 }
 
 /// The statements name ENO of their block.
@@ -162,7 +225,7 @@ pub fn names_eno(list: &[scl::Statement]) -> bool {
 pub fn stl_statements(code: &Code) -> impl Iterator<Item = &ast::Statement> {
     let networks = match code {
         Code::Graphic(body) => body.networks.as_slice(),
-        Code::Stl(_) | Code::Scl(_) => &[],
+        Code::Stl(_) | Code::Scl(_) | Code::Chart(_) => &[],
     };
     networks
         .iter()

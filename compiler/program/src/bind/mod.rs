@@ -15,6 +15,7 @@ mod actual;
 mod body;
 mod call;
 mod catalog;
+mod chart;
 mod constant;
 mod data;
 mod declare;
@@ -311,6 +312,7 @@ impl<'a> Binder<'a> {
             ast::Code::Stl(_) => Body::Stl(self.bind_body(ctx, block)),
             ast::Code::Scl(body) => Body::Scl(self.bind_scl(ctx, block, body)),
             ast::Code::Graphic(body) => Body::Scl(self.bind_networks(ctx, block, body)),
+            ast::Code::Chart(body) => Body::Scl(self.bind_chart(ctx, block, body)),
         }
     }
 

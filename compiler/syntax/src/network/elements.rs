@@ -96,6 +96,8 @@ pub enum Kind {
     /// An FC or SFC without parameters.
     CallCoil,
     Save,
+    /// The condition of a transition, an interlock or a supervision of GRAPH: the flow is its value.
+    Condition,
     /// A bit of the status word, or the relation of the last result to 0.
     Flag(Flag),
 }
@@ -317,9 +319,9 @@ const MANY: &str = "?en in1+ ?>out ?>eno";
 const SHIFT: &str = "?en in n ?>out ?>eno";
 
 use Kind::{
-    BitField, Calculate, CallCoil, Coil, Compare, Contact, Convert, CounterCoil as CountCoil, Demux, EdgeCoil,
-    EdgeContact, EdgeTrigger, Flag as StatusFlag, FlipFlop, Function, Gate as LogicGate, Instance, Invert, Jump,
-    JumpList, Mcr as McrCoil, Move, Mux, Negate, Not, OpenDb, Operator, PresetTimer, Procedure, Range, ResetCoil,
+    BitField, Calculate, CallCoil, Coil, Compare, Condition, Contact, Convert, CounterCoil as CountCoil, Demux,
+    EdgeCoil, EdgeContact, EdgeTrigger, Flag as StatusFlag, FlipFlop, Function, Gate as LogicGate, Instance, Invert,
+    Jump, JumpList, Mcr as McrCoil, Move, Mux, Negate, Not, OpenDb, Operator, PresetTimer, Procedure, Range, ResetCoil,
     ResetTimer, Return, Round, S5Counter, S5Timer, Save, SetCoil, Step, Switch, TimerCoil, Valid,
 };
 
@@ -522,6 +524,7 @@ pub static ELEMENTS: &[Row] = &[
     row("McrDeactivateCoil", &["MCRD"], &[], "?in", ("in", ""), McrCoil(Mcr::Deactivate)),
     row("CallCoil", &["CallCoil", "CALL"], &[], "?in operand", ("in", ""), CallCoil),
     row("SaveCoil", &["Save", "SaveCoil"], &[], "in ?>out", IN_OUT, Save),
+    row("ConditionCoil", &["TrCoil", "IlCoil", "SvCoil"], &[], "in", ("in", ""), Condition),
     row("OV_FlagContact", &["OV", "OvContact"], &[], FLAG, PRE, StatusFlag(Flag::Ov)),
     row("OS_FlagContact", &["OS", "OsContact"], &[], FLAG, PRE, StatusFlag(Flag::Os)),
     row("UO_FlagContact", &["UO", "UoContact"], &[], FLAG, PRE, StatusFlag(Flag::Uo)),

@@ -41,7 +41,7 @@ pub fn build(
         if let Block::Code(block) = block {
             let statements = match std::mem::replace(&mut block.code, BlockCode::Graphic(Body::default())) {
                 BlockCode::Scl(body) => body.statements,
-                BlockCode::Stl(_) | BlockCode::Graphic(_) => Vec::new(),
+                BlockCode::Stl(_) | BlockCode::Graphic(_) | BlockCode::Chart(_) => Vec::new(),
             };
             let source = Source { file, text, tokens: &tokens, comments: &comments, pragmas: options.pragmas };
             let mut networks: Vec<Network> = frame

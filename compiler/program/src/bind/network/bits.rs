@@ -92,6 +92,23 @@ impl Binder<'_> {
         self.output(ctx, sheet, at, "out", Value::Elementary(flow))
     }
 
+    /// The end of a condition of GRAPH.
+    pub fn condition_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        let flow = self.flow(ctx, sheet, at, "in")?;
+        if sheet.page.condition.is_none() {
+            self.refuse(
+                Code::UnknownElement,
+                sheet.element(at).span,
+                "the coil of a condition belongs to a chart of GRAPH",
+                "this block is written in LAD or FBD",
+                "write a coil with an operand",
+            );
+            return None;
+        }
+        sheet.page.condition = Some(Some(flow));
+        Some(())
+    }
+
     /// Writes the operand of a coil.
     fn write_pin(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, pin: &Pin, value: Expr) -> Option<()> {
         match &pin.value {

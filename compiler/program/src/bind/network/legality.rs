@@ -134,7 +134,8 @@ fn only_logic(element: &Element) -> bool {
         | Kind::OpenDb { .. }
         | Kind::Mcr(_)
         | Kind::CallCoil
-        | Kind::Save => false,
+        | Kind::Save
+        | Kind::Condition => false,
     })
 }
 

@@ -50,6 +50,8 @@ pub struct Page {
     /// ENO of the block so far, a BOOL; none if nothing but RET sets it.
     eno: Option<sheet::Hidden>,
     pub registers: Registers,
+    /// What the coil of a condition in GRAPH has got; none outside of GRAPH.
+    pub condition: Option<Option<Expr>>,
     /// The first element that could not be bound.
     failed: Option<Span>,
 }
@@ -66,7 +68,8 @@ impl Binder<'_> {
         ctx.scl.lists = vec![TOP];
         self.collect_network_labels(ctx, networks);
         let span = ctx.fixed_span.unwrap_or(block.name.span());
-        let mut page = Page { pool: Pool::new(ctx), eno: None, registers: Registers::default(), failed: None };
+        let mut page =
+            Page { pool: Pool::new(ctx), eno: None, registers: Registers::default(), condition: None, failed: None };
         let mut statements = Vec::new();
         self.begin_registers(ctx, &mut page, networks, span, &mut statements);
         self.begin_eno(ctx, &mut page, networks, span, &mut statements);
@@ -255,6 +258,7 @@ impl Binder<'_> {
             Kind::Mcr(coil) => self.mcr_coil(ctx, sheet, at, coil),
             Kind::CallCoil => self.call_coil(ctx, sheet, at),
             Kind::Save => self.save_coil(ctx, sheet, at),
+            Kind::Condition => self.condition_coil(ctx, sheet, at),
             Kind::Flag(flag) => self.flag_contact(ctx, sheet, at, flag),
         }
     }

@@ -167,6 +167,7 @@ fn does(row: &Row) -> String {
         Kind::Mcr(Mcr::Close) => "closes the innermost MCR zone",
         Kind::Mcr(Mcr::Deactivate) => "deactivates the Master Control Relay",
         Kind::CallCoil => "with flow: calls an FC or SFC without parameters",
+        Kind::Condition => "the flow is the condition of a transition, an interlock or a supervision of GRAPH",
         Kind::Save => "writes the flow to BR, which is ENO of the block",
         Kind::Flag(flag) => return format!("flow AND {}", status(flag)),
     };

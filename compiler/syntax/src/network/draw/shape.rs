@@ -85,6 +85,7 @@ fn symbol(row: &Row, element: &Element, language: Language) -> Option<String> {
         }),
         Kind::CallCoil => coil("CALL"),
         Kind::Save => coil("SAVE"),
+        Kind::Condition => coil(assign),
         Kind::Gate(_)
         | Kind::EdgeTrigger { .. }
         | Kind::FlipFlop { .. }
