@@ -1,11 +1,22 @@
-//! What the statements of a chart know of it: where data of steps lie in the instance, and which features it has.
+//! What the statements of a chart know of it: where its data lie, the engine's own variables, sets of steps.
 
 use plcc_diag::Span;
+use plcc_syntax::Elementary;
 use plcc_syntax::chart::ast::{Body as Chart, Event};
+use rustc_hash::FxHashMap;
 
+use super::build::{assign, element, if_then, load, number};
 use super::index::Index;
+use super::instance::{Members, TIA_DATA, words};
+use crate::bind::declare::BoundInterface;
+use crate::bind::names::fold;
 use crate::bind::network::Page;
-use crate::model::scl::{Expr, Statement};
+use crate::bind::path::{Base, Variable};
+use crate::bind::Ctx;
+use crate::bind::scl::expression::{binary_expr, constant_expr};
+use crate::layout;
+use crate::model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Statement, UnaryOp};
+use crate::types::{ArrayType, DataType, Member, StructType};
 
 /// A chart while it is bound.
 pub struct Engine<'c> {
@@ -13,36 +24,357 @@ pub struct Engine<'c> {
     pub index: &'c Index,
     /// Hidden variables, and what networks of the block share.
     pub page: Page,
+    /// Variables by the names that the templates have for them.
+    pub names: FxHashMap<&'static str, Variable>,
+    /// Where data of steps and transitions begin.
+    steps: Vec<Variable>,
+    transitions: Vec<Variable>,
+    /// Sets of steps in 64 bits a word: active, left and entered in this call.
+    pub active: Set,
+    pub left: Set,
+    pub entered: Set,
+    /// The words of `active` between calls.
+    kept: Vec<Variable>,
+    /// Stands for what the engine adds, in messages at run time.
+    pub span: Span,
 }
 
-impl Engine<'_> {
+/// A set of steps in variables of the frame.
+#[derive(Clone)]
+pub struct Set(Vec<Variable>);
+
+/// Variables of the engine in the frame. Source: `engine.scl`.
+const BITS: &[&str] = &[
+    "off", "init", "force", "acknowledge_shown", "register", "register_shown", "push", "switch_on", "switch_off", "next",
+    "previous", "take", "t_next", "t_previous", "auto", "man", "tap", "top", "active", "faulty", "all", "runs", "forced", "may",
+    "watched", "merging", "known", "skipped", "error", "fault", "was", "satisfied", "faulty_now", "gone", "still_valid",
+];
+const NUMBERS: &[&str] = &[
+    "i", "j", "k", "number", "wanted", "count", "left", "entered", "kept", "lowest", "lowest_at", "lowest_faulty",
+    "lowest_faulty_at", "faults", "first_valid", "valid",
+];
+const TIMES: &[&str] = &["now", "passed", "elapsed"];
+
+/// Data of the engine in the instance: the name in the templates, and the path to it.
+const KEPT: &[(&str, &[&str])] = &[
+    ("SAX", &["SAX"]),
+    ("S0X", &["S0X"]),
+    ("S1X", &["S1X"]),
+    ("MOPEDGE", &["MOPEDGE"]),
+    ("MOP", &["MOP"]),
+    ("SQ_FLAGS", &["SQ_FLAGS"]),
+    ("OLD", &["G7_DATA", "OLD"]),
+    ("LAST", &["G7_DATA", "LAST"]),
+    ("STARTED", &["G7_DATA", "STARTED"]),
+    ("REQUESTED", &["G7_DATA", "REQUESTED"]),
+    ("PAGED", &["G7_DATA", "PAGED"]),
+    ("SHOWN", &["G7_DATA", "SHOWN"]),
+    ("SHOWN_AT", &["G7_DATA", "SHOWN_AT"]),
+    ("SEL_OLD", &["G7_DATA", "SEL_OLD"]),
+    ("T_SHOWN", &["G7_DATA", "T_SHOWN"]),
+    ("ALL_WERE", &["G7_DATA", "ALL_WERE"]),
+    ("ASKED_ON", &["G7_DATA", "ASKED_ON"]),
+    ("ASKED_OFF", &["G7_DATA", "ASKED_OFF"]),
+    ("ACTIVE", &["G7_DATA", "ACTIVE"]),
+];
+
+impl<'c> Engine<'c> {
+    /// None if the declarations could not be bound, which was told.
+    pub fn new(ctx: &mut Ctx, chart: &'c Chart, index: &'c Index, members: &Members, span: Span) -> Option<Engine<'c>> {
+        let bound = std::rc::Rc::clone(&ctx.bound);
+        let (steps, transitions) = if members.arrays {
+            (elements(&variable(&bound, &["G7S"])?), variable(&bound, &["G7T"]).map_or_else(Vec::new, |list| elements(&list)))
+        } else {
+            let all = |names: &[String]| -> Option<Vec<Variable>> {
+                names.iter().map(|name| variable(&bound, &[name.as_str()])).collect()
+            };
+            (all(&members.steps)?, all(&members.transitions)?)
+        };
+        let mut page = Page::new(ctx);
+        let mut names = FxHashMap::default();
+        for (list, ty) in [(BITS, Elementary::Bool), (NUMBERS, Elementary::Int), (TIMES, Elementary::Dint)] {
+            names.extend(list.iter().map(|name| (*name, page.pool.lasting(ctx, ty).variable())));
+        }
+        let mut set = || Set((0..words(steps.len())).map(|_| page.pool.lasting(ctx, Elementary::Ulint).variable()).collect());
+        let (active, left, entered) = (set(), set(), set());
+        for (name, path) in KEPT {
+            let found = variable(&bound, path).or_else(|| variable(&bound, &[&[TIA_DATA], *path].concat()))?;
+            names.insert(name, found);
+        }
+        let double = |variable: &Variable| typed(variable, 0, DataType::Elementary(Elementary::Dword));
+        names.insert("MOP_D", double(&names["MOP"]));
+        names.insert("OLD_D", double(&names["OLD"]));
+        let kept = (0..words(steps.len()) as u32)
+            .map(|word| typed(&names["ACTIVE"], 8 * word, DataType::Elementary(Elementary::Ulint)))
+            .collect();
+        names.insert("G7S", list(steps.first()?, steps.len(), steps[0].ty.clone()));
+        names.insert("RAW", list(steps.first()?, steps.len(), raw_step(layout::bytes(&steps[0].ty))));
+        if let Some(first) = transitions.first() {
+            names.insert("G7T", list(first, transitions.len(), first.ty.clone()));
+            names.insert("TRAW", list(first, transitions.len(), raw_transition(layout::bytes(&first.ty))));
+        }
+        Some(Engine { chart, index, page, names, steps, transitions, active, left, entered, kept, span })
+    }
+
+    /// A component of a step.
+    fn component(&self, step: usize, name: &str) -> Variable {
+        member(&self.steps[step], name).expect("both forms of steps have it")
+    }
+
+    /// A variable of the engine.
+    pub fn variable(&self, name: &str) -> &Variable {
+        &self.names[name]
+    }
+
+    /// The value of a variable of the engine.
+    pub fn value(&self, name: &str) -> Expr {
+        load(self.variable(name), self.span)
+    }
+
+    /// A bit of MOP.
+    pub fn operating(&self, bit: &str, span: Span) -> Expr {
+        load(&member(self.variable("MOP"), bit).expect("MOP has all operating bits"), span)
+    }
+
     /// Whether an event of a step occurs in this call, a BOOL.
-    pub fn event(&self, _step: usize, _event: Event, _span: Span) -> Expr {
-        todo!("the contract")
+    pub fn event(&self, step: usize, event: Event, span: Span) -> Expr {
+        load(&self.component(step, event.name()), span)
     }
 
     /// Whether the interlock of a step is satisfied, a BOOL; none if it has no interlock.
-    pub fn interlock(&self, _step: usize, _span: Span) -> Option<Expr> {
-        todo!("the contract")
+    pub fn interlock(&self, step: usize, span: Span) -> Option<Expr> {
+        self.chart.steps[step].interlock.as_ref()?;
+        let lost = load(&self.component(step, "LA"), span);
+        Some(not(lost))
     }
 
     /// Time since the activation of a step, a TIME.
-    pub fn elapsed(&self, _step: usize, _span: Span) -> Expr {
-        todo!("the contract")
+    pub fn elapsed(&self, step: usize, span: Span) -> Expr {
+        load(&self.component(step, "T"), span)
     }
 
     /// Whether operands of N, D and L are to be 0 and calls are not executed (ZERO_OP), a BOOL; none if nothing asks for it.
-    pub fn zeroed(&self, _span: Span) -> Option<Expr> {
-        todo!("the contract")
+    pub fn zeroed(&self, span: Span) -> Option<Expr> {
+        Some(self.operating("OPS_ZERO", span))
     }
 
     /// Stores a request for the next call: step `step` is to be activated, or deactivated.
-    pub fn request(&self, _step: usize, _on: bool, _span: Span) -> Statement {
-        todo!("the contract")
+    pub fn request(&self, step: usize, on: bool, span: Span) -> Vec<Statement> {
+        let list = self.variable(if on { "ASKED_ON" } else { "ASKED_OFF" });
+        let bit = &elements(list)[step];
+        let yes = || constant_expr(1, Elementary::Bool, span);
+        vec![assign(bit, yes(), span), assign(self.variable("REQUESTED"), yes(), span)]
     }
 
     /// Stores a request for the next call: all steps but `except` are to be deactivated.
-    pub fn request_all_off(&self, _except: Option<usize>, _span: Span) -> Vec<Statement> {
-        todo!("the contract")
+    pub fn request_all_off(&self, except: Option<usize>, span: Span) -> Vec<Statement> {
+        let steps = (0..self.steps.len()).filter(|step| Some(*step) != except);
+        steps.flat_map(|step| self.request(step, false, span)).collect()
     }
+
+    /// The flags TV, TT, TS of a transition, in one byte.
+    pub fn flags(&self, transition: usize) -> Variable {
+        typed(&self.transitions[transition], 0, DataType::Elementary(Elementary::Byte))
+    }
+
+    /// TT of a transition.
+    pub fn satisfied(&self, transition: usize, span: Span) -> Expr {
+        load(&member(&self.transitions[transition], "TT").expect("transitions have it"), span)
+    }
+
+    /// Whether a supervision fault of a step is pending.
+    pub fn faulty(&self, step: usize, span: Span) -> Expr {
+        load(&self.component(step, "VA"), span)
+    }
+
+    /// Whether a step is active, from the set.
+    pub fn is_active(&self, steps: &[usize], span: Span) -> Expr {
+        self.active.holds_all(steps, span)
+    }
+
+    /// Fetches the set of active steps; the others are empty.
+    pub fn begin_sets(&self) -> Vec<Statement> {
+        let zero = |variable: &Variable| assign(variable, number(0, Elementary::Ulint, self.span), self.span);
+        let fetch = self.active.0.iter().zip(&self.kept).map(|(word, kept)| assign(word, load(kept, self.span), self.span));
+        fetch.chain(self.left.0.iter().chain(&self.entered.0).map(zero)).collect()
+    }
+
+    /// Adds step `k`, known at run time, to the active ones or takes it away, also in the instance.
+    pub fn change_active(&self, add: bool) -> Vec<Statement> {
+        let change = |word: usize, bit: Expr| {
+            let before = load(&self.active.0[word], self.span);
+            let after = match add {
+                true => binary_expr(BinaryOp::Or, before, bit, Elementary::Ulint, self.span),
+                false => binary_expr(BinaryOp::And, before, not(bit), Elementary::Ulint, self.span),
+            };
+            let after = vec![assign(&self.active.0[word], after, self.span)];
+            let keep = assign(&self.kept[word], load(&self.active.0[word], self.span), self.span);
+            after.into_iter().chain([keep]).collect()
+        };
+        self.by_word(&change)
+    }
+
+    /// Adds step `k`, known at run time, to a set.
+    pub fn mark(&self, set: &Set) -> Vec<Statement> {
+        self.by_word(&|word, bit| {
+            let before = load(&set.0[word], self.span);
+            let after = binary_expr(BinaryOp::Or, before, bit, Elementary::Ulint, self.span);
+            vec![assign(&set.0[word], after, self.span)]
+        })
+    }
+
+    /// Puts into `known` whether step `k`, known at run time, is in a set.
+    pub fn look_up(&self, set: &Set) -> Vec<Statement> {
+        self.by_word(&|word, bit| {
+            let both = binary_expr(BinaryOp::And, load(&set.0[word], self.span), bit, Elementary::Ulint, self.span);
+            vec![assign(self.variable("known"), compared(CompareOp::NotEqual, both, 0), self.span)]
+        })
+    }
+
+    /// Statements for the word that holds step `k`, and its bit there.
+    fn by_word(&self, make: &dyn Fn(usize, Expr) -> Vec<Statement>) -> Vec<Statement> {
+        let step = || self.value("k");
+        let mut statements = Vec::new();
+        for word in (0..self.active.0.len()).rev() {
+            let one = number(1, Elementary::Ulint, self.span);
+            let first = 64 * word as u64 + 1;
+            let place = binary_expr(BinaryOp::Subtract, step(), number(first, Elementary::Int, self.span), Elementary::Int, self.span);
+            let bit = binary_expr(BinaryOp::ShiftLeft, one, place, Elementary::Ulint, self.span);
+            let own = make(word, bit);
+            statements = match word + 1 == self.active.0.len() {
+                true => own,
+                false => vec![if_then(compared(CompareOp::LessEqual, step(), 64 * (word as u64 + 1)), own, statements, self.span)],
+            };
+        }
+        statements
+    }
+
+    /// Appends a step to S0X or S1X and to its set.
+    pub fn append(&self, set: &Set, list: &str, count: &str, step: usize, span: Span) -> Vec<Statement> {
+        let count = self.variable(count);
+        let more = binary_expr(BinaryOp::Add, load(count, span), number(1, Elementary::Int, span), Elementary::Int, span);
+        let place = element(self.variable(list), load(count, span), span);
+        let value = number(step as u64 + 1, Elementary::Byte, span);
+        vec![
+            assign(count, more, span),
+            Statement { kind: crate::model::scl::StatementKind::Assign { target: place, value }, span },
+            set.add(step, span),
+        ]
+    }
+}
+
+impl Set {
+    fn word_of(step: usize) -> (usize, u64) {
+        (step / 64, 1 << (step % 64))
+    }
+
+    fn add(&self, step: usize, span: Span) -> Statement {
+        let (word, bit) = Set::word_of(step);
+        let before = load(&self.0[word], span);
+        let after = binary_expr(BinaryOp::Or, before, number(bit, Elementary::Ulint, span), Elementary::Ulint, span);
+        assign(&self.0[word], after, span)
+    }
+
+    /// All of these steps are in the set: one comparison a word.
+    fn holds_all(&self, steps: &[usize], span: Span) -> Expr {
+        let compared = self.masks(steps, span).map(|(masked, mask)| compared(CompareOp::Equal, masked, mask));
+        all(compared, span)
+    }
+
+    /// None of these steps is in the set.
+    pub fn holds_none(&self, steps: &[usize], span: Span) -> Expr {
+        let compared = self.masks(steps, span).map(|(masked, _)| compared(CompareOp::Equal, masked, 0));
+        all(compared, span)
+    }
+
+    fn masks(&self, steps: &[usize], span: Span) -> impl Iterator<Item = (Expr, u64)> {
+        let mut masks = vec![0u64; self.0.len()];
+        for &step in steps {
+            let (word, bit) = Set::word_of(step);
+            masks[word] |= bit;
+        }
+        self.0.iter().zip(masks).filter(|(_, mask)| *mask != 0).map(move |(word, mask)| {
+            let mask_value = number(mask, Elementary::Ulint, span);
+            (binary_expr(BinaryOp::And, load(word, span), mask_value, Elementary::Ulint, span), mask)
+        })
+    }
+}
+
+/// AND of conditions; TRUE if there are none.
+pub fn all(conditions: impl Iterator<Item = Expr>, span: Span) -> Expr {
+    conditions
+        .reduce(|left, right| binary_expr(BinaryOp::And, left, right, Elementary::Bool, span))
+        .unwrap_or_else(|| constant_expr(1, Elementary::Bool, span))
+}
+
+/// NOT of a BOOL, or of all bits.
+pub fn not(operand: Expr) -> Expr {
+    let (ty, span) = (operand.ty, operand.span);
+    Expr { kind: ExprKind::Unary { op: UnaryOp::Not, operand: Box::new(operand) }, ty, span }
+}
+
+/// Comparison with a number of the value's type.
+pub fn compared(op: CompareOp, left: Expr, right: u64) -> Expr {
+    let span = left.span;
+    let right = Box::new(number(right, left.ty, span));
+    Expr { kind: ExprKind::Compare { op, left: Box::new(left), right }, ty: Elementary::Bool, span }
+}
+
+/// A variable of the instance by its path.
+fn variable(bound: &BoundInterface, path: &[&str]) -> Option<Variable> {
+    let (first, rest) = path.split_first()?;
+    let local = bound.locals.get(&fold(first)).filter(|local| local.base == Base::Instance)?;
+    let root =
+        Variable { base: local.base, byte: local.byte, bit: local.bit, ty: local.ty.clone(), untyped: false };
+    rest.iter().try_fold(root, |variable, name| member(&variable, name))
+}
+
+fn member(variable: &Variable, name: &str) -> Option<Variable> {
+    let DataType::Struct(structure) = &variable.ty else { return None };
+    let member = structure.members.iter().find(|member| member.name.eq_ignore_ascii_case(name))?;
+    let (byte, bit, ty) = (variable.byte + member.byte, member.bit, member.ty.clone());
+    Some(Variable { base: variable.base, byte, bit, ty, untyped: false })
+}
+
+/// Elements of an array, one by one.
+fn elements(array: &Variable) -> Vec<Variable> {
+    let DataType::Array(ty) = &array.ty else { return Vec::new() };
+    let element = |index| {
+        let (byte, bit) = layout::element_place(ty, index);
+        Variable { base: array.base, byte: array.byte + byte, bit, ty: ty.element.clone(), untyped: false }
+    };
+    (0..layout::element_count(&ty.bounds)).map(element).collect()
+}
+
+/// What lies so many bytes behind the start of a variable, as another type.
+fn typed(variable: &Variable, byte: u32, ty: DataType) -> Variable {
+    Variable { base: variable.base, byte: variable.byte + byte, bit: 0, ty, untyped: false }
+}
+
+/// Structures that lie one behind the other, from the first one on, as an array from 1.
+fn list(first: &Variable, count: usize, element: DataType) -> Variable {
+    let bounds = vec![(1, count as i32)];
+    let bytes = layout::array_bytes(&bounds, &element) as u32;
+    typed(first, 0, DataType::Array(std::rc::Rc::new(ArrayType { bounds, element, bytes })))
+}
+
+/// A step in whole bytes and numbers.
+fn raw_step(bytes: u32) -> DataType {
+    raw(bytes, &[("EVENTS", Elementary::Byte, 0), ("STATES", Elementary::Byte, 1), ("SNO", Elementary::Int, 2), ("T", Elementary::Dint, 4), ("U", Elementary::Dint, 8)])
+}
+
+/// A transition in whole bytes and numbers.
+fn raw_transition(bytes: u32) -> DataType {
+    raw(bytes, &[("FLAGS", Elementary::Byte, 0), ("TNO", Elementary::Int, 2)])
+}
+
+fn raw(bytes: u32, members: &[(&str, Elementary, u32)]) -> DataType {
+    let member = |&(name, ty, byte): &(&str, Elementary, u32)| Member {
+        name: name.to_string(),
+        ty: DataType::Elementary(ty),
+        byte,
+        bit: 0,
+    };
+    let members = members.iter().map(member).collect();
+    DataType::Struct(std::rc::Rc::new(StructType { name: String::new(), instance_of: None, members, bytes }))
 }

@@ -10,7 +10,7 @@ use super::place::Spot;
 use crate::bind::BindInput;
 use crate::bind::path::Variable;
 use crate::model::LabelId;
-use crate::model::scl::Expr;
+use crate::model::scl::{Expr, Statement};
 
 /// The rules that a block's source and the CPU choose together. Source: SCL reference, dialects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -93,6 +93,8 @@ pub struct Scope {
     pub value_set: bool,
     /// Variables that no source declares, by names that none can have: values of nets in LAD and FBD.
     pub hidden: FxHashMap<String, Variable>,
+    /// Statements that stand for calls of these names: holes of a template.
+    pub holes: FxHashMap<&'static str, Vec<Statement>>,
     /// Numbers of the DBs in the DB and the DI register, WORDs: of blocks in LAD or FBD that open data blocks.
     pub open_db: Option<Expr>,
     pub open_di: Option<Expr>,

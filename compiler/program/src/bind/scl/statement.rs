@@ -107,6 +107,10 @@ impl Binder<'_> {
     /// A call, or an expression that was meant otherwise.
     fn lone_expression(&mut self, ctx: &mut Ctx, node: &Node, bound: &mut Vec<Statement>) -> Option<StatementKind> {
         match &node.kind {
+            NodeKind::Call { callee, .. } if let Some(filling) = hole(ctx, callee) => {
+                bound.extend(filling);
+                None
+            }
             NodeKind::Call { .. } => match self.scl_call(ctx, node, true)? {
                 Value::Nothing(call) => Some(StatementKind::Call(call)),
                 Value::Complex { value: Complex::Call(call), .. } => Some(StatementKind::Call(call)),
@@ -302,5 +306,13 @@ fn leaves(statement: &Statement) -> bool {
         | StatementKind::Assert(_)
         | StatementKind::Sleep(_)
         | StatementKind::Stl(_) => false,
+    }
+}
+
+/// What stands for a call in a template.
+fn hole(ctx: &Ctx, callee: &Node) -> Option<Vec<Statement>> {
+    match &callee.kind {
+        NodeKind::Name(name) => ctx.scl.holes.get(name.text.as_str()).cloned(),
+        _ => None,
     }
 }

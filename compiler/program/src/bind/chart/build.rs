@@ -1,0 +1,46 @@
+//! Small pieces of the typed tree.
+
+use plcc_diag::Span;
+use plcc_syntax::Elementary;
+
+use crate::bind::path::Variable;
+use crate::bind::scl::expression::constant_expr;
+use crate::bind::scl::place::Spot;
+use crate::layout;
+use crate::model::scl::{Access, Conversion, Expr, ExprKind, Index, IndexBounds, Overflow, Statement, StatementKind};
+use crate::types::DataType;
+
+/// The value of an elementary variable.
+pub fn load(variable: &Variable, span: Span) -> Expr {
+    let DataType::Elementary(ty) = variable.ty else { unreachable!("the engine reads elementary variables only") };
+    let access = Spot::fixed(variable.clone()).access(span);
+    Expr { kind: ExprKind::Load(Box::new(access)), ty, span }
+}
+
+/// `variable := value`, of one type.
+pub fn assign(variable: &Variable, value: Expr, span: Span) -> Statement {
+    let target = Spot::fixed(variable.clone()).access(span);
+    Statement { kind: StatementKind::Assign { target, value }, span }
+}
+
+/// A constant.
+pub fn number(value: u64, ty: Elementary, span: Span) -> Expr {
+    constant_expr(value, ty, span)
+}
+
+/// `IF condition THEN … ELSE … END_IF`
+pub fn if_then(condition: Expr, then: Vec<Statement>, otherwise: Vec<Statement>, span: Span) -> Statement {
+    Statement { kind: StatementKind::If { branches: vec![(condition, then)], otherwise }, span }
+}
+
+/// An element of an array at an INT.
+pub fn element(array: &Variable, index: Expr, span: Span) -> Access {
+    let DataType::Array(ty) = &array.ty else { unreachable!("lists of the engine are arrays") };
+    let (low, high) = ty.bounds[0];
+    let conversion = Conversion::Value(Overflow::LowBits);
+    let value = Expr { kind: ExprKind::Convert { conversion, operand: Box::new(index) }, ty: Elementary::Dint, span };
+    let index = Index { value, bounds: IndexBounds::Known(low, high), stride: layout::distance(ty, 0) };
+    let mut spot = Spot::fixed(Variable { ty: ty.element.clone(), ..array.clone() });
+    spot.indices.push(index);
+    spot.access(span)
+}

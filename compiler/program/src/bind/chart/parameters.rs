@@ -1,0 +1,191 @@
+//! Parameters that a GRAPH function block has for its operation, and bits that stand for them in the instance.
+//! Source: GRAPH reference E.1, E.2, F.2.
+
+use plcc_syntax::ast::SectionKind;
+use plcc_syntax::chart::ast::{Dialect, Interface};
+
+/// An operating parameter.
+#[derive(Debug)]
+pub struct Parameter {
+    pub name: &'static str,
+    pub ty: &'static str,
+    pub section: SectionKind,
+    /// The smallest set of parameters that has it.
+    pub set: Set,
+    pub effect: Effect,
+}
+
+/// Sets of parameters, each with those before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Set {
+    Minimum,
+    Standard,
+    Maximum,
+    /// Only where it is declared.
+    Tia,
+}
+
+/// What a rising edge of an input does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// Sets a bit of MOP, which asks for something or chooses it.
+    Set(&'static str),
+    /// Inverts a bit of MOP.
+    Toggle(&'static str),
+    /// The engine reads or writes it by name.
+    Named,
+    /// No effect on control.
+    Nothing,
+}
+
+use Effect::{Named, Nothing, Set as Sets, Toggle};
+use SectionKind::{Input, Output};
+
+const fn row(
+    name: &'static str,
+    ty: &'static str,
+    section: SectionKind,
+    set: self::Set,
+    effect: Effect,
+) -> Parameter {
+    Parameter { name, ty, section, set, effect }
+}
+
+/// All operating parameters, in the order in which a block has them.
+#[rustfmt::skip]
+pub const PARAMETERS: &[Parameter] = &[
+    row("OFF_SQ", "BOOL", Input, Set::Standard, Sets("OFF")),
+    row("INIT_SQ", "BOOL", Input, Set::Minimum, Sets("INIT")),
+    row("ACK_EF", "BOOL", Input, Set::Standard, Sets("ACK_EF")),
+    row("REG_EF", "BOOL", Input, Set::Maximum, Sets("REG_EF")),
+    row("ACK_S", "BOOL", Input, Set::Maximum, Sets("ACK_S")),
+    row("REG_S", "BOOL", Input, Set::Maximum, Sets("REG_S")),
+    row("HALT_SQ", "BOOL", Input, Set::Maximum, Toggle("HOLD")),
+    row("HALT_TM", "BOOL", Input, Set::Maximum, Toggle("TMS_HALT")),
+    row("ZERO_OP", "BOOL", Input, Set::Maximum, Toggle("OPS_ZERO")),
+    row("EN_IL", "BOOL", Input, Set::Maximum, Toggle("LOCK")),
+    row("EN_SV", "BOOL", Input, Set::Maximum, Toggle("SUP")),
+    row("EN_ACKREQ", "BOOL", Input, Set::Maximum, Toggle("ACKREQ")),
+    row("EN_SSKIP", "BOOL", Input, Set::Maximum, Toggle("SSKIP")),
+    row("DISP_SACT", "BOOL", Input, Set::Maximum, Sets("SACT_DISP")),
+    row("DISP_SEF", "BOOL", Input, Set::Maximum, Sets("SEF_DISP")),
+    row("DISP_SALL", "BOOL", Input, Set::Maximum, Sets("SALL_DISP")),
+    row("S_PREV", "BOOL", Input, Set::Standard, Sets("S_PREV")),
+    row("S_NEXT", "BOOL", Input, Set::Standard, Sets("S_NEXT")),
+    row("SW_AUTO", "BOOL", Input, Set::Standard, Sets("AUTO")),
+    row("SW_TAP", "BOOL", Input, Set::Standard, Sets("TAP")),
+    row("SW_TOP", "BOOL", Input, Set::Standard, Sets("TOP")),
+    row("SW_MAN", "BOOL", Input, Set::Standard, Sets("MAN")),
+    row("S_SEL", "INT", Input, Set::Standard, Named),
+    row("S_SELOK", "BOOL", Input, Set::Maximum, Sets("S_SELOK")),
+    row("S_ON", "BOOL", Input, Set::Standard, Sets("S_ON")),
+    row("S_OFF", "BOOL", Input, Set::Standard, Sets("S_OFF")),
+    row("T_PREV", "BOOL", Input, Set::Maximum, Sets("T_PREV")),
+    row("T_NEXT", "BOOL", Input, Set::Maximum, Sets("T_NEXT")),
+    row("T_PUSH", "BOOL", Input, Set::Standard, Sets("T_PUSH")),
+    row("EN_LMODE", "BOOL", Input, Set::Tia, Nothing),
+    row("RESET_CRIT", "BOOL", Input, Set::Tia, Nothing),
+    row("S_NO", "INT", Output, Set::Standard, Named),
+    row("S_MORE", "BOOL", Output, Set::Standard, Named),
+    row("S_ACTIVE", "BOOL", Output, Set::Standard, Named),
+    row("S_TIME", "TIME", Output, Set::Maximum, Named),
+    row("S_TIMEOK", "TIME", Output, Set::Maximum, Named),
+    row("S_CRITLOC", "DWORD", Output, Set::Maximum, Nothing),
+    row("S_CRITLOCERR", "DWORD", Output, Set::Maximum, Nothing),
+    row("S_CRITSUP", "DWORD", Output, Set::Maximum, Nothing),
+    row("S_STATE", "WORD", Output, Set::Maximum, Named),
+    row("T_NO", "INT", Output, Set::Maximum, Named),
+    row("T_MORE", "BOOL", Output, Set::Maximum, Named),
+    row("T_CRIT", "DWORD", Output, Set::Maximum, Nothing),
+    row("T_CRITOLD", "DWORD", Output, Set::Maximum, Nothing),
+    row("T_CRITFLT", "DWORD", Output, Set::Maximum, Nothing),
+    row("ERROR", "BOOL", Output, Set::Maximum, Named),
+    row("FAULT", "BOOL", Output, Set::Maximum, Named),
+    row("ERR_FLT", "BOOL", Output, Set::Standard, Named),
+    row("SQ_ISOFF", "BOOL", Output, Set::Maximum, Named),
+    row("SQ_HALTED", "BOOL", Output, Set::Maximum, Named),
+    row("TM_HALTED", "BOOL", Output, Set::Maximum, Named),
+    row("OP_ZEROED", "BOOL", Output, Set::Maximum, Named),
+    row("IL_ENABLED", "BOOL", Output, Set::Maximum, Named),
+    row("SV_ENABLED", "BOOL", Output, Set::Maximum, Named),
+    row("ACKREQ_ENABLED", "BOOL", Output, Set::Maximum, Named),
+    row("SSKIP_ENABLED", "BOOL", Output, Set::Maximum, Named),
+    row("SACT_DISP", "BOOL", Output, Set::Maximum, Named),
+    row("SEF_DISP", "BOOL", Output, Set::Maximum, Named),
+    row("SALL_DISP", "BOOL", Output, Set::Maximum, Named),
+    row("AUTO_ON", "BOOL", Output, Set::Standard, Named),
+    row("TAP_ON", "BOOL", Output, Set::Standard, Named),
+    row("TOP_ON", "BOOL", Output, Set::Standard, Named),
+    row("MAN_ON", "BOOL", Output, Set::Standard, Named),
+    row("LMODE_ENABLED", "BOOL", Output, Set::Tia, Nothing),
+];
+
+/// Bits of MOP, four bytes of them. Those behind the start values are requests, levels or modes as `engine.scl` treats them.
+pub const OPERATING_BITS: [&str; 32] = [
+    "AUTO", "TAP", "TOP", "MAN", "ACK_S", "REG_S", "ACK_EF", "REG_EF", //
+    "LOCK", "SUP", "ACKREQ", "SSKIP", "OFF", "INIT", "HOLD", "TMS_HALT", //
+    "OPS_ZERO", "SACT_DISP", "SEF_DISP", "SALL_DISP", "S_PREV", "S_NEXT", "S_SELOK", "S_ON", //
+    "S_OFF", "T_PREV", "T_NEXT", "T_PUSH", "ACK", "IL_PERM", "T_PERM", "ILP_MAN",
+];
+
+/// Parameters that a block of a set has without declaring them.
+pub fn implied(interface: Interface) -> impl Iterator<Item = &'static Parameter> {
+    let largest = match interface {
+        Interface::Minimum => Some(Set::Minimum),
+        Interface::Standard => Some(Set::Standard),
+        Interface::Maximum => Some(Set::Maximum),
+        Interface::UserDefined => None,
+    };
+    PARAMETERS.iter().filter(move |parameter| largest.is_some_and(|largest| parameter.set <= largest))
+}
+
+/// The set that a file without `FBInterface` means: that of a new block in STEP 7; files of other tools declare what they have.
+pub const fn default_interface(dialect: Dialect) -> Interface {
+    match dialect {
+        Dialect::Classic => Interface::Standard,
+        Dialect::Tia | Dialect::Sfc => Interface::UserDefined,
+    }
+}
+
+/// The operating parameter of that name, in either letter case.
+pub fn find(name: &str) -> Option<&'static Parameter> {
+    PARAMETERS.iter().find(|parameter| parameter.name.eq_ignore_ascii_case(name))
+}
+
+/// SCL that turns rising edges of the inputs into bits of MOP. `declared`: whether the block has the parameter.
+pub fn edges(declared: impl Fn(&str) -> bool) -> String {
+    let mut text = String::new();
+    for parameter in PARAMETERS.iter().filter(|parameter| declared(parameter.name)) {
+        let name = parameter.name;
+        let (bit, action) = match parameter.effect {
+            Effect::Set(bit) => (bit, format!("#MOP.{bit} := TRUE; #OLD.{bit} := FALSE;")),
+            Effect::Toggle(bit) => (bit, format!("#MOP.{bit} := NOT #MOP.{bit};")),
+            Effect::Named | Effect::Nothing => continue,
+        };
+        text.push_str(&format!(
+            "IF #{name} AND NOT #MOPEDGE.{bit} THEN {action} END_IF; #MOPEDGE.{bit} := #{name};\n"
+        ));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_has_its_bit() {
+        for parameter in PARAMETERS {
+            if let Effect::Set(bit) | Effect::Toggle(bit) = parameter.effect {
+                assert!(OPERATING_BITS.contains(&bit), "{}: {bit}", parameter.name);
+            }
+        }
+    }
+
+    #[test]
+    fn the_minimum_set_is_one_input() {
+        let names: Vec<&str> = implied(Interface::Minimum).map(|parameter| parameter.name).collect();
+        assert_eq!(names, ["INIT_SQ"]);
+        assert_eq!(implied(Interface::Standard).count(), 21);
+    }
+}
