@@ -179,6 +179,7 @@ fn chart_expressions(chart: &chart::Body, visit: &mut dyn FnMut(&scl::Expr)) {
                 }
                 chart::ActionBody::Call(call) => call_expressions(call, visit),
                 chart::ActionBody::Statements(list) => statements(list, visit),
+                chart::ActionBody::Network(network) => network_expressions(network, visit),
                 chart::ActionBody::All { .. } | chart::ActionBody::Error => {}
             }
         }

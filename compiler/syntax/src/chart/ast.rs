@@ -184,6 +184,8 @@ pub enum ActionBody {
     Call(Call),
     /// ST, under N.
     Statements(Vec<Statement>),
+    /// A network, under N.
+    Network(network::ast::Network),
     /// Could not be read; reported.
     Error,
 }

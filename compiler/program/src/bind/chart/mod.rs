@@ -2,15 +2,18 @@
 //!
 //! - `index`: steps and transitions by name and number.
 //! - `engine`: what the statements know of the chart: where its data lie in the instance.
-//! - `action`: rows of actions.
+//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `call`: block calls of the first two.
 //! - `analysis`: which charts can be.
 //!
 //! Source: GRAPH reference, chapters D to G.
 
 mod action;
 mod analysis;
+mod call;
+mod condition;
 mod engine;
 mod index;
+mod permanent;
 
 use plcc_syntax::ast;
 use plcc_syntax::chart::ast::Body as Chart;

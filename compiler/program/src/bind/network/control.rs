@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
-use plcc_syntax::network::ast::{Body as Networks, Comparison, Content, PinValue};
+use plcc_syntax::network::ast::{Comparison, Content, Network, PinValue};
 use plcc_syntax::network::elements::ReturnValue;
 use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Name};
 
@@ -18,8 +18,8 @@ use crate::model::scl::{Arm, Statement, StatementKind};
 
 impl Binder<'_> {
     /// Labels of all networks, those of SCL networks among them.
-    pub fn collect_network_labels(&mut self, ctx: &mut Ctx, networks: &Networks) {
-        for network in &networks.networks {
+    pub fn collect_network_labels(&mut self, ctx: &mut Ctx, networks: &[Network]) {
+        for network in networks {
             match &network.content {
                 Content::Graphic(_) => {}
                 Content::Scl(list) => {

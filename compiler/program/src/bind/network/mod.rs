@@ -25,7 +25,9 @@ mod reference;
 mod sheet;
 mod stl;
 
+pub use pins::{and, inverted, no, yes};
 pub use reference::reference;
+pub use sheet::Hidden;
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
@@ -56,6 +58,17 @@ pub struct Page {
     failed: Option<Span>,
 }
 
+impl Page {
+    pub fn new(ctx: &mut Ctx) -> Page {
+        Page { pool: Pool::new(ctx), eno: None, registers: Registers::default(), condition: None, failed: None }
+    }
+
+    /// A hidden variable, until the next network begins.
+    pub fn hidden(&mut self, ctx: &mut Ctx, ty: Elementary) -> Hidden {
+        self.pool.take(ctx, ty, sheet::Use::Value)
+    }
+}
+
 /// Messages of one network that get a drawing: more of them help nobody, and drawing costs time in large networks.
 const DRAWINGS_MAX: usize = 50;
 
@@ -66,10 +79,9 @@ impl Binder<'_> {
         // Boxes tell of their errors by ENO.
         ctx.scl.sets_flag = true;
         ctx.scl.lists = vec![TOP];
-        self.collect_network_labels(ctx, networks);
+        self.collect_network_labels(ctx, &networks.networks);
         let span = ctx.fixed_span.unwrap_or(block.name.span());
-        let mut page =
-            Page { pool: Pool::new(ctx), eno: None, registers: Registers::default(), condition: None, failed: None };
+        let mut page = Page::new(ctx);
         let mut statements = Vec::new();
         self.begin_registers(ctx, &mut page, networks, span, &mut statements);
         self.begin_eno(ctx, &mut page, networks, span, &mut statements);
@@ -126,6 +138,26 @@ impl Binder<'_> {
         let eno = page.pool.lasting(ctx, Elementary::Bool);
         statements.push(eno.set(constant_expr(1, Elementary::Bool, span), span));
         page.eno = Some(eno);
+    }
+
+    /// Binds a network of a chart, which stands alone.
+    pub(in crate::bind) fn bind_lone_network(
+        &mut self,
+        ctx: &mut Ctx,
+        page: &mut Page,
+        network: &Network,
+    ) -> Vec<Statement> {
+        self.collect_network_labels(ctx, std::slice::from_ref(network));
+        let mut statements = Vec::new();
+        ctx.scl.lists.push(TOP);
+        self.bind_network(ctx, page, network, 1, &mut statements);
+        ctx.scl.lists.pop();
+        if let Some(span) = page.failed.take()
+            && self.report.is_clean()
+        {
+            self.not_bound(span);
+        }
+        statements
     }
 
     fn bind_network(

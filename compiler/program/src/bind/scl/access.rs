@@ -519,7 +519,7 @@ impl Binder<'_> {
     }
 
     /// Whether a variable can be read or written as wanted.
-    fn check_intent(&mut self, ctx: &Ctx, spot: &Spot, intent: Intent, span: Span) -> Option<()> {
+    pub(in crate::bind) fn check_intent(&mut self, ctx: &Ctx, spot: &Spot, intent: Intent, span: Span) -> Option<()> {
         let text = self.text(span);
         let area = match &spot.root {
             Root::Fixed(path::Base::Pi) | Root::Indexed { area: IndexedArea::Memory(Area::Pi), .. } => Some(Area::Pi),

@@ -389,7 +389,7 @@ impl Binder<'_> {
     }
 
     /// The block that a node names, without a message if it is none.
-    fn quiet_block(&self, ctx: &Ctx, node: &Node) -> Option<(BlockPrefix, u16)> {
+    pub(in crate::bind) fn quiet_block(&self, ctx: &Ctx, node: &Node) -> Option<(BlockPrefix, u16)> {
         let name = match &node.kind {
             NodeKind::Name(name) if name.form != NameForm::Local && !self.is_local(ctx, name) => name,
             NodeKind::Absolute(OperandKind::Block(BlockName::Numbered { prefix, number, .. })) => {

@@ -1,0 +1,328 @@
+//! Rows of actions. Source: GRAPH reference D.6 to D.8.
+//!
+//! - `legality`: events and interlocks that rows can have.
+//! - `operand`: operands of N, S, R, D and L.
+//! - `cell`: counters and timers.
+//! - `arithmetic`: assignments.
+
+mod arithmetic;
+mod cell;
+mod legality;
+mod operand;
+
+#[cfg(test)]
+mod tests;
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::chart::ast::{Action, ActionBody, Event, Qualifier};
+use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
+
+use super::engine::Engine;
+use crate::bind::network::{Page, and, inverted, no, yes};
+use crate::bind::path::similar;
+use crate::bind::scl::expression::binary_expr;
+use crate::bind::scl::place::Spot;
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::{CompareOp, Expr, ExprKind, Statement, StatementKind};
+
+/// What a step does, in the order of its rows.
+#[derive(Default)]
+pub struct StepCode {
+    /// In each call in which it is active.
+    pub active: Vec<Statement>,
+    /// In the call that leaves it: rows of S0, then operands of N, D and L become 0.
+    pub leave: Vec<Statement>,
+    /// In the call behind that: what S0 has set for one call becomes 0.
+    pub after: Vec<Statement>,
+}
+
+/// When a row does its work.
+#[derive(Clone, Default)]
+struct Moment {
+    /// Event and interlock, a BOOL; none: in every call in which the row is run.
+    condition: Option<Expr>,
+    /// Operands are to be 0, and blocks are not called; a BOOL.
+    zeroed: Option<Expr>,
+    /// The row is of S0: it runs in the call that leaves the step.
+    leaving: bool,
+}
+
+impl Moment {
+    /// Whether the row does its work: TRUE if it always does.
+    fn value(&self, span: Span) -> Expr {
+        self.condition.clone().unwrap_or_else(|| yes(span))
+    }
+
+    /// As `value`, FALSE while operands are to be 0.
+    fn value_unless_zeroed(&self, span: Span) -> Expr {
+        self.unless_zeroed(self.value(span), span)
+    }
+
+    fn unless_zeroed(&self, value: Expr, span: Span) -> Expr {
+        match &self.zeroed {
+            Some(zeroed) => and(value, inverted(zeroed.clone()), span),
+            None => value,
+        }
+    }
+}
+
+/// Rows of a step so far.
+#[derive(Default)]
+struct Rows {
+    active: Vec<Statement>,
+    /// Rows of S0.
+    leaving: Vec<Statement>,
+    /// What timers and the like do behind the rows of S0.
+    left: Vec<Statement>,
+    /// Operands that are 0 behind the step.
+    zero: Vec<(Spot, Span)>,
+    /// Operands that S0 sets for one call.
+    pulsed: Vec<(Spot, Span)>,
+}
+
+impl Rows {
+    /// Adds the statements of a row.
+    fn add(&mut self, moment: &Moment, statements: Vec<Statement>) {
+        let list = if moment.leaving { &mut self.leaving } else { &mut self.active };
+        list.extend(statements);
+    }
+
+    fn finish(self) -> StepCode {
+        let pulsed = |spot: &Spot| self.pulsed.iter().any(|(other, _)| other.is_same(spot));
+        let zero = once(self.zero.iter().filter(|(spot, _)| !pulsed(spot)));
+        let after = once(self.pulsed.iter());
+        StepCode { active: self.active, leave: [self.leaving, self.left, zero].concat(), after }
+    }
+}
+
+/// Writes 0 into operands, into each one once.
+fn once<'s>(spots: impl Iterator<Item = &'s (Spot, Span)>) -> Vec<Statement> {
+    let mut seen: Vec<&Spot> = Vec::new();
+    let mut statements = Vec::new();
+    for (spot, span) in spots {
+        if !seen.iter().any(|other| other.is_same(spot)) {
+            seen.push(spot);
+            statements.push(assign(spot, no(*span), *span));
+        }
+    }
+    statements
+}
+
+fn assign(spot: &Spot, value: Expr, span: Span) -> Statement {
+    Statement { kind: StatementKind::Assign { target: spot.clone().access(span), value }, span }
+}
+
+/// Statements that run if a condition is TRUE.
+fn guarded(condition: Expr, body: Vec<Statement>, span: Span) -> Vec<Statement> {
+    if body.is_empty() || matches!(condition.kind, ExprKind::Const(1)) {
+        return body;
+    }
+    let kind = StatementKind::If { branches: vec![(condition, body)], otherwise: Vec::new() };
+    vec![Statement { kind, span }]
+}
+
+impl Binder<'_> {
+    /// Binds the actions of a step.
+    pub fn step_code(&mut self, ctx: &mut Ctx, engine: &mut Engine, step: usize) -> StepCode {
+        let chart = engine.chart;
+        let has_interlock = chart.steps[step].interlock.is_some();
+        let mut rows = Rows::default();
+        for action in &chart.steps[step].actions {
+            for message in legality::messages(action, has_interlock) {
+                self.report.push(message);
+            }
+            let moment = moment(engine, step, action);
+            match (action.qualifier, &action.body) {
+                (Qualifier::On | Qualifier::Off, ActionBody::Operand(node)) => {
+                    if let Some(target) = self.requested_step(engine, node) {
+                        let on = action.qualifier == Qualifier::On;
+                        let body = vec![engine.request(target, on, action.span)];
+                        rows.add(&moment, guarded(moment.value(action.span), body, action.span));
+                    }
+                }
+                (Qualifier::Off, ActionBody::All { .. }) => {
+                    let except = (action.event == Some(Event::S1)).then_some(step);
+                    let body = engine.request_all_off(except, action.span);
+                    rows.add(&moment, guarded(moment.value(action.span), body, action.span));
+                }
+                (Qualifier::D | Qualifier::L, ActionBody::Value { operand, value }) => {
+                    let elapsed = engine.elapsed(step, action.span);
+                    let late = action.qualifier == Qualifier::D;
+                    self.timed_row(ctx, &mut rows, &moment, operand, value, (elapsed, late), action.span);
+                }
+                _ => self.row(ctx, &mut engine.page, &mut rows, &moment, action),
+            }
+        }
+        rows.finish()
+    }
+
+    /// A row that needs nothing of the chart but its moment.
+    fn row(&mut self, ctx: &mut Ctx, page: &mut Page, rows: &mut Rows, moment: &Moment, action: &Action) {
+        let span = action.span;
+        let statements = match (action.qualifier, &action.body) {
+            (_, ActionBody::Error) => return,
+            (Qualifier::N, ActionBody::Operand(node)) => return self.active_row(ctx, rows, moment, node, span),
+            (Qualifier::S | Qualifier::R, ActionBody::Operand(node)) => {
+                let set = action.qualifier == Qualifier::S;
+                let body = self.bit_operand(ctx, node).map(|spot| {
+                    let value = if set { yes(span) } else { no(span) };
+                    assign(&spot, value, span)
+                });
+                guarded(moment.value(span), body.into_iter().collect(), span)
+            }
+            (Qualifier::N, ActionBody::Value { operand, value }) => {
+                let body = self.action_assignment(ctx, page, operand, value, span);
+                guarded(moment.value(span), body, span)
+            }
+            (Qualifier::N, ActionBody::Call(call)) => {
+                let body = self.chart_call(ctx, call);
+                guarded(moment.value_unless_zeroed(span), body, span)
+            }
+            (Qualifier::N, ActionBody::Statements(list)) => {
+                self.collect_labels(ctx, list);
+                let body = self.statements(ctx, list);
+                guarded(moment.value_unless_zeroed(span), body, span)
+            }
+            (Qualifier::N, ActionBody::Network(network)) => {
+                let body = self.bind_lone_network(ctx, page, network);
+                guarded(moment.value_unless_zeroed(span), body, span)
+            }
+            (Qualifier::Cs, ActionBody::Value { operand, value }) => {
+                self.counter_row(ctx, moment, action.qualifier, operand, Some(value), span)
+            }
+            (Qualifier::Cu | Qualifier::Cd | Qualifier::Cr, ActionBody::Operand(node)) => {
+                self.counter_row(ctx, moment, action.qualifier, node, None, span)
+            }
+            (Qualifier::Tl | Qualifier::Td, ActionBody::Value { operand, value }) => {
+                self.timer_row(ctx, moment, action.qualifier, operand, Some(value), span)
+            }
+            (Qualifier::Tr, ActionBody::Operand(node)) => {
+                self.timer_row(ctx, moment, action.qualifier, node, None, span)
+            }
+            (Qualifier::Tf, ActionBody::Value { operand, value }) => {
+                return self.off_delay_row(ctx, rows, moment, operand, value, span);
+            }
+            (qualifier, body) => {
+                self.report.push(wrong_body(qualifier, body, span));
+                return;
+            }
+        };
+        rows.add(moment, statements);
+    }
+
+    /// N: the operand is 1 while the step is active, or in the call of the event.
+    fn active_row(&mut self, ctx: &mut Ctx, rows: &mut Rows, moment: &Moment, node: &Node, span: Span) {
+        let Some(spot) = self.bit_operand(ctx, node) else { return };
+        rows.add(moment, vec![assign(&spot, moment.value_unless_zeroed(span), span)]);
+        let list = if moment.leaving { &mut rows.pulsed } else { &mut rows.zero };
+        list.push((spot, span));
+    }
+
+    /// D and L: the operand is 1 behind the time, or up to it. `late`: behind it.
+    #[allow(clippy::too_many_arguments, reason = "the parts of one row")]
+    fn timed_row(
+        &mut self,
+        ctx: &mut Ctx,
+        rows: &mut Rows,
+        moment: &Moment,
+        operand: &Node,
+        time: &Node,
+        (elapsed, late): (Expr, bool),
+        span: Span,
+    ) {
+        let time = self.action_time(ctx, time);
+        let spot = self.bit_operand(ctx, operand);
+        let (Some(time), Some(spot)) = (time, spot) else { return };
+        let op = if late { CompareOp::GreaterEqual } else { CompareOp::Less };
+        let kind = ExprKind::Compare { op, left: Box::new(elapsed), right: Box::new(time) };
+        let reached = Expr { kind, ty: Elementary::Bool, span };
+        let value = match &moment.condition {
+            Some(condition) => and(reached, condition.clone(), span),
+            None => reached,
+        };
+        rows.add(moment, vec![assign(&spot, moment.unless_zeroed(value, span), span)]);
+        rows.zero.push((spot, span));
+    }
+
+    /// The step of ON and OFF.
+    fn requested_step(&mut self, engine: &Engine, node: &Node) -> Option<usize> {
+        let name = match &node.kind {
+            NodeKind::Name(name) => name,
+            NodeKind::Error => return None,
+            _ => {
+                let text = self.text(node.span);
+                self.refuse(
+                    Code::ActionOperand,
+                    node.span,
+                    &format!("`{text}` is no step"),
+                    "ON and OFF want a step",
+                    "name one, or write its number: `S002`",
+                );
+                return None;
+            }
+        };
+        let found = engine.index.step_reference(&name.text);
+        if found.is_none() {
+            let title = format!("the chart has no step `{}`", name.text);
+            let message = Diagnostic::new(Code::UnknownStep, name.span, title).label("no such step");
+            let names = engine.chart.steps.iter().map(|step| step.name.text.as_str());
+            self.report.push(match similar(&name.text, names) {
+                Some(other) => message.help(format!("is `{other}` meant?")),
+                None => message.help("name a step of this block, or write its number: `S002`"),
+            });
+        }
+        found
+    }
+}
+
+/// When a row of a step does its work.
+fn moment(engine: &Engine, step: usize, action: &Action) -> Moment {
+    let span = action.qualifier_span;
+    let leaving = action.event == Some(Event::S0);
+    let event = action.event.filter(|_| !leaving).map(|event| engine.event(step, event, span));
+    let interlock = match action.interlock && !leaving {
+        true => engine.interlock(step, span),
+        false => None,
+    };
+    let condition = match (event, interlock) {
+        (Some(event), Some(interlock)) => {
+            Some(binary_expr(crate::model::scl::BinaryOp::And, event, interlock, Elementary::Bool, span))
+        }
+        (event, interlock) => event.or(interlock),
+    };
+    Moment { condition, zeroed: engine.zeroed(span), leaving }
+}
+
+/// A row whose text does not belong to its qualifier.
+fn wrong_body(qualifier: Qualifier, body: &ActionBody, span: Span) -> Diagnostic {
+    let name = qualifier.name();
+    let alone = matches!(body, ActionBody::Operand(_));
+    let (title, label, help) = match (qualifier, body) {
+        (_, ActionBody::Call(_) | ActionBody::Statements(_) | ActionBody::Network(_)) => (
+            format!("`{name}` cannot be before code"),
+            "calls and statements are actions of N",
+            "write N; to run it once take an event: S1 N",
+        ),
+        (Qualifier::On, ActionBody::All { .. }) => {
+            ("ON activates one step".to_string(), "all steps cannot be active", "name the step: `S002`")
+        }
+        (_, ActionBody::All { .. }) => (
+            format!("`{name}` is not possible with all steps"),
+            "S_ALL belongs to OFF",
+            "write OFF S_ALL with an event",
+        ),
+        (Qualifier::D | Qualifier::L | Qualifier::Tl | Qualifier::Td | Qualifier::Tf, _) if alone => {
+            (format!("`{name}` needs a time"), "only an operand", "write the time behind the operand: `Q4.0 := T#5S`")
+        }
+        (Qualifier::Cs, _) if alone => {
+            ("`CS` needs a value".to_string(), "only a counter", "write the value behind the counter: `C5 := C#20`")
+        }
+        _ => (
+            format!("`{name}` takes an operand and nothing else"),
+            "a value stands behind the operand",
+            "an assignment is an action of N",
+        ),
+    };
+    Diagnostic::new(Code::ActionText, span, title).label(label).help(help)
+}

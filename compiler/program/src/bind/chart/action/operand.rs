@@ -1,0 +1,82 @@
+//! Operands of N, S, R, D and L, and their times. Source: GRAPH reference D.6.
+
+use plcc_diag::{Code, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::CellKind;
+use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
+
+use crate::bind::scl::Intent;
+use crate::bind::scl::convert::explicit_expr;
+use crate::bind::scl::message::described;
+use crate::bind::scl::numeric::Shape;
+use crate::bind::scl::place::{Spot, Thing};
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::scl::Expr;
+
+impl Binder<'_> {
+    /// A BOOL that a row writes.
+    pub fn bit_operand(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Spot> {
+        let thing = match &node.kind {
+            NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. } => {
+                self.no_bit(node.span, "no variable");
+                return None;
+            }
+            _ => self.thing(ctx, node, Intent::Write)?,
+        };
+        let Thing::Spot(spot) = thing else {
+            let is = thing_text(&thing);
+            self.no_bit(node.span, is);
+            return None;
+        };
+        let access = spot.clone().access(node.span);
+        if access.elementary() != Some(Elementary::Bool) {
+            let is = match access.elementary() {
+                Some(ty) => format!("of type {}", ty.name()),
+                None => format!("of type {}", layout::type_name(&access.ty)),
+            };
+            self.no_bit(node.span, &is);
+            return None;
+        }
+        self.check_intent(ctx, &spot, Intent::Write, node.span)?;
+        Some(spot)
+    }
+
+    fn no_bit(&mut self, span: Span, is: &str) {
+        let text = self.text(span);
+        let title = format!("`{text}` is {is}, but this action writes a BOOL");
+        self.refuse(Code::ActionOperand, span, &title, is, "name a bit: `Q4.0`, or a variable of type BOOL");
+    }
+
+    /// The time of D and L, a TIME.
+    pub fn action_time(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
+        let value = self.scl_value(ctx, node)?;
+        match Shape::of(&value) {
+            Shape::Of(Elementary::Time | Elementary::Dword | Elementary::Dint | Elementary::S5Time) => {
+                let value = self.scl_own_type(ctx, value)?;
+                explicit_expr(ctx.scl.rules, value, Elementary::Time)
+            }
+            _ => {
+                let (text, is) = (self.text(node.span), described(&value));
+                let title = format!("`{text}` is no time");
+                let help = "write a time, `T#5S`, or a variable of type TIME; DWORD and DINT hold milliseconds";
+                self.refuse(Code::ActionOperand, node.span, &title, &is, help);
+                None
+            }
+        }
+    }
+}
+
+/// What stands where something else is wanted.
+pub fn thing_text(thing: &Thing) -> &'static str {
+    match thing {
+        Thing::Spot(_) => "a variable",
+        Thing::Constant(_) => "a constant",
+        Thing::Cell { kind: CellKind::Timer, .. } => "a timer",
+        Thing::Cell { kind: CellKind::Counter, .. } => "a counter",
+        Thing::Block { .. } => "a block",
+        Thing::Db { .. } | Thing::DbArea(..) => "a data block",
+        Thing::Flag | Thing::LastEno => "the ENO of a block",
+        Thing::Area(..) => "an area of memory",
+    }
+}

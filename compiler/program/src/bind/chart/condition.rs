@@ -1,0 +1,143 @@
+//! Conditions of transitions, interlocks and supervisions. Source: GRAPH reference A.6.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::chart::ast::Condition;
+use plcc_syntax::network::ast::{Content, Network, Target};
+use plcc_syntax::network::elements::Kind;
+use plcc_syntax::scl::ast::{
+    AssignOp, Expr as Node, ExprKind as NodeKind, Name, NameForm, Statement as Tree, StatementKind as TreeKind,
+};
+
+use super::engine::Engine;
+use crate::bind::names::fold;
+use crate::bind::scl::message::described;
+use crate::bind::scl::numeric::Shape;
+use crate::bind::{Binder, Ctx};
+use crate::model::scl::{Expr, Statement};
+
+impl Binder<'_> {
+    /// Binds a condition: statements, and the BOOL that it then is, which is good until the next network or row is bound.
+    /// `what` has it: "the transition `T1`".
+    pub fn condition_code(
+        &mut self,
+        ctx: &mut Ctx,
+        engine: &mut Engine,
+        condition: &Condition,
+        what: &str,
+    ) -> Option<(Vec<Statement>, Expr)> {
+        match condition {
+            Condition::Expression(node) => Some((Vec::new(), self.condition_value(ctx, node, what)?)),
+            Condition::Statements(list) => self.condition_statements(ctx, list, what),
+            Condition::Network(network) => match &network.content {
+                Content::Scl(list) => self.condition_statements(ctx, list, what),
+                Content::Graphic(_) | Content::Stl(_) => self.condition_network(ctx, engine, network, what),
+            },
+        }
+    }
+
+    /// A BOOL.
+    pub(super) fn condition_value(&mut self, ctx: &mut Ctx, node: &Node, what: &str) -> Option<Expr> {
+        let value = self.scl_value(ctx, node)?;
+        if Shape::of(&value) == Shape::Of(Elementary::Bool) {
+            return self.scl_convert(ctx, value, Elementary::Bool);
+        }
+        let (text, is) = (self.text(node.span), described(&value));
+        self.report.push(
+            Diagnostic::new(Code::ConditionType, node.span, format!("`{text}` is {is}, but {what} wants a BOOL"))
+                .label(is)
+                .help("compare it, for example with `> 0`, or name a bit"),
+        );
+        None
+    }
+
+    /// A network: its coil of a condition has the result.
+    fn condition_network(
+        &mut self,
+        ctx: &mut Ctx,
+        engine: &mut Engine,
+        network: &Network,
+        what: &str,
+    ) -> Option<(Vec<Statement>, Expr)> {
+        engine.page.condition = Some(None);
+        let statements = self.bind_lone_network(ctx, &mut engine.page, network);
+        let result = engine.page.condition.take().flatten();
+        let coils = match &network.content {
+            Content::Graphic(graph) if graph.broken => return None,
+            Content::Graphic(graph) => graph
+                .elements
+                .iter()
+                .filter(|element| matches!(&element.target, Target::Element { row, .. } if row.kind == Kind::Condition))
+                .map(|element| element.span)
+                .collect(),
+            Content::Scl(_) | Content::Stl(_) => Vec::new(),
+        };
+        match coils.as_slice() {
+            [] => {
+                self.report.push(
+                    Diagnostic::new(
+                        Code::MissingCondition,
+                        network.span,
+                        format!("the network of {what} has no result"),
+                    )
+                    .label("no coil of the condition")
+                    .help("end the network with the coil of the condition"),
+                );
+                None
+            }
+            [_] => Some((statements, result?)),
+            [first, second, ..] => {
+                let title = format!("the network of {what} has several results");
+                self.report.push(
+                    Diagnostic::new(Code::ElementPlace, *second, title)
+                        .label("a second coil of the condition")
+                        .also(*first, "the first one")
+                        .help("join the branches before one coil"),
+                );
+                None
+            }
+        }
+    }
+
+    /// Statements, the last of which is the condition, or gives it to the name of the transition.
+    fn condition_statements(&mut self, ctx: &mut Ctx, list: &[Tree], what: &str) -> Option<(Vec<Statement>, Expr)> {
+        let list = match list.iter().rposition(|tree| !matches!(tree.kind, TreeKind::Empty | TreeKind::Pragma(_))) {
+            Some(last) => &list[..=last],
+            None => return None,
+        };
+        let (last, before) = list.split_last()?;
+        self.collect_labels(ctx, before);
+        let statements = self.statements(ctx, before);
+        let value = match &last.kind {
+            TreeKind::Expression(node) => node,
+            TreeKind::Assign { targets, value } if self.is_own_value(ctx, targets) => value,
+            TreeKind::Error => return None,
+            _ => {
+                self.no_condition_at_end(last.span, what);
+                return None;
+            }
+        };
+        let value = self.condition_value(ctx, value, what)?;
+        Some((statements, value))
+    }
+
+    /// The target is no variable, so that it stands for the transition.
+    fn is_own_value(&self, ctx: &Ctx, targets: &[(Node, AssignOp)]) -> bool {
+        let [(Node { kind: NodeKind::Name(Name { text, form, .. }), .. }, AssignOp::Set)] = targets else {
+            return false;
+        };
+        let folded = fold(text);
+        *form == NameForm::Bare
+            && !ctx.bound.locals.contains_key(&folded)
+            && !self.globals.contains_key(&folded)
+            && plcc_syntax::scl::absolute(text).is_none()
+    }
+
+    fn no_condition_at_end(&mut self, span: Span, what: &str) {
+        self.report.push(
+            Diagnostic::new(Code::ConditionType, span, format!("the last statement of {what} is no condition"))
+                .label("it has no value")
+                .help("end with the condition alone, `a AND b;`, or assign it to the name of the transition"),
+        );
+    }
+}
