@@ -69,7 +69,7 @@ impl Binder<'_> {
     /// The block of the library that stands for `key`, if the program itself does not define it.
     pub fn library_block(&self, key: BlockKey) -> Option<&'static SystemBlock> {
         let class = class_of(key.kind)?;
-        if matches!(self.code.get(&key), Some(CodeSource::User(_))) {
+        if matches!(self.code.get(&key), Some(CodeSource::User(_) | CodeSource::Expanded(_))) {
             return None;
         }
         if let Some(block) = self.moved.get(&key) {

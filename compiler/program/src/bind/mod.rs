@@ -133,6 +133,8 @@ enum State<T> {
 #[derive(Clone)]
 enum CodeSource<'a> {
     User(&'a ast::CodeBlock),
+    /// Of a user, with declarations that its language adds.
+    Expanded(Rc<ast::CodeBlock>),
     System(Rc<ast::CodeBlock>),
 }
 
@@ -140,7 +142,7 @@ impl CodeSource<'_> {
     fn block(&self) -> &ast::CodeBlock {
         match self {
             CodeSource::User(block) => block,
-            CodeSource::System(block) => block,
+            CodeSource::Expanded(block) | CodeSource::System(block) => block,
         }
     }
 }
@@ -255,8 +257,12 @@ impl<'a> Binder<'a> {
     }
 
     fn bind_user_blocks(&mut self) -> Vec<CodeBlock> {
-        let mut keys: Vec<BlockKey> =
-            self.code.iter().filter(|(_, source)| matches!(source, CodeSource::User(_))).map(|(key, _)| *key).collect();
+        let mut keys: Vec<BlockKey> = self
+            .code
+            .iter()
+            .filter(|(_, source)| !matches!(source, CodeSource::System(_)))
+            .map(|(key, _)| *key)
+            .collect();
         keys.sort_unstable();
         for &key in &keys {
             let span = self.code[&key].block().name.span();

@@ -340,7 +340,13 @@ impl<'a> Binder<'a> {
         match block {
             ast::Block::Code(code) => {
                 if let Some(kind) = code_kind(prefix) {
-                    self.code.insert(BlockKey { kind, number }, super::CodeSource::User(code));
+                    let source = match &code.code {
+                        ast::Code::Chart(chart) => {
+                            super::CodeSource::Expanded(std::rc::Rc::new(super::chart::expanded(code, chart)))
+                        }
+                        ast::Code::Stl(_) | ast::Code::Scl(_) | ast::Code::Graphic(_) => super::CodeSource::User(code),
+                    };
+                    self.code.insert(BlockKey { kind, number }, source);
                 }
             }
             ast::Block::Data(data) => {

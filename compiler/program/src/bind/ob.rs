@@ -35,7 +35,7 @@ impl Binder<'_> {
             .filter(|(key, _)| key.kind == BlockKind::Ob)
             .filter_map(|(key, source)| match source {
                 CodeSource::User(block) => Some((key.number, *block)),
-                CodeSource::System(_) => None,
+                CodeSource::Expanded(_) | CodeSource::System(_) => None,
             })
             .collect();
         obs.sort_unstable_by_key(|(number, _)| *number);

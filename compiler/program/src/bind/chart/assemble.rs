@@ -35,7 +35,6 @@ pub struct Parts {
 /// What the chart needs of the engine.
 pub struct Features {
     pub monitoring: bool,
-    pub supervision: bool,
     /// Transitions switch behind phase 6 only.
     pub selection: bool,
     pub all_conditions: bool,
@@ -129,7 +128,6 @@ impl<'a, 'c> Assembly<'a, 'c> {
         holes.insert("skip", if self.features.skipping { per_step(&|step| self.skip(step)) } else { Vec::new() });
         holes.insert("leave", per_step(&|step| self.parts.codes[step].leave.clone()));
         holes.insert("act", per_step(&|step| self.parts.codes[step].active.clone()));
-        drop(per_step);
         holes.insert("before", self.parts.before);
         holes.insert("after", self.parts.after);
         holes

@@ -8,11 +8,11 @@ use rustc_hash::FxHashMap;
 use super::build::{assign, element, if_then, load, number};
 use super::index::Index;
 use super::instance::{Members, TIA_DATA, words};
+use crate::bind::Ctx;
 use crate::bind::declare::BoundInterface;
 use crate::bind::names::fold;
 use crate::bind::network::Page;
 use crate::bind::path::{Base, Variable};
-use crate::bind::Ctx;
 use crate::bind::scl::expression::{binary_expr, constant_expr};
 use crate::layout;
 use crate::model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Statement, UnaryOp};
@@ -45,13 +45,59 @@ pub struct Set(Vec<Variable>);
 
 /// Variables of the engine in the frame. Source: `engine.scl`.
 const BITS: &[&str] = &[
-    "off", "init", "force", "acknowledge_shown", "register", "register_shown", "push", "switch_on", "switch_off", "next",
-    "previous", "take", "t_next", "t_previous", "auto", "man", "tap", "top", "active", "faulty", "all", "runs", "forced", "may",
-    "watched", "merging", "known", "skipped", "error", "fault", "was", "satisfied", "faulty_now", "gone", "still_valid",
+    "off",
+    "init",
+    "force",
+    "acknowledge_shown",
+    "register",
+    "register_shown",
+    "push",
+    "switch_on",
+    "switch_off",
+    "next",
+    "previous",
+    "take",
+    "t_next",
+    "t_previous",
+    "auto",
+    "man",
+    "tap",
+    "top",
+    "active",
+    "faulty",
+    "all",
+    "runs",
+    "forced",
+    "may",
+    "watched",
+    "merging",
+    "known",
+    "skipped",
+    "error",
+    "fault",
+    "was",
+    "satisfied",
+    "faulty_now",
+    "gone",
+    "still_valid",
 ];
 const NUMBERS: &[&str] = &[
-    "i", "j", "k", "number", "wanted", "count", "left", "entered", "kept", "lowest", "lowest_at", "lowest_faulty",
-    "lowest_faulty_at", "faults", "first_valid", "valid",
+    "i",
+    "j",
+    "k",
+    "number",
+    "wanted",
+    "count",
+    "left",
+    "entered",
+    "kept",
+    "lowest",
+    "lowest_at",
+    "lowest_faulty",
+    "lowest_faulty_at",
+    "faults",
+    "first_valid",
+    "valid",
 ];
 const TIMES: &[&str] = &["now", "passed", "elapsed"];
 
@@ -83,7 +129,10 @@ impl<'c> Engine<'c> {
     pub fn new(ctx: &mut Ctx, chart: &'c Chart, index: &'c Index, members: &Members, span: Span) -> Option<Engine<'c>> {
         let bound = std::rc::Rc::clone(&ctx.bound);
         let (steps, transitions) = if members.arrays {
-            (elements(&variable(&bound, &["G7S"])?), variable(&bound, &["G7T"]).map_or_else(Vec::new, |list| elements(&list)))
+            (
+                elements(&variable(&bound, &["G7S"])?),
+                variable(&bound, &["G7T"]).map_or_else(Vec::new, |list| elements(&list)),
+            )
         } else {
             let all = |names: &[String]| -> Option<Vec<Variable>> {
                 names.iter().map(|name| variable(&bound, &[name.as_str()])).collect()
@@ -95,11 +144,12 @@ impl<'c> Engine<'c> {
         for (list, ty) in [(BITS, Elementary::Bool), (NUMBERS, Elementary::Int), (TIMES, Elementary::Dint)] {
             names.extend(list.iter().map(|name| (*name, page.pool.lasting(ctx, ty).variable())));
         }
-        let mut set = || Set((0..words(steps.len())).map(|_| page.pool.lasting(ctx, Elementary::Ulint).variable()).collect());
+        let mut set =
+            || Set((0..words(steps.len())).map(|_| page.pool.lasting(ctx, Elementary::Ulint).variable()).collect());
         let (active, left, entered) = (set(), set(), set());
         for (name, path) in KEPT {
             let found = variable(&bound, path).or_else(|| variable(&bound, &[&[TIA_DATA], *path].concat()))?;
-            names.insert(name, found);
+            names.insert(*name, found);
         }
         let double = |variable: &Variable| typed(variable, 0, DataType::Elementary(Elementary::Dword));
         names.insert("MOP_D", double(&names["MOP"]));
@@ -195,7 +245,8 @@ impl<'c> Engine<'c> {
     /// Fetches the set of active steps; the others are empty.
     pub fn begin_sets(&self) -> Vec<Statement> {
         let zero = |variable: &Variable| assign(variable, number(0, Elementary::Ulint, self.span), self.span);
-        let fetch = self.active.0.iter().zip(&self.kept).map(|(word, kept)| assign(word, load(kept, self.span), self.span));
+        let fetch =
+            self.active.0.iter().zip(&self.kept).map(|(word, kept)| assign(word, load(kept, self.span), self.span));
         fetch.chain(self.left.0.iter().chain(&self.entered.0).map(zero)).collect()
     }
 
@@ -238,12 +289,23 @@ impl<'c> Engine<'c> {
         for word in (0..self.active.0.len()).rev() {
             let one = number(1, Elementary::Ulint, self.span);
             let first = 64 * word as u64 + 1;
-            let place = binary_expr(BinaryOp::Subtract, step(), number(first, Elementary::Int, self.span), Elementary::Int, self.span);
+            let place = binary_expr(
+                BinaryOp::Subtract,
+                step(),
+                number(first, Elementary::Int, self.span),
+                Elementary::Int,
+                self.span,
+            );
             let bit = binary_expr(BinaryOp::ShiftLeft, one, place, Elementary::Ulint, self.span);
             let own = make(word, bit);
             statements = match word + 1 == self.active.0.len() {
                 true => own,
-                false => vec![if_then(compared(CompareOp::LessEqual, step(), 64 * (word as u64 + 1)), own, statements, self.span)],
+                false => vec![if_then(
+                    compared(CompareOp::LessEqual, step(), 64 * (word as u64 + 1)),
+                    own,
+                    statements,
+                    self.span,
+                )],
             };
         }
         statements
@@ -252,7 +314,8 @@ impl<'c> Engine<'c> {
     /// Appends a step to S0X or S1X and to its set.
     pub fn append(&self, set: &Set, list: &str, count: &str, step: usize, span: Span) -> Vec<Statement> {
         let count = self.variable(count);
-        let more = binary_expr(BinaryOp::Add, load(count, span), number(1, Elementary::Int, span), Elementary::Int, span);
+        let more =
+            binary_expr(BinaryOp::Add, load(count, span), number(1, Elementary::Int, span), Elementary::Int, span);
         let place = element(self.variable(list), load(count, span), span);
         let value = number(step as u64 + 1, Elementary::Byte, span);
         vec![
@@ -324,8 +387,7 @@ pub fn compared(op: CompareOp, left: Expr, right: u64) -> Expr {
 fn variable(bound: &BoundInterface, path: &[&str]) -> Option<Variable> {
     let (first, rest) = path.split_first()?;
     let local = bound.locals.get(&fold(first)).filter(|local| local.base == Base::Instance)?;
-    let root =
-        Variable { base: local.base, byte: local.byte, bit: local.bit, ty: local.ty.clone(), untyped: false };
+    let root = Variable { base: local.base, byte: local.byte, bit: local.bit, ty: local.ty.clone(), untyped: false };
     rest.iter().try_fold(root, |variable, name| member(&variable, name))
 }
 
@@ -360,7 +422,16 @@ fn list(first: &Variable, count: usize, element: DataType) -> Variable {
 
 /// A step in whole bytes and numbers.
 fn raw_step(bytes: u32) -> DataType {
-    raw(bytes, &[("EVENTS", Elementary::Byte, 0), ("STATES", Elementary::Byte, 1), ("SNO", Elementary::Int, 2), ("T", Elementary::Dint, 4), ("U", Elementary::Dint, 8)])
+    raw(
+        bytes,
+        &[
+            ("EVENTS", Elementary::Byte, 0),
+            ("STATES", Elementary::Byte, 1),
+            ("SNO", Elementary::Int, 2),
+            ("T", Elementary::Dint, 4),
+            ("U", Elementary::Dint, 8),
+        ],
+    )
 }
 
 /// A transition in whole bytes and numbers.

@@ -41,8 +41,7 @@ pub struct Members {
 
 impl Members {
     pub fn new(block: &ast::CodeBlock, chart: &Chart) -> Members {
-        let mut taken: FxHashSet<String> =
-            block.sections.iter().flat_map(|section| &section.variables).map(|variable| fold(&variable.name)).collect();
+        let mut taken: FxHashSet<String> = declared(block).map(|variable| fold(&variable.name)).collect();
         taken.extend(parameters::PARAMETERS.iter().map(|parameter| fold(parameter.name)));
         taken.extend(ENGINE_NAMES.iter().map(|name| fold(name)));
         let mut name = |name: &str, letter: char, number: u32, at: usize| {
@@ -58,21 +57,29 @@ impl Members {
     }
 }
 
+/// Variables that the source declares, none of those that [`expanded`] adds.
+fn declared(block: &ast::CodeBlock) -> impl Iterator<Item = &Variable> {
+    block
+        .sections
+        .iter()
+        .flat_map(|section| &section.variables)
+        .filter(|variable| variable.name_span.file != SYSTEM_FILE)
+}
+
 /// Names of what the engine declares.
-const ENGINE_NAMES: [&str; 10] =
-    ["G7S", "G7T", "SAX", "S0X", "S1X", "MOPEDGE", "MOP", "SQ_FLAGS", "G7_DATA", TIA_DATA];
+const ENGINE_NAMES: [&str; 10] = ["G7S", "G7T", "SAX", "S0X", "S1X", "MOPEDGE", "MOP", "SQ_FLAGS", "G7_DATA", TIA_DATA];
 
 /// The block with everything declared that its chart brings: operating parameters before those of the block, data of the chart behind
 /// its static data.
 pub fn expanded(block: &ast::CodeBlock, chart: &Chart) -> ast::CodeBlock {
     let members = Members::new(block, chart);
     let mut expanded = block.clone();
-    let declared: FxHashSet<String> =
-        block.sections.iter().flat_map(|section| &section.variables).map(|variable| fold(&variable.name)).collect();
+    let declared: FxHashSet<String> = declared(block).map(|variable| fold(&variable.name)).collect();
     let interface = chart.settings.interface.unwrap_or(parameters::default_interface(chart.dialect));
     let mut front = Vec::new();
     for kind in [SectionKind::Input, SectionKind::Output] {
-        let implied = parameters::implied(interface).filter(|one| one.section == kind && !declared.contains(&fold(one.name)));
+        let implied =
+            parameters::implied(interface).filter(|one| one.section == kind && !declared.contains(&fold(one.name)));
         let text: String = implied.map(|one| format!("{} : {};\n", one.name, one.ty)).collect();
         front.push(section(kind, variables(&text), block.name.span()));
     }
@@ -169,12 +176,7 @@ fn transition_type(user_number: u32) -> TypeKind {
 }
 
 /// `G7S : ARRAY[1..n] OF STRUCT …`, each element with its number.
-fn array(
-    name: &str,
-    types: Vec<TypeKind>,
-    component: &str,
-    numbers: impl Iterator<Item = u32>,
-) -> Option<Variable> {
+fn array(name: &str, types: Vec<TypeKind>, component: &str, numbers: impl Iterator<Item = u32>) -> Option<Variable> {
     let count = types.len() as i64;
     let element = TypeRef { kind: types.into_iter().next()?, span: nowhere() };
     let bounds = vec![(ast::Bound::Number(1, nowhere()), ast::Bound::Number(count, nowhere()))];

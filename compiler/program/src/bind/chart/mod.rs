@@ -1,35 +1,264 @@
 //! Binding of GRAPH: a chart becomes statements of the typed tree of SCL, so that all languages share one lowering.
 //!
-//! - `index`: steps and transitions by name and number.
-//! - `engine`: what the statements know of the chart: where its data lie in the instance.
+//! - `parameters`: the operating parameters, a row each; `instance`: data of the chart in the instance.
+//! - `index`: steps and transitions by name and number; `names`: they in expressions.
+//! - `engine.scl`, `monitor.scl`: one call of the block as SCL with holes; `template` reads them.
+//! - `engine`: what the statements know of the chart: where its data lie, sets of steps; `build`: pieces of the typed tree.
 //! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `call`: block calls of the first two.
+//! - `assemble`: the code of steps and transitions, put into the holes.
 //! - `analysis`: which charts can be.
 //!
 //! Source: GRAPH reference, chapters D to G.
 
 mod action;
 mod analysis;
+mod assemble;
+mod build;
 mod call;
 mod condition;
 mod engine;
 mod index;
+mod instance;
+mod names;
+mod parameters;
 mod permanent;
+mod template;
 
-use plcc_syntax::ast;
-use plcc_syntax::chart::ast::Body as Chart;
-use plcc_syntax::scl::ast::Dialect;
+pub use instance::expanded;
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{self, SectionKind};
+use plcc_syntax::chart::ast::{Body as Chart, Condition as Tree, Dialect};
+use plcc_syntax::scl;
 
 use super::scl::Scope;
+use super::scl::temporary;
 use super::{Binder, Ctx};
-use crate::model::scl::Body;
+use crate::model::Direction;
+use crate::model::scl::{Body, Statement, StatementKind};
+use crate::types::DataType;
+use assemble::{Assembly, Condition, Features, Parts};
+use build::number;
+use engine::Engine;
 use index::Index;
+use instance::Members;
+use parameters::{Effect, PARAMETERS, Parameter};
+use template::{ENGINE, MONITOR, Meaning};
+
+/// Forgets what ON, OFF and the operator have asked for.
+const CLEAR_REQUESTS: &str = "#REQUESTED := FALSE;
+FOR #j := 1 TO #steps DO
+  #ASKED_ON[#j] := FALSE;
+  #ASKED_OFF[#j] := FALSE;
+END_FOR;";
 
 impl Binder<'_> {
     /// Binds the chart of a block.
     pub fn bind_chart(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, chart: &Chart) -> Body {
-        ctx.scl = Scope::new(self.input, &block.header, Dialect::Tia);
+        let dialect = match chart.dialect {
+            Dialect::Classic => scl::ast::Dialect::Classic,
+            Dialect::Tia | Dialect::Sfc => scl::ast::Dialect::Tia,
+        };
+        ctx.scl = Scope::new(self.input, &block.header, dialect);
+        let sets_flag = ctx.scl.sets_flag;
         let index = Index::new(chart);
         self.check_chart(ctx, block, chart, &index);
-        Body::default()
+        let members = Members::new(block, chart);
+        let chart = &self.resolved_chart(block, chart, &index, &members);
+        let span = block.name.span();
+        let Some(mut engine) = Engine::new(ctx, chart, &index, &members, span) else { return Body::default() };
+        let parts = self.chart_parts(ctx, &mut engine);
+        self.unused_data(ctx, block, false);
+        let mut statements = self.fill_engine(ctx, &mut engine, parts);
+        let yes = number(1, Elementary::Bool, span);
+        statements.push(Statement { kind: StatementKind::SetFlag(yes), span });
+        Body {
+            statements,
+            sets_flag,
+            calls_set_flag: false,
+            temporary_texts: temporary::texts(&ctx.bound),
+            networks: Vec::new(),
+        }
     }
+
+    /// Binds conditions, actions and permanent instructions.
+    fn chart_parts(&mut self, ctx: &mut Ctx, engine: &mut Engine) -> Parts {
+        let chart = engine.chart;
+        let index = engine.index;
+        let places = |names: &[scl::ast::Name]| -> Vec<usize> {
+            let mut places: Vec<usize> = Vec::new();
+            for place in names.iter().filter_map(|name| index.step(&name.text)) {
+                if !places.contains(&place) {
+                    places.push(place);
+                }
+            }
+            places
+        };
+        let before = self.permanent_code(ctx, engine, &chart.before);
+        let mut interlocks = Vec::new();
+        let mut supervisions = Vec::new();
+        let mut codes = Vec::new();
+        for (at, step) in chart.steps.iter().enumerate() {
+            let name = &step.name.text;
+            interlocks.push(self.chart_condition(
+                ctx,
+                engine,
+                step.interlock.as_ref(),
+                &format!("the interlock of `{name}`"),
+            ));
+            let what = format!("the supervision of `{name}`");
+            supervisions.push(self.chart_condition(ctx, engine, step.supervision.as_ref(), &what));
+            codes.push(self.step_code(ctx, engine, at));
+        }
+        let mut conditions = Vec::new();
+        for transition in &chart.transitions {
+            let what = format!("the transition `{}`", transition.name.text);
+            let condition = self.chart_condition(ctx, engine, transition.condition.as_ref(), &what);
+            conditions.push(condition.unwrap_or_else(|| (Vec::new(), number(1, Elementary::Bool, transition.span))));
+        }
+        let after = self.permanent_code(ctx, engine, &chart.after);
+        let from = chart.transitions.iter().map(|one| places(&one.from)).collect();
+        let to = chart.transitions.iter().map(|one| places(&one.to)).collect();
+        Parts { before, after, codes, interlocks, supervisions, conditions, from, to }
+    }
+
+    /// A condition, if there is one; FALSE stands for one that could not be bound.
+    fn chart_condition(
+        &mut self,
+        ctx: &mut Ctx,
+        engine: &mut Engine,
+        condition: Option<&Tree>,
+        what: &str,
+    ) -> Option<Condition> {
+        let condition = condition?;
+        let (statements, value) = self
+            .condition_code(ctx, engine, condition, what)
+            .unwrap_or_else(|| (Vec::new(), number(0, Elementary::Bool, engine.span)));
+        if let Some(span) = label(&statements) {
+            self.report.push(
+                Diagnostic::new(Code::ElementPlace, span, format!("{what} has a jump label"))
+                    .label("conditions are evaluated without jumps")
+                    .help("write the condition with AND, OR and comparisons, or compute it in a permanent instruction"),
+            );
+            return Some((Vec::new(), value));
+        }
+        Some((statements, value))
+    }
+
+    /// Puts the code of the chart into the engine.
+    fn fill_engine(&mut self, ctx: &mut Ctx, engine: &mut Engine, parts: Parts) -> Vec<Statement> {
+        let chart = engine.chart;
+        let owned = assemble::owners(chart.steps.len(), &parts.from, &chart.transitions);
+        let competing = assemble::competing(chart.steps.len(), &parts.from, &chart.transitions);
+        let most = owned.iter().map(Vec::len).max().unwrap_or(0);
+        let results = (0..most).map(|_| engine.page.pool.lasting(ctx, Elementary::Bool).variable()).collect();
+        let declared = |name: &str| parameters::find(name).is_some_and(|parameter| is_declared(ctx, parameter));
+        let any = |names: &[&str]| names.iter().any(|name| declared(name));
+        let supervision = parts.supervisions.iter().any(Option::is_some);
+        let transition_display = any(&["T_NO", "T_MORE", "T_PREV", "T_NEXT"]);
+        let skips = chart.settings.skip_steps == Some(true) || declared("EN_SSKIP") || self.mentions_word("SSKIP");
+        let features = Features {
+            monitoring: supervision || parts.interlocks.iter().any(Option::is_some),
+            selection: supervision || !competing.is_empty() || transition_display,
+            all_conditions: self.mentions_word("T_PERM"),
+            skipping: skips,
+            display: any(&DISPLAYS),
+            transition_display,
+            safe_activation: chart.settings.safe_activation == Some(true),
+        };
+        let meaning = |name: &str| -> Meaning {
+            match name {
+                "has_monitoring" => Meaning::Bool(features.monitoring),
+                "has_selection" => Meaning::Bool(features.selection),
+                "has_all_conditions" => Meaning::Bool(features.all_conditions),
+                "has_skipping" => Meaning::Bool(features.skipping),
+                "has_display" => Meaning::Bool(features.display),
+                "has_transition_display" => Meaning::Bool(features.transition_display),
+                "has_safe_activation" => Meaning::Bool(features.safe_activation),
+                "steps" => Meaning::Number(chart.steps.len() as u64),
+                "transitions" => Meaning::Number(chart.transitions.len() as u64),
+                _ => match PARAMETERS.iter().find(|one| one.name == name && one.effect == Effect::Named) {
+                    Some(parameter) if !is_declared(ctx, parameter) => match parameter.ty {
+                        "BOOL" => Meaning::Bool(false),
+                        _ => Meaning::Number(0),
+                    },
+                    _ => Meaning::Kept,
+                },
+            }
+        };
+        let text = ENGINE
+            .replace("edges();", &parameters::edges(declared))
+            .replace("monitor();", MONITOR)
+            .replace("clear_requests();", CLEAR_REQUESTS);
+        let trees = template::prune(template::parse(&text), &meaning);
+        let holes = Assembly::new(engine, parts, features, results, owned, competing).holes();
+        self.bind_template(ctx, engine, &trees, holes)
+    }
+
+    /// Binds the engine's own statements, with its names and without those of the user.
+    fn bind_template(
+        &mut self,
+        ctx: &mut Ctx,
+        engine: &Engine,
+        trees: &[scl::ast::Statement],
+        holes: rustc_hash::FxHashMap<&'static str, Vec<Statement>>,
+    ) -> Vec<Statement> {
+        let mut scope = Scope::new(self.input, &ast::Header::default(), scl::ast::Dialect::Tia);
+        scope.holes = holes;
+        scope.hidden = engine.names.iter().map(|(name, variable)| (name.to_string(), variable.clone())).collect();
+        let users = std::mem::replace(&mut ctx.scl, scope);
+        let span = ctx.fixed_span.replace(engine.span);
+        let told = self.report.diagnostics.len();
+        let statements = self.statements(ctx, trees);
+        let messages = self.report.diagnostics.split_off(told);
+        debug_assert!(!messages.iter().any(Diagnostic::is_error), "{messages:?}");
+        ctx.fixed_span = span;
+        ctx.scl = users;
+        statements
+    }
+
+    /// Whether a source has this word, in any letter case.
+    fn mentions_word(&self, word: &str) -> bool {
+        self.input.sources.files().any(|(_, file)| {
+            let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            file.text.split(|c| !is_word(c)).any(|found| found.eq_ignore_ascii_case(word))
+        })
+    }
+}
+
+/// Parameters that need to know which step is shown.
+const DISPLAYS: [&str; 12] = [
+    "S_NO", "S_MORE", "S_ACTIVE", "S_TIME", "S_TIMEOK", "S_STATE", "S_SEL", "S_SELOK", "S_ON", "S_OFF", "ACK_S",
+    "REG_S",
+];
+
+/// The block has this operating parameter: one of its name, type and direction.
+fn is_declared(ctx: &Ctx, parameter: &Parameter) -> bool {
+    let direction = match parameter.section {
+        SectionKind::Output => Direction::Output,
+        _ => Direction::Input,
+    };
+    ctx.bound.interface.parameters.iter().any(|one| {
+        one.name.eq_ignore_ascii_case(parameter.name)
+            && one.direction == direction
+            && one.ty == Elementary::from_word(parameter.ty).map_or(DataType::Void, DataType::Elementary)
+    })
+}
+
+/// A jump label among statements.
+fn label(statements: &[Statement]) -> Option<Span> {
+    statements.iter().find_map(|statement| match &statement.kind {
+        StatementKind::Label(_) => Some(statement.span),
+        StatementKind::If { branches, otherwise } => {
+            branches.iter().find_map(|(_, body)| label(body)).or_else(|| label(otherwise))
+        }
+        StatementKind::Case { arms, otherwise, .. } => {
+            arms.iter().find_map(|arm| label(&arm.body)).or_else(|| label(otherwise))
+        }
+        StatementKind::For { body, .. } | StatementKind::While { body, .. } | StatementKind::Repeat { body, .. } => {
+            label(body)
+        }
+        _ => None,
+    })
 }

@@ -16,8 +16,32 @@ use crate::bind::names::fold;
 const OF_TRANSITIONS: [&str; 8] = ["TV", "TT", "TS", "CF_IV", "TNO", "CRIT", "CRIT_OLD", "CRIT_FLT"];
 /// Components of steps.
 const OF_STEPS: [&str; 26] = [
-    "S1", "L1", "V1", "R1", "A1", "S0", "L0", "V0", "X", "LA", "VA", "RA", "AA", "SS", "LS", "VS", "SNO", "T", "U",
-    "T_MAX", "T_WARN", "CRIT_LOC", "CRIT_LOC_ERR", "CRIT_SUP", "SM", "LP",
+    "S1",
+    "L1",
+    "V1",
+    "R1",
+    "A1",
+    "S0",
+    "L0",
+    "V0",
+    "X",
+    "LA",
+    "VA",
+    "RA",
+    "AA",
+    "SS",
+    "LS",
+    "VS",
+    "SNO",
+    "T",
+    "U",
+    "T_MAX",
+    "T_WARN",
+    "CRIT_LOC",
+    "CRIT_LOC_ERR",
+    "CRIT_SUP",
+    "SM",
+    "LP",
 ];
 
 /// What resolves names of a chart.
@@ -63,6 +87,7 @@ impl Names<'_, '_> {
                     }
                     ActionBody::Call(call) => self.call(call),
                     ActionBody::Statements(list) => self.statements(list),
+                    ActionBody::Network(network) => self.network(network),
                     ActionBody::All { .. } | ActionBody::Error => {}
                 }
             }

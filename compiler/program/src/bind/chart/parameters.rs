@@ -41,13 +41,7 @@ pub enum Effect {
 use Effect::{Named, Nothing, Set as Sets, Toggle};
 use SectionKind::{Input, Output};
 
-const fn row(
-    name: &'static str,
-    ty: &'static str,
-    section: SectionKind,
-    set: self::Set,
-    effect: Effect,
-) -> Parameter {
+const fn row(name: &'static str, ty: &'static str, section: SectionKind, set: self::Set, effect: Effect) -> Parameter {
     Parameter { name, ty, section, set, effect }
 }
 
@@ -122,10 +116,38 @@ pub const PARAMETERS: &[Parameter] = &[
 
 /// Bits of MOP, four bytes of them. Those behind the start values are requests, levels or modes as `engine.scl` treats them.
 pub const OPERATING_BITS: [&str; 32] = [
-    "AUTO", "TAP", "TOP", "MAN", "ACK_S", "REG_S", "ACK_EF", "REG_EF", //
-    "LOCK", "SUP", "ACKREQ", "SSKIP", "OFF", "INIT", "HOLD", "TMS_HALT", //
-    "OPS_ZERO", "SACT_DISP", "SEF_DISP", "SALL_DISP", "S_PREV", "S_NEXT", "S_SELOK", "S_ON", //
-    "S_OFF", "T_PREV", "T_NEXT", "T_PUSH", "ACK", "IL_PERM", "T_PERM", "ILP_MAN",
+    "AUTO",
+    "TAP",
+    "TOP",
+    "MAN",
+    "ACK_S",
+    "REG_S",
+    "ACK_EF",
+    "REG_EF", //
+    "LOCK",
+    "SUP",
+    "ACKREQ",
+    "SSKIP",
+    "OFF",
+    "INIT",
+    "HOLD",
+    "TMS_HALT", //
+    "OPS_ZERO",
+    "SACT_DISP",
+    "SEF_DISP",
+    "SALL_DISP",
+    "S_PREV",
+    "S_NEXT",
+    "S_SELOK",
+    "S_ON", //
+    "S_OFF",
+    "T_PREV",
+    "T_NEXT",
+    "T_PUSH",
+    "ACK",
+    "IL_PERM",
+    "T_PERM",
+    "ILP_MAN",
 ];
 
 /// Parameters that a block of a set has without declaring them.
@@ -162,9 +184,7 @@ pub fn edges(declared: impl Fn(&str) -> bool) -> String {
             Effect::Toggle(bit) => (bit, format!("#MOP.{bit} := NOT #MOP.{bit};")),
             Effect::Named | Effect::Nothing => continue,
         };
-        text.push_str(&format!(
-            "IF #{name} AND NOT #MOPEDGE.{bit} THEN {action} END_IF; #MOPEDGE.{bit} := #{name};\n"
-        ));
+        text.push_str(&format!("IF #{name} AND NOT #MOPEDGE.{bit} THEN {action} END_IF; #MOPEDGE.{bit} := #{name};\n"));
     }
     text
 }

@@ -1,8 +1,8 @@
 //! The engine's SCL with its holes: what a chart does not need is left out before it is bound.
 
+use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, Statement, StatementKind, UnaryOp};
 use plcc_syntax::scl::fragment;
-use plcc_syntax::Elementary;
 
 use crate::bind::SYSTEM_FILE;
 
@@ -40,15 +40,13 @@ pub fn prune(statements: Vec<Statement>, meaning: &dyn Fn(&str) -> Meaning) -> V
                 }
                 statement.kind = StatementKind::Assign { targets, value: substituted(value, meaning) };
             }
-            StatementKind::If { branches, otherwise } => {
-                match pruned_if(branches, otherwise, meaning) {
-                    Pruned::Statements(inner) => {
-                        kept.extend(inner);
-                        continue;
-                    }
-                    Pruned::Kind(kind) => statement.kind = kind,
+            StatementKind::If { branches, otherwise } => match pruned_if(branches, otherwise, meaning) {
+                Pruned::Statements(inner) => {
+                    kept.extend(inner);
+                    continue;
                 }
-            }
+                Pruned::Kind(kind) => statement.kind = kind,
+            },
             StatementKind::For { variable, start, end, step, body } => {
                 let end = substituted(end, meaning);
                 statement.kind = StatementKind::For { variable, start, end, step, body: prune(body, meaning) };
@@ -160,7 +158,8 @@ mod tests {
 
     #[test]
     fn what_cannot_run_is_left_out() {
-        let text = "IF yes THEN #a := #b AND NOT #absent; END_IF; IF no THEN #c := 1; ELSIF #d THEN #absent := #e; END_IF;";
+        let text =
+            "IF yes THEN #a := #b AND NOT #absent; END_IF; IF no THEN #c := 1; ELSIF #d THEN #absent := #e; END_IF;";
         let pruned = prune(parse(text), &meaning);
         let [first, second] = pruned.as_slice() else { panic!("{pruned:?}") };
         let StatementKind::Assign { value, .. } = &first.kind else { panic!("{first:?}") };

@@ -24,7 +24,7 @@ pub struct Hidden {
 }
 
 impl Hidden {
-    fn variable(&self) -> Variable {
+    pub fn variable(&self) -> Variable {
         Variable { base: path::Base::L, byte: self.byte, bit: 0, ty: DataType::Elementary(self.ty), untyped: false }
     }
 

@@ -137,7 +137,7 @@ impl Binder<'_> {
                 (Qualifier::On | Qualifier::Off, ActionBody::Operand(node)) => {
                     if let Some(target) = self.requested_step(engine, node) {
                         let on = action.qualifier == Qualifier::On;
-                        let body = vec![engine.request(target, on, action.span)];
+                        let body = engine.request(target, on, action.span);
                         rows.add(&moment, guarded(moment.value(action.span), body, action.span));
                     }
                 }
