@@ -22,7 +22,8 @@ mod instance;
 mod names;
 mod parameters;
 mod permanent;
-mod template;
+#[cfg(test)]
+mod testing;
 
 pub use instance::expanded;
 

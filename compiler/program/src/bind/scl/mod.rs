@@ -49,7 +49,7 @@ pub(in crate::bind) mod value;
 #[cfg(test)]
 mod call_tests;
 #[cfg(test)]
-mod tests;
+pub(in crate::bind) mod tests;
 
 use plcc_syntax::ast;
 use plcc_syntax::scl::ast::Body as Tree;

@@ -1,6 +1,6 @@
 //! Statements as they are bound: types, conversions, places. Expectations are those of the SCL reference.
 
-mod show;
+pub(in crate::bind) mod show;
 
 use plcc_abi::image::{BlockKind, Config, Family};
 use plcc_diag::{Diagnostic, SourceFile, SourceMap};

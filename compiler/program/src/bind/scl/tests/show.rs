@@ -49,7 +49,7 @@ fn statement(statement: &Statement) -> String {
     }
 }
 
-fn expr(value: &Expr) -> String {
+pub fn expr(value: &Expr) -> String {
     let ty = value.ty.name();
     match &value.kind {
         ExprKind::Const(bits) => format!("{ty}#{bits}"),
@@ -63,9 +63,29 @@ fn expr(value: &Expr) -> String {
         ExprKind::Call(call) => format!("{}()", call.target),
         ExprKind::Cell { kind, number: Number::Known(number) } => format!("{kind:?}{number}"),
         ExprKind::Flag => "flag".to_string(),
+        ExprKind::Timer(call) => {
+            let pins = [("S", &call.start), ("TV", &call.value), ("R", &call.reset)];
+            format!("{:?} {}{}", call.kind, number(&call.timer), self::pins(&pins))
+        }
+        ExprKind::Counter(call) => {
+            let pins =
+                [("CU", &call.up), ("CD", &call.down), ("S", &call.set), ("PV", &call.value), ("R", &call.reset)];
+            format!("counter {}{}", number(&call.counter), self::pins(&pins))
+        }
         ExprKind::LastEno => "eno".to_string(),
         other => format!("{other:?}"),
     }
+}
+
+fn number(number: &Number) -> String {
+    match number {
+        Number::Known(number) => number.to_string(),
+        other => format!("{other:?}"),
+    }
+}
+
+fn pins(pins: &[(&str, &Option<Expr>)]) -> String {
+    pins.iter().filter_map(|(name, value)| Some(format!(" {name}={}", expr(value.as_ref()?)))).collect()
 }
 
 fn complex(value: &Complex) -> String {

@@ -1,0 +1,64 @@
+//! A block whose statements tests take for the texts of charts.
+
+use plcc_abi::image::{BlockKind, Config, Family};
+use plcc_diag::{SourceFile, SourceMap};
+use plcc_syntax::scl::ast::{Dialect, Statement};
+use plcc_syntax::{ParseOptions, ast};
+use rustc_hash::FxHashSet;
+
+use crate::bind::scl::Scope;
+use crate::bind::{BindInput, Binder, Ctx};
+use crate::model::BlockKey;
+use crate::profile;
+
+/// Static data of the function block, from byte 0 on.
+const DATA: &str =
+    "b : BOOL; c : BOOL; i : INT; d : DINT; r : REAL; t : TIME; w : WORD; s5 : S5TIME; a : ARRAY[0..3] OF BOOL;";
+
+/// What the program has beside the block with the rows.
+const OTHERS: &str = "FUNCTION FC 5 : INT\nVAR_INPUT\n x : INT;\nEND_VAR\nVAR_OUTPUT\n y : INT;\nEND_VAR\nBEGIN\n\
+    #y := #x;\nFC5 := #x;\nEND_FUNCTION\nFUNCTION_BLOCK FB 7\nVAR_INPUT\n x : INT;\nEND_VAR\nVAR_OUTPUT\n y : INT;\n\
+    END_VAR\nBEGIN\n#y := #x;\nEND_FUNCTION_BLOCK\nDATA_BLOCK DB 7 FB 7\nBEGIN\nEND_DATA_BLOCK\n";
+
+/// Does something with the statements of a function block in SCL before they are bound; gives what it gives, and codes of messages.
+pub fn in_block<T>(
+    statements: &str,
+    work: impl FnOnce(&mut Binder, &mut Ctx, &[Statement]) -> T,
+) -> (T, Vec<&'static str>) {
+    let source =
+        format!("{OTHERS}FUNCTION_BLOCK FB 1\nVAR\n{DATA}\nEND_VAR\nBEGIN\n{statements}\nEND_FUNCTION_BLOCK\n");
+    let mut sources = SourceMap::default();
+    let file = sources.add(SourceFile::new("test.scl", &*source));
+    let (unit, diagnostics) = plcc_syntax::scl::parse(file, &source, &ParseOptions::default());
+    assert!(diagnostics.is_empty(), "{diagnostics:#?}");
+    let units = [(file, unit)];
+    let input = BindInput {
+        name: "test".to_string(),
+        sources: &sources,
+        units: &units,
+        tables: &[],
+        profile: profile::generic(Family::S7300),
+        config: Config::default(),
+        partial: false,
+        pragmas: true,
+        require_main: false,
+    };
+    let mut binder = Binder::new(&input);
+    binder.collect();
+    binder.bind_types();
+    binder.bind_data();
+    let key = BlockKey { kind: BlockKind::Fb, number: 1 };
+    let source = binder.code[&key].clone();
+    let block = source.block();
+    let ast::Code::Scl(code) = &block.code else { panic!("the test is SCL") };
+    let mut ctx = Ctx {
+        key,
+        bound: binder.interface(key, block.name.span()).expect("the interface is good"),
+        unknown_locals: FxHashSet::default(),
+        local_bytes: 0,
+        fixed_span: None,
+        scl: Scope::new(&input, &block.header, Dialect::Tia),
+    };
+    let result = work(&mut binder, &mut ctx, &code.statements);
+    (result, binder.report.finish().iter().map(|message| message.code.name()).collect())
+}
