@@ -39,6 +39,9 @@ mod value;
 #[cfg(test)]
 mod declaration_tests;
 #[cfg(test)]
+#[path = "../../../syntax/tests/notation/mod.rs"]
+mod notation;
+#[cfg(test)]
 mod tests;
 
 use std::rc::Rc;

@@ -1,5 +1,8 @@
 //! Conditions of transitions, interlocks and supervisions. Source: GRAPH reference A.6.
 
+#[cfg(test)]
+mod tests;
+
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::chart::ast::Condition;
@@ -11,6 +14,7 @@ use plcc_syntax::scl::ast::{
 
 use super::engine::Engine;
 use crate::bind::names::fold;
+use crate::bind::network::Page;
 use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::{Binder, Ctx};
@@ -31,7 +35,7 @@ impl Binder<'_> {
             Condition::Statements(list) => self.condition_statements(ctx, list, what),
             Condition::Network(network) => match &network.content {
                 Content::Scl(list) => self.condition_statements(ctx, list, what),
-                Content::Graphic(_) | Content::Stl(_) => self.condition_network(ctx, engine, network, what),
+                Content::Graphic(_) | Content::Stl(_) => self.condition_network(ctx, &mut engine.page, network, what),
             },
         }
     }
@@ -55,13 +59,14 @@ impl Binder<'_> {
     fn condition_network(
         &mut self,
         ctx: &mut Ctx,
-        engine: &mut Engine,
+        page: &mut Page,
         network: &Network,
         what: &str,
     ) -> Option<(Vec<Statement>, Expr)> {
-        engine.page.condition = Some(None);
-        let statements = self.bind_lone_network(ctx, &mut engine.page, network);
-        let result = engine.page.condition.take().flatten();
+        page.condition = Some(None);
+        let statements = self.bind_lone_network(ctx, page, network);
+        self.check_leaving(&statements);
+        let result = page.condition.take().flatten();
         let coils = match &network.content {
             Content::Graphic(graph) if graph.broken => return None,
             Content::Graphic(graph) => graph
@@ -108,6 +113,7 @@ impl Binder<'_> {
         let (last, before) = list.split_last()?;
         self.collect_labels(ctx, before);
         let statements = self.statements(ctx, before);
+        self.check_leaving(&statements);
         let value = match &last.kind {
             TreeKind::Expression(node) => node,
             TreeKind::Assign { targets, value } if self.is_own_value(ctx, targets) => value,
@@ -139,56 +145,5 @@ impl Binder<'_> {
                 .label("it has no value")
                 .help("end with the condition alone, `a AND b;`, or assign it to the name of the transition"),
         );
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use plcc_syntax::scl::ast::StatementKind as TreeKind;
-
-    use crate::bind::chart::testing::in_block;
-    use crate::bind::scl::tests::show;
-
-    /// Statements and condition of an ST condition.
-    #[track_caller]
-    fn check(text: &str, expected: &str) {
-        let (code, codes) =
-            in_block(text, |binder, ctx, list| binder.condition_statements(ctx, list, "the transition"));
-        let (statements, value) = code.unwrap_or_else(|| panic!("{text}: {codes:?}"));
-        assert!(codes.is_empty(), "{text}: {codes:?}");
-        assert_eq!(format!("{}|{}", show::statements(&statements), show::expr(&value)), expected, "{text}");
-    }
-
-    #[track_caller]
-    fn refused(text: &str, code: &str) {
-        let (_, codes) = in_block(text, |binder, ctx, list| binder.condition_statements(ctx, list, "the transition"));
-        assert_eq!(codes, [code], "{text}");
-    }
-
-    #[test]
-    fn statements() {
-        check("#b AND #c;", "|(And.BOOL S0.0 S0.1)");
-        check("#i = 3;", "|(Equal.INT S2.0 INT#3)");
-        check("#i := #i + 1; #i > 5;", "S2.0 := (Add.INT S2.0 INT#1)|(Greater.INT S2.0 INT#5)");
-        check("Opened := #b;", "|S0.0");
-        check("T5;", "|Timer5");
-        check("TRUE;", "|BOOL#1");
-        refused("#b := #c;", "P0559");
-        refused("#i + 1;", "P0559");
-        refused("IF #b THEN #i := 1; END_IF;", "P0559");
-    }
-
-    #[test]
-    fn types() {
-        let bind = |text: &str| {
-            in_block(text, |binder, ctx, list| {
-                let TreeKind::Expression(node) = &list[0].kind else { panic!("the test is an expression") };
-                binder.condition_value(ctx, node, "the transition").map(|value| show::expr(&value))
-            })
-        };
-        assert_eq!(bind("NOT I0.0;"), (Some("(not i0.0)".to_string()), vec![]));
-        for text in ["MW2;", "5;", "T#5s;", "#a;"] {
-            assert_eq!(bind(text), (None, vec!["P0559"]), "{text}");
-        }
     }
 }

@@ -1,11 +1,9 @@
 //! Binding of GRAPH: a chart becomes statements of the typed tree of SCL, so that all languages share one lowering.
 //!
-//! - `parameters`: the operating parameters, a row each; `instance`: data of the chart in the instance.
-//! - `index`: steps and transitions by name and number; `names`: they in expressions.
-//! - `engine.scl`, `monitor.scl`: one call of the block as SCL with holes; `template` reads them.
-//! - `engine`: what the statements know of the chart: where its data lie, sets of steps; `build`: pieces of the typed tree.
-//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `call`: block calls of the first two.
-//! - `assemble`: the code of steps and transitions, put into the holes.
+//! - `index`: steps and transitions by name and number.
+//! - `engine`: what the statements know of the chart: where its data lie in the instance.
+//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `call`: block calls of the first two;
+//!   `leaving`: what they cannot do.
 //! - `analysis`: which charts can be.
 //!
 //! Source: GRAPH reference, chapters D to G.
@@ -18,9 +16,7 @@ mod call;
 mod condition;
 mod engine;
 mod index;
-mod instance;
-mod names;
-mod parameters;
+mod leaving;
 mod permanent;
 #[cfg(test)]
 mod testing;

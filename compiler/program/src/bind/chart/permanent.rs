@@ -36,7 +36,9 @@ impl Binder<'_> {
                 }
                 PermanentKind::Call(call) => statements.extend(self.chart_call(ctx, call)),
                 PermanentKind::Network(network) => {
-                    statements.extend(self.bind_lone_network(ctx, &mut engine.page, network));
+                    let bound = self.bind_lone_network(ctx, &mut engine.page, network);
+                    self.check_leaving(&bound);
+                    statements.extend(bound);
                 }
             }
         }

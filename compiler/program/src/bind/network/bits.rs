@@ -100,7 +100,7 @@ impl Binder<'_> {
                 Code::UnknownElement,
                 sheet.element(at).span,
                 "the coil of a condition belongs to a chart of GRAPH",
-                "this block is written in LAD or FBD",
+                "this network is none of a condition",
                 "write a coil with an operand",
             );
             return None;

@@ -221,7 +221,7 @@ impl Binder<'_> {
 
 /// A number up to 999 in BCD.
 fn bcd(number: u64) -> u64 {
-    number / 100 << 8 | number / 10 % 10 << 4 | number % 10
+    ((number / 100) << 8) | ((number / 10 % 10) << 4) | (number % 10)
 }
 
 fn timer_call(kind: TimerKind, timer: Number) -> TimerCall {

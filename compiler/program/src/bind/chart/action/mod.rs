@@ -21,7 +21,6 @@ use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 use super::engine::Engine;
 use crate::bind::network::{Page, and, inverted, no, yes};
 use crate::bind::path::similar;
-use crate::bind::scl::expression::binary_expr;
 use crate::bind::scl::place::Spot;
 use crate::bind::{Binder, Ctx};
 use crate::model::scl::{CompareOp, Expr, ExprKind, Statement, StatementKind};
@@ -161,7 +160,7 @@ impl Binder<'_> {
     fn row(&mut self, ctx: &mut Ctx, page: &mut Page, rows: &mut Rows, moment: &Moment, action: &Action) {
         let span = action.span;
         let statements = match (action.qualifier, &action.body) {
-            (_, ActionBody::Error) => return,
+            (_, ActionBody::Error | ActionBody::Operand(Node { kind: NodeKind::Error, .. })) => return,
             (Qualifier::N, ActionBody::Operand(node)) => return self.active_row(ctx, rows, moment, node, span),
             (Qualifier::S | Qualifier::R, ActionBody::Operand(node)) => {
                 let set = action.qualifier == Qualifier::S;
@@ -182,10 +181,12 @@ impl Binder<'_> {
             (Qualifier::N, ActionBody::Statements(list)) => {
                 self.collect_labels(ctx, list);
                 let body = self.statements(ctx, list);
+                self.check_leaving(&body);
                 guarded(moment.value_unless_zeroed(span), body, span)
             }
             (Qualifier::N, ActionBody::Network(network)) => {
                 let body = self.bind_lone_network(ctx, page, network);
+                self.check_leaving(&body);
                 guarded(moment.value_unless_zeroed(span), body, span)
             }
             (Qualifier::Cs, ActionBody::Value { operand, value }) => {
@@ -286,9 +287,7 @@ fn moment(engine: &Engine, step: usize, action: &Action) -> Moment {
         false => None,
     };
     let condition = match (event, interlock) {
-        (Some(event), Some(interlock)) => {
-            Some(binary_expr(crate::model::scl::BinaryOp::And, event, interlock, Elementary::Bool, span))
-        }
+        (Some(event), Some(interlock)) => Some(and(event, interlock, span)),
         (event, interlock) => event.or(interlock),
     };
     Moment { condition, zeroed: engine.zeroed(span), leaving }

@@ -1,12 +1,9 @@
-#[path = "../../../../../syntax/tests/notation/mod.rs"]
-mod notation;
-
-use notation::network;
 use plcc_diag::{Code, FileId, Span};
 use plcc_syntax::network::ast::{Body, Language, Network};
 use plcc_syntax::scl::ast::{Name, NameForm};
 
 use super::{block_warnings, legality};
+use crate::bind::notation::network;
 
 fn codes(language: Language, lines: &[&str]) -> Vec<&'static str> {
     let mut messages = Vec::new();

@@ -1,0 +1,58 @@
+//! Code of a chart does not end the block: what stands behind it must run in each call.
+
+use plcc_diag::{Code, Span};
+use plcc_syntax::stl::StlInsn;
+
+use crate::bind::Binder;
+use crate::model::StlStatementKind;
+use crate::model::scl::{Statement, StatementKind};
+
+impl Binder<'_> {
+    /// Tells of RETURN and the like among statements of an action, a condition or a permanent instruction.
+    pub(super) fn check_leaving(&mut self, statements: &[Statement]) {
+        if let Some(span) = block_end(statements) {
+            self.refuse(
+                Code::ElementPlace,
+                span,
+                "code of a chart cannot end the block",
+                "steps and outputs would not be processed to the end",
+                "write what it skips into an IF, or jump to a label",
+            );
+        }
+    }
+}
+
+/// The first statement that leaves the block.
+fn block_end(statements: &[Statement]) -> Option<Span> {
+    statements.iter().find_map(|statement| match &statement.kind {
+        StatementKind::Return(_) => Some(statement.span),
+        StatementKind::Stl(stl) => match &stl.kind {
+            StlStatementKind::Instruction {
+                insn: StlInsn::BlockEnd | StlInsn::BlockEndUnconditional | StlInsn::BlockEndConditional,
+                ..
+            } => Some(stl.span),
+            _ => None,
+        },
+        StatementKind::If { branches, otherwise } => {
+            branches.iter().find_map(|(_, body)| block_end(body)).or_else(|| block_end(otherwise))
+        }
+        StatementKind::Case { arms, otherwise, .. } => {
+            arms.iter().find_map(|arm| block_end(&arm.body)).or_else(|| block_end(otherwise))
+        }
+        StatementKind::For { body, .. } | StatementKind::While { body, .. } | StatementKind::Repeat { body, .. } => {
+            block_end(body)
+        }
+        StatementKind::Assign { .. }
+        | StatementKind::AssignText { .. }
+        | StatementKind::Copy { .. }
+        | StatementKind::SetFlag(_)
+        | StatementKind::Call(_)
+        | StatementKind::Evaluate(_)
+        | StatementKind::Exit
+        | StatementKind::Continue
+        | StatementKind::Goto(_)
+        | StatementKind::Label(_)
+        | StatementKind::Assert(_)
+        | StatementKind::Sleep(_) => None,
+    })
+}
