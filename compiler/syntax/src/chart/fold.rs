@@ -1,7 +1,18 @@
 //! Drawn charts: steps, transitions and branches with lines between them become transitions with FROM and TO.
+//!
+//! A line stands either behind steps or behind transitions. Alternative branches open and simultaneous ones close behind steps; the two other
+//! kinds stand behind transitions. So a transition finds its steps by following branches of one sort back, and of the other sort forward.
 //! Source: GRAPH reference B.3.
 
+mod legality;
+mod lines;
+
+use std::collections::HashSet;
+
 use plcc_diag::{Diagnostic, Span};
+
+use legality::Side;
+use lines::Lines;
 
 /// A chart as it is drawn. Steps, transitions and branches are known by their place in these lists.
 #[derive(Clone, Debug, Default)]
@@ -39,7 +50,7 @@ pub struct Line {
 }
 
 /// An end of a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Node {
     Step(usize),
     Transition(usize),
@@ -59,7 +70,92 @@ pub struct Folded {
     pub path: Vec<u32>,
 }
 
-/// FROM and TO of each transition. Branches that are not built as they must be are told of.
-pub fn fold(drawing: &Drawing, _diagnostics: &mut Vec<Diagnostic>) -> Vec<Folded> {
-    vec![Folded::default(); drawing.transitions.len()]
+/// FROM and TO of each transition. Branches that are not built as they must be are told of, and lines that cannot be are not followed.
+///
+/// A transition that leaves no step has an empty FROM and no message here.
+pub fn fold(drawing: &Drawing, diagnostics: &mut Vec<Diagnostic>) -> Vec<Folded> {
+    legality::check(drawing, diagnostics);
+    let lines = Lines::of(drawing);
+    (0..drawing.transitions.len())
+        .map(|transition| {
+            let mut folded = Folded::default();
+            backwards(drawing, &lines, transition, &mut folded);
+            forwards(drawing, &lines, transition, &mut folded);
+            folded
+        })
+        .collect()
 }
+
+/// The steps that a transition leaves, the leftmost first, and its path.
+fn backwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Folded) {
+    let mut seen = HashSet::new();
+    let mut pending: Vec<usize> = lines.into_transition(transition).iter().rev().copied().collect();
+    while let Some(line) = pending.pop() {
+        let line = &drawing.lines[line];
+        if !legality::is_legal(drawing, line) {
+            continue;
+        }
+        match line.from {
+            Node::Step(step) => {
+                if seen.insert(Node::Step(step)) {
+                    folded.from.push(step);
+                }
+            }
+            Node::Branch(branch, arm) => {
+                if drawing.branches[branch].kind == BranchKind::AlternativeBegin {
+                    folded.path.push(arm);
+                }
+                if seen.insert(Node::Branch(branch, 0)) {
+                    pending.extend(lines.into_branch(branch).iter().rev());
+                }
+            }
+            Node::Transition(_) | Node::End => {}
+        }
+    }
+    // The branch next to the step comes first.
+    folded.path.reverse();
+}
+
+/// The steps that a transition enters, the leftmost first.
+fn forwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Folded) {
+    let mut seen = HashSet::new();
+    let mut pending: Vec<usize> = lines.out_of_transition(transition).iter().rev().copied().collect();
+    while let Some(line) = pending.pop() {
+        let line = &drawing.lines[line];
+        if !legality::is_legal(drawing, line) {
+            continue;
+        }
+        folded.jump |= line.jump;
+        match line.to {
+            Node::Step(step) => {
+                if seen.insert(Node::Step(step)) {
+                    folded.to.push(step);
+                }
+            }
+            Node::Branch(branch, _) => {
+                if seen.insert(Node::Branch(branch, 0)) {
+                    pending.extend(lines.out_of_branch(branch).iter().rev());
+                }
+            }
+            Node::Transition(_) | Node::End => {}
+        }
+    }
+}
+
+impl BranchKind {
+    /// What its lines stand behind.
+    fn side(self) -> Side {
+        match self {
+            BranchKind::AlternativeBegin | BranchKind::SimultaneousEnd => Side::BehindStep,
+            BranchKind::AlternativeEnd | BranchKind::SimultaneousBegin => Side::BehindTransition,
+        }
+    }
+
+    /// Whether its arms are outputs.
+    fn opens(self) -> bool {
+        matches!(self, BranchKind::AlternativeBegin | BranchKind::SimultaneousBegin)
+    }
+}
+
+#[cfg(test)]
+mod tests;
