@@ -76,6 +76,7 @@ impl Build<'_, '_, '_> {
             Kind::Block => self.block(at, object),
             Kind::OutVariable => self.out_variable(at, object),
             Kind::Jump | Kind::Return => self.leave(at, object),
+            Kind::Condition => self.condition(at, object),
             Kind::LeftRail
             | Kind::InVariable
             | Kind::InOutVariable
@@ -164,6 +165,14 @@ impl Build<'_, '_, '_> {
         }
         if let Some(target) = self.row(row) {
             self.element(Some(at), target, pins, span);
+        }
+    }
+
+    fn condition(&mut self, at: usize, object: &Object) {
+        let mut pins = vec![pin("in", self.input(object.inputs.first(), object.span), false, object.span)];
+        pins[0].negated = object.modifiers.negated;
+        if let Some(target) = self.row("ConditionCoil") {
+            self.element(Some(at), target, pins, object.span);
         }
     }
 

@@ -1,18 +1,21 @@
-//! Projects in PLCopen XML (TC6), as open editors export them: LD, FBD and ST.
+//! Projects in PLCopen XML (TC6), as open editors export them: LD, FBD, ST and SFC.
 //!
 //! ```text
 //! file ─► overlay ─► interface ─────────────► blocks
-//!                └─► objects ─► order ─► graph ─┘
+//!                ├─► objects ─► order ─► graph ─┤
+//!                └─► chart ─────────────────────┘
 //! ```
 //!
 //! - `overlay` lets expressions be read where they stand; entities and markup are gone.
 //! - `objects` are contacts, blocks and variables with the lines between them; `order` makes networks of them, `graph` elements and nets.
+//! - `chart` makes charts of SFC bodies.
 //! - `scope` settles what names stand for: located and global variables are tags and components of a data block here.
 //! - `project` gives global variables, and the blocks that call the programs.
 //!
 //! A PROGRAM is a function block with an instance data block, called by OB 1 or by a cyclic OB. Namespaces do not matter: versions 1.0 to
 //! 2.01 of the format use the same words. Source: LAD/FBD reference, chapter A3.
 
+mod chart;
 mod graph;
 mod interface;
 mod objects;
@@ -22,6 +25,7 @@ mod project;
 mod scope;
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use roxmltree::{Document, Node};
@@ -31,7 +35,7 @@ use crate::ast::{
     TypeBlock, TypeKind, TypeRef, Variable,
 };
 use crate::network::ast::{Body as Networks, Content, Graph, Language, Network};
-use crate::scl::ast::{Body as SclBody, Dialect, Name, NameForm};
+use crate::scl::ast::{Body as SclBody, Dialect, Name, NameForm, Statement};
 use crate::scl::fragment;
 use interface::{child, elements, flip_flop, plain_text};
 use objects::Kind;
@@ -255,14 +259,28 @@ impl<'a> Reader<'a> {
             "ST" => return self.structured_text(content, body),
             "LD" => Language::Lad,
             "FBD" => Language::Fbd,
+            "SFC" if body.is_function => {
+                let text = "a function has no memory for the steps of an SFC";
+                let message = Diagnostic::new(Code::ForeignContent, span, text);
+                let help = "make the POU a function block or a program";
+                self.messages.push(message.label("this POU is compiled as if it were empty").help(help));
+                return BlockCode::Graphic(Networks::default());
+            }
+            "SFC" => return BlockCode::Chart(chart::read(self, body, node.parent().unwrap_or(node), content)),
             other => {
                 let text = format!("plcc does not read POUs in {other}");
                 let message = Diagnostic::new(Code::ForeignContent, span, text);
-                let help = "write the POU in LD, FBD or ST; other blocks of the file are read all the same";
+                let help = "write the POU in LD, FBD, ST or SFC; other blocks of the file are read all the same";
                 self.messages.push(message.label("this POU is compiled as if it were empty").help(help));
                 return BlockCode::Graphic(Networks::default());
             }
         };
+        BlockCode::Graphic(Networks { networks: self.networks(content, language, body) })
+    }
+
+    /// The networks of an LD or FBD body.
+    fn networks(&mut self, content: Node<'a, 'a>, language: Language, body: &mut Body) -> Vec<Network> {
+        let span = self.place(content, "name");
         let objects = self.objects(content);
         let mut networks = Vec::new();
         for group in order::groups(&objects) {
@@ -284,7 +302,7 @@ impl<'a> Reader<'a> {
             });
         }
         self.unknown_connectors(&objects);
-        BlockCode::Graphic(Networks { networks })
+        networks
     }
 
     /// A connector that is there twice joins two signals under one name.
@@ -300,15 +318,17 @@ impl<'a> Reader<'a> {
     }
 
     fn structured_text(&mut self, node: Node, body: &mut Body) -> BlockCode {
-        let holder = elements(node).next().unwrap_or(node);
-        let mut statements = Vec::new();
-        if let Some(range) = self.text_range(holder) {
-            let (list, messages) = fragment::statements(self.file, &self.overlay, range, false);
-            statements = list;
-            self.messages.extend(messages);
-        }
-        body.scope.statements(&mut statements);
+        let range = self.text_range(elements(node).next().unwrap_or(node));
+        let statements = range.map(|range| self.statements(range, body)).unwrap_or_default();
         BlockCode::Scl(SclBody { dialect: Dialect::Tia, labels: Vec::new(), statements })
+    }
+
+    /// The statements in a part of the file.
+    fn statements(&mut self, range: Range<usize>, body: &Body) -> Vec<Statement> {
+        let (mut statements, messages) = fragment::statements(self.file, &self.overlay, range, false);
+        self.messages.extend(messages);
+        body.scope.statements(&mut statements);
+        statements
     }
 }
 

@@ -10,6 +10,19 @@ use super::Reader;
 use super::interface::{child, elements};
 use crate::network::ast::Storage;
 
+/// Elements of an SFC body that are no objects of its networks.
+pub const CHART: &[&str] = &[
+    "step",
+    "macroStep",
+    "transition",
+    "jumpStep",
+    "actionBlock",
+    "selectionDivergence",
+    "selectionConvergence",
+    "simultaneousDivergence",
+    "simultaneousConvergence",
+];
+
 /// What an object is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -27,12 +40,17 @@ pub enum Kind {
     Return,
     Connector,
     Continuation,
+    /// Where a network is the condition of a transition.
+    Condition,
 }
 
 impl Kind {
     /// It does something when its turn comes.
     pub fn runs(self) -> bool {
-        matches!(self, Kind::Contact | Kind::Coil | Kind::Block | Kind::OutVariable | Kind::Jump | Kind::Return)
+        matches!(
+            self,
+            Kind::Contact | Kind::Coil | Kind::Block | Kind::OutVariable | Kind::Jump | Kind::Return | Kind::Condition
+        )
     }
 }
 
@@ -103,7 +121,20 @@ fn modifiers(node: Node) -> Modifiers {
     }
 }
 
-fn position(node: Node) -> (i64, i64) {
+/// A condition of a transition that a line leads to. Version 1 of the format has the line without a point around it.
+pub fn connected_condition<'a, 'i>(transition: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
+    child(transition, "condition").filter(|condition| lines(*condition).next().is_some())
+}
+
+/// The lines that lead to a node.
+pub fn lines<'a, 'i>(node: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>> {
+    let points = elements(node).filter(|point| point.tag_name().name() == "connectionPointIn");
+    let free = elements(node).filter(|line| line.tag_name().name() == "connection");
+    points.flat_map(elements).filter(|line| line.tag_name().name() == "connection").chain(free)
+}
+
+/// From the top, then from the left.
+pub fn position(node: Node) -> (i64, i64) {
     let position = child(node, "position");
     let number = |name: &str| -> i64 {
         position.and_then(|node| node.attribute(name)).and_then(|text| text.trim().parse::<f64>().ok()).unwrap_or(0.0)
@@ -113,8 +144,10 @@ fn position(node: Node) -> (i64, i64) {
 }
 
 impl Reader<'_> {
-    /// The objects of a body, with their connections as indices into the list.
+    /// The objects of a body, with their connections as indices into the list. Of an SFC body those of its networks; a transition that one of
+    /// them leads to is a `Condition`, in the order of the file.
     pub fn objects(&mut self, body: Node) -> Vec<Object> {
+        let is_chart = body.tag_name().name() == "SFC";
         let mut ids: HashMap<&str, usize> = HashMap::new();
         let mut nodes = Vec::new();
         for node in elements(body) {
@@ -131,6 +164,11 @@ impl Reader<'_> {
                 "return" => Kind::Return,
                 "connector" => Kind::Connector,
                 "continuation" => Kind::Continuation,
+                "transition" if is_chart => {
+                    nodes.extend(connected_condition(node).map(|condition| (Kind::Condition, condition)));
+                    continue;
+                }
+                name if is_chart && CHART.contains(&name) => continue,
                 "rightPowerRail" | "comment" | "documentation" | "addData" => continue,
                 name => {
                     let span = self.place(node, "name");
@@ -186,7 +224,7 @@ impl Reader<'_> {
                     if output { &mut object.outputs } else { &mut object.inputs }.push(connection);
                 }
             }
-        } else if child(node, "connectionPointIn").is_some() {
+        } else if child(node, "connectionPointIn").is_some() || kind == Kind::Condition {
             let connection = self.connection(node, ids, false);
             // What stands at the object is no property of its line.
             object.inputs.push(Connection { formal: String::new(), modifiers: Modifiers::NONE, ..connection });
@@ -197,16 +235,14 @@ impl Reader<'_> {
     fn connection(&mut self, node: Node, ids: &HashMap<&str, usize>, in_out: bool) -> Connection {
         let span = self.place(node, "formalParameter");
         let mut from = Vec::new();
-        for input in elements(node).filter(|point| point.tag_name().name() == "connectionPointIn") {
-            for line in elements(input).filter(|line| line.tag_name().name() == "connection") {
-                let Some(id) = line.attribute("refLocalId") else { continue };
-                match ids.get(id.trim()) {
-                    Some(at) => from.push((*at, line.attribute("formalParameter").unwrap_or("").trim().to_string())),
-                    None => {
-                        let text = format!("a line comes from object {id}, which the network does not have");
-                        let message = Diagnostic::new(Code::NoSource, self.place(line, "refLocalId"), text);
-                        self.messages.push(message.help("connect the pin again in the editor, and export the project"));
-                    }
+        for line in lines(node) {
+            let Some(id) = line.attribute("refLocalId") else { continue };
+            match ids.get(id.trim()) {
+                Some(at) => from.push((*at, line.attribute("formalParameter").unwrap_or("").trim().to_string())),
+                None => {
+                    let text = format!("a line comes from object {id}, which the network does not have");
+                    let message = Diagnostic::new(Code::NoSource, self.place(line, "refLocalId"), text);
+                    self.messages.push(message.help("connect the pin again in the editor, and export the project"));
                 }
             }
         }

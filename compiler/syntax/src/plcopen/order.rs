@@ -42,6 +42,25 @@ pub fn groups(objects: &[Object]) -> Vec<Group> {
     groups
 }
 
+/// What runs for the value of one object, itself last.
+pub fn feeding(objects: &[Object], at: usize) -> Vec<usize> {
+    let mut part = vec![at];
+    let mut seen = HashSet::from([at]);
+    let mut next = 0;
+    while let Some(at) = part.get(next).copied() {
+        let object = &objects[at];
+        let is_connector = |other: &usize| {
+            let other = &objects[*other];
+            object.kind == Kind::Continuation && other.kind == Kind::Connector && other.name == object.name
+        };
+        let joined = (0..objects.len()).filter(is_connector);
+        let lines = object.inputs.iter().flat_map(|input| &input.from).map(|(from, _)| *from);
+        part.extend(lines.chain(joined).filter(|from| seen.insert(*from)));
+        next += 1;
+    }
+    flow(objects, &part)
+}
+
 /// Objects that lines connect, the rail aside.
 fn components(objects: &[Object]) -> Vec<Vec<usize>> {
     let mut parent: Vec<usize> = (0..objects.len()).collect();

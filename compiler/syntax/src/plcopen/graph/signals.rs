@@ -80,7 +80,7 @@ impl Build<'_, '_, '_> {
                 };
                 self.made_pin(at, &formal)
             }
-            Kind::OutVariable | Kind::Label | Kind::Jump | Kind::Return => Vec::new(),
+            Kind::OutVariable | Kind::Label | Kind::Jump | Kind::Return | Kind::Condition => Vec::new(),
         }
     }
 
