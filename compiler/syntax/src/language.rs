@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::gr7;
 use crate::scl::{Outline, outline};
 
 /// A textual language.
@@ -39,6 +40,8 @@ pub enum Reading {
     Whole(Language),
     /// The bytes of its SCL blocks; the rest is STL.
     Mixed(Vec<Range<usize>>),
+    /// The bytes of its GRAPH blocks; the rest is STL or SCL, or both.
+    WithCharts(Vec<Range<usize>>),
 }
 
 /// Tells how to read `text`; `hint` decides where its content does not.
@@ -46,8 +49,11 @@ pub fn detect(text: &str, hint: Option<Language>) -> Reading {
     if hint == Some(Language::Sd) || hint.is_none() && has_networks_of_sd(text) {
         return Reading::Whole(Language::Sd);
     }
-    if hint == Some(Language::Graph) {
-        return Reading::Whole(Language::Graph);
+    if hint == Some(Language::Graph) || gr7::has_chart(text) {
+        return match gr7::beside_other_blocks(text) {
+            Some(charts) => Reading::WithCharts(charts),
+            None => Reading::Whole(Language::Graph),
+        };
     }
     let Outline { blocks, modern } = outline(text);
     let scl = blocks.iter().any(|block| block.language == Some(Language::Scl));

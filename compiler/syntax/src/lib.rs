@@ -66,18 +66,29 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (ast::SourceUn
         Reading::Whole(Language::Scl) => scl::parse(file, text, options),
         Reading::Whole(Language::Sd) => sd::parse(file, text, options),
         Reading::Whole(Language::Graph) => gr7::parse(file, text, options),
-        Reading::Mixed(scl) => {
-            let (mut unit, mut diagnostics) = stl::parse(file, &language::masked(text, &scl, false), options);
-            let (other, messages) = scl::parse(file, &language::masked(text, &scl, true), options);
-            unit.blocks.extend(other.blocks);
-            unit.blocks.sort_by_key(|block| block.span().start);
-            unit.pragmas.extend(other.pragmas);
-            unit.pragmas.sort_by_key(|pragma| pragma.span.start);
-            diagnostics.extend(messages);
-            diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
-            (unit, diagnostics)
-        }
+        Reading::Mixed(scl) => joined(
+            stl::parse(file, &language::masked(text, &scl, false), options),
+            scl::parse(file, &language::masked(text, &scl, true), options),
+        ),
+        Reading::WithCharts(charts) => joined(
+            parse(file, &language::masked(text, &charts, false), &ParseOptions { language: None, ..*options }),
+            gr7::parse(file, &language::masked(text, &charts, true), options),
+        ),
     }
+}
+
+/// Parts of one file, which were read apart.
+fn joined(
+    (mut unit, mut diagnostics): (ast::SourceUnit, Vec<Diagnostic>),
+    (other, messages): (ast::SourceUnit, Vec<Diagnostic>),
+) -> (ast::SourceUnit, Vec<Diagnostic>) {
+    unit.blocks.extend(other.blocks);
+    unit.blocks.sort_by_key(|block| block.span().start);
+    unit.pragmas.extend(other.pragmas);
+    unit.pragmas.sort_by_key(|pragma| pragma.span.start);
+    diagnostics.extend(messages);
+    diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    (unit, diagnostics)
 }
 
 /// The tokens of a source as its grammar sees them, one per line, for `--emit tokens`.
@@ -93,6 +104,11 @@ pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
         Reading::Mixed(scl) => {
             let stl = stl::tokens_text(&language::masked(text, &scl, false), options);
             stl + &scl::tokens_text(&language::masked(text, &scl, true), options)
+        }
+        Reading::WithCharts(charts) => {
+            let options = ParseOptions { language: None, ..*options };
+            let others = tokens_text(&language::masked(text, &charts, false), &options);
+            others + &gr7::tokens_text(&language::masked(text, &charts, true))
         }
     }
 }

@@ -1,16 +1,78 @@
-//! GRAPH source text, `.gr7`. Source: GRAPH reference, chapter A.
+//! GRAPH source text (`.gr7`): function blocks with charts, as S7-GRAPH of STEP 7 V5 exports them.
+//!
+//! ```text
+//! text ──► raw tokens ──┬─► heads and declarations ──► grammar of SCL ────────┐
+//!        lexer.rs    frame.rs                                                 ├──► syntax tree
+//!                       └─► charts ──► tokens with a meaning ──► parts ───────┘   blocks.rs
+//!                                   layout/              gr7.lalrpop
+//! ```
+//!
+//! Source: GRAPH reference, chapter A.
 
-use plcc_diag::{Diagnostic, FileId};
+mod actions;
+mod blocks;
+mod context;
+mod frame;
+mod layout;
+mod lexer;
+mod outline;
+mod pragma;
+mod qualifier;
+mod settings;
+mod token;
+mod tree;
+
+#[allow(clippy::all, clippy::pedantic, dead_code, unused_imports, unused_parens, missing_docs)] // Generated.
+mod grammar {
+    include!(concat!(env!("OUT_DIR"), "/gr7/gr7.rs"));
+}
+
+use std::fmt::Write as _;
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ParseOptions;
 use crate::ast::SourceUnit;
+use crate::comment::CommentForm;
+
+pub(crate) use outline::{beside_other_blocks, has_chart};
 
 /// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
-pub fn parse(_file: FileId, _text: &str, _options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
-    (SourceUnit::default(), Vec::new())
+pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
+    let mut diagnostics = Vec::new();
+    let raw = lexer::scan(text);
+    report_comments(file, &raw, &mut diagnostics);
+    let document = frame::read(file, text, &raw, &mut diagnostics);
+    let unit = blocks::build(file, text, &raw, &document, options, &mut diagnostics);
+    diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    (unit, diagnostics)
 }
 
-/// The tokens of a source as its grammar sees them, one per line.
-pub fn tokens_text(_text: &str) -> String {
-    String::new()
+fn report_comments(file: FileId, raw: &lexer::RawText, diagnostics: &mut Vec<Diagnostic>) {
+    for comment in raw.comments.iter().filter(|comment| comment.form == CommentForm::Unterminated) {
+        let span = Span { file, start: comment.start, end: comment.start + 2 };
+        diagnostics.push(
+            Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
+                .label("begins here, and takes the rest of the file")
+                .help("close it with `*)`"),
+        );
+    }
+}
+
+/// The tokens of the charts as the grammar sees them, one per line, for `--emit tokens`.
+pub fn tokens_text(text: &str) -> String {
+    let file = FileId::default();
+    let document = frame::read(file, text, &lexer::scan(text), &mut Vec::new());
+    let mut out = String::new();
+    let (mut line, mut counted) = (1usize, 0usize);
+    for block in &document.blocks {
+        for (start, token, _) in &layout::lay_out(file, text, &block.chart, &mut Vec::new()) {
+            if *start >= counted {
+                line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
+                counted = *start;
+            }
+            writeln!(out, "{line}: {token:?}").expect("a String takes all text");
+        }
+    }
+    out
 }

@@ -6,15 +6,15 @@
 //! ```
 
 mod actions;
-mod address;
+pub(crate) mod address;
 pub mod ast;
 mod context;
 mod dialect;
-mod extent;
+pub(crate) mod extent;
 pub mod fragment;
 pub(crate) mod keyword;
 mod layout;
-mod literal;
+pub(crate) mod literal;
 mod messages;
 mod outline;
 pub(crate) mod raw;

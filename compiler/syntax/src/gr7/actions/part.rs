@@ -1,0 +1,132 @@
+//! Actions for steps, transitions and rows.
+
+use std::ops::Range;
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use crate::chart::ast::{Action, ActionBody, Condition, Qualifier, Step, Transition};
+use crate::gr7::context::Context;
+use crate::gr7::pragma;
+use crate::gr7::token::Mark;
+use crate::gr7::tree::{Clause, Head, Item, Part};
+use crate::scl::ast::Expr;
+
+/// A step of what stands in it.
+pub fn step<'a>(
+    context: &mut Context<'a>,
+    initial: bool,
+    head: Head,
+    items: Vec<Item<'a>>,
+    range: Range<usize>,
+) -> Part<'a> {
+    let mut step = Step {
+        name: head.name,
+        number: 0,
+        initial,
+        actions: Vec::new(),
+        interlock: None,
+        supervision: None,
+        maximum: None,
+        warning: None,
+        comment: Vec::new(),
+        span: context.span(range),
+    };
+    for item in items {
+        match item {
+            Item::Comment(text) => step.comment.extend(pragma::lines(text)),
+            Item::Interlock(condition, span) => keep(context, &mut step.interlock, condition, span, "interlock"),
+            Item::Supervision(condition, span) => keep(context, &mut step.supervision, condition, span, "supervision"),
+            Item::Action(action) => step.actions.push(action),
+        }
+    }
+    Part::Step(step, head.number)
+}
+
+/// A transition of its clauses.
+pub fn transition<'a>(
+    context: &mut Context<'a>,
+    head: Head,
+    clauses: Vec<Clause<'a>>,
+    range: Range<usize>,
+) -> Part<'a> {
+    let mut transition = Transition {
+        name: head.name,
+        number: 0,
+        from: Vec::new(),
+        to: Vec::new(),
+        jump: false,
+        path: Vec::new(),
+        condition: None,
+        missing: false,
+        comment: Vec::new(),
+        span: context.span(range),
+    };
+    for clause in clauses {
+        match clause {
+            Clause::Comment(text) => transition.comment.extend(pragma::lines(text)),
+            Clause::From(names) => transition.from.extend(names),
+            Clause::To(names, jump) => {
+                transition.to.extend(names);
+                transition.jump |= jump;
+            }
+            Clause::Condition(condition, span) => {
+                keep(context, &mut transition.condition, condition, span, "condition")
+            }
+            Clause::Error => {}
+        }
+    }
+    Part::Transition(transition, head.number)
+}
+
+/// Keeps the first of several conditions.
+fn keep(context: &mut Context, place: &mut Option<Condition>, condition: Option<Condition>, span: Span, what: &str) {
+    if let Some(before) = place {
+        let before = match before {
+            Condition::Expression(Expr { span, .. }) => *span,
+            Condition::Network(network) => network.span,
+            Condition::Statements(_) => span,
+        };
+        return context.report(
+            Diagnostic::new(Code::Syntax, span, format!("a second {what}"))
+                .label("there is one already")
+                .also(before, "the first one")
+                .help("join both with AND or OR"),
+        );
+    }
+    *place = condition;
+}
+
+/// A row. One that was told of is kept as an error.
+pub fn action(
+    context: &Context,
+    body: Option<ActionBody>,
+    mark: Option<Mark>,
+    comment: Option<&str>,
+    start: usize,
+    qualifier: Range<usize>,
+) -> Action {
+    let end = qualifier.end;
+    let comment = match comment {
+        Some(text) => Some(pragma::lines(text).join(" ")).filter(|text| !text.is_empty()),
+        None => context.comment_behind(end),
+    };
+    let (body, mark) = match (body, mark) {
+        (Some(body), Some(mark)) => (body, mark),
+        _ => (ActionBody::Error, Mark { event: None, qualifier: Qualifier::N, interlock: false }),
+    };
+    Action {
+        event: mark.event,
+        qualifier: mark.qualifier,
+        interlock: mark.interlock,
+        qualifier_span: context.span(qualifier),
+        body,
+        comment,
+        span: context.span(start..end),
+    }
+}
+
+/// A row that could not be read.
+pub fn no_action(context: &Context, range: Range<usize>) -> Action {
+    let (start, end) = (range.start, range.end);
+    action(context, None, None, None, start, end..end)
+}

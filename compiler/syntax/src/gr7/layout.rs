@@ -1,0 +1,437 @@
+//! Layout of charts: raw tokens to the tokens of the grammar.
+//!
+//! ```text
+//! chart ──► permanent instructions ──► rows ───────────────┐
+//!   ├─────► step ──► interlock, supervision ──► condition  ├──► expressions
+//!   │            └─► actions                    row.rs ────┤    expression.rs
+//!   └─────► transition ──► FROM, TO, CONDITION ────────────┘
+//! ```
+//!
+//! Nothing ends an action or a permanent instruction but its line, so that this pass finds the ends. It closes parts and brackets that the
+//! source left open: the grammar always sees a balanced chart, and one mistake stays one message.
+
+mod expression;
+mod keyword;
+mod row;
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+
+pub use keyword::{Keyword, at as keyword_at};
+
+use super::lexer::{RawKind, RawToken};
+use super::pragma::{self, Tag};
+use super::token::{Spanned, Tok};
+
+/// Lays out the tokens of a chart: all of a block but its head and declarations.
+pub fn lay_out<'a>(
+    file: FileId,
+    text: &'a str,
+    raw: &[RawToken],
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Vec<Spanned<'a>> {
+    let mut layout = Layout { file, text, raw, at: 0, out: Vec::with_capacity(raw.len()), diagnostics };
+    layout.chart();
+    layout.out
+}
+
+struct Layout<'a, 'r> {
+    file: FileId,
+    text: &'a str,
+    raw: &'r [RawToken],
+    /// Index of the next raw token.
+    at: usize,
+    out: Vec<Spanned<'a>>,
+    diagnostics: &'r mut Vec<Diagnostic>,
+}
+
+impl<'a> Layout<'a, '_> {
+    fn chart(&mut self) {
+        while let Some(token) = self.peek() {
+            match self.keyword_at(self.at) {
+                _ if token.kind == RawKind::Semicolon => self.at += 1,
+                _ if token.kind == RawKind::Pragma => self.pragma(token),
+                Some(Keyword::PermanentBegin) => self.permanents(token, false),
+                Some(Keyword::PermanentEnd) => self.permanents(token, true),
+                Some(Keyword::InitialStep) => self.step(token, true),
+                Some(Keyword::Step) => self.step(token, false),
+                Some(Keyword::Transition) => self.transition(token),
+                Some(Keyword::Sequence) => self.sequence(),
+                Some(Keyword::EndSequence) => self.at += 1,
+                _ => self.outside_of_parts(token),
+            }
+        }
+    }
+
+    /// Brackets of a sequence mean nothing.
+    fn sequence(&mut self) {
+        self.at += 1;
+        while let Some(token) = self.peek() {
+            let number = token.kind == RawKind::Pragma && pragma::tag(self.slice(token)) == Some(Tag::Number);
+            if (token.first_on_line || self.keyword_at(self.at).is_some()) && !number {
+                return;
+            }
+            self.at += 1;
+        }
+    }
+
+    /// Settings and comments of the block.
+    fn pragma(&mut self, token: RawToken) {
+        let slice = self.slice(token);
+        match pragma::tag(slice) {
+            Some(Tag::Settings) => self.take(Tok::Settings(pragma::body(slice))),
+            Some(Tag::Comment) => self.take(Tok::Comment(pragma::body(slice))),
+            Some(Tag::Number | Tag::Jump) | None => self.at += 1,
+        }
+    }
+
+    fn outside_of_parts(&mut self, token: RawToken) {
+        let word = self.slice(token);
+        let diagnostic = match self.keyword_at(self.at) {
+            Some(keyword) if keyword.is_end() => {
+                Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` ends nothing"))
+                    .label("no part of the chart is open here")
+                    .help("remove it, or write the head of what it ends")
+            }
+            _ => Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` stands outside of the chart"))
+                .label("neither a step nor a transition is open here")
+                .help("a GRAPH block holds permanent instructions, steps from `STEP` to `END_STEP`, then transitions"),
+        };
+        self.report(diagnostic);
+        self.at += 1;
+        self.skip_to_keyword();
+    }
+
+    /// Goes on to what begins or ends a part.
+    fn skip_to_keyword(&mut self) {
+        while let Some(token) = self.peek() {
+            if self.keyword_at(self.at).is_some() || token.kind == RawKind::Pragma {
+                return;
+            }
+            self.at += 1;
+        }
+    }
+
+    // Parts.
+
+    fn permanents(&mut self, opening: RawToken, behind: bool) {
+        self.take(Tok::Permanents(behind));
+        while let Some(token) = self.peek() {
+            match self.keyword_at(self.at) {
+                _ if matches!(token.kind, RawKind::Semicolon | RawKind::Pragma) => self.at += 1,
+                Some(keyword) if keyword.ends_part() => break,
+                _ => self.permanent_row(),
+            }
+        }
+        self.end(opening, Keyword::EndPermanent);
+    }
+
+    fn step(&mut self, opening: RawToken, initial: bool) {
+        self.take(Tok::Step(initial));
+        self.head(opening, "step");
+        while let Some(token) = self.peek() {
+            match self.keyword_at(self.at) {
+                _ if token.kind == RawKind::Semicolon => self.at += 1,
+                _ if token.kind == RawKind::Pragma => self.pragma_of_part(token),
+                Some(Keyword::Interlock) => self.section(Tok::Interlock, Keyword::EndInterlock),
+                Some(Keyword::Supervision) => self.section(Tok::Supervision, Keyword::EndSupervision),
+                Some(keyword) if keyword.ends_part() => break,
+                _ => self.action_row(),
+            }
+        }
+        self.end(opening, Keyword::EndStep);
+    }
+
+    fn transition(&mut self, opening: RawToken) {
+        self.take(Tok::Transition);
+        self.head(opening, "transition");
+        while let Some(token) = self.peek() {
+            match self.keyword_at(self.at) {
+                _ if matches!(token.kind, RawKind::Semicolon | RawKind::Colon) => self.at += 1,
+                _ if token.kind == RawKind::Pragma => self.pragma_of_part(token),
+                Some(Keyword::Condition) => self.condition(),
+                Some(keyword) if keyword.ends_part() => break,
+                _ if self.is_word(self.at, "FROM") => self.steps(Tok::From),
+                _ if self.is_word(self.at, "TO") => self.steps(Tok::To),
+                _ => self.outside_of_clauses(token),
+            }
+        }
+        self.end(opening, Keyword::EndTransition);
+    }
+
+    /// Name, number and colon.
+    fn head(&mut self, opening: RawToken, what: &str) {
+        match self.peek() {
+            Some(token) if is_name(token.kind) && !self.begins_part(self.at) => self.step_name(token),
+            _ => {
+                let word = self.slice(opening);
+                self.report(
+                    Diagnostic::new(Code::Syntax, self.span(opening), format!("`{word}` names no {what}"))
+                        .label("the name is missing")
+                        .help(format!("write `{word} Name (*$_NUM 1*)`")),
+                );
+                self.push_here(Tok::Word(""));
+            }
+        }
+        if let Some(token) = self.peek()
+            && token.kind == RawKind::Pragma
+            && pragma::tag(self.slice(token)) == Some(Tag::Number)
+        {
+            let body = pragma::body(self.slice(token)).trim();
+            match body.parse() {
+                Ok(number) => self.take(Tok::Number(number)),
+                Err(_) => {
+                    self.report(
+                        Diagnostic::new(
+                            Code::BadLiteral,
+                            self.span(token),
+                            format!("`{body}` is no number of a {what}"),
+                        )
+                        .label("a whole number from 1 to 999 is wanted here")
+                        .help("write e.g. `(*$_NUM 3*)`"),
+                    );
+                    self.at += 1;
+                }
+            }
+        }
+        if self.is_at(RawKind::Colon) {
+            self.at += 1;
+        }
+    }
+
+    /// Takes the name of a step or transition.
+    fn step_name(&mut self, token: RawToken) {
+        let slice = self.slice(token);
+        let name = match token.kind {
+            RawKind::Quoted => Tok::Quoted(slice.trim_matches('"').trim()),
+            _ => Tok::Word(slice),
+        };
+        self.take(name);
+    }
+
+    /// Comments of a step or transition; other pragmas have no meaning here.
+    fn pragma_of_part(&mut self, token: RawToken) {
+        let slice = self.slice(token);
+        match pragma::tag(slice) {
+            Some(Tag::Comment) => self.take(Tok::Comment(pragma::body(slice))),
+            _ => self.at += 1,
+        }
+    }
+
+    /// `INTERLOCK CONDITION := … END_INTERLOCK`
+    fn section(&mut self, tok: Tok<'a>, end: Keyword) {
+        let opening = self.raw[self.at];
+        self.take(tok);
+        while let Some(token) = self.peek() {
+            match self.keyword_at(self.at) {
+                _ if matches!(token.kind, RawKind::Semicolon | RawKind::Pragma) => self.at += 1,
+                Some(Keyword::Condition) => self.condition(),
+                Some(_) => break,
+                None => {
+                    let word = self.slice(opening);
+                    self.report(
+                        Diagnostic::new(
+                            Code::Syntax,
+                            self.span(token),
+                            format!("`{word}` begins without `CONDITION :=`"),
+                        )
+                        .label("`CONDITION :=` is wanted here")
+                        .help(format!("write `{word}`, then `CONDITION := …`, then `{}`", end.word())),
+                    );
+                    self.skip_to_keyword();
+                }
+            }
+        }
+        self.end(opening, end);
+    }
+
+    /// `CONDITION := …`, up to the end of its part.
+    fn condition(&mut self) {
+        let word = self.raw[self.at];
+        self.take(Tok::Condition);
+        if self.is_at(RawKind::Assign) {
+            self.at += 1;
+        } else if self.is_at(RawKind::Equal) {
+            let span = self.span(self.raw[self.at]);
+            self.report(
+                Diagnostic::new(Code::AssignSign, span, "a condition is given with `:=`")
+                    .label("`=` compares")
+                    .help("write `CONDITION := …`"),
+            );
+            self.at += 1;
+        } else if self.peek().is_some_and(|token| token.kind != RawKind::Semicolon)
+            && self.keyword_at(self.at).is_none()
+        {
+            self.report(
+                Diagnostic::new(Code::Syntax, self.span(word), "`:=` is missing behind `CONDITION`")
+                    .label("the condition follows without `:=`")
+                    .help("write `CONDITION := …`"),
+            );
+        }
+        let first = self.at;
+        let end = (first..self.raw.len()).find(|index| {
+            matches!(self.raw[*index].kind, RawKind::Semicolon | RawKind::Pragma) || self.keyword_at(*index).is_some()
+        });
+        self.expression(end.unwrap_or(self.raw.len()), expression::Place::Condition);
+        self.push_here(Tok::RowEnd);
+    }
+
+    /// `FROM x`, `FROM ( x, y)`, `TO (x, y) :`, `TO x (*$_JUMP*)`
+    fn steps(&mut self, tok: Tok<'a>) {
+        self.take(tok);
+        let open = self.peek().filter(|token| token.kind == RawKind::LeftParen);
+        self.at += usize::from(open.is_some());
+        let mut closed = open.is_none();
+        let mut named = false;
+        while let Some(token) = self.peek() {
+            let clause = token.first_on_line
+                && (self.is_word(self.at, "TO") || self.is_word(self.at, "FROM"))
+                && !matches!(self.out.last(), Some((_, Tok::Comma | Tok::From | Tok::To, _)));
+            if clause || self.keyword_at(self.at).is_some() {
+                break;
+            }
+            match token.kind {
+                RawKind::RightParen if !closed => {
+                    closed = true;
+                    named = true;
+                    self.at += 1;
+                }
+                RawKind::Colon | RawKind::Semicolon => break,
+                RawKind::Pragma if pragma::tag(self.slice(token)) == Some(Tag::Jump) => {
+                    self.take(Tok::Jump);
+                    named = true;
+                }
+                RawKind::Pragma => break,
+                RawKind::Comma => {
+                    named = false;
+                    self.take(Tok::Comma);
+                }
+                kind if is_name(kind) => {
+                    // `TO` behind a list on the same line begins the next one.
+                    if named && closed {
+                        break;
+                    }
+                    named = true;
+                    self.step_name(token);
+                }
+                _ => self.take(Tok::Bad),
+            }
+        }
+        if let Some(opening) = open.filter(|_| !closed) {
+            self.unclosed(opening);
+        }
+        self.push_here(Tok::RowEnd);
+    }
+
+    fn outside_of_clauses(&mut self, token: RawToken) {
+        let word = self.slice(token);
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(token), format!("`{word}` cannot stand in a transition"))
+                .label("not expected here")
+                .help("a transition has `FROM steps`, `TO steps` and `CONDITION := …`"),
+        );
+        self.at += 1;
+        while let Some(token) = self.peek() {
+            let clause = token.first_on_line && (self.is_word(self.at, "FROM") || self.is_word(self.at, "TO"));
+            if clause || self.keyword_at(self.at).is_some() || token.kind == RawKind::Pragma {
+                return;
+            }
+            self.at += 1;
+        }
+    }
+
+    /// Takes the end of a part; if another word is at hand, it is reported.
+    fn end(&mut self, opening: RawToken, end: Keyword) {
+        let found = self.keyword_at(self.at).filter(|keyword| keyword.is_end() && *keyword != Keyword::EndSequence);
+        match found {
+            Some(keyword) if keyword == end => return self.take(Tok::End),
+            // The end of another kind of part, which is not open, was meant for this one.
+            Some(_) if !matches!(end, Keyword::EndInterlock | Keyword::EndSupervision) || self.inner_end() => {
+                let token = self.raw[self.at];
+                let (word, open) = (self.slice(token), self.slice(opening));
+                self.report(
+                    Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot end `{open}`"))
+                        .label("the part ends here")
+                        .also(self.span(opening), "begins here")
+                        .help(format!("write `{}`", end.word())),
+                );
+                return self.take(Tok::End);
+            }
+            _ => {}
+        }
+        let open = self.slice(opening);
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(opening), format!("`{}` is missing", end.word()))
+                .label(format!("this `{open}` is not closed"))
+                .help(format!("write `{}` behind it", end.word())),
+        );
+        self.push_here(Tok::End);
+    }
+
+    fn inner_end(&self) -> bool {
+        matches!(self.keyword_at(self.at), Some(Keyword::EndInterlock | Keyword::EndSupervision))
+    }
+
+    // Raw tokens.
+
+    fn peek(&self) -> Option<RawToken> {
+        self.raw.get(self.at).copied()
+    }
+
+    fn kind_at(&self, index: usize) -> Option<RawKind> {
+        self.raw.get(index).map(|token| token.kind)
+    }
+
+    fn is_at(&self, kind: RawKind) -> bool {
+        self.kind_at(self.at) == Some(kind)
+    }
+
+    fn is_word(&self, index: usize, word: &str) -> bool {
+        self.raw
+            .get(index)
+            .is_some_and(|token| token.kind == RawKind::Word && self.slice(*token).eq_ignore_ascii_case(word))
+    }
+
+    fn keyword_at(&self, index: usize) -> Option<Keyword> {
+        keyword::at(self.text, self.raw, index)
+    }
+
+    /// Whether a part begins at `index`.
+    fn begins_part(&self, index: usize) -> bool {
+        self.raw[index].first_on_line && self.keyword_at(index).is_some()
+    }
+
+    fn slice(&self, token: RawToken) -> &'a str {
+        &self.text[token.range()]
+    }
+
+    fn span(&self, token: RawToken) -> Span {
+        Span { file: self.file, start: token.start, end: token.end }
+    }
+
+    // Tokens of the grammar.
+
+    /// Pushes `tok` for the raw token at hand and goes on.
+    fn take(&mut self, tok: Tok<'a>) {
+        let raw = self.raw[self.at];
+        self.out.push((raw.start as usize, tok, raw.end as usize));
+        self.at += 1;
+    }
+
+    /// Pushes a token of no width behind what has been read.
+    fn push_here(&mut self, tok: Tok<'a>) {
+        let end = match self.at.checked_sub(1) {
+            Some(before) => self.raw[before].end as usize,
+            None => self.raw.first().map_or(0, |token| token.start as usize),
+        };
+        self.out.push((end, tok, end));
+    }
+
+    fn report(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+    }
+}
+
+/// What a step may be called.
+fn is_name(kind: RawKind) -> bool {
+    matches!(kind, RawKind::Word | RawKind::Number | RawKind::Quoted)
+}

@@ -1,0 +1,111 @@
+//! Words that begin and end the parts of a chart. A variable may be called like one of them.
+
+use crate::gr7::lexer::{RawKind, RawToken};
+
+/// A word that begins or ends a part of a chart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keyword {
+    FunctionBlock,
+    EndFunctionBlock,
+    Var,
+    EndVar,
+    PermanentBegin,
+    PermanentEnd,
+    EndPermanent,
+    Sequence,
+    EndSequence,
+    InitialStep,
+    Step,
+    EndStep,
+    Interlock,
+    EndInterlock,
+    Supervision,
+    EndSupervision,
+    Transition,
+    EndTransition,
+    Condition,
+}
+
+const WORDS: [(&str, Keyword); 23] = [
+    ("FUNCTION_BLOCK", Keyword::FunctionBlock),
+    ("END_FUNCTION_BLOCK", Keyword::EndFunctionBlock),
+    ("VAR", Keyword::Var),
+    ("VAR_INPUT", Keyword::Var),
+    ("VAR_OUTPUT", Keyword::Var),
+    ("VAR_IN_OUT", Keyword::Var),
+    ("VAR_TEMP", Keyword::Var),
+    ("END_VAR", Keyword::EndVar),
+    ("PERM_CONDITION_AT_BEGIN", Keyword::PermanentBegin),
+    ("PERM_CONDITION_AT_END", Keyword::PermanentEnd),
+    ("END_PERM_CONDITION", Keyword::EndPermanent),
+    ("SEQUENCE", Keyword::Sequence),
+    ("END_SEQUENCE", Keyword::EndSequence),
+    ("INITIAL_STEP", Keyword::InitialStep),
+    ("STEP", Keyword::Step),
+    ("END_STEP", Keyword::EndStep),
+    ("INTERLOCK", Keyword::Interlock),
+    ("END_INTERLOCK", Keyword::EndInterlock),
+    ("SUPERVISION", Keyword::Supervision),
+    ("END_SUPERVISION", Keyword::EndSupervision),
+    ("TRANSITION", Keyword::Transition),
+    ("END_TRANSITION", Keyword::EndTransition),
+    ("CONDITION", Keyword::Condition),
+];
+
+impl Keyword {
+    fn of(word: &str) -> Option<Keyword> {
+        WORDS.iter().find(|(known, _)| known.eq_ignore_ascii_case(word)).map(|(_, keyword)| *keyword)
+    }
+
+    pub fn word(self) -> &'static str {
+        WORDS.iter().find(|(_, keyword)| *keyword == self).map_or("", |(word, _)| word)
+    }
+
+    /// Whether it ends a part of a chart.
+    pub const fn is_end(self) -> bool {
+        matches!(
+            self,
+            Keyword::EndPermanent
+                | Keyword::EndSequence
+                | Keyword::EndStep
+                | Keyword::EndInterlock
+                | Keyword::EndSupervision
+                | Keyword::EndTransition
+        )
+    }
+
+    /// Whether a step, transition or list of permanent instructions ends here, if only because the next one begins.
+    pub const fn ends_part(self) -> bool {
+        !matches!(self, Keyword::Condition | Keyword::Interlock | Keyword::Supervision)
+    }
+}
+
+/// The keyword at `index`: one that begins something stands first on its line or behind an end, and is not used as an operand.
+pub fn at(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {
+    let token = raw.get(index).filter(|token| token.kind == RawKind::Word)?;
+    let keyword = Keyword::of(&text[token.range()])?;
+    let before = index.checked_sub(1).map(|before| raw[before]);
+    if before.is_some_and(|before| before.kind == RawKind::Dot) {
+        return None;
+    }
+    let next = raw.get(index + 1).map(|next| next.kind);
+    if next == Some(RawKind::Assign) {
+        return (keyword == Keyword::Condition).then_some(keyword);
+    }
+    if matches!(next, Some(RawKind::Dot | RawKind::Comma | RawKind::LeftBracket)) {
+        return None;
+    }
+    if keyword.is_end() || matches!(keyword, Keyword::EndFunctionBlock | Keyword::EndVar) {
+        return Some(keyword);
+    }
+    let behind_end = || {
+        let Some(before) = before else { return true };
+        matches!(before.kind, RawKind::Colon | RawKind::Semicolon | RawKind::Pragma | RawKind::RightParen)
+            || before.kind == RawKind::Word
+                && Keyword::of(&text[before.range()])
+                    .is_some_and(|word| word.is_end() || matches!(word, Keyword::Interlock | Keyword::Supervision))
+    };
+    let begins = token.first_on_line || behind_end();
+    // `Step (N)` is an action.
+    (begins && next != Some(RawKind::LeftParen)).then_some(keyword)
+}

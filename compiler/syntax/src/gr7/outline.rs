@@ -1,0 +1,94 @@
+//! Which blocks of a file hold charts. Guesses, without parsing.
+
+use std::ops::Range;
+
+use super::layout::{Keyword, keyword_at};
+use super::lexer::{self, RawKind, RawToken};
+
+/// Words that begin blocks which hold no chart.
+const OTHER_BLOCKS: [&str; 4] = ["ORGANIZATION_BLOCK", "FUNCTION", "DATA_BLOCK", "TYPE"];
+
+/// Whether a line of the text is one that only charts have.
+pub fn has_chart(text: &str) -> bool {
+    text.contains("(*$_CMPSET") && has_block(text)
+        || text.split(['\n', '\r']).any(|line| {
+            let word = line.split([' ', '\t', '(', ';']).find(|word| !word.is_empty()).unwrap_or_default();
+            ["INITIAL_STEP", "END_STEP", "END_TRANSITION"].iter().any(|known| known.eq_ignore_ascii_case(word))
+        })
+}
+
+fn has_block(text: &str) -> bool {
+    let raw = lexer::scan(text);
+    (0..raw.tokens.len()).any(|index| keyword_at(text, &raw.tokens, index) == Some(Keyword::FunctionBlock))
+}
+
+/// The bytes of the blocks with charts, if the file holds other blocks as well, or none if it does not.
+pub fn beside_other_blocks(text: &str) -> Option<Vec<Range<usize>>> {
+    let tokens = lexer::scan(text).tokens;
+    let scan = Scan { text, tokens: &tokens };
+    let (mut charts, mut others) = (Vec::new(), false);
+    let mut at = 0;
+    while at < tokens.len() {
+        if scan.keyword(at) == Some(Keyword::FunctionBlock) {
+            let end = scan.block_end(at);
+            if scan.is_other(at..end) {
+                others = true;
+            } else {
+                charts.push(tokens[at].start as usize..tokens[end - 1].end as usize);
+            }
+            at = end;
+        } else {
+            others |= scan.begins_other(at);
+            at += 1;
+        }
+    }
+    others.then_some(charts)
+}
+
+struct Scan<'a> {
+    text: &'a str,
+    tokens: &'a [RawToken],
+}
+
+impl Scan<'_> {
+    fn keyword(&self, index: usize) -> Option<Keyword> {
+        keyword_at(self.text, self.tokens, index)
+    }
+
+    fn is_word(&self, index: usize, words: &[&str]) -> bool {
+        let token = self.tokens[index];
+        let text = &self.text[token.range()];
+        token.kind == RawKind::Word && token.first_on_line && words.iter().any(|word| word.eq_ignore_ascii_case(text))
+    }
+
+    /// Whether a block that is no FB begins at `index`.
+    fn begins_other(&self, index: usize) -> bool {
+        let next = self.tokens.get(index + 1).map(|next| next.kind);
+        self.is_word(index, &OTHER_BLOCKS) && matches!(next, Some(RawKind::Word | RawKind::Quoted))
+    }
+
+    /// Index behind the FB at `index`.
+    fn block_end(&self, index: usize) -> usize {
+        let mut end = index + 1;
+        while end < self.tokens.len() {
+            match self.keyword(end) {
+                Some(Keyword::EndFunctionBlock) => return end + 1,
+                Some(Keyword::FunctionBlock) => return end,
+                _ if self.begins_other(end) => return end,
+                _ => end += 1,
+            }
+        }
+        end
+    }
+
+    /// Whether an FB has statements: `BEGIN` stands before them, and nothing of a chart.
+    fn is_other(&self, block: Range<usize>) -> bool {
+        let chart = block.clone().any(|index| {
+            matches!(
+                self.keyword(index),
+                Some(Keyword::InitialStep | Keyword::EndStep | Keyword::Transition | Keyword::EndTransition)
+            )
+        });
+        !chart && block.into_iter().any(|index| self.is_word(index, &["BEGIN", "NETWORK"]))
+    }
+}

@@ -1,0 +1,75 @@
+//! Comments with a meaning: `(*$_NUM 3*)`. Source: GRAPH reference A.1.
+
+/// What a comment with a tag is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tag {
+    /// `$_COM`
+    Comment,
+    /// `$_CMPSET`, `$_SETTINGS`
+    Settings,
+    /// `$_NUM`
+    Number,
+    /// `$_JUMP`
+    Jump,
+}
+
+/// The tag of `(*$_TAG …*)`; none: not known.
+pub fn tag(comment: &str) -> Option<Tag> {
+    let name = name(comment);
+    let is = |known: &str| name.eq_ignore_ascii_case(known);
+    match () {
+        () if is("COM") => Some(Tag::Comment),
+        () if is("CMPSET") || is("SETTINGS") => Some(Tag::Settings),
+        () if is("NUM") => Some(Tag::Number),
+        () if is("JUMP") => Some(Tag::Jump),
+        () => None,
+    }
+}
+
+/// The letters of the tag.
+pub fn name(comment: &str) -> &str {
+    let rest = comment.strip_prefix("(*$_").unwrap_or(comment);
+    &rest[..rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len())]
+}
+
+/// The text behind the tag.
+pub fn body(comment: &str) -> &str {
+    let rest = comment.strip_prefix("(*$_").unwrap_or(comment);
+    let rest = &rest[name(comment).len()..];
+    rest.strip_suffix("*)").unwrap_or(rest)
+}
+
+/// Lines of a `$_COM`: those before the `@`, then those behind it, without blank lines around each.
+pub fn lines(body: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for part in body.split('@') {
+        let part: Vec<&str> =
+            part.split('\n').flat_map(|line| line.trim_end_matches('\r').split('\r')).map(str::trim).collect();
+        let first = part.iter().position(|line| !line.is_empty()).unwrap_or(part.len());
+        let last = part.iter().rposition(|line| !line.is_empty()).map_or(first, |last| last + 1);
+        found.extend(part[first..last].iter().map(|line| (*line).to_owned()));
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pragmas_are_taken_apart() {
+        assert_eq!(tag("(*$_NUM 3*)"), Some(Tag::Number));
+        assert_eq!(body("(*$_NUM 3*)").trim(), "3");
+        assert_eq!(tag("(*$_COMB*)"), None);
+        assert_eq!(body("(*$_JUMP*)"), "");
+    }
+
+    #[test]
+    fn comments_keep_their_lines() {
+        assert_eq!(
+            lines(" Door (left) -> right\r\n\r\n\"open\"@idle"),
+            ["Door (left) -> right", "", "\"open\"", "idle"]
+        );
+        assert_eq!(lines("\n\n@\n"), Vec::<String>::new());
+    }
+}
