@@ -4,7 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use roxmltree::Node;
 
 use super::reader::{Reader, multilingual, setting, setting_text};
-use super::{data_type, interface, network};
+use super::{chart, data_type, interface, network};
 use crate::ast::{
     self, Block, BlockName, Code as BlockCode, CodeBlock, CodeKind, DataBlock, DataContent, Header, TypeBlock,
     TypeKind, TypeRef,
@@ -82,18 +82,20 @@ fn header(object: Node) -> Header {
 
 fn code(reader: &mut Reader, object: Node, name: BlockName, kind: CodeKind, span: Span) -> CodeBlock {
     let header = header(object);
-    let interface = interface::read(reader, interface::sections(object));
     let language = setting_text(object, "ProgrammingLanguage").unwrap_or_default();
+    let is_chart = language == "GRAPH" && kind == CodeKind::Fb;
+    let interface = interface::read(reader, interface::sections(object), is_chart);
     let shown = match &name {
         BlockName::Symbol { name, .. } => name.clone(),
         BlockName::Numbered { number, .. } => number.to_string(),
     };
-    let code = match refused(&header, &language) {
+    let code = match refused(&header, &language, is_chart) {
         Some((what, help)) => {
             let message = Diagnostic::new(Code::ForeignContent, name.span(), format!("`{shown}` {what}"));
             reader.diagnostics.push(message.label("only its interface is read").help(help));
             BlockCode::Graphic(Body::default())
         }
+        None if is_chart => BlockCode::Chart(chart::read(reader, object, &shown)),
         None => {
             let units = network::compile_units(object);
             let networks = units.into_iter().enumerate();
@@ -106,13 +108,18 @@ fn code(reader: &mut Reader, object: Node, name: BlockName, kind: CodeKind, span
 }
 
 /// Why the code of a block cannot be read, and what to do.
-fn refused(header: &Header, language: &str) -> Option<(String, &'static str)> {
+fn refused(header: &Header, language: &str, is_chart: bool) -> Option<(String, &'static str)> {
     match language {
         _ if header.know_how_protect => Some((
             "is know-how protected: its code is not in the file".to_string(),
             "remove the protection in the TIA Portal and export it again",
         )),
-        "GRAPH" | "SFC" | "CEM" | "ProDiag" | "ProDiag_OB" => Some((
+        "GRAPH" if is_chart => None,
+        "GRAPH" => Some((
+            "is written in GRAPH, in which only function blocks can be written".to_string(),
+            "write the block in LAD, FBD, STL or SCL",
+        )),
+        "SFC" | "CEM" | "ProDiag" | "ProDiag_OB" => Some((
             format!("is written in {language}, which plcc does not read"),
             "write the block in LAD, FBD, STL or SCL",
         )),

@@ -28,8 +28,21 @@ pub fn sections<'a, 'i>(object: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
     child(interface, "Sections")
 }
 
-/// Reads the sections of a block with code.
-pub fn read(reader: &mut Reader, sections: Option<Node>) -> Interface {
+/// Whether the sections are those of a block in GRAPH: they have what each sequence has.
+fn is_chart(sections: Option<Node>) -> bool {
+    sections
+        .is_some_and(|sections| children(sections, "Section").any(|section| section.attribute("Name") == Some("Base")))
+}
+
+/// Whether a member of a block in GRAPH holds data of steps, transitions or the sequencer, which the chart itself tells of.
+/// Source: GRAPH reference B.1.
+fn is_chart_data(member: Node) -> bool {
+    let datatype = member.attribute("Datatype").unwrap_or_default();
+    datatype.trim().trim_matches('"').starts_with("G7_") || member.attribute("Name") == Some("RT_DATA")
+}
+
+/// Reads the sections of a block with code. `chart`: it is written in GRAPH.
+pub fn read(reader: &mut Reader, sections: Option<Node>, chart: bool) -> Interface {
     let mut interface = Interface::default();
     for section in sections.iter().flat_map(|sections| children(*sections, "Section")) {
         let kind = match section.attribute("Name").unwrap_or_default() {
@@ -51,10 +64,11 @@ pub fn read(reader: &mut Reader, sections: Option<Node>) -> Interface {
                 }
                 continue;
             }
-            // `Base` of sequences belongs to the system.
+            // `Base` of GRAPH belongs to the system.
             _ => continue,
         };
-        for member in children(section, "Member") {
+        let own = |member: &Node| !(chart && kind == SectionKind::Static && is_chart_data(*member));
+        for member in children(section, "Member").filter(own) {
             let retain = match member.attribute("Remanence") {
                 Some("Retain") => Retain::Retain,
                 Some("SetInIDB") => Retain::DbSpecific,
@@ -75,8 +89,11 @@ pub fn read(reader: &mut Reader, sections: Option<Node>) -> Interface {
 
 /// The members of all sections as components: of a data block or data type.
 pub fn components(reader: &mut Reader, sections: Option<Node>) -> Vec<Variable> {
+    let chart = is_chart(sections);
     let sections = sections.iter().flat_map(|sections| children(*sections, "Section"));
-    let members: Vec<Node> = sections.flat_map(|section| children(section, "Member")).collect();
+    let sections = sections.filter(|section| section.attribute("Name") != Some("Base"));
+    let members = sections.flat_map(|section| children(section, "Member"));
+    let members: Vec<Node> = members.filter(|member| !(chart && is_chart_data(*member))).collect();
     members.into_iter().map(|member| variable(reader, member, 0)).collect()
 }
 

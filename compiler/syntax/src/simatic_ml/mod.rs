@@ -14,6 +14,7 @@
 //! **Invariant**: what the reader does not know refuses its network or block; nothing is left out silently.
 
 mod block;
+mod chart;
 mod data_type;
 mod graph;
 mod initial;
@@ -25,6 +26,7 @@ mod overlay;
 mod parts;
 mod reader;
 mod statements;
+mod step_time;
 mod tokens;
 
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
@@ -51,7 +53,8 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ParseOptions) -
             .help("export the blocks from the TIA Portal as XML (SimaticML)");
         return (SourceUnit::default(), vec![refused]);
     }
-    let mut reader = Reader { file, overlay: Overlay::new(text), pragmas: options.pragmas, diagnostics: Vec::new() };
+    let mut reader =
+        Reader { file, overlay: Overlay::new(text), pragmas: options.pragmas, own_step: None, diagnostics: Vec::new() };
     let mut blocks = Vec::new();
     for object in objects(root) {
         match object.tag_name().name() {

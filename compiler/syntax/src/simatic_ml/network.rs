@@ -6,6 +6,7 @@ use roxmltree::Node;
 use super::reader::{Reader, multilingual, setting, setting_text};
 use super::{graph, parts, statements, tokens};
 use crate::network::ast::{Content, Graph, Language, Network};
+use crate::scl::ast::Name;
 use crate::xml::{child, elements, head, is};
 
 /// The compile units of a block.
@@ -24,44 +25,7 @@ pub fn read(reader: &mut Reader, unit: Node, number: usize, block: &str, default
     let named = setting_text(unit, "ProgrammingLanguage").unwrap_or_else(|| default.to_string());
     let source = setting(unit, "NetworkSource").and_then(|source| elements(source).next());
     let language = language_of(&named, source.map(|source| source.tag_name().name()));
-    let mut labels = Vec::new();
-    let content = match (language, source) {
-        (Some(language @ (Language::Lad | Language::Fbd)), Some(source)) if is(source, "FlgNet") => {
-            match parts::read(reader, source, &whose) {
-                Ok(mut found) => {
-                    labels = std::mem::take(&mut found.labels);
-                    Content::Graphic(graph::build(found, language))
-                }
-                Err(_) => Content::Graphic(Graph::default()),
-            }
-        }
-        (Some(Language::Scl), Some(source)) if is(source, "StructuredText") => {
-            Content::Scl(tokens::read(reader, source, &whose).unwrap_or_default())
-        }
-        (Some(Language::Stl), Some(source)) if is(source, "StatementList") => {
-            Content::Stl(statements::read(reader, source, &whose).unwrap_or_default())
-        }
-        // An empty network.
-        (Some(Language::Scl), None) => Content::Scl(Vec::new()),
-        (Some(Language::Stl), None) => Content::Stl(Vec::new()),
-        (Some(_), None) => Content::Graphic(Graph::default()),
-        (None, None) => {
-            reader.refuse(unit, &whose, &format!("nothing but the name of the language {named}"));
-            if let Some(message) = reader.diagnostics.last_mut() {
-                message.severity = Severity::Warning;
-            }
-            Content::Graphic(Graph::default())
-        }
-        (_, Some(source)) => {
-            let what = if named.starts_with("F_") {
-                format!("fail-safe code ({named})")
-            } else {
-                format!("code in {named} (`{}`)", source.tag_name().name())
-            };
-            reader.refuse(source, &whose, &what);
-            Content::Graphic(Graph::default())
-        }
-    };
+    let (labels, content) = content(reader, unit, source, (language, &named), &whose);
     let comment = multilingual(unit, "Comment").map(|text| text.lines().map(str::to_string).collect());
     Network {
         language: language.unwrap_or(Language::Lad),
@@ -73,8 +37,58 @@ pub fn read(reader: &mut Reader, unit: Node, number: usize, block: &str, default
     }
 }
 
+/// What a network is made of, and its labels. `language`: with its name in the file; `unit`: what holds the network.
+pub fn content(
+    reader: &mut Reader,
+    unit: Node,
+    source: Option<Node>,
+    language: (Option<Language>, &str),
+    whose: &str,
+) -> (Vec<Name>, Content) {
+    let (language, named) = language;
+    let mut labels = Vec::new();
+    let content = match (language, source) {
+        (Some(language @ (Language::Lad | Language::Fbd)), Some(source)) if is(source, "FlgNet") => {
+            match parts::read(reader, source, whose) {
+                Ok(mut found) => {
+                    labels = std::mem::take(&mut found.labels);
+                    Content::Graphic(graph::build(found, language))
+                }
+                Err(_) => Content::Graphic(Graph::default()),
+            }
+        }
+        (Some(Language::Scl), Some(source)) if is(source, "StructuredText") => {
+            Content::Scl(tokens::read(reader, source, whose).unwrap_or_default())
+        }
+        (Some(Language::Stl), Some(source)) if is(source, "StatementList") => {
+            Content::Stl(statements::read(reader, source, whose).unwrap_or_default())
+        }
+        // An empty network.
+        (Some(Language::Scl), None) => Content::Scl(Vec::new()),
+        (Some(Language::Stl), None) => Content::Stl(Vec::new()),
+        (Some(_), None) => Content::Graphic(Graph::default()),
+        (None, None) => {
+            reader.refuse(unit, whose, &format!("nothing but the name of the language {named}"));
+            if let Some(message) = reader.diagnostics.last_mut() {
+                message.severity = Severity::Warning;
+            }
+            Content::Graphic(Graph::default())
+        }
+        (_, Some(source)) => {
+            let what = if named.starts_with("F_") {
+                format!("fail-safe code ({named})")
+            } else {
+                format!("code in {named} (`{}`)", source.tag_name().name())
+            };
+            reader.refuse(source, whose, &what);
+            Content::Graphic(Graph::default())
+        }
+    };
+    (labels, content)
+}
+
 /// The language by its name; without a usable name by the element of the source.
-fn language_of(name: &str, source: Option<&str>) -> Option<Language> {
+pub fn language_of(name: &str, source: Option<&str>) -> Option<Language> {
     match (name, source) {
         (name, _) if name.starts_with("F_") => None,
         (name, _) if name.starts_with("LAD") => Some(Language::Lad),

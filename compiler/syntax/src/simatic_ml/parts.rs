@@ -7,6 +7,7 @@ use roxmltree::Node;
 
 use super::operand;
 use super::reader::{Reader, Refused};
+use super::step_time;
 use crate::network::absent;
 use crate::network::ast::{Comparison, Eno, Target, Template, TemplateKey};
 use crate::network::elements::{self, Gate, Kind, PinDirection, Row};
@@ -32,6 +33,8 @@ pub struct Part {
     parameters: Vec<(String, bool)>,
     /// The file does not list the parameters: wires tell of them.
     open_parameters: bool,
+    /// It compares the time of a step.
+    step_time: bool,
     pub span: Span,
 }
 
@@ -162,6 +165,9 @@ fn parts(reader: &mut Reader, list: Node, whose: &str, found: &mut Parts) -> Res
             ("Part", Some(uid)) => {
                 let part = part(reader, node, uid, whose)?;
                 found.parts.push(part);
+                if let Some(compared) = step_time::of(node.attribute("Name").unwrap_or_default()) {
+                    step_time::wire(reader, node, compared, whose, found)?;
+                }
             }
             ("Call", Some(uid)) => {
                 let part = call(reader, node, uid, whose)?;
@@ -177,7 +183,8 @@ fn parts(reader: &mut Reader, list: Node, whose: &str, found: &mut Parts) -> Res
 fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, Refused> {
     let name = node.attribute("Name").unwrap_or_default();
     let span = reader.name_span(node, "Name");
-    let row = elements::find_xml(name);
+    let step_time = step_time::of(name);
+    let row = if step_time.is_some() { elements::find_xml("Gt") } else { elements::find_xml(name) };
     if let (None, Some((why, help))) = (row, absent::reason(name)) {
         let text = format!("{whose} holds the element `{name}`, which plcc does not have");
         reader.diagnostics.push(Diagnostic::new(Code::UnknownElement, span, text).label(why).help(help));
@@ -212,6 +219,7 @@ fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
         card: None,
         parameters: Vec::new(),
         open_parameters: row.is_none(),
+        step_time: step_time.is_some(),
         span,
     };
     for setting in elements(node) {
@@ -312,6 +320,7 @@ fn call(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
         card: None,
         parameters,
         open_parameters: false,
+        step_time: false,
         span,
     };
     for setting in elements(node) {
@@ -351,9 +360,12 @@ fn wire(
                 };
                 // What a wire begins with feeds the others.
                 let feeds = ends.is_empty();
-                let Some((pin, output)) =
-                    found.parts[part].pin(name).or_else(|| found.parts[part].parameter(name, feeds))
-                else {
+                let from_operand = matches!(ends.first(), Some(End::Operand(_)));
+                let known = match found.parts[part].step_time {
+                    true => Some(step_time::pin(name, from_operand)),
+                    false => found.parts[part].pin(name),
+                };
+                let Some((pin, output)) = known.or_else(|| found.parts[part].parameter(name, feeds)) else {
                     return Err(unknown_pin(reader, end, &found.parts[part], whose));
                 };
                 let span = reader.name_span(end, "Name");

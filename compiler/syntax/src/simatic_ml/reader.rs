@@ -16,6 +16,8 @@ pub struct Reader {
     pub overlay: Overlay,
     /// Assertions in comments of SCL and STL are read.
     pub pragmas: bool,
+    /// The step that comparisons of step times in GRAPH mean, by name: that of the network, or the only one before its transition.
+    pub own_step: Option<String>,
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -125,6 +127,18 @@ pub fn multilingual(object: Node, name: &str) -> Option<String> {
     let found = children(list, "MultilingualText").find(|text| text.attribute("CompositionName") == Some(name))?;
     let texts = found.descendants().filter(|node| crate::xml::is(*node, "Text"));
     texts.map(text_of).find(|text| !text.is_empty())
+}
+
+/// The first text of each of the given elements below a node that is no object, as lines: titles and comments in GRAPH.
+pub fn texts(node: Node, names: &[&str]) -> Vec<String> {
+    let mut found = Vec::new();
+    for name in names {
+        let texts = child(node, name).into_iter().flat_map(|text| children(text, "MultiLanguageText"));
+        if let Some(text) = texts.map(text_of).find(|text| !text.is_empty()) {
+            found.extend(text.lines().map(str::to_string));
+        }
+    }
+    found
 }
 
 /// The text of an attribute in the list of an object: `Name`, `Number`.

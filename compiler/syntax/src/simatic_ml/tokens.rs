@@ -27,30 +27,36 @@ fn tokens(reader: &mut Reader, list: Node, whose: &str, depth: usize) -> Result<
         return Err(reader.refuse(list, whose, "calls that stand too deep in one another"));
     }
     for node in elements(list) {
-        match node.tag_name().name() {
-            "Token" => write(reader, node, node.attribute("Text").unwrap_or_default()),
-            "NewLine" => write(reader, node, "\n"),
-            // The name of a region.
-            "Text" => write(reader, node, &raw_text_of(node).replace(['\n', '\r'], " ")),
-            "LineComment" => pragma(reader, node),
-            "Access" => access(reader, node, whose, depth)?,
-            "Parameter" => {
-                write_name(reader, node);
-                tokens(reader, node, whose, depth + 1)?;
-            }
-            "NamelessParameter" | "Expression" | "Statement" => tokens(reader, node, whose, depth + 1)?,
-            "LabelDeclaration" => {
-                for label in children(node, "Label") {
-                    write_name(reader, label);
-                }
-                for token in children(node, "Token") {
-                    write(reader, token, token.attribute("Text").unwrap_or_default());
-                }
-            }
-            "Blank" | "Comment" | "Instance" | "TemplateValue" | "AutomaticTyped" | "StringAttribute"
-            | "BooleanAttribute" | "IntegerAttribute" | "DateAttribute" => {}
-            other => return Err(reader.refuse(node, whose, &format!("`{other}`"))),
+        token(reader, node, whose, depth)?;
+    }
+    Ok(())
+}
+
+/// Writes one of the nodes that statements are made of.
+pub fn token(reader: &mut Reader, node: Node, whose: &str, depth: usize) -> Result<(), Refused> {
+    match node.tag_name().name() {
+        "Token" => write(reader, node, node.attribute("Text").unwrap_or_default()),
+        "NewLine" => write(reader, node, "\n"),
+        // The name of a region.
+        "Text" => write(reader, node, &raw_text_of(node).replace(['\n', '\r'], " ")),
+        "LineComment" => pragma(reader, node),
+        "Access" => access(reader, node, whose, depth)?,
+        "Parameter" => {
+            write_name(reader, node);
+            tokens(reader, node, whose, depth + 1)?;
         }
+        "NamelessParameter" | "Expression" | "Statement" => tokens(reader, node, whose, depth + 1)?,
+        "LabelDeclaration" => {
+            for label in children(node, "Label") {
+                write_name(reader, label);
+            }
+            for token in children(node, "Token") {
+                write(reader, token, token.attribute("Text").unwrap_or_default());
+            }
+        }
+        "Blank" | "Comment" | "Instance" | "TemplateValue" | "AutomaticTyped" | "StringAttribute"
+        | "BooleanAttribute" | "IntegerAttribute" | "DateAttribute" => {}
+        other => return Err(reader.refuse(node, whose, &format!("`{other}`"))),
     }
     Ok(())
 }
