@@ -30,15 +30,15 @@ pub fn sections<'a, 'i>(object: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
 
 /// Whether the sections are those of a block in GRAPH: they have what each sequence has.
 fn is_chart(sections: Option<Node>) -> bool {
-    sections
-        .is_some_and(|sections| children(sections, "Section").any(|section| section.attribute("Name") == Some("Base")))
+    let is_base = |section: Node| section.attribute("Name") == Some("Base");
+    sections.is_some_and(|sections| children(sections, "Section").any(is_base))
 }
 
-/// Whether a member of a block in GRAPH holds data of steps, transitions or the sequencer, which the chart itself tells of.
+/// Whether a member holds data of steps, transitions or the sequencer, which the chart itself tells of. `chart`: it is one of a block in GRAPH.
 /// Source: GRAPH reference B.1.
-fn is_chart_data(member: Node) -> bool {
-    let datatype = member.attribute("Datatype").unwrap_or_default();
-    datatype.trim().trim_matches('"').starts_with("G7_") || member.attribute("Name") == Some("RT_DATA")
+fn is_chart_data(member: Node, chart: bool) -> bool {
+    let datatype = member.attribute("Datatype").unwrap_or_default().trim().trim_matches('"');
+    datatype.starts_with("G7_") || chart && member.attribute("Name") == Some("RT_DATA")
 }
 
 /// Reads the sections of a block with code. `chart`: it is written in GRAPH.
@@ -67,7 +67,7 @@ pub fn read(reader: &mut Reader, sections: Option<Node>, chart: bool) -> Interfa
             // `Base` of GRAPH belongs to the system.
             _ => continue,
         };
-        let own = |member: &Node| !(chart && kind == SectionKind::Static && is_chart_data(*member));
+        let own = |member: &Node| !(chart && kind == SectionKind::Static && is_chart_data(*member, chart));
         for member in children(section, "Member").filter(own) {
             let retain = match member.attribute("Remanence") {
                 Some("Retain") => Retain::Retain,
@@ -93,7 +93,7 @@ pub fn components(reader: &mut Reader, sections: Option<Node>) -> Vec<Variable> 
     let sections = sections.iter().flat_map(|sections| children(*sections, "Section"));
     let sections = sections.filter(|section| section.attribute("Name") != Some("Base"));
     let members = sections.flat_map(|section| children(section, "Member"));
-    let members: Vec<Node> = members.filter(|member| !(chart && is_chart_data(*member))).collect();
+    let members: Vec<Node> = members.filter(|member| !is_chart_data(*member, chart)).collect();
     members.into_iter().map(|member| variable(reader, member, 0)).collect()
 }
 
