@@ -294,7 +294,7 @@ impl Binder<'_> {
     }
 
     /// The block that an operand names, without a message if it names none.
-    fn named_number(&self, operand: &ast::Operand) -> Option<(BlockPrefix, u16)> {
+    pub fn named_number(&self, operand: &ast::Operand) -> Option<(BlockPrefix, u16)> {
         let symbol = |name: &str| match self.global(name) {
             Some(SymbolTarget::Block { prefix, number }) => Some((prefix, u16::try_from(number).ok()?)),
             Some(SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. }) | None => None,

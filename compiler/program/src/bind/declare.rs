@@ -318,6 +318,13 @@ impl<'a> Binder<'a> {
                             .help(format!("remove CODE_VERSION1 from {key}, or call it with a DB of its own")),
                     );
                 }
+                if used == Use::Static && self.is_portal_chart(key) {
+                    self.report.push(
+                        Diagnostic::new(Code::ChartInstance, span, format!("{key} cannot be a multi-instance"))
+                            .label("a block in GRAPH of the TIA Portal")
+                            .help("call it with an instance DB of its own"),
+                    );
+                }
                 let instance = bound.instance.clone()?;
                 Some(Typed { ty: DataType::Struct(instance.ty), image: instance.image })
             }
@@ -328,6 +335,14 @@ impl<'a> Binder<'a> {
                 );
                 None
             }
+        }
+    }
+
+    /// A block in GRAPH of the TIA Portal. Source: GRAPH reference, chapter 0.
+    fn is_portal_chart(&self, key: BlockKey) -> bool {
+        match self.code.get(&key).map(|source| &source.block().code) {
+            Some(ast::Code::Chart(body)) => body.dialect == chart::Dialect::Tia,
+            Some(ast::Code::Stl(_) | ast::Code::Scl(_) | ast::Code::Graphic(_)) | None => false,
         }
     }
 

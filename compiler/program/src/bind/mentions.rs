@@ -161,37 +161,43 @@ fn network_expressions(network: &network::Network, visit: &mut dyn FnMut(&scl::E
 }
 
 fn chart_expressions(chart: &chart::Body, visit: &mut dyn FnMut(&scl::Expr)) {
-    for permanent in chart.before.iter().chain(&chart.after) {
-        match &permanent.kind {
-            chart::PermanentKind::Coil { operand, value, .. } => {
-                [operand, value].into_iter().for_each(|value| expression(value, visit));
-            }
-            chart::PermanentKind::Call(call) => call_expressions(call, visit),
-            chart::PermanentKind::Network(network) => network_expressions(network, visit),
-        }
-    }
-    for step in &chart.steps {
-        for action in &step.actions {
-            match &action.body {
-                chart::ActionBody::Operand(operand) => expression(operand, visit),
-                chart::ActionBody::Value { operand, value } => {
-                    [operand, value].into_iter().for_each(|value| expression(value, visit));
-                }
-                chart::ActionBody::Call(call) => call_expressions(call, visit),
-                chart::ActionBody::Statements(list) => statements(list, visit),
-                chart::ActionBody::Network(network) => network_expressions(network, visit),
-                chart::ActionBody::All { .. } | chart::ActionBody::Error => {}
-            }
-        }
-    }
+    chart.before.iter().chain(&chart.after).for_each(|permanent| permanent_expressions(permanent, visit));
+    chart.steps.iter().flat_map(|step| &step.actions).for_each(|action| action_expressions(action, visit));
     let of_steps = chart.steps.iter().flat_map(|step| step.interlock.iter().chain(&step.supervision));
     let of_transitions = chart.transitions.iter().flat_map(|transition| &transition.condition);
-    for condition in of_steps.chain(of_transitions) {
-        match condition {
-            chart::Condition::Expression(value) => expression(value, visit),
-            chart::Condition::Network(network) => network_expressions(network, visit),
-            chart::Condition::Statements(list) => statements(list, visit),
+    of_steps.chain(of_transitions).for_each(|condition| condition_expressions(condition, visit));
+}
+
+/// Goes through all expressions of a condition in a chart, their parts included.
+pub fn condition_expressions(condition: &chart::Condition, visit: &mut dyn FnMut(&scl::Expr)) {
+    match condition {
+        chart::Condition::Expression(value) => expression(value, visit),
+        chart::Condition::Network(network) => network_expressions(network, visit),
+        chart::Condition::Statements(list) => statements(list, visit),
+    }
+}
+
+/// Goes through all expressions of a row of actions, their parts included.
+pub fn action_expressions(action: &chart::Action, visit: &mut dyn FnMut(&scl::Expr)) {
+    match &action.body {
+        chart::ActionBody::Operand(operand) => expression(operand, visit),
+        chart::ActionBody::Value { operand, value } => {
+            [operand, value].into_iter().for_each(|value| expression(value, visit));
         }
+        chart::ActionBody::Call(call) => call_expressions(call, visit),
+        chart::ActionBody::Statements(list) => statements(list, visit),
+        chart::ActionBody::All { .. } | chart::ActionBody::Error => {}
+    }
+}
+
+/// Goes through all expressions of a permanent instruction, their parts included.
+pub fn permanent_expressions(permanent: &chart::Permanent, visit: &mut dyn FnMut(&scl::Expr)) {
+    match &permanent.kind {
+        chart::PermanentKind::Coil { operand, value, .. } => {
+            [operand, value].into_iter().for_each(|value| expression(value, visit));
+        }
+        chart::PermanentKind::Call(call) => call_expressions(call, visit),
+        chart::PermanentKind::Network(network) => network_expressions(network, visit),
     }
 }
 

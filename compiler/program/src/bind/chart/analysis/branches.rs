@@ -1,0 +1,141 @@
+//! Simultaneous branches: steps that are entered while they are active, jumps out of paths and into them, joins that never switch.
+//!
+//! What the paths of branches prove needs no search. Else all markings are searched, unless rows of ON and OFF switch steps beside the
+//! transitions. Steps that can be switched by hand, and conditions that ask for active steps, turn errors into warnings: they may keep
+//! apart, or bring together, what the transitions alone do not. Source: GRAPH reference G.4 and chapter I, "Detection".
+
+use plcc_diag::{Code, Diagnostic, Severity};
+use plcc_syntax::scl::ast::ExprKind;
+
+use super::marking::{self, Entry, MARKINGS_MAX};
+use super::net::StepSet;
+use super::regions::{self, Stray};
+use super::structure::Start;
+use super::{Checked, step_title, transition_title};
+use crate::bind::mentions::condition_expressions;
+
+/// Tells what is wrong with branches. By step: the steps that may be active together with it, as far as is known.
+pub fn check(checked: &Checked, start: Start, messages: &mut Vec<Diagnostic>) -> Vec<StepSet> {
+    let net = &checked.net;
+    let branches = regions::branches(net);
+    for stray in &branches.strays {
+        messages.push(branch_jump(checked, stray));
+    }
+    if start == Start::Wrong || !checked.requests.is_empty() {
+        return branches.together;
+    }
+    let severity = if checked.manual || asks_for_steps(checked) { Severity::Warning } else { Severity::Error };
+    // What is wrong in a sequencer with such a jump follows from it.
+    let sequencer = net.sequencers();
+    let is_told = |step: usize| branches.strays.iter().any(|stray| sequencer[stray.step] == sequencer[step]);
+    let joins = (0..net.transitions.len()).filter(|&at| net.transitions[at].from.len() > 1);
+    let joins = joins.filter(|&at| !is_told(net.transitions[at].from[0]));
+    if branches.proven() {
+        let reached = net.reached(net.initial.iter().copied());
+        let dead = joins.filter(|&at| {
+            let from = &net.transitions[at].from;
+            let apart = from.iter().any(|&step| !StepSet::of(from).within(with_itself(&branches.together, step)));
+            apart && from.iter().all(|&step| reached[step])
+        });
+        messages.extend(dead.map(|at| dead_join(checked, at, &branches.together, severity)));
+        return branches.together;
+    }
+    let search = marking::search(net, MARKINGS_MAX);
+    for entry in search.entries.iter().filter(|entry| !is_told(entry.step)) {
+        messages.push(unsafe_branch(checked, entry, severity));
+    }
+    if search.entries.is_empty() && search.complete {
+        let reached = |step: &usize| !search.together[*step].is_empty();
+        let dead = joins.filter(|&at| !search.switched[at] && net.transitions[at].from.iter().all(reached));
+        messages.extend(dead.map(|at| dead_join(checked, at, &search.together, severity)));
+    } else if search.entries.is_empty() && branches.strays.is_empty() {
+        messages.extend(branches.loose.iter().map(|&opener| unproven(checked, opener)));
+    }
+    search.together
+}
+
+fn with_itself(together: &[StepSet], step: usize) -> StepSet {
+    together[step].with(StepSet::of(&[step]))
+}
+
+/// A condition reads whether a step is active.
+fn asks_for_steps(checked: &Checked) -> bool {
+    let mut found = false;
+    for condition in checked.chart.transitions.iter().filter_map(|transition| transition.condition.as_ref()) {
+        condition_expressions(condition, &mut |value| {
+            found |= matches!(&value.kind, ExprKind::Member { name, .. } if name.text.eq_ignore_ascii_case("X"));
+        });
+    }
+    found
+}
+
+fn branch_jump(checked: &Checked, stray: &Stray) -> Diagnostic {
+    let chart = checked.chart;
+    let (transition, opener) = (&chart.transitions[stray.transition], &chart.transitions[stray.opener]);
+    let (title, step) = (transition_title(transition), &chart.steps[stray.step]);
+    let (text, label, help) = if stray.inward {
+        (
+            format!("{title} leads into one path of a simultaneous branch, to {}", step_title(step)),
+            "the other paths do not become active",
+            "lead to a step before the branch, or open all paths by one transition",
+        )
+    } else {
+        (
+            format!("{title} leads out of one path of a simultaneous branch, to {}", step_title(step)),
+            "the other paths stay active",
+            "join all paths first; to abandon them, use OFF S_ALL, OFF_SQ or INIT_SQ",
+        )
+    };
+    let mut message = Diagnostic::new(Code::BranchJump, transition.name.span, text)
+        .label(label)
+        .also(opener.name.span, "opens the paths")
+        .also(step.name.span, "this step")
+        .help(help);
+    // Rows of OFF may abandon the other paths.
+    if !checked.requests.is_empty() {
+        message.severity = Severity::Warning;
+    }
+    message
+}
+
+fn unsafe_branch(checked: &Checked, entry: &Entry, severity: Severity) -> Diagnostic {
+    let chart = checked.chart;
+    let (transition, step) = (&chart.transitions[entry.transition], &chart.steps[entry.step]);
+    let text = format!("{} may enter {} while it is active", transition_title(transition), step_title(step));
+    let mut message = Diagnostic::new(Code::UnsafeBranch, transition.name.span, text)
+        .label("switches although the step behind it may still be active")
+        .also(step.name.span, "this step");
+    if let Some(opener) = entry.opener {
+        message = message.also(chart.transitions[opener].name.span, "opens simultaneous paths");
+    }
+    message.severity = severity;
+    message.help("end simultaneous paths in one transition with all their last steps behind FROM, not one by one")
+}
+
+fn unproven(checked: &Checked, opener: usize) -> Diagnostic {
+    let transition = &checked.chart.transitions[opener];
+    let text = format!("the paths that {} opens do not end in one join", transition_title(transition));
+    let mut message = Diagnostic::new(Code::UnsafeBranch, transition.name.span, text)
+        .label("a step of these paths may be entered while it is active: the chart is too large to find out")
+        .help("end these paths in one transition with the last step of each behind FROM");
+    message.severity = Severity::Warning;
+    message
+}
+
+fn dead_join(checked: &Checked, at: usize, together: &[StepSet], severity: Severity) -> Diagnostic {
+    let transition = &checked.chart.transitions[at];
+    let from = &checked.net.transitions[at].from;
+    let text = format!("{} can never switch", transition_title(transition));
+    let mut message = Diagnostic::new(Code::DeadJoin, transition.name.span, text)
+        .label("the steps before it are never active together")
+        .help("open their paths by one transition with several steps behind TO, or lead each path on by a transition of its own");
+    let pairs = from.iter().flat_map(|&a| from.iter().map(move |&b| (a, b))).filter(|(a, b)| a < b);
+    if let Some((a, b)) = pairs.into_iter().find(|&(a, b)| !together[a].has(b)) {
+        for (step, other) in [(a, b), (b, a)] {
+            let [step, other] = [step, other].map(|step| &checked.chart.steps[step]);
+            message = message.also(step.name.span, format!("not active together with {}", step_title(other)));
+        }
+    }
+    message.severity = severity;
+    message
+}

@@ -1,0 +1,167 @@
+//! Conditions that are always the same, paths that never open, and conditions that read temporary data.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::chart::ast::{Body as Chart, Condition, Transition};
+use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::logic::{Atoms, Formula};
+use super::{Facts, TRANSITIONS_MAX, step_title, transition_title};
+use crate::bind::mentions::{condition_expressions, permanent_expressions};
+use crate::bind::names::fold;
+
+/// Transitions behind one step whose conditions are compared. GRAPH allows 125.
+const PATHS_MAX: usize = 125;
+
+pub fn check(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>) {
+    let mut atoms = Atoms::default();
+    let formulas: Vec<Formula> = chart
+        .transitions
+        .iter()
+        .map(|transition| match &transition.condition {
+            Some(condition) => Formula::of(condition, &mut atoms),
+            None => Formula::satisfied(),
+        })
+        .collect();
+    for (transition, formula) in chart.transitions.iter().zip(&formulas) {
+        let Some(condition) = &transition.condition else { continue };
+        match formula.constant() {
+            Some(true) if !formula.plain => messages.push(constant(
+                condition,
+                transition.name.span,
+                format!("the condition of {} is always TRUE", transition_title(transition)),
+                "the step before it is left in the call behind the one that enters it",
+                "leave the condition empty if this is wanted",
+            )),
+            Some(false) => messages.push(constant(
+                condition,
+                transition.name.span,
+                format!("the condition of {} is always FALSE", transition_title(transition)),
+                "never switches by itself",
+                "write the condition under which the chart goes on",
+            )),
+            Some(true) | None => {}
+        }
+    }
+    interlocks(chart, &mut atoms, messages);
+    if chart.transitions.len() <= TRANSITIONS_MAX {
+        paths(chart, &formulas, messages);
+    }
+    temporary(chart, facts, messages);
+}
+
+/// Interlocks that are never satisfied, supervisions that always tell of a fault.
+fn interlocks(chart: &Chart, atoms: &mut Atoms, messages: &mut Vec<Diagnostic>) {
+    for step in &chart.steps {
+        if let Some(condition) = &step.interlock
+            && Formula::of(condition, atoms).constant() == Some(false)
+        {
+            let text = format!("the interlock of {} is always FALSE", step_title(step));
+            let help = "write what must hold for the rows with the letter C";
+            messages.push(constant(condition, step.name.span, text, "rows with the letter C never run", help));
+        }
+        if let Some(condition) = &step.supervision {
+            let formula = Formula::of(condition, atoms);
+            // An empty network in place of a supervision means that there is none.
+            let is_empty = formula.plain && matches!(condition, Condition::Network(_));
+            if formula.constant() == Some(true) && !is_empty {
+                let text = format!("the supervision of {} is always TRUE", step_title(step));
+                let help = "write the condition of a fault, e.g. that the step lasts too long";
+                messages.push(constant(condition, step.name.span, text, "faulty at once, and never left", help));
+            }
+        }
+    }
+}
+
+fn constant(condition: &Condition, name: Span, text: String, label: &str, help: &str) -> Diagnostic {
+    let span = match condition {
+        Condition::Expression(value) => value.span,
+        Condition::Network(_) | Condition::Statements(_) => name,
+    };
+    Diagnostic::new(Code::ConstantCondition, span, text).label(label).help(help)
+}
+
+/// Paths of an alternative branch that a path before them always closes.
+fn paths(chart: &Chart, formulas: &[Formula], messages: &mut Vec<Diagnostic>) {
+    let mut leaving: FxHashMap<String, Vec<usize>> = FxHashMap::default();
+    for (at, transition) in chart.transitions.iter().enumerate() {
+        for name in &transition.from {
+            leaving.entry(fold(&name.text)).or_default().push(at);
+        }
+    }
+    let mut told: FxHashSet<usize> = FxHashSet::default();
+    for step in &chart.steps {
+        let Some(mut branch) = leaving.remove(&fold(&step.name.text)) else { continue };
+        branch.sort_by_key(|&at| (&chart.transitions[at].path, chart.transitions[at].number));
+        branch.truncate(PATHS_MAX);
+        for (place, &at) in branch.iter().enumerate() {
+            let later = &chart.transitions[at];
+            if formulas[at].constant() == Some(false) || told.contains(&at) {
+                continue;
+            }
+            let first = branch[..place].iter().copied().find(|&first| {
+                leaves_no_more(&chart.transitions[first], later)
+                    && !told.contains(&first)
+                    && formulas[at].implies(&formulas[first])
+            });
+            if let Some(first) = first {
+                told.insert(at);
+                messages.push(closed_path(later, &chart.transitions[first], formulas[first].constant().is_some()));
+            }
+        }
+    }
+}
+
+/// Whenever `later` may switch, the steps before `first` are active, too.
+fn leaves_no_more(first: &Transition, later: &Transition) -> bool {
+    first.from.iter().all(|step| later.from.iter().any(|other| fold(&other.text) == fold(&step.text)))
+}
+
+fn closed_path(later: &Transition, first: &Transition, always: bool) -> Diagnostic {
+    let (title, other) = (transition_title(later), transition_title(first));
+    let label = match always {
+        true => format!("{other} has priority, and is always satisfied"),
+        false => format!("{other} has priority, and is satisfied whenever this one is"),
+    };
+    Diagnostic::new(Code::NotExclusive, later.name.span, format!("{title} never switches: {other} goes first"))
+        .label(label)
+        .also(first.name.span, "this path is the first one")
+        .help("write conditions that exclude each other, or put the path with the narrower condition first")
+}
+
+/// Temporary data have no value yet when conditions are evaluated, but for what permanent instructions before them wrote.
+fn temporary(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>) {
+    if facts.temporary.is_empty() {
+        return;
+    }
+    let mut written: FxHashSet<String> = FxHashSet::default();
+    for permanent in &chart.before {
+        permanent_expressions(permanent, &mut |value| {
+            written.extend(temporary_name(value, facts).map(fold));
+        });
+    }
+    for transition in &chart.transitions {
+        let Some(condition) = &transition.condition else { continue };
+        let mut told: FxHashSet<String> = FxHashSet::default();
+        condition_expressions(condition, &mut |value| {
+            let Some(name) = temporary_name(value, facts) else { return };
+            if !written.contains(&fold(name)) && told.insert(fold(name)) {
+                let text = format!("the condition of {} reads the temporary variable #{name}", transition_title(transition));
+                messages.push(
+                    Diagnostic::new(Code::TemporaryCondition, value.span, text)
+                        .label("actions run behind the conditions, and temporary data are lost at the end of the call")
+                        .help("declare it in VAR, as static data"),
+                );
+            }
+        });
+    }
+}
+
+fn temporary_name<'e>(value: &'e Expr, facts: &Facts) -> Option<&'e str> {
+    match &value.kind {
+        ExprKind::Name(name) if name.form != NameForm::Quoted && facts.temporary.contains(&fold(&name.text)) => {
+            Some(&name.text)
+        }
+        _ => None,
+    }
+}

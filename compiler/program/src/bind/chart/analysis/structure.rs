@@ -1,0 +1,241 @@
+//! Where sequencers begin and end, and single transitions that are not connected as they should be.
+
+use plcc_diag::{Code, Diagnostic, Severity, Span};
+use rustc_hash::FxHashSet;
+
+use super::net::Net;
+use super::{Checked, names, step_title, transition_title};
+
+/// Transitions that are missing, leave nothing, or lead back to where they begin; ways back that no jump shows.
+pub fn check_transitions(checked: &Checked, messages: &mut Vec<Diagnostic>) {
+    let Checked { chart, net, .. } = checked;
+    for (transition, arcs) in chart.transitions.iter().zip(&net.transitions) {
+        let span = transition.name.span;
+        let title = transition_title(transition);
+        if transition.missing {
+            messages.push(
+                Diagnostic::new(Code::MissingCondition, transition.span, format!("{title} is missing"))
+                    .label("the chart has a gap between two steps here")
+                    .help("insert a transition; without a condition it is always satisfied"),
+            );
+        }
+        if transition.from.is_empty() && !chart.broken {
+            messages.push(
+                Diagnostic::new(Code::NoFromStep, span, format!("{title} leaves no step"))
+                    .label("it can never switch")
+                    .help("name the step before it behind FROM, or connect it to a step"),
+            );
+        }
+        let Some(&step) = arcs.from.iter().find(|step| arcs.to.contains(step)) else { continue };
+        let step = &chart.steps[step];
+        let message = if transition.jump {
+            let text = format!("{title} jumps to the step directly before it, {}", step_title(step));
+            Diagnostic::new(Code::ShortJump, span, text)
+                .label("the step is left and entered again in one call")
+                .help("insert an empty step between the transition and the jump")
+        } else {
+            let text = format!("{title} leaves and enters {}", step_title(step));
+            Diagnostic::new(Code::SelfLoop, span, text)
+                .label("the step is entered again, and its time starts again, in each call in which the condition holds")
+                .help("insert an empty step on the way back, or remove the transition")
+        };
+        messages.push(message.also(step.name.span, "this step"));
+    }
+    unmarked_jumps(checked, messages);
+}
+
+/// A circle without a jump cannot be drawn. Told is the transition that closes it, as seen from the initial steps.
+fn unmarked_jumps(checked: &Checked, messages: &mut Vec<Diagnostic>) {
+    #[derive(Clone, Copy, PartialEq)]
+    enum Mark {
+        New,
+        /// On the way from the initial step to here.
+        Open,
+        Done,
+    }
+    let Checked { chart, net, .. } = checked;
+    let mut ways: Vec<Vec<(usize, usize)>> = vec![Vec::new(); net.steps()];
+    for (at, arcs) in net.transitions.iter().enumerate().filter(|(_, arcs)| !arcs.jump) {
+        for &step in arcs.from.iter().filter(|step| !arcs.to.contains(step)) {
+            ways[step].extend(arcs.to.iter().map(|&next| (at, next)));
+        }
+    }
+    let mut marks = vec![Mark::New; net.steps()];
+    let mut told = FxHashSet::default();
+    for start in net.initial.iter().copied().chain(0..net.steps()) {
+        if marks[start] != Mark::New {
+            continue;
+        }
+        marks[start] = Mark::Open;
+        // A step, and how many of its ways were looked at.
+        let mut open = vec![(start, 0)];
+        while let Some((step, looked)) = open.pop() {
+            let Some(&(at, next)) = ways[step].get(looked) else {
+                marks[step] = Mark::Done;
+                continue;
+            };
+            open.push((step, looked + 1));
+            if marks[next] == Mark::New {
+                marks[next] = Mark::Open;
+                open.push((next, 0));
+            } else if marks[next] == Mark::Open && told.insert(at) {
+                let (transition, target) = (&chart.transitions[at], &chart.steps[next]);
+                let (title, target_title) = (transition_title(transition), step_title(target));
+                let text = format!("{title} leads back to {target_title}, and is not drawn as a jump");
+                messages.push(
+                    Diagnostic::new(Code::UnmarkedJump, transition.name.span, text)
+                        .label("closes a circle")
+                        .also(target.name.span, "this step comes before it")
+                        .help("draw it as a jump; in source text, write (*$_JUMP*) behind the name of the step"),
+                );
+            }
+        }
+    }
+}
+
+/// Whether the initial steps are such that a run from them shows what may be active.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    Good,
+    /// They are wrong, which was told.
+    Wrong,
+}
+
+/// Steps that nothing reaches or leaves, and the initial steps.
+pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
+    let Checked { chart, net, requests, manual, .. } = checked;
+    let sequencer = net.sequencers();
+    names::check_sequencers(chart, &sequencer, net, messages);
+    let no_start = sequencers_without_start(checked, &sequencer, messages);
+
+    let start = net.initial.iter().chain(&requests.on).copied();
+    let mut explained = net.reached(start);
+    let unreached = |explained: &[bool], step: usize| {
+        !explained[step] && !no_start.contains(&sequencer[step]) && !requests.any
+    };
+    // Steps that nothing enters first: they explain what comes behind them.
+    let roots = (0..net.steps()).filter(|&step| net.entering[step].is_empty()).chain(0..net.steps());
+    let mut unreachable = Vec::new();
+    for step in roots {
+        if !unreached(&explained, step) {
+            continue;
+        }
+        unreachable.push(step);
+        for (step, is_reached) in net.reached([step]).into_iter().enumerate() {
+            explained[step] |= is_reached;
+        }
+    }
+    for &step in &unreachable {
+        messages.push(unreachable_step(checked, step, *manual));
+    }
+
+    for step in 0..net.steps() {
+        let is_deactivated = requests.any || requests.off.contains(&step);
+        if net.leaving[step].is_empty() && !is_deactivated && !(net.is_alone(step) && unreachable.contains(&step)) {
+            let step = &chart.steps[step];
+            messages.push(
+                Diagnostic::new(Code::DeadEnd, step.name.span, format!("nothing leaves {}", step_title(step)))
+                    .label("active for ever once it is entered; a join behind it would never switch")
+                    .help("add a transition behind it: to the next step, as a jump, or to the end of the sequence"),
+            );
+        }
+    }
+    let together = initial_steps(checked, messages);
+    if no_start.is_empty() && together { Start::Good } else { Start::Wrong }
+}
+
+/// Tells of sequencers that nothing starts; the first steps of those.
+fn sequencers_without_start(checked: &Checked, sequencer: &[usize], messages: &mut Vec<Diagnostic>) -> Vec<usize> {
+    let Checked { chart, net, requests, manual, .. } = checked;
+    let firsts = (0..net.steps()).filter(|&step| sequencer[step] == step);
+    let message = |span: Span, text: String| {
+        Diagnostic::new(Code::NoInitialStep, span, text).label("nothing ever activates a step here")
+    };
+    if net.initial.is_empty() {
+        // The block itself starts at an initial step, whatever switches steps later.
+        let span = chart.steps.first().map_or(checked.span, |step| step.name.span);
+        let text = "the chart has no initial step".to_string();
+        messages.push(message(span, text).help("make its first step an INITIAL_STEP: a fresh instance starts there"));
+        return firsts.collect();
+    }
+    let mut started: FxHashSet<usize> = FxHashSet::default();
+    started.extend(net.initial.iter().chain(&requests.on).map(|&step| sequencer[step]));
+    let none = firsts.filter(|&first| {
+        !(started.contains(&first) || net.is_alone(first) || *manual || requests.any)
+    });
+    let none: Vec<usize> = none.collect();
+    for &first in &none {
+        let step = &chart.steps[first];
+        let text = format!("the sequencer of {} has no initial step", step_title(step));
+        let help = "make its first step an initial step, or activate one of its steps by a jump or a row of ON";
+        messages.push(message(step.name.span, text).help(help));
+    }
+    none
+}
+
+fn unreachable_step(checked: &Checked, step: usize, manual: bool) -> Diagnostic {
+    let Checked { chart, net, .. } = checked;
+    let entering = net.entering[step].first();
+    let step = &chart.steps[step];
+    let text = format!("nothing reaches {}", step_title(step));
+    let message = Diagnostic::new(Code::UnreachableStep, step.name.span, text)
+        .help("let a transition lead to it, activate it by a row of ON, or remove it");
+    let mut message = match entering {
+        None => message.label("no initial step, and no transition leads here"),
+        Some(&at) => {
+            let transition = &chart.transitions[at];
+            let text = format!("{} leads here, but is not reached either", transition_title(transition));
+            message.label("no way from an initial step leads here").also(transition.name.span, text)
+        }
+    };
+    // Another way in may be missing in a circle, by hand every step can be activated.
+    if manual || entering.is_some() {
+        message.severity = Severity::Warning;
+    }
+    message
+}
+
+/// Initial steps whose ways meet exclude each other: both would be active in one sequence. False if there are such.
+fn initial_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> bool {
+    let Checked { chart, net, .. } = checked;
+    // The initial step from which a way leads to each step.
+    let mut owner: Vec<Option<usize>> = vec![None; net.steps()];
+    let mut good = true;
+    for &initial in &net.initial {
+        if let Some(other) = meets(net, &mut owner, initial) {
+            good = false;
+            let (step, other) = (&chart.steps[initial], &chart.steps[other]);
+            let text = format!("{} and {} are initial steps of one sequence", step_title(other), step_title(step));
+            messages.push(
+                Diagnostic::new(Code::InitialSteps, step.name.span, text)
+                    .label("active at the start, together with the other one")
+                    .also(other.name.span, "the other initial step")
+                    .help("keep one of them, or put them into different simultaneous paths or sequencers"),
+            );
+        }
+    }
+    good
+}
+
+/// Goes forward from an initial step, up to joins and jumps, and takes the steps for its own. The other initial step whose way it meets.
+fn meets(net: &Net, owner: &mut [Option<usize>], initial: usize) -> Option<usize> {
+    let mut met = None;
+    let mut open = vec![initial];
+    while let Some(step) = open.pop() {
+        match owner[step] {
+            Some(other) if other == initial => continue,
+            Some(other) => {
+                met = Some(other);
+                continue;
+            }
+            None => owner[step] = Some(initial),
+        }
+        for &at in &net.leaving[step] {
+            let arcs = &net.transitions[at];
+            if arcs.from.len() == 1 && !arcs.jump {
+                open.extend(&arcs.to);
+            }
+        }
+    }
+    met
+}
