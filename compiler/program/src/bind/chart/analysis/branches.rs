@@ -6,6 +6,7 @@
 
 use plcc_diag::{Code, Diagnostic, Severity};
 use plcc_syntax::scl::ast::ExprKind;
+use rustc_hash::FxHashSet;
 
 use super::marking::{self, Entry, MARKINGS_MAX};
 use super::net::StepSet;
@@ -41,8 +42,12 @@ pub fn check(checked: &Checked, start: Start, messages: &mut Vec<Diagnostic>) ->
         return branches.together;
     }
     let search = marking::search(net, MARKINGS_MAX);
+    // The first one of a branch: the others follow from it.
+    let mut openers: FxHashSet<Option<usize>> = FxHashSet::default();
     for entry in search.entries.iter().filter(|entry| !is_told(entry.step)) {
-        messages.push(unsafe_branch(checked, entry, severity));
+        if openers.insert(entry.opener) {
+            messages.push(unsafe_branch(checked, entry, severity));
+        }
     }
     if search.entries.is_empty() && search.complete {
         let reached = |step: &usize| !search.together[*step].is_empty();

@@ -21,7 +21,8 @@ impl Binder<'_> {
             return;
         }
         let mut parameters = ctx.bound.interface.parameters.iter().map(|parameter| parameter.name.as_str());
-        let acknowledges = |name: &str| ["ACK_EF", "ACK_S", "EN_ACKREQ"].iter().any(|own| own.eq_ignore_ascii_case(name));
+        let acknowledges =
+            |name: &str| ["ACK_EF", "ACK_S", "EN_ACKREQ"].iter().any(|own| own.eq_ignore_ascii_case(name));
         let supervised = chart.steps.iter().find(|step| step.supervision.as_ref().is_some_and(may_fault));
         let Some(step) = supervised else { return };
         if parameters.any(acknowledges) || self.blocks().any(names_acknowledgement) {

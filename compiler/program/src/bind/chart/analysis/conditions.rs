@@ -146,7 +146,8 @@ fn temporary(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>) {
         condition_expressions(condition, &mut |value| {
             let Some(name) = temporary_name(value, facts) else { return };
             if !written.contains(&fold(name)) && told.insert(fold(name)) {
-                let text = format!("the condition of {} reads the temporary variable #{name}", transition_title(transition));
+                let text =
+                    format!("the condition of {} reads the temporary variable #{name}", transition_title(transition));
                 messages.push(
                     Diagnostic::new(Code::TemporaryCondition, value.span, text)
                         .label("actions run behind the conditions, and temporary data are lost at the end of the call")

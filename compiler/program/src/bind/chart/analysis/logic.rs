@@ -3,8 +3,8 @@
 //! Operands, comparisons and everything else that is no AND, OR, XOR or NOT is an atom, known by its text. A formula of few atoms is
 //! decided by its truth table; of more, only what its shape shows is known.
 
-use plcc_syntax::chart::ast::Condition;
 use plcc_syntax::Elementary;
+use plcc_syntax::chart::ast::Condition;
 use plcc_syntax::network::ast::{Content, Element, Graph, Pin, PinValue, Source, Target};
 use plcc_syntax::network::elements::{Gate, Kind};
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, StatementKind, UnaryOp};
@@ -70,7 +70,9 @@ impl Formula {
         let root = match condition {
             Condition::Expression(value) => build.expression(value),
             Condition::Network(network) => match &network.content {
-                Content::Graphic(graph) if !graph.broken && graph.elements.len() <= ELEMENTS_MAX => build.network(graph),
+                Content::Graphic(graph) if !graph.broken && graph.elements.len() <= ELEMENTS_MAX => {
+                    build.network(graph)
+                }
                 Content::Graphic(_) | Content::Scl(_) | Content::Stl(_) => build.unknown(),
             },
             Condition::Statements(list) => match list.as_slice() {
@@ -86,7 +88,9 @@ impl Formula {
         parts.truncate(root + 1);
         let plain = match condition {
             Condition::Expression(value) => truth(value).is_some(),
-            Condition::Network(network) => matches!(&network.content, Content::Graphic(graph) if graph.elements.len() < 2),
+            Condition::Network(network) => {
+                matches!(&network.content, Content::Graphic(graph) if graph.elements.len() < 2)
+            }
             Condition::Statements(list) => list.is_empty(),
         };
         Formula { parts, plain }
@@ -107,9 +111,8 @@ impl Formula {
             let zeros = table.iter().all(|&word| word == 0);
             return (ones || zeros).then_some(ones);
         }
-        let contradicts = |literals: Vec<(usize, bool)>| {
-            literals.iter().any(|&(atom, negated)| literals.contains(&(atom, !negated)))
-        };
+        let contradicts =
+            |literals: Vec<(usize, bool)>| literals.iter().any(|&(atom, negated)| literals.contains(&(atom, !negated)));
         if contradicts(self.literals(true).0) {
             return Some(false);
         }
@@ -274,7 +277,9 @@ impl Build<'_> {
                         tasks.extend([Task::Not, Task::Value(operand)]);
                         continue;
                     }
-                    ExprKind::Binary { op: op @ (BinaryOp::And | BinaryOp::Or | BinaryOp::Xor), left, right, .. } => {
+                    ExprKind::Binary {
+                        op: op @ (BinaryOp::And | BinaryOp::Or | BinaryOp::Xor), left, right, ..
+                    } => {
                         tasks.extend([Task::Binary(*op), Task::Value(right), Task::Value(left)]);
                         continue;
                     }
@@ -328,7 +333,8 @@ impl Build<'_> {
                 break;
             }
         }
-        let conditions = graph.elements.iter().enumerate().filter(|(_, element)| kind(element) == Some(Kind::Condition));
+        let conditions =
+            graph.elements.iter().enumerate().filter(|(_, element)| kind(element) == Some(Kind::Condition));
         match conditions.map(|(at, _)| outputs[at]).next() {
             None => self.push(Part::Constant(true)),
             Some(Some(value)) => value,

@@ -23,14 +23,14 @@ const SIMULTANEOUS_MAX: usize = 249;
 /// Permanent instructions before the sequencers, and behind them.
 const PERMANENT_MAX: usize = 250;
 
-/// Tells of names, numbers and limits. False if a transition names a step that is not there.
+/// Tells of names, numbers and limits. False if it is not clear which steps the transitions name.
 pub fn check(chart: &Chart, index: &Index, messages: &mut Vec<Diagnostic>) -> bool {
-    duplicates(chart, messages);
+    let clear = duplicates(chart, messages);
     if chart.dialect != Dialect::Sfc {
         counts(chart, messages);
         names(chart, messages);
     }
-    unknown(chart, index, messages)
+    unknown(chart, index, messages) && clear
 }
 
 /// A step or transition: its name, number, place and title.
@@ -60,7 +60,9 @@ fn entries(chart: &Chart) -> impl Iterator<Item = Entry<'_>> {
     steps.chain(transitions)
 }
 
-fn duplicates(chart: &Chart, messages: &mut Vec<Diagnostic>) {
+/// False if a name is there twice.
+fn duplicates(chart: &Chart, messages: &mut Vec<Diagnostic>) -> bool {
+    let mut clear = true;
     // Transitions of an SFC need no names.
     let apart = chart.dialect == Dialect::Sfc;
     let mut names: FxHashMap<(bool, String), (usize, Span)> = FxHashMap::default();
@@ -80,11 +82,13 @@ fn duplicates(chart: &Chart, messages: &mut Vec<Diagnostic>) {
             let title = format!("the name \"{}\" is there twice", entry.name);
             let help = "each step and each transition of a block has a name of its own; letter case does not matter";
             messages.push(message(title, first, help));
+            clear = false;
         } else if number.0 != at {
             let title = format!("the {kind} number {} is there twice", entry.number);
             messages.push(message(title, number, &format!("give \"{}\" another number", entry.name)));
         }
     }
+    clear
 }
 
 fn limit(span: Span, title: String, label: impl Display, help: &str) -> Diagnostic {
@@ -181,6 +185,7 @@ fn names(chart: &Chart, messages: &mut Vec<Diagnostic>) {
     }
 }
 
+/// False if a transition names a step that is not there.
 fn unknown(chart: &Chart, index: &Index, messages: &mut Vec<Diagnostic>) -> bool {
     let mut told: FxHashSet<String> = FxHashSet::default();
     for transition in &chart.transitions {

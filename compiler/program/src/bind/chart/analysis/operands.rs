@@ -94,9 +94,13 @@ pub fn check_reset(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>)
         }
         let (name, step) = (shown(chart, value), step_title(&chart.steps[step]));
         messages.push(
-            Diagnostic::new(Code::NeverReset, value.span, format!("`{name}` is set in {step} and reset nowhere in the block"))
-                .label("stays 1 once this step was active")
-                .help("add a row of R to the step in which it goes off, or write it by N in the steps in which it is on"),
+            Diagnostic::new(
+                Code::NeverReset,
+                value.span,
+                format!("`{name}` is set in {step} and reset nowhere in the block"),
+            )
+            .label("stays 1 once this step was active")
+            .help("add a row of R to the step in which it goes off, or write it by N in the steps in which it is on"),
         );
     }
 }
@@ -199,9 +203,7 @@ fn place(value: &Expr, facts: &Facts) -> Option<Place> {
             Some(Place::memory(Area::Db, number, *width, *byte, *bit))
         }
         ExprKind::MemberAbsolute { base, width, byte, bit } => match &base.kind {
-            ExprKind::Name(name) => {
-                Some(Place::memory(Area::Db, db_number(&name.text, facts)?, *width, *byte, *bit))
-            }
+            ExprKind::Name(name) => Some(Place::memory(Area::Db, db_number(&name.text, facts)?, *width, *byte, *bit)),
             _ => None,
         },
         ExprKind::Name(name) => {

@@ -99,9 +99,10 @@ impl<'n> Branch<'n> {
             behind.iter().map(|&path| backward(net, ends.common(path), opener).common(path)).collect();
         let inner = toward.iter().fold(none, |all, &path| all.with(path));
         let main = forward(StepSet::of(&net.initial).without(inner), none, &[opener]);
-        let after = joins.iter().filter(|&&join| join != opener).fold(none, |all, &join| {
-            all.with(forward(StepSet::of(&net.transitions[join].to), main, &[opener]))
-        });
+        let after = joins
+            .iter()
+            .filter(|&&join| join != opener)
+            .fold(none, |all, &join| all.with(forward(StepSet::of(&net.transitions[join].to), main, &[opener])));
         let outside = main.with(after);
         let skip: Vec<usize> = joins.iter().copied().chain([opener]).collect();
         let paths = firsts.iter().map(|&step| forward(StepSet::of(&[step]), outside, &skip).without(outside)).collect();
@@ -153,10 +154,10 @@ impl<'n> Branch<'n> {
         for (at, arcs) in self.net.transitions.iter().enumerate() {
             let from = StepSet::of(&arcs.from);
             let beside = at != self.opener && !self.joins.contains(&at);
-            let Some(path) = (0..self.paths.len()).find(|&path| beside && from.within(self.path_of(path))) else {
-                continue;
-            };
-            for &step in arcs.to.iter().filter(|_| !from.is_empty()) {
+            // Where paths have run into each other, all that comes behind follows from that.
+            let mut of = (0..self.paths.len()).filter(|&path| from.within(self.path_of(path)));
+            let (Some(path), None) = (of.next(), of.next()) else { continue };
+            for &step in arcs.to.iter().filter(|_| beside) {
                 if self.outside.has(step) {
                     strays.push(self.stray(at, step, path));
                 } else if arcs.jump && self.is_of_another(step, path) {
@@ -294,8 +295,7 @@ mod tests {
 
     #[test]
     fn ways_out_of_a_path() {
-        let out: &[Way] =
-            &[(&[0], &[1, 2]), (&[1], &[3]), (&[2], &[4]), (&[3, 4], &[5]), (&[5], &[0]), (&[1], &[0])];
+        let out: &[Way] = &[(&[0], &[1, 2]), (&[1], &[3]), (&[2], &[4]), (&[3, 4], &[5]), (&[5], &[0]), (&[1], &[0])];
         assert_eq!(strays(6, &[0], out), [(5, 0, false)]);
         let behind: &[Way] =
             &[(&[0], &[1, 2]), (&[1], &[3]), (&[2], &[4]), (&[3, 4], &[5]), (&[5], &[0]), (&[1], &[5])];
@@ -307,8 +307,7 @@ mod tests {
         let before: &[Way] =
             &[(&[0], &[1, 2]), (&[1], &[3]), (&[2], &[4]), (&[3, 4], &[5]), (&[5], &[0]), (&[0], &[3])];
         assert_eq!(strays(6, &[0], before), [(5, 3, true)]);
-        let after: &[Way] =
-            &[(&[0], &[1, 2]), (&[1], &[3]), (&[2], &[4]), (&[3, 4], &[5]), (&[5], &[0]), (&[5], &[3])];
+        let after: &[Way] = &[(&[0], &[1, 2]), (&[1], &[3]), (&[2], &[4]), (&[3, 4], &[5]), (&[5], &[0]), (&[5], &[3])];
         assert_eq!(strays(6, &[0], after), [(5, 3, true)]);
     }
 

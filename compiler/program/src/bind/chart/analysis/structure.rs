@@ -36,7 +36,9 @@ pub fn check_transitions(checked: &Checked, messages: &mut Vec<Diagnostic>) {
         } else {
             let text = format!("{title} leaves and enters {}", step_title(step));
             Diagnostic::new(Code::SelfLoop, span, text)
-                .label("the step is entered again, and its time starts again, in each call in which the condition holds")
+                .label(
+                    "the step is entered again, and its time starts again, in each call in which the condition holds",
+                )
                 .help("insert an empty step on the way back, or remove the transition")
         };
         messages.push(message.also(step.name.span, "this step"));
@@ -110,9 +112,8 @@ pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
 
     let start = net.initial.iter().chain(&requests.on).copied();
     let mut explained = net.reached(start);
-    let unreached = |explained: &[bool], step: usize| {
-        !explained[step] && !no_start.contains(&sequencer[step]) && !requests.any
-    };
+    let unreached =
+        |explained: &[bool], step: usize| !explained[step] && !no_start.contains(&sequencer[step]) && !requests.any;
     // Steps that nothing enters first: they explain what comes behind them.
     let roots = (0..net.steps()).filter(|&step| net.entering[step].is_empty()).chain(0..net.steps());
     let mut unreachable = Vec::new();
@@ -160,9 +161,7 @@ fn sequencers_without_start(checked: &Checked, sequencer: &[usize], messages: &m
     }
     let mut started: FxHashSet<usize> = FxHashSet::default();
     started.extend(net.initial.iter().chain(&requests.on).map(|&step| sequencer[step]));
-    let none = firsts.filter(|&first| {
-        !(started.contains(&first) || net.is_alone(first) || *manual || requests.any)
-    });
+    let none = firsts.filter(|&first| !(started.contains(&first) || net.is_alone(first) || *manual || requests.any));
     let none: Vec<usize> = none.collect();
     for &first in &none {
         let step = &chart.steps[first];

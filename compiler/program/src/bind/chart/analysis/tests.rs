@@ -1,9 +1,7 @@
 //! Charts in a line a step or transition: `*Fill: N #q; S #lamp`, `Fill > Stir, Heat : #full`, `Stir + Heat >> Fill` (a jump).
 
 use plcc_diag::{FileId, Severity, Span};
-use plcc_syntax::chart::ast::{
-    Action, ActionBody, Body as Chart, Condition, Event, Qualifier, Step, Transition,
-};
+use plcc_syntax::chart::ast::{Action, ActionBody, Body as Chart, Condition, Event, Qualifier, Step, Transition};
 use plcc_syntax::scl::ast::{Expr, Name, NameForm};
 use plcc_syntax::scl::fragment;
 use rustc_hash::FxHashSet;
@@ -112,17 +110,34 @@ fn usual_charts_are_right() {
     assert_eq!(codes(&["*A", "B", "A > B", "B >> A"]), NONE);
     // Two doses, then mixing. Source: GRAPH reference H.2.
     let doses = [
-        "*S1", "S2: N %Q1.0", "S3: N %Q1.1", "S4", "S5", "S6: N %Q1.2", "S1 > S2, S3 : %I1.0", "S2 > S4 : %I1.1",
-        "S3 > S5 : %I1.2", "S4 + S5 > S6 : TRUE", "S6 >> S1 : S006.T >= T#2S",
+        "*S1",
+        "S2: N %Q1.0",
+        "S3: N %Q1.1",
+        "S4",
+        "S5",
+        "S6: N %Q1.2",
+        "S1 > S2, S3 : %I1.0",
+        "S2 > S4 : %I1.1",
+        "S3 > S5 : %I1.2",
+        "S4 + S5 > S6 : TRUE",
+        "S6 >> S1 : S006.T >= T#2S",
     ];
     assert_eq!(codes(&doses), NONE);
     // Source: GRAPH reference H.1.
     let starter = [
-        "*Off", "StarCW: N %Q0.1", "DeltaCW: N %Q0.1", "StarCCW: N %Q0.2", "DeltaCCW: N %Q0.2",
-        "Off > StarCW : %I0.1 AND NOT %I0.2 AND %I0.0", "StarCW >> Off : NOT %I0.0 OR NOT %I0.5",
-        "StarCW > DeltaCW : %M0.0", "DeltaCW >> Off : NOT %I0.0 OR NOT %I0.5",
-        "Off > StarCCW : %I0.2 AND NOT %I0.1 AND %I0.0", "StarCCW >> Off : NOT %I0.0 OR NOT %I0.5",
-        "StarCCW > DeltaCCW : %M0.0", "DeltaCCW >> Off : NOT %I0.0 OR NOT %I0.5",
+        "*Off",
+        "StarCW: N %Q0.1",
+        "DeltaCW: N %Q0.1",
+        "StarCCW: N %Q0.2",
+        "DeltaCCW: N %Q0.2",
+        "Off > StarCW : %I0.1 AND NOT %I0.2 AND %I0.0",
+        "StarCW >> Off : NOT %I0.0 OR NOT %I0.5",
+        "StarCW > DeltaCW : %M0.0",
+        "DeltaCW >> Off : NOT %I0.0 OR NOT %I0.5",
+        "Off > StarCCW : %I0.2 AND NOT %I0.1 AND %I0.0",
+        "StarCCW >> Off : NOT %I0.0 OR NOT %I0.5",
+        "StarCCW > DeltaCCW : %M0.0",
+        "DeltaCCW >> Off : NOT %I0.0 OR NOT %I0.5",
     ];
     assert_eq!(codes(&starter), NONE);
     assert_eq!(manual(&starter), NONE);
@@ -131,13 +146,21 @@ fn usual_charts_are_right() {
 
 #[test]
 fn names_numbers_and_limits() {
-    assert_eq!(codes(&["*A", "a", "A > A", "A > "]), ["P0550", "(P0564)"]);
+    assert_eq!(codes(&["*A", "a", "A > A : #x", "A > "]), ["P0550", "(P0564)"]);
     let mut twice = chart(&["*A", "B", "A > B", "B >> A"]);
     twice.steps[1].number = 1;
     assert_eq!(codes_of(&twice, &[], &[]), ["P0550"]);
     twice.steps[1].number = 0;
     assert_eq!(codes_of(&twice, &[], &[]), ["P0551"]);
-    assert_eq!(codes(&["*A", "TheNameOfThisStepIsTooLong", "A > TheNameOfThisStepIsTooLong", "TheNameOfThisStepIsTooLong >> A"]), ["P0551"]);
+    assert_eq!(
+        codes(&[
+            "*A",
+            "TheNameOfThisStepIsTooLong",
+            "A > TheNameOfThisStepIsTooLong",
+            "TheNameOfThisStepIsTooLong >> A"
+        ]),
+        ["P0551"]
+    );
     assert_eq!(codes(&["*A", "Fill", "A > Fil", "Fill >> A"]), ["P0552"]);
     let many: Vec<String> = (0..300).flat_map(|n| [format!("*S_{n}"), format!("S_{n} > ")]).collect();
     let many: Vec<&str> = many.iter().map(String::as_str).collect();
@@ -154,7 +177,7 @@ fn beginnings_and_ends() {
     assert_eq!(codes(&second), ["P0553"]);
     assert_eq!(codes(&["*A", "B", "A >> A", "B > A"]), ["(P0562)", "P0554"]);
     assert_eq!(manual(&["*A", "B", "A >> A", "B > A"]), ["(P0562)", "(P0554)"]);
-    assert_eq!(codes(&["*A", "B", "C", "A >> A", "B > C", "C >> B", "C > A"]), ["(P0562)", "(P0554)"]);
+    assert_eq!(codes(&["*A", "B", "C", "A >> A", "B > C", "C >> B : #x", "C > A"]), ["(P0562)", "(P0554)"]);
     assert_eq!(codes(&["*A", "B", "A > "]), ["P0554"]);
     assert_eq!(codes(&["*A", "*B", "A > B", "B >> A"]), ["P0555"]);
     assert_eq!(codes(&["*A", "B", "A > B"]), ["(P0556)"]);
@@ -218,7 +241,20 @@ fn jumps_out_of_branches() {
     assert_eq!(codes(&paths(&["A > B, C", "B > D : #x", "C > E", "D + E > F", "F >> A", "B >> A : #y"])), ["P0568"]);
     assert_eq!(codes(&paths(&["A > B, C : #x", "B > D", "C > E", "D + E > F", "F >> A", "A >> D : #y"])), ["P0568"]);
     assert_eq!(codes(&paths(&["A > B, C", "B > D : #x", "C > E", "D + E > F", "F >> A", "B >> E : #y"])), ["P0568"]);
-    let abandoned = ["*A", "B", "C", "D", "E", "F: S1_OFF S_ALL", "A > B, C", "B > D : #x", "C > E", "D + E > F", "F >> A", "B >> A : #y"];
+    let abandoned = [
+        "*A",
+        "B",
+        "C",
+        "D",
+        "E",
+        "F: S1_OFF S_ALL",
+        "A > B, C",
+        "B > D : #x",
+        "C > E",
+        "D + E > F",
+        "F >> A",
+        "B >> A : #y",
+    ];
     assert_eq!(codes(&abandoned), ["(P0568)"]);
 }
 
