@@ -125,6 +125,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         holes.insert("mark_entered", engine.mark(&engine.entered));
         holes.insert("no_longer_active", engine.change_active(false));
         holes.insert("now_active", engine.change_active(true));
+        holes.insert("was_passed", engine.look_up(&engine.passed));
         holes.insert("skip", if self.features.skipping { per_step(&|step| self.skip(step)) } else { Vec::new() });
         holes.insert("leave", per_step(&|step| self.parts.codes[step].leave.clone()));
         holes.insert("act", per_step(&|step| self.parts.codes[step].active.clone()));
@@ -362,8 +363,18 @@ impl<'a, 'c> Assembly<'a, 'c> {
         let single = self.owned[step].iter().rev().filter(|at| self.parts.from[**at].len() == 1);
         for &at in single {
             let span = self.engine.chart.transitions[at].span;
-            let mut then = vec![assign(self.engine.variable("skipped"), number(1, Elementary::Bool, span), span)];
-            then.extend(self.enter(at));
+            let engine = self.engine;
+            let mut then = vec![
+                assign(engine.variable("skipped"), number(1, Elementary::Bool, span), span),
+                engine.passed.add(step, span),
+                engine.remove(&engine.entered, step, span),
+            ];
+            for &next in &self.parts.to[at] {
+                let append = engine.append(&engine.entered, "S1X", "entered", next, span);
+                let replaced = super::build::load(engine.variable("replaced"), span);
+                let put = if_then(replaced, append, engine.replace(next, span), span);
+                then.push(if_then(engine.entered.holds_none(&[next], span), vec![put], Vec::new(), span));
+            }
             let (before, value) = self.parts.conditions[at].clone();
             otherwise = before.into_iter().chain([if_then(value, then, otherwise, span)]).collect();
         }

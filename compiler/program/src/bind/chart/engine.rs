@@ -15,7 +15,7 @@ use crate::bind::network::Page;
 use crate::bind::path::{Base, Variable};
 use crate::bind::scl::expression::{binary_expr, constant_expr};
 use crate::layout;
-use crate::model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Statement, UnaryOp};
+use crate::model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Statement, StatementKind, UnaryOp};
 use crate::types::{ArrayType, DataType, Member, StructType};
 
 /// A chart while it is bound.
@@ -33,6 +33,8 @@ pub struct Engine<'c> {
     pub active: Set,
     pub left: Set,
     pub entered: Set,
+    /// Steps that were skipped in this call.
+    pub passed: Set,
     /// The words of `active` between calls.
     kept: Vec<Variable>,
     /// Stands for what the engine adds, in messages at run time.
@@ -76,6 +78,7 @@ const BITS: &[&str] = &[
     "error",
     "fault",
     "was",
+    "replaced",
     "satisfied",
     "faulty_now",
     "gone",
@@ -146,7 +149,7 @@ impl<'c> Engine<'c> {
         }
         let mut set =
             || Set((0..words(steps.len())).map(|_| page.pool.lasting(ctx, Elementary::Ulint).variable()).collect());
-        let (active, left, entered) = (set(), set(), set());
+        let (active, left, entered, passed) = (set(), set(), set(), set());
         for (name, path) in KEPT {
             let found = variable(&bound, path).or_else(|| variable(&bound, &[&[TIA_DATA], *path].concat()))?;
             names.insert(*name, found);
@@ -163,7 +166,7 @@ impl<'c> Engine<'c> {
             names.insert("G7T", list(first, transitions.len(), first.ty.clone()));
             names.insert("TRAW", list(first, transitions.len(), raw_transition(layout::bytes(&first.ty))));
         }
-        Some(Engine { chart, index, page, names, steps, transitions, active, left, entered, kept, span })
+        Some(Engine { chart, index, page, names, steps, transitions, active, left, entered, passed, kept, span })
     }
 
     /// A component of a step.
@@ -247,7 +250,7 @@ impl<'c> Engine<'c> {
         let zero = |variable: &Variable| assign(variable, number(0, Elementary::Ulint, self.span), self.span);
         let fetch =
             self.active.0.iter().zip(&self.kept).map(|(word, kept)| assign(word, load(kept, self.span), self.span));
-        fetch.chain(self.left.0.iter().chain(&self.entered.0).map(zero)).collect()
+        fetch.chain(self.left.0.iter().chain(&self.entered.0).chain(&self.passed.0).map(zero)).collect()
     }
 
     /// Adds step `k`, known at run time, to the active ones or takes it away, also in the instance.
@@ -272,6 +275,29 @@ impl<'c> Engine<'c> {
             let after = binary_expr(BinaryOp::Or, before, bit, Elementary::Ulint, self.span);
             vec![assign(&set.0[word], after, self.span)]
         })
+    }
+
+    /// Takes a step out of a set.
+    pub fn remove(&self, set: &Set, step: usize, span: Span) -> Statement {
+        let (word, bit) = Set::word_of(step);
+        let rest = number(!bit, Elementary::Ulint, span);
+        let after = binary_expr(BinaryOp::And, load(&set.0[word], span), rest, Elementary::Ulint, span);
+        assign(&set.0[word], after, span)
+    }
+
+    /// Puts a step into the place of S1X that comes next again, and into the entered ones.
+    pub fn replace(&self, step: usize, span: Span) -> Vec<Statement> {
+        let place = self.variable("i");
+        let before =
+            binary_expr(BinaryOp::Subtract, load(place, span), number(1, Elementary::Int, span), Elementary::Int, span);
+        let target = element(self.variable("S1X"), load(place, span), span);
+        let value = number(step as u64 + 1, Elementary::Byte, span);
+        vec![
+            assign(self.variable("replaced"), number(1, Elementary::Bool, span), span),
+            assign(place, before, span),
+            Statement { kind: StatementKind::Assign { target, value }, span },
+            self.entered.add(step, span),
+        ]
     }
 
     /// Puts into `known` whether step `k`, known at run time, is in a set.
@@ -320,7 +346,7 @@ impl<'c> Engine<'c> {
         let value = number(step as u64 + 1, Elementary::Byte, span);
         vec![
             assign(count, more, span),
-            Statement { kind: crate::model::scl::StatementKind::Assign { target: place, value }, span },
+            Statement { kind: StatementKind::Assign { target: place, value }, span },
             set.add(step, span),
         ]
     }
@@ -331,7 +357,7 @@ impl Set {
         (step / 64, 1 << (step % 64))
     }
 
-    fn add(&self, step: usize, span: Span) -> Statement {
+    pub fn add(&self, step: usize, span: Span) -> Statement {
         let (word, bit) = Set::word_of(step);
         let before = load(&self.0[word], span);
         let after = binary_expr(BinaryOp::Or, before, number(bit, Elementary::Ulint, span), Elementary::Ulint, span);
