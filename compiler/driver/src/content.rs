@@ -7,7 +7,7 @@ use plcc_syntax::xml::{self, XmlKind};
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// A source in STL or SCL, or an export of blocks in XML.
+    /// A source in STL, SCL or GRAPH, or an export of blocks in XML.
     Source,
     SymbolTable,
     /// An export that holds both.
@@ -19,7 +19,7 @@ pub enum Content {
 }
 
 /// Words that begin a line of a source and are no mnemonics.
-const FRAME_WORDS: [&str; 17] = [
+const FRAME_WORDS: [&str; 20] = [
     "ORGANIZATION_BLOCK",
     "FUNCTION",
     "FUNCTION_BLOCK",
@@ -37,6 +37,9 @@ const FRAME_WORDS: [&str; 17] = [
     "CALL",
     "SYSTEM_FUNCTION",
     "SYSTEM_FUNCTION_BLOCK",
+    "INITIAL_STEP",
+    "END_STEP",
+    "END_TRANSITION",
 ];
 
 /// Tells what `text` is.
@@ -132,6 +135,7 @@ mod tests {
             "FUNCTION FC 1 : VOID\nBEGIN\nEND_FUNCTION\n",
             "\n\nDATA_BLOCK \"Tank data\"\n",
             "LD I0.0\n",
+            "(*$_COM A chart that was cut out of its block, with a long comment*)\nINITIAL_STEP Off (*$_NUM 1*):\nEND_STEP\n",
             "IF #level > 5.0 AND #filling AND NOT #fault THEN\n  #valve := FALSE; // closed\nEND_IF;\n",
         ] {
             assert_eq!(of(text), Content::Source, "{text:?}");

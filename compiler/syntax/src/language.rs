@@ -55,6 +55,11 @@ pub fn detect(text: &str, hint: Option<Language>) -> Reading {
             None => Reading::Whole(Language::Graph),
         };
     }
+    detect_statements(text, hint)
+}
+
+/// Tells how to read a `text` of STL and SCL.
+pub fn detect_statements(text: &str, hint: Option<Language>) -> Reading {
     let Outline { blocks, modern } = outline(text);
     let scl = blocks.iter().any(|block| block.language == Some(Language::Scl));
     let stl = blocks.iter().any(|block| block.language == Some(Language::Stl));

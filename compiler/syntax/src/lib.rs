@@ -61,7 +61,11 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (ast::SourceUn
         Some(kind) => return simatic_ml::parse(file, text, &kind, options),
         None => {}
     }
-    match language::detect(text, options.language) {
+    read(file, text, options, language::detect(text, options.language))
+}
+
+fn read(file: FileId, text: &str, options: &ParseOptions, reading: Reading) -> (ast::SourceUnit, Vec<Diagnostic>) {
+    match reading {
         Reading::Whole(Language::Stl) => stl::parse(file, text, options),
         Reading::Whole(Language::Scl) => scl::parse(file, text, options),
         Reading::Whole(Language::Sd) => sd::parse(file, text, options),
@@ -70,10 +74,14 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (ast::SourceUn
             stl::parse(file, &language::masked(text, &scl, false), options),
             scl::parse(file, &language::masked(text, &scl, true), options),
         ),
-        Reading::WithCharts(charts) => joined(
-            parse(file, &language::masked(text, &charts, false), &ParseOptions { language: None, ..*options }),
-            gr7::parse(file, &language::masked(text, &charts, true), options),
-        ),
+        Reading::WithCharts(charts) => {
+            let others = language::masked(text, &charts, false);
+            let reading = language::detect_statements(&others, None);
+            joined(
+                read(file, &others, options, reading),
+                gr7::parse(file, &language::masked(text, &charts, true), options),
+            )
+        }
     }
 }
 
@@ -96,7 +104,11 @@ pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
     if xml::kind(text).is_some() {
         return simatic_ml::tokens_text(text, options);
     }
-    match language::detect(text, options.language) {
+    tokens_of(text, options, language::detect(text, options.language))
+}
+
+fn tokens_of(text: &str, options: &ParseOptions, reading: Reading) -> String {
+    match reading {
         Reading::Whole(Language::Stl) => stl::tokens_text(text, options),
         Reading::Whole(Language::Scl) => scl::tokens_text(text, options),
         Reading::Whole(Language::Sd) => sd::tokens_text(text),
@@ -106,9 +118,9 @@ pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
             stl + &scl::tokens_text(&language::masked(text, &scl, true), options)
         }
         Reading::WithCharts(charts) => {
-            let options = ParseOptions { language: None, ..*options };
-            let others = tokens_text(&language::masked(text, &charts, false), &options);
-            others + &gr7::tokens_text(&language::masked(text, &charts, true))
+            let others = language::masked(text, &charts, false);
+            let reading = language::detect_statements(&others, None);
+            tokens_of(&others, options, reading) + &gr7::tokens_text(&language::masked(text, &charts, true))
         }
     }
 }

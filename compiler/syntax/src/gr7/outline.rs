@@ -8,18 +8,27 @@ use super::lexer::{self, RawKind, RawToken};
 /// Words that begin blocks which hold no chart.
 const OTHER_BLOCKS: [&str; 4] = ["ORGANIZATION_BLOCK", "FUNCTION", "DATA_BLOCK", "TYPE"];
 
-/// Whether a line of the text is one that only charts have.
+/// Words that only charts have. Comments of other languages may hold them, too.
+const CHART_WORDS: [&str; 3] = ["INITIAL_STEP", "END_STEP", "END_TRANSITION"];
+
+/// Whether the text holds a chart, whatever its file is called.
 pub fn has_chart(text: &str) -> bool {
-    text.contains("(*$_CMPSET") && has_block(text)
+    let hints = text.contains("(*$_CMPSET")
         || text.split(['\n', '\r']).any(|line| {
             let word = line.split([' ', '\t', '(', ';']).find(|word| !word.is_empty()).unwrap_or_default();
-            ["INITIAL_STEP", "END_STEP", "END_TRANSITION"].iter().any(|known| known.eq_ignore_ascii_case(word))
-        })
-}
-
-fn has_block(text: &str) -> bool {
-    let raw = lexer::scan(text);
-    (0..raw.tokens.len()).any(|index| keyword_at(text, &raw.tokens, index) == Some(Keyword::FunctionBlock))
+            CHART_WORDS.iter().any(|known| known.eq_ignore_ascii_case(word))
+        });
+    if !hints {
+        return false;
+    }
+    let tokens = lexer::scan(text).tokens;
+    let scan = Scan { text, tokens: &tokens };
+    let colon = |index: usize| tokens.get(index + 1).is_some_and(|next| next.kind == RawKind::Colon);
+    (0..tokens.len()).any(|index| match scan.keyword(index) {
+        Some(Keyword::InitialStep | Keyword::EndStep | Keyword::EndTransition) => !colon(index),
+        None => tokens[index].kind == RawKind::Pragma && text[tokens[index].range()].starts_with("(*$_CMPSET"),
+        _ => false,
+    })
 }
 
 /// The bytes of the blocks with charts, if the file holds other blocks as well, or none if it does not.
