@@ -6,4 +6,4 @@ mod part;
 pub use expression::{
     Sub, absolute, argument, binary, call, chain, index, literal, member, member_absolute, name, shift, unary,
 };
-pub use part::{action, no_action, step, transition};
+pub use part::{action, no_action, permanent, step, transition};

@@ -87,15 +87,15 @@ fn complete(
             Part::Permanents(true, rows) => chart.after.extend(rows),
             Part::Step(mut step, number) => {
                 step.number = number.unwrap_or_default();
-                if number.is_none() {
-                    numbers.steps.push((chart.steps.len(), step.name.span));
+                if step.number == 0 {
+                    numbers.steps.push((chart.steps.len(), step.name.span, number.is_none()));
                 }
                 chart.steps.push(step);
             }
             Part::Transition(mut transition, number) => {
                 transition.number = number.unwrap_or_default();
-                if number.is_none() {
-                    numbers.transitions.push((chart.transitions.len(), transition.name.span));
+                if transition.number == 0 {
+                    numbers.transitions.push((chart.transitions.len(), transition.name.span, number.is_none()));
                 }
                 chart.transitions.push(transition);
             }
@@ -112,17 +112,20 @@ fn complete(
     block.code = BlockCode::Chart(chart);
 }
 
-/// Steps and transitions that lack their numbers: places in their lists, and names.
+/// Steps and transitions that lack their numbers: places in their lists, names, and whether that is to be told.
 #[derive(Default)]
 struct Numbers {
-    steps: Vec<(usize, Span)>,
-    transitions: Vec<(usize, Span)>,
+    steps: Vec<(usize, Span, bool)>,
+    transitions: Vec<(usize, Span, bool)>,
 }
 
 impl Numbers {
     /// Gives each the next number that is free.
     fn give(self, chart: &mut Body, diagnostics: &mut Vec<Diagnostic>) {
-        let mut report = |span, what: &str, number| {
+        let mut report = |span, what: &str, number, told: bool| {
+            if !told {
+                return;
+            }
             diagnostics.push(
                 Diagnostic::new(Code::Tolerated, span, format!("the {what} has no number"))
                     .label(format!("taken as number {number}"))
@@ -130,16 +133,16 @@ impl Numbers {
             );
         };
         let mut last = chart.steps.iter().map(|step| step.number).max().unwrap_or(0);
-        for (index, span) in self.steps {
+        for (index, span, told) in self.steps {
             last = last.saturating_add(1);
             chart.steps[index].number = last;
-            report(span, "step", last);
+            report(span, "step", last, told);
         }
         let mut last = chart.transitions.iter().map(|transition| transition.number).max().unwrap_or(0);
-        for (index, span) in self.transitions {
+        for (index, span, told) in self.transitions {
             last = last.saturating_add(1);
             chart.transitions[index].number = last;
-            report(span, "transition", last);
+            report(span, "transition", last, told);
         }
     }
 }

@@ -178,8 +178,8 @@ impl<'a> Layout<'a, '_> {
         {
             let body = pragma::body(self.slice(token)).trim();
             match body.parse() {
-                Ok(number) => self.take(Tok::Number(number)),
-                Err(_) => {
+                Ok(number) if number > 0 => self.take(Tok::Number(number)),
+                _ => {
                     self.report(
                         Diagnostic::new(
                             Code::BadLiteral,
@@ -189,7 +189,7 @@ impl<'a> Layout<'a, '_> {
                         .label("a whole number from 1 to 999 is wanted here")
                         .help("write e.g. `(*$_NUM 3*)`"),
                     );
-                    self.at += 1;
+                    self.take(Tok::Number(0));
                 }
             }
         }
@@ -283,9 +283,7 @@ impl<'a> Layout<'a, '_> {
         let mut closed = open.is_none();
         let mut named = false;
         while let Some(token) = self.peek() {
-            let clause = token.first_on_line
-                && (self.is_word(self.at, "TO") || self.is_word(self.at, "FROM"))
-                && !matches!(self.out.last(), Some((_, Tok::Comma | Tok::From | Tok::To, _)));
+            let clause = token.first_on_line && (self.is_word(self.at, "TO") || self.is_word(self.at, "FROM"));
             if clause || self.keyword_at(self.at).is_some() {
                 break;
             }

@@ -26,7 +26,7 @@ pub enum Tok<'a> {
     /// End of a row, a condition or a list of steps.
     RowEnd,
 
-    /// `(*$_NUM 3*)`
+    /// `(*$_NUM 3*)`; 0: reported.
     Number(u32),
     /// `(*$_JUMP*)`
     Jump,

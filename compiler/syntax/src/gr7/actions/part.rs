@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, Span};
 
-use crate::chart::ast::{Action, ActionBody, Condition, Qualifier, Step, Transition};
+use crate::chart::ast::{Action, ActionBody, Coil, Condition, Permanent, PermanentKind, Qualifier, Step, Transition};
 use crate::gr7::context::Context;
 use crate::gr7::pragma;
 use crate::gr7::token::Mark;
 use crate::gr7::tree::{Clause, Head, Item, Part};
-use crate::scl::ast::Expr;
+use crate::scl::ast::{BinaryOp, Expr, ExprKind};
 
 /// A step of what stands in it.
 pub fn step<'a>(
@@ -98,7 +98,7 @@ fn keep(context: &mut Context, place: &mut Option<Condition>, condition: Option<
 
 /// A row. One that was told of is kept as an error.
 pub fn action(
-    context: &Context,
+    context: &mut Context,
     body: Option<ActionBody>,
     mark: Option<Mark>,
     comment: Option<&str>,
@@ -111,7 +111,7 @@ pub fn action(
         None => context.comment_behind(end),
     };
     let (body, mark) = match (body, mark) {
-        (Some(body), Some(mark)) => (body, mark),
+        (Some(body), Some(mark)) if is_action(context, &body) => (body, mark),
         _ => (ActionBody::Error, Mark { event: None, qualifier: Qualifier::N, interlock: false }),
     };
     Action {
@@ -125,8 +125,47 @@ pub fn action(
     }
 }
 
+/// Whether the row works on a variable; what is none is reported.
+fn is_action(context: &mut Context, body: &ActionBody) -> bool {
+    let (ActionBody::Operand(operand) | ActionBody::Value { operand, .. }) = body else { return true };
+    is_variable(context, operand, Code::ActionText)
+}
+
+/// Whether something can be written to the expression; what is no operand is reported.
+fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
+    let help = match &operand.kind {
+        ExprKind::Name(_)
+        | ExprKind::Absolute(_)
+        | ExprKind::Member { .. }
+        | ExprKind::MemberAbsolute { .. }
+        | ExprKind::Slice { .. }
+        | ExprKind::Index { .. }
+        | ExprKind::Dereference(_) => return true,
+        // Told of where it was read.
+        ExprKind::Error => return false,
+        ExprKind::Binary { op: BinaryOp::Equal, .. } => "a value is assigned with `:=`",
+        _ => "write an address, a symbol, or a step before the qualifier, and a value behind `:=`",
+    };
+    context.report(
+        Diagnostic::new(code, operand.span, "this is no operand").label("nothing can be written to it").help(help),
+    );
+    false
+}
+
+/// A permanent instruction with a coil. One that was told of is left out.
+pub fn permanent(
+    context: &mut Context,
+    operand: Expr,
+    coil: Option<Coil>,
+    value: Expr,
+    range: Range<usize>,
+) -> Option<Permanent> {
+    let coil = coil.filter(|_| is_variable(context, &operand, Code::Syntax))?;
+    Some(Permanent { kind: PermanentKind::Coil { operand, coil, value }, span: context.span(range) })
+}
+
 /// A row that could not be read.
-pub fn no_action(context: &Context, range: Range<usize>) -> Action {
+pub fn no_action(context: &mut Context, range: Range<usize>) -> Action {
     let (start, end) = (range.start, range.end);
     action(context, None, None, None, start, end..end)
 }

@@ -83,6 +83,12 @@ impl<'a> Layout<'a, '_> {
             // What is not closed goes no further than its line.
             let line = (self.at + 1..index).find(|next| self.raw[*next].first_on_line);
             index = line.unwrap_or(index);
+            let open = (self.at..index).rev().take(4).find(|open| self.kind_at(*open) == Some(RawKind::LeftParen));
+            if let Some(open) = open.filter(|open| *open > self.at)
+                && self.qualifier_at(open, true) == Some(index - 1)
+            {
+                return Extent { end: index, qualifier: Some(open) };
+            }
         }
         Extent { end: index, qualifier: None }
     }
@@ -94,11 +100,13 @@ impl<'a> Layout<'a, '_> {
 
     /// Whether a line at `index` goes on with the row of the one before.
     fn continues(&self, index: usize) -> bool {
-        let joins = |index: usize| {
-            let token = self.raw[index];
-            matches!(token.kind, RawKind::Comma | RawKind::Assign) || is_operator(token, self.slice(token))
-        };
-        joins(index - 1) && index - 1 >= self.at || joins(index) || self.kind_at(index) == Some(RawKind::LeftParen)
+        self.joins(index) || self.kind_at(index) == Some(RawKind::LeftParen)
+    }
+
+    /// Whether the token stands between two parts of a row.
+    fn joins(&self, index: usize) -> bool {
+        let token = self.raw[index];
+        matches!(token.kind, RawKind::Comma | RawKind::Assign) || is_operator(token, self.slice(token))
     }
 
     /// Index of the `)` of the qualifier that opens at `index`. `call`: parameters of a call may stand here.
@@ -216,9 +224,8 @@ impl<'a> Layout<'a, '_> {
             }
             let new_line = token.first_on_line && index > self.at;
             let list = call && lists == 0 && token.kind == RawKind::LeftParen;
-            if new_line && depth == 0 && !list && !self.continues(index)
-                || new_line && depth > 0 && (self.coil_on_line(index) || self.is_word(index, "CALL"))
-            {
+            let goes_on = || depth > 0 || list || self.continues(index) || self.joins(index - 1);
+            if new_line && (!goes_on() || self.begins_permanent(index)) {
                 break;
             }
             match token.kind {
@@ -234,11 +241,11 @@ impl<'a> Layout<'a, '_> {
         index
     }
 
-    /// Whether a row with a coil begins at `index`: an unclosed bracket goes no further.
-    fn coil_on_line(&self, index: usize) -> bool {
+    /// Whether a permanent instruction begins with the line at `index`: an unclosed bracket goes no further.
+    fn begins_permanent(&self, index: usize) -> bool {
         let line = &self.raw[index..];
         let length = line.iter().skip(1).take_while(|token| !token.first_on_line).count() + 1;
-        (index..index + length).any(|index| self.is_coil(index))
+        self.is_word(index, "CALL") || (index..index + length).any(|index| self.is_coil(index))
     }
 
     /// `(=) :=`
@@ -276,7 +283,7 @@ impl<'a> Layout<'a, '_> {
                 .label("`(=)`, `(S)` or `(R)` and `:=` are missing")
                 .help("write `operand (=) := condition`, or `CALL FC1 ()`"),
         );
-        self.push_here(Tok::Coil(None));
+        self.out.push((first.start as usize, Tok::Bad, last.end as usize));
         self.at = end;
     }
 }
