@@ -89,7 +89,7 @@ pub fn fold(drawing: &Drawing, diagnostics: &mut Vec<Diagnostic>) -> Vec<Folded>
 /// The steps that a transition leaves, the leftmost first, and its path.
 fn backwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Folded) {
     let mut seen = HashSet::new();
-    let mut pending: Vec<usize> = lines.into_transition(transition).iter().rev().copied().collect();
+    let mut pending: Vec<usize> = lines.before_transition(transition).iter().rev().copied().collect();
     while let Some(line) = pending.pop() {
         let line = &drawing.lines[line];
         if !legality::is_legal(drawing, line) {
@@ -106,7 +106,7 @@ fn backwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut F
                     folded.path.push(arm);
                 }
                 if seen.insert(Node::Branch(branch, 0)) {
-                    pending.extend(lines.into_branch(branch).iter().rev());
+                    pending.extend(lines.before_branch(branch).iter().rev());
                 }
             }
             Node::Transition(_) | Node::End => {}
@@ -119,7 +119,7 @@ fn backwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut F
 /// The steps that a transition enters, the leftmost first.
 fn forwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Folded) {
     let mut seen = HashSet::new();
-    let mut pending: Vec<usize> = lines.out_of_transition(transition).iter().rev().copied().collect();
+    let mut pending: Vec<usize> = lines.behind_transition(transition).iter().rev().copied().collect();
     while let Some(line) = pending.pop() {
         let line = &drawing.lines[line];
         if !legality::is_legal(drawing, line) {
@@ -134,7 +134,7 @@ fn forwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Fo
             }
             Node::Branch(branch, _) => {
                 if seen.insert(Node::Branch(branch, 0)) {
-                    pending.extend(lines.out_of_branch(branch).iter().rev());
+                    pending.extend(lines.behind_branch(branch).iter().rev());
                 }
             }
             Node::Transition(_) | Node::End => {}

@@ -49,7 +49,7 @@ fn operands_and_values() {
     rows_of("#a[1, 2] := MAX(IN1 := #b, IN2 := 3)", &["#a[1, 2] := MAX(IN1 := #b, IN2 := 3)"]);
     rows_of("s_all", &["all"]);
     rows_of("S_ALLEY", &["S_ALLEY"]);
-    rows_of("Q4.0 // lamp, green", &["Q 4.0 // lamp, green"]);
+    rows_of("Q4.0 // lamp, green", &["%Q4.0 // lamp, green"]);
     rows_of("(* first *)\n#x (* \" *)", &["#x // \""]);
 }
 

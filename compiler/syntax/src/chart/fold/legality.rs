@@ -76,14 +76,14 @@ fn neighbour(drawing: &Drawing, line: &Line) -> Diagnostic {
 /// A transition has one line before it and one behind it; only branches join and part.
 fn transitions(drawing: &Drawing, lines: &Lines, diagnostics: &mut Vec<Diagnostic>) {
     for (at, span) in drawing.transitions.iter().enumerate() {
-        if let [_, second, ..] = lines.into_transition(at) {
+        if let [_, second, ..] = lines.before_transition(at) {
             let title = "several lines lead to one transition";
             let message = Diagnostic::new(Code::BranchNeighbour, drawing.lines[*second].span, title);
             let help =
                 "join the paths by the end of a simultaneous branch, or give each of them a transition of its own";
             diagnostics.push(message.label("one more line").also(*span, "the transition").help(help));
         }
-        if let [_, second, ..] = lines.out_of_transition(at) {
+        if let [_, second, ..] = lines.behind_transition(at) {
             let title = "several lines leave one transition";
             let message = Diagnostic::new(Code::BranchNeighbour, drawing.lines[*second].span, title);
             let help = "let the transition lead to the begin of a simultaneous branch";
@@ -96,7 +96,7 @@ fn transitions(drawing: &Drawing, lines: &Lines, diagnostics: &mut Vec<Diagnosti
 fn arms(drawing: &Drawing, lines: &Lines, at: usize, branch: &Branch, diagnostics: &mut Vec<Diagnostic>) {
     let what = kind_name(branch.kind);
     let opens = branch.kind.opens();
-    let (incoming, outgoing) = (lines.into_branch(at), lines.out_of_branch(at));
+    let (incoming, outgoing) = (lines.before_branch(at), lines.behind_branch(at));
     let (single, many) = if opens { (incoming, outgoing) } else { (outgoing, incoming) };
     let mut tell = |title: String, label: String| {
         let message = Diagnostic::new(Code::BranchArms, branch.span, title).label(label);
@@ -138,11 +138,11 @@ fn arms(drawing: &Drawing, lines: &Lines, at: usize, branch: &Branch, diagnostic
 fn circles(drawing: &Drawing, lines: &Lines, diagnostics: &mut Vec<Diagnostic>) {
     let is_open = |line: &usize| is_legal(drawing, &drawing.lines[*line]);
     let next = |at: usize| {
-        let lines = lines.out_of_branch(at).iter().filter(move |line| is_open(line));
+        let lines = lines.behind_branch(at).iter().filter(move |line| is_open(line));
         lines.filter_map(|line| branch_of(drawing.lines[*line].to))
     };
     let previous = |at: usize| {
-        let lines = lines.into_branch(at).iter().filter(move |line| is_open(line));
+        let lines = lines.before_branch(at).iter().filter(move |line| is_open(line));
         lines.filter_map(|line| branch_of(drawing.lines[*line].from))
     };
     let mut is_left = vec![true; drawing.branches.len()];

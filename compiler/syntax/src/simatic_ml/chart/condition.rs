@@ -3,12 +3,13 @@
 //! A coil that is wired straight to the power rail is what the editor shows as an empty network: the transition and the interlock are always
 //! satisfied, and there is no supervision. Source: GRAPH reference B.2.
 
+use plcc_diag::Diagnostic;
 use roxmltree::Node;
 
 use super::super::network;
 use super::super::reader::{Reader, texts};
 use crate::chart::ast::Condition;
-use crate::network::ast::{Content, Graph, Network, PinValue, Source};
+use crate::network::ast::{Content, Element, Graph, Language, Network, PinValue, Source, Target};
 use crate::network::elements::Kind;
 use crate::xml::{elements, head};
 
@@ -27,7 +28,7 @@ pub enum Found {
 pub fn read(reader: &mut Reader, node: Node, language: &str, whose: &str) -> Found {
     let told = reader.diagnostics.len();
     let Some(network) = network(reader, node, language, whose) else { return Found::Nothing };
-    let refused = reader.diagnostics[told..].iter().any(plcc_diag::Diagnostic::is_error);
+    let refused = reader.diagnostics[told..].iter().any(Diagnostic::is_error);
     match &network.content {
         _ if refused => Found::Refused,
         Content::Graphic(graph) if graph.elements.is_empty() => Found::Nothing,
@@ -52,13 +53,12 @@ pub fn read(reader: &mut Reader, node: Node, language: &str, whose: &str) -> Fou
 
 /// The network in a node; `None` if there is none.
 pub fn network(reader: &mut Reader, node: Node, language: &str, whose: &str) -> Option<Network> {
-    let source =
-        elements(node).find(|part| matches!(part.tag_name().name(), "FlgNet" | "StructuredText" | "StatementList"))?;
+    let source = elements(node).find(|part| is_source(*part))?;
     let named = node.attribute("ProgrammingLanguage").unwrap_or(language);
     let language = network::language_of(named, Some(source.tag_name().name()));
     let (labels, content) = network::content(reader, node, Some(source), (language, named), whose);
     Some(Network {
-        language: language.unwrap_or(crate::network::ast::Language::Lad),
+        language: language.unwrap_or(Language::Lad),
         title: texts(node, &["Title"]).into_iter().next(),
         comment: texts(node, &["Comment"]),
         labels,
@@ -67,10 +67,15 @@ pub fn network(reader: &mut Reader, node: Node, language: &str, whose: &str) -> 
     })
 }
 
+/// Whether an element is the code of a network.
+pub fn is_source(node: Node) -> bool {
+    matches!(node.tag_name().name(), "FlgNet" | "StructuredText" | "StatementList")
+}
+
 fn coils(graph: &Graph) -> usize {
-    let is_coil = |element: &&crate::network::ast::Element| match &element.target {
-        crate::network::ast::Target::Element { row, .. } => row.kind == Kind::Condition,
-        crate::network::ast::Target::Block { .. } => false,
+    let is_coil = |element: &&Element| match &element.target {
+        Target::Element { row, .. } => row.kind == Kind::Condition,
+        Target::Block { .. } => false,
     };
     graph.elements.iter().filter(is_coil).count()
 }

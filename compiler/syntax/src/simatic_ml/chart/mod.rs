@@ -79,8 +79,9 @@ fn graph(reader: &mut Reader, source: Node, block: &str, language: &str, chart: 
             "PostOperations" => {
                 chart.after.extend(permanent::read(reader, node, "behind the sequencers", block, language))
             }
-            // Their nodes are known; texts of alarms have no effect on the program.
-            "Sequence" | "AlarmsSettings" | "Title" | "Comment" => {}
+            // Their nodes are known.
+            "Sequence" => {}
+            other if is_text(other) => {}
             other => {
                 reader.refuse(node, &format!("`{block}`"), &format!("`{other}`"));
             }
@@ -124,11 +125,9 @@ fn transition(
         condition::Found::Rail | condition::Found::Refused => None,
     };
     for part in elements(node) {
-        if !matches!(
-            part.tag_name().name(),
-            "FlgNet" | "StructuredText" | "StatementList" | "Title" | "Comment" | "TransitionName" | "AlarmText"
-        ) {
-            reader.refuse(part, &whose, &format!("`{}`", part.tag_name().name()));
+        let name = part.tag_name().name();
+        if !condition::is_source(part) && !is_text(name) {
+            reader.refuse(part, &whose, &format!("`{name}`"));
         }
     }
     reader.own_step = None;
@@ -151,6 +150,11 @@ fn name(reader: &mut Reader, node: Node) -> Name {
     let text = node.attribute("Name").unwrap_or_default().trim().to_string();
     let span = reader.name_span(node, "Name");
     Name { text, form: NameForm::Bare, span }
+}
+
+/// Whether an element of that name holds texts for people: titles, translated names, alarms.
+fn is_text(element: &str) -> bool {
+    matches!(element, "Title" | "Comment") || element.ends_with("Name") || element.contains("Alarm")
 }
 
 /// The place of an attribute's value.

@@ -6,7 +6,7 @@ use plcc_diag::{Code, Diagnostic};
 use roxmltree::Node as Xml;
 
 use super::super::reader::Reader;
-use super::{attribute_span, name};
+use super::{attribute_span, is_text, name};
 use crate::chart::fold::{Branch, BranchKind, Drawing, Line, Node};
 use crate::scl::ast::Name;
 use crate::xml::{child, children, elements, head, text_of};
@@ -78,7 +78,8 @@ impl<'a, 'i> Nodes<'a, 'i> {
                         self.transitions.push(node);
                     }
                 }
-                "Branches" | "Connections" | "Title" | "Comment" => {}
+                "Branches" | "Connections" => {}
+                other if is_text(other) => {}
                 other => {
                     reader.refuse(list, &format!("`{block}`"), &format!("a sequencer with `{other}`"));
                 }

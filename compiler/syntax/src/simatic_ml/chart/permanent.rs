@@ -4,7 +4,7 @@ use plcc_diag::Diagnostic;
 use roxmltree::Node;
 
 use super::super::reader::Reader;
-use super::condition;
+use super::{condition, is_text};
 use crate::chart::ast::{Permanent, PermanentKind};
 use crate::network::ast::{Content, Network};
 use crate::xml::{elements, is};
@@ -15,7 +15,7 @@ pub fn read(reader: &mut Reader, list: Node, place: &str, block: &str, language:
     let mut number = 0;
     for node in elements(list) {
         if !is(node, "PermanentOperation") {
-            if !matches!(node.tag_name().name(), "Title" | "Comment") {
+            if !is_text(node.tag_name().name()) {
                 reader.refuse(node, &format!("`{block}`"), &format!("`{}`", node.tag_name().name()));
             }
             continue;

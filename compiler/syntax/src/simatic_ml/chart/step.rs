@@ -3,7 +3,7 @@
 use roxmltree::Node;
 
 use super::super::reader::{Reader, texts};
-use super::{action, condition, is_true, nodes};
+use super::{action, condition, is_text, is_true, nodes};
 use crate::chart::ast::{Condition, Step};
 use crate::scl::ast::{Expr, Name};
 use crate::xml::{attribute_range, children, elements, head};
@@ -31,7 +31,7 @@ pub fn read(reader: &mut Reader, node: Node, name: &Name, block: &str, language:
                     match row.tag_name().name() {
                         "Action" => step.actions.extend(action::read(reader, row, &whose)),
                         "Title" => step.comment.extend(texts(part, &["Title"])),
-                        "Comment" => {}
+                        other if is_text(other) => {}
                         other => {
                             reader.refuse(row, &whose, &format!("`{other}`"));
                         }
@@ -44,7 +44,7 @@ pub fn read(reader: &mut Reader, node: Node, name: &Name, block: &str, language:
             "Supervisions" => {
                 step.supervision = only(reader, part, "Supervision", language, &format!("the supervision of {whose}"));
             }
-            "Title" | "Comment" | "StepName" | "AlarmText" => {}
+            other if is_text(other) => {}
             other => {
                 reader.refuse(part, &whose, &format!("`{other}`"));
             }
