@@ -1,0 +1,221 @@
+//! Makes a case smaller as long as it fails in the same way, so that a failure shows little more than its cause.
+
+use crate::chart::{Action, Chart, Condition};
+use crate::generate::Case;
+use crate::model::Inputs;
+use crate::run::{self, Failure, Form};
+
+/// A small case that fails as `case` does, with its failure.
+pub fn reduce(case: &Case, failure: Failure, form: Form) -> (Case, Failure) {
+    let mut best = Best { case: case.clone(), failure, form };
+    best.cut();
+    loop {
+        let before = format!("{:?}", best.case).len();
+        best.steps();
+        best.lists();
+        best.conditions();
+        best.calls();
+        if format!("{:?}", best.case).len() >= before {
+            return (best.case, best.failure);
+        }
+    }
+}
+
+struct Best {
+    case: Case,
+    failure: Failure,
+    form: Form,
+}
+
+impl Best {
+    /// Takes the change if the case fails still. True: taken.
+    fn attempt(&mut self, change: impl FnOnce(&mut Case)) -> bool {
+        let mut case = self.case.clone();
+        change(&mut case);
+        match (run::check(&case, &[self.form]), &self.failure) {
+            (Err(failure @ Failure::Refused(_)), Failure::Refused(_))
+            | (Err(failure @ Failure::Different { .. }), Failure::Different { .. }) => {
+                self.case = case;
+                self.failure = failure;
+                self.cut();
+                true
+            }
+            (Err(_) | Ok(()), _) => false,
+        }
+    }
+
+    /// Leaves out the calls behind the failure.
+    fn cut(&mut self) {
+        if let Failure::Different { call, .. } = self.failure {
+            self.case.calls.truncate(call);
+        }
+    }
+
+    fn steps(&mut self) {
+        for step in (0..self.case.chart.steps.len()).rev() {
+            self.attempt(|case| without_step(&mut case.chart, step));
+        }
+        for transition in (0..self.case.chart.transitions.len()).rev() {
+            self.attempt(|case| without_transition(&mut case.chart, transition));
+        }
+    }
+
+    fn lists(&mut self) {
+        for index in (0..self.case.chart.before.len()).rev() {
+            self.attempt(|case| drop(case.chart.before.remove(index)));
+        }
+        for index in (0..self.case.chart.after.len()).rev() {
+            self.attempt(|case| drop(case.chart.after.remove(index)));
+        }
+        for step in 0..self.case.chart.steps.len() {
+            for row in (0..self.case.chart.steps[step].rows.len()).rev() {
+                self.attempt(|case| drop(case.chart.steps[step].rows.remove(row)));
+            }
+            for row in 0..self.case.chart.steps[step].rows.len() {
+                if self.case.chart.steps[step].rows[row].interlock {
+                    self.attempt(|case| case.chart.steps[step].rows[row].interlock = false);
+                }
+            }
+            if self.case.chart.steps[step].interlock.is_some() {
+                self.attempt(|case| case.chart.steps[step].interlock = None);
+            }
+            if self.case.chart.steps[step].supervision.is_some() {
+                self.attempt(|case| case.chart.steps[step].supervision = None);
+            }
+        }
+    }
+
+    fn conditions(&mut self) {
+        let count = places(&mut self.case.chart).count();
+        for index in 0..count {
+            let found = places(&mut self.case.chart).nth(index).cloned();
+            let Some(condition) = found else { return };
+            let constants = match condition {
+                Condition::Constant(_) => Vec::new(),
+                _ => vec![Condition::Constant(true), Condition::Constant(false)],
+            };
+            for simpler in constants.into_iter().chain(parts(&condition)) {
+                if self.attempt(|case| *places(&mut case.chart).nth(index).expect("it was there") = simpler) {
+                    break;
+                }
+            }
+        }
+    }
+
+    fn calls(&mut self) {
+        for call in (0..self.case.calls.len()).rev() {
+            if self.case.calls.len() > call + 1 {
+                self.attempt(|case| drop(case.calls.remove(call)));
+            }
+        }
+        for call in 0..self.case.calls.len() {
+            if self.case.calls.get(call).is_some_and(|call| call.inputs != Inputs::new()) {
+                self.attempt(|case| case.calls[call].inputs = Inputs::new());
+            }
+            for bit in 0..Inputs::new().bits.len() {
+                if self.case.calls.get(call).is_some_and(|call| call.inputs.bits[bit]) {
+                    self.attempt(|case| case.calls[call].inputs.bits[bit] = false);
+                }
+            }
+            if self.case.calls.get(call).is_some_and(|call| call.process != [0; 4]) {
+                self.attempt(|case| case.calls[call].process = [0; 4]);
+            }
+            if self.case.calls.get(call).is_some_and(|call| call.paused) {
+                self.attempt(|case| case.calls[call].paused = false);
+            }
+        }
+    }
+}
+
+/// All conditions of a chart.
+fn places(chart: &mut Chart) -> impl Iterator<Item = &mut Condition> {
+    let permanent = chart.before.iter_mut().chain(&mut chart.after).map(|permanent| &mut permanent.value);
+    let steps = chart.steps.iter_mut().flat_map(|step| step.interlock.iter_mut().chain(&mut step.supervision));
+    let transitions = chart.transitions.iter_mut().flat_map(|transition| &mut transition.condition);
+    permanent.chain(steps).chain(transitions)
+}
+
+fn parts(condition: &Condition) -> Vec<Condition> {
+    match condition {
+        Condition::Not(inner) => vec![(**inner).clone()],
+        Condition::And(list) | Condition::Or(list) | Condition::Xor(list) => list.clone(),
+        Condition::Constant(_)
+        | Condition::Bit(_)
+        | Condition::Step(..)
+        | Condition::Transition(..)
+        | Condition::Time { .. }
+        | Condition::Word { .. } => Vec::new(),
+    }
+}
+
+/// Changes all numbers of steps and transitions in a condition; what has none any more is TRUE.
+fn renumber(
+    condition: &mut Condition,
+    step: &impl Fn(usize) -> Option<usize>,
+    transition: &impl Fn(usize) -> Option<usize>,
+) {
+    let gone = match condition {
+        Condition::Step(index, _) | Condition::Time { step: index, .. } => {
+            step(*index).map(|new| *index = new).is_none()
+        }
+        Condition::Transition(index, _) => transition(*index).map(|new| *index = new).is_none(),
+        Condition::Not(inner) => {
+            renumber(inner, step, transition);
+            false
+        }
+        Condition::And(list) | Condition::Or(list) | Condition::Xor(list) => {
+            list.iter_mut().for_each(|one| renumber(one, step, transition));
+            false
+        }
+        Condition::Constant(_) | Condition::Bit(_) | Condition::Word { .. } => false,
+    };
+    if gone {
+        *condition = Condition::Constant(true);
+    }
+}
+
+fn without(removed: usize) -> impl Fn(usize) -> Option<usize> {
+    move |index| (index != removed).then(|| index - usize::from(index > removed))
+}
+
+fn without_transition(chart: &mut Chart, removed: usize) {
+    chart.transitions.remove(removed);
+    places(chart).for_each(|condition| renumber(condition, &Some, &without(removed)));
+}
+
+/// Removes a step: what led to it leads to where its first transition leads.
+fn without_step(chart: &mut Chart, removed: usize) {
+    let next = chart.transitions.iter().position(|transition| transition.from == [removed]);
+    let after = next.map_or(Vec::new(), |next| chart.transitions[next].to.clone());
+    if let Some(next) = next {
+        without_transition(chart, next);
+    }
+    while let Some(other) = chart.transitions.iter().position(|transition| transition.from == [removed]) {
+        without_transition(chart, other);
+    }
+    for transition in &mut chart.transitions {
+        transition.from.retain(|&step| step != removed);
+        if let Some(at) = transition.to.iter().position(|&step| step == removed) {
+            transition.to.splice(at..=at, after.iter().copied().filter(|&step| step != removed));
+        }
+    }
+    let initial = chart.steps.remove(removed).initial;
+    let new = without(removed);
+    for transition in &mut chart.transitions {
+        for step in transition.from.iter_mut().chain(&mut transition.to) {
+            *step = new(*step).unwrap_or(0);
+        }
+    }
+    if initial {
+        for step in after.iter().filter_map(|&step| new(step)) {
+            chart.steps[step].initial = true;
+        }
+    }
+    for step in &mut chart.steps {
+        step.rows.retain_mut(|row| match &mut row.action {
+            Action::On(step) | Action::Off(step) => new(*step).map(|number| *step = number).is_some(),
+            _ => true,
+        });
+    }
+    places(chart).for_each(|condition| renumber(condition, &new, &Some));
+}
