@@ -129,6 +129,10 @@ pub enum Condition {
         order: Order,
         value: i16,
     },
+    /// Status of a timer.
+    Timer(u8),
+    /// Status of a counter.
+    Counter(u8),
     Not(Box<Condition>),
     And(Vec<Condition>),
     Or(Vec<Condition>),
@@ -185,6 +189,14 @@ pub enum Action {
     CounterUp(u8),
     CounterDown(u8),
     CounterClear(u8),
+    /// TL: extended pulse, in milliseconds.
+    TimerPulse(u8, i64),
+    /// TD: retentive on-delay.
+    TimerDelay(u8, i64),
+    /// TR
+    TimerStop(u8),
+    /// TF: off-delay.
+    TimerOff(u8, i64),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,12 +2,14 @@
 //!
 //! A simultaneous branch has a join of its own and nothing leads into or out of one of its paths, so that no step is entered twice.
 
+use std::ops::Range;
+
 use crate::chart::{
     Action, Area, Bit, Chart, Coil, Condition, Event, Input, Interface, Order, Permanent, Row, Step, StepBit, Time,
     Transition, TransitionBit,
 };
 use crate::model::Inputs;
-use crate::text::COUNTERS;
+use crate::text::{COUNTERS, TIMERS};
 
 /// xorshift64*
 pub struct Random(u64);
@@ -58,6 +60,7 @@ struct Features {
     events: bool,
     requests: bool,
     arithmetic: bool,
+    timers: bool,
     permanent: bool,
     modes: bool,
     toggles: bool,
@@ -81,6 +84,7 @@ pub fn case(seed: u64) -> Case {
         events: flag(),
         requests: flag() && flag(),
         arithmetic: flag(),
+        timers: flag(),
         permanent: flag(),
         modes: flag() && flag(),
         toggles: flag() && flag(),
@@ -88,7 +92,7 @@ pub fn case(seed: u64) -> Case {
         paging: flag() && flag(),
         pauses: flag(),
     };
-    let mut maker = Maker { random, features, chart: Chart::default(), budget: 0 };
+    let mut maker = Maker { random, features, chart: Chart::default(), budget: 0, off_timers: 2..TIMERS };
     maker.chart();
     let calls = maker.calls();
     Case { chart: maker.chart, calls }
@@ -103,6 +107,8 @@ struct Maker {
     chart: Chart,
     /// Steps that may still come.
     budget: usize,
+    /// Timers that no TF has yet.
+    off_timers: Range<u8>,
 }
 
 impl Maker {
@@ -328,6 +334,10 @@ impl Maker {
                 order: self.order(),
                 value: self.random.below(12) as i16,
             },
+            7 if self.features.timers => match self.random.percent(50) {
+                true => Condition::Timer(self.random.below(TIMERS.into()) as u8),
+                false => Condition::Counter(self.random.below(COUNTERS.into()) as u8),
+            },
             _ => Condition::Bit(self.input()),
         }
     }
@@ -396,6 +406,20 @@ impl Maker {
         };
         let counter = self.random.below(COUNTERS.into()) as u8;
         let bit = self.output();
+        if self.features.timers && self.random.percent(20) {
+            let ms = self.random.of(&[10, 50, 100, 200, 500]);
+            let action = match event {
+                None => self.off_timers.next().map(|timer| Action::TimerOff(timer, ms)),
+                Some(_) => Some(match self.random.below(5) {
+                    0 | 1 => Action::TimerPulse(0, ms),
+                    2 | 3 => Action::TimerDelay(1, ms),
+                    _ => Action::TimerStop(self.random.below(2) as u8),
+                }),
+            };
+            if let Some(action) = action {
+                return Row { event, interlock: event.is_none() && self.random.percent(30), action };
+            }
+        }
         let action = match (event, self.random.below(10)) {
             (Some(_), 0 | 1) if self.features.requests => Action::On(self.any_step()),
             (Some(_), 2) if self.features.requests => Action::Off(self.any_step()),

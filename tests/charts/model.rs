@@ -13,11 +13,54 @@ pub struct Memory {
     pub outputs: [u8; 8],
     pub bit_memory: [u8; 256],
     pub counters: [u16; 16],
+    timers: [Timer; 16],
+    /// Time of the cycle in milliseconds.
+    pub now: i64,
+}
+
+/// A timer. Source: Statement List (STL), chapter 12.
+#[derive(Clone, Copy, Debug, Default)]
+struct Timer {
+    /// Status until `deadline`, and from then on.
+    during: bool,
+    after: bool,
+    deadline: i64,
+    /// What an off-delay saw last.
+    rlo: bool,
 }
 
 impl Memory {
     pub fn new() -> Memory {
-        Memory { inputs: [0; 8], outputs: [0; 8], bit_memory: [0; 256], counters: [0; 16] }
+        Memory {
+            inputs: [0; 8],
+            outputs: [0; 8],
+            bit_memory: [0; 256],
+            counters: [0; 16],
+            timers: [Timer::default(); 16],
+            now: 0,
+        }
+    }
+
+    /// Status of a timer.
+    pub fn timer(&self, number: u8) -> bool {
+        let timer = &self.timers[usize::from(number)];
+        if self.now < timer.deadline { timer.during } else { timer.after }
+    }
+
+    /// The status is `during` for so long, then `after`.
+    fn start(&mut self, number: u8, during: bool, ms: i64, after: bool) {
+        let timer = &mut self.timers[usize::from(number)];
+        (timer.during, timer.after, timer.deadline) = (during, after, self.now + ms);
+    }
+
+    /// An off-delay sees whether its row is on.
+    fn off_delay(&mut self, number: u8, rlo: bool, ms: i64) {
+        let was = std::mem::replace(&mut self.timers[usize::from(number)].rlo, rlo);
+        match (was, rlo) {
+            (false, true) => self.start(number, true, 0, true),
+            (true, false) => self.start(number, true, ms, false),
+            (true, true) | (false, false) => {}
+        }
     }
 
     fn byte(&mut self, area: Area, byte: u8) -> &mut u8 {
@@ -552,6 +595,9 @@ impl Model {
             if let Action::N(bit) | Action::D(bit, _) | Action::L(bit, _) = row.action {
                 memory.set(bit, false);
             }
+            if let Action::TimerOff(timer, ms) = row.action {
+                memory.off_delay(timer, false, ms);
+            }
         }
         let state = &mut self.steps[step];
         state.la = false;
@@ -616,6 +662,7 @@ impl Model {
                 let value = elapsed < time(memory, t) && interlock && !self.zeroed;
                 memory.set(bit, value);
             }
+            Action::TimerOff(timer, ms) => memory.off_delay(timer, interlock, ms),
             Action::N(_)
             | Action::S(_)
             | Action::R(_)
@@ -627,6 +674,9 @@ impl Model {
             | Action::CounterUp(_)
             | Action::CounterDown(_)
             | Action::CounterClear(_)
+            | Action::TimerPulse(..)
+            | Action::TimerDelay(..)
+            | Action::TimerStop(_)
                 if !interlock => {}
             Action::N(bit) => {
                 // choice: zeroed operands are 0 also in event N rows; other rows go on.
@@ -655,6 +705,10 @@ impl Model {
                 *value = value.saturating_sub(1);
             }
             Action::CounterClear(counter) => memory.counters[usize::from(counter)] = 0,
+            Action::TimerPulse(timer, ms) => memory.start(timer, true, ms, false),
+            // A timer that is over keeps its status when it is started again, until it is stopped.
+            Action::TimerDelay(timer, ms) => memory.start(timer, memory.timer(timer), ms, true),
+            Action::TimerStop(timer) => memory.start(timer, false, 0, false),
         }
     }
 
@@ -716,6 +770,8 @@ impl Model {
                 order.holds(if *undisturbed { state.u } else { state.t }, *ms)
             }
             Condition::Word { byte, order, value } => order.holds(memory.word(*byte).into(), (*value).into()),
+            Condition::Timer(number) => memory.timer(*number),
+            Condition::Counter(number) => memory.counters[usize::from(*number)] != 0,
             Condition::Not(inner) => !self.holds(inner, memory),
             Condition::And(list) => list.iter().all(|one| self.holds(one, memory)),
             Condition::Or(list) => list.iter().any(|one| self.holds(one, memory)),

@@ -144,7 +144,9 @@ fn parts(condition: &Condition) -> Vec<Condition> {
         | Condition::Step(..)
         | Condition::Transition(..)
         | Condition::Time { .. }
-        | Condition::Word { .. } => Vec::new(),
+        | Condition::Word { .. }
+        | Condition::Timer(_)
+        | Condition::Counter(_) => Vec::new(),
     }
 }
 
@@ -167,7 +169,11 @@ fn renumber(
             list.iter_mut().for_each(|one| renumber(one, step, transition));
             false
         }
-        Condition::Constant(_) | Condition::Bit(_) | Condition::Word { .. } => false,
+        Condition::Constant(_)
+        | Condition::Bit(_)
+        | Condition::Word { .. }
+        | Condition::Timer(_)
+        | Condition::Counter(_) => false,
     };
     if gone {
         *condition = Condition::Constant(true);

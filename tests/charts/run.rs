@@ -136,6 +136,7 @@ impl Observer for Player<'_> {
         }
         let now = time / NS_PER_MS;
         let call = &self.calls[index];
+        self.memory.now = now as i64;
         if !call.paused {
             self.model.call(&call.inputs, &mut self.memory, now as i64);
         }

@@ -18,6 +18,8 @@ pub const PARAMETERS: u8 = 200;
 
 /// Charts use C 0 and so many.
 pub const COUNTERS: u8 = 3;
+/// T 0 is for TL, T 1 for TD; the others are for one TF each.
+pub const TIMERS: u8 = 8;
 
 const STEP_BITS: [StepBit; 13] = [
     StepBit::X,
@@ -98,6 +100,9 @@ pub fn watches(chart: &Chart) -> Vec<Watch> {
     }
     for counter in 0..COUNTERS {
         add(format!("C {counter}"), 16, Box::new(move |_, memory| memory.counters[usize::from(counter)].into()));
+    }
+    for timer in 0..TIMERS {
+        add(format!("T {timer}"), 1, Box::new(move |_, memory| memory.timer(timer).into()));
     }
     list
 }
@@ -183,6 +188,10 @@ fn qualifier(row: &Row) -> String {
         Action::CounterUp(_) => "CU",
         Action::CounterDown(_) => "CD",
         Action::CounterClear(_) => "CR",
+        Action::TimerPulse(..) => "TL",
+        Action::TimerDelay(..) => "TD",
+        Action::TimerStop(_) => "TR",
+        Action::TimerOff(..) => "TF",
     };
     let event = row.event.map_or(String::new(), |event: Event| format!("{event:?}_"));
     format!("{event}{instruction}{}", if row.interlock { "C" } else { "" })
@@ -204,6 +213,10 @@ fn body(chart: &Chart, row: &Row) -> String {
         Action::CounterUp(counter) | Action::CounterDown(counter) | Action::CounterClear(counter) => {
             format!("C{counter}")
         }
+        Action::TimerPulse(timer, ms) | Action::TimerDelay(timer, ms) | Action::TimerOff(timer, ms) => {
+            format!("T{timer} := S5T#{ms}MS")
+        }
+        Action::TimerStop(timer) => format!("T{timer}"),
     }
 }
 
@@ -261,8 +274,15 @@ impl Display for Shown<'_> {
                 write!(f, "{}.{} {order} T#{ms}MS", step(*index), if *undisturbed { "U" } else { "T" })
             }
             Condition::Word { byte, order, value } => write!(f, "MW{byte} {order} {value}"),
+            Condition::Timer(number) => write!(f, "T{number}"),
+            Condition::Counter(number) => write!(f, "C{number}"),
             Condition::Not(inner) => match &**inner {
-                Condition::Bit(_) | Condition::Step(..) | Condition::Transition(..) | Condition::Constant(_) => {
+                Condition::Bit(_)
+                | Condition::Timer(_)
+                | Condition::Counter(_)
+                | Condition::Step(..)
+                | Condition::Transition(..)
+                | Condition::Constant(_) => {
                     write!(f, "NOT {}", Shown(chart, inner))
                 }
                 _ => write!(f, "NOT ({})", Shown(chart, inner)),
