@@ -52,6 +52,8 @@ pub enum Area {
     I,
     Q,
     M,
+    /// Static variables of the block, bits of one byte.
+    Static,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -181,6 +183,8 @@ pub enum Action {
         source: u8,
         constant: i16,
     },
+    /// `CALL FC1` with a word of bit memory, which it counts up by 1.
+    Call(u8),
     On(usize),
     Off(usize),
     OffAll,

@@ -301,8 +301,9 @@ impl Maker {
     /// A bit that rows write.
     fn output(&mut self) -> Bit {
         let bit = self.random.below(8) as u8;
-        match self.random.below(3) {
-            0 => Bit { area: Area::M, byte: 10 + self.random.below(2) as u8, bit },
+        match self.random.below(7) {
+            0 => Bit { area: Area::Static, byte: 0, bit },
+            1 | 2 => Bit { area: Area::M, byte: 10 + self.random.below(2) as u8, bit },
             _ => Bit { area: Area::Q, byte: self.random.below(4) as u8, bit },
         }
     }
@@ -435,6 +436,7 @@ impl Maker {
                 source: 20 + 2 * self.random.below(4) as u8,
                 constant: self.random.of(&[1, 1, 2, 100]),
             },
+            (_, 7) if self.features.arithmetic => Action::Call(20 + 2 * self.random.below(4) as u8),
             (_, 9 | 0) => Action::S(bit),
             (_, 1) => Action::R(bit),
             _ => Action::N(bit),

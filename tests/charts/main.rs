@@ -27,7 +27,7 @@ fn charts_do_what_the_model_does() {
         let result = plcc_driver::on_large_stack(move || {
             let case = generate::case(seed);
             run::check(&case, &forms).map_err(|failure| {
-                let (case, failure) = reduce::reduce(&case, failure, forms[0]);
+                let (case, failure) = reduce::reduce(&case, failure, &forms);
                 (text::graph(&case.chart), text::calls(&case.calls), failure)
             })
         });

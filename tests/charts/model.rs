@@ -12,6 +12,8 @@ pub struct Memory {
     pub inputs: [u8; 8],
     pub outputs: [u8; 8],
     pub bit_memory: [u8; 256],
+    /// Static variables of the block.
+    pub statics: [u8; 1],
     pub counters: [u16; 16],
     timers: [Timer; 16],
     /// Time of the cycle in milliseconds.
@@ -35,6 +37,7 @@ impl Memory {
             inputs: [0; 8],
             outputs: [0; 8],
             bit_memory: [0; 256],
+            statics: [0; 1],
             counters: [0; 16],
             timers: [Timer::default(); 16],
             now: 0,
@@ -69,6 +72,7 @@ impl Memory {
             Area::I => &mut self.inputs[byte],
             Area::Q => &mut self.outputs[byte],
             Area::M => &mut self.bit_memory[byte],
+            Area::Static => &mut self.statics[byte],
         }
     }
 
@@ -77,6 +81,7 @@ impl Memory {
             Area::I => &self.inputs,
             Area::Q => &self.outputs,
             Area::M => &self.bit_memory,
+            Area::Static => &self.statics,
         };
         bytes[usize::from(bit.byte)] >> bit.bit & 1 != 0
     }
@@ -667,6 +672,7 @@ impl Model {
             | Action::S(_)
             | Action::R(_)
             | Action::Add { .. }
+            | Action::Call(_)
             | Action::On(_)
             | Action::Off(_)
             | Action::OffAll
@@ -689,6 +695,8 @@ impl Model {
                 let value = memory.word(source).wrapping_add(constant);
                 memory.set_word(target, value);
             }
+            Action::Call(_) if self.zeroed => {}
+            Action::Call(byte) => memory.set_word(byte, memory.word(byte).wrapping_add(1)),
             Action::On(other) => self.requests.on.push(other),
             Action::Off(other) => self.requests.off.push(other),
             Action::OffAll => {

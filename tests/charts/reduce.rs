@@ -6,8 +6,8 @@ use crate::model::Inputs;
 use crate::run::{self, Failure, Form};
 
 /// A small case that fails as `case` does, with its failure.
-pub fn reduce(case: &Case, failure: Failure, form: Form) -> (Case, Failure) {
-    let mut best = Best { case: case.clone(), failure, form };
+pub fn reduce(case: &Case, failure: Failure, forms: &[Form]) -> (Case, Failure) {
+    let mut best = Best { case: case.clone(), failure, forms: forms.to_vec() };
     best.cut();
     loop {
         let before = format!("{:?}", best.case).len();
@@ -24,7 +24,7 @@ pub fn reduce(case: &Case, failure: Failure, form: Form) -> (Case, Failure) {
 struct Best {
     case: Case,
     failure: Failure,
-    form: Form,
+    forms: Vec<Form>,
 }
 
 impl Best {
@@ -32,7 +32,7 @@ impl Best {
     fn attempt(&mut self, change: impl FnOnce(&mut Case)) -> bool {
         let mut case = self.case.clone();
         change(&mut case);
-        match (run::check(&case, &[self.form]), &self.failure) {
+        match (run::check(&case, &self.forms), &self.failure) {
             (Err(failure @ Failure::Refused(_)), Failure::Refused(_))
             | (Err(failure @ Failure::Different { .. }), Failure::Different { .. }) => {
                 self.case = case;
@@ -62,14 +62,14 @@ impl Best {
 
     fn lists(&mut self) {
         for index in (0..self.case.chart.before.len()).rev() {
-            self.attempt(|case| drop(case.chart.before.remove(index)));
+            self.attempt(|case| _ = case.chart.before.remove(index));
         }
         for index in (0..self.case.chart.after.len()).rev() {
-            self.attempt(|case| drop(case.chart.after.remove(index)));
+            self.attempt(|case| _ = case.chart.after.remove(index));
         }
         for step in 0..self.case.chart.steps.len() {
             for row in (0..self.case.chart.steps[step].rows.len()).rev() {
-                self.attempt(|case| drop(case.chart.steps[step].rows.remove(row)));
+                self.attempt(|case| _ = case.chart.steps[step].rows.remove(row));
             }
             for row in 0..self.case.chart.steps[step].rows.len() {
                 if self.case.chart.steps[step].rows[row].interlock {
@@ -105,7 +105,7 @@ impl Best {
     fn calls(&mut self) {
         for call in (0..self.case.calls.len()).rev() {
             if self.case.calls.len() > call + 1 {
-                self.attempt(|case| drop(case.calls.remove(call)));
+                self.attempt(|case| _ = case.calls.remove(call));
             }
         }
         for call in 0..self.case.calls.len() {

@@ -39,6 +39,9 @@ const STEP_BITS: [StepBit; 13] = [
 
 const TRANSITION_BITS: [TransitionBit; 3] = [TransitionBit::TV, TransitionBit::TT, TransitionBit::TS];
 
+/// What a watched value is in the model.
+type Expected = Box<dyn Fn(&Model, &Memory) -> i64>;
+
 /// A value that OB 1 copies into DB 2.
 pub struct Watch {
     /// Its operand.
@@ -48,14 +51,14 @@ pub struct Watch {
     /// 1: a bit, the lowest of its byte.
     pub bits: u32,
     /// What it is in the model.
-    pub value: Box<dyn Fn(&Model, &Memory) -> i64>,
+    pub value: Expected,
 }
 
 /// Everything that can be seen of an instance.
 pub fn watches(chart: &Chart) -> Vec<Watch> {
     let mut list = Vec::new();
     let mut byte = 0;
-    let mut add = |name: String, bits: u32, value: Box<dyn Fn(&Model, &Memory) -> i64>| {
+    let mut add = |name: String, bits: u32, value: Expected| {
         byte += byte % 2 * u32::from(bits > 1);
         list.push(Watch { name, byte, bits, value });
         byte += bits.div_ceil(8);
@@ -98,6 +101,9 @@ pub fn watches(chart: &Chart) -> Vec<Watch> {
         add("DB1.ACKREQ_ENABLED".to_string(), 1, Box::new(|model, _| model.outputs.ackreq_enabled.into()));
         add("DB1.SSKIP_ENABLED".to_string(), 1, Box::new(|model, _| model.outputs.sskip_enabled.into()));
     }
+    for bit in 0..8 {
+        add(format!("DB1.v{bit}"), 1, Box::new(move |_, memory| (memory.statics[0] >> bit & 1).into()));
+    }
     for counter in 0..COUNTERS {
         add(format!("C {counter}"), 16, Box::new(move |_, memory| memory.counters[usize::from(counter)].into()));
     }
@@ -124,6 +130,9 @@ fn print(chart: &Chart, out: &mut String) -> fmt::Result {
     writeln!(out, "   AckReq: {}", flag(chart.acknowledge))?;
     writeln!(out, "   SaveSwitching: F")?;
     writeln!(out, "*)")?;
+    writeln!(out, "VAR")?;
+    (0..8).try_for_each(|bit| writeln!(out, "  v{bit} : Bool;"))?;
+    writeln!(out, "END_VAR")?;
     permanent(chart, "BEGIN", &chart.before, out)?;
     for step in &chart.steps {
         let keyword = if step.initial { "INITIAL_STEP" } else { "STEP" };
@@ -177,7 +186,7 @@ fn set(chart: &Chart, steps: &[usize]) -> String {
 
 fn qualifier(row: &Row) -> String {
     let instruction = match row.action {
-        Action::N(_) | Action::Add { .. } => "N",
+        Action::N(_) | Action::Add { .. } | Action::Call(_) => "N",
         Action::S(_) => "S",
         Action::R(_) => "R",
         Action::D(..) => "D",
@@ -207,6 +216,7 @@ fn body(chart: &Chart, row: &Row) -> String {
         Action::N(bit) | Action::S(bit) | Action::R(bit) => bit.to_string(),
         Action::D(bit, t) | Action::L(bit, t) => format!("{bit} := {}", time(t)),
         Action::Add { target, source, constant } => format!("MW{target} := MW{source} + {constant}"),
+        Action::Call(byte) => format!("CALL FC1 (w := MW{byte})"),
         Action::On(other) | Action::Off(other) => step(other),
         Action::OffAll => "S_ALL".to_string(),
         Action::CounterSet(counter, value) => format!("C{counter} := C#{value}"),
@@ -223,6 +233,7 @@ fn body(chart: &Chart, row: &Row) -> String {
 impl Display for Bit {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         let area = match self.area {
+            Area::Static => return write!(f, "#v{}", self.bit),
             Area::I => "I",
             Area::Q => "Q",
             Area::M => "M",
@@ -306,6 +317,8 @@ fn print_caller(chart: &Chart, out: &mut String) -> fmt::Result {
     let bytes = watches.last().map_or(0, |last| last.byte + last.bits.div_ceil(8));
     writeln!(out, "DATA_BLOCK DB 1\nFB 1\nBEGIN\nEND_DATA_BLOCK")?;
     writeln!(out, "DATA_BLOCK DB 2\nSTRUCT\n  w : ARRAY [0 .. {bytes}] OF BYTE;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK")?;
+    writeln!(out, "FUNCTION FC 1 : VOID\nVAR_IN_OUT\n  w : INT;\nEND_VAR\nBEGIN")?;
+    writeln!(out, "      L     #w\n      +     1\n      T     #w\nEND_FUNCTION")?;
     writeln!(out, "ORGANIZATION_BLOCK OB 1\nBEGIN")?;
     writeln!(out, "      L     MB {PAUSE}\n      L     0\n      <>I\n      JC    rest")?;
     let bit = |index: u32| format!("M {}.{}", u32::from(PARAMETERS) + index / 8, index % 8);
