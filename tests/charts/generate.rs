@@ -256,7 +256,17 @@ impl Maker {
         let paths = 2 + self.random.below(2);
         let firsts: Vec<usize> = (0..paths).map(|_| self.step()).collect();
         self.transition(&[at], &firsts);
-        let lasts: Vec<usize> = firsts.iter().map(|&first| self.chain(first, depth + 1, &mut vec![first])).collect();
+        let mut lasts = Vec::new();
+        for first in firsts {
+            let mut targets = vec![first];
+            let last = self.chain(first, depth + 1, &mut targets);
+            if self.random.percent(20) {
+                // A way back, beside the join.
+                let target = self.random.of(&targets);
+                self.transition(&[last], &[target]);
+            }
+            lasts.push(last);
+        }
         let next = self.step();
         self.transition(&lasts, &[next]);
         if self.random.percent(20) {

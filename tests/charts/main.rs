@@ -40,3 +40,43 @@ fn charts_do_what_the_model_does() {
         }
     }
 }
+
+#[test]
+fn sweep() {
+    let first = first();
+    let mut kinds = std::collections::BTreeMap::<String, Vec<u64>>::new();
+    for seed in first..first + cases() {
+        let result = plcc_driver::on_large_stack(move || run::check(&generate::case(seed), &[Form::Plain]));
+        let kind = match result.unwrap() {
+            Ok(()) => continue,
+            Err(Failure::Refused(text)) => text.lines().next().unwrap_or_default().chars().take(100).collect(),
+            Err(Failure::Different { text, .. }) => {
+                let names: std::collections::BTreeSet<String> = text
+                    .lines()
+                    .map(|l| {
+                        let name = l.split(" is ").next().unwrap_or_default();
+                        let name = name.strip_prefix("Plain: ").unwrap_or(name);
+                        let name = if name.contains("Step_") {
+                            format!("Step.{}", name.rsplit('.').next().unwrap())
+                        } else if name.contains("Trans_") {
+                            format!("Trans.{}", name.rsplit('.').next().unwrap())
+                        } else {
+                            name.split(' ').next().unwrap().to_string()
+                        };
+                        name
+                    })
+                    .filter(|l| l != "active")
+                    .collect();
+                format!("{names:?}")
+            }
+        };
+        kinds.entry(kind).or_default().push(seed);
+    }
+    let total: usize = kinds.values().map(Vec::len).sum();
+    println!("{total} of {}", cases());
+    let mut list: Vec<_> = kinds.into_iter().collect();
+    list.sort_by_key(|(_, seeds)| std::cmp::Reverse(seeds.len()));
+    for (kind, seeds) in list {
+        println!("{} {kind}: {:?}", seeds.len(), &seeds[..seeds.len().min(6)]);
+    }
+}

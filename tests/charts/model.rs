@@ -306,18 +306,15 @@ impl Model {
         let off = edge(Input::OffSq);
         let init = (edge(Input::InitSq) || fresh) && !off;
         if off || init {
-            // choice: OFF and INIT go over everything else, so that requests of the last call, S_ON, S_OFF and T_PUSH are dropped.
+            // choice: OFF and INIT go over everything else, so that requests of the last call, S_ON, S_OFF, T_PUSH, acknowledgements and
+            // registrations are dropped.
             for step in self.order.clone() {
                 self.leave(step, memory);
             }
             if init {
-                for step in 0..self.chart.steps.len() {
-                    if self.chart.steps[step].initial {
-                        self.enter(step, memory);
-                    }
-                }
+                let initial = (0..self.steps.len()).filter(|&step| self.chart.steps[step].initial).collect();
+                self.enter_all(initial, &[], memory);
             }
-            self.monitor(&edge, memory);
         } else {
             // 5 Conditions
             self.conditions(memory);
@@ -365,21 +362,24 @@ impl Model {
             // choice: a number that no step has changes nothing.
             self.shown = self.numbered(s_sel).or(self.shown);
         }
-        // choice: manual mode pages over all steps, the others over active ones; behind the last one nothing changes.
-        let number = self.shown.map_or(0, |step| self.chart.steps[step].number);
+        // choice: manual mode pages over all steps, the others over active ones; behind the last one nothing changes. S_PREV comes
+        // before S_NEXT.
+        let mut number = self.shown.map_or(0, |step| self.chart.steps[step].number);
         let candidates = (0..self.steps.len()).filter(|&step| manual || self.steps[step].x);
         let numbers = candidates.map(|step| self.chart.steps[step].number);
-        let next = if edge(Input::SPrev) {
-            numbers.filter(|&other| other < number).max()
-        } else if edge(Input::SNext) {
-            numbers.filter(|&other| other > number).min()
-        } else {
-            None
-        };
-        if let Some(number) = next {
-            self.shown = self.numbered(number);
+        if edge(Input::SPrev)
+            && let Some(previous) = numbers.clone().filter(|&other| other < number).max()
+        {
+            number = previous;
             self.paged = true;
         }
+        if edge(Input::SNext)
+            && let Some(next) = numbers.filter(|&other| other > number).min()
+        {
+            number = next;
+            self.paged = true;
+        }
+        self.shown = self.numbered(number);
     }
 
     fn numbered(&self, number: i16) -> Option<usize> {
@@ -401,6 +401,14 @@ impl Model {
 
     /// Phase 3: events of the last call end, times go on.
     fn time(&mut self, dt: i64, memory: &mut Memory) {
+        // choice: TS holds for its call; TV and TT of a transition hold until its owner, the first of its FROM steps, has been left.
+        for (transition, state) in self.chart.transitions.iter().zip(&mut self.transitions) {
+            let owner = transition.from.iter().copied().min();
+            if owner.is_none_or(|owner| self.steps[owner].s0 || !self.steps[owner].x) {
+                *state = TransitionState::default();
+            }
+            state.ts = false;
+        }
         for step in &mut self.steps {
             for event in
                 [&mut step.s1, &mut step.s0, &mut step.l1, &mut step.l0, &mut step.v1, &mut step.v0, &mut step.a1]
@@ -414,14 +422,6 @@ impl Model {
                     step.u += dt;
                 }
             }
-        }
-        // choice: TS holds for its call; TV and TT of a transition hold until its owner, the first of its FROM steps, has been left.
-        for (transition, state) in self.chart.transitions.iter().zip(&mut self.transitions) {
-            let owner = transition.from.iter().copied().min();
-            if !owner.is_some_and(|owner| self.steps[owner].x) {
-                *state = TransitionState::default();
-            }
-            state.ts = false;
         }
         // choice: an operand of an event N row becomes 0 together with the events.
         for bit in std::mem::take(&mut self.pulses) {
@@ -495,15 +495,12 @@ impl Model {
         let active: Vec<bool> = self.steps.iter().map(|step| step.x).collect();
         let mut left = vec![false; self.steps.len()];
         let mut entered = Vec::new();
-        let mut skipped = vec![false; self.steps.len()];
         for transition in fired {
             self.transitions[transition].ts = true;
             for &step in &self.chart.transitions[transition].from {
                 left[step] = true;
             }
-            for step in self.chart.transitions[transition].to.clone() {
-                self.skip_to(step, &mut skipped, &mut entered, memory);
-            }
+            entered.extend(&self.chart.transitions[transition].to);
         }
         // choice: ON and OFF, S_ON and S_OFF work also while the sequencer is halted.
         let (mut on, mut off) = (requests.on.clone(), requests.off.clone());
@@ -518,24 +515,34 @@ impl Model {
         for &step in &off {
             left[step] |= active[step];
         }
-        // choice: what is active before the switch is an "already active step", even if it is left in this call. OFF does not keep a
-        // transition from entering the step.
-        entered.extend(on.into_iter().filter(|&step| !active[step] && !off.contains(&step)));
+        // choice: what is active before the switch is an "already active step", even if it is left in this call.
+        // Deactivation wins also over transitions.
+        entered.extend(on.into_iter().filter(|&step| !active[step]));
         // choice: steps are left in the order of their activation.
         for step in self.order.clone() {
             if left[step] {
                 self.leave(step, memory);
             }
         }
+        self.enter_all(entered, &off, memory);
+    }
+
+    /// Enters steps, or those that come instead of them, once each.
+    fn enter_all(&mut self, steps: Vec<usize>, off: &[usize], memory: &Memory) {
+        let mut entered = Vec::new();
+        let mut skipped = vec![false; self.steps.len()];
+        for step in steps {
+            self.skip_to(step, &mut skipped, &mut entered, memory);
+        }
         let mut done = vec![false; self.steps.len()];
         for step in entered {
-            if !std::mem::replace(&mut done[step], true) {
+            if !off.contains(&step) && !std::mem::replace(&mut done[step], true) {
                 self.enter(step, memory);
             }
         }
     }
 
-    /// Transitions that switch, in the order of their priority.
+    /// Transitions that switch.
     fn select(&mut self, edge: &dyn Fn(Input) -> bool) -> Vec<usize> {
         if self.halted || self.mode == Mode::Manual {
             return Vec::new();
@@ -562,12 +569,14 @@ impl Model {
                 fired.push(index);
             }
         }
+        // choice: the order of transitions without common FROM steps is that of their owners (G.2).
+        fired.sort_by_key(|&index| self.chart.transitions[index].from.iter().copied().min());
         fired
     }
 
     /// The steps that are entered instead of `step`, if steps are skipped. Source: D.9.
     ///
-    /// choice: only where a transition leads to the step. Conditions see the last `T` of a step that is skipped. The first satisfied
+    /// choice: however the step would be entered. Conditions see the last `T` of a step that is skipped. The first satisfied
     /// transition by priority counts; its TS stays 0. A step that is met again is entered.
     fn skip_to(&self, step: usize, skipped: &mut [bool], entered: &mut Vec<usize>, memory: &Memory) {
         if self.skip && !skipped[step] {
@@ -605,8 +614,9 @@ impl Model {
             }
         }
         let state = &mut self.steps[step];
-        state.la = false;
-        state.va = false;
+        // choice: the raw results of a step that is not active are 0.
+        (state.ls, state.vs) = (false, false);
+        (state.la, state.va) = (false, false);
         state.acknowledged = false;
     }
 
@@ -724,7 +734,8 @@ impl Model {
     fn output(&mut self) {
         self.show();
         // choice: a valid transition that is shown stays; else the first valid one by priority.
-        let valid = |transition: &usize| self.transitions[*transition].tv;
+        let valid =
+            |transition: &usize| self.chart.transitions[*transition].from.iter().all(|&step| self.steps[step].x);
         self.shown_transition =
             self.shown_transition.filter(valid).or_else(|| (0..self.transitions.len()).rev().find(valid));
         let shown = self.shown.map(|step| (&self.chart.steps[step], &self.steps[step]));
