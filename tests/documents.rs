@@ -80,7 +80,8 @@ const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
 
 #[test]
 fn every_code_has_a_failing_and_a_passing_file() {
-    let check_files = ["stl", "scl", "s7dcl", "gr7"].map(|suffix| files(&tests_folder().join("check"), suffix)).concat();
+    let check_files =
+        ["stl", "scl", "s7dcl", "gr7"].map(|suffix| files(&tests_folder().join("check"), suffix)).concat();
     let names: Vec<String> =
         check_files.iter().map(|path| path.file_stem().unwrap().to_string_lossy().into()).collect();
     let has_pair = |code: Code| {

@@ -178,15 +178,18 @@ fn may_fault(condition: &Condition) -> bool {
     formula.constant() != Some(false) && !(formula.plain && matches!(condition, Condition::Network(_)))
 }
 
-/// Code of a block names `MOP.ACK` of some instance.
+/// Code of a block names `MOP.ACK` of some instance, or its like: ACK_EF, ACK_S, ACKREQ.
 fn names_acknowledgement(block: &ast::CodeBlock) -> bool {
-    let is = |name: &str, word: &str| name.eq_ignore_ascii_case(word);
+    let names = |outer: &str, name: &str| {
+        let begin = name.get(..3).unwrap_or_default();
+        outer.eq_ignore_ascii_case("MOP") && begin.eq_ignore_ascii_case("ACK")
+    };
     let mut found = false;
     expressions(&block.code, &mut |value| {
         if let ExprKind::Member { base, name } = &value.kind
             && let ExprKind::Member { name: outer, .. } | ExprKind::Name(outer) = &base.kind
         {
-            found |= is(&name.text, "ACK") && is(&outer.text, "MOP");
+            found |= names(&outer.text, &name.text);
         }
     });
     let statements = block.networks().iter().flat_map(|network| &network.statements);
@@ -201,9 +204,7 @@ fn names_acknowledgement(block: &ast::CodeBlock) -> bool {
     found
         || paths.any(|path| {
             path.parts.windows(2).any(|parts| match parts {
-                [PathPart::Member { name: outer, .. }, PathPart::Member { name, .. }] => {
-                    is(outer, "MOP") && is(name, "ACK")
-                }
+                [PathPart::Member { name: outer, .. }, PathPart::Member { name, .. }] => names(outer, name),
                 _ => false,
             })
         })
