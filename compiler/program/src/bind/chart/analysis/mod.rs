@@ -88,6 +88,9 @@ fn check(chart: &Chart, span: Span, index: &Index, facts: &Facts) -> Vec<Diagnos
     let net = Net::new(chart, index);
     let checked = Checked { chart, span, net, requests: Requests::of(chart, index), manual: facts.is_manual() };
     structure::check_transitions(&checked, &mut messages);
+    if known {
+        structure::check_ways(&checked, &mut messages);
+    }
     conditions::check(chart, facts, &mut messages);
     // Of a chart that is not whole, the rest would be follow-up mistakes.
     if !chart.broken && known {

@@ -6,10 +6,10 @@ use rustc_hash::FxHashSet;
 use super::net::Net;
 use super::{Checked, names, step_title, transition_title};
 
-/// Transitions that are missing, leave nothing, or lead back to where they begin; ways back that no jump shows.
+/// Transitions that are missing, or leave nothing.
 pub fn check_transitions(checked: &Checked, messages: &mut Vec<Diagnostic>) {
-    let Checked { chart, net, .. } = checked;
-    for (transition, arcs) in chart.transitions.iter().zip(&net.transitions) {
+    let chart = checked.chart;
+    for transition in &chart.transitions {
         let span = transition.name.span;
         let title = transition_title(transition);
         if transition.missing {
@@ -26,6 +26,15 @@ pub fn check_transitions(checked: &Checked, messages: &mut Vec<Diagnostic>) {
                     .help("name the step before it behind FROM, or connect it to a step"),
             );
         }
+    }
+}
+
+/// Transitions that lead back to where they begin, and ways back that no jump shows.
+pub fn check_ways(checked: &Checked, messages: &mut Vec<Diagnostic>) {
+    let Checked { chart, net, .. } = checked;
+    for (transition, arcs) in chart.transitions.iter().zip(&net.transitions) {
+        let span = transition.name.span;
+        let title = transition_title(transition);
         let Some(&step) = arcs.from.iter().find(|step| arcs.to.contains(step)) else { continue };
         let step = &chart.steps[step];
         let message = if transition.jump {
