@@ -1,9 +1,12 @@
 //! Binding of GRAPH: a chart becomes statements of the typed tree of SCL, so that all languages share one lowering.
 //!
-//! - `index`: steps and transitions by name and number.
-//! - `engine`: what the statements know of the chart: where its data lie in the instance.
-//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `call`: block calls of the first two;
-//!   `leaving`: what they cannot do.
+//! - `parameters`: the operating parameters, a row each; `instance`: data of the chart in the instance.
+//! - `index`: steps and transitions by name and number; `names`: they in expressions.
+//! - `engine.scl`, `monitor.scl`: one call of the block as SCL with holes; `template` reads them.
+//! - `engine`: what the statements know of the chart: where its data lie, sets of steps; `build`: pieces of the typed tree.
+//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions, `comparison`: what they compare;
+//!   `call`: block calls of the first two; `leaving`: what they cannot do.
+//! - `assemble`: the code of steps and transitions, put into the holes.
 //! - `analysis`: which charts can be.
 //!
 //! Source: GRAPH reference, chapters D to G.
@@ -13,6 +16,7 @@ mod analysis;
 mod assemble;
 mod build;
 mod call;
+mod comparison;
 mod condition;
 mod engine;
 mod index;
@@ -58,6 +62,7 @@ impl Binder<'_> {
             Dialect::Tia | Dialect::Sfc => scl::ast::Dialect::Tia,
         };
         ctx.scl = Scope::new(self.input, &block.header, dialect);
+        ctx.scl.chart_comparisons = chart.dialect == Dialect::Classic;
         let sets_flag = ctx.scl.sets_flag;
         let index = Index::new(chart);
         self.check_chart(ctx, block, chart, &index);
