@@ -42,6 +42,8 @@ pub struct Features {
     pub display: bool,
     pub transition_display: bool,
     pub safe_activation: bool,
+    /// Rows of OFF.
+    pub requests: bool,
 }
 
 /// Fills the holes.
@@ -119,7 +121,6 @@ impl<'a, 'c> Assembly<'a, 'c> {
         holes.insert("select", if self.features.selection { per_step(&|step| self.select(step)) } else { Vec::new() });
         holes.insert("select_joins", self.select_joins());
         holes.insert("leave_section", if self.features.safe_activation { self.leave_section() } else { Vec::new() });
-        holes.insert("is_left", engine.look_up(&engine.left));
         holes.insert("mark_left", engine.mark(&engine.left));
         holes.insert("is_entered", engine.look_up(&engine.entered));
         holes.insert("mark_entered", engine.mark(&engine.entered));
@@ -174,10 +175,11 @@ impl<'a, 'c> Assembly<'a, 'c> {
             let span = self.engine.chart.transitions[at].span;
             let result = &self.results[place];
             let (before, value) = self.parts.conditions[at].clone();
-            let mut own = before;
-            own.push(assign(result, value, span));
             let flags = |value| vec![self.set_flags(at, number(value, Elementary::Byte, span))];
-            own.push(if_then(super::build::load(result, span), flags(3), flags(1), span));
+            let mut own = flags(1);
+            own.extend(before);
+            own.push(assign(result, value, span));
+            own.push(if_then(super::build::load(result, span), flags(3), Vec::new(), span));
             if self.features.transition_display {
                 own.extend(self.note_valid(at));
             }
@@ -321,6 +323,9 @@ impl<'a, 'c> Assembly<'a, 'c> {
         let good: Vec<Expr> = watched.map(|step| not(self.engine.faulty(*step, span))).collect();
         if !good.is_empty() {
             goes = and(goes, or(all(good.into_iter(), span), value("force")));
+        }
+        if self.features.requests {
+            goes = and(goes, self.engine.left.holds_none(&self.parts.from[at], span));
         }
         goes
     }

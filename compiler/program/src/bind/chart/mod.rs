@@ -30,7 +30,7 @@ pub use instance::expanded;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, SectionKind};
-use plcc_syntax::chart::ast::{Body as Chart, Condition as Tree, Dialect};
+use plcc_syntax::chart::ast::{Body as Chart, Condition as Tree, Dialect, Qualifier};
 use plcc_syntax::scl;
 
 use super::scl::Scope;
@@ -168,6 +168,7 @@ impl Binder<'_> {
             display: any(&DISPLAYS),
             transition_display,
             safe_activation: chart.settings.safe_activation == Some(true),
+            requests: chart.steps.iter().flat_map(|step| &step.actions).any(|row| row.qualifier == Qualifier::Off),
         };
         let meaning = |name: &str| -> Meaning {
             match name {
