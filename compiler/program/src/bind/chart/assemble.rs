@@ -112,6 +112,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         let mut holes = FxHashMap::default();
         let per_step = |make: &dyn Fn(usize) -> Vec<Statement>| self.case("k", make);
         holes.insert("sets", engine.begin_sets());
+        holes.insert("expire", per_step(&|step| self.parts.codes[step].expire.clone()));
         holes.insert("forget", per_step(&|step| self.forget(step)));
         holes.insert("enter_initial", self.enter_initial());
         holes.insert("evaluate", per_step(&|step| self.evaluate(step)));
@@ -155,8 +156,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
     /// The call behind the one that left a step.
     fn forget(&self, step: usize) -> Vec<Statement> {
         let span = self.engine.chart.steps[step].span;
-        let flags = self.owned[step].iter().map(|at| self.set_flags(*at, number(0, Elementary::Byte, span)));
-        self.parts.codes[step].after.iter().cloned().chain(flags).collect()
+        self.owned[step].iter().map(|at| self.set_flags(*at, number(0, Elementary::Byte, span))).collect()
     }
 
     fn set_flags(&self, transition: usize, value: Expr) -> Statement {
@@ -314,7 +314,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
             let shown = compared(CompareOp::Equal, value("T_SHOWN"), own);
             forced = and(forced, or(shown, not(value("still_valid"))));
         }
-        if self.parts.from[at].len() > 1 {
+        if self.parts.from[at].len() > 1 || self.competing.contains(&at) {
             forced = and(forced, self.is_valid(at));
         }
         let mut goes = or(and(satisfied, value("may")), forced);

@@ -32,8 +32,8 @@ pub struct StepCode {
     pub active: Vec<Statement>,
     /// In the call that leaves it: rows of S0, then operands of N, D and L become 0.
     pub leave: Vec<Statement>,
-    /// In the call behind that: what S0 has set for one call becomes 0.
-    pub after: Vec<Statement>,
+    /// At the begin of the call behind events: what they have set for one call becomes 0.
+    pub expire: Vec<Statement>,
 }
 
 /// When a row does its work.
@@ -41,6 +41,8 @@ pub struct StepCode {
 struct Moment {
     /// Event and interlock, a BOOL; none: in every call in which the row is run.
     condition: Option<Expr>,
+    /// Of rows with an event: it and the interlock, as they are until the next call looks at them; a BOOL.
+    pulse: Option<Expr>,
     /// Operands are to be 0, and blocks are not called; a BOOL.
     zeroed: Option<Expr>,
     /// The row is of S0: it runs in the call that leaves the step.
@@ -77,7 +79,9 @@ struct Rows {
     /// Operands that are 0 behind the step.
     zero: Vec<(Spot, Span)>,
     /// Operands that S0 sets for one call.
-    pulsed: Vec<(Spot, Span)>,
+    pulsed: Vec<Spot>,
+    /// What becomes 0 in the call behind an event.
+    expire: Vec<Statement>,
 }
 
 impl Rows {
@@ -88,10 +92,9 @@ impl Rows {
     }
 
     fn finish(self) -> StepCode {
-        let pulsed = |spot: &Spot| self.pulsed.iter().any(|(other, _)| other.is_same(spot));
+        let pulsed = |spot: &Spot| self.pulsed.iter().any(|other| other.is_same(spot));
         let zero = once(self.zero.iter().filter(|(spot, _)| !pulsed(spot)));
-        let after = once(self.pulsed.iter());
-        StepCode { active: self.active, leave: [self.leaving, self.left, zero].concat(), after }
+        StepCode { active: self.active, leave: [self.leaving, self.left, zero].concat(), expire: self.expire }
     }
 }
 
@@ -215,9 +218,20 @@ impl Binder<'_> {
     /// N: the operand is 1 while the step is active, or in the call of the event.
     fn active_row(&mut self, ctx: &mut Ctx, rows: &mut Rows, moment: &Moment, node: &Node, span: Span) {
         let Some(spot) = self.bit_operand(ctx, node) else { return };
-        rows.add(moment, vec![assign(&spot, moment.value_unless_zeroed(span), span)]);
-        let list = if moment.leaving { &mut rows.pulsed } else { &mut rows.zero };
-        list.push((spot, span));
+        let value = moment.value_unless_zeroed(span);
+        match &moment.pulse {
+            Some(pulse) => {
+                rows.add(moment, guarded(value, vec![assign(&spot, yes(span), span)], span));
+                rows.expire.extend(guarded(pulse.clone(), vec![assign(&spot, no(span), span)], span));
+                if moment.leaving {
+                    rows.pulsed.push(spot);
+                }
+            }
+            None => {
+                rows.add(moment, vec![assign(&spot, value, span)]);
+                rows.zero.push((spot, span));
+            }
+        }
     }
 
     /// D and L: the operand is 1 behind the time, or up to it. `late`: behind it.
@@ -281,16 +295,18 @@ impl Binder<'_> {
 fn moment(engine: &Engine, step: usize, action: &Action) -> Moment {
     let span = action.qualifier_span;
     let leaving = action.event == Some(Event::S0);
-    let event = action.event.filter(|_| !leaving).map(|event| engine.event(step, event, span));
+    let event = action.event.map(|event| engine.event(step, event, span));
     let interlock = match action.interlock && !leaving {
         true => engine.interlock(step, span),
         false => None,
     };
-    let condition = match (event, interlock) {
-        (Some(event), Some(interlock)) => Some(and(event, interlock, span)),
-        (event, interlock) => event.or(interlock),
+    let pulse = match (event, &interlock) {
+        (Some(event), Some(interlock)) => Some(and(event, interlock.clone(), span)),
+        (event, _) => event,
     };
-    Moment { condition, zeroed: engine.zeroed(span), leaving }
+    // Rows of S0 stand where it occurs.
+    let condition = pulse.clone().filter(|_| !leaving).or(interlock);
+    Moment { condition, pulse, zeroed: engine.zeroed(span), leaving }
 }
 
 /// A row whose text does not belong to its qualifier.

@@ -89,7 +89,7 @@ fn bind_rows(rows: &[(Qualifier, &str)], moment: &Moment) -> Bound {
     Bound {
         active: show::statements(&code.active),
         leave: show::statements(&code.leave),
-        after: show::statements(&code.after),
+        after: show::statements(&code.expire),
         codes,
     }
 }
@@ -117,7 +117,7 @@ fn leaving() -> Moment {
 fn check(moment: &Moment, qualifier: Qualifier, text: &str, expected: [&str; 3]) {
     let bound = bind_rows(&[(qualifier, text)], moment);
     assert!(bound.codes.is_empty(), "{text}: {:?}", bound.codes);
-    assert_eq!([&*bound.active, &*bound.leave, &*bound.after], expected, "{text}");
+    assert_eq!([&*bound.active, &*bound.leave, &*bound.expire], expected, "{text}");
 }
 
 #[track_caller]
