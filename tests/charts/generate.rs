@@ -119,7 +119,7 @@ impl Maker {
             _ => Interface::Maximum,
         };
         self.chart.acknowledge = self.random.percent(50);
-        self.chart.skip = self.features.toggles && self.random.percent(20);
+        self.chart.skip = self.features.toggles && !self.features.requests && self.random.percent(20);
         let size = match self.random.below(20) {
             0 => 66 + self.random.below(30),
             1..8 => 2 + self.random.below(4),
@@ -495,7 +495,8 @@ impl Maker {
                     *bit = self.random.percent(chance);
                 }
             }
-            if self.features.paging && self.random.percent(20) {
+            let pages = [Input::SPrev, Input::SNext].iter().any(|&input| inputs.bits[input as usize]);
+            if self.features.paging && !pages && self.random.percent(20) {
                 let step = self.any_step();
                 inputs.s_sel = if self.random.percent(90) { self.chart.steps[step].number } else { 999 };
             }
@@ -511,14 +512,16 @@ impl Maker {
 
     /// Of a rising edge, in percent of the calls.
     fn chance(&self, input: Input) -> usize {
-        let Features { monitoring, modes, toggles, starts, paging, .. } = self.features;
+        let Features { monitoring, requests, modes, toggles, starts, paging, .. } = self.features;
         let (wanted, chance) = match input {
             Input::OffSq => (starts, 2),
             Input::InitSq => (starts, 5),
             Input::AckEf | Input::AckS => (monitoring, 15),
             Input::RegEf | Input::RegS => (monitoring, 5),
             Input::HaltSq | Input::HaltTm | Input::ZeroOp | Input::EnIl | Input::EnSv => (toggles, 6),
-            Input::EnAckreq | Input::EnSskip => (toggles, 4),
+            Input::EnAckreq => (toggles, 4),
+            // With requests several ways may lead to one step that is skipped; the reference leaves open what then happens.
+            Input::EnSskip => (toggles && !requests, 4),
             Input::SPrev | Input::SNext => (paging, 12),
             Input::SwAuto => (modes, 8),
             Input::SwTap | Input::SwTop | Input::SwMan => (modes, 5),

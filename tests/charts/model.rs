@@ -3,7 +3,8 @@
 //! Where the reference leaves a choice, a comment `choice:` says which one is made here.
 
 use crate::chart::{
-    Action, Area, Bit, Chart, Coil, Condition, Event, Input, Permanent, Row, StepBit, Time, TransitionBit,
+    Action, Area, Bit, Chart, Coil, Condition, Event, Input, Interface, Permanent, Row, StepBit, Time, Transition,
+    TransitionBit,
 };
 
 /// Memory that charts work on.
@@ -308,12 +309,13 @@ impl Model {
         if off || init {
             // choice: OFF and INIT go over everything else, so that requests of the last call, S_ON, S_OFF, T_PUSH, acknowledgements and
             // registrations are dropped.
+            self.shown_transition = None;
             for step in self.order.clone() {
                 self.leave(step, memory);
             }
             if init {
                 let initial = (0..self.steps.len()).filter(|&step| self.chart.steps[step].initial).collect();
-                self.enter_all(initial, &[], memory);
+                self.enter_all(initial, self.may_switch(&edge), memory);
             }
         } else {
             // 5 Conditions
@@ -362,24 +364,18 @@ impl Model {
             // choice: a number that no step has changes nothing.
             self.shown = self.numbered(s_sel).or(self.shown);
         }
-        // choice: manual mode pages over all steps, the others over active ones; behind the last one nothing changes. S_PREV comes
-        // before S_NEXT.
-        let mut number = self.shown.map_or(0, |step| self.chart.steps[step].number);
+        // choice: manual mode pages over all steps, the others over active ones; behind the last one nothing changes. S_NEXT
+        // goes over S_PREV.
+        let number = self.shown.map_or(0, |step| self.chart.steps[step].number);
         let candidates = (0..self.steps.len()).filter(|&step| manual || self.steps[step].x);
         let numbers = candidates.map(|step| self.chart.steps[step].number);
-        if edge(Input::SPrev)
-            && let Some(previous) = numbers.clone().filter(|&other| other < number).max()
-        {
-            number = previous;
-            self.paged = true;
+        let previous = numbers.clone().filter(|&other| other < number).max();
+        let next = numbers.filter(|&other| other > number).min();
+        let paged = if edge(Input::SNext) { next } else { previous.filter(|_| edge(Input::SPrev)) };
+        if let Some(number) = paged {
+            self.shown = self.numbered(number);
+            self.paged = !manual;
         }
-        if edge(Input::SNext)
-            && let Some(next) = numbers.filter(|&other| other > number).min()
-        {
-            number = next;
-            self.paged = true;
-        }
-        self.shown = self.numbered(number);
     }
 
     fn numbered(&self, number: i16) -> Option<usize> {
@@ -437,6 +433,10 @@ impl Model {
             self.transitions[index].tv = tv;
             self.transitions[index].tt = tt;
         }
+        // choice: T_NO shows a transition as long as it is valid, then the first of the step that is active longest.
+        let valid = |transition: &usize| self.transitions[*transition].tv;
+        self.shown_transition =
+            self.shown_transition.filter(valid).or_else(|| self.by_owners().into_iter().find(valid));
     }
 
     fn satisfied(&self, transition: usize, memory: &Memory) -> bool {
@@ -491,18 +491,11 @@ impl Model {
 
     /// Phases 7 to 9.
     fn switch_steps(&mut self, edge: &dyn Fn(Input) -> bool, requests: &Requests, memory: &mut Memory) {
-        let fired = self.select(edge);
-        let active: Vec<bool> = self.steps.iter().map(|step| step.x).collect();
-        let mut left = vec![false; self.steps.len()];
-        let mut entered = Vec::new();
-        for transition in fired {
-            self.transitions[transition].ts = true;
-            for &step in &self.chart.transitions[transition].from {
-                left[step] = true;
-            }
-            entered.extend(&self.chart.transitions[transition].to);
+        // choice: in a halted sequencer ON and OFF wait, S_ON and S_OFF do nothing.
+        if self.halted {
+            self.requests = requests.clone();
+            return;
         }
-        // choice: ON and OFF, S_ON and S_OFF work also while the sequencer is halted.
         let (mut on, mut off) = (requests.on.clone(), requests.off.clone());
         if let (Mode::Manual, Some(shown)) = (self.mode, self.shown) {
             if edge(Input::SOn) {
@@ -512,87 +505,142 @@ impl Model {
                 off.push(shown);
             }
         }
+        let active: Vec<bool> = self.steps.iter().map(|step| step.x).collect();
+        let mut left = vec![false; self.steps.len()];
         for &step in &off {
             left[step] |= active[step];
         }
+        // choice: OFF goes before transitions: those of a step that is switched off do not fire, but others may enter it.
+        let mut entered = Vec::new();
+        for transition in self.select(edge, &left) {
+            self.transitions[transition].ts = true;
+            for &step in &self.chart.transitions[transition].from {
+                left[step] = true;
+            }
+            entered.extend(&self.chart.transitions[transition].to);
+        }
         // choice: what is active before the switch is an "already active step", even if it is left in this call.
-        // Deactivation wins also over transitions.
-        entered.extend(on.into_iter().filter(|&step| !active[step]));
+        entered.extend(on.into_iter().filter(|&step| !active[step] && !off.contains(&step)));
         // choice: steps are left in the order of their activation.
         for step in self.order.clone() {
             if left[step] {
                 self.leave(step, memory);
             }
         }
-        self.enter_all(entered, &off, memory);
+        self.enter_all(entered, self.may_switch(edge), memory);
     }
 
-    /// Enters steps, or those that come instead of them, once each.
-    fn enter_all(&mut self, steps: Vec<usize>, off: &[usize], memory: &Memory) {
-        let mut entered = Vec::new();
-        let mut skipped = vec![false; self.steps.len()];
-        for step in steps {
-            self.skip_to(step, &mut skipped, &mut entered, memory);
+    /// Whether satisfied transitions fire. Source: D.11.
+    fn may_switch(&self, edge: &dyn Fn(Input) -> bool) -> bool {
+        match self.mode {
+            Mode::Auto | Mode::Top => !self.halted,
+            Mode::Tap => !self.halted && edge(Input::TPush),
+            Mode::Manual => false,
         }
-        let mut done = vec![false; self.steps.len()];
-        for step in entered {
-            if !off.contains(&step) && !std::mem::replace(&mut done[step], true) {
-                self.enter(step, memory);
+    }
+
+    /// Phase 9: enters steps, or those that come instead of them, once each. Source: D.9, skip steps.
+    ///
+    /// choice: steps are skipped however they would be entered, where transitions may fire. The time of such a step begins with 0. The
+    /// first satisfied transition by priority counts; its TS stays 0, and its steps come in place of that one.
+    fn enter_all(&mut self, steps: Vec<usize>, may_skip: bool, memory: &Memory) {
+        let mut met = vec![false; self.steps.len()];
+        for step in steps {
+            self.enter_or_skip(step, self.skip && may_skip, &mut met, &mut Vec::new(), memory);
+        }
+    }
+
+    /// choice: a step that is met again on the way is entered, where it was met before it is not looked at again.
+    fn enter_or_skip(&mut self, step: usize, skip: bool, met: &mut [bool], way: &mut Vec<usize>, memory: &Memory) {
+        if way.contains(&step) {
+            self.enter(step, memory);
+            return;
+        }
+        if std::mem::replace(&mut met[step], true) {
+            return;
+        }
+        let mut next = None;
+        if skip {
+            (self.steps[step].t, self.steps[step].u) = (0, 0);
+            next = self.way_on(step, memory);
+        }
+        match next {
+            None => self.enter(step, memory),
+            Some(transition) => {
+                way.push(step);
+                for next in self.chart.transitions[transition].to.clone() {
+                    self.enter_or_skip(next, skip, met, way, memory);
+                }
+                way.pop();
             }
         }
     }
 
+    /// The first satisfied transition that leaves this step alone.
+    fn way_on(&self, step: usize, memory: &Memory) -> Option<usize> {
+        let outgoing = |index: &usize| self.chart.transitions[*index].from == [step];
+        (0..self.chart.transitions.len()).rev().filter(outgoing).find(|&index| self.satisfied(index, memory))
+    }
+
     /// Transitions that switch.
-    fn select(&mut self, edge: &dyn Fn(Input) -> bool) -> Vec<usize> {
-        if self.halted || self.mode == Mode::Manual {
+    fn select(&self, edge: &dyn Fn(Input) -> bool, off: &[bool]) -> Vec<usize> {
+        if self.mode == Mode::Manual {
             return Vec::new();
         }
         let push = edge(Input::TPush);
-        // choice: the leftmost of several valid transitions is the first by priority in the whole block.
-        let by_priority = || (0..self.chart.transitions.len()).rev();
-        let valid = |transition: &usize| self.transitions[*transition].tv;
-        let forced = match self.mode {
-            Mode::Top if push => self.shown_transition.filter(valid).or_else(|| by_priority().find(valid)),
-            Mode::Top | Mode::Auto | Mode::Manual | Mode::Tap => None,
+        let permitted = self.may_switch(edge);
+        // choice: T_PUSH does not force a step that has a fault; ACK_EF lifts the fault, not the mode. Without T_NO the leftmost
+        // is the first that has no fault, of the step that is active longest.
+        let blocked = |index: usize| {
+            let mut from = self.chart.transitions[index].from.iter();
+            !edge(Input::AckEf) && from.any(|&step| self.steps[step].va)
         };
-        let permitted = self.mode != Mode::Tap || push;
-        let mut consumed = vec![false; self.steps.len()];
+        let free = |index: &usize| self.transitions[*index].tv && !blocked(*index);
+        let forced = match self.chart.interface {
+            _ if self.mode != Mode::Top || !push => None,
+            Interface::Maximum => self.shown_transition,
+            Interface::Standard | Interface::Minimum => self.walk().into_iter().find(free),
+        };
+        let mut consumed = off.to_vec();
         let mut fired = Vec::new();
-        for index in by_priority() {
+        for index in self.walk() {
             let from = &self.chart.transitions[index].from;
             let state = &self.transitions[index];
-            // choice: T_PUSH does not force a step that has a fault; ACK_EF lifts the fault, not the mode.
-            let blocked = !edge(Input::AckEf) && from.iter().any(|&step| self.steps[step].va);
             let satisfied = state.tt && permitted || forced == Some(index);
-            if state.tv && satisfied && !blocked && !from.iter().any(|&step| consumed[step]) {
+            if state.tv && satisfied && !blocked(index) && !from.iter().any(|&step| consumed[step]) {
                 from.iter().for_each(|&step| consumed[step] = true);
                 fired.push(index);
             }
         }
-        // choice: the order of transitions without common FROM steps is that of their owners (G.2).
-        fired.sort_by_key(|&index| self.chart.transitions[index].from.iter().copied().min());
         fired
     }
 
-    /// The steps that are entered instead of `step`, if steps are skipped. Source: D.9.
+    /// Transitions in the order in which they are looked at. It matters where they have no FROM step in common.
     ///
-    /// choice: however the step would be entered. Conditions see the last `T` of a step that is skipped. The first satisfied
-    /// transition by priority counts; its TS stays 0. A step that is met again is entered.
-    fn skip_to(&self, step: usize, skipped: &mut [bool], entered: &mut Vec<usize>, memory: &Memory) {
-        if self.skip && !skipped[step] {
-            let mut outgoing = (0..self.chart.transitions.len()).rev().filter(|&index| {
-                let from = &self.chart.transitions[index].from;
-                from[..] == [step]
-            });
-            if let Some(transition) = outgoing.find(|&index| self.satisfied(index, memory)) {
-                skipped[step] = true;
-                for &next in &self.chart.transitions[transition].to {
-                    self.skip_to(next, skipped, entered, memory);
-                }
-                return;
-            }
-        }
-        entered.push(step);
+    /// choice: as their owners were activated; behind them joins with a rival, and their rivals.
+    fn walk(&self) -> Vec<usize> {
+        let transitions = &self.chart.transitions;
+        let rivals = |a: &Transition, b: &Transition| {
+            (a.from.len() > 1 || b.from.len() > 1) && a.from.iter().any(|step| b.from.contains(step))
+        };
+        let late = |index: &usize| {
+            (0..transitions.len()).any(|other| other != *index && rivals(&transitions[*index], &transitions[other]))
+        };
+        let mut walk = self.by_owners();
+        walk.retain(|index| !late(index));
+        walk.extend((0..transitions.len()).rev().filter(late));
+        walk
+    }
+
+    /// Transitions in the order in which their owners were activated; those of one owner by priority.
+    fn by_owners(&self) -> Vec<usize> {
+        let place = |index: &usize| {
+            let owner = self.chart.transitions[*index].from.iter().copied().min();
+            self.order.iter().position(|&step| Some(step) == owner).unwrap_or(usize::MAX)
+        };
+        let mut list: Vec<usize> = (0..self.chart.transitions.len()).rev().collect();
+        list.sort_by_key(place);
+        list
     }
 
     /// Phase 8.
@@ -614,8 +662,7 @@ impl Model {
             }
         }
         let state = &mut self.steps[step];
-        // choice: the raw results of a step that is not active are 0.
-        (state.ls, state.vs) = (false, false);
+        // choice: the raw results LS and VS stay as they were.
         (state.la, state.va) = (false, false);
         state.acknowledged = false;
     }
@@ -733,11 +780,6 @@ impl Model {
     /// Phase 12.
     fn output(&mut self) {
         self.show();
-        // choice: a valid transition that is shown stays; else the first valid one by priority.
-        let valid =
-            |transition: &usize| self.chart.transitions[*transition].from.iter().all(|&step| self.steps[step].x);
-        self.shown_transition =
-            self.shown_transition.filter(valid).or_else(|| (0..self.transitions.len()).rev().find(valid));
         let shown = self.shown.map(|step| (&self.chart.steps[step], &self.steps[step]));
         let error = self.steps.iter().any(|step| step.la);
         let fault = self.steps.iter().any(|step| step.va);
@@ -769,10 +811,9 @@ impl Model {
     fn show(&mut self) {
         let shows_active = self.shown.is_some_and(|step| self.steps[step].x);
         let lowest = self.order.iter().copied().min_by_key(|&step| self.chart.steps[step].number);
-        if self.mode == Mode::Manual {
-            // choice: manual mode keeps the step that it found.
-            self.shown = self.shown.or(lowest);
-        } else if !(self.paged && shows_active) {
+        // choice: manual mode keeps the step that it found, or none.
+        self.paged &= self.mode != Mode::Manual;
+        if self.mode != Mode::Manual && !(self.paged && shows_active) {
             self.paged = false;
             self.shown = lowest;
         }

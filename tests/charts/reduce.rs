@@ -112,6 +112,9 @@ impl Best {
             if self.case.calls.get(call).is_some_and(|call| call.inputs != Inputs::new()) {
                 self.attempt(|case| case.calls[call].inputs = Inputs::new());
             }
+            if self.case.calls.get(call).is_some_and(|call| call.inputs.s_sel != 0) {
+                self.attempt(|case| case.calls[call].inputs.s_sel = 0);
+            }
             for bit in 0..Inputs::new().bits.len() {
                 if self.case.calls.get(call).is_some_and(|call| call.inputs.bits[bit]) {
                     self.attempt(|case| case.calls[call].inputs.bits[bit] = false);
