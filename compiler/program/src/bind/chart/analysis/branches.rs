@@ -9,7 +9,7 @@ use plcc_syntax::scl::ast::ExprKind;
 use rustc_hash::FxHashSet;
 
 use super::marking::{self, Entry, MARKINGS_MAX};
-use super::net::StepSet;
+use super::net::{Reach, StepSet};
 use super::regions::{self, Stray};
 use super::structure::Start;
 use super::{Checked, step_title, transition_title};
@@ -32,7 +32,7 @@ pub fn check(checked: &Checked, start: Start, messages: &mut Vec<Diagnostic>) ->
     let joins = (0..net.transitions.len()).filter(|&at| net.transitions[at].from.len() > 1);
     let joins = joins.filter(|&at| !is_told(net.transitions[at].from[0]));
     if branches.proven() {
-        let reached = net.reached(net.initial.iter().copied());
+        let reached = Reach::new(net, net.initial.iter().copied()).steps;
         let dead = joins.filter(|&at| {
             let from = &net.transitions[at].from;
             let apart = from.iter().any(|&step| !StepSet::of(from).within(with_itself(&branches.together, step)));

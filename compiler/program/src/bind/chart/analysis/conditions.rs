@@ -3,9 +3,10 @@
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::chart::ast::{Body as Chart, Condition, Transition};
 use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
 use super::logic::{Atoms, Formula};
+use super::net::{Net, SET_MAX};
 use super::{Facts, TRANSITIONS_MAX, step_title, transition_title};
 use crate::bind::mentions::{condition_expressions, permanent_expressions};
 use crate::bind::names::fold;
@@ -13,7 +14,7 @@ use crate::bind::names::fold;
 /// Transitions behind one step whose conditions are compared. GRAPH allows 125.
 const PATHS_MAX: usize = 125;
 
-pub fn check(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>) {
+pub fn check(chart: &Chart, net: &Net, facts: &Facts, messages: &mut Vec<Diagnostic>) {
     let mut atoms = Atoms::default();
     let formulas: Vec<Formula> = chart
         .transitions
@@ -44,8 +45,8 @@ pub fn check(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>) {
         }
     }
     interlocks(chart, &mut atoms, messages);
-    if chart.transitions.len() <= TRANSITIONS_MAX {
-        paths(chart, &formulas, messages);
+    if net.steps() <= SET_MAX && net.transitions.len() <= TRANSITIONS_MAX {
+        paths(chart, net, &formulas, messages);
     }
     temporary(chart, facts, messages);
 }
@@ -82,39 +83,32 @@ fn constant(condition: &Condition, name: Span, text: String, label: &str, help: 
 }
 
 /// Paths of an alternative branch that a path before them always closes.
-fn paths(chart: &Chart, formulas: &[Formula], messages: &mut Vec<Diagnostic>) {
-    let mut leaving: FxHashMap<String, Vec<usize>> = FxHashMap::default();
-    for (at, transition) in chart.transitions.iter().enumerate() {
-        for name in &transition.from {
-            leaving.entry(fold(&name.text)).or_default().push(at);
-        }
-    }
+fn paths(chart: &Chart, net: &Net, formulas: &[Formula], messages: &mut Vec<Diagnostic>) {
     let mut told: FxHashSet<usize> = FxHashSet::default();
-    for step in &chart.steps {
-        let Some(mut branch) = leaving.remove(&fold(&step.name.text)) else { continue };
+    for step in 0..net.steps() {
+        let mut branch = net.leaving[step].clone();
         branch.sort_by_key(|&at| (&chart.transitions[at].path, chart.transitions[at].number));
         branch.truncate(PATHS_MAX);
         for (place, &at) in branch.iter().enumerate() {
-            let later = &chart.transitions[at];
             if formulas[at].constant() == Some(false) || told.contains(&at) {
                 continue;
             }
-            let first = branch[..place].iter().copied().find(|&first| {
-                leaves_no_more(&chart.transitions[first], later)
+            let from = &net.transitions[at].from;
+            let closes = |&first: &usize| {
+                // Whenever the later one may switch, the steps before the first one are active, too. Each pair is looked at once.
+                let before = &net.transitions[first].from;
+                before[0] == step
+                    && before.iter().all(|step| from.binary_search(step).is_ok())
                     && !told.contains(&first)
                     && formulas[at].implies(&formulas[first])
-            });
-            if let Some(first) = first {
+            };
+            if let Some(first) = branch[..place].iter().copied().find(closes) {
                 told.insert(at);
-                messages.push(closed_path(later, &chart.transitions[first], formulas[first].constant().is_some()));
+                let always = formulas[first].constant().is_some();
+                messages.push(closed_path(&chart.transitions[at], &chart.transitions[first], always));
             }
         }
     }
-}
-
-/// Whenever `later` may switch, the steps before `first` are active, too.
-fn leaves_no_more(first: &Transition, later: &Transition) -> bool {
-    first.from.iter().all(|step| later.from.iter().any(|other| fold(&other.text) == fold(&step.text)))
 }
 
 fn closed_path(later: &Transition, first: &Transition, always: bool) -> Diagnostic {

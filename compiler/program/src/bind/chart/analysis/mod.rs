@@ -91,7 +91,7 @@ fn check(chart: &Chart, span: Span, index: &Index, facts: &Facts) -> Vec<Diagnos
     if known {
         structure::check_ways(&checked, &mut messages);
     }
-    conditions::check(chart, facts, &mut messages);
+    conditions::check(chart, &checked.net, facts, &mut messages);
     // Of a chart that is not whole, the rest would be follow-up mistakes.
     if !chart.broken && known {
         let started = structure::check_steps(&checked, &mut messages);
@@ -107,8 +107,8 @@ fn check(chart: &Chart, span: Span, index: &Index, facts: &Facts) -> Vec<Diagnos
 /// Steps that rows of ON and OFF activate and deactivate.
 #[derive(Default)]
 struct Requests {
-    on: Vec<usize>,
-    off: Vec<usize>,
+    on: FxHashSet<usize>,
+    off: FxHashSet<usize>,
     /// `OFF S_ALL`, or a row whose step is not known.
     any: bool,
 }
@@ -122,8 +122,12 @@ impl Requests {
                 _ => None,
             };
             match (action.qualifier, step) {
-                (Qualifier::On, Some(step)) => requests.on.push(step),
-                (Qualifier::Off, Some(step)) => requests.off.push(step),
+                (Qualifier::On, Some(step)) => {
+                    requests.on.insert(step);
+                }
+                (Qualifier::Off, Some(step)) => {
+                    requests.off.insert(step);
+                }
                 (Qualifier::On | Qualifier::Off, None) => requests.any = true,
                 _ => {}
             }

@@ -60,6 +60,7 @@ impl Net {
     /// The sequencer of each step, by the first step of it: steps that transitions connect.
     pub fn sequencers(&self) -> Vec<usize> {
         let mut sequencer = vec![usize::MAX; self.steps()];
+        let mut passed = vec![false; self.transitions.len()];
         for first in 0..self.steps() {
             let mut open = vec![first];
             while let Some(step) = open.pop() {
@@ -68,27 +69,44 @@ impl Net {
                 }
                 sequencer[step] = first;
                 for &transition in self.leaving[step].iter().chain(&self.entering[step]) {
-                    let arcs = &self.transitions[transition];
-                    open.extend(arcs.from.iter().chain(&arcs.to).filter(|&&step| sequencer[step] == usize::MAX));
+                    if !std::mem::replace(&mut passed[transition], true) {
+                        let arcs = &self.transitions[transition];
+                        open.extend(arcs.from.iter().chain(&arcs.to));
+                    }
                 }
             }
         }
         sequencer
     }
+}
 
-    /// Steps that some transition path leads to from `start`, those of `start` included.
-    pub fn reached(&self, start: impl IntoIterator<Item = usize>) -> Vec<bool> {
-        let mut reached = vec![false; self.steps()];
+/// Steps that are reached, and the transitions behind them.
+pub struct Reach {
+    pub steps: Vec<bool>,
+    passed: Vec<bool>,
+}
+
+impl Reach {
+    /// What is reached from `start`.
+    pub fn new(net: &Net, start: impl IntoIterator<Item = usize>) -> Reach {
+        let mut reach = Reach { steps: vec![false; net.steps()], passed: vec![false; net.transitions.len()] };
+        reach.extend(net, start);
+        reach
+    }
+
+    /// Adds what is reached from `start`.
+    pub fn extend(&mut self, net: &Net, start: impl IntoIterator<Item = usize>) {
         let mut open: Vec<usize> = start.into_iter().collect();
         while let Some(step) = open.pop() {
-            if std::mem::replace(&mut reached[step], true) {
+            if std::mem::replace(&mut self.steps[step], true) {
                 continue;
             }
-            for &transition in &self.leaving[step] {
-                open.extend(self.transitions[transition].to.iter().filter(|&&step| !reached[step]));
+            for &transition in &net.leaving[step] {
+                if !std::mem::replace(&mut self.passed[transition], true) {
+                    open.extend(&net.transitions[transition].to);
+                }
             }
         }
-        reached
     }
 }
 

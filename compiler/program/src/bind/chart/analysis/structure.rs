@@ -3,7 +3,7 @@
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use rustc_hash::FxHashSet;
 
-use super::net::Net;
+use super::net::{Arcs, Net, Reach};
 use super::{Checked, names, step_title, transition_title};
 
 /// Transitions that are missing, or leave nothing.
@@ -35,7 +35,7 @@ pub fn check_ways(checked: &Checked, messages: &mut Vec<Diagnostic>) {
     for (transition, arcs) in chart.transitions.iter().zip(&net.transitions) {
         let span = transition.name.span;
         let title = transition_title(transition);
-        let Some(&step) = arcs.from.iter().find(|step| arcs.to.contains(step)) else { continue };
+        let Some(step) = common(arcs) else { continue };
         let step = &chart.steps[step];
         let message = if transition.jump {
             let text = format!("{title} jumps to the step directly before it, {}", step_title(step));
@@ -65,32 +65,34 @@ fn unmarked_jumps(checked: &Checked, messages: &mut Vec<Diagnostic>) {
         Done,
     }
     let Checked { chart, net, .. } = checked;
-    let mut ways: Vec<Vec<(usize, usize)>> = vec![Vec::new(); net.steps()];
-    for (at, arcs) in net.transitions.iter().enumerate().filter(|(_, arcs)| !arcs.jump) {
-        for &step in arcs.from.iter().filter(|step| !arcs.to.contains(step)) {
-            ways[step].extend(arcs.to.iter().map(|&next| (at, next)));
-        }
-    }
-    let mut marks = vec![Mark::New; net.steps()];
-    let mut told = FxHashSet::default();
-    for start in net.initial.iter().copied().chain(0..net.steps()) {
+    // Nodes are steps, and behind them transitions.
+    let steps = net.steps();
+    let none: &[usize] = &[];
+    let nodes_behind = |node: usize| match node.checked_sub(steps) {
+        None => net.leaving[node].as_slice(),
+        Some(at) if net.transitions[at].jump || leads_back(&net.transitions[at]) => none,
+        Some(at) => net.transitions[at].to.as_slice(),
+    };
+    let mut marks = vec![Mark::New; steps + net.transitions.len()];
+    for start in net.initial.iter().copied().chain(0..steps) {
         if marks[start] != Mark::New {
             continue;
         }
         marks[start] = Mark::Open;
-        // A step, and how many of its ways were looked at.
+        // A node, and how many of those behind it were looked at.
         let mut open = vec![(start, 0)];
-        while let Some((step, looked)) = open.pop() {
-            let Some(&(at, next)) = ways[step].get(looked) else {
-                marks[step] = Mark::Done;
+        while let Some((node, looked)) = open.pop() {
+            let Some(&next) = nodes_behind(node).get(looked) else {
+                marks[node] = Mark::Done;
                 continue;
             };
-            open.push((step, looked + 1));
+            open.push((node, looked + 1));
+            let next = if node < steps { next + steps } else { next };
             if marks[next] == Mark::New {
                 marks[next] = Mark::Open;
                 open.push((next, 0));
-            } else if marks[next] == Mark::Open && told.insert(at) {
-                let (transition, target) = (&chart.transitions[at], &chart.steps[next]);
+            } else if marks[next] == Mark::Open && next < steps {
+                let (transition, target) = (&chart.transitions[node - steps], &chart.steps[next]);
                 let (title, target_title) = (transition_title(transition), step_title(target));
                 let text = format!("{title} leads back to {target_title}, and is not drawn as a jump");
                 messages.push(
@@ -102,6 +104,16 @@ fn unmarked_jumps(checked: &Checked, messages: &mut Vec<Diagnostic>) {
             }
         }
     }
+}
+
+/// A step is before it and behind it.
+fn leads_back(arcs: &Arcs) -> bool {
+    common(arcs).is_some()
+}
+
+/// The first step that is both before and behind a transition.
+fn common(arcs: &Arcs) -> Option<usize> {
+    arcs.from.iter().copied().find(|step| arcs.to.binary_search(step).is_ok())
 }
 
 /// Whether the initial steps are such that a run from them shows what may be active.
@@ -119,26 +131,22 @@ pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
     names::check_sequencers(chart, &sequencer, net, messages);
     let no_start = sequencers_without_start(checked, &sequencer, messages);
 
-    let start = net.initial.iter().chain(&requests.on).copied();
-    let mut explained = net.reached(start);
-    let unreached =
-        |explained: &[bool], step: usize| !explained[step] && !no_start.contains(&sequencer[step]) && !requests.any;
+    // What is reached, or has been explained.
+    let mut known = Reach::new(net, net.initial.iter().chain(&requests.on).copied());
     // Steps that nothing enters first: they explain what comes behind them.
     let roots = (0..net.steps()).filter(|&step| net.entering[step].is_empty()).chain(0..net.steps());
     let mut unreachable = Vec::new();
     for step in roots {
-        if !unreached(&explained, step) {
-            continue;
-        }
-        unreachable.push(step);
-        for (step, is_reached) in net.reached([step]).into_iter().enumerate() {
-            explained[step] |= is_reached;
+        if !known.steps[step] && !no_start.contains(&sequencer[step]) && !requests.any {
+            unreachable.push(step);
+            known.extend(net, [step]);
         }
     }
     for &step in &unreachable {
         messages.push(unreachable_step(checked, step, *manual));
     }
 
+    let unreachable: FxHashSet<usize> = unreachable.into_iter().collect();
     for step in 0..net.steps() {
         let is_deactivated = requests.any || requests.off.contains(&step);
         if net.leaving[step].is_empty() && !is_deactivated && !(net.is_alone(step) && unreachable.contains(&step)) {
@@ -155,7 +163,11 @@ pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
 }
 
 /// Tells of sequencers that nothing starts; the first steps of those.
-fn sequencers_without_start(checked: &Checked, sequencer: &[usize], messages: &mut Vec<Diagnostic>) -> Vec<usize> {
+fn sequencers_without_start(
+    checked: &Checked,
+    sequencer: &[usize],
+    messages: &mut Vec<Diagnostic>,
+) -> FxHashSet<usize> {
     let Checked { chart, net, requests, manual, .. } = checked;
     let firsts = (0..net.steps()).filter(|&step| sequencer[step] == step);
     let message = |span: Span, text: String| {
@@ -178,7 +190,7 @@ fn sequencers_without_start(checked: &Checked, sequencer: &[usize], messages: &m
         let help = "make its first step an initial step, or activate one of its steps by a jump or a row of ON";
         messages.push(message(step.name.span, text).help(help));
     }
-    none
+    none.into_iter().collect()
 }
 
 fn unreachable_step(checked: &Checked, step: usize, manual: bool) -> Diagnostic {
