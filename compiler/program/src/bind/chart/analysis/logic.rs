@@ -9,10 +9,13 @@ use plcc_syntax::network::ast::{Content, Element, Graph, Pin, PinValue, Source, 
 use plcc_syntax::network::elements::{Gate, Kind};
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, StatementKind, UnaryOp};
 use plcc_syntax::scl::text::expr;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Atoms of a truth table.
 const ATOMS_MAX: usize = 10;
+
+/// Parts of formulas that are decided by a truth table.
+const PARTS_MAX: usize = 1000;
 
 /// Elements of a network that is looked into.
 const ELEMENTS_MAX: usize = 256;
@@ -111,12 +114,13 @@ impl Formula {
             let zeros = table.iter().all(|&word| word == 0);
             return (ones || zeros).then_some(ones);
         }
-        let contradicts =
-            |literals: Vec<(usize, bool)>| literals.iter().any(|&(atom, negated)| literals.contains(&(atom, !negated)));
-        if contradicts(self.literals(true).0) {
+        let contradicts = |literals: &FxHashSet<(usize, bool)>| {
+            literals.iter().any(|&(atom, negated)| literals.contains(&(atom, !negated)))
+        };
+        if contradicts(&self.literals(true).0) {
             return Some(false);
         }
-        contradicts(self.literals(false).0).then_some(true)
+        contradicts(&self.literals(false).0).then_some(true)
     }
 
     /// Whenever `self` is TRUE, `other` is, too, as far as that can be told.
@@ -131,11 +135,14 @@ impl Formula {
         }
         let (own, _) = self.literals(true);
         let (others, all) = other.literals(true);
-        all && others.iter().all(|literal| own.contains(literal))
+        all && others.is_subset(&own)
     }
 
     /// Its atoms, and those of another formula; none if there are too many for a table.
     fn atoms_with(&self, other: Option<&Formula>) -> Option<Vec<usize>> {
+        if self.parts.len() + other.map_or(0, |other| other.parts.len()) > PARTS_MAX {
+            return None;
+        }
         let mut atoms = Vec::new();
         for part in self.parts.iter().chain(other.iter().flat_map(|other| &other.parts)) {
             if let Part::Atom(atom) = part
@@ -171,16 +178,18 @@ impl Formula {
     }
 
     /// Atoms and negated atoms that its outermost AND, or OR, joins, and whether it joins nothing else.
-    fn literals(&self, and: bool) -> (Vec<(usize, bool)>, bool) {
-        let mut literals = Vec::new();
+    fn literals(&self, and: bool) -> (FxHashSet<(usize, bool)>, bool) {
+        let mut literals = FxHashSet::default();
         let mut all = true;
         let mut open = vec![self.parts.len() - 1];
         while let Some(at) = open.pop() {
             match self.parts[at] {
-                Part::Atom(atom) => literals.push((atom, false)),
+                Part::Atom(atom) => {
+                    literals.insert((atom, false));
+                }
                 Part::Not(inner) if matches!(self.parts[inner], Part::Atom(_)) => {
                     if let Part::Atom(atom) = self.parts[inner] {
-                        literals.push((atom, true));
+                        literals.insert((atom, true));
                     }
                 }
                 Part::And(a, b) if and => open.extend([a, b]),

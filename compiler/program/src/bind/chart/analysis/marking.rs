@@ -11,6 +11,9 @@ use super::net::{Net, StepSet};
 /// Markings that a search looks at. Source: GRAPH reference G.4.
 pub const MARKINGS_MAX: usize = 100_000;
 
+/// Transitions that a search looks at, for each marking.
+const EFFORT: usize = 50;
+
 /// What a search found.
 #[derive(Debug)]
 pub struct Search {
@@ -54,10 +57,16 @@ pub fn search(net: &Net, markings_max: usize) -> Search {
     let mut states = vec![State { marking: first, before: None }];
     let mut entered = StepSet::default();
     let mut next = 0;
+    let mut looked = 0;
     while next < states.len() {
+        if looked > markings_max.saturating_mul(EFFORT) {
+            found.complete = false;
+            return found;
+        }
         let marking = states[next].marking;
         for step in marking.iter() {
             found.together[step] = found.together[step].with(marking);
+            looked += net.leaving[step].len();
             for &transition in &net.leaving[step] {
                 let (from, to) = sets[transition];
                 // Each transition once: at the first of its steps.

@@ -23,6 +23,9 @@ const SIMULTANEOUS_MAX: usize = 249;
 /// Permanent instructions before the sequencers, and behind them.
 const PERMANENT_MAX: usize = 250;
 
+/// Unknown names for which a similar one is looked for.
+const SIMILAR_MAX: usize = 50;
+
 /// Tells of names, numbers and limits. False if it is not clear which steps the transitions name.
 pub fn check(chart: &Chart, index: &Index, messages: &mut Vec<Diagnostic>) -> bool {
     let clear = duplicates(chart, messages);
@@ -197,7 +200,8 @@ fn unknown(chart: &Chart, index: &Index, messages: &mut Vec<Diagnostic>) -> bool
                 let title = format!("the chart has no step \"{}\"", name.text);
                 let label = format!("{word} of {} names a step", transition_title(transition));
                 let steps = chart.steps.iter().map(|step| step.name.text.as_str());
-                let help = match (index.step_reference(&name.text), similar(&name.text, steps)) {
+                let similar = (told.len() <= SIMILAR_MAX).then(|| similar(&name.text, steps)).flatten();
+                let help = match (index.step_reference(&name.text), similar) {
                     (Some(step), _) => format!("write its name: \"{}\"", chart.steps[step].name.text),
                     (None, Some(step)) => format!("is \"{step}\" meant?"),
                     (None, None) => "name a step of this block, or add the step".to_string(),

@@ -83,13 +83,11 @@ pub fn check_shared(chart: &Chart, together: &[StepSet], facts: &Facts, messages
 /// Operands that rows of S set and nothing in the block resets.
 pub fn check_reset(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>) {
     let resets = resets(chart, facts);
-    let exact: FxHashSet<&Place> = resets.iter().collect();
-    let wide: Vec<&Place> = resets.iter().filter(|place| !place.is_bit()).collect();
     let mut told: FxHashSet<Place> = FxHashSet::default();
     for (step, action) in steps_and_actions(chart) {
         let Some((Write::Set, value)) = written(action) else { continue };
         let Some(place) = place(value, facts) else { continue };
-        if exact.contains(&place) || wide.iter().any(|other| other.overlaps(&place)) || !told.insert(place) {
+        if place.with_wholes().any(|whole| resets.contains(&whole)) || !told.insert(place) {
             continue;
         }
         let (name, step) = (shown(chart, value), step_title(&chart.steps[step]));
@@ -166,25 +164,26 @@ impl Place {
         Place::Memory { area, db, start: u64::from(byte) * 8 + u64::from(bit), bits: width.bits() }
     }
 
-    fn is_bit(&self) -> bool {
-        matches!(self, Place::Memory { bits: 1, .. })
-    }
-
-    /// Writing one may write the other.
-    fn overlaps(&self, other: &Place) -> bool {
-        match (self, other) {
-            (
-                Place::Memory { area, db, start, bits },
-                Place::Memory { area: other_area, db: other_db, start: other_start, bits: other_bits },
-            ) => {
-                (area, db) == (other_area, other_db)
-                    && *start < other_start + u64::from(*other_bits)
-                    && *other_start < start + u64::from(*bits)
+    /// The bit or component itself, and everything that it may be a part of.
+    fn with_wholes(&self) -> Box<dyn Iterator<Item = Place> + '_> {
+        match self {
+            Place::Memory { area, db, start, .. } => {
+                let byte = start / 8;
+                let wholes = [Width::Byte, Width::Word, Width::Dword].into_iter().flat_map(move |width| {
+                    let first = (byte + 1).saturating_sub(u64::from(width.bytes()));
+                    (first..=byte).map(move |byte| Place::Memory {
+                        area: *area,
+                        db: *db,
+                        start: byte * 8,
+                        bits: width.bits(),
+                    })
+                });
+                Box::new(std::iter::once(self.clone()).chain(wholes))
             }
-            (Place::Named(whole), Place::Named(part)) => {
-                part.strip_prefix(whole.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+            Place::Named(text) => {
+                let ends = text.match_indices(['.', '[']).map(|(at, _)| at).chain([text.len()]);
+                Box::new(ends.map(|end| Place::Named(text[..end].to_string())))
             }
-            (Place::Memory { .. }, Place::Named(_)) | (Place::Named(_), Place::Memory { .. }) => false,
         }
     }
 }

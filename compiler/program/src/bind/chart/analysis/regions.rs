@@ -6,6 +6,9 @@
 
 use super::net::{Net, StepSet};
 
+/// Transitions times paths up to which paths are looked for. A chart of 250 steps has some thousands.
+const WORK_MAX: usize = 20_000_000;
+
 /// A transition that leaves or enters a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stray {
@@ -41,6 +44,11 @@ impl Branches {
 pub fn branches(net: &Net) -> Branches {
     let mut found = Branches { together: vec![StepSet::default(); net.steps()], ..Branches::default() };
     let mut inside = StepSet::default();
+    let ways: usize = net.transitions.iter().map(|arcs| arcs.from.len() + arcs.to.len()).sum();
+    let paths: usize = net.transitions.iter().map(|arcs| arcs.to.len()).filter(|&paths| paths > 1).sum();
+    if ways.saturating_mul(paths) > WORK_MAX {
+        return found;
+    }
     for opener in 0..net.transitions.len() {
         if net.transitions[opener].to.len() > 1 {
             let branch = Branch::new(net, opener);
