@@ -129,16 +129,19 @@ fn engine_data(chart: &Chart) -> String {
         _ => START_VALUES.contains(&name),
     };
     let never = |_: &str| false;
+    // What is chosen at the start was not chosen by an edge: an operator's choice in the first call wins.
+    let chosen = |name: &str| matches!(name, "AUTO" | "SACT_DISP");
     let list = format!("ARRAY[0..{}] OF BYTE := [1]", steps + 1);
     format!(
         "SAX : {list}; S0X : {list}; S1X : {list};
         MOPEDGE : STRUCT {none} END_STRUCT; MOP : STRUCT {all} END_STRUCT;
         SQ_FLAGS : STRUCT ERR_FLT, ERROR, FAULT, SQ_ISOFF : BOOL; END_STRUCT;
-        G7_DATA : STRUCT OLD : STRUCT {none} END_STRUCT;
+        G7_DATA : STRUCT OLD : STRUCT {old} END_STRUCT;
             LAST : DINT; STARTED, REQUESTED, PAGED, ALL_WERE : BOOL; SHOWN, SHOWN_AT, SEL_OLD, T_SHOWN : INT;
             ASKED_ON, ASKED_OFF : ARRAY[1..{steps}] OF BOOL; ACTIVE : ARRAY[1..{active}] OF BYTE;
         END_STRUCT;",
         none = bits(&never),
+        old = bits(&chosen),
         all = bits(&start),
         active = 8 * words(steps),
     )
