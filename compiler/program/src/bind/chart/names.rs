@@ -1,7 +1,7 @@
 //! Steps and transitions in expressions: `S002.X`, `T002.TT` and names become components of the instance. Source: GRAPH reference A.1, F.3.
 
 use plcc_diag::{Code, Diagnostic};
-use plcc_syntax::ast::CodeBlock;
+use plcc_syntax::ast::{CodeBlock, OperandKind};
 use plcc_syntax::chart::ast::{ActionBody, Body as Chart, Call, Condition, PermanentKind};
 use plcc_syntax::network::ast::{Content, Graph, Network, PinValue, Source, Target};
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind};
@@ -9,8 +9,8 @@ use rustc_hash::FxHashSet;
 
 use super::index::Index;
 use super::instance::Members;
-use crate::bind::Binder;
 use crate::bind::names::fold;
+use crate::bind::{Binder, SYSTEM_FILE};
 
 /// Components of transitions; all others are those of steps.
 const OF_TRANSITIONS: [&str; 8] = ["TV", "TT", "TS", "CF_IV", "TNO", "CRIT", "CRIT_OLD", "CRIT_FLT"];
@@ -56,8 +56,9 @@ struct Names<'n, 'b> {
 impl Binder<'_> {
     /// The chart with names of steps and transitions resolved.
     pub fn resolved_chart(&mut self, block: &CodeBlock, chart: &Chart, index: &Index, members: &Members) -> Chart {
-        let declared =
-            block.sections.iter().flat_map(|section| &section.variables).map(|variable| fold(&variable.name)).collect();
+        let variables = block.sections.iter().flat_map(|section| &section.variables);
+        let users = variables.filter(|variable| variable.name_span.file != SYSTEM_FILE);
+        let declared = users.map(|variable| fold(&variable.name)).collect();
         let mut names = Names { index, members, declared, binder: self };
         let mut chart = chart.clone();
         names.chart(&mut chart);
@@ -207,8 +208,20 @@ impl Names<'_, '_> {
                 self.expression(left);
                 self.expression(right);
             }
-            ExprKind::Literal(_) | ExprKind::Name(_) | ExprKind::Absolute(_) | ExprKind::Error => {}
+            ExprKind::Name(name) => {
+                if let Some(operand) = self.address(name) {
+                    value.kind = ExprKind::Absolute(operand);
+                }
+            }
+            ExprKind::Literal(_) | ExprKind::Absolute(_) | ExprKind::Error => {}
         }
+    }
+
+    /// T5 without a component is the timer, though a transition has that name.
+    fn address(&self, name: &Name) -> Option<OperandKind> {
+        let own = name.form == NameForm::Bare && !self.declared.contains(&fold(&name.text));
+        let operand = own.then(|| plcc_syntax::scl::absolute(&name.text)).flatten()?;
+        matches!(operand, OperandKind::Cell { .. }).then_some(operand)
     }
 
     /// Data of the step or transition before a point; none if it is something else.
