@@ -1,7 +1,7 @@
-//! Comparisons in a chart of S7-GRAPH V5: those of LAD, of INT, DINT, REAL and TIME.
+//! Comparisons and arithmetic in a chart of S7-GRAPH V5: those of LAD, of INT, DINT, REAL and TIME.
 //!
 //! The text of a condition does not say which one is meant, so that the operands do: an address such as MD4 is the number of its width, or
-//! what it is compared with, and milliseconds in a DWORD or DINT are a TIME. Source: GRAPH reference A.6.
+//! what it is combined with, and milliseconds in a DWORD or DINT are a TIME. Source: GRAPH reference A.6, D.8.
 
 use plcc_syntax::{Class, Elementary};
 
@@ -12,7 +12,7 @@ use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
 
 impl Binder<'_> {
-    /// The two sides of a comparison, as it takes them.
+    /// The two sides of an operator, as it takes them.
     pub(in crate::bind) fn chart_operands(&mut self, ctx: &mut Ctx, left: Value, right: Value) -> (Value, Value) {
         let (left_type, right_type) = (compared_as(&left, &right), compared_as(&right, &left));
         (self.taken_as(ctx, left, left_type), self.taken_as(ctx, right, right_type))

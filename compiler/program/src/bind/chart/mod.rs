@@ -4,7 +4,7 @@
 //! - `index`: steps and transitions by name and number; `names`: they in expressions.
 //! - `engine.scl`, `monitor.scl`: one call of the block as SCL with holes; `template` reads them.
 //! - `engine`: what the statements know of the chart: where its data lie, sets of steps; `build`: pieces of the typed tree.
-//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions, `comparison`: what they compare;
+//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions, `comparison`: what they and rows combine;
 //!   `call`: block calls of the first two; `leaving`: what they cannot do.
 //! - `assemble`: the code of steps and transitions, put into the holes.
 //! - `analysis`: which charts can be.
@@ -62,7 +62,7 @@ impl Binder<'_> {
             Dialect::Tia | Dialect::Sfc => scl::ast::Dialect::Tia,
         };
         ctx.scl = Scope::new(self.input, &block.header, dialect);
-        ctx.scl.chart_comparisons = chart.dialect == Dialect::Classic;
+        ctx.scl.chart_numbers = chart.dialect == Dialect::Classic;
         let sets_flag = ctx.scl.sets_flag;
         let index = Index::new(chart);
         self.check_chart(ctx, block, chart, &index);

@@ -138,10 +138,14 @@ impl Binder<'_> {
             | Operator::Multiply
             | Operator::Divide
             | Operator::DivideInteger
-            | Operator::Modulo => match self.time_arithmetic(ctx, op, op_span, left, right, span) {
-                Ok(value) => value,
-                Err((left, right)) => self.arithmetic(ctx, op, op_span, left, right, span),
-            },
+            | Operator::Modulo => {
+                let (left, right) =
+                    if ctx.scl.chart_numbers { self.chart_operands(ctx, left, right) } else { (left, right) };
+                match self.time_arithmetic(ctx, op, op_span, left, right, span) {
+                    Ok(value) => value,
+                    Err((left, right)) => self.arithmetic(ctx, op, op_span, left, right, span),
+                }
+            }
         }
     }
 
