@@ -30,6 +30,11 @@ fn the_reference_of_lad_and_fbd_is_current() {
 }
 
 #[test]
+fn the_reference_of_graph_is_current() {
+    expect_file(&root().join("docs/reference/graph.md"), &plcc_program::graph_reference()).unwrap();
+}
+
+#[test]
 fn the_reference_of_the_standard_library_is_current() {
     expect_file(&root().join("docs/reference/stdlib.md"), &plcc_program::standard_library()).unwrap();
 }

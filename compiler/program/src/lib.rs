@@ -13,5 +13,5 @@ pub mod profile;
 pub mod symbols;
 pub mod types;
 
-pub use bind::{BindInput, bind, lad_fbd_reference, scl_reference, standard_library};
+pub use bind::{BindInput, bind, graph_reference, lad_fbd_reference, scl_reference, standard_library};
 pub use model::Program;

@@ -56,6 +56,7 @@ use crate::model::{BlockKey, Body, CodeBlock, Program, TestSettings};
 use crate::symbols::{SymbolTable, SymbolTarget};
 use crate::types::StructType;
 pub use catalog::standard_library;
+pub use chart::reference as graph_reference;
 use constant::Constants;
 use declare::{BoundInterface, Scope, Typed, TypedStruct};
 use names::Global;

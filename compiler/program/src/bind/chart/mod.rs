@@ -8,6 +8,7 @@
 //!   `call`: block calls of the first two; `leaving`: what they cannot do.
 //! - `assemble`: the code of steps and transitions, put into the holes.
 //! - `analysis`: which charts can be.
+//! - `reference`: the page about GRAPH.
 //!
 //! Source: GRAPH reference, chapters D to G.
 
@@ -22,10 +23,13 @@ mod engine;
 mod index;
 mod leaving;
 mod permanent;
+mod reference;
+mod template;
 #[cfg(test)]
 mod testing;
 
 pub use instance::expanded;
+pub use reference::reference;
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
