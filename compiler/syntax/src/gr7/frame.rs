@@ -14,8 +14,10 @@ use crate::stl::pragma::is_pragma;
 /// A file, taken apart.
 pub struct Document {
     pub blocks: Vec<Frame>,
-    /// Bytes that SCL reads, in order: heads, declarations, ends of blocks, and assertions for the file.
+    /// Bytes that SCL reads, in order: heads, declarations, ends of blocks, and pragmas for the file.
     pub declarations: Vec<Range<usize>>,
+    /// Pragmas inside of charts, those for the file left out.
+    pub misplaced: Vec<Range<usize>>,
 }
 
 /// A block.
@@ -32,30 +34,29 @@ pub fn read(file: FileId, text: &str, raw: &RawText, diagnostics: &mut Vec<Diagn
         Reader { file, text, tokens: &raw.tokens, at: 0, blocks: Vec::new(), declarations: Vec::new(), diagnostics };
     reader.file();
     let Reader { blocks, mut declarations, .. } = reader;
-    // A comment inside of a chart is no assertion of the file.
-    let outside = |comment: &&Comment| {
+    let in_chart = |comment: &Comment| {
         let before = blocks.partition_point(|block| block.start < comment.start);
         let chart = before.checked_sub(1).map_or(&[][..], |before| &blocks[before].chart);
-        !chart.first().zip(chart.last()).is_some_and(|(first, last)| (first.start..last.end).contains(&comment.start))
+        chart.first().zip(chart.last()).is_some_and(|(first, last)| (first.start..last.end).contains(&comment.start))
     };
-    let is_assertion = |comment: &&Comment| {
-        comment.form == CommentForm::Line && is_pragma(&text[comment.start as usize..comment.end as usize])
-    };
-    let inside = |comment: &&Comment| {
+    let declared = |comment: &Comment| {
         let before = declarations.partition_point(|range| range.start <= comment.start as usize);
         before > 0 && declarations[before - 1].contains(&(comment.start as usize))
     };
-    let assertions: Vec<Range<usize>> = raw
-        .comments
-        .iter()
-        .filter(is_assertion)
-        .filter(outside)
-        .filter(|comment| !inside(comment))
-        .map(|comment| comment.start as usize..comment.end as usize)
-        .collect();
-    declarations.extend(assertions);
+    let (mut pragmas, mut misplaced) = (Vec::new(), Vec::new());
+    for comment in raw.comments.iter().filter(|comment| comment.form == CommentForm::Line && comment.own_line) {
+        let range = comment.start as usize..comment.end as usize;
+        let words = &text[range.clone()];
+        if !is_pragma(words) || declared(comment) {
+            continue;
+        }
+        let is_for_file = matches!(words["//@".len()..].split_whitespace().next(), Some("cpu" | "test"));
+        let list = if in_chart(comment) && !is_for_file { &mut misplaced } else { &mut pragmas };
+        list.push(range);
+    }
+    declarations.extend(pragmas);
     declarations.sort_by_key(|range| range.start);
-    Document { blocks, declarations }
+    Document { blocks, declarations, misplaced }
 }
 
 struct Reader<'a, 'r> {

@@ -28,6 +28,7 @@ mod grammar {
 }
 
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
@@ -43,6 +44,9 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     let raw = lexer::scan(text);
     report_comments(file, &raw, &mut diagnostics);
     let document = frame::read(file, text, &raw, &mut diagnostics);
+    if options.pragmas {
+        diagnostics.extend(document.misplaced.iter().map(|range| misplaced(file, range.clone())));
+    }
     let unit = blocks::build(file, text, &raw, &document, options, &mut diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     (unit, diagnostics)
@@ -57,6 +61,13 @@ fn report_comments(file: FileId, raw: &lexer::RawText, diagnostics: &mut Vec<Dia
                 .help("close it with `*)`"),
         );
     }
+}
+
+/// An assertion among steps and transitions: nothing tells when it would be looked at.
+fn misplaced(file: FileId, range: Range<usize>) -> Diagnostic {
+    Diagnostic::new(Code::Pragma, Span::new(file, range), "an assertion stands inside a chart")
+        .label("among steps and transitions")
+        .help("write it behind the call of the block, for example in OB 1: `//@ assert DB1.Run.X == 1`")
 }
 
 /// The tokens of the charts as the grammar sees them, one per line, for `--emit tokens`.

@@ -39,7 +39,8 @@ pub fn reference() -> String {
 }
 
 fn parameters(section: SectionKind) -> String {
-    let mut table = String::from("| Name | Type | Set | At a rising edge | Meaning |\n| --- | --- | --- | --- | --- |\n");
+    let mut table =
+        String::from("| Name | Type | Set | At a rising edge | Meaning |\n| --- | --- | --- | --- | --- |\n");
     if section == SectionKind::Output {
         table = String::from("| Name | Type | Set | Meaning |\n| --- | --- | --- | --- |\n");
     }
