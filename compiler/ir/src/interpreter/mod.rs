@@ -9,7 +9,7 @@
 
 mod prepare;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use plcc_abi::{RuntimeFn, Type, layout};
 
@@ -34,13 +34,15 @@ pub struct Interpreter {
     functions: Vec<Code>,
     /// Register stacks that are not in use.
     stacks: RefCell<Vec<Vec<u64>>>,
+    /// Instructions that ran.
+    executed: Cell<u64>,
 }
 
 impl Interpreter {
     /// Prepares `module`, which the verifier has passed.
     pub fn new(module: &Module) -> Interpreter {
         let functions = module.functions.values().map(|function| prepare::prepare(module, function)).collect();
-        Interpreter { functions, stacks: RefCell::default() }
+        Interpreter { functions, stacks: RefCell::default(), executed: Cell::default() }
     }
 
     /// Runs `func` with the bit patterns `args`; gives those that it returns. `lbase` is where its frame begins and
@@ -50,6 +52,11 @@ impl Interpreter {
         let returned = self.run(host, &mut stack, func.index(), args, lbase, vbase);
         self.stacks.borrow_mut().push(stack);
         returned
+    }
+
+    /// Instructions that have run so far, a measure of time that depends on no machine.
+    pub fn executed(&self) -> u64 {
+        self.executed.get()
     }
 
     fn run(
@@ -70,7 +77,9 @@ impl Interpreter {
         loop {
             let code = &self.functions[frame.func];
             let registers = &mut stack[frame.window..frame.window + code.registers];
-            match execute(code, &mut frame, registers, host) {
+            let (exit, executed) = execute(code, &mut frame, registers, host);
+            self.executed.set(self.executed.get() + executed);
+            match exit {
                 Exit::Call { callee, args } => {
                     let window = frame.window + code.registers;
                     let target = &self.functions[callee];
@@ -125,8 +134,8 @@ enum Exit {
     Return { values: List },
 }
 
-/// Runs until the function calls another or returns.
-fn execute(code: &Code, frame: &mut Frame, r: &mut [u64], host: &dyn Host) -> Exit {
+/// Runs until the function calls another or returns; also gives how many instructions ran.
+fn execute(code: &Code, frame: &mut Frame, r: &mut [u64], host: &dyn Host) -> (Exit, u64) {
     let (lbase, vbase) = (frame.lbase, frame.vbase);
     let address = |r: &[u64], place: &Place| -> u32 {
         let start = match place.base {
@@ -140,7 +149,9 @@ fn execute(code: &Code, frame: &mut Frame, r: &mut [u64], host: &dyn Host) -> Ex
         }
     };
     let mut pc = frame.pc;
+    let mut executed = 0;
     loop {
+        executed += 1;
         match &code.ops[pc] {
             Op::Const { dst, bits } => r[*dst as usize] = *bits,
             Op::Unary { op, ty, dst, arg } => {
@@ -213,7 +224,7 @@ fn execute(code: &Code, frame: &mut Frame, r: &mut [u64], host: &dyn Host) -> Ex
             }
             Op::Call { callee, args, .. } => {
                 frame.pc = pc;
-                return Exit::Call { callee: *callee as usize, args: *args };
+                return (Exit::Call { callee: *callee as usize, args: *args }, executed);
             }
             Op::Jump { edge } => {
                 pc = code.follow(*edge, r);
@@ -229,7 +240,7 @@ fn execute(code: &Code, frame: &mut Frame, r: &mut [u64], host: &dyn Host) -> Ex
                 pc = code.follow(first + chosen, r);
                 continue;
             }
-            Op::Return { values } => return Exit::Return { values: *values },
+            Op::Return { values } => return (Exit::Return { values: *values }, executed),
         }
         pc += 1;
     }

@@ -82,6 +82,27 @@ fn parameters_of_blocks_change_at_once() {
 }
 
 #[test]
+fn instructions_are_counted() {
+    let text = "func @F {
+        b0:
+        call @G()
+        ret
+        }
+        func @G {
+        b0:
+        v0 = const.i32 3
+        jump b1
+        b1:
+        ret
+        }";
+    let interpreter = Interpreter::new(&parse_module(text).expect("text is well formed"));
+    for total in [5, 10] {
+        interpreter.call(&Memory::new(), FuncId::new(0), &[], layout::L, layout::L);
+        assert_eq!(interpreter.executed(), total);
+    }
+}
+
+#[test]
 fn callees_see_the_frame_of_the_caller() {
     let text = "func @F -> i16, i32, i32 frame 16 {
         b0(v0: i16):
