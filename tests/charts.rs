@@ -1,0 +1,97 @@
+//! What a call of a chart costs follows the active steps, not the chart: counted in instructions that the interpreter executes.
+//! Source: GRAPH reference, chapter G, and J.13.
+
+use std::rc::Rc;
+
+use plcc_ir::FuncId;
+use plcc_ir::interpreter::{Host, Interpreter};
+use plcc_runtime::{Code, TestOptions, functions, guest};
+use plcc_tests::charts::Rings;
+
+/// Instances of the chart, each called once in a cycle.
+const INSTANCES: usize = 2;
+
+/// Cycles until each ring has come to its usual work, and cycles that are counted.
+const WARM_UP: u64 = 10;
+const CYCLES: u64 = 100;
+
+/// The IR in its interpreter, which this file can ask.
+struct Counted {
+    interpreter: Interpreter,
+    entries: Vec<FuncId>,
+}
+
+impl Code for Counted {
+    fn call(&self, entry: u32, mem: *mut u8, lbase: u32, vbase: u32) {
+        self.interpreter.call(&Guest(mem), self.entries[entry as usize], &[], lbase, vbase);
+    }
+}
+
+struct Guest(*mut u8);
+
+impl Host for Guest {
+    fn read(&self, offset: u32, buf: &mut [u8]) {
+        guest::read(self.0, offset, buf);
+    }
+
+    fn write(&self, offset: u32, bytes: &[u8]) {
+        guest::write(self.0, offset, bytes);
+    }
+
+    fn call_runtime(&self, function: plcc_ir::RuntimeFn, args: &[u64]) -> u64 {
+        functions::call(function, self.0, args)
+    }
+}
+
+/// Instructions of one call, on average.
+fn cost(rings: &Rings) -> f64 {
+    let compiled = rings.compile(INSTANCES, true);
+    let executed = |cycles: u64| {
+        let interpreter = Interpreter::new(&compiled.module);
+        let code = Rc::new(Counted { interpreter, entries: compiled.module.entries.clone() });
+        let options = TestOptions { cycles: Some(cycles), ..TestOptions::default() };
+        let report = plcc_runtime::test(compiled.image.clone(), code.clone(), &options);
+        assert_eq!(report.stopped, None);
+        code.interpreter.executed()
+    };
+    let counted = executed(WARM_UP + CYCLES) - executed(WARM_UP);
+    counted as f64 / (CYCLES * INSTANCES as u64) as f64
+}
+
+/// All kinds of charts with so many active steps.
+fn variants(rings: usize) -> impl Iterator<Item = Rings> {
+    ["Minimum", "Standard"].into_iter().flat_map(move |interface| {
+        [(false, false), (false, true), (true, false), (true, true)].map(|(supervised, switching)| Rings {
+            steps: 0,
+            rings,
+            interface,
+            supervised,
+            switching,
+        })
+    })
+}
+
+#[test]
+fn cost_does_not_follow_the_size_of_the_chart() {
+    for (active, sizes) in [(1, [5, 250]), (8, [40, 250])] {
+        for kind in variants(active) {
+            let [small, large] = sizes.map(|steps| cost(&Rings { steps, ..kind }));
+            assert!(large <= 1.1 * small, "{kind:?}: {small} instructions with {} steps, {large} with 250", sizes[0]);
+        }
+    }
+}
+
+#[test]
+fn cost_is_linear_in_active_steps() {
+    for kind in variants(1) {
+        let [one, two, eight] = [1, 2, 8].map(|rings| cost(&Rings { steps: 250, rings, ..kind }));
+        assert!(eight - one <= 7.0 * 1.1 * (two - one), "{kind:?}: {one}, {two} and {eight} instructions");
+    }
+}
+
+#[test]
+fn an_idle_call_is_short() {
+    let kind = Rings { steps: 250, rings: 1, interface: "Minimum", supervised: false, switching: false };
+    let cost = cost(&kind);
+    assert!(cost <= 205.0, "{cost} instructions");
+}
