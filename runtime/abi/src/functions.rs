@@ -123,6 +123,9 @@ runtime_functions! {
     /// `lbase` is the caller's frame, to which L and V pointers among them refer. Result: bit 0 BR, bit 1 as `Safepoint`.
     SystemFunction = "system_function"(site: I32, number: I32, block: I32, lbase: I32) -> I32, All;
 
+    /// Milliseconds since the start of the CPU, 31 bits of them (SFC 64 TIME_TCK).
+    TimeTck = "time_tck"() -> I32, Cells;
+
     /// Starts timer `number` (already checked) in `mode` (a [`TimerMode`]) with the S5TIME in `value`, by the edge of `rlo`.
     /// Result: bit 0 an invalid BCD value (synchronous error to be raised by the caller), bit 1 OV := bit 2 (only SD).
     TimerStart = "timer_start"(number: I32, mode: I32, value: I32, rlo: I32) -> I32, Cells;

@@ -42,6 +42,11 @@ impl Clock {
         }
     }
 
+    /// Milliseconds since the start, 0..=2147483647, then from 0 again.
+    pub fn ticks(&self) -> u32 {
+        ((self.now() / NS_PER_MS) & 0x7FFF_FFFF) as u32
+    }
+
     /// Moves the virtual clock forward to `time`; never back. The real clock moves itself.
     pub fn move_to(&self, time: u64) {
         self.now.set(time.max(self.now.get()));

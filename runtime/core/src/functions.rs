@@ -122,6 +122,7 @@ functions! {
         SystemFunction = plcc_rt_system_function(cpu, site, number, block, lbase) -> u32 {
             cpu.system_function(site, number, block, lbase)
         }
+        TimeTck = plcc_rt_time_tck(cpu) -> u32 { cpu.clock.ticks() }
         TimerStart = plcc_rt_timer_start(cpu, number, mode, value, rlo) -> u32 {
             match TimerMode::ALL.get(mode as usize) {
                 Some(mode) => timers::start(&cpu.memory, &cpu.clock, number, *mode, value, rlo != 0),

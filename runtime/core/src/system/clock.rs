@@ -2,7 +2,6 @@
 
 use super::parameters::Call;
 use super::{OK, Outcome, error};
-use crate::clock::NS_PER_MS;
 use crate::datetime::{self, DateTimeError};
 
 /// Sets the wall clock; the weekday is ignored. 8080 date, 8081 time wrong.
@@ -23,8 +22,7 @@ pub(super) fn read_clk(call: &Call) -> Outcome {
     OK
 }
 
-/// Milliseconds since the start, 0..=2147483647, then from 0 again.
 pub(super) fn time_tck(call: &Call) -> Outcome {
-    call.set_dword(0, ((call.cpu.clock.now() / NS_PER_MS) & 0x7FFF_FFFF) as u32);
+    call.set_dword(0, call.cpu.clock.ticks());
     Outcome::Plain
 }
