@@ -58,6 +58,9 @@ FOR #j := 1 TO #steps DO
   #ASKED_OFF[#j] := FALSE;
 END_FOR;";
 
+/// Goes on in a loop if `k` is no place of a step.
+const ONLY_STEPS: &str = "IF DINT_TO_UDINT(INT_TO_DINT(#k) - 1) <= #last_step THEN ; ELSE CONTINUE; END_IF;";
+
 impl Binder<'_> {
     /// Binds the chart of a block.
     pub fn bind_chart(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, chart: &Chart) -> Body {
@@ -184,6 +187,7 @@ impl Binder<'_> {
                 "has_transition_display" => Meaning::Bool(features.transition_display),
                 "has_safe_activation" => Meaning::Bool(features.safe_activation),
                 "steps" => Meaning::Number(chart.steps.len() as u64),
+                "last_step" => Meaning::Number(chart.steps.len() as u64 - 1),
                 "transitions" => Meaning::Number(chart.transitions.len() as u64),
                 _ => match PARAMETERS.iter().find(|one| one.name == name && one.effect == Effect::Named) {
                     Some(parameter) if !is_declared(ctx, parameter) => match parameter.ty {
@@ -197,6 +201,7 @@ impl Binder<'_> {
         let text = ENGINE
             .replace("edges();", &parameters::edges(declared))
             .replace("monitor();", MONITOR)
+            .replace("only_steps();", ONLY_STEPS)
             .replace("clear_requests();", CLEAR_REQUESTS);
         let trees = template::prune(template::parse(&text), &meaning);
         let holes = Assembly::new(engine, parts, features, results, owned, competing).holes();
