@@ -275,7 +275,7 @@ impl<'a> Layout<'a, '_> {
         self.push_here(Tok::RowEnd);
     }
 
-    /// `FROM x`, `FROM ( x, y)`, `TO (x, y) :`, `TO x (*$_JUMP*)`
+    /// `FROM x`, `FROM ( x, y)`, `TO (x, y) :`, `TO x (*$_JUMP*)`, with the colon before or behind the mark.
     fn steps(&mut self, tok: Tok<'a>) {
         self.take(tok);
         let open = self.peek().filter(|token| token.kind == RawKind::LeftParen);
@@ -293,8 +293,9 @@ impl<'a> Layout<'a, '_> {
                     named = true;
                     self.at += 1;
                 }
+                RawKind::Colon if self.is_jump(self.at + 1) => self.at += 1,
                 RawKind::Colon | RawKind::Semicolon => break,
-                RawKind::Pragma if pragma::tag(self.slice(token)) == Some(Tag::Jump) => {
+                RawKind::Pragma if self.is_jump(self.at) => {
                     self.take(Tok::Jump);
                     named = true;
                 }
@@ -318,6 +319,12 @@ impl<'a> Layout<'a, '_> {
             self.unclosed(opening);
         }
         self.push_here(Tok::RowEnd);
+    }
+
+    fn is_jump(&self, index: usize) -> bool {
+        self.raw
+            .get(index)
+            .is_some_and(|token| token.kind == RawKind::Pragma && pragma::tag(self.slice(*token)) == Some(Tag::Jump))
     }
 
     fn outside_of_clauses(&mut self, token: RawToken) {

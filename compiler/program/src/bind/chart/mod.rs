@@ -4,8 +4,8 @@
 //! - `index`: steps and transitions by name and number; `names`: they in expressions.
 //! - `engine.scl`, `monitor.scl`: one call of the block as SCL with holes; `template` reads them.
 //! - `engine`: what the statements know of the chart: where its data lie, sets of steps; `build`: pieces of the typed tree.
-//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions, `comparison`: what they and rows combine;
-//!   `call`: block calls of the first two; `leaving`: what they cannot do.
+//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `numbers`: what they compare and
+//!   rows compute with; `call`: block calls of the first two; `leaving`: what they cannot do.
 //! - `assemble`: the code of steps and transitions, put into the holes.
 //! - `analysis`: which charts can be.
 //! - `reference`: the page about GRAPH.
@@ -17,11 +17,13 @@ mod analysis;
 mod assemble;
 mod build;
 mod call;
-mod comparison;
 mod condition;
 mod engine;
 mod index;
 mod leaving;
+mod names;
+mod numbers;
+mod parameters;
 mod permanent;
 mod reference;
 mod template;
@@ -69,7 +71,7 @@ impl Binder<'_> {
             Dialect::Tia | Dialect::Sfc => scl::ast::Dialect::Tia,
         };
         ctx.scl = Scope::new(self.input, &block.header, dialect);
-        ctx.scl.chart_numbers = chart.dialect == Dialect::Classic;
+        ctx.scl.address_numbers = chart.dialect == Dialect::Classic;
         let sets_flag = ctx.scl.sets_flag;
         let index = Index::new(chart);
         self.check_chart(ctx, block, chart, &index);

@@ -42,7 +42,7 @@ impl Binder<'_> {
         span: Span,
     ) -> Option<Expr> {
         let op = compare_op(op)?;
-        let (left, right) = if ctx.scl.chart_numbers { self.chart_operands(ctx, left, right) } else { (left, right) };
+        let (left, right) = if ctx.scl.address_numbers { self.chart_operands(ctx, left, right) } else { (left, right) };
         if let Some(ty) = self.compared_type(ctx, &left, &right) {
             self.decided_before(op, op_span, &left, &right, ty);
             let left = self.scl_convert(ctx, left, ty);

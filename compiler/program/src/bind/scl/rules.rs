@@ -77,8 +77,8 @@ pub struct Scope {
     pub strict: bool,
     /// The code sets OK/ENO by itself.
     pub sets_flag: bool,
-    /// Comparisons and arithmetic are those of a chart in S7-GRAPH V5, in which addresses are numbers.
-    pub chart_numbers: bool,
+    /// A bit string is the number of its width, too: in charts of S7-GRAPH V5.
+    pub address_numbers: bool,
     /// Folded names.
     pub labels: FxHashMap<String, Label>,
     /// The lists of statements around the present one, outermost first.

@@ -5,11 +5,12 @@
 //! apart, or bring together, what the transitions alone do not. Source: GRAPH reference G.4 and chapter I, "Detection".
 
 use plcc_diag::{Code, Diagnostic, Severity};
+use plcc_syntax::chart::ast::{ActionBody, Qualifier};
 use plcc_syntax::scl::ast::ExprKind;
 use rustc_hash::FxHashSet;
 
 use super::marking::{self, Entry, MARKINGS_MAX};
-use super::net::{Reach, StepSet};
+use super::net::{Arcs, Net, StepSet};
 use super::regions::{self, Stray};
 use super::structure::Start;
 use super::{Checked, step_title, transition_title};
@@ -19,7 +20,7 @@ use crate::bind::mentions::condition_expressions;
 pub fn check(checked: &Checked, start: Start, messages: &mut Vec<Diagnostic>) -> Vec<StepSet> {
     let net = &checked.net;
     let branches = regions::branches(net);
-    for stray in &branches.strays {
+    for stray in branches.strays.iter().filter(|stray| !abandons(checked, stray)) {
         messages.push(branch_jump(checked, stray));
     }
     if start == Start::Wrong || !checked.requests.is_empty() {
@@ -74,6 +75,16 @@ fn asks_for_steps(checked: &Checked) -> bool {
     found
 }
 
+/// A way out of a path between whose steps one switches off all the others.
+fn abandons(checked: &Checked, stray: &Stray) -> bool {
+    let switches_off = |&step: &usize| {
+        let mut rows = checked.chart.steps[step].actions.iter();
+        rows.any(|row| row.qualifier == Qualifier::Off && matches!(row.body, ActionBody::All { .. }))
+    };
+    let arcs = &checked.net.transitions[stray.transition];
+    !stray.inward && arcs.from.iter().chain(&arcs.to).any(switches_off)
+}
+
 fn branch_jump(checked: &Checked, stray: &Stray) -> Diagnostic {
     let chart = checked.chart;
     let (transition, opener) = (&chart.transitions[stray.transition], &chart.transitions[stray.opener]);
@@ -113,8 +124,18 @@ fn unsafe_branch(checked: &Checked, entry: &Entry, severity: Severity) -> Diagno
     if let Some(opener) = entry.opener {
         message = message.also(chart.transitions[opener].name.span, "opens simultaneous paths");
     }
-    message.severity = severity;
+    message.severity = if is_jumped_into(checked, entry) { Severity::Warning } else { severity };
     message.help("end simultaneous paths in one transition with all their last steps behind FROM, not one by one")
+}
+
+/// Jumps from other sequencers, which may not know that this one is running, lead to the steps here. Sequencers are drawn without jumps.
+fn is_jumped_into(checked: &Checked, entry: &Entry) -> bool {
+    let net = &checked.net;
+    let drawn: Vec<Arcs> = net.transitions.iter().filter(|arcs| !arcs.jump).cloned().collect();
+    let sequencer = Net::of(net.steps(), Vec::new(), drawn).sequencers();
+    let inside = |step: &usize| sequencer[*step] == sequencer[entry.step];
+    let mut jumps = net.transitions.iter().filter(|arcs| arcs.jump);
+    jumps.any(|arcs| arcs.to.iter().any(inside) && !arcs.from.iter().any(inside))
 }
 
 fn unproven(checked: &Checked, opener: usize) -> Diagnostic {

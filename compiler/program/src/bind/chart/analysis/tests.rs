@@ -256,6 +256,27 @@ fn jumps_out_of_branches() {
         "B >> A : #y",
     ];
     assert_eq!(codes(&abandoned), ["(P0568)"]);
+    let over_a_step = [
+        "*A",
+        "B",
+        "C",
+        "D",
+        "E",
+        "F: S1_OFF S_ALL",
+        "A > B, C",
+        "B > D : #x",
+        "C > E",
+        "D + E >> A",
+        "B >> F : #y",
+        "F >> A",
+    ];
+    assert_eq!(codes(&over_a_step), NONE, "the step on the way out switches off all paths");
+}
+
+#[test]
+fn a_jump_into_another_sequencer() {
+    let jump = ["*A", "B", "*M", "N", "A > B", "B >> A : #x", "B >> N : #y", "M > N", "N >> M"];
+    assert_eq!(codes(&jump), ["(P0567)"], "the other one runs on");
 }
 
 #[test]

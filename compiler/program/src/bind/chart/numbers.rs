@@ -1,7 +1,7 @@
-//! Comparisons and arithmetic in a chart of S7-GRAPH V5: those of LAD, of INT, DINT, REAL and TIME.
+//! Numbers in a chart of S7-GRAPH V5: its comparisons and its arithmetic are those of INT, DINT, REAL and TIME.
 //!
-//! The text of a condition does not say which one is meant, so that the operands do: an address such as MD4 is the number of its width, or
-//! what it is combined with, and milliseconds in a DWORD or DINT are a TIME. Source: GRAPH reference A.6, D.8.
+//! The text does not say which one is meant, so that the operands do: an address such as MD4 is the number of its width, or what stands on
+//! the other side, and milliseconds in a DWORD or DINT are a TIME. Source: GRAPH reference A.6, D.8.
 
 use plcc_syntax::{Class, Elementary};
 
@@ -12,13 +12,13 @@ use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
 
 impl Binder<'_> {
-    /// The two sides of an operator, as it takes them.
+    /// The two sides of a comparison or of `+ - * /`, as it takes them.
     pub(in crate::bind) fn chart_operands(&mut self, ctx: &mut Ctx, left: Value, right: Value) -> (Value, Value) {
-        let (left_type, right_type) = (compared_as(&left, &right), compared_as(&right, &left));
-        (self.taken_as(ctx, left, left_type), self.taken_as(ctx, right, right_type))
+        let (left_type, right_type) = (taken_as(&left, &right), taken_as(&right, &left));
+        (self.chart_operand(ctx, left, left_type), self.chart_operand(ctx, right, right_type))
     }
 
-    fn taken_as(&mut self, ctx: &mut Ctx, value: Value, ty: Option<Elementary>) -> Value {
+    fn chart_operand(&mut self, ctx: &mut Ctx, value: Value, ty: Option<Elementary>) -> Value {
         let Some(ty) = ty else { return value };
         let kept = value.clone();
         let Some(value) = self.scl_own_type(ctx, value) else { return kept };
@@ -26,17 +26,20 @@ impl Binder<'_> {
     }
 }
 
-/// The type of its width that a value beside `other` has; none: its own.
-fn compared_as(value: &Value, other: &Value) -> Option<Elementary> {
+/// The type that a value has beside `other`; none: its own.
+fn taken_as(value: &Value, other: &Value) -> Option<Elementary> {
+    let beside = Shape::of(other);
     let number = match Shape::of(value) {
         Shape::Of(Elementary::Word) => Elementary::Int,
         Shape::Of(Elementary::Dword) => Elementary::Dint,
-        Shape::Of(Elementary::Dint) if Shape::of(other) == Shape::Of(Elementary::Time) => {
+        Shape::Of(Elementary::Int | Elementary::Dint | Elementary::S5Time) | Shape::Integer(_)
+            if beside == Shape::Of(Elementary::Time) =>
+        {
             return Some(Elementary::Time);
         }
         _ => return None,
     };
-    match Shape::of(other) {
+    match beside {
         Shape::Integer(_) if matches!(other, Value::Constant(Constant::Integer { based: true, .. }, _)) => None,
         Shape::Of(ty) if ty.class() == Class::Bits => (ty.bits() >= 16).then_some(number),
         Shape::Of(ty) if ty.bits() == number.bits() => Some(ty),
