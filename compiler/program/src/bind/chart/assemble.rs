@@ -285,7 +285,8 @@ impl<'a, 'c> Assembly<'a, 'c> {
         }
         let place = |at: usize| list.iter().position(|one| *one == at).unwrap_or(0);
         self.in_order(list, &|list| {
-            let branches = list.iter().map(|&at| (self.goes(at, satisfied(place(at), at)), self.fire(at))).collect();
+            let fire = |at| if self.is_plain(at) { self.fire_plain(at) } else { self.fire(at) };
+            let branches = list.iter().map(|&at| (self.goes(at, satisfied(place(at), at)), fire(at))).collect();
             let span = self.engine.chart.transitions[list[0]].span;
             vec![Statement { kind: StatementKind::If { branches, otherwise: Vec::new() }, span }]
         })
@@ -330,25 +331,45 @@ impl<'a, 'c> Assembly<'a, 'c> {
         goes
     }
 
+    /// From one step to another one, as most transitions.
+    fn is_plain(&self, at: usize) -> bool {
+        self.parts.from[at].len() == 1 && self.parts.to[at].len() == 1
+    }
+
     /// A transition switches.
     fn fire(&self, at: usize) -> Vec<Statement> {
+        let engine = self.engine;
+        let mut statements = self.mark_fired(at);
+        for &step in &self.parts.from[at] {
+            let span = engine.chart.transitions[at].span;
+            statements.extend(engine.append(&engine.left, "S0X", "left", step, span));
+        }
+        statements.extend(self.enter(at));
+        statements
+    }
+
+    /// A plain transition of step `k` switches; what does not depend on it stands once, behind the code of all steps.
+    fn fire_plain(&self, at: usize) -> Vec<Statement> {
+        let span = self.engine.chart.transitions[at].span;
+        let target = number(self.parts.to[at][0] as u64 + 1, Elementary::Int, span);
+        let mut statements = self.mark_fired(at);
+        statements.push(assign(self.engine.variable("target"), target, span));
+        statements
+    }
+
+    /// TS, and the end of a forced transition.
+    fn mark_fired(&self, at: usize) -> Vec<Statement> {
         let engine = self.engine;
         let span = engine.chart.transitions[at].span;
         let flags = super::build::load(&engine.flags(at), span);
         let flags = binary_expr(BinaryOp::Or, flags, number(4, Elementary::Byte, span), Elementary::Byte, span);
-        let mut statements = vec![self.set_flags(at, flags)];
         let pushed = match self.features.transition_display {
             true => super::build::load(engine.variable("still_valid"), span),
             false => number(0, Elementary::Bool, span),
         };
         let forced = super::build::load(engine.variable("forced"), span);
         let forced = binary_expr(BinaryOp::And, forced, pushed, Elementary::Bool, span);
-        statements.push(assign(engine.variable("forced"), forced, span));
-        for &step in &self.parts.from[at] {
-            statements.extend(engine.append(&engine.left, "S0X", "left", step, span));
-        }
-        statements.extend(self.enter(at));
-        statements
+        vec![self.set_flags(at, flags), assign(engine.variable("forced"), forced, span)]
     }
 
     /// Steps that a transition enters, those that are entered already aside.
@@ -369,11 +390,9 @@ impl<'a, 'c> Assembly<'a, 'c> {
         for &at in single {
             let span = self.engine.chart.transitions[at].span;
             let engine = self.engine;
-            let mut then = vec![
-                assign(engine.variable("skipped"), number(1, Elementary::Bool, span), span),
-                engine.passed.add(step, span),
-                engine.remove(&engine.entered, step, span),
-            ];
+            let mut then = vec![assign(engine.variable("skipped"), number(1, Elementary::Bool, span), span)];
+            then.extend(engine.passed.add(step, span));
+            then.extend(engine.entered.remove(step, span));
             for &next in &self.parts.to[at] {
                 let append = engine.append(&engine.entered, "S1X", "entered", next, span);
                 let replaced = super::build::load(engine.variable("replaced"), span);

@@ -5,6 +5,7 @@ use plcc_syntax::Elementary;
 use plcc_syntax::chart::ast::{Body as Chart, Event};
 use rustc_hash::FxHashMap;
 
+use super::assemble::{Features, Parts};
 use super::build::{assign, element, if_then, load, number};
 use super::index::Index;
 use super::instance::{Members, TIA_DATA, words};
@@ -29,21 +30,18 @@ pub struct Engine<'c> {
     /// Where data of steps and transitions begin.
     steps: Vec<Variable>,
     transitions: Vec<Variable>,
-    /// Sets of steps in 64 bits a word: active, left and entered in this call.
-    pub active: Set,
+    /// Sets of steps in 64 bits a word: active ones, in the instance; left, entered and skipped ones of this call.
+    active: Set,
     pub left: Set,
     pub entered: Set,
-    /// Steps that were skipped in this call.
     pub passed: Set,
-    /// The words of `active` between calls.
-    kept: Vec<Variable>,
     /// Stands for what the engine adds, in messages at run time.
     pub span: Span,
 }
 
-/// A set of steps in variables of the frame.
+/// A set of steps; a word for steps that nobody asks for is not there.
 #[derive(Clone)]
-pub struct Set(Vec<Variable>);
+pub struct Set(Vec<Option<Variable>>);
 
 /// Variables of the engine in the frame. Source: `engine.scl`.
 const BITS: &[&str] = &[
@@ -101,6 +99,7 @@ const NUMBERS: &[&str] = &[
     "faults",
     "first_valid",
     "valid",
+    "target",
 ];
 const TIMES: &[&str] = &["now", "passed", "elapsed"];
 
@@ -147,9 +146,11 @@ impl<'c> Engine<'c> {
         for (list, ty) in [(BITS, Elementary::Bool), (NUMBERS, Elementary::Int), (TIMES, Elementary::Dint)] {
             names.extend(list.iter().map(|name| (*name, page.pool.lasting(ctx, ty).variable())));
         }
-        let mut set =
-            || Set((0..words(steps.len())).map(|_| page.pool.lasting(ctx, Elementary::Ulint).variable()).collect());
-        let (active, left, entered, passed) = (set(), set(), set(), set());
+        let mut set = || {
+            let word = |_| Some(page.pool.lasting(ctx, Elementary::Ulint).variable());
+            Set((0..words(steps.len())).map(word).collect())
+        };
+        let (left, entered, passed) = (set(), set(), set());
         for (name, path) in KEPT {
             let found = variable(&bound, path).or_else(|| variable(&bound, &[&[TIA_DATA], *path].concat()))?;
             names.insert(*name, found);
@@ -157,16 +158,15 @@ impl<'c> Engine<'c> {
         let double = |variable: &Variable| typed(variable, 0, DataType::Elementary(Elementary::Dword));
         names.insert("MOP_D", double(&names["MOP"]));
         names.insert("OLD_D", double(&names["OLD"]));
-        let kept = (0..words(steps.len()) as u32)
-            .map(|word| typed(&names["ACTIVE"], 8 * word, DataType::Elementary(Elementary::Ulint)))
-            .collect();
+        let word = |word| Some(typed(&names["ACTIVE"], 8 * word, DataType::Elementary(Elementary::Ulint)));
+        let active = Set((0..words(steps.len()) as u32).map(word).collect());
         names.insert("G7S", list(steps.first()?, steps.len(), steps[0].ty.clone()));
         names.insert("RAW", list(steps.first()?, steps.len(), raw_step(layout::bytes(&steps[0].ty))));
         if let Some(first) = transitions.first() {
             names.insert("G7T", list(first, transitions.len(), first.ty.clone()));
             names.insert("TRAW", list(first, transitions.len(), raw_transition(layout::bytes(&first.ty))));
         }
-        Some(Engine { chart, index, page, names, steps, transitions, active, left, entered, passed, kept, span })
+        Some(Engine { chart, index, page, names, steps, transitions, active, left, entered, passed, span })
     }
 
     /// A component of a step.
@@ -245,44 +245,44 @@ impl<'c> Engine<'c> {
         self.active.holds_all(steps, span)
     }
 
-    /// Fetches the set of active steps; the others are empty.
-    pub fn begin_sets(&self) -> Vec<Statement> {
-        let zero = |variable: &Variable| assign(variable, number(0, Elementary::Ulint, self.span), self.span);
-        let fetch =
-            self.active.0.iter().zip(&self.kept).map(|(word, kept)| assign(word, load(kept, self.span), self.span));
-        fetch.chain(self.left.0.iter().chain(&self.entered.0).chain(&self.passed.0).map(zero)).collect()
+    /// Leaves out of the sets what nobody asks: whether a step is left is asked where joins compete and where OFF is, whether it is
+    /// entered where several transitions lead to it.
+    pub fn restrict_sets(&mut self, features: &Features, parts: &Parts, competing: &[usize]) {
+        let steps = 0..self.steps.len();
+        let left = competing.iter().flat_map(|at| &parts.from[*at]).copied();
+        let mut ways = vec![0; self.steps.len()];
+        parts.to.iter().flatten().for_each(|step| ways[*step] += 1);
+        self.left.restrict(steps.clone().filter(|_| features.requests).chain(left));
+        self.entered.restrict(steps.clone().filter(|step| features.skipping || ways[*step] > 1));
+        self.passed.restrict(steps.filter(|_| features.skipping));
     }
 
-    /// Adds step `k`, known at run time, to the active ones or takes it away, also in the instance.
+    /// Empties the sets of the call.
+    pub fn begin_sets(&self) -> Vec<Statement> {
+        let zero = |variable: &Variable| assign(variable, number(0, Elementary::Ulint, self.span), self.span);
+        [&self.left, &self.entered, &self.passed].iter().flat_map(|set| set.0.iter().flatten()).map(zero).collect()
+    }
+
+    /// Adds step `k`, known at run time, to the active ones or takes it away.
     pub fn change_active(&self, add: bool) -> Vec<Statement> {
-        let change = |word: usize, bit: Expr| {
-            let before = load(&self.active.0[word], self.span);
+        self.by_word(&|word, bit| {
+            let Some(variable) = &self.active.0[word] else { return Vec::new() };
+            let before = load(variable, self.span);
             let after = match add {
                 true => binary_expr(BinaryOp::Or, before, bit, Elementary::Ulint, self.span),
                 false => binary_expr(BinaryOp::And, before, not(bit), Elementary::Ulint, self.span),
             };
-            let after = vec![assign(&self.active.0[word], after, self.span)];
-            let keep = assign(&self.kept[word], load(&self.active.0[word], self.span), self.span);
-            after.into_iter().chain([keep]).collect()
-        };
-        self.by_word(&change)
+            vec![assign(variable, after, self.span)]
+        })
     }
 
     /// Adds step `k`, known at run time, to a set.
     pub fn mark(&self, set: &Set) -> Vec<Statement> {
         self.by_word(&|word, bit| {
-            let before = load(&set.0[word], self.span);
-            let after = binary_expr(BinaryOp::Or, before, bit, Elementary::Ulint, self.span);
-            vec![assign(&set.0[word], after, self.span)]
+            let Some(variable) = &set.0[word] else { return Vec::new() };
+            let after = binary_expr(BinaryOp::Or, load(variable, self.span), bit, Elementary::Ulint, self.span);
+            vec![assign(variable, after, self.span)]
         })
-    }
-
-    /// Takes a step out of a set.
-    pub fn remove(&self, set: &Set, step: usize, span: Span) -> Statement {
-        let (word, bit) = Set::word_of(step);
-        let rest = number(!bit, Elementary::Ulint, span);
-        let after = binary_expr(BinaryOp::And, load(&set.0[word], span), rest, Elementary::Ulint, span);
-        assign(&set.0[word], after, span)
     }
 
     /// Puts a step into the place of S1X that comes next again, and into the entered ones.
@@ -292,19 +292,26 @@ impl<'c> Engine<'c> {
             binary_expr(BinaryOp::Subtract, load(place, span), number(1, Elementary::Int, span), Elementary::Int, span);
         let target = element(self.variable("S1X"), load(place, span), span);
         let value = number(step as u64 + 1, Elementary::Byte, span);
-        vec![
+        let mut statements = vec![
             assign(self.variable("replaced"), number(1, Elementary::Bool, span), span),
             assign(place, before, span),
             Statement { kind: StatementKind::Assign { target, value }, span },
-            self.entered.add(step, span),
-        ]
+        ];
+        statements.extend(self.entered.add(step, span));
+        statements
     }
 
-    /// Puts into `known` whether step `k`, known at run time, is in a set.
+    /// Puts into `known` whether step `k`, known at run time, is in a set. FALSE for steps that the set does not tell of.
     pub fn look_up(&self, set: &Set) -> Vec<Statement> {
         self.by_word(&|word, bit| {
-            let both = binary_expr(BinaryOp::And, load(&set.0[word], self.span), bit, Elementary::Ulint, self.span);
-            vec![assign(self.variable("known"), compared(CompareOp::NotEqual, both, 0), self.span)]
+            let known = match &set.0[word] {
+                Some(variable) => {
+                    let both = binary_expr(BinaryOp::And, load(variable, self.span), bit, Elementary::Ulint, self.span);
+                    compared(CompareOp::NotEqual, both, 0)
+                }
+                None => number(0, Elementary::Bool, self.span),
+            };
+            vec![assign(self.variable("known"), known, self.span)]
         })
     }
 
@@ -344,11 +351,8 @@ impl<'c> Engine<'c> {
             binary_expr(BinaryOp::Add, load(count, span), number(1, Elementary::Int, span), Elementary::Int, span);
         let place = element(self.variable(list), load(count, span), span);
         let value = number(step as u64 + 1, Elementary::Byte, span);
-        vec![
-            assign(count, more, span),
-            Statement { kind: StatementKind::Assign { target: place, value }, span },
-            set.add(step, span),
-        ]
+        let put = Statement { kind: StatementKind::Assign { target: place, value }, span };
+        [assign(count, more, span), put].into_iter().chain(set.add(step, span)).collect()
     }
 }
 
@@ -357,11 +361,29 @@ impl Set {
         (step / 64, 1 << (step % 64))
     }
 
-    pub fn add(&self, step: usize, span: Span) -> Statement {
+    /// Leaves out the words that none of these steps is in: nobody asks whether they are in the set.
+    pub fn restrict(&mut self, steps: impl Iterator<Item = usize>) {
+        let mut needed = vec![false; self.0.len()];
+        steps.for_each(|step| needed[Set::word_of(step).0] = true);
+        self.0.iter_mut().zip(needed).filter(|(_, needed)| !needed).for_each(|(word, _)| *word = None);
+    }
+
+    /// Puts a step into the set.
+    pub fn add(&self, step: usize, span: Span) -> Option<Statement> {
         let (word, bit) = Set::word_of(step);
-        let before = load(&self.0[word], span);
-        let after = binary_expr(BinaryOp::Or, before, number(bit, Elementary::Ulint, span), Elementary::Ulint, span);
-        assign(&self.0[word], after, span)
+        let variable = self.0[word].as_ref()?;
+        let bit = number(bit, Elementary::Ulint, span);
+        let after = binary_expr(BinaryOp::Or, load(variable, span), bit, Elementary::Ulint, span);
+        Some(assign(variable, after, span))
+    }
+
+    /// Takes a step out of the set.
+    pub fn remove(&self, step: usize, span: Span) -> Option<Statement> {
+        let (word, bit) = Set::word_of(step);
+        let variable = self.0[word].as_ref()?;
+        let rest = number(!bit, Elementary::Ulint, span);
+        let after = binary_expr(BinaryOp::And, load(variable, span), rest, Elementary::Ulint, span);
+        Some(assign(variable, after, span))
     }
 
     /// All of these steps are in the set: one comparison a word.
@@ -382,9 +404,9 @@ impl Set {
             let (word, bit) = Set::word_of(step);
             masks[word] |= bit;
         }
-        self.0.iter().zip(masks).filter(|(_, mask)| *mask != 0).map(move |(word, mask)| {
+        self.0.iter().zip(masks).filter(|(_, mask)| *mask != 0).filter_map(move |(word, mask)| {
             let mask_value = number(mask, Elementary::Ulint, span);
-            (binary_expr(BinaryOp::And, load(word, span), mask_value, Elementary::Ulint, span), mask)
+            Some((binary_expr(BinaryOp::And, load(word.as_ref()?, span), mask_value, Elementary::Ulint, span), mask))
         })
     }
 }

@@ -60,6 +60,21 @@ FOR #j := 1 TO #steps DO
   #ASKED_OFF[#j] := FALSE;
 END_FOR;";
 
+/// The transition that the code of step `k` has chosen leaves it and enters the step at `target`.
+const SWITCH_OVER: &str = "IF #target > 0 THEN
+  #left := #left + 1;
+  #S0X[#left] := INT_TO_BYTE(#k);
+  mark_left();
+  #k := #target;
+  #target := 0;
+  is_entered();
+  IF NOT #known THEN
+    #entered := #entered + 1;
+    #S1X[#entered] := INT_TO_BYTE(#k);
+    mark_entered();
+  END_IF;
+END_IF;";
+
 /// Goes on in a loop if `k` is no place of a step.
 const ONLY_STEPS: &str = "IF DINT_TO_UDINT(INT_TO_DINT(#k) - 1) <= #last_step THEN ; ELSE CONTINUE; END_IF;";
 
@@ -204,8 +219,10 @@ impl Binder<'_> {
             .replace("edges();", &parameters::edges(declared))
             .replace("monitor();", MONITOR)
             .replace("only_steps();", ONLY_STEPS)
+            .replace("switch_over();", SWITCH_OVER)
             .replace("clear_requests();", CLEAR_REQUESTS);
         let trees = template::prune(template::parse(&text), &meaning);
+        engine.restrict_sets(&features, &parts, &competing);
         let holes = Assembly::new(engine, parts, features, results, owned, competing).holes();
         self.bind_template(ctx, engine, &trees, holes)
     }
