@@ -110,14 +110,14 @@ fn zeroed() -> Moment {
 }
 
 fn leaving() -> Moment {
-    Moment { leaving: true, ..Moment::default() }
+    Moment { leaving: true, pulse: Some(input(2)), ..Moment::default() }
 }
 
 #[track_caller]
 fn check(moment: &Moment, qualifier: Qualifier, text: &str, expected: [&str; 3]) {
     let bound = bind_rows(&[(qualifier, text)], moment);
     assert!(bound.codes.is_empty(), "{text}: {:?}", bound.codes);
-    assert_eq!([&*bound.active, &*bound.leave, &*bound.expire], expected, "{text}");
+    assert_eq!([&*bound.active, &*bound.leave, &*bound.after], expected, "{text}");
 }
 
 #[track_caller]
