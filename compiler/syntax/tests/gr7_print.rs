@@ -161,7 +161,7 @@ fn step_text(out: &mut String, step: &Step) {
             ActionBody::Value { operand, value } => format!("{} := {}", expr(operand), expr(value)),
             ActionBody::All { .. } => "S_ALL".to_owned(),
             ActionBody::Call(row) => call(row),
-            ActionBody::Statements(_) | ActionBody::Error => panic!("no action of a text"),
+            ActionBody::Statements(_) | ActionBody::Network(_) | ActionBody::Error => panic!("no action of a text"),
         };
         let event = action.event.map_or(String::new(), |event| format!("{}_", event.name()));
         let mark = if action.interlock { "C" } else { "" };

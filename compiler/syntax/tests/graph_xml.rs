@@ -74,7 +74,7 @@ fn actions(chart: &Body, step: &str) -> Vec<String> {
                 let instance = call.instance.as_ref().map_or(String::new(), |instance| format!(", {}", expr(instance)));
                 format!("call {}{instance} with {}", expr(&call.block), call.parameters.len())
             }
-            ActionBody::Statements(_) | ActionBody::Error => "error".to_string(),
+            ActionBody::Statements(_) | ActionBody::Network(_) | ActionBody::Error => "error".to_string(),
         };
         format!("{event}{}{interlock} {body}", action.qualifier.name())
     });

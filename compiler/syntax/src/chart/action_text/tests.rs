@@ -31,6 +31,7 @@ fn shown(body: &ActionBody) -> String {
             format!("call {}{instance} ({})", expr(block), parameters.join("; "))
         }
         ActionBody::Statements(_) => "statements".to_string(),
+        ActionBody::Network(_) => "network".to_string(),
         ActionBody::Error => "error".to_string(),
     }
 }
