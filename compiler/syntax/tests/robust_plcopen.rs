@@ -85,7 +85,6 @@ fn networks(code: &Code) -> Vec<&Network> {
                 | ActionBody::All { .. }
                 | ActionBody::Call(_)
                 | ActionBody::Statements(_)
-                | ActionBody::Network(_)
                 | ActionBody::Error => None,
             });
             let conditions = chart.transitions.iter().filter_map(|transition| match &transition.condition {
