@@ -45,7 +45,7 @@ pub fn prune(statements: Vec<Statement>, meaning: &dyn Fn(&str) -> Meaning) -> V
                     kept.extend(inner);
                     continue;
                 }
-                Pruned::Kind(kind) => statement.kind = kind,
+                Pruned::Kind(kind) => statement.kind = *kind,
             },
             StatementKind::For { variable, start, end, step, body } => {
                 let end = substituted(end, meaning);
@@ -64,7 +64,7 @@ pub fn prune(statements: Vec<Statement>, meaning: &dyn Fn(&str) -> Meaning) -> V
 
 enum Pruned {
     Statements(Vec<Statement>),
-    Kind(StatementKind),
+    Kind(Box<StatementKind>),
 }
 
 fn pruned_if(
@@ -81,7 +81,7 @@ fn pruned_if(
                 let body = prune(body, meaning);
                 return match kept.is_empty() {
                     true => Pruned::Statements(body),
-                    false => Pruned::Kind(StatementKind::If { branches: kept, otherwise: body }),
+                    false => Pruned::Kind(Box::new(StatementKind::If { branches: kept, otherwise: body })),
                 };
             }
             None => kept.push((condition, prune(body, meaning))),
@@ -90,7 +90,7 @@ fn pruned_if(
     let otherwise = prune(otherwise, meaning);
     match kept.is_empty() {
         true => Pruned::Statements(otherwise),
-        false => Pruned::Kind(StatementKind::If { branches: kept, otherwise }),
+        false => Pruned::Kind(Box::new(StatementKind::If { branches: kept, otherwise })),
     }
 }
 
