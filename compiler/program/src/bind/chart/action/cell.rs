@@ -9,7 +9,7 @@ use plcc_syntax::ast::CellKind;
 use plcc_syntax::chart::ast::Qualifier;
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 
-use super::operand::thing_text;
+use super::operand::{plain_time, thing_text};
 use super::{Moment, Rows, guarded};
 use crate::bind::constant::Constant;
 use crate::bind::network::{no, yes};
@@ -191,7 +191,7 @@ impl Binder<'_> {
 
     /// The time of a timer: an S5TIME, or a WORD in the form of one.
     fn timer_time(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.scl_value(ctx, &plain_time(node))?;
         match (&value, Shape::of(&value)) {
             (Value::Constant(Constant::Typed { ty: Elementary::Time, bits }, span), _)
                 if *bits > TIMER_MILLISECONDS_MAX =>

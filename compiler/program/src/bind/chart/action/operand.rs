@@ -1,9 +1,11 @@
 //! Operands of N, S, R, D and L, and their times. Source: GRAPH reference D.6.
 
+use std::borrow::Cow;
+
 use plcc_diag::{Code, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::CellKind;
-use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
+use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
 
 use crate::bind::scl::Intent;
 use crate::bind::scl::convert::explicit_expr;
@@ -50,7 +52,7 @@ impl Binder<'_> {
 
     /// The time of D and L, a TIME.
     pub fn action_time(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.scl_value(ctx, &plain_time(node))?;
         match Shape::of(&value) {
             Shape::Of(Elementary::Time | Elementary::Dword | Elementary::Dint | Elementary::S5Time) => {
                 let value = self.scl_own_type(ctx, value)?;
@@ -64,6 +66,27 @@ impl Binder<'_> {
                 None
             }
         }
+    }
+}
+
+/// `5s`, `500ms`: a time without `T#`. Source: GRAPH reference D.8.
+pub fn plain_time(node: &Node) -> Cow<'_, Node> {
+    let NodeKind::Name(Name { text, form: NameForm::Bare, .. }) = &node.kind else { return Cow::Borrowed(node) };
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match text[digits.len()..].to_ascii_lowercase().as_str() {
+        "ms" => 1,
+        "s" => 1000,
+        "m" => 60_000,
+        "h" => 3_600_000,
+        _ => return Cow::Borrowed(node),
+    };
+    let milliseconds = digits.parse().ok().and_then(|count: u32| count.checked_mul(unit));
+    match milliseconds.filter(|time| i32::try_from(*time).is_ok()) {
+        Some(time) => {
+            let literal = Literal::Typed { ty: Elementary::Time, bits: u64::from(time) };
+            Cow::Owned(Node { kind: NodeKind::Literal(literal), span: node.span })
+        }
+        None => Cow::Borrowed(node),
     }
 }
 
