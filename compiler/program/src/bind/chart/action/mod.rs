@@ -78,8 +78,6 @@ struct Rows {
     left: Vec<Statement>,
     /// Operands that are 0 behind the step.
     zero: Vec<(Spot, Span)>,
-    /// Operands that S0 sets for one call.
-    pulsed: Vec<Spot>,
     /// What becomes 0 in the call behind an event.
     expire: Vec<Statement>,
 }
@@ -92,8 +90,7 @@ impl Rows {
     }
 
     fn finish(self) -> StepCode {
-        let pulsed = |spot: &Spot| self.pulsed.iter().any(|other| other.is_same(spot));
-        let zero = once(self.zero.iter().filter(|(spot, _)| !pulsed(spot)));
+        let zero = once(self.zero.iter());
         StepCode { active: self.active, leave: [self.leaving, self.left, zero].concat(), expire: self.expire }
     }
 }
@@ -223,9 +220,6 @@ impl Binder<'_> {
             Some(pulse) => {
                 rows.add(moment, guarded(value, vec![assign(&spot, yes(span), span)], span));
                 rows.expire.extend(guarded(pulse.clone(), vec![assign(&spot, no(span), span)], span));
-                if moment.leaving {
-                    rows.pulsed.push(spot);
-                }
             }
             None => {
                 rows.add(moment, vec![assign(&spot, value, span)]);
