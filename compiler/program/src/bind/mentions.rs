@@ -186,6 +186,7 @@ pub fn action_expressions(action: &chart::Action, visit: &mut dyn FnMut(&scl::Ex
         }
         chart::ActionBody::Call(call) => call_expressions(call, visit),
         chart::ActionBody::Statements(list) => statements(list, visit),
+        chart::ActionBody::Network(network) => network_expressions(network, visit),
         chart::ActionBody::All { .. } | chart::ActionBody::Error => {}
     }
 }

@@ -172,6 +172,10 @@ impl Lines {
             ActionBody::Value { operand, value } => self.line(format!("{head} {} := {}", expr(operand), expr(value))),
             ActionBody::All { .. } => self.line(format!("{head} all")),
             ActionBody::Call(call) => self.call(&head, call),
+            ActionBody::Network(network) => {
+                self.line(&head);
+                self.inside(|out| out.network(network));
+            }
             ActionBody::Statements(list) => {
                 self.line(&head);
                 self.inside(|out| out.statements(list));

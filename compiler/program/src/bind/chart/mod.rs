@@ -20,6 +20,7 @@ mod call;
 mod condition;
 mod engine;
 mod index;
+mod instance;
 mod leaving;
 mod names;
 mod numbers;

@@ -140,7 +140,7 @@ impl Binder<'_> {
             | Operator::DivideInteger
             | Operator::Modulo => {
                 let (left, right) =
-                    if ctx.scl.chart_numbers { self.chart_operands(ctx, left, right) } else { (left, right) };
+                    if ctx.scl.address_numbers { self.chart_operands(ctx, left, right) } else { (left, right) };
                 match self.time_arithmetic(ctx, op, op_span, left, right, span) {
                     Ok(value) => value,
                     Err((left, right)) => self.arithmetic(ctx, op, op_span, left, right, span),
@@ -164,7 +164,6 @@ impl Binder<'_> {
         right: Value,
         span: Span,
     ) -> Option<Value> {
-        let (left, right) = if ctx.scl.address_numbers { self.chart_operands(ctx, left, right) } else { (left, right) };
         let ty = numeric::common(ctx.scl.rules, Shape::of(&left), Shape::of(&right));
         let whole = matches!(op, Operator::DivideInteger | Operator::Modulo);
         let Some(ty) = ty.filter(|ty| !(whole && ty.is_float())) else {

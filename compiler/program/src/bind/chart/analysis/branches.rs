@@ -10,7 +10,7 @@ use plcc_syntax::scl::ast::ExprKind;
 use rustc_hash::FxHashSet;
 
 use super::marking::{self, Entry, MARKINGS_MAX};
-use super::net::{Arcs, Net, StepSet};
+use super::net::{Arcs, Net, Reach, StepSet};
 use super::regions::{self, Stray};
 use super::structure::Start;
 use super::{Checked, step_title, transition_title};

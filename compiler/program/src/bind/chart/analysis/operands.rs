@@ -124,7 +124,7 @@ fn resets(chart: &Chart, facts: &Facts) -> FxHashSet<Place> {
             ActionBody::Operand(value) | ActionBody::Value { operand: value, .. } => {
                 resets.extend(place(value, facts));
             }
-            ActionBody::Call(_) | ActionBody::Statements(_) => {
+            ActionBody::Call(_) | ActionBody::Statements(_) | ActionBody::Network(_) => {
                 action_expressions(action, &mut |value| resets.extend(place(value, facts)));
             }
             ActionBody::All { .. } | ActionBody::Error => {}
