@@ -13,7 +13,7 @@ use super::constant::Constants;
 use super::names::fold;
 use super::path::Base;
 use super::predefined;
-use super::{Binder, State};
+use super::{Binder, SYSTEM_FILE, State};
 use crate::layout::{self, BYTES_MAX, Placer};
 use crate::model::{BlockKey, Interface};
 use crate::types::{ArrayType, DataType, Elementary, Member, OpenArrayType, ParameterType, StructType};
@@ -441,6 +441,15 @@ impl<'a> Binder<'a> {
 
     pub fn declare_name(&mut self, names: &mut FxHashMap<String, Span>, name: &str, span: Span) {
         if let Some(first) = names.insert(fold(name), span) {
+            // What a language declares by itself stands behind everything that the source declares.
+            if span.file == SYSTEM_FILE && first.file != SYSTEM_FILE {
+                self.report.push(
+                    Diagnostic::new(Code::DuplicateName, first, format!("`{name}` is a name of GRAPH in this block"))
+                        .label("the chart keeps its own data under this name")
+                        .help("give the variable another name"),
+                );
+                return;
+            }
             self.report.push(
                 Diagnostic::new(Code::DuplicateName, span, format!("`{name}` is declared twice"))
                     .label("the second declaration")

@@ -2,7 +2,7 @@
 
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
-use plcc_syntax::chart::ast::{Body as Chart, Event};
+use plcc_syntax::chart::ast::{Body as Chart, Dialect, Event};
 use rustc_hash::FxHashMap;
 
 use super::assemble::{Features, Parts};
@@ -152,7 +152,10 @@ impl<'c> Engine<'c> {
         };
         let (left, entered, passed) = (set(), set(), set());
         for (name, path) in KEPT {
-            let found = variable(&bound, path).or_else(|| variable(&bound, &[&[TIA_DATA], *path].concat()))?;
+            let found = match chart.dialect {
+                Dialect::Tia => variable(&bound, &[&[TIA_DATA], *path].concat())?,
+                Dialect::Classic | Dialect::Sfc => variable(&bound, path)?,
+            };
             names.insert(*name, found);
         }
         let double = |variable: &Variable| typed(variable, 0, DataType::Elementary(Elementary::Dword));

@@ -69,6 +69,20 @@ fn declared(block: &ast::CodeBlock) -> impl Iterator<Item = &Variable> {
 /// Names of what the engine declares.
 const ENGINE_NAMES: [&str; 10] = ["G7S", "G7T", "SAX", "S0X", "S1X", "MOPEDGE", "MOP", "SQ_FLAGS", "G7_DATA", TIA_DATA];
 
+/// Whether the block declares a name under which the chart keeps its data, which is told where names are declared.
+pub fn clashes(block: &ast::CodeBlock, chart: &Chart) -> bool {
+    let arrays = chart.settings.data == Some(StepData::Array);
+    declared(block).any(|variable| {
+        let is = |name: &str| variable.name.eq_ignore_ascii_case(name);
+        match ENGINE_NAMES.iter().find(|name| is(name)) {
+            None => false,
+            Some(&("G7S" | "G7T")) => arrays,
+            Some(&TIA_DATA) => chart.dialect == Dialect::Tia,
+            Some(_) => chart.dialect != Dialect::Tia,
+        }
+    })
+}
+
 /// The block with everything declared that its chart brings: operating parameters before those of the block, data of the chart behind
 /// its static data.
 pub fn expanded(block: &ast::CodeBlock, chart: &Chart) -> ast::CodeBlock {

@@ -94,6 +94,9 @@ impl Binder<'_> {
         let members = Members::new(block, chart);
         let chart = &self.resolved_chart(block, chart, &index, &members);
         let span = block.name.span();
+        if instance::clashes(block, chart) {
+            return Body::default();
+        }
         let Some(mut engine) = Engine::new(ctx, chart, &index, &members, span) else { return Body::default() };
         let parts = self.chart_parts(ctx, &mut engine);
         self.unused_data(ctx, block, false);
