@@ -111,7 +111,14 @@ fn direct_frame_use(function: &Function) -> (FrameUse, Vec<FuncId>) {
     let mut touch = |region| match region {
         Region::L => frame_use.own = true,
         Region::V => frame_use.caller = true,
-        Region::State | Region::I | Region::Q | Region::M | Region::Db(_) | Region::AnyDb | Region::Any => {}
+        Region::State
+        | Region::I
+        | Region::Q
+        | Region::M
+        | Region::System
+        | Region::Db(_)
+        | Region::AnyDb
+        | Region::Any => {}
     };
     for &block in &function.layout {
         for &inst in &function.blocks[block].insts {

@@ -33,19 +33,21 @@ enum AliasClass {
     I,
     Q,
     M,
+    System,
     L,
     V,
     Dbs,
 }
 
 impl AliasClass {
-    const ALL: [AliasClass; 9] = [
+    const ALL: [AliasClass; 10] = [
         AliasClass::State,
         AliasClass::DbTable,
         AliasClass::Everything,
         AliasClass::I,
         AliasClass::Q,
         AliasClass::M,
+        AliasClass::System,
         AliasClass::L,
         AliasClass::V,
         AliasClass::Dbs,
@@ -59,6 +61,7 @@ impl AliasClass {
             AliasClass::I => "inputs",
             AliasClass::Q => "outputs",
             AliasClass::M => "bit memory",
+            AliasClass::System => "system area",
             AliasClass::L => "local data",
             AliasClass::V => "local data of the caller",
             AliasClass::Dbs => "data blocks",
@@ -125,6 +128,7 @@ impl<'m> Memory<'m> {
             Region::I => AliasClass::I,
             Region::Q => AliasClass::Q,
             Region::M => AliasClass::M,
+            Region::System => AliasClass::System,
             Region::L => AliasClass::L,
             Region::V => AliasClass::V,
             Region::Db(_) | Region::AnyDb => AliasClass::Dbs,
@@ -140,6 +144,7 @@ impl<'m> Memory<'m> {
             Region::I => layout::I,
             Region::Q => layout::Q,
             Region::M => layout::M,
+            Region::System => layout::SYSTEM,
             Region::L | Region::V | Region::AnyDb | Region::Any => 0,
             Region::Db(number) => match self.module.db(number) {
                 Some(db) => db.address,
@@ -153,7 +158,14 @@ impl<'m> Memory<'m> {
         match region {
             Region::L => self.frame.expect("a function that touches its frame is given it"),
             Region::V => self.caller_frame.expect("a function that touches its caller's frame is given it"),
-            Region::State | Region::I | Region::Q | Region::M | Region::Db(_) | Region::AnyDb | Region::Any => self.mem,
+            Region::State
+            | Region::I
+            | Region::Q
+            | Region::M
+            | Region::System
+            | Region::Db(_)
+            | Region::AnyDb
+            | Region::Any => self.mem,
         }
     }
 

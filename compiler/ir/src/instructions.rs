@@ -143,6 +143,8 @@ pub enum Region {
     Q,
     /// Bit memory.
     M,
+    /// System area of an S7-200: special memory, sequence control relays, accumulators, timers, counters.
+    System,
     /// Local data: the frame of this call.
     L,
     /// Local data of the caller.

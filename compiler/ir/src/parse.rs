@@ -618,6 +618,7 @@ fn region_named(name: &str) -> Option<Region> {
         "I" => Region::I,
         "Q" => Region::Q,
         "M" => Region::M,
+        "system" => Region::System,
         "L" => Region::L,
         "V" => Region::V,
         "anydb" => Region::AnyDb,

@@ -273,6 +273,7 @@ pub fn region_name(region: Region) -> String {
         Region::I => "I".into(),
         Region::Q => "Q".into(),
         Region::M => "M".into(),
+        Region::System => "system".into(),
         Region::L => "L".into(),
         Region::V => "V".into(),
         Region::Db(number) => format!("DB{number}"),

@@ -497,7 +497,7 @@ impl Verifier<'_> {
             self.operand_is(base, Type::I32);
         }
         let limit = match addr.region {
-            Region::State | Region::I | Region::Q | Region::M => layout::AREA_BYTES,
+            Region::State | Region::I | Region::Q | Region::M | Region::System => layout::AREA_BYTES,
             Region::L => self.function.local_bytes(),
             Region::V => layout::L_CLASS_BYTES,
             Region::Db(number) => match self.module.db(number) {

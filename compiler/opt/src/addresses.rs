@@ -130,7 +130,14 @@ impl Resolver<'_> {
                 let offset = (bits as u32).checked_add(addr.offset)?;
                 match addr.region {
                     Region::AnyDb | Region::Any => self.place_at(offset, bytes, addr.region == Region::Any),
-                    Region::State | Region::I | Region::Q | Region::M | Region::L | Region::V | Region::Db(_) => {
+                    Region::State
+                    | Region::I
+                    | Region::Q
+                    | Region::M
+                    | Region::System
+                    | Region::L
+                    | Region::V
+                    | Region::Db(_) => {
                         let direct = Address::direct(addr.region, offset);
                         self.is_inside(&direct, bytes).then_some(direct)
                     }
@@ -163,7 +170,8 @@ impl Resolver<'_> {
                 return Some(direct);
             }
         }
-        let areas = [(Region::I, layout::I), (Region::Q, layout::Q), (Region::M, layout::M)];
+        let areas =
+            [(Region::I, layout::I), (Region::Q, layout::Q), (Region::M, layout::M), (Region::System, layout::SYSTEM)];
         let (region, start) =
             areas.into_iter().find(|(_, start)| (*start..start + layout::AREA_BYTES).contains(&offset))?;
         let direct = Address::direct(region, offset - start);
@@ -173,7 +181,7 @@ impl Resolver<'_> {
     /// True if a direct access lies in its region, as the verifier asks for.
     fn is_inside(&self, addr: &Address, bytes: u32) -> bool {
         let limit = match addr.region {
-            Region::State | Region::I | Region::Q | Region::M => layout::AREA_BYTES,
+            Region::State | Region::I | Region::Q | Region::M | Region::System => layout::AREA_BYTES,
             Region::L => self.function.local_bytes(),
             Region::V => layout::L_CLASS_BYTES,
             Region::Db(number) => match self.by_number.binary_search_by_key(&number, |db| db.number) {
@@ -195,6 +203,7 @@ impl Resolver<'_> {
             Region::I => layout::I,
             Region::Q => layout::Q,
             Region::M => layout::M,
+            Region::System => layout::SYSTEM,
             Region::Db(number) => {
                 let index = self.by_number.binary_search_by_key(&number, |db| db.number).ok()?;
                 self.by_number[index].address

@@ -184,6 +184,10 @@ fn visit(function: &mut Function, id: FuncId, frames: &Frames, inst: Inst, overw
         InstData::CallRuntime { function, .. } => {
             match function.effect() {
                 Effect::Pure | Effect::Cells => {}
+                Effect::System => {
+                    overwritten.ranges.remove(&Region::System);
+                    overwritten.ranges.remove(&Region::Any);
+                }
                 Effect::Io => {
                     overwritten.ranges.remove(&Region::Q);
                     overwritten.ranges.remove(&Region::Any);
@@ -256,7 +260,14 @@ fn local_data_read(function: &Function, id: FuncId, frames: &Frames) -> Option<E
                 Some(())
             }
             Region::L | Region::Any => None,
-            Region::State | Region::I | Region::Q | Region::M | Region::V | Region::Db(_) | Region::AnyDb => Some(()),
+            Region::State
+            | Region::I
+            | Region::Q
+            | Region::M
+            | Region::System
+            | Region::V
+            | Region::Db(_)
+            | Region::AnyDb => Some(()),
         }
     };
     for block in function.layout.iter().map(|&block| &function.blocks[block]) {

@@ -189,7 +189,7 @@ impl Memory {
     /// Forgets what a write to `access` may change.
     fn forget(&mut self, access: &Access) {
         match access.region {
-            Region::State | Region::I | Region::Q | Region::M | Region::L | Region::V => {
+            Region::State | Region::I | Region::Q | Region::M | Region::System | Region::L | Region::V => {
                 self.forget_in(access.region, access);
             }
             Region::Db(_) => {
@@ -317,6 +317,10 @@ impl Forward<'_> {
             InstData::CallRuntime { function, .. } => {
                 match function.effect() {
                     Effect::Pure | Effect::Cells => {}
+                    Effect::System => {
+                        self.known.regions.remove(&Region::System);
+                        self.known.regions.remove(&Region::Any);
+                    }
                     Effect::Io => {
                         self.known.regions.remove(&Region::Q);
                         self.known.regions.remove(&Region::Any);

@@ -181,7 +181,14 @@ fn address_in_caller(addr: Address, frame_bytes: u32) -> Address {
     match addr.region {
         Region::L => Address { offset: addr.offset + frame_bytes, ..addr },
         Region::V => Address { region: Region::L, ..addr },
-        Region::State | Region::I | Region::Q | Region::M | Region::Db(_) | Region::AnyDb | Region::Any => addr,
+        Region::State
+        | Region::I
+        | Region::Q
+        | Region::M
+        | Region::System
+        | Region::Db(_)
+        | Region::AnyDb
+        | Region::Any => addr,
     }
 }
 

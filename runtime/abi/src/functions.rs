@@ -59,6 +59,8 @@ pub enum Effect {
     Pure,
     /// Touches timer or counter cells and the clock only.
     Cells,
+    /// Touches the system area of an S7-200, timers, the clock and simulated hardware.
+    System,
     /// Touches the I/O driver and the process image of outputs.
     Io,
     /// May run organization blocks, so it may read and write everything.
@@ -166,6 +168,25 @@ runtime_functions! {
     /// Copies the text at offset `from` from the memory base to the one at `to`: at most `limit` characters, with `u32::MAX` as many as the
     /// head at `to` allows. `wide` 1: WSTRING. Result 1: something was cut.
     CopyText = "copy_text"(to: I32, from: I32, limit: I32, wide: I32) -> I32, All;
+
+    /// An [`Operation`](crate::s7200::Operation) of an S7-200 by its number, with its operands. The result is described at
+    /// [`s7200::result`](crate::s7200::result).
+    S7200Operation = "s7200_operation"(site: I32, operation: I32, a: I32, b: I32, c: I32, d: I32) -> I64, All;
+    /// The box of timer `number`: `kind` is a [`TimerKind`](crate::s7200::TimerKind), `preset` is PT, `enable` is 0 or 1.
+    S7200Timer = "s7200_timer"(number: I32, kind: I32, preset: I32, enable: I32), System;
+    /// Brings value and bit of the 1 ms timer `number` up to date.
+    S7200TimerSync = "s7200_timer_sync"(number: I32), System;
+    /// Where a pointer of an S7-200 points: offset from the memory base, if `bytes` bytes there may be read (`write` 0) or written (1);
+    /// else 0. A read through it follows at once.
+    S7200Pointer = "s7200_pointer"(pointer: I32, bytes: I32, write: I32) -> I32, System;
+    /// Notes the non-fatal error `code` (see `s7200::error`) at `site`: SM4.3. The instruction does nothing else.
+    S7200Error = "s7200_error"(site: I32, code: I32), System;
+    /// Current value of high-speed counter `number`.
+    S7200Counter = "s7200_counter"(number: I32) -> I32, System;
+    /// Milliseconds since the CPU was switched on, 32 bits of them (BITIM).
+    S7200Milliseconds = "s7200_milliseconds"() -> I32, Cells;
+    /// The program has written special memory byte `byte`, one of those with an effect of their own.
+    S7200SpecialWritten = "s7200_special_written"(byte: I32), System;
 
     Sin = "sin"(x: F32) -> F32, Pure;
     Cos = "cos"(x: F32) -> F32, Pure;

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::ob::{OB_FREE, ObClass, StartInput};
+use crate::s7200::{S7200Config, S7200Image};
 use crate::technology::{FastCounter, HardwareEvent, PulseGenerator};
 
 /// Kinds of blocks, as passed to [`RuntimeFn::CallBlock`](crate::RuntimeFn::CallBlock).
@@ -18,6 +19,10 @@ pub enum BlockKind {
     Sfc,
     Sfb,
     Db,
+    /// Subroutine of an S7-200.
+    Sbr,
+    /// Interrupt routine of an S7-200.
+    Int,
 }
 
 impl BlockKind {
@@ -30,6 +35,8 @@ impl BlockKind {
             BlockKind::Sfc => "SFC",
             BlockKind::Sfb => "SFB",
             BlockKind::Db => "DB",
+            BlockKind::Sbr => "SBR",
+            BlockKind::Int => "INT",
         }
     }
 }
@@ -195,6 +202,7 @@ pub struct Config {
     pub startup: u16,
     /// Order number of the CPU, `6ES7 315-2AF03-0AB0`; empty if unknown.
     pub cpu_order: String,
+    pub s7200: S7200Config,
 }
 
 impl Default for Config {
@@ -216,6 +224,7 @@ impl Default for Config {
             modules: None,
             startup: 100,
             cpu_order: String::new(),
+            s7200: S7200Config::default(),
         }
     }
 }
@@ -304,4 +313,6 @@ pub struct ProgramImage {
     pub symbols: Vec<SymbolEntry>,
     /// The program may end itself (SFC 46, STP): `plcc test` runs it until then.
     pub stops_itself: bool,
+    /// Of an S7-200.
+    pub s7200: Option<S7200Image>,
 }

@@ -18,6 +18,8 @@ pub const M: u32 = 0x0003_0C00;
 pub const T: u32 = 0x0004_1000;
 /// Counter cells, [`COUNTER_CELL_BYTES`] each; only the runtime looks inside.
 pub const C: u32 = 0x0005_2000;
+/// System area of an S7-200: the parts of [`s7200::system`](crate::s7200::system).
+pub const SYSTEM: u32 = 0x0006_2400;
 /// Local data: one stack of [`L_CLASS_BYTES`] for each priority class.
 pub const L: u32 = 0x0010_0000;
 /// DB table: for each number 0..=65535 the offset of its data and its length, two host-order `u32`. Length 0: not loaded.

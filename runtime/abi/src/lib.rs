@@ -6,6 +6,7 @@
 //! - [`codes`]: error numbers of S7 CPUs that both sides use.
 //! - [`technology`]: fast counters, pulse generators, hardware interrupts.
 //! - [`ob`]: organization blocks by what starts them.
+//! - [`s7200`]: what an S7-200 has of its own.
 //!
 //! **Invariant**: nothing here executes; it is data and constants only.
 
@@ -14,6 +15,7 @@ pub mod functions;
 pub mod image;
 pub mod layout;
 pub mod ob;
+pub mod s7200;
 pub mod technology;
 
 pub use functions::{RuntimeFn, Type};

@@ -19,6 +19,7 @@ use crate::io::Driver;
 use crate::memory::Memory;
 use crate::options::CYCLE_TIME_DEFAULT;
 use crate::organization::Running;
+use crate::s7200::S7200;
 use crate::schedule::Schedule;
 use crate::system::meters::{METERS, Meter};
 use crate::technology::Technology;
@@ -59,6 +60,8 @@ pub struct Cpu {
     pub(crate) communication: RefCell<Communication>,
     /// Fast counters, pulse generators, hardware interrupts.
     pub(crate) technology: Technology,
+    /// What an S7-200 has of its own.
+    pub(crate) s7200: Option<Box<S7200>>,
     /// Run-time meters.
     pub(crate) meters: [Meter; METERS],
 }
@@ -75,6 +78,7 @@ impl Cpu {
         let cpu = Rc::new(Cpu {
             schedule: Schedule::new(&image, &blocks),
             technology: Technology::new(&image.config),
+            s7200: image.s7200.as_ref().map(|own| Box::new(S7200::new(own, &image.config.s7200))),
             assertions: Assertions::new(image.asserts.len()),
             watchdog: Watchdog::new(&memory),
             memory,

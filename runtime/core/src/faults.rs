@@ -115,7 +115,7 @@ impl Cpu {
                 let block_type = match site.block {
                     BlockKind::Ob => 0x88,
                     BlockKind::Db => 0x8A,
-                    BlockKind::Fc | BlockKind::Sfc => 0x8C,
+                    BlockKind::Fc | BlockKind::Sfc | BlockKind::Sbr | BlockKind::Int => 0x8C,
                     BlockKind::Fb | BlockKind::Sfb => 0x8E,
                 };
                 start.byte(4, block_type).word(8, site.block_number)

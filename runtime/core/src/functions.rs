@@ -6,7 +6,7 @@ use plcc_abi::RuntimeFn;
 use plcc_abi::functions::TimerMode;
 
 use crate::cpu::Cpu;
-use crate::{bcd, counters, math, text, timers};
+use crate::{bcd, counters, math, s7200, text, timers};
 
 /// A value as it crosses the border, from and to the bits that an interpreter holds.
 trait Border {
@@ -162,6 +162,22 @@ functions! {
         CopyText = plcc_rt_copy_text(cpu, to, from, limit, wide) -> u32 {
             text::copy(&cpu.memory, to, from, limit, wide != 0).into()
         }
+        S7200Operation = plcc_rt_s7200_operation(cpu, site, operation, a, b, c, d) -> u64 {
+            cpu.s7200_operation(operation, &s7200::Operands { site, a, b, c, d })
+        }
+        S7200Timer = plcc_rt_s7200_timer(cpu, number, kind, preset, enable) {
+            cpu.s7200_timer(number, kind, preset as u16 as i16, enable != 0)
+        }
+        S7200TimerSync = plcc_rt_s7200_timer_sync(cpu, number) { cpu.s7200_timer_sync(number) }
+        S7200Pointer = plcc_rt_s7200_pointer(cpu, pointer, bytes, write) -> u32 {
+            cpu.s7200_pointer(pointer, bytes, write != 0)
+        }
+        S7200Error = plcc_rt_s7200_error(cpu, site, code) { cpu.s7200_error(site, code as u16) }
+        S7200Counter = plcc_rt_s7200_counter(cpu, number) -> u32 { cpu.s7200_counter(number) }
+        S7200Milliseconds = plcc_rt_s7200_milliseconds(cpu) -> u32 {
+            (cpu.clock.now() / crate::clock::NS_PER_MS) as u32
+        }
+        S7200SpecialWritten = plcc_rt_s7200_special_written(cpu, byte) { cpu.s7200_special_written(byte) }
         Sleep = plcc_rt_sleep(cpu, ms) -> u32 { cpu.pass_time(u64::from(ms) * crate::clock::NS_PER_MS, false) }
     }
     pure {

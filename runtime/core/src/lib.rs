@@ -8,6 +8,7 @@
 //! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: what is behind the I/O.
 //! - [`address`], [`value`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user says and sees.
 //! - [`communication`]: TCP and ISO-on-TCP connections of the program.
+//! - [`s7200`]: what an S7-200 has of its own.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
@@ -40,6 +41,7 @@ pub mod organization;
 pub mod plant;
 pub mod report;
 pub mod run;
+pub mod s7200;
 pub mod scenario;
 pub mod schedule;
 pub mod signal;

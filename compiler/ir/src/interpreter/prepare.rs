@@ -266,6 +266,7 @@ impl Preparer<'_> {
             Region::I => (Base::Memory, layout::I),
             Region::Q => (Base::Memory, layout::Q),
             Region::M => (Base::Memory, layout::M),
+            Region::System => (Base::Memory, layout::SYSTEM),
             Region::L => (Base::Frame, 0),
             Region::V => (Base::CallerFrame, 0),
             Region::Db(number) => {

@@ -54,7 +54,7 @@ impl Shape {
                 match data {
                     InstData::Call { .. } => shape.is_leaf = false,
                     InstData::CallRuntime { function, .. } => {
-                        shape.is_quiet &= matches!(function.effect(), Effect::Pure | Effect::Cells);
+                        shape.is_quiet &= matches!(function.effect(), Effect::Pure | Effect::Cells | Effect::System);
                     }
                     InstData::Return { .. } => returns = true,
                     _ => {}

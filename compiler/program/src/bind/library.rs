@@ -24,7 +24,7 @@ const fn class_of(kind: BlockKind) -> Option<BlockClass> {
         BlockKind::Fb => Some(BlockClass::Fb),
         BlockKind::Sfc => Some(BlockClass::Sfc),
         BlockKind::Sfb => Some(BlockClass::Sfb),
-        BlockKind::Ob | BlockKind::Db => None,
+        BlockKind::Ob | BlockKind::Db | BlockKind::Sbr | BlockKind::Int => None,
     }
 }
 

@@ -78,7 +78,7 @@ impl Cpu {
             let block_type = match place.block {
                 BlockKind::Ob => 1,
                 BlockKind::Fc | BlockKind::Sfc => 2,
-                BlockKind::Fb | BlockKind::Sfb | BlockKind::Db => 3,
+                BlockKind::Fb | BlockKind::Sfb | BlockKind::Db | BlockKind::Sbr | BlockKind::Int => 3,
             };
             put(4, &[block_type]);
             put(6, &place.block_number.to_be_bytes());

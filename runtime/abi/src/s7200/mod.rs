@@ -1,0 +1,111 @@
+//! S7-200: memory of its own, operations that the runtime does, what an image tells of such a program.
+//!
+//! V memory is DB 1. I, Q, M and L lie where they lie in every CPU; what the other families do not have is the
+//! [`layout::SYSTEM`](crate::layout::SYSTEM) area, whose parts are the offsets of [`system`].
+
+pub mod image;
+pub mod operation;
+
+pub use image::{S7200Config, S7200Image};
+pub use operation::{Operation, TimerKind, result};
+
+/// Number of the DB that is V memory.
+pub const V_DB: u16 = 1;
+/// Bytes of local data of a block: L0.0 to L63.7. Source: S7-200 system manual, memory ranges.
+pub const LOCAL_BYTES: u32 = 64;
+/// Where analog words lie in the address space of the I/O driver: AIW n at this + n, AQW n likewise among outputs.
+pub const ANALOG_ADDRESS: u32 = 0x1000;
+/// Levels of the logic stack.
+pub const STACK_LEVELS: usize = 9;
+pub const TIMERS: u32 = 256;
+pub const COUNTERS: u32 = 256;
+pub const HIGH_SPEED_COUNTERS: u32 = 6;
+pub const ACCUMULATORS: u32 = 4;
+pub const EVENTS: u32 = 34;
+
+/// Parts of the system area, as offsets from its start; big-endian.
+pub mod system {
+    /// Special memory, SMB0 to SMB549.
+    pub const SM: u32 = 0;
+    pub const SM_BYTES: u32 = 550;
+    /// Sequence control relays, SB0 to SB31.
+    pub const S: u32 = 0x400;
+    pub const S_BYTES: u32 = 32;
+    /// AC0 to AC3, a double word each.
+    pub const ACCUMULATORS: u32 = 0x440;
+    /// `u32`: ticks of 100 ms between the starts of the last scan and of this one, for timers of 100 ms.
+    pub const TICKS_100_MS: u32 = 0x450;
+    /// `u32`: nesting depth of subroutines in the running main program or interrupt routine, where the compiler cannot bound it.
+    pub const CALL_DEPTH: u32 = 0x454;
+    /// Copies of analog inputs for reads through a pointer.
+    pub const AI: u32 = 0x500;
+    /// Last values of analog outputs.
+    pub const AQ: u32 = 0x580;
+    pub const ANALOG_BYTES: u32 = 64;
+    /// Current values of timers, a word each.
+    pub const TIMER_VALUES: u32 = 0x600;
+    /// Bits of timers, a byte each, 0 or 1.
+    pub const TIMER_BITS: u32 = 0x800;
+    /// Whether the box of a timer was last executed with its input on, a byte each, 0 or 1. Cleared with the timer.
+    pub const TIMER_INPUTS: u32 = 0x900;
+    /// Current values of counters, a word each.
+    pub const COUNTER_VALUES: u32 = 0xA00;
+    /// Bits of counters, a byte each, 0 or 1.
+    pub const COUNTER_BITS: u32 = 0xC00;
+    /// Edge memories, a byte each, 0 or 1: of rising edges first (1 when RUN begins), of falling ones behind them (0 when RUN begins).
+    pub const EDGES: u32 = 0x1000;
+    pub const EDGES_MAX: u32 = 0xE000;
+}
+
+/// Area tags of pointers, the high byte; the rest is the byte offset in the area. Words of timers and counters lie two bytes apart.
+/// A pointer literal of another origin has another tag, and is an error.
+pub mod pointer {
+    pub const I: u8 = 0x01;
+    pub const Q: u8 = 0x02;
+    pub const M: u8 = 0x03;
+    pub const SM: u8 = 0x04;
+    pub const AI: u8 = 0x05;
+    pub const AQ: u8 = 0x06;
+    pub const V: u8 = 0x08;
+    pub const S: u8 = 0x09;
+    pub const T: u8 = 0x0A;
+    pub const C: u8 = 0x0B;
+}
+
+/// Non-fatal run-time errors. Source: S7-200 system manual, run-time programming problems.
+pub mod error {
+    pub const HSC_BEFORE_HDEF: u16 = 0x0001;
+    pub const EVENT_INPUT_IS_HSC: u16 = 0x0002;
+    pub const HSC_INPUT_TAKEN: u16 = 0x0003;
+    pub const NOT_IN_INTERRUPT: u16 = 0x0004;
+    pub const SIMULTANEOUS_HSC: u16 = 0x0005;
+    pub const INDIRECT_ADDRESS: u16 = 0x0006;
+    pub const CLOCK_DATA: u16 = 0x0007;
+    pub const NESTING: u16 = 0x0008;
+    pub const PORT_0_BUSY: u16 = 0x0009;
+    pub const HDEF_REPEATED: u16 = 0x000A;
+    pub const PORT_1_BUSY: u16 = 0x000B;
+    pub const NO_CLOCK: u16 = 0x000C;
+    pub const PULSE_OUTPUT_ACTIVE: u16 = 0x000D;
+    pub const NO_SEGMENTS: u16 = 0x000E;
+    pub const ILLEGAL_REAL: u16 = 0x000F;
+    pub const PTO_MODE: u16 = 0x0010;
+    pub const PTO_COMMAND: u16 = 0x0011;
+    pub const PTO_PROFILE: u16 = 0x0012;
+    pub const PID_TABLE: u16 = 0x0013;
+    pub const RANGE: u16 = 0x0091;
+    pub const COUNT: u16 = 0x0092;
+    pub const PERMANENT_RANGE: u16 = 0x0094;
+    pub const FREEPORT_IN_INTERRUPT: u16 = 0x009A;
+    pub const INDEX: u16 = 0x009B;
+    pub const NO_CARTRIDGE: u16 = 0x009F;
+}
+
+/// Fatal errors. Source: S7-200 system manual, fatal errors.
+pub mod fatal {
+    pub const WATCHDOG: u16 = 0x0003;
+    pub const INTERNAL: u16 = 0x0010;
+    pub const COMPARE_ADDRESS: u16 = 0x0011;
+    pub const COMPARE_REAL: u16 = 0x0012;
+    pub const COMPARE_RANGE: u16 = 0x0014;
+}

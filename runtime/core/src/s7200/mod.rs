@@ -1,0 +1,210 @@
+//! What an S7-200 has of its own. Source: S7-200 system manual.
+//!
+//! - `scan`: start of RUN, scan, STOP; `special`: special memory; `errors`: fatal and non-fatal errors.
+//! - `interrupts`: events, their queues, interrupt routines; `timers`: the three resolutions.
+//! - `bits`, `blocks`, `tables`, `text`, `strings`, `pid`, `calendar`: operations on memory; `pointers`: indirect addresses.
+//! - `high_speed`, `pulses`: simulated counters and pulse outputs.
+//! - `freeport`, `network`: serial ports and the PPI link.
+//!
+//! Generated code calls an [`Operation`] by number; each is a function of one of these modules.
+
+mod bits;
+mod blocks;
+mod calendar;
+mod errors;
+mod freeport;
+mod high_speed;
+mod interrupts;
+mod network;
+mod pid;
+mod pointers;
+mod pulses;
+mod scan;
+mod special;
+mod strings;
+mod tables;
+mod text;
+mod timers;
+
+use plcc_abi::layout;
+use plcc_abi::s7200::{Operation, S7200Config, S7200Image, result, system};
+
+use crate::cpu::Cpu;
+use crate::memory::Memory;
+
+/// Operands of an operation, see [`Operation`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Operands {
+    pub site: u32,
+    pub a: u32,
+    pub b: u32,
+    pub c: u32,
+    pub d: u32,
+}
+
+/// State beside the memory.
+pub struct S7200 {
+    pub(crate) image: S7200Image,
+    pub(crate) config: S7200Config,
+    pub(crate) timers: timers::Timers,
+    pub(crate) interrupts: interrupts::Interrupts,
+    pub(crate) counters: high_speed::Counters,
+    pub(crate) pulses: pulses::PulseOutputs,
+    pub(crate) freeport: freeport::Freeport,
+    pub(crate) network: network::Network,
+}
+
+impl S7200 {
+    pub(crate) fn new(image: &S7200Image, config: &S7200Config) -> S7200 {
+        S7200 {
+            image: image.clone(),
+            config: config.clone(),
+            timers: timers::Timers::default(),
+            interrupts: interrupts::Interrupts::default(),
+            counters: high_speed::Counters::default(),
+            pulses: pulses::PulseOutputs::default(),
+            freeport: freeport::Freeport::default(),
+            network: network::Network::default(),
+        }
+    }
+}
+
+/// It ran without error.
+fn done() -> u64 {
+    result::ENO
+}
+
+/// It ran without error and gives `value`.
+fn value(value: u32) -> u64 {
+    u64::from(value) << 32 | result::ENO | result::VALUE
+}
+
+/// It failed with non-fatal error `code`, and did nothing.
+fn failed(cpu: &Cpu, operands: &Operands, code: u16) -> u64 {
+    cpu.s7200_error(operands.site, code);
+    0
+}
+
+/// It failed by a bit of SM1 that the operation has set: no error code, no ENO.
+fn failed_quietly() -> u64 {
+    0
+}
+
+/// Offset of special memory byte `byte` from the memory base.
+const fn special(byte: u32) -> u32 {
+    layout::SYSTEM + system::SM + byte
+}
+
+/// Bits of SM1.
+mod sm1 {
+    pub const ZERO: u8 = 0;
+    pub const OVERFLOW: u8 = 1;
+    pub const NEGATIVE: u8 = 2;
+    pub const TABLE_FULL: u8 = 4;
+    pub const TABLE_EMPTY: u8 = 5;
+    pub const NOT_HEX: u8 = 7;
+}
+
+/// Writes bit `bit` of special memory byte `byte`.
+fn set_special(memory: &Memory, byte: u32, bit: u8, on: bool) {
+    let old = memory.byte(special(byte));
+    let mask = 1 << bit;
+    memory.set_byte(special(byte), if on { old | mask } else { old & !mask });
+}
+
+impl Cpu {
+    /// The S7-200 part; only its programs call what needs it.
+    pub(crate) fn s7200(&self) -> Option<&S7200> {
+        self.s7200.as_deref()
+    }
+
+    /// The area that begins at or before `address` and holds it: its first byte and the byte behind its last one, as offsets from the
+    /// memory base. `None`: no area of an S7-200.
+    pub(crate) fn s7200_area(&self, address: u32) -> Option<(u32, u32)> {
+        let cpu = self.s7200()?.image.cpu;
+        let (v, v_bytes) = self.memory.db(plcc_abi::s7200::V_DB);
+        let areas = [
+            (v, v_bytes),
+            (layout::I, self.image.profile.inputs),
+            (layout::Q, self.image.profile.outputs),
+            (layout::M, self.image.profile.bit_memory),
+            (layout::SYSTEM + system::SM, cpu.sm_bytes),
+            (layout::SYSTEM + system::S, cpu.s_bytes),
+            (layout::SYSTEM + system::ACCUMULATORS, 16),
+            (layout::SYSTEM + system::AI, system::ANALOG_BYTES),
+            (layout::SYSTEM + system::AQ, system::ANALOG_BYTES),
+            (layout::SYSTEM + system::TIMER_VALUES, 2 * plcc_abi::s7200::TIMERS),
+            (layout::SYSTEM + system::COUNTER_VALUES, 2 * plcc_abi::s7200::COUNTERS),
+        ];
+        let fixed = areas.into_iter().find(|&(start, bytes)| address >= start && address - start < bytes);
+        let local = |address: u32| {
+            // Frames of local data begin at multiples of their size.
+            let first = layout::L;
+            (first..first + layout::L_CLASSES * layout::L_CLASS_BYTES).contains(&address).then(|| {
+                let frame = address - (address - first) % plcc_abi::s7200::LOCAL_BYTES;
+                (frame, frame + plcc_abi::s7200::LOCAL_BYTES)
+            })
+        };
+        fixed.map(|(start, bytes)| (start, start + bytes)).or_else(|| local(address))
+    }
+
+    /// See [`RuntimeFn::S7200Operation`](plcc_abi::RuntimeFn::S7200Operation).
+    pub(crate) fn s7200_operation(&self, number: u32, operands: &Operands) -> u64 {
+        let Some(operation) = Operation::of_number(number) else { return 0 };
+        match operation {
+            Operation::WriteBits => bits::write(self, operands),
+            Operation::WriteOutputsNow => bits::write_outputs_now(self, operands),
+            Operation::ResetTimers => bits::reset_timers(self, operands),
+            Operation::ResetCounters => bits::reset_counters(self, operands),
+            Operation::SetTimers => bits::set_timers(self, operands),
+            Operation::SetCounters => bits::set_counters(self, operands),
+            Operation::CopyBlock => blocks::copy(self, operands),
+            Operation::Fill => blocks::fill(self, operands),
+            Operation::ShiftRegister => blocks::shift_register(self, operands),
+            Operation::TableAdd => tables::add(self, operands),
+            Operation::TableFirst => tables::first(self, operands),
+            Operation::TableLast => tables::last(self, operands),
+            Operation::TableFind => tables::find(self, operands),
+            Operation::IntToAscii => text::int_to_ascii(self, operands),
+            Operation::DintToAscii => text::dint_to_ascii(self, operands),
+            Operation::RealToAscii => text::real_to_ascii(self, operands),
+            Operation::IntToString => text::int_to_string(self, operands),
+            Operation::DintToString => text::dint_to_string(self, operands),
+            Operation::RealToString => text::real_to_string(self, operands),
+            Operation::AsciiToHex => text::ascii_to_hex(self, operands),
+            Operation::HexToAscii => text::hex_to_ascii(self, operands),
+            Operation::StringToInt => text::string_to_int(self, operands),
+            Operation::StringToDint => text::string_to_dint(self, operands),
+            Operation::StringToReal => text::string_to_real(self, operands),
+            Operation::StringLength => strings::length(self, operands),
+            Operation::StringCopy => strings::copy(self, operands),
+            Operation::StringAppend => strings::append(self, operands),
+            Operation::StringPart => strings::part(self, operands),
+            Operation::StringFind => strings::find(self, operands),
+            Operation::CharacterFind => strings::find_character(self, operands),
+            Operation::StringEqual => strings::equal(self, operands),
+            Operation::Pid => pid::pid(self, operands),
+            Operation::ReadClock => calendar::read(self, operands),
+            Operation::SetClock => calendar::set(self, operands),
+            Operation::ReadClockExtended => calendar::read_extended(self, operands),
+            Operation::SetClockExtended => calendar::set_extended(self, operands),
+            Operation::AttachInterrupt => interrupts::attach(self, operands),
+            Operation::DetachInterrupt => interrupts::detach(self, operands),
+            Operation::ClearEvents => interrupts::clear(self, operands),
+            Operation::EnableInterrupts => interrupts::enable(self, operands),
+            Operation::DisableInterrupts => interrupts::disable(self, operands),
+            Operation::DefineCounter => high_speed::define(self, operands),
+            Operation::ControlCounter => high_speed::control(self, operands),
+            Operation::ControlPulses => pulses::control(self, operands),
+            Operation::Transmit => freeport::transmit(self, operands),
+            Operation::Receive => freeport::receive(self, operands),
+            Operation::NetworkRead => network::read(self, operands),
+            Operation::NetworkWrite => network::write(self, operands),
+            Operation::GetStationAddress => network::get_address(self, operands),
+            Operation::SetStationAddress => network::set_address(self, operands),
+            Operation::RestartWatchdog => scan::restart_watchdog(self, operands),
+            Operation::DiagnosticLed => scan::diagnostic_led(self, operands),
+            Operation::StopMode => scan::stop_mode(self, operands),
+        }
+    }
+}
