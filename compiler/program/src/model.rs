@@ -2,10 +2,12 @@
 //!
 //! All languages bind to these blocks and interfaces; bodies differ by language until they are lowered.
 
+pub mod s7200;
 pub mod scl;
 
 use plcc_abi::image::{AssertOp, BlockKind, Config, Profile, SymbolEntry};
 use plcc_abi::ob::StartInput;
+use plcc_abi::s7200::image::CpuRow;
 use plcc_diag::Span;
 pub use plcc_syntax::ast::{AddressRegister, AssertRegister, CellKind, SpecialRegister, StatusOperand, Width};
 use plcc_syntax::stl::StlInsn;
@@ -26,6 +28,8 @@ pub struct Program {
     pub symbols: Vec<SymbolEntry>,
     /// `//@ test cycles=N`, `//@ test expect=fail` and `//@ cpu`, found in the sources.
     pub test: TestSettings,
+    /// Limits of the CPU, if it is an S7-200.
+    pub s7200: Option<CpuRow>,
 }
 
 impl Program {
@@ -143,6 +147,8 @@ pub enum Passing {
 pub enum Body {
     Stl(Vec<StlStatement>),
     Scl(scl::Body),
+    /// STL of an S7-200.
+    S7200(s7200::Body),
     /// A system function that the runtime implements, under its own number.
     Runtime,
 }

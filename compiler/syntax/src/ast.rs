@@ -8,6 +8,7 @@ use plcc_diag::Span;
 use crate::chart;
 use crate::literal::Literal;
 use crate::network;
+use crate::s7200;
 use crate::scl;
 use crate::stl::{Mnemonics, StlInsn};
 
@@ -22,6 +23,8 @@ pub struct SourceUnit {
     /// Of files that hold names and operands in a notation of their own (XML): text as long as the file, which has at each span what the
     /// span means, `#motor.speed`.
     pub overlay: Option<String>,
+    /// Of sources for the S7-200, which have blocks of their own; `blocks` is empty then.
+    pub s7200: Option<s7200::ast::Source>,
 }
 
 /// A block of a source.

@@ -6,6 +6,7 @@
 //! - [`literal`]: constants, the same for every language.
 //! - [`network`]: networks of LAD and FBD.
 //! - [`plcopen`]: projects in PLCopen XML.
+//! - [`s7200`]: STL of the S7-200.
 //! - [`scl`]: lexer and grammar of SCL.
 //! - [`sd`]: SIMATIC SD, the text form of LAD and FBD.
 //! - [`simatic_ml`]: exports of the TIA Portal in XML.
@@ -26,6 +27,7 @@ mod language;
 pub mod literal;
 pub mod network;
 pub mod plcopen;
+pub mod s7200;
 pub mod scl;
 pub mod sd;
 pub mod simatic_ml;

@@ -84,7 +84,7 @@ impl<'a> Binder<'a> {
         match key.kind {
             BlockKind::Fb | BlockKind::Sfb => self.instance_interface(key, block, &mut bound, &mut names)?,
             BlockKind::Ob => {}
-            BlockKind::Fc | BlockKind::Sfc | BlockKind::Db => {
+            BlockKind::Fc | BlockKind::Sfc | BlockKind::Db | BlockKind::Sbr | BlockKind::Int => {
                 self.function_interface(key, block, &mut bound, &mut names);
             }
         }
@@ -135,7 +135,7 @@ impl<'a> Binder<'a> {
             let allowed = match key.kind {
                 BlockKind::Ob if section.kind == SectionKind::Input => self.has_start_inputs(block),
                 BlockKind::Ob => section.kind == SectionKind::Temp,
-                BlockKind::Fc | BlockKind::Sfc => section.kind != SectionKind::Static,
+                BlockKind::Fc | BlockKind::Sfc | BlockKind::Sbr | BlockKind::Int => section.kind != SectionKind::Static,
                 BlockKind::Fb | BlockKind::Sfb | BlockKind::Db => true,
             };
             if !allowed {

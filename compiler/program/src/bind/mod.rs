@@ -32,6 +32,7 @@ mod path;
 mod pragma;
 mod predefined;
 mod report;
+mod s7200;
 mod scl;
 mod settle;
 mod value;
@@ -89,6 +90,9 @@ pub struct BindInput<'a> {
 
 /// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
 pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
+    if input.units.iter().any(|(_, unit)| unit.s7200.is_some()) {
+        return s7200::bind(input);
+    }
     let mut binder = Binder::new(input);
     binder.collect();
     binder.ob_classes();
@@ -121,8 +125,16 @@ pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
         }
         diagnostic.secondary.retain(|label| label.span.file != SYSTEM_FILE);
     }
-    let program =
-        Program { name: input.name.clone(), profile: input.profile.clone(), config, blocks, dbs, symbols, test };
+    let program = Program {
+        name: input.name.clone(),
+        profile: input.profile.clone(),
+        config,
+        blocks,
+        dbs,
+        symbols,
+        test,
+        s7200: None,
+    };
     (program, diagnostics)
 }
 

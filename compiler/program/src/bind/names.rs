@@ -45,7 +45,8 @@ pub const fn code_kind(prefix: BlockPrefix) -> Option<BlockKind> {
 pub const fn kind_prefix(kind: BlockKind) -> BlockPrefix {
     match kind {
         BlockKind::Ob => BlockPrefix::Ob,
-        BlockKind::Fc => BlockPrefix::Fc,
+        // Blocks of an S7-200 are bound elsewhere.
+        BlockKind::Fc | BlockKind::Sbr | BlockKind::Int => BlockPrefix::Fc,
         BlockKind::Fb => BlockPrefix::Fb,
         BlockKind::Sfc => BlockPrefix::Sfc,
         BlockKind::Sfb => BlockPrefix::Sfb,

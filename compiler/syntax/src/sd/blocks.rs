@@ -53,7 +53,7 @@ pub fn build(
             block.code = BlockCode::Graphic(Body { networks });
         }
     }
-    SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), blocks, pragmas, overlay: None }
+    SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), blocks, pragmas, overlay: None, s7200: None }
 }
 
 /// Attributes, title and comment of a block.

@@ -3,7 +3,6 @@
 use super::{Operands, done};
 use crate::cpu::Cpu;
 
-
 pub(super) fn pid(_cpu: &Cpu, _operands: &Operands) -> u64 {
     done()
 }
