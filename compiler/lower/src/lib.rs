@@ -4,6 +4,7 @@
 //! - `context` holds the state of one block while it is lowered: the virtual CPU's registers as SSA variables.
 //! - `place` turns addresses into checked memory accesses, `fault` builds the cold paths.
 //! - `call` hands parameters over; `stl` has one function a family of instructions, `scl` one a kind of node of the typed tree.
+//! - `s7200` lowers programs of an S7-200, which share the IR only.
 //! - `entry` makes the functions that the runtime calls.
 //!
 //! **Invariant**: a program that was bound without errors lowers without errors.
@@ -15,13 +16,14 @@ mod fault;
 mod place;
 mod plan;
 mod pointer;
+mod s7200;
 mod scl;
 mod stl;
 
 use plcc_abi::ProgramImage;
-use plcc_abi::image::{BlockEntry, BlockKind, DbEntry};
+use plcc_abi::image::{BlockEntry, BlockKind, DbEntry, ErrorSlot};
 use plcc_diag::SourceMap;
-use plcc_ir::Module;
+use plcc_ir::{Module, StaticDb};
 use plcc_program::Program;
 use plcc_program::model::Body;
 
@@ -36,13 +38,22 @@ pub struct Lowered {
 
 /// Lowers a program that was bound without errors.
 pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
+    if let Some(cpu) = program.s7200 {
+        return s7200::lower(program, cpu, sources);
+    }
     let plan = Plan::new(program);
-    let mut output = Output::new(program, sources, &plan);
+    let facts = Facts {
+        dbs: plan.dbs.clone(),
+        db_end: plan.db_end,
+        error_slots: plan.error_slots(),
+        stops_itself: plan.stops_itself,
+    };
+    let mut output = Output::new(program, sources, facts);
     for (index, block) in program.blocks.iter().enumerate() {
         let function = match &block.body {
             Body::Stl(statements) => Some(stl::lower_block(&plan, &mut output, block, statements)),
             Body::Scl(body) => Some(scl::lower_block(&plan, &mut output, block, body)),
-            Body::Runtime => None,
+            Body::S7200(_) | Body::Runtime => None,
         };
         if let Some(function) = function {
             let id = output.module.functions.push(function);
@@ -79,6 +90,15 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
     output.finish()
 }
 
+/// What the image says of the program as a whole.
+pub(crate) struct Facts {
+    /// DBs with their places.
+    pub dbs: Vec<StaticDb>,
+    pub db_end: u32,
+    pub error_slots: Vec<ErrorSlot>,
+    pub stops_itself: bool,
+}
+
 /// What grows while blocks are lowered.
 pub(crate) struct Output<'s> {
     pub module: Module,
@@ -87,9 +107,10 @@ pub(crate) struct Output<'s> {
 }
 
 impl<'s> Output<'s> {
-    fn new(program: &Program, sources: &'s SourceMap, plan: &Plan) -> Output<'s> {
+    fn new(program: &Program, sources: &'s SourceMap, facts: Facts) -> Output<'s> {
         let files: Vec<String> = sources.files().map(|(_, file)| file.name.clone()).collect();
-        let module = Module { dbs: plan.dbs.clone(), files, ..Module::default() };
+        let address_of = |number| facts.dbs.iter().find(|db| db.number == number).map_or(facts.db_end, |db| db.address);
+        let module = Module { dbs: facts.dbs.clone(), files, ..Module::default() };
         let image = ProgramImage {
             name: program.name.clone(),
             profile: program.profile.clone(),
@@ -101,19 +122,20 @@ impl<'s> Output<'s> {
                 .map(|db| DbEntry {
                     number: db.number,
                     name: db.name.clone(),
-                    address: plan.db_address(db.number),
+                    address: address_of(db.number),
                     data: db.data.clone(),
                     read_only: db.read_only,
                     unlinked: db.unlinked,
                 })
                 .collect(),
-            db_end: plan.db_end,
+            db_end: facts.db_end,
             sites: Vec::new(),
-            error_slots: plan.error_slots(),
+            error_slots: facts.error_slots,
             files: Vec::new(),
             asserts: Vec::new(),
             symbols: program.symbols.clone(),
-            stops_itself: plan.stops_itself,
+            stops_itself: facts.stops_itself,
+            s7200: None,
         };
         Output { module, image, sources }
     }

@@ -252,7 +252,7 @@ struct Height {
 }
 
 /// Gives every DB its address.
-fn place_dbs(program: &Program) -> (Vec<StaticDb>, u32) {
+pub(crate) fn place_dbs(program: &Program) -> (Vec<StaticDb>, u32) {
     let mut address = layout::DB_DATA;
     let mut dbs = Vec::new();
     for db in program.dbs.iter().filter(|db| !db.unlinked) {

@@ -11,6 +11,8 @@ pub use operation::{Operation, TimerKind, result};
 
 /// Number of the DB that is V memory.
 pub const V_DB: u16 = 1;
+/// Number of the DB that holds string constants, behind V memory; no instruction names it.
+pub const CONSTANTS_DB: u16 = 2;
 /// Bytes of local data of a block: L0.0 to L63.7. Source: S7-200 system manual, memory ranges.
 pub const LOCAL_BYTES: u32 = 64;
 /// Where analog words lie in the address space of the I/O driver: AIW n at this + n, AQW n likewise among outputs.
@@ -70,6 +72,32 @@ pub mod pointer {
     pub const S: u8 = 0x09;
     pub const T: u8 = 0x0A;
     pub const C: u8 = 0x0B;
+    /// String constants of the program, read only: what a STRING parameter gets.
+    pub const CONSTANT: u8 = 0x0C;
+}
+
+/// Resolution of a timer; its number decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Resolution {
+    Ms1,
+    Ms10,
+    Ms100,
+}
+
+/// Resolution of timer `number`. Source: S7-200 system manual, timer instructions.
+pub const fn timer_resolution(number: u8) -> Resolution {
+    match number % 64 {
+        0 if number < 128 => Resolution::Ms1,
+        1..=4 if number < 128 => Resolution::Ms10,
+        32 if number < 128 => Resolution::Ms1,
+        33..=36 if number < 128 => Resolution::Ms10,
+        _ => Resolution::Ms100,
+    }
+}
+
+/// True for the numbers of TONR; the others are TON and TOF.
+pub const fn is_retentive_timer(number: u8) -> bool {
+    number < 32 || 64 <= number && number < 96
 }
 
 /// Non-fatal run-time errors. Source: S7-200 system manual, run-time programming problems.
@@ -103,6 +131,8 @@ pub mod error {
 
 /// Fatal errors. Source: S7-200 system manual, fatal errors.
 pub mod fatal {
+    /// Number of the event that stops the CPU, with the code of the error in its low byte.
+    pub const EVENT: u16 = 0xFA00;
     pub const WATCHDOG: u16 = 0x0003;
     pub const INTERNAL: u16 = 0x0010;
     pub const COMPARE_ADDRESS: u16 = 0x0011;

@@ -1,0 +1,69 @@
+//! Assertion pragmas: they look at the CPU without touching it.
+
+use plcc_abi::RuntimeFn;
+use plcc_abi::image::AssertEntry;
+use plcc_diag::Span;
+use plcc_ir::{IntCc, Type, Value};
+use plcc_program::model::s7200::{Assert, AssertSide, Operand, Width};
+
+use super::context::Context;
+
+impl Context<'_, '_> {
+    /// `//@ assert`. An assertion whose pointer is bad is an error of the program, and fails by not being executed.
+    pub fn assert(&mut self, assert: &Assert, span: Span) {
+        let (file, line) = self.output.place(span);
+        let asserts = &mut self.output.image.asserts;
+        let id = asserts.len() as u32;
+        asserts.push(AssertEntry {
+            file,
+            line,
+            text: assert.text.clone(),
+            op: assert.op,
+            real: assert.real,
+            trap: assert.trap,
+        });
+        self.guarded(|context| {
+            let left = context.assert_side(&assert.left);
+            let right = context.assert_side(&assert.right);
+            let id = context.b.i32_const(id);
+            context.b.call_runtime(RuntimeFn::Assert, &[id, left, right]);
+        });
+    }
+
+    /// Value of one side, an i32.
+    fn assert_side(&mut self, side: &AssertSide) -> Value {
+        let value = match side {
+            AssertSide::Operand(operand) => {
+                let width = width_of(operand);
+                self.read(operand, width)
+            }
+            AssertSide::Stack(level) => match self.stack.get(usize::from(*level)) {
+                Some(&var) => self.get(var),
+                None => self.b.bool_const(false),
+            },
+            AssertSide::Eno => self.get(self.eno),
+        };
+        if self.b.ty(value) == Type::I32 { value } else { self.b.zext(Type::I32, value) }
+    }
+
+    /// `//@ sleep N`.
+    pub fn sleep(&mut self, ms: u32) {
+        let ms = self.b.i32_const(ms);
+        let stop = self.b.call_runtime(RuntimeFn::Sleep, &[ms]).expect("sleep has a result");
+        let stops = self.b.icmp_imm(IntCc::Ne, stop, 0);
+        self.stop_if(stops);
+    }
+}
+
+/// The width with which an operand is written down.
+fn width_of(operand: &Operand) -> Width {
+    match operand {
+        Operand::Memory { width, .. }
+        | Operand::Timer { width, .. }
+        | Operand::Counter { width, .. }
+        | Operand::Accumulator { width, .. }
+        | Operand::Indirect { width, .. } => *width,
+        Operand::AnalogInput { .. } | Operand::AnalogOutput { .. } => Width::Word,
+        Operand::Const(_) | Operand::HighSpeedCounter(_) | Operand::Text(_) => Width::Dword,
+    }
+}

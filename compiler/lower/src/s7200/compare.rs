@@ -1,0 +1,87 @@
+//! Compare contacts. Source: S7-200 system manual, compare instructions.
+
+use plcc_abi::s7200::{Operation, error, fatal};
+use plcc_ir::{BinaryOp, FloatCc, IntCc, Type, Value};
+use plcc_program::model::s7200::{Compare, CompareKind, Contact, Operand, Relation, Width};
+
+use super::context::{Context, OnError};
+use super::operand::Use;
+
+impl Context<'_, '_> {
+    /// `LDW>=` and its kin. Both operands are read whatever S0 is; a bad pointer stops the CPU.
+    pub fn compare(&mut self, compare: Compare, operands: &[Operand]) {
+        let [left, right] = operands else { return };
+        self.on_error = OnError::Stop;
+        let value = match compare.kind {
+            CompareKind::Byte => self.compare_integers(unsigned(compare.relation), left, right, Width::Byte),
+            CompareKind::Word => self.compare_integers(signed(compare.relation), left, right, Width::Word),
+            CompareKind::Dword => self.compare_integers(signed(compare.relation), left, right, Width::Dword),
+            CompareKind::Real => self.compare_reals(compare.relation, left, right),
+            CompareKind::Text => self.compare_texts(compare.relation, left, right),
+        };
+        match compare.contact {
+            Contact::Load => self.push(value),
+            Contact::And => self.combine(BinaryOp::And, value),
+            Contact::Or => self.combine(BinaryOp::Or, value),
+        }
+    }
+
+    fn compare_integers(&mut self, cc: IntCc, left: &Operand, right: &Operand, width: Width) -> Value {
+        let (left, right) = (self.read(left, width), self.read(right, width));
+        self.b.icmp(cc, left, right)
+    }
+
+    /// A NaN makes the result 0, and is error 000F; with strict comparison it stops the CPU.
+    fn compare_reals(&mut self, relation: Relation, left: &Operand, right: &Operand) -> Value {
+        let (left, right) = (self.read(left, Width::Dword), self.read(right, Width::Dword));
+        let (left, right) = (self.b.bitcast(Type::F32, left), self.b.bitcast(Type::F32, right));
+        let cc = match relation {
+            Relation::Eq => FloatCc::Eq,
+            Relation::Ne => FloatCc::Ne,
+            Relation::Ge => FloatCc::Ge,
+            Relation::Le => FloatCc::Le,
+            Relation::Gt => FloatCc::Gt,
+            Relation::Lt => FloatCc::Lt,
+        };
+        let holds = self.b.fcmp(cc, left, right);
+        let unordered = self.b.fcmp(FloatCc::Uno, left, right);
+        let ordered = self.b.not(unordered);
+        if self.plan.program.config.s7200.strict_compare {
+            self.error_unless(ordered, error::ILLEGAL_REAL, fatal::COMPARE_REAL);
+        } else {
+            self.on_error = OnError::Skip;
+            self.guarded(|context| context.error_unless(ordered, error::ILLEGAL_REAL, fatal::COMPARE_REAL));
+        }
+        self.b.and(holds, ordered)
+    }
+
+    fn compare_texts(&mut self, relation: Relation, left: &Operand, right: &Operand) -> Value {
+        let (left, right) = (self.operand_address(left, Use::Read), self.operand_address(right, Use::Read));
+        let result = self.run_raw(Operation::StringEqual, &[left, right]);
+        self.stop_if_told(result);
+        let equal = self.value_of(result);
+        self.b.icmp_imm(if relation == Relation::Eq { IntCc::Ne } else { IntCc::Eq }, equal, 0)
+    }
+}
+
+fn signed(relation: Relation) -> IntCc {
+    match relation {
+        Relation::Eq => IntCc::Eq,
+        Relation::Ne => IntCc::Ne,
+        Relation::Ge => IntCc::Sge,
+        Relation::Le => IntCc::Sle,
+        Relation::Gt => IntCc::Sgt,
+        Relation::Lt => IntCc::Slt,
+    }
+}
+
+fn unsigned(relation: Relation) -> IntCc {
+    match relation {
+        Relation::Eq => IntCc::Eq,
+        Relation::Ne => IntCc::Ne,
+        Relation::Ge => IntCc::Uge,
+        Relation::Le => IntCc::Ule,
+        Relation::Gt => IntCc::Ugt,
+        Relation::Lt => IntCc::Ult,
+    }
+}

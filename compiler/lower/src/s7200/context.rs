@@ -1,0 +1,408 @@
+//! One block while it is lowered.
+
+use plcc_abi::RuntimeFn;
+use plcc_abi::image::{BlockKind, Site};
+use plcc_abi::layout::{self, state};
+use plcc_abi::s7200::{LOCAL_BYTES, STACK_LEVELS};
+use plcc_ir::{Address, Block, FunctionBuilder, IntCc, Loc, Region, Type, Value, Var};
+use plcc_program::model::CodeBlock;
+use plcc_program::model::s7200::{self as model, Direction, Insn, Operand, Statement, StatementKind, Width};
+use rustc_hash::FxHashMap;
+
+use super::plan::{self, Plan};
+use crate::Output;
+
+/// What an error of an instruction does besides being noted.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum OnError {
+    /// The instruction does nothing.
+    Skip,
+    /// The CPU stops: compare contacts.
+    Stop,
+}
+
+/// A label: its block, and how many of its jumps are still to come.
+pub struct Label {
+    pub block: Block,
+    jumps_left: u32,
+    pub placed: bool,
+}
+
+/// A FOR that waits for its NEXT.
+pub struct Loop<'p> {
+    pub operands: &'p [Operand],
+    pub body: Block,
+    pub behind: Block,
+}
+
+/// The step of a sequence in which statements stand.
+#[derive(Clone, Copy)]
+pub struct Step<'p> {
+    /// Its S bit.
+    pub relay: &'p Operand,
+    /// Where CSCRE leaves to.
+    pub end: Block,
+    /// The latched S bit.
+    pub gate: Var,
+}
+
+/// What lowering one block needs at hand.
+pub struct Context<'p, 'o> {
+    pub plan: &'o mut Plan<'p>,
+    pub output: &'o mut Output<'p>,
+    pub block: &'p CodeBlock,
+    pub body: &'p model::Body,
+    pub b: FunctionBuilder,
+    /// The logic stack, S0 first.
+    pub stack: [Var; STACK_LEVELS],
+    pub eno: Var,
+    /// Results that two paths give.
+    pub result: Var,
+    pub site: u32,
+    /// Index of the statement.
+    pub index: usize,
+    pub on_error: OnError,
+    /// Where an error of this statement leads to, if one is possible.
+    failure: Option<Block>,
+    exit: Option<Block>,
+    pub labels: FxHashMap<u32, Label>,
+    pub loops: Vec<Loop<'p>>,
+    pub step: Option<Step<'p>>,
+}
+
+impl<'p, 'o> Context<'p, 'o> {
+    pub fn new(
+        plan: &'o mut Plan<'p>,
+        output: &'o mut Output<'p>,
+        block: &'p CodeBlock,
+        body: &'p model::Body,
+    ) -> Context<'p, 'o> {
+        let name = format!("{}{}", block.kind.prefix(), block.number);
+        let mut b = FunctionBuilder::new(name, &plan::parameters(body), &plan::returns(body));
+        let stack = std::array::from_fn(|_| b.declare_var(Type::I1));
+        let (eno, result) = (b.declare_var(Type::I1), b.declare_var(Type::I32));
+        let mut context = Context {
+            plan,
+            output,
+            block,
+            body,
+            b,
+            stack,
+            eno,
+            result,
+            site: 0,
+            index: 0,
+            on_error: OnError::Skip,
+            failure: None,
+            exit: None,
+            labels: FxHashMap::default(),
+            loops: Vec::new(),
+            step: None,
+        };
+        context.start();
+        context
+    }
+
+    /// OB1 begins with an empty stack, other blocks with S0 = 1. Local data are 0 but for what is copied in.
+    fn start(&mut self) {
+        let zero = self.b.bool_const(false);
+        for var in self.stack.into_iter().chain([self.eno]) {
+            self.b.def_var(var, zero);
+        }
+        if self.block.kind != BlockKind::Ob {
+            let one = self.b.bool_const(true);
+            self.b.def_var(self.stack[0], one);
+        }
+        self.b.clear(Address::direct(Region::L, 0), LOCAL_BYTES);
+        let copied_in = self.body.parameters.iter().filter(|parameter| parameter.direction != Direction::Out);
+        for (index, parameter) in copied_in.enumerate() {
+            let value = self.b.param(index);
+            let at = Address::direct(Region::L, parameter.byte);
+            match parameter.width {
+                Width::Bit => self.b.store_bit(at, parameter.bit, value),
+                _ => self.b.store(at, value),
+            }
+        }
+        for statement in &self.body.statements {
+            if let StatementKind::Instruction { insn: insn @ (Insn::Lbl | Insn::Jmp), operands } = &statement.kind
+                && let Some(Operand::Const(number)) = operands.first()
+            {
+                let b = &mut self.b;
+                let label = self.labels.entry(*number).or_insert_with(|| Label {
+                    block: b.create_block(),
+                    jumps_left: 0,
+                    placed: false,
+                });
+                label.jumps_left += u32::from(*insn == Insn::Jmp);
+            }
+        }
+    }
+
+    /// Instructions built from now on belong to this statement.
+    pub fn begin_statement(&mut self, index: usize, statement: &Statement) {
+        let (file, line) = self.output.place(statement.span);
+        let site =
+            Site { file, line, block: self.block.kind, block_number: self.block.number, network: statement.network };
+        let sites = &mut self.output.module.sites;
+        if sites.last() != Some(&site) {
+            sites.push(site);
+        }
+        self.site = sites.len() as u32 - 1;
+        self.b.set_loc(Loc(self.site + 1));
+        self.index = index;
+        self.on_error = OnError::Skip;
+        if !self.b.is_reachable() {
+            // Behind an unconditional end; kept apart, so that the rest still has a place to stand in.
+            let unreachable = self.b.create_block();
+            self.b.seal_block(unreachable);
+            self.b.switch_to(unreachable);
+        }
+    }
+
+    // Variables.
+
+    pub fn get(&mut self, var: Var) -> Value {
+        self.b.use_var(var)
+    }
+
+    pub fn set(&mut self, var: Var, value: Value) {
+        self.b.def_var(var, value);
+    }
+
+    /// S0.
+    pub fn top(&mut self) -> Value {
+        self.get(self.stack[0])
+    }
+
+    /// A new S0. In a step that is not active it is 0.
+    pub fn set_top(&mut self, value: Value) {
+        let value = match self.step {
+            Some(step) => {
+                let gate = self.get(step.gate);
+                self.b.and(value, gate)
+            }
+            None => value,
+        };
+        self.set(self.stack[0], value);
+    }
+
+    /// Pushes a value; the lowest level is lost.
+    pub fn push(&mut self, value: Value) {
+        for level in (1..STACK_LEVELS).rev() {
+            let upper = self.get(self.stack[level - 1]);
+            self.set(self.stack[level], upper);
+        }
+        self.set_top(value);
+    }
+
+    /// Drops the levels from `level` on one place up; S8 becomes 0.
+    pub fn close_gap(&mut self, level: usize) {
+        for to in level..STACK_LEVELS {
+            let value = match self.stack.get(to + 1) {
+                Some(&lower) => self.get(lower),
+                None => self.b.bool_const(false),
+            };
+            self.set(self.stack[to], value);
+        }
+    }
+
+    pub fn site_value(&mut self) -> Value {
+        self.b.i32_const(self.site)
+    }
+
+    // Boxes and errors.
+
+    /// A box: `body` runs if S0 is 1, with ENO 1 unless it says otherwise; without that ENO is 0.
+    pub fn boxed(&mut self, body: impl FnOnce(&mut Self)) {
+        self.enabled(true, body);
+    }
+
+    /// As a box, but the instruction has no ENO.
+    pub fn conditional(&mut self, body: impl FnOnce(&mut Self)) {
+        self.enabled(false, body);
+    }
+
+    fn enabled(&mut self, has_eno: bool, body: impl FnOnce(&mut Self)) {
+        let enable = self.top();
+        let before = self.get(self.eno);
+        let skipped = if has_eno { self.b.bool_const(false) } else { before };
+        let behind = self.b.create_block();
+        match self.b.constant_bits(enable) {
+            Some(0) => return self.set(self.eno, skipped),
+            Some(_) => {}
+            None => {
+                let (run, skip) = (self.b.create_block(), self.b.create_block());
+                self.b.branch(enable, run, skip);
+                self.b.seal_block(run);
+                self.b.seal_block(skip);
+                self.b.switch_to(skip);
+                self.set(self.eno, skipped);
+                self.b.jump(behind, &[]);
+                self.b.switch_to(run);
+            }
+        }
+        if has_eno {
+            let one = self.b.bool_const(true);
+            self.set(self.eno, one);
+        }
+        let outer = self.failure.take();
+        body(self);
+        if self.b.is_reachable() {
+            self.b.jump(behind, &[]);
+        }
+        if let Some(failure) = std::mem::replace(&mut self.failure, outer) {
+            self.b.seal_block(failure);
+            self.b.switch_to(failure);
+            self.set(self.eno, skipped);
+            self.b.jump(behind, &[]);
+        }
+        self.b.seal_block(behind);
+        self.b.switch_to(behind);
+    }
+
+    /// An instruction that acts whatever S0 is, and may have an error that makes it do nothing.
+    pub fn guarded(&mut self, body: impl FnOnce(&mut Self)) {
+        let outer = self.failure.take();
+        body(self);
+        if let Some(failure) = std::mem::replace(&mut self.failure, outer) {
+            let behind = self.b.create_block();
+            self.b.jump(behind, &[]);
+            self.b.seal_block(failure);
+            self.b.switch_to(failure);
+            self.b.jump(behind, &[]);
+            self.b.seal_block(behind);
+            self.b.switch_to(behind);
+        }
+    }
+
+    /// As [`Context::guarded`], for a `body` that ends its block; an error leads to `behind`.
+    pub fn guarded_to(&mut self, behind: Block, body: impl FnOnce(&mut Self)) {
+        let outer = self.failure.take();
+        body(self);
+        if let Some(failure) = std::mem::replace(&mut self.failure, outer) {
+            self.b.seal_block(failure);
+            self.b.switch_to(failure);
+            self.b.jump(behind, &[]);
+        }
+    }
+
+    /// Non-fatal error `code` unless `ok`: it is noted, the instruction does nothing more. A compare contact stops the CPU with `fatal`.
+    pub fn error_unless(&mut self, ok: Value, code: u16, fatal: u16) {
+        if self.b.constant_bits(ok) == Some(1) {
+            return;
+        }
+        let (cold, next) = (self.b.create_cold_block(), self.b.create_block());
+        self.b.branch(ok, next, cold);
+        self.b.seal_block(cold);
+        self.b.seal_block(next);
+        self.b.switch_to(cold);
+        let site = self.site_value();
+        match self.on_error {
+            OnError::Skip => {
+                let code = self.b.i32_const(u32::from(code));
+                self.b.call_runtime(RuntimeFn::S7200Error, &[site, code]);
+                let failure = *self.failure.get_or_insert_with(|| self.b.create_cold_block());
+                self.b.jump(failure, &[]);
+            }
+            OnError::Stop => {
+                let event = self.b.i32_const(u32::from(plcc_abi::s7200::fatal::EVENT | fatal));
+                self.b.call_runtime(RuntimeFn::Stop, &[site, event]);
+                let exit = self.exit();
+                self.b.jump(exit, &[]);
+            }
+        }
+        self.b.switch_to(next);
+    }
+
+    // Control flow.
+
+    /// Where the block leaves when the CPU goes to STOP; values returned from there mean nothing.
+    pub fn exit(&mut self) -> Block {
+        *self.exit.get_or_insert_with(|| self.b.create_cold_block())
+    }
+
+    /// Leaves the block if `stop`, an i1.
+    pub fn stop_if(&mut self, stop: Value) {
+        let next = self.b.create_block();
+        let exit = self.exit();
+        self.b.branch(stop, exit, next);
+        self.b.seal_block(next);
+        self.b.switch_to(next);
+    }
+
+    /// Runs what is due: one load, one test, one branch that is rarely taken.
+    pub fn safepoint(&mut self) {
+        let attention = self.b.load_state(state::ATTENTION);
+        let due = self.b.icmp_imm(IntCc::Ne, attention, 0);
+        let (cold, next) = (self.b.create_cold_block(), self.b.create_block());
+        self.b.branch(due, cold, next);
+        self.b.seal_block(cold);
+        self.b.switch_to(cold);
+        let site = self.site_value();
+        let stop = self.b.call_runtime(RuntimeFn::Safepoint, &[site]).expect("safepoint has a result");
+        let stops = self.b.icmp_imm(IntCc::Ne, stop, 0);
+        let exit = self.exit();
+        self.b.branch(stops, exit, next);
+        self.b.seal_block(next);
+        self.b.switch_to(next);
+    }
+
+    pub fn network_safepoint(&mut self) {
+        if self.plan.has_interrupts {
+            self.safepoint();
+        }
+    }
+
+    /// A jump to a label has been built; seals its block after the last one.
+    pub fn jump_done(&mut self, number: u32) {
+        let Some(label) = self.labels.get_mut(&number) else { return };
+        label.jumps_left = label.jumps_left.saturating_sub(1);
+        if label.jumps_left == 0 && label.placed {
+            let block = label.block;
+            self.b.seal_block(block);
+        }
+    }
+
+    /// The label's block has its place, and is the current one.
+    pub fn label_placed(&mut self, number: u32) {
+        let Some(label) = self.labels.get_mut(&number) else { return };
+        label.placed = true;
+        let (block, complete) = (label.block, label.jumps_left == 0);
+        self.b.jump(block, &[]);
+        if complete {
+            self.b.seal_block(block);
+        }
+        self.b.switch_to(block);
+    }
+
+    /// Returns, with what is copied back.
+    pub fn leave(&mut self) {
+        let copied_back = self.body.parameters.iter().filter(|parameter| parameter.direction != Direction::In);
+        let values: Vec<Value> = copied_back
+            .map(|parameter| {
+                let at = Address::direct(Region::L, parameter.byte);
+                match parameter.width {
+                    Width::Bit => self.b.load_bit(at, parameter.bit),
+                    width => self.b.load(plan::ir_type(width), at),
+                }
+            })
+            .collect();
+        self.b.ret(&values);
+    }
+
+    /// Ends the function.
+    pub fn finish(mut self) -> plcc_ir::Function {
+        if self.b.is_reachable() {
+            self.leave();
+        }
+        if let Some(exit) = self.exit {
+            self.b.seal_block(exit);
+            self.b.switch_to(exit);
+            let returns = plan::returns(self.body);
+            let zeros: Vec<Value> = returns.into_iter().map(|ty| self.b.iconst(ty, 0)).collect();
+            self.b.ret(&zeros);
+        }
+        self.b.set_frame_bytes(layout::frame_bytes(LOCAL_BYTES));
+        self.b.finish()
+    }
+}

@@ -1,0 +1,155 @@
+//! Jumps, loops, calls, ends. Source: S7-200 system manual, program control instructions.
+
+use plcc_abi::s7200::{Operation, error, fatal, system};
+use plcc_ir::{Address, IntCc, Region, Type, Value};
+use plcc_program::model::s7200::{Direction, Operand, Width};
+
+use super::context::{Context, Loop};
+use super::operand::Place;
+use super::plan;
+
+/// Calls that may be nested. Source: S7-200 system manual, subroutines.
+const NESTING_MAX: i64 = 8;
+
+impl<'p> Context<'p, '_> {
+    /// `JMP`: a backward jump passes a safepoint on its way.
+    pub fn jump(&mut self, operands: &[Operand]) {
+        let Some(Operand::Const(number)) = operands.first() else { return };
+        let Some(label) = self.labels.get(number) else { return };
+        let (target, placed) = (label.block, label.placed);
+        let enable = self.top();
+        let (taken, next) = (self.b.create_block(), self.b.create_block());
+        self.b.branch(enable, taken, next);
+        self.b.seal_block(taken);
+        self.b.seal_block(next);
+        self.b.switch_to(taken);
+        if placed {
+            self.safepoint();
+        }
+        self.b.jump(target, &[]);
+        self.jump_done(*number);
+        self.b.switch_to(next);
+    }
+
+    /// `LBL`.
+    pub fn label(&mut self, operands: &[Operand]) {
+        if let Some(Operand::Const(number)) = operands.first() {
+            self.label_placed(*number);
+        }
+    }
+
+    /// `FOR INDX, INIT, FINAL`: with S0 = 0, or nothing to do, it goes on behind its NEXT.
+    pub fn begin_loop(&mut self, operands: &[Operand]) {
+        // The operands live as long as the body of the block; NEXT reads them again.
+        let body = self.body;
+        let own = body.statements.get(self.index).and_then(|statement| match &statement.kind {
+            plcc_program::model::s7200::StatementKind::Instruction { operands, .. } => Some(operands.as_slice()),
+            _ => None,
+        });
+        let ([index, initial, last], Some(own)) = (operands, own) else { return };
+        let (start, body, behind) = (self.b.create_block(), self.b.create_block(), self.b.create_block());
+        let enable = self.top();
+        self.b.branch(enable, start, behind);
+        self.b.seal_block(start);
+        self.b.switch_to(start);
+        self.guarded_to(behind, |context| {
+            let initial = context.read(initial, Width::Word);
+            let last = context.read(last, Width::Word);
+            let target = context.target(index, Width::Word);
+            context.store(target, Width::Word, initial);
+            let runs = context.b.icmp(IntCc::Sle, initial, last);
+            context.b.branch(runs, body, behind);
+        });
+        self.b.switch_to(body);
+        self.loops.push(Loop { operands: own, body, behind });
+    }
+
+    /// `NEXT`: counts, then compares, so that the index is one more than the last value in the end. At 32767 it stays.
+    pub fn end_loop(&mut self) {
+        let Some(Loop { operands, body, behind }) = self.loops.pop() else { return };
+        let [index, _, last] = operands else { return };
+        let one = self.b.bool_const(true);
+        self.set_top(one);
+        self.safepoint();
+        self.guarded_to(behind, |context| {
+            let target = context.target(index, Width::Word);
+            let value = context.load(target, Width::Word);
+            let last = context.read(last, Width::Word);
+            let more = context.b.icmp_imm(IntCc::Ne, value, i64::from(i16::MAX));
+            let step = context.b.zext(Type::I16, more);
+            let next = context.b.iadd(value, step);
+            context.store(target, Width::Word, next);
+            let within = context.b.icmp(IntCc::Sle, next, last);
+            let again = context.b.and(within, more);
+            context.b.branch(again, body, behind);
+        });
+        self.b.seal_block(body);
+        self.b.seal_block(behind);
+        self.b.switch_to(behind);
+    }
+
+    /// `END`, `CRET`, `CRETI`.
+    pub fn end_if_enabled(&mut self) {
+        let enable = self.top();
+        let (end, next) = (self.b.create_block(), self.b.create_block());
+        self.b.branch(enable, end, next);
+        self.b.seal_block(end);
+        self.b.seal_block(next);
+        self.b.switch_to(end);
+        self.leave();
+        self.b.switch_to(next);
+    }
+
+    /// `STOP`.
+    pub fn stop(&mut self) {
+        self.conditional(|context| {
+            let result = context.run_raw(Operation::StopMode, &[]);
+            context.stop_if_told(result);
+        });
+    }
+
+    /// `CALL`: IN and IN_OUT are copied in, IN_OUT and OUT back. With S0 = 0 nothing is.
+    pub fn call(&mut self, number: u16, arguments: &[Operand]) {
+        let Some((function, callee)) = self.plan.subroutine(number) else { return };
+        self.boxed(|context| {
+            let mut given = Vec::new();
+            let mut targets: Vec<(Place, Width)> = Vec::new();
+            for (parameter, argument) in callee.parameters.iter().zip(arguments) {
+                match parameter.direction {
+                    Direction::In => given.push(context.read(argument, parameter.width)),
+                    Direction::InOut => {
+                        let place = context.target(argument, parameter.width);
+                        given.push(context.load(place, parameter.width));
+                        targets.push((place, parameter.width));
+                    }
+                    Direction::Out => targets.push((context.target(argument, parameter.width), parameter.width)),
+                }
+            }
+            let depth = context.enter_call();
+            let results = context.b.call(function, given, &plan::returns(callee));
+            if let Some(depth) = depth {
+                context.b.store(DEPTH, depth);
+            }
+            context.safepoint();
+            for ((place, width), value) in targets.into_iter().zip(results) {
+                context.store(place, width, value);
+            }
+        });
+    }
+
+    /// Counts a call, where the compiler cannot bound the depth; what the depth was before. Too deep: error 0008, no call.
+    fn enter_call(&mut self) -> Option<Value> {
+        if !self.plan.counts_calls {
+            return None;
+        }
+        let depth = self.b.load(Type::I32, DEPTH);
+        let ok = self.b.icmp_imm(IntCc::Ult, depth, NESTING_MAX);
+        self.error_unless(ok, error::NESTING, fatal::INTERNAL);
+        let one = self.b.i32_const(1);
+        let deeper = self.b.iadd(depth, one);
+        self.b.store(DEPTH, deeper);
+        Some(depth)
+    }
+}
+
+const DEPTH: Address = Address::direct(Region::System, system::CALL_DEPTH);
