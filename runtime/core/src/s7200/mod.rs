@@ -2,15 +2,18 @@
 //!
 //! - `scan`: start of RUN, scan, STOP; `special`: special memory; `errors`: fatal and non-fatal errors.
 //! - `interrupts`: events, their queues, interrupt routines; `timers`: the three resolutions.
-//! - `bits`, `blocks`, `tables`, `text`, `strings`, `pid`, `calendar`: operations on memory; `pointers`: indirect addresses.
+//! - `bits`, `blocks`, `tables`, `text`, `strings`, `pid`, `calendar`: operations on memory; `access`: what they mind when they
+//!   read and write; `daylight`: daylight-saving time; `pointers`: indirect addresses.
 //! - `high_speed`, `pulses`: simulated counters and pulse outputs.
 //! - `freeport`, `network`: serial ports and the PPI link.
 //!
 //! Generated code calls an [`Operation`] by number; each is a function of one of these modules.
 
+mod access;
 mod bits;
 mod blocks;
 mod calendar;
+mod daylight;
 mod errors;
 mod freeport;
 mod high_speed;
@@ -25,6 +28,9 @@ mod strings;
 mod tables;
 mod text;
 mod timers;
+
+#[cfg(test)]
+mod tests;
 
 use plcc_abi::layout;
 use plcc_abi::s7200::{Operation, S7200Config, S7200Image, result, system};
@@ -52,6 +58,8 @@ pub struct S7200 {
     pub(crate) pulses: pulses::PulseOutputs,
     pub(crate) freeport: freeport::Freeport,
     pub(crate) network: network::Network,
+    pub(crate) loops: pid::Loops,
+    pub(crate) calendar: calendar::Calendar,
 }
 
 impl S7200 {
@@ -65,6 +73,8 @@ impl S7200 {
             pulses: pulses::PulseOutputs::default(),
             freeport: freeport::Freeport::default(),
             network: network::Network::default(),
+            loops: pid::Loops::default(),
+            calendar: calendar::Calendar::default(),
         }
     }
 }
@@ -131,10 +141,10 @@ impl Cpu {
             (layout::SYSTEM + system::SM, cpu.sm_bytes),
             (layout::SYSTEM + system::S, cpu.s_bytes),
             (layout::SYSTEM + system::ACCUMULATORS, 16),
-            (layout::SYSTEM + system::AI, system::ANALOG_BYTES),
-            (layout::SYSTEM + system::AQ, system::ANALOG_BYTES),
-            (layout::SYSTEM + system::TIMER_VALUES, 2 * plcc_abi::s7200::TIMERS),
-            (layout::SYSTEM + system::COUNTER_VALUES, 2 * plcc_abi::s7200::COUNTERS),
+            (layout::SYSTEM + system::AI, cpu.analog_bytes.min(system::ANALOG_BYTES)),
+            (layout::SYSTEM + system::AQ, cpu.analog_bytes.min(system::ANALOG_BYTES)),
+            (layout::SYSTEM + system::TIMER_VALUES, 2 * self.image.profile.timers.min(plcc_abi::s7200::TIMERS)),
+            (layout::SYSTEM + system::COUNTER_VALUES, 2 * self.image.profile.counters.min(plcc_abi::s7200::COUNTERS)),
         ];
         let fixed = areas.into_iter().find(|&(start, bytes)| address >= start && address - start < bytes);
         let local = |address: u32| {

@@ -66,6 +66,7 @@ pub fn image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         asserts: Vec::new(),
         symbols: Vec::new(),
         stops_itself: false,
+        s7200: None,
     }
 }
 

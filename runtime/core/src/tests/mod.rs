@@ -12,4 +12,4 @@ mod run;
 mod system;
 mod timers;
 
-pub(crate) use helpers::image;
+pub(crate) use helpers::{cpu_with, image};

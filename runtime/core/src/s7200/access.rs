@@ -1,0 +1,73 @@
+//! What reads and writes of operations mind: where areas end, analog words, timers of 1 ms, special memory.
+
+use std::ops::Range;
+
+use plcc_abi::layout;
+use plcc_abi::s7200::{ANALOG_ADDRESS, system};
+
+use crate::cpu::Cpu;
+
+/// Numbers of the timers of 1 ms. Source: S7-200 system manual, timer instructions.
+const TIMERS_OF_1_MS: [u32; 4] = [0, 32, 64, 96];
+
+/// Whether `bytes` bytes from `address` on lie in the area in which they begin.
+pub(super) fn inside(cpu: &Cpu, address: u32, bytes: u32) -> bool {
+    cpu.s7200_area(address).is_some_and(|(_, end)| bytes <= end.saturating_sub(address))
+}
+
+/// Before bytes are read: analog inputs and timers among them are brought up to date. Timers also before they are written: what has
+/// passed until then does not count for the new value.
+pub(super) fn before(cpu: &Cpu, address: u32, bytes: u32) {
+    if let Some(part) = part(address, bytes, system::AI, system::ANALOG_BYTES) {
+        for byte in words(part) {
+            let word = cpu.driver.read(ANALOG_ADDRESS + byte, 2).unwrap_or(0);
+            cpu.memory.set_word(layout::SYSTEM + system::AI + byte, word as u16);
+        }
+    }
+    if let Some(part) = part(address, bytes, system::TIMER_VALUES, 2 * plcc_abi::s7200::TIMERS) {
+        sync_timers(cpu, part.start / 2..part.end.div_ceil(2));
+    }
+}
+
+/// After bytes were written: analog outputs among them go to their modules, special memory has its effects.
+pub(super) fn after_write(cpu: &Cpu, address: u32, bytes: u32) {
+    if let Some(part) = part(address, bytes, system::AQ, system::ANALOG_BYTES) {
+        cpu.s7200_analog_out(part.start, part.end - part.start);
+    }
+    if let Some(part) = part(address, bytes, system::SM, system::SM_BYTES) {
+        part.for_each(|byte| cpu.s7200_special_written(byte));
+    }
+}
+
+/// Brings the timers of 1 ms among these up to date.
+pub(super) fn sync_timers(cpu: &Cpu, numbers: Range<u32>) {
+    TIMERS_OF_1_MS
+        .into_iter()
+        .filter(|number| numbers.contains(number))
+        .for_each(|number| cpu.s7200_timer_sync(number));
+}
+
+/// Which of the bytes lie in the part of the system area that has `length` bytes from `start` on, as offsets in it.
+fn part(address: u32, bytes: u32, start: u32, length: u32) -> Option<Range<u32>> {
+    let base = layout::SYSTEM + start;
+    let first = address.max(base);
+    let end = address.saturating_add(bytes).min(base + length);
+    (first < end).then(|| first - base..end - base)
+}
+
+/// Offsets of the words that bytes belong to.
+fn words(bytes: Range<u32>) -> impl Iterator<Item = u32> {
+    (bytes.start & !1..bytes.end).step_by(2)
+}
+
+impl Cpu {
+    /// Writes the words of the copy of analog outputs to which `bytes` bytes from `first_byte` on belong to their modules.
+    pub(crate) fn s7200_analog_out(&self, first_byte: u32, bytes: u32) {
+        let end = first_byte.saturating_add(bytes).min(system::ANALOG_BYTES);
+        for byte in words(first_byte..end) {
+            // A module that is missing takes nothing; that is no error.
+            let word = self.memory.word(layout::SYSTEM + system::AQ + byte);
+            self.driver.write(ANALOG_ADDRESS + byte, 2, u32::from(word));
+        }
+    }
+}
