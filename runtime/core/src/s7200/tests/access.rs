@@ -1,9 +1,9 @@
-//! Analog words.
+//! Analog words; operands that make no sense.
 
-use plcc_abi::layout;
+use plcc_abi::layout::{self, state};
 use plcc_abi::s7200::{ANALOG_ADDRESS, Operation, system};
 
-use super::{DONE, V, cpu, run};
+use super::{DONE, V, V_BYTES, cpu, run};
 
 const AI: u32 = layout::SYSTEM + system::AI;
 const AQ: u32 = layout::SYSTEM + system::AQ;
@@ -40,4 +40,46 @@ fn whole_words_go_out() {
     assert_eq!(cpu.driver.output(ANALOG_ADDRESS, 4), 0x0102_0000);
     cpu.s7200_analog_out(62, 100);
     cpu.s7200_analog_out(u32::MAX, u32::MAX);
+}
+
+#[test]
+fn senseless_operands_do_no_harm() {
+    let cpu = cpu();
+    let bits = |address: u32| address.wrapping_mul(8);
+    let operands = [
+        0,
+        1,
+        255,
+        0xFFFF,
+        state::CPU,
+        bits(state::CPU),
+        V,
+        V + V_BYTES - 1,
+        V + V_BYTES,
+        bits(V + V_BYTES - 1) + 7,
+        layout::L - 1,
+        layout::L + 63,
+        layout::SYSTEM + system::TIMER_VALUES + 511,
+        AQ + 63,
+        layout::SCRATCH,
+        0x8000_0000,
+        u32::MAX,
+    ];
+    let last = Operation::SetClockExtended as usize;
+    let own = cpu.memory.host64(state::CPU);
+    for &operation in &Operation::ALL[..=last] {
+        for a in operands {
+            for b in operands {
+                for c in [0, 1, 8, 0x73, 255, 256, 0xFFFF_FFFF] {
+                    for d in [0, 1, 255, V, u32::MAX] {
+                        run(&cpu, operation, &[a, b, c, d]);
+                    }
+                }
+            }
+        }
+        assert_eq!(cpu.memory.host64(state::CPU), own, "{operation:?}");
+        assert_eq!(cpu.memory.db(1), (V, V_BYTES), "{operation:?}");
+        // The byte behind V memory is of no area.
+        assert_eq!(cpu.memory.byte(V + V_BYTES), 0, "{operation:?}");
+    }
 }

@@ -72,7 +72,7 @@ fn parts_are_copied() {
     assert_eq!(run(&cpu, Operation::StringPart, &[V, 1, 5, V + V_BYTES - 5]), FAILED);
     // Into itself.
     assert_eq!(run(&cpu, Operation::StringPart, &[V, 7, 5, V]), DONE);
-    assert_eq!(v_bytes(&cpu, 0, 7), *b"\x05WORLDW");
+    assert_eq!(v_bytes(&cpu, 0, 7), *b"\x05WORLD ");
 }
 
 #[test]
