@@ -155,7 +155,13 @@ impl Cpu {
                 (frame, frame + plcc_abi::s7200::LOCAL_BYTES)
             })
         };
-        fixed.map(|(start, bytes)| (start, start + bytes)).or_else(|| local(address))
+        // Strings of the program text lie in another DB.
+        let constants = || {
+            let others = self.image.dbs.iter().filter(|db| db.number != plcc_abi::s7200::V_DB);
+            let mut ranges = others.map(|db| (db.address, db.address.saturating_add(db.data.len() as u32)));
+            ranges.find(|&(start, end)| (start..end).contains(&address))
+        };
+        fixed.map(|(start, bytes)| (start, start + bytes)).or_else(|| local(address)).or_else(constants)
     }
 
     /// See [`RuntimeFn::S7200Operation`](plcc_abi::RuntimeFn::S7200Operation).

@@ -24,7 +24,7 @@ impl Cpu {
             pointer::I => (layout::I, profile.inputs, false),
             pointer::Q => (layout::Q, profile.outputs, false),
             pointer::M => (layout::M, profile.bit_memory, false),
-            pointer::SM if !cpu.old && !(write && offset < SPECIAL_READ_ONLY) => {
+            pointer::SM if !cpu.old && (!write || offset >= SPECIAL_READ_ONLY) => {
                 (layout::SYSTEM + system::SM, cpu.sm_bytes, false)
             }
             pointer::AI if !cpu.old && !write => (layout::SYSTEM + system::AI, analog_bytes, true),

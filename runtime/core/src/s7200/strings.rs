@@ -5,6 +5,8 @@ use plcc_abi::s7200::{error, fatal, result};
 use super::{Operands, access, done, failed, value};
 use crate::cpu::Cpu;
 
+/// Event of the diagnostic buffer: fatal error 0014.
+const COMPARE_RANGE: u16 = 0xFA00 | fatal::COMPARE_RANGE;
 /// Longest string.
 const LENGTH_MAX: u32 = 254;
 
@@ -102,7 +104,7 @@ fn search(cpu: &Cpu, operands: &Operands, found: impl Fn(&[u8], &[u8]) -> Option
 pub(super) fn equal(cpu: &Cpu, operands: &Operands) -> u64 {
     let &Operands { a: first, b: second, .. } = operands;
     let (Some(first_length), Some(second_length)) = (length_at(cpu, first), length_at(cpu, second)) else {
-        cpu.stop_by(fatal::COMPARE_RANGE, operands.site, 0);
+        cpu.stop_by(COMPARE_RANGE, operands.site, 0);
         return result::STOP;
     };
     let mut equal = false;

@@ -1,8 +1,9 @@
 //! Operations on strings.
 
+use plcc_abi::image::DbEntry;
 use plcc_abi::s7200::{Operation, fatal, result};
 
-use super::{DONE, FAILED, V, V_BYTES, cpu, gives, load_v, put_string, run, string, v_bytes};
+use super::{DONE, FAILED, V, V_BYTES, changed_cpu, cpu, gives, load_v, put_string, run, string, v_bytes};
 
 #[test]
 fn length_and_copy() {
@@ -127,5 +128,26 @@ fn strings_are_compared() {
     assert!(!cpu.is_stopped());
     load_v(&cpu, V_BYTES - 1, &[1]);
     assert_eq!(run(&cpu, Operation::StringEqual, &[V, V + V_BYTES - 1]), result::STOP);
-    assert_eq!(cpu.stopped().map(|stop| stop.entry.event), Some(fatal::COMPARE_RANGE));
+    assert_eq!(cpu.stopped().map(|stop| stop.entry.event), Some(0xFA00 | fatal::COMPARE_RANGE));
+}
+
+#[test]
+fn constants_lie_in_a_block_of_their_own() {
+    let constants = V + V_BYTES + 16;
+    let cpu = changed_cpu(|image| {
+        let data = b"\x02ON\x03OF".to_vec();
+        image.db_end = constants + data.len() as u32;
+        image.dbs.push(DbEntry {
+            number: 2,
+            name: String::new(),
+            address: constants,
+            data,
+            read_only: true,
+            unlinked: false,
+        });
+    });
+    assert_eq!(run(&cpu, Operation::StringCopy, &[constants, V]), DONE);
+    assert_eq!(string(&cpu, 0), "ON");
+    assert_eq!(run(&cpu, Operation::StringEqual, &[constants, V]), gives(1));
+    assert_eq!(run(&cpu, Operation::StringCopy, &[constants + 3, V]), FAILED);
 }
