@@ -7,8 +7,9 @@
 //! | `Level as REAL`, `MW10 as INT` | number |
 //! | `plant.level` | number, from the plant of the scenario |
 //! | `pulse.1.duty`, `pulse.1.period` | of a pulse generator: on-time in percent of its cycle, cycle in milliseconds |
+//! | `PLS0.COUNT` | pulses of a pulse output of an S7-200 |
 //!
-//! Behind the last two ` in UNIT` may name their unit, for the axis of a picture; it changes nothing.
+//! Behind the last three ` in UNIT` may name their unit, for the axis of a picture; it changes nothing.
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::{AnalogChannel, Module, StationModule};
@@ -17,6 +18,7 @@ use crate::address::{self, Address, Bits, Place, Width};
 use crate::analog::{self, Scale};
 use crate::cpu::Cpu;
 use crate::plant::Plant;
+use crate::s7200::PULSE_OUTPUTS;
 use crate::value;
 
 /// Where a value comes from and how it is read.
@@ -32,6 +34,8 @@ pub enum Source {
     PulseDuty(u8),
     /// Of the pulse generator with this number: cycle in milliseconds.
     PulsePeriod(u8),
+    /// Of the pulse output of an S7-200 with this number: pulses since RUN began.
+    PulseCount(u8),
 }
 
 /// How bits at an address are a number.
@@ -95,6 +99,9 @@ impl Source {
         if let Some(rest) = text.strip_prefix("pulse.") {
             return pulse(without_unit(rest), image);
         }
+        if let Some(number) = pulse_output(without_unit(text), image) {
+            return Ok(Source::PulseCount(number));
+        }
         let plain = address::resolve(text, image).map(Source::Bits);
         if plain.is_ok() {
             return plain;
@@ -120,7 +127,7 @@ impl Source {
     pub fn address(&self) -> Option<&Address> {
         match self {
             Source::Bits(address) | Source::Number(address, _) | Source::Channel(address, _) => Some(address),
-            Source::Plant(_) | Source::PulseDuty(_) | Source::PulsePeriod(_) => None,
+            Source::Plant(_) | Source::PulseDuty(_) | Source::PulsePeriod(_) | Source::PulseCount(_) => None,
         }
     }
 
@@ -154,6 +161,7 @@ impl Source {
                 let found = generators.iter().find(|generator| generator.number == *number);
                 Value::Number(found.map_or(0.0, |generator| f64::from(generator.cycle_us) / 1000.0))
             }
+            Source::PulseCount(number) => Value::Number(cpu.s7200_pulse_count(*number) as f64),
             Source::Plant(index) => Value::Number(plant.map_or(0.0, |plant| plant.value(*index))),
         }
     }
@@ -166,7 +174,8 @@ impl Source {
             | Source::Channel(..)
             | Source::Plant(_)
             | Source::PulseDuty(_)
-            | Source::PulsePeriod(_) => None,
+            | Source::PulsePeriod(_)
+            | Source::PulseCount(_) => None,
         }
     }
 
@@ -177,13 +186,20 @@ impl Source {
             Source::Number(address, NumberType::Real) => (address, u64::from((number as f32).to_bits())),
             Source::Number(address, NumberType::Int | NumberType::Dint) => (address, whole(number, address.width)),
             Source::Channel(address, scale) => (address, u64::from(scale.word(number) as u16)),
-            Source::PulseDuty(_) | Source::PulsePeriod(_) => {
+            Source::PulseDuty(_) | Source::PulsePeriod(_) | Source::PulseCount(_) => {
                 return Err("the program sets a pulse generator".to_string());
             }
             Source::Plant(_) => return Err("a value of the plant is set by `plant = { name = 1.0 }`".to_string()),
         };
         cpu.write(address, bits)
     }
+}
+
+/// `PLS0.COUNT`
+fn pulse_output(text: &str, image: &ProgramImage) -> Option<u8> {
+    let upper = text.to_ascii_uppercase();
+    let number = upper.strip_prefix("PLS")?.strip_suffix(".COUNT")?.parse().ok()?;
+    (image.s7200.is_some() && number < PULSE_OUTPUTS).then_some(number)
 }
 
 /// `1.duty`, `1.period`

@@ -29,8 +29,8 @@ mod tables;
 mod text;
 mod timers;
 
-#[cfg(test)]
-mod tests;
+pub use high_speed::PulseInput;
+pub use pulses::{Edge, PULSE_OUTPUTS};
 
 use plcc_abi::layout;
 use plcc_abi::s7200::{Operation, S7200Config, S7200Image, result, system};

@@ -9,6 +9,7 @@ use plcc_abi::ProgramImage;
 
 use crate::events::Event;
 use crate::plant::Plant;
+use crate::s7200::PulseInput;
 use crate::signal::{Signal, Value};
 pub use player::Player;
 
@@ -30,11 +31,22 @@ pub struct Setting {
     pub line: u32,
 }
 
-/// Pulses at the inputs of a fast counter.
+/// Where pulses arrive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PulsesAt {
+    /// A fast counter of an S7-1200: its place in the configuration.
+    Counter(usize),
+    /// An input or a high-speed counter of an S7-200.
+    S7200(PulseInput),
+}
+
+/// A train of pulses.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pulses {
-    /// Place of the counter in the configuration.
-    pub counter: usize,
+    pub at: PulsesAt,
+    /// As the file names it.
+    pub name: String,
+    pub line: u32,
     pub count: u64,
     /// Nanoseconds from one to the next.
     pub period: u64,

@@ -2,11 +2,12 @@
 
 use std::io::Write;
 
-use super::{Scenario, Setting, When};
+use super::{Pulses, PulsesAt, Scenario, Setting, When};
 use crate::cpu::Cpu;
 use crate::cycle::Observer;
 use crate::plant::{Fault, Plant};
 use crate::report;
+use crate::s7200::PulseInput;
 use crate::signal::{self, Signal, Value};
 use crate::testing::AssertFailure;
 
@@ -40,6 +41,10 @@ impl Player {
         }
         for address in scenario.entries.iter().flat_map(|at| &at.set).filter_map(|set| set.signal.source.address()) {
             cpu.name_input(address);
+        }
+        let trains = scenario.entries.iter().flat_map(|at| &at.pulses);
+        if trains.into_iter().any(|pulses| matches!(pulses.at, PulsesAt::S7200(_))) {
+            cpu.driver.name_input(0, PulseInput::bytes());
         }
         if let Some(plant) = &scenario.plant {
             plant.attach(cpu).map_err(|(line, message)| match line {
@@ -118,6 +123,9 @@ fn holds(setting: &Setting, actual: Value) -> bool {
 
 impl Observer for Player {
     fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        // What came until now counts by the levels before it.
+        cpu.s7200_poll_counters();
+        cpu.s7200_image_pulses();
         self.step_plant(cpu, cycle, time);
         for (at, happened) in self.scenario.entries.iter().zip(&mut self.happened) {
             let now = match at.when {
@@ -145,8 +153,23 @@ impl Observer for Player {
             if let Some(plant) = &mut self.scenario.plant {
                 at.plant.iter().for_each(|&(index, value)| plant.set(index, value));
             }
-            for pulses in &at.pulses {
-                cpu.begin_pulses(pulses.counter, pulses.period, pulses.count, pulses.backward);
+            for Pulses { at, name, line, count, period, backward } in &at.pulses {
+                let begun = match *at {
+                    PulsesAt::Counter(index) => {
+                        cpu.begin_pulses(index, *period, *count, *backward);
+                        Ok(())
+                    }
+                    PulsesAt::S7200(input) => cpu.s7200_begin_pulses(input, *period, *count, *backward),
+                };
+                if let Err(message) = begun {
+                    self.failures.push(AssertFailure {
+                        file: self.scenario.file.clone(),
+                        line: *line,
+                        text: format!("pulses at {name}"),
+                        left: message,
+                        right: format!("{count} pulses"),
+                    });
+                }
             }
             if let Some(event) = at.event {
                 cpu.request(event);

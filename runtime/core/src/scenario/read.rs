@@ -7,12 +7,13 @@ use plcc_abi::technology::CountMode;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{At, Pulses, Scenario, Setting, When};
-use crate::address::{self, Place};
+use super::{At, Pulses, PulsesAt, Scenario, Setting, When};
+use crate::address::{self, Place, Width};
 use crate::analog;
 use crate::events::{self, Event};
 use crate::options::parse_duration;
 use crate::plant::{Plant, PlantText};
+use crate::s7200::PulseInput;
 use crate::signal::{self, Signal, Source, Value};
 use crate::value;
 
@@ -42,7 +43,7 @@ struct AtText {
     print: Vec<Spanned<String>>,
 }
 
-/// Pulses at the inputs of a fast counter.
+/// Pulses at an input or a counter.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PulsesText {
@@ -175,7 +176,8 @@ impl Reader<'_> {
                 | Source::Channel(..)
                 | Source::Plant(_)
                 | Source::PulseDuty(_)
-                | Source::PulsePeriod(_),
+                | Source::PulsePeriod(_)
+                | Source::PulseCount(_),
                 tolerance,
             ) => {
                 let tolerance = tolerance.map_or(Ok(0.0), number)?;
@@ -185,6 +187,39 @@ impl Reader<'_> {
     }
 
     fn pulses(&self, name: &Spanned<String>, text: &PulsesText) -> Result<Pulses, String> {
+        let at = match self.image.s7200 {
+            Some(_) => PulsesAt::S7200(self.pulse_input(name)?),
+            None => PulsesAt::Counter(self.fast_counter(name, text)?),
+        };
+        if !(text.frequency > 0.0 && text.frequency <= FREQUENCY_MAX) {
+            let message = format!("{} is no frequency up to 1000000 Hz", text.frequency);
+            return self.error(name.span().start, &message);
+        }
+        if matches!(at, PulsesAt::S7200(PulseInput::Input(_))) && text.backward {
+            return self.error(name.span().start, "pulses at one input have no direction");
+        }
+        let period = ((NS_PER_S / text.frequency) as u64).max(1);
+        let (name, line) = (name.get_ref().clone(), (self.line)(name.span().start));
+        Ok(Pulses { at, name, line, count: text.count, period, backward: text.backward })
+    }
+
+    /// `I0.6`, a symbol of an input, `HSC1`.
+    fn pulse_input(&self, name: &Spanned<String>) -> Result<PulseInput, String> {
+        let text = name.get_ref();
+        let upper = text.trim().to_ascii_uppercase();
+        let digits = upper.strip_prefix("HSC").map(|rest| rest.strip_prefix('_').unwrap_or(rest));
+        let counter = digits.and_then(|digits| digits.parse().ok()).and_then(PulseInput::counter);
+        let input = || match address::resolve(text, self.image).ok()? {
+            address::Address { place: Place::Input(byte), width: Width::Bit(bit) } => PulseInput::input(byte, bit),
+            _ => None,
+        };
+        counter.or_else(input).ok_or(()).or_else(|()| {
+            let message = format!("`{text}` takes no pulses; inputs from I0.0 to I1.7 do, and counters HSC0 to HSC5");
+            self.error(name.span().start, &message)
+        })
+    }
+
+    fn fast_counter(&self, name: &Spanned<String>, text: &PulsesText) -> Result<usize, String> {
         let upper = name.get_ref().to_ascii_uppercase();
         let number = upper.strip_prefix("LOCAL~").unwrap_or(&upper).strip_prefix("HSC_");
         let number = number.and_then(|digits| digits.parse::<u8>().ok());
@@ -195,17 +230,11 @@ impl Reader<'_> {
                 format!("plc.toml enables no fast counter `{}`; they are HSC_1, HSC_2 and so on", name.get_ref());
             return self.error(name.span().start, &message);
         };
-        let possible = text.frequency > 0.0 && text.frequency <= FREQUENCY_MAX;
         let mode = counters.get(counter).map(|counter| counter.mode);
         if text.backward && !mode.is_some_and(CountMode::is_external) {
             return self.error(name.span().start, "the inputs of this fast counter give no direction");
         }
-        if !possible {
-            let message = format!("{} is no frequency up to 1000000 Hz", text.frequency);
-            return self.error(name.span().start, &message);
-        }
-        let period = ((NS_PER_S / text.frequency) as u64).max(1);
-        Ok(Pulses { counter, count: text.count, period, backward: text.backward })
+        Ok(counter)
     }
 
     fn event(&self, event: &Spanned<toml::Value>) -> Result<Event, String> {

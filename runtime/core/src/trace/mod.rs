@@ -2,7 +2,7 @@
 //!
 //! What is recorded: the list of `--trace-signals`; without it the values of `--print` and all symbols that are values;
 //! without any of these the outputs Q0.0 to Q3.7. A sample has the time at which its cycle started, cycle 0 is the one
-//! after the startup OB.
+//! after the startup OB. What a pulse output of an S7-200 does between two samples has its own times in a VCD.
 
 mod table;
 mod waveform;
@@ -14,10 +14,19 @@ use std::path::Path;
 use crate::address::{self, Address, Place, Width};
 use crate::cpu::Cpu;
 use crate::plant::Plant;
+use crate::s7200::{Edge, PULSE_OUTPUTS};
 use crate::signal::{Signal, Source, Value};
 
 /// A file format.
 trait Sink {
+    /// Signal `index`, a bit, changes between two samples.
+    fn edge(&mut self, _index: usize, _time: u64, _level: bool) -> std::io::Result<()> {
+        Ok(())
+    }
+    /// A remark for who looks at the file.
+    fn remark(&mut self, _text: &str) -> std::io::Result<()> {
+        Ok(())
+    }
     fn sample(&mut self, cycle: u64, time: u64, values: &[Value]) -> std::io::Result<()>;
     fn finish(&mut self) -> std::io::Result<()>;
 }
@@ -27,6 +36,12 @@ pub struct Recorder {
     signals: Vec<Signal>,
     sink: Box<dyn Sink>,
     values: Vec<Value>,
+    /// Signals that are pulse outputs of an S7-200: place, and number of the output.
+    outputs: Vec<(usize, u8)>,
+    /// Edges in their order, of one step.
+    edges: Vec<(u64, usize, bool)>,
+    /// A remark tells that edges are missing.
+    cut: bool,
     /// Nanoseconds that lie between two samples at least, and when the next one is due.
     step: u64,
     due: u64,
@@ -47,18 +62,66 @@ impl Recorder {
             "csv" => Box::new(table::Table::new(open()?, &signals).map_err(failed)?),
             _ => return Err(format!("--trace {}: the file must end in .vcd or .csv", path.display())),
         };
-        Ok(Recorder { values: Vec::with_capacity(signals.len()), signals, sink, step, due: 0, error: None })
+        let outputs = (0..).zip(&signals).filter_map(|(index, signal)| Some((index, pulse_output(&signal.source)?)));
+        Ok(Recorder {
+            values: Vec::with_capacity(signals.len()),
+            outputs: outputs.collect(),
+            edges: Vec::new(),
+            cut: false,
+            signals,
+            sink,
+            step,
+            due: 0,
+            error: None,
+        })
     }
 
     /// Takes a sample.
     pub fn sample(&mut self, cpu: &Cpu, plant: Option<&Plant>, cycle: u64, time: u64) {
+        if self.error.is_some() {
+            return;
+        }
+        let levels = self.pulses(cpu, time);
         if self.error.is_none() && time >= self.due {
             // Samples lie at multiples of the step. Without one each cycle is a sample, the startup beside the first.
             self.due = time.checked_div(self.step).map_or(0, |steps| (steps + 1).saturating_mul(self.step));
             self.values.clear();
             self.values.extend(self.signals.iter().map(|signal| signal.source.read(cpu, plant)));
+            for (index, level) in levels {
+                if let Some(Value::Bits(bits, _)) = self.values.get_mut(index) {
+                    *bits = level.into();
+                }
+            }
             self.error = self.sink.sample(cycle, time, &self.values).err();
         }
+    }
+
+    /// Edges of pulse outputs since the last sample. Result: levels at `time` of those that a generator owns.
+    fn pulses(&mut self, cpu: &Cpu, time: u64) -> Vec<(usize, bool)> {
+        let mut levels = Vec::new();
+        let mut taken: Vec<(u8, Taken)> = Vec::new();
+        self.edges.clear();
+        for &(index, number) in &self.outputs {
+            // Two signals may be the same output.
+            if !taken.iter().any(|(other, _)| *other == number) {
+                cpu.s7200_record_pulses(number);
+                taken.push((number, cpu.s7200_pulse_edges(number, time)));
+            }
+            let Some((_, (edges, cut, level))) = taken.iter().find(|(other, _)| *other == number) else { continue };
+            self.edges.extend(edges.iter().map(|edge| (edge.time, index, edge.level)));
+            levels.extend(level.map(|level| (index, level)));
+            if *cut && !std::mem::replace(&mut self.cut, true) {
+                let text = format!("edges of Q0.{number} are missing: more than are kept between two samples");
+                self.error = self.error.take().or(self.sink.remark(&text).err());
+            }
+        }
+        self.edges.sort_by_key(|&(time, ..)| time);
+        for &(time, index, level) in &self.edges {
+            if self.error.is_none() {
+                self.error = self.sink.edge(index, time, level).err();
+            }
+        }
+        levels
     }
 
     /// Ends the file. `Err`: what went wrong first.
@@ -67,6 +130,19 @@ impl Recorder {
             Some(error) => Err(error),
             None => self.sink.finish(),
         }
+    }
+}
+
+/// What is taken from a pulse output: its edges, whether some are missing, its level.
+type Taken = (Vec<Edge>, bool, Option<bool>);
+
+/// The number of the pulse output that a signal shows.
+fn pulse_output(source: &Source) -> Option<u8> {
+    match source {
+        Source::Bits(Address { place: Place::Output(0), width: Width::Bit(bit) }) => {
+            Some(*bit).filter(|&bit| bit < PULSE_OUTPUTS)
+        }
+        _ => None,
     }
 }
 

@@ -36,17 +36,41 @@ impl<W: Write> Waveform<W> {
     }
 }
 
-impl<W: Write> Sink for Waveform<W> {
-    fn sample(&mut self, _cycle: u64, time: u64, values: &[Value]) -> Result<()> {
+impl<W: Write> Waveform<W> {
+    /// What follows has this time, in nanoseconds.
+    fn stamp(&mut self, time: u64) -> Result<()> {
         let time = time / 1000;
-        for ((&code, last), &value) in self.codes.iter().zip(&mut self.last).zip(values) {
+        if self.stamp != Some(time) {
+            self.writer.timestamp(time)?;
+            self.stamp = Some(time);
+        }
+        Ok(())
+    }
+}
+
+impl<W: Write> Sink for Waveform<W> {
+    fn edge(&mut self, index: usize, time: u64, level: bool) -> Result<()> {
+        let (Some(&code), Some(last)) = (self.codes.get(index), self.last.get_mut(index)) else { return Ok(()) };
+        match last {
+            Some(Value::Bits(bits, _)) if *bits == u64::from(level) => return Ok(()),
+            Some(Value::Bits(bits, _)) => *bits = level.into(),
+            Some(Value::Number(_)) | None => *last = Some(Value::Bits(level.into(), Width::Bit(0))),
+        }
+        self.stamp(time)?;
+        self.writer.change_scalar(code, if level { vcd::Value::V1 } else { vcd::Value::V0 })
+    }
+
+    fn remark(&mut self, text: &str) -> Result<()> {
+        self.writer.comment(text)
+    }
+
+    fn sample(&mut self, _cycle: u64, time: u64, values: &[Value]) -> Result<()> {
+        for (index, &value) in values.iter().enumerate() {
+            let (Some(&code), Some(last)) = (self.codes.get(index), self.last.get_mut(index)) else { continue };
             if last.replace(value) == Some(value) {
                 continue;
             }
-            if self.stamp != Some(time) {
-                self.writer.timestamp(time)?;
-                self.stamp = Some(time);
-            }
+            self.stamp(time)?;
             let bit = |bits: u64, index: u32| if bits >> index & 1 != 0 { vcd::Value::V1 } else { vcd::Value::V0 };
             match value {
                 Value::Number(number) => self.writer.change_real(code, number)?,
