@@ -18,7 +18,6 @@ use crate::address::{self, Address, Bits, Place, Width};
 use crate::analog::{self, Scale};
 use crate::cpu::Cpu;
 use crate::plant::Plant;
-use crate::s7200::PULSE_OUTPUTS;
 use crate::value;
 
 /// Where a value comes from and how it is read.
@@ -199,7 +198,7 @@ impl Source {
 fn pulse_output(text: &str, image: &ProgramImage) -> Option<u8> {
     let upper = text.to_ascii_uppercase();
     let number = upper.strip_prefix("PLS")?.strip_suffix(".COUNT")?.parse().ok()?;
-    (image.s7200.is_some() && number < PULSE_OUTPUTS).then_some(number)
+    (image.s7200.is_some() && number < crate::s7200::PULSE_OUTPUTS).then_some(number)
 }
 
 /// `1.duty`, `1.period`

@@ -2,6 +2,7 @@
 
 mod player;
 mod read;
+mod trains;
 
 use std::path::Path;
 

@@ -2,7 +2,8 @@
 
 use std::io::Write;
 
-use super::{Pulses, PulsesAt, Scenario, Setting, When};
+use super::trains::Trains;
+use super::{PulsesAt, Scenario, Setting, When};
 use crate::cpu::Cpu;
 use crate::cycle::Observer;
 use crate::plant::{Fault, Plant};
@@ -18,6 +19,7 @@ pub struct Player {
     happened: Vec<Option<u64>>,
     expectations_met: u64,
     failures: Vec<AssertFailure>,
+    trains: Trains,
     /// Where `print` goes; nowhere in tests.
     out: Option<Box<dyn Write>>,
     json: bool,
@@ -53,7 +55,15 @@ impl Player {
             })?;
         }
         let happened = vec![None; scenario.entries.len()];
-        Ok(Player { scenario, happened, expectations_met: 0, failures: Vec::new(), out: None, json: false })
+        Ok(Player {
+            scenario,
+            happened,
+            expectations_met: 0,
+            failures: Vec::new(),
+            trains: Trains::default(),
+            out: None,
+            json: false,
+        })
     }
 
     /// Writes what `print` asks for to `out`.
@@ -79,6 +89,7 @@ impl Player {
         for (at, _) in self.scenario.entries.iter().zip(&self.happened).filter(|(_, happened)| happened.is_none()) {
             failures.extend(at.expect.iter().map(|setting| self.failure(setting, "(not reached)".to_string())));
         }
+        failures.extend(self.trains.never_begun(&self.scenario.file));
         failures
     }
 
@@ -153,23 +164,8 @@ impl Observer for Player {
             if let Some(plant) = &mut self.scenario.plant {
                 at.plant.iter().for_each(|&(index, value)| plant.set(index, value));
             }
-            for Pulses { at, name, line, count, period, backward } in &at.pulses {
-                let begun = match *at {
-                    PulsesAt::Counter(index) => {
-                        cpu.begin_pulses(index, *period, *count, *backward);
-                        Ok(())
-                    }
-                    PulsesAt::S7200(input) => cpu.s7200_begin_pulses(input, *period, *count, *backward),
-                };
-                if let Err(message) = begun {
-                    self.failures.push(AssertFailure {
-                        file: self.scenario.file.clone(),
-                        line: *line,
-                        text: format!("pulses at {name}"),
-                        left: message,
-                        right: format!("{count} pulses"),
-                    });
-                }
+            for pulses in &at.pulses {
+                self.failures.extend(self.trains.begin(cpu, pulses, cpu.clock.now(), &self.scenario.file));
             }
             if let Some(event) = at.event {
                 cpu.request(event);
@@ -178,6 +174,7 @@ impl Observer for Player {
     }
 
     fn after(&mut self, cpu: &Cpu, cycle: u64, _time: u64) {
+        self.failures.extend(self.trains.retry(cpu, &self.scenario.file));
         let due = |happened: &Option<u64>| *happened == Some(cycle);
         for index in 0..self.scenario.entries.len() {
             if !self.happened.get(index).is_some_and(due) {

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{At, Pulses, PulsesAt, Scenario, Setting, When};
-use crate::address::{self, Place, Width};
+use crate::address::{self, Place};
 use crate::analog;
 use crate::events::{self, Event};
 use crate::options::parse_duration;
@@ -210,7 +210,9 @@ impl Reader<'_> {
         let digits = upper.strip_prefix("HSC").map(|rest| rest.strip_prefix('_').unwrap_or(rest));
         let counter = digits.and_then(|digits| digits.parse().ok()).and_then(PulseInput::counter);
         let input = || match address::resolve(text, self.image).ok()? {
-            address::Address { place: Place::Input(byte), width: Width::Bit(bit) } => PulseInput::input(byte, bit),
+            address::Address { place: address::Place::Input(byte), width: address::Width::Bit(bit) } => {
+                PulseInput::input(byte, bit)
+            }
             _ => None,
         };
         counter.or_else(input).ok_or(()).or_else(|()| {

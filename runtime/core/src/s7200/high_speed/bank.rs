@@ -122,24 +122,17 @@ impl Bank {
         Ok(())
     }
 
-    /// Inputs at which pulses of counter `number` arrive: clock and second clock, and whether both are one quadrature signal. `Err`: why
-    /// it has none of them.
-    pub fn pulse_inputs(&self, number: u32, backward: bool) -> Result<(Pin, Option<Pin>), String> {
-        let row = ROWS.get(number as usize).ok_or_else(|| format!("there is no HSC{number}"))?;
+    /// Inputs at which pulses of counter `number` arrive: one, or both clocks of a quadrature signal. `None`: it is not defined yet. `Err`:
+    /// why it has no such inputs.
+    pub fn pulse_inputs(&self, number: u32, backward: bool) -> Result<Option<(Pin, Option<Pin>)>, String> {
         let none = |why: &str| Err(format!("HSC{number} {why}"));
-        let Some(counter) = self.counter(number) else {
-            // Nobody counts yet: it is the clock that will.
-            return match row.inputs.clock.filter(|_| !backward) {
-                Some(clock) => Ok((clock, None)),
-                None => none("is not defined yet: which input counts backward depends on its mode"),
-            };
-        };
+        let Some(counter) = self.counter(number) else { return Ok(None) };
         let (clock, second) = (counter.inputs.clock, counter.inputs.second);
         match (counter.kind, clock, second) {
-            (Kind::Quadrature, Some(clock), Some(second)) => Ok((clock, Some(second))),
-            (Kind::TwoClocks, _, Some(second)) if backward => Ok((second, None)),
-            (Kind::TwoClocks, Some(clock), _) => Ok((clock, None)),
-            (Kind::Internal | Kind::External, Some(clock), _) if !backward => Ok((clock, None)),
+            (Kind::Quadrature, Some(clock), Some(second)) => Ok(Some((clock, Some(second)))),
+            (Kind::TwoClocks, _, Some(second)) if backward => Ok(Some((second, None))),
+            (Kind::TwoClocks, Some(clock), _) => Ok(Some((clock, None))),
+            (Kind::Internal | Kind::External, Some(clock), _) if !backward => Ok(Some((clock, None))),
             (Kind::Internal, ..) => none("has its direction from its control byte in this mode, not from pulses"),
             (Kind::External, ..) => none("has its direction from an input in this mode: set that"),
             (Kind::Output, ..) => none("counts a pulse output in mode 12, and no input"),

@@ -110,22 +110,24 @@ impl Cpu {
         self.s7200().is_some_and(|own| own.counters.bank.borrow().owned() & modes::bit(bit) != 0)
     }
 
-    /// A scenario begins a train of pulses; one that is there ends. `Err`: why that cannot be.
+    /// A scenario begins a train of pulses at `start`, not later than now; one that is there ends. False: the counter is not defined
+    /// yet. `Err`: why it cannot be.
     pub(crate) fn s7200_begin_pulses(
         &self,
         input: PulseInput,
+        start: u64,
         period: u64,
         count: u64,
         backward: bool,
-    ) -> Result<(), String> {
-        let Some(own) = self.s7200() else { return Ok(()) };
+    ) -> Result<bool, String> {
+        let Some(own) = self.s7200() else { return Ok(true) };
         self.s7200_poll_counters();
-        let now = self.clock.now();
-        let (first, second) = match input {
+        let inputs = match input {
             PulseInput::Input(_) if backward => return Err("pulses at one input have no direction".to_string()),
-            PulseInput::Input(pin) => (pin, None),
+            PulseInput::Input(pin) => Some((pin, None)),
             PulseInput::Counter(number) => own.counters.bank.borrow().pulse_inputs(number.into(), backward)?,
         };
+        let Some((first, second)) = inputs else { return Ok(false) };
         // Both begin low.
         let mask = bit(first) | second.map_or(0, bit);
         own.counters.bank.borrow_mut().wires.remove(mask);
@@ -134,14 +136,14 @@ impl Cpu {
         let bank = &mut *own.counters.bank.borrow_mut();
         bank.driven |= mask;
         match second {
-            None => bank.wires.begin(first, Train::single(now, period, count)),
+            None => bank.wires.begin(first, Train::single(start, period, count)),
             Some(second) => {
-                let (a, b) = Train::pair(now, period, count, backward);
+                let (a, b) = Train::pair(start, period, count, backward);
                 bank.wires.begin(first, a);
                 bank.wires.begin(second, b);
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Puts the levels of inputs with pulses into the process image, before a scenario sets other bits of their bytes.

@@ -133,6 +133,30 @@ set = { "I0.0" = 1 }
 }
 
 #[test]
+fn pulses_wait_for_their_counter() {
+    let cpu = cpu();
+    let text = r#"
+[[at]]
+cycle = 1
+pulses = { HSC2 = { count = 10, frequency = 1000, backward = true }, HSC4 = { count = 1, frequency = 1000 } }
+"#;
+    let scenario = Scenario::parse("s.toml", text, &cpu.image).unwrap();
+    let mut player = Player::new(scenario, &cpu).unwrap();
+    player.before(&cpu, 1, 0);
+    assert_eq!(player.failures().len(), 2);
+    // The program of the first scan.
+    cpu.memory.set_byte(special(57), 0xF8);
+    assert!(operation(&cpu, Operation::DefineCounter, 2, 9));
+    assert!(operation(&cpu, Operation::ControlCounter, 2, 0));
+    player.after(&cpu, 1, 0);
+    cpu.clock.move_to(10 * MS);
+    assert_eq!(cpu.s7200_counter(2) as i32, -40);
+    assert_eq!(cpu.memory.byte(special(56)), 0);
+    let failures: Vec<_> = player.failures().into_iter().map(|failure| (failure.line, failure.text)).collect();
+    assert_eq!(failures, [(4, "pulses at HSC4".to_string())]);
+}
+
+#[test]
 fn pulses_that_cannot_be() {
     let cpu = cpu();
     let message = |pulses: &str| {
