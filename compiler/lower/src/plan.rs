@@ -132,10 +132,6 @@ impl<'a> Plan<'a> {
         self.block_index(key).map_or(0, |index| self.frame_estimates[index])
     }
 
-    pub fn db_address(&self, number: u16) -> u32 {
-        self.static_db(number).map_or(0, |db| db.address)
-    }
-
     /// The DB's place, if it is in memory before the first cycle.
     pub fn static_db(&self, number: u16) -> Option<&StaticDb> {
         self.dbs.binary_search_by_key(&number, |db| db.number).ok().map(|index| &self.dbs[index])

@@ -1,7 +1,7 @@
 //! Bit logic, the logic stack, S and R. Source: S7-200 system manual, bit logic and stack instructions.
 
 use plcc_abi::RuntimeFn;
-use plcc_abi::s7200::{Operation, STACK_LEVELS, error, system};
+use plcc_abi::s7200::{Operation, STACK_LEVELS, system};
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Type, Value};
 use plcc_program::model::s7200::{Area, Operand, Width};
 
@@ -249,11 +249,6 @@ impl Context<'_, '_> {
     /// Writes bit `bit` of SM1.
     pub fn set_flag(&mut self, bit: u8, value: Value) {
         self.b.store_bit(Address::direct(Region::System, system::SM + 1), bit, value);
-    }
-
-    /// Error 0091 unless `ok`.
-    pub fn range_error_unless(&mut self, ok: Value) {
-        self.error_unless(ok, error::RANGE, plcc_abi::s7200::fatal::COMPARE_RANGE);
     }
 
     /// Where an operand of the runtime's operations lies, a byte that is read or written.

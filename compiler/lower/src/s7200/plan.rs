@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout;
 use plcc_abi::s7200::CONSTANTS_DB;
+use plcc_ir::entities::Entity;
 use plcc_ir::{FuncId, StaticDb, Type};
 use plcc_program::Program;
 use plcc_program::model::s7200::{self as model, Direction, Insn, Operand, StatementKind, Width};
@@ -139,7 +140,7 @@ impl<'p> Plan<'p> {
     pub fn function(&self, index: usize) -> Option<FuncId> {
         let of = |block: &&CodeBlock| matches!(block.body, Body::S7200(_));
         let block = self.program.blocks.get(index)?;
-        of(&block).then(|| FuncId(self.program.blocks.iter().take(index).filter(of).count() as u32))
+        of(&block).then(|| FuncId::new(self.program.blocks.iter().take(index).filter(of).count()))
     }
 
     /// Function and code of subroutine `number`.

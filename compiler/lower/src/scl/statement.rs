@@ -136,7 +136,9 @@ impl Context<'_, '_> {
     fn place_statement(&mut self, span: plcc_diag::Span) {
         let network = match &self.block.body {
             plcc_program::model::Body::Scl(body) => body.network_at(span.start),
-            plcc_program::model::Body::Stl(_) | plcc_program::model::Body::Runtime => 0,
+            plcc_program::model::Body::Stl(_)
+            | plcc_program::model::Body::S7200(_)
+            | plcc_program::model::Body::Runtime => 0,
         };
         self.set_place(span, network);
     }
