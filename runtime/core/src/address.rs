@@ -4,7 +4,8 @@ use plcc_abi::ProgramImage;
 use plcc_abi::layout;
 
 use crate::cpu::{Area, Cpu};
-use crate::{counters, signal, timers};
+use crate::s7200::Part;
+use crate::{counters, s7200, signal, timers};
 
 /// Where a value is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +20,8 @@ pub enum Place {
     Timer(u32),
     /// Status bit of a counter.
     Counter(u32),
+    /// What only an S7-200 has, with its number. V is DB 1.
+    S7200(Part, u32),
 }
 
 /// How wide it is.
@@ -57,10 +60,28 @@ pub struct Address {
     pub width: Width,
 }
 
+impl Address {
+    /// Whether a value can be set there from outside. `Err`: why not.
+    pub fn check_settable(&self) -> Result<(), String> {
+        let fixed = match self.place {
+            Place::Timer(_) | Place::Counter(_) => Some("timers and counters cannot be set"),
+            Place::S7200(part, _) => part.is_fixed(),
+            Place::Input(_)
+            | Place::Output(_)
+            | Place::BitMemory(_)
+            | Place::PeripheralInput(_)
+            | Place::PeripheralOutput(_)
+            | Place::Db(..) => None,
+        };
+        fixed.map_or(Ok(()), |reason| Err(reason.to_string()))
+    }
+}
+
 /// Finds an address or a symbol (with or without quotes). `Err`: what is wrong, in a sentence.
 pub fn resolve(text: &str, image: &ProgramImage) -> Result<Address, String> {
     let text = text.trim();
     let bare = text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).unwrap_or(text);
+    let parse = |text: &str| parse_for(text, image);
     let is_name = |name: &str| name == text || name == bare;
     if let Some(symbol) = image.symbols.iter().find(|symbol| is_name(&symbol.name)) {
         return parse(&symbol.address)
@@ -76,7 +97,16 @@ pub fn resolve(text: &str, image: &ProgramImage) -> Result<Address, String> {
         .ok_or_else(|| format!("`{text}` is neither an address (as Q4.0, MW20, DB10.DBD4) nor a symbol of the program"))
 }
 
-/// An absolute address: `I0.0 E0.0 QB4 AB4 MW20 MD 20 PIW256 PEW256 DB10.DBX0.1 DB10.DBD4 T5 C5 Z5`.
+/// An absolute address as the CPU of the program has them.
+pub fn parse_for(text: &str, image: &ProgramImage) -> Option<Address> {
+    let own = || {
+        let compact = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
+        s7200::parse_address(&compact)
+    };
+    image.s7200.as_ref().and_then(|_| own()).or_else(|| parse(text))
+}
+
+/// An absolute address of an S7-300 and its like: `I0.0 E0.0 QB4 AB4 MW20 MD 20 PIW256 PEW256 DB10.DBX0.1 DB10.DBD4 T5 C5 Z5`.
 pub fn parse(text: &str) -> Option<Address> {
     let compact: String = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
     let text = compact.strip_prefix('%').unwrap_or(&compact);
@@ -116,13 +146,13 @@ pub fn parse(text: &str) -> Option<Address> {
 }
 
 /// A decimal number of at most 6 digits.
-fn digits(text: &str) -> Option<u32> {
+pub(crate) fn digits(text: &str) -> Option<u32> {
     let plain = !text.is_empty() && text.len() <= 6 && text.bytes().all(|byte| byte.is_ascii_digit());
     plain.then(|| text.parse().ok()).flatten()
 }
 
 /// `0.0`, `X0.0`, `B4`, `W4`, `D4`, `L4` behind the area letters. A bit without `X` only where `bare_bit`.
-fn offset(text: &str, bare_bit: bool) -> Option<(u32, Width)> {
+pub(crate) fn offset(text: &str, bare_bit: bool) -> Option<(u32, Width)> {
     let width = match text.chars().next()? {
         'B' => Width::Byte,
         'W' => Width::Word,
@@ -161,12 +191,14 @@ impl Cpu {
             }
             Place::Db(number, byte) => match self.memory.db(number).1 {
                 0 => Err(format!("DB {number} is not loaded")),
+                length if self.s7200.is_some() => inside(byte, length, "the V memory"),
                 length => inside(byte, length, &format!("DB {number}")),
             },
             Place::Timer(number) if number < self.image.profile.timers => Ok(()),
             Place::Timer(number) => Err(format!("timer {number} does not exist on this CPU")),
             Place::Counter(number) if number < self.image.profile.counters => Ok(()),
             Place::Counter(number) => Err(format!("counter {number} does not exist on this CPU")),
+            Place::S7200(part, number) => self.check_part(part, number, address.width),
         }
     }
 
@@ -176,6 +208,7 @@ impl Cpu {
             Place::Output(byte) => Some(layout::Q + byte),
             Place::BitMemory(byte) => Some(layout::M + byte),
             Place::Db(number, byte) => Some(self.memory.db(number).0 + byte),
+            Place::S7200(part, number) => part.memory_offset(number),
             Place::PeripheralInput(_) | Place::PeripheralOutput(_) | Place::Timer(_) | Place::Counter(_) => None,
         }
     }
@@ -185,16 +218,21 @@ impl Cpu {
         if self.check_address(address).is_err() {
             return 0;
         }
+        if let Place::S7200(part, number) = address.place
+            && let Some(value) = self.read_part(part, number)
+        {
+            return value;
+        }
         let wide = |read: &dyn Fn(u32, u32) -> u32, byte: u32| match address.width {
             Width::Lword => u64::from(read(byte, 4)) << 32 | u64::from(read(byte + 4, 4)),
             Width::Bit(_) | Width::Byte | Width::Word | Width::Dword => u64::from(read(byte, address.width.bytes())),
         };
         match address.place {
             Place::PeripheralInput(byte) => wide(&|byte, bytes| self.driver.read(byte, bytes).unwrap_or(0), byte),
-            Place::PeripheralOutput(byte) => wide(&|byte, bytes| self.driver.output(byte, bytes), byte),
+            Place::PeripheralOutput(byte) => wide(&|byte, bytes| self.module_output(byte, bytes), byte),
             Place::Timer(number) => timers::scan(&self.memory, &self.clock, number).into(),
             Place::Counter(number) => (counters::value(&self.memory, number) != 0).into(),
-            Place::Input(_) | Place::Output(_) | Place::BitMemory(_) | Place::Db(..) => {
+            Place::Input(_) | Place::Output(_) | Place::BitMemory(_) | Place::Db(..) | Place::S7200(..) => {
                 let offset = self.offset_of(address.place).unwrap_or(layout::SCRATCH);
                 match address.width {
                     Width::Bit(bit) => self.memory.bit(offset, bit).into(),
@@ -210,8 +248,14 @@ impl Cpu {
     /// Sets a value from outside: an input goes to its module and into the process image. `Err`: what is wrong.
     pub fn write(&self, address: &Address, value: Bits) -> Result<(), String> {
         self.check_address(address)?;
+        address.check_settable()?;
         match address.place {
-            Place::Timer(_) | Place::Counter(_) => return Err("timers and counters cannot be set".to_string()),
+            Place::Timer(_) | Place::Counter(_) => {}
+            Place::S7200(part, number) => {
+                if !self.write_part(part, number, value) {
+                    self.write_memory(address, value);
+                }
+            }
             Place::Input(byte) => {
                 self.write_memory(address, value);
                 let offset = layout::I + byte;
@@ -257,7 +301,8 @@ impl Cpu {
             | Place::PeripheralOutput(_)
             | Place::Db(..)
             | Place::Timer(_)
-            | Place::Counter(_) => {}
+            | Place::Counter(_)
+            | Place::S7200(..) => {}
         }
     }
 }

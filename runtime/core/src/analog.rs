@@ -6,6 +6,8 @@
 
 use plcc_abi::image::AnalogChannel;
 
+use crate::s7200::ModuleScale;
+
 /// Word at the end of the nominal range of voltages and currents.
 const NOMINAL: i32 = 27648;
 /// Largest word of the overrange, 117.589 %.
@@ -140,9 +142,48 @@ pub fn range(name: &str) -> Option<&'static Range> {
     RANGES.iter().find(|range| plain(range.name) == plain(name))
 }
 
-/// A unit as it is used with a channel: a number in it and the word are proportional by parts.
+/// A unit as it is used with a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
+pub enum Scale {
+    Channel(ChannelScale),
+    /// Of an analog module of an S7-200.
+    Module(ModuleScale),
+}
+
+impl Scale {
+    /// Numbers in `unit` at this channel. `Err`: what is wrong, in a sentence.
+    pub fn new(channel: &AnalogChannel, unit: &str) -> Result<Scale, String> {
+        ChannelScale::new(channel, unit).map(Scale::Channel)
+    }
+
+    /// The word that an input shows, or that gives this value at an output.
+    pub fn word(&self, value: f64) -> i16 {
+        match self {
+            Scale::Channel(scale) => scale.word(value),
+            Scale::Module(scale) => scale.word(value),
+        }
+    }
+
+    /// What a word means at an input.
+    pub fn input(&self, word: i16) -> f64 {
+        match self {
+            Scale::Channel(scale) => scale.input(word),
+            Scale::Module(scale) => scale.input(word),
+        }
+    }
+
+    /// What an output gives.
+    pub fn output(&self, word: i16) -> f64 {
+        match self {
+            Scale::Channel(scale) => scale.output(word),
+            Scale::Module(scale) => scale.output(word),
+        }
+    }
+}
+
+/// A number in the unit of a channel and the word are proportional by parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelScale {
     range: &'static Range,
     /// Resolution in bits behind the sign.
     bits: u8,
@@ -158,9 +199,9 @@ enum Unit {
     Factor(f64),
 }
 
-impl Scale {
+impl ChannelScale {
     /// Numbers in `unit` at this channel. `Err`: what is wrong, in a sentence.
-    pub fn new(channel: &AnalogChannel, unit: &str) -> Result<Scale, String> {
+    pub fn new(channel: &AnalogChannel, unit: &str) -> Result<ChannelScale, String> {
         if channel.range.is_empty() {
             return Err("the range of this channel is not known; give its module a `range` in plc.toml".to_string());
         }
@@ -180,7 +221,7 @@ impl Scale {
                 ));
             }
         };
-        Ok(Scale { range, bits: channel.bits, wire_break: channel.wire_break, unit })
+        Ok(ChannelScale { range, bits: channel.bits, wire_break: channel.wire_break, unit })
     }
 
     /// The word that an input shows, or that gives this value at an output.

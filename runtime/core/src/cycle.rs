@@ -11,6 +11,7 @@ use crate::clock::NS_PER_MS;
 use crate::cpu::{Area, Cpu};
 use crate::diagnostics::NO_SITE;
 use crate::events::StartInfo;
+use crate::s7200::ScanTimes;
 
 /// Who looks at the CPU between the phases: scenario, trace.
 pub trait Observer {
@@ -46,6 +47,10 @@ impl CycleTimes {
         self.shortest = Some(self.shortest.map_or(ms, |shortest| shortest.min(ms)));
         self.longest = self.longest.max(ms);
     }
+
+    fn of_scan(&self) -> ScanTimes {
+        ScanTimes { last: self.last, shortest: self.shortest.unwrap_or(0), longest: self.longest }
+    }
 }
 
 impl Cpu {
@@ -71,6 +76,9 @@ impl Cpu {
             }
         }
         self.watchdog.set(u64::MAX);
+        if self.s7200.is_some() {
+            self.s7200_finish();
+        }
         cycle
     }
 
@@ -79,11 +87,13 @@ impl Cpu {
         self.log(0x4301, NO_SITE, 0);
         self.arm_hang();
         self.rearm();
+        self.s7200_start();
         observer.before(self, 0, self.clock.now());
         self.update_clock_memory();
         self.update_system_memory(false);
         self.set_configured_times();
         self.start_technology();
+        self.s7200_start_hardware();
         let cause = match ob {
             101 => 0x83,
             102 => 0x85,
@@ -105,7 +115,7 @@ impl Cpu {
             self.start_interrupts(self.clock.now());
         }
         if self.is_stopped() {
-            self.driver.stop();
+            self.stop_outputs();
         }
         observer.after(self, 0, self.clock.now());
     }
@@ -118,21 +128,30 @@ impl Cpu {
         self.read_inputs();
         self.schedule.monitor.begin(start);
         self.rearm();
+        if self.s7200.is_some() {
+            self.s7200_begin_scan(cycle, times.of_scan());
+        }
         self.look_at_inputs();
         self.poll();
         self.dispatch();
         self.run_program_cycle(cycle, times);
         self.schedule.monitor.end();
+        self.s7200_end_program();
         if self.is_stopped() {
-            self.driver.stop();
+            self.stop_outputs();
         } else {
             self.write_outputs();
+            self.s7200_keep(false);
         }
         observer.after(self, cycle, start);
     }
 
     /// OB 1, on an S7-1200/1500 then the other OBs of the program cycle in the order of their numbers.
     fn run_program_cycle(&self, cycle: u64, times: &CycleTimes) {
+        if self.s7200.is_some() {
+            self.s7200_main();
+            return;
+        }
         for ob in self.obs_of(ObClass::ProgramCycle) {
             if !self.is_stopped() {
                 self.run_ob(ob, 1, self.cycle_info(ob, cycle, times));
@@ -170,8 +189,18 @@ impl Cpu {
         self.driver.named(length, &mut |address, value| self.memory.set_byte(base + address, value));
     }
 
+    /// Outputs of the modules in STOP.
+    fn stop_outputs(&self) {
+        self.driver.stop();
+        self.s7200_stop_outputs();
+    }
+
     /// Copies the process image of outputs to the modules.
     pub(crate) fn write_outputs(&self) {
+        if self.s7200.is_some() {
+            self.s7200_write_outputs();
+            return;
+        }
         let (base, length) = self.area(Area::Outputs);
         self.memory.view(base, length, |image| self.driver.write_image(image));
     }
@@ -212,9 +241,10 @@ impl Cpu {
 
     /// Writes a peripheral output, and the process image where it covers the address. True: no module there.
     pub(crate) fn peripheral_write(&self, address: u32, bytes: u32, value: u32) -> bool {
-        if !matches!(bytes, 1 | 2 | 4) || !self.driver.write(address, bytes, value) {
+        if !matches!(bytes, 1 | 2 | 4) || !self.driver.write(address, bytes, self.at_module(address, bytes, value)) {
             return true;
         }
+        self.s7200_analog_written(address, bytes, value);
         let (base, length) = self.area(Area::Outputs);
         for index in 0..bytes {
             let byte = address.saturating_add(index);
@@ -229,7 +259,8 @@ impl Cpu {
     pub(crate) fn peripheral_write_bit(&self, address: u32, bit: u32, value: bool) -> bool {
         let mask = 1u8 << (bit & 7);
         let with_bit = |byte: u8| if value { byte | mask } else { byte & !mask };
-        if !self.driver.write(address, 1, u32::from(with_bit(self.driver.output(address, 1) as u8))) {
+        let module = u32::from(with_bit(self.driver.output(address, 1) as u8));
+        if !self.driver.write(address, 1, self.at_module(address, 1, module)) {
             return true;
         }
         let (base, length) = self.area(Area::Outputs);

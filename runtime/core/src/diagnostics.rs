@@ -81,6 +81,9 @@ pub fn place_text(image: &ProgramImage, entry: &Entry) -> String {
 /// Event in words, with its number.
 pub fn event_text(entry: &Entry) -> String {
     let info = entry.info;
+    if let Some(text) = crate::s7200::event_text(entry.event, info) {
+        return text;
+    }
     let words = match entry.event {
         0x4301 => "startup".to_string(),
         0x4302 => "RUN".to_string(),

@@ -36,6 +36,11 @@ fn mask_bit(code: u8) -> Option<(usize, u32)> {
     Some((0, 1 << bit))
 }
 
+/// Whether the program or the user has asked for the STOP.
+fn is_asked(event: u16) -> bool {
+    matches!(event, stop::SFC_46 | STOP_BY_REQUEST | crate::s7200::STOP_INSTRUCTION)
+}
+
 impl Cpu {
     /// Writes to the diagnostic buffer.
     pub(crate) fn log(&self, event: u16, site: u32, info: u32) -> Entry {
@@ -52,7 +57,7 @@ impl Cpu {
     pub(crate) fn stop_because(&self, event: u16, site: u32, info: u32, cause: Option<Entry>) {
         if !self.is_stopped() {
             let entry = self.log(event, site, info);
-            self.stop.set(Some(Stop { entry, cause, asked: matches!(event, stop::SFC_46 | STOP_BY_REQUEST) }));
+            self.stop.set(Some(Stop { entry, cause, asked: is_asked(event) }));
         }
         self.memory.raise_attention();
     }
@@ -177,6 +182,10 @@ impl Cpu {
 
     /// The cycle took longer than allowed, `ms` milliseconds; this was found at `site`.
     pub(crate) fn cycle_time_exceeded(&self, ms: u32, site: u32) {
+        if self.s7200.is_some() {
+            self.s7200_watchdog(site, ms);
+            return;
+        }
         let cause = self.log(0x3501, site, ms);
         let monitor = &self.schedule.monitor;
         monitor.overruns.set(monitor.overruns.get() + 1);
@@ -203,6 +212,7 @@ impl Cpu {
         let place = diagnostics::place_text(&self.image, place_of);
         let separator = if place.is_empty() { "" } else { "; " };
         let cause = stop.cause.map(|cause| format!(" ({})", diagnostics::event_text(&cause))).unwrap_or_default();
-        format!("{}{cause}{separator}{place}", diagnostics::event_text(&stop.entry))
+        let scan = self.s7200_scan_number().map(|number| format!(" (scan {number})")).unwrap_or_default();
+        format!("{}{cause}{separator}{place}{scan}", diagnostics::event_text(&stop.entry))
     }
 }

@@ -9,6 +9,7 @@ use std::cell::Cell;
 
 use plcc_abi::image::{BlockEntry, BlockKind};
 use plcc_abi::layout::{self, CpuRegister, state};
+use plcc_abi::s7200::LOCAL_BYTES;
 
 use crate::cpu::Cpu;
 use crate::diagnostics::NO_SITE;
@@ -118,6 +119,25 @@ impl Cpu {
         running.error_depth.set(depth);
         running.error_levels.set(levels);
         true
+    }
+
+    /// Runs the main program or an interrupt routine of an S7-200 in its class: local data of its own, no start information. Nesting is
+    /// counted by the code.
+    pub(crate) fn run_s7200_block(&self, block: &BlockEntry, priority: u8) {
+        let (running, memory) = (&self.running, &self.memory);
+        let ob = if block.kind == BlockKind::Ob { block.number } else { 0 };
+        let before = (running.priority.replace(priority), running.ob.replace(ob));
+        let base = layout::l_stack(u32::from(priority).min(ERROR_CLASS - 1));
+        let saved = self.save();
+        memory.clear(base, block.frame.max(LOCAL_BYTES).min(layout::L_CLASS_BYTES));
+        memory.clear(state::REGISTERS, 4 * REGISTER_SLOTS as u32);
+        memory.set_host32(state::DEPTH, 1);
+        memory.set_host32(state::DEPTH_MAX, u32::MAX);
+        memory.set_host32(state::L_END, base + layout::L_CLASS_BYTES);
+        self.code.call(block.entry, memory.base(), base, base);
+        self.restore(&saved);
+        running.priority.set(before.0);
+        running.ob.set(before.1);
     }
 
     fn enter(&self, block: &BlockEntry, base: u32, limit: u32, depth_max: u32, priority: u8, info: StartInfo) {

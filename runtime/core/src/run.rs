@@ -138,6 +138,7 @@ fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session,
         for entry in cpu.diagnostics.newest_first() {
             say!("{}", diagnostics::line(&cpu.image, &entry));
         }
+        cpu.s7200_error_report().iter().for_each(|line| say!("{line}"));
     }
     if let Some(Err(error)) = session.recorder.map(Recorder::finish) {
         say!("runtime: the trace is not complete: {error}");
@@ -176,12 +177,8 @@ fn settings(cpu: &Cpu, list: &[String]) -> Result<Vec<(Address, u64)>, String> {
     let one = |item: String| {
         let (name, text) = item.split_once('=').ok_or_else(|| format!("--set {item}: write ADDR=VALUE, as I0.0=1"))?;
         let address = address::resolve(name, &cpu.image)?;
-        let checked = cpu.check_address(&address).and_then(|()| match address.place {
-            address::Place::Timer(_) | address::Place::Counter(_) => {
-                Err("timers and counters cannot be set".to_string())
-            }
-            _ => signal::parse_value(text, &address, &cpu.image),
-        });
+        let checked = cpu.check_address(&address).and_then(|()| address.check_settable());
+        let checked = checked.and_then(|()| signal::parse_value(text, &address, &cpu.image));
         checked.map(|value| (address, value)).map_err(|message| format!("--set {item}: {message}"))
     };
     split_list(list).into_iter().map(one).collect()

@@ -132,6 +132,17 @@ pub struct Schedule {
     pub(crate) hang_deadline: Cell<u64>,
 }
 
+/// Nanoseconds that a cycle may take. The scan watchdog of an S7-200 can be off.
+fn cycle_limit(image: &ProgramImage) -> u64 {
+    match &image.s7200 {
+        Some(own) => match image.config.s7200.watchdog_ms.unwrap_or(own.cpu.watchdog_ms) {
+            0 => NEVER,
+            ms => u64::from(ms) * NS_PER_MS,
+        },
+        None => u64::from(image.config.cycle_time_max_ms.max(1)) * NS_PER_MS,
+    }
+}
+
 impl Schedule {
     pub(crate) fn new(image: &ProgramImage, blocks: &[BlockEntry]) -> Schedule {
         let config = &image.config;
@@ -177,7 +188,7 @@ impl Schedule {
             delays: delays.collect(),
             times_of_day: times_of_day.collect(),
             monitor: Monitor {
-                limit: u64::from(config.cycle_time_max_ms.max(1)) * NS_PER_MS,
+                limit: cycle_limit(image),
                 deadline: Cell::new(NEVER),
                 since: Cell::new(0),
                 overruns: Cell::new(0),
@@ -295,7 +306,8 @@ impl Cpu {
         let delays = schedule.delays.iter().map(|delay| delay.due.get());
         let times = schedule.times_of_day.iter().filter(|time| time.active.get());
         let times = times.map(|time| self.clock.time_of(time.next.get()));
-        cyclic.chain(delays).chain(times).chain(self.next_counter_due()).min().unwrap_or(NEVER)
+        let other = if self.s7200.is_some() { self.s7200_due() } else { NEVER };
+        cyclic.chain(delays).chain(times).chain(self.next_counter_due()).fold(other, u64::min)
     }
 
     /// Turns everything that is due now into events.
@@ -305,6 +317,7 @@ impl Cpu {
         }
         let now = self.clock.now();
         self.poll_counters();
+        self.s7200_poll();
         for cyclic in self.schedule.cyclic.iter().filter(|cyclic| cyclic.due.get() <= now) {
             // Periods that the host slept through are not made up for.
             let period = cyclic.period.get().max(1);
@@ -389,6 +402,10 @@ impl Cpu {
 
     /// Runs waiting events of higher priority than the running one.
     pub(crate) fn dispatch(&self) {
+        if self.s7200.is_some() {
+            self.s7200_dispatch();
+            return;
+        }
         while !self.is_stopped() && self.running.delayed.get() == 0 {
             let Some((event, priority)) = self.take_next() else { return };
             // Between cycles an interrupt is monitored by itself, so that an endless one is found.
@@ -442,10 +459,11 @@ impl Cpu {
             }
             self.dispatch();
         }
-        if self.is_stopped() {
+        let leaving = self.s7200_is_leaving();
+        if self.is_stopped() || leaving {
             self.memory.raise_attention();
         }
-        self.stop_result()
+        self.stop_result() | u32::from(leaving)
     }
 
     fn check_cycle_time(&self, site: u32) {
@@ -460,6 +478,10 @@ impl Cpu {
     fn check_hang(&self, site: u32) {
         let schedule = &self.schedule;
         if self.is_stopped() || self.watchdog.host_now() < schedule.hang_deadline.get() {
+            return;
+        }
+        if self.s7200.is_some() {
+            self.s7200_watchdog(site, crate::s7200::ENDLESS);
             return;
         }
         let ms = (schedule.hang_limit.get() / NS_PER_MS) as u32;

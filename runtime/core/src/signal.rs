@@ -18,6 +18,7 @@ use crate::address::{self, Address, Bits, Place, Width};
 use crate::analog::{self, Scale};
 use crate::cpu::Cpu;
 use crate::plant::Plant;
+use crate::s7200::{self, Part};
 use crate::value;
 
 /// Where a value comes from and how it is read.
@@ -133,7 +134,7 @@ impl Source {
     /// Whether the address exists on this CPU; a DB may still be made by the program. `Err`: what is wrong.
     pub fn check(&self, cpu: &Cpu) -> Result<(), String> {
         match self.address() {
-            Some(address) if !matches!(address.place, Place::Db(..)) => cpu.check_address(address),
+            Some(address) if !matches!(address.place, Place::Db(..)) || cpu.s7200.is_some() => cpu.check_address(address),
             Some(_) | None => Ok(()),
         }
     }
@@ -151,7 +152,10 @@ impl Source {
             }
             Source::Channel(address, scale) => {
                 let word = cpu.read(address) as u16 as i16;
-                let is_output = matches!(address.place, Place::Output(_) | Place::PeripheralOutput(_));
+                let is_output = matches!(
+                    address.place,
+                    Place::Output(_) | Place::PeripheralOutput(_) | Place::S7200(Part::AnalogOutput, _)
+                );
                 Value::Number(if is_output { scale.output(word) } else { scale.input(word) })
             }
             Source::PulseDuty(number) => Value::Number(cpu.pulse_duty(*number)),
@@ -228,6 +232,9 @@ fn whole(number: f64, width: Width) -> Bits {
 
 /// The scale of the channel at `address` in `unit`. `Err`: what is wrong, in a sentence.
 pub fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Result<Scale, String> {
+    if image.s7200.is_some() {
+        return s7200::scale(address, unit, image).map(Scale::Module);
+    }
     let none = "a unit needs an analog channel: a station with this address in plc.toml, and a word address";
     if address.width != Width::Word {
         return Err(none.to_string());
@@ -252,12 +259,15 @@ fn channel<'a>(address: &Address, image: &'a ProgramImage) -> Option<&'a AnalogC
     station(image).into_iter().find_map(|(module, station)| match address.place {
         Place::PeripheralInput(byte) | Place::Input(byte) => at(module.input_start, byte, &station.analog_inputs),
         Place::PeripheralOutput(byte) | Place::Output(byte) => at(module.output_start, byte, &station.analog_outputs),
-        Place::BitMemory(_) | Place::Db(..) | Place::Timer(_) | Place::Counter(_) => None,
+        Place::BitMemory(_) | Place::Db(..) | Place::Timer(_) | Place::Counter(_) | Place::S7200(..) => None,
     })
 }
 
 /// False for an input that no module has, if plc.toml describes the station.
 pub fn has_module(address: &Address, image: &ProgramImage) -> bool {
+    if let Place::S7200(Part::AnalogInput, byte) = address.place {
+        return s7200::has_module(&image.config.s7200, byte);
+    }
     let (Place::Input(start) | Place::PeripheralInput(start)) = address.place else { return true };
     let modules = image.config.modules.as_deref().unwrap_or_default();
     let covers = |byte: u32| {

@@ -186,7 +186,7 @@ fn output(cpu: &Cpu, source: &Source) -> f64 {
     if let Source::Bits(address) = source
         && let (Place::Output(byte), Width::Bit(bit)) = (address.place, address.width)
     {
-        return f64::from(cpu.driver.output(byte, 1) >> bit & 1);
+        return f64::from(cpu.module_output(byte, 1) >> bit & 1);
     }
     match module(source).read(cpu, None) {
         Value::Bits(bits, Width::Word) => f64::from(bits as u16 as i16),

@@ -9,6 +9,7 @@ use toml::Spanned;
 
 use super::expression::{self, Expression};
 use super::{Equation, Plant, STEP_DEFAULT, STEP_LEAST, Write};
+use crate::s7200::Part;
 use crate::address::{Address, Place};
 use crate::options::parse_duration;
 use crate::signal::Source;
@@ -88,11 +89,11 @@ fn empty(step: u64) -> Plant {
 }
 
 fn is_output(address: &Address) -> bool {
-    matches!(address.place, Place::Output(_) | Place::PeripheralOutput(_))
+    matches!(address.place, Place::Output(_) | Place::PeripheralOutput(_) | Place::S7200(Part::AnalogOutput, _))
 }
 
 fn is_input(address: &Address) -> bool {
-    matches!(address.place, Place::Input(_) | Place::PeripheralInput(_))
+    matches!(address.place, Place::Input(_) | Place::PeripheralInput(_) | Place::S7200(Part::AnalogInput, _))
 }
 
 struct Reader<'a> {

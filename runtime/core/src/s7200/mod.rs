@@ -1,6 +1,7 @@
 //! What an S7-200 has of its own. Source: S7-200 system manual.
 //!
-//! - `scan`: start of RUN, scan, STOP; `special`: special memory; `errors`: fatal and non-fatal errors.
+//! - `scan`: start of RUN, scan, STOP; `special`: special memory; `errors`: fatal and non-fatal errors; `retain`: retentive memory.
+//! - `address`: addresses as a user writes them; `analog`: words of analog modules.
 //! - `interrupts`: events, their queues, interrupt routines; `timers`: the three resolutions.
 //! - `bits`, `blocks`, `tables`, `text`, `strings`, `pid`, `calendar`: operations on memory; `access`: what they mind when they
 //!   read and write; `daylight`: daylight-saving time; `pointers`: indirect addresses.
@@ -9,7 +10,8 @@
 //!
 //! Generated code calls an [`Operation`] by number; each is a function of one of these modules.
 
-mod access;
+mod address;
+mod analog;
 mod bits;
 mod blocks;
 mod calendar;
@@ -22,6 +24,7 @@ mod network;
 mod pid;
 mod pointers;
 mod pulses;
+mod retain;
 mod scan;
 mod special;
 mod strings;
@@ -37,6 +40,12 @@ use plcc_abi::s7200::{Operation, S7200Config, S7200Image, result, system};
 
 use crate::cpu::Cpu;
 use crate::memory::Memory;
+pub(crate) use address::parse as parse_address;
+pub use address::Part;
+pub use analog::ModuleScale;
+pub(crate) use analog::{has_module, scale};
+pub(crate) use errors::{ENDLESS, STOP_INSTRUCTION, event_text};
+pub use scan::ScanTimes;
 
 /// Operands of an operation, see [`Operation`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,6 +61,10 @@ pub struct Operands {
 pub struct S7200 {
     pub(crate) image: S7200Image,
     pub(crate) config: S7200Config,
+    pub(crate) scan: scan::Scan,
+    pub(crate) special: special::Special,
+    pub(crate) errors: errors::Errors,
+    pub(crate) retain: retain::Retain,
     pub(crate) timers: timers::Timers,
     pub(crate) interrupts: interrupts::Interrupts,
     pub(crate) counters: high_speed::Counters,
@@ -67,6 +80,10 @@ impl S7200 {
         S7200 {
             image: image.clone(),
             config: config.clone(),
+            scan: scan::Scan::default(),
+            special: special::Special::default(),
+            errors: errors::Errors::default(),
+            retain: retain::Retain::default(),
             timers: timers::Timers::default(),
             interrupts: interrupts::Interrupts::default(),
             counters: high_speed::Counters::default(),

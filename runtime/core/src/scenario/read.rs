@@ -7,8 +7,8 @@ use plcc_abi::technology::CountMode;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{At, Pulses, PulsesAt, Scenario, Setting, When};
-use crate::address::{self, Place};
+use super::{At, Pulses, Scenario, Setting, When};
+use crate::address;
 use crate::analog;
 use crate::events::{self, Event};
 use crate::options::parse_duration;
@@ -145,9 +145,7 @@ impl Reader<'_> {
     /// `"I0.0" = 1`, `"AI0" = "12 mA"`.
     fn to_set(&self, name: &str, text: &str) -> Result<Wanted, String> {
         let address = address::resolve(name, self.image)?;
-        if let Place::Timer(_) | Place::Counter(_) = address.place {
-            return Err("timers and counters cannot be set".to_string());
-        }
+        address.check_settable()?;
         let bits = signal::parse_value(text, &address, self.image)?;
         Ok((Source::Bits(address), Value::Bits(bits, address.width), 0.0))
     }

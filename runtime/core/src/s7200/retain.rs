@@ -1,0 +1,251 @@
+//! Retentive memory and permanent memory in a file. Source: S7-200 system manual, storing and restoring data.
+//!
+//! Retentive are V, T0-T31, T64-T95, all counters and M14.0 to M31.7. The file is written when they have changed at the end of a scan, but
+//! not more often than ten times a second, and when the run ends. A new file takes the place of the old one, so that there is always
+//! a whole one.
+//!
+//! The file: [`MAGIC`], then sections of a tag (4 bytes), a length (`u32`), a checksum (`u64`) and so many bytes; numbers are big-endian.
+//! `KEPT` has the checksum of the data block that V began with, then a length (`u32`) and the bytes of each range. `PERM` has that checksum,
+//! then offset (`u16`) and value (1 byte) of each saved V byte. V of another data block is not taken: a new one was loaded.
+
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use plcc_abi::layout;
+use plcc_abi::s7200::{COUNTERS, V_DB, error, system};
+
+use super::errors::INTERNAL_ERROR;
+use crate::cpu::{Area, Cpu};
+use crate::diagnostics::NO_SITE;
+
+/// Begins the file; the last character is the version of the format.
+const MAGIC: &[u8; 8] = b"S7200RT1";
+const KEPT: &[u8; 4] = b"KEPT";
+const PERMANENT: &[u8; 4] = b"PERM";
+/// Shortest time between two writes.
+const PAUSE: Duration = Duration::from_millis(100);
+/// First byte of M that is retentive.
+const M_FIRST: u32 = 14;
+/// Timers of the type TONR: first number, count.
+const TONR: [(u32, u32); 2] = [(0, 32), (64, 32)];
+
+/// State of the file.
+#[derive(Default)]
+pub struct Retain {
+    /// What the file holds, as far as we wrote or read it.
+    written: RefCell<Vec<u8>>,
+    last_write: Cell<Option<Instant>>,
+    permanent: RefCell<BTreeMap<u16, u8>>,
+    /// Retentive memory was expected and is not there.
+    lost: Cell<bool>,
+    /// Writing has failed; this was told.
+    failed: Cell<bool>,
+}
+
+impl Retain {
+    /// Retentive memory was lost: SM0.2.
+    pub(super) fn is_lost(&self) -> bool {
+        self.lost.get()
+    }
+}
+
+/// FNV-1a.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xCBF2_9CE4_8422_2325, |sum, &byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3))
+}
+
+fn add_section(file: &mut Vec<u8>, tag: &[u8; 4], body: &[u8]) {
+    file.extend(tag);
+    file.extend((body.len() as u32).to_be_bytes());
+    file.extend(checksum(body).to_be_bytes());
+    file.extend(body);
+}
+
+/// Takes `N` bytes from the front.
+fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
+    let (front, rest) = bytes.split_first_chunk::<N>()?;
+    *bytes = rest;
+    Some(*front)
+}
+
+/// Takes a length and so many bytes.
+fn take_counted<'a>(bytes: &mut &'a [u8], length: usize) -> Option<&'a [u8]> {
+    let (front, rest) = bytes.split_at_checked(length)?;
+    *bytes = rest;
+    Some(front)
+}
+
+/// The whole section with this tag; `None`: it is not there or damaged.
+fn section<'a>(file: &'a [u8], wanted: &[u8; 4]) -> Option<&'a [u8]> {
+    let mut rest = file.strip_prefix(MAGIC)?;
+    loop {
+        let tag = take::<4>(&mut rest)?;
+        let length = u32::from_be_bytes(take(&mut rest)?);
+        let sum = u64::from_be_bytes(take(&mut rest)?);
+        let body = take_counted(&mut rest, length as usize)?;
+        if &tag == wanted {
+            return Some(body).filter(|body| checksum(body) == sum);
+        }
+    }
+}
+
+/// A message to the user; a closed standard error changes nothing.
+fn say(text: &str) {
+    let _ = writeln!(std::io::stderr(), "runtime: {text}");
+}
+
+impl Cpu {
+    /// Offset from the memory base and length of each retentive range, V first.
+    fn retentive_ranges(&self) -> Vec<(u32, u32)> {
+        let (v, v_bytes) = self.memory.db(V_DB);
+        let (m, m_bytes) = self.area(Area::BitMemory);
+        let mut ranges = vec![(v, v_bytes), (m.saturating_add(M_FIRST), m_bytes.saturating_sub(M_FIRST))];
+        ranges.extend(TONR.map(|(first, count)| (layout::SYSTEM + system::TIMER_VALUES + 2 * first, 2 * count)));
+        ranges.push((layout::SYSTEM + system::COUNTER_VALUES, 2 * COUNTERS));
+        ranges
+    }
+
+    /// Checksum of V as the program brings it.
+    fn data_block_sum(&self) -> u64 {
+        self.image.dbs.iter().find(|db| db.number == V_DB).map_or(0, |db| checksum(&db.data))
+    }
+
+    fn retentive_file(&self) -> Option<&Path> {
+        self.s7200().and_then(|own| own.config.retentive_file.as_deref()).map(Path::new)
+    }
+
+    /// The CPU is switched on: memory gets its retentive values, V its permanent ones if there are no others.
+    pub(super) fn s7200_load_retentive(&self) {
+        let (Some(own), Some(path)) = (self.s7200(), self.retentive_file()) else { return };
+        let retain = &own.retain;
+        let file = match std::fs::read(path) {
+            Ok(file) => file,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                retain.lost.set(true);
+                return;
+            }
+            Err(error) => {
+                say(&format!("cold start: cannot read retentive memory from {}: {error}", path.display()));
+                retain.lost.set(true);
+                return;
+            }
+        };
+        if let Some(permanent) = section(&file, PERMANENT) {
+            self.load_permanent(permanent);
+        }
+        match section(&file, KEPT).and_then(|kept| self.load_kept(kept, path)) {
+            Some(()) => *retain.written.borrow_mut() = file,
+            None => {
+                say(&format!("cold start: {} is damaged or holds no retentive memory", path.display()));
+                retain.lost.set(true);
+            }
+        }
+    }
+
+    /// `None`: it is cut, and nothing was loaded behind the cut.
+    fn load_kept(&self, mut body: &[u8], path: &Path) -> Option<()> {
+        let same_block = u64::from_be_bytes(take(&mut body)?) == self.data_block_sum();
+        if !same_block {
+            say(&format!("the data block is not that of {}: V memory begins with its values", path.display()));
+        }
+        for (index, (address, bytes)) in self.retentive_ranges().into_iter().enumerate() {
+            let length = u32::from_be_bytes(take(&mut body)?);
+            let values = take_counted(&mut body, length as usize)?;
+            if index > 0 || same_block {
+                self.memory.load(address, values.get(..bytes as usize).unwrap_or(values));
+            }
+        }
+        Some(())
+    }
+
+    fn load_permanent(&self, mut body: &[u8]) {
+        let Some(own) = self.s7200() else { return };
+        let (v, v_bytes) = self.memory.db(V_DB);
+        if take(&mut body).map(u64::from_be_bytes) != Some(self.data_block_sum()) {
+            return;
+        }
+        let mut permanent = own.retain.permanent.borrow_mut();
+        while let Some([high, low, value]) = take(&mut body) {
+            let offset = u16::from_be_bytes([high, low]);
+            if u32::from(offset) < v_bytes {
+                permanent.insert(offset, value);
+                self.memory.set_byte(v + u32::from(offset), value);
+            }
+        }
+    }
+
+    /// Copies V bytes to permanent memory. Outside of V: error 0094.
+    pub(super) fn s7200_save_permanent(&self, offset: u16, bytes: u16) {
+        let Some(own) = self.s7200() else { return };
+        let (v, v_bytes) = self.memory.db(V_DB);
+        if u32::from(offset) + u32::from(bytes) > v_bytes {
+            self.s7200_error(NO_SITE, error::PERMANENT_RANGE);
+            return;
+        }
+        let mut permanent = own.retain.permanent.borrow_mut();
+        for at in offset..offset.saturating_add(bytes) {
+            permanent.insert(at, self.memory.byte(v + u32::from(at)));
+        }
+    }
+
+    /// The file as it should be now.
+    fn retentive_image(&self) -> Vec<u8> {
+        let sum = self.data_block_sum().to_be_bytes();
+        let mut kept = sum.to_vec();
+        for (address, bytes) in self.retentive_ranges() {
+            kept.extend(bytes.to_be_bytes());
+            self.memory.view(address, bytes, |values| kept.extend(values));
+        }
+        let mut permanent = sum.to_vec();
+        if let Some(own) = self.s7200() {
+            for (offset, value) in own.retain.permanent.borrow().iter() {
+                permanent.extend(offset.to_be_bytes());
+                permanent.push(*value);
+            }
+        }
+        let mut file = MAGIC.to_vec();
+        add_section(&mut file, KEPT, &kept);
+        add_section(&mut file, PERMANENT, &permanent);
+        file
+    }
+
+    /// A scan has ended, or with `finally` the run: writes the file if it is time and something has changed.
+    pub(crate) fn s7200_keep(&self, finally: bool) {
+        let (Some(own), Some(path)) = (self.s7200(), self.retentive_file()) else { return };
+        let retain = &own.retain;
+        let soon = retain.last_write.get().is_some_and(|last| last.elapsed() < PAUSE);
+        let damaged = self.stopped().is_some_and(|stop| stop.entry.event == INTERNAL_ERROR);
+        if soon && !finally || damaged {
+            return;
+        }
+        retain.last_write.set(Some(Instant::now()));
+        let file = self.retentive_image();
+        if *retain.written.borrow() == file {
+            return;
+        }
+        match replace(path, &file, finally) {
+            Ok(()) => *retain.written.borrow_mut() = file,
+            Err(error) if !retain.failed.replace(true) => {
+                say(&format!("cannot write retentive memory to {}: {error}", path.display()));
+            }
+            Err(_) => {}
+        }
+    }
+}
+
+/// Writes a file beside `path` and puts it in its place. `lasting`: only when it is on the disk.
+fn replace(path: &Path, bytes: &[u8], lasting: bool) -> std::io::Result<()> {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".new");
+    let new: PathBuf = path.with_file_name(name);
+    let mut file = std::fs::File::create(&new)?;
+    file.write_all(bytes)?;
+    if lasting {
+        file.sync_all()?;
+    }
+    drop(file);
+    std::fs::rename(&new, path)
+}
