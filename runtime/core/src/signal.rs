@@ -134,7 +134,9 @@ impl Source {
     /// Whether the address exists on this CPU; a DB may still be made by the program. `Err`: what is wrong.
     pub fn check(&self, cpu: &Cpu) -> Result<(), String> {
         match self.address() {
-            Some(address) if !matches!(address.place, Place::Db(..)) || cpu.s7200.is_some() => cpu.check_address(address),
+            Some(address) if !matches!(address.place, Place::Db(..)) || cpu.s7200.is_some() => {
+                cpu.check_address(address)
+            }
             Some(_) | None => Ok(()),
         }
     }

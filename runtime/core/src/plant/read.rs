@@ -9,9 +9,9 @@ use toml::Spanned;
 
 use super::expression::{self, Expression};
 use super::{Equation, Plant, STEP_DEFAULT, STEP_LEAST, Write};
-use crate::s7200::Part;
 use crate::address::{Address, Place};
 use crate::options::parse_duration;
+use crate::s7200::Part;
 use crate::signal::Source;
 
 /// As it stands in the file.

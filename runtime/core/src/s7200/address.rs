@@ -121,9 +121,7 @@ impl Cpu {
             Part::Relays => inside(cpu.s_bytes.min(system::S_BYTES), "the sequence control relays"),
             Part::AnalogInput => inside(analog, "the analog inputs"),
             Part::AnalogOutput => inside(analog, "the analog outputs"),
-            Part::TimerBit | Part::TimerValue => {
-                exists(number < profile.timers.min(plcc_abi::s7200::TIMERS), "timer")
-            }
+            Part::TimerBit | Part::TimerValue => exists(number < profile.timers.min(plcc_abi::s7200::TIMERS), "timer"),
             Part::CounterBit | Part::CounterValue => {
                 exists(number < profile.counters.min(plcc_abi::s7200::COUNTERS), "counter")
             }

@@ -188,10 +188,8 @@ mod tests {
 
     #[test]
     fn raw_words_are_masked_by_the_module_of_the_channel() {
-        let config = S7200Config {
-            analog: vec![em235(0.0, 10.0, false), em235(-5.0, 5.0, true)],
-            ..S7200Config::default()
-        };
+        let config =
+            S7200Config { analog: vec![em235(0.0, 10.0, false), em235(-5.0, 5.0, true)], ..S7200Config::default() };
         assert_eq!(shown(&config, 0, 16003), 16000);
         assert_eq!(shown(&config, 6, 0x8000), 0);
         assert_eq!(shown(&config, 8, 0xFFFF), 0xFFF0);

@@ -40,8 +40,8 @@ use plcc_abi::s7200::{Operation, S7200Config, S7200Image, result, system};
 
 use crate::cpu::Cpu;
 use crate::memory::Memory;
-pub(crate) use address::parse as parse_address;
 pub use address::Part;
+pub(crate) use address::parse as parse_address;
 pub use analog::ModuleScale;
 pub(crate) use analog::{has_module, scale};
 pub(crate) use errors::{ENDLESS, STOP_INSTRUCTION, event_text};
@@ -139,6 +139,20 @@ fn set_special(memory: &Memory, byte: u32, bit: u8, on: bool) {
     memory.set_byte(special(byte), if on { old | mask } else { old & !mask });
 }
 
+/// After these something may be due earlier than before.
+fn starts_hardware(operation: Operation) -> bool {
+    matches!(
+        operation,
+        Operation::DefineCounter
+            | Operation::ControlCounter
+            | Operation::ControlPulses
+            | Operation::Transmit
+            | Operation::Receive
+            | Operation::NetworkRead
+            | Operation::NetworkWrite
+    )
+}
+
 impl Cpu {
     /// The S7-200 part; only its programs call what needs it.
     pub(crate) fn s7200(&self) -> Option<&S7200> {
@@ -184,6 +198,14 @@ impl Cpu {
     /// See [`RuntimeFn::S7200Operation`](plcc_abi::RuntimeFn::S7200Operation).
     pub(crate) fn s7200_operation(&self, number: u32, operands: &Operands) -> u64 {
         let Some(operation) = Operation::of_number(number) else { return 0 };
+        let result = self.s7200_execute(operation, operands);
+        if starts_hardware(operation) {
+            self.rearm();
+        }
+        result
+    }
+
+    fn s7200_execute(&self, operation: Operation, operands: &Operands) -> u64 {
         match operation {
             Operation::WriteBits => bits::write(self, operands),
             Operation::WriteOutputsNow => bits::write_outputs_now(self, operands),

@@ -3,14 +3,18 @@
 use std::rc::Rc;
 
 use plcc_abi::ProgramImage;
-use plcc_abi::image::{BlockEntry, BlockKind, Config, Family, Profile};
+use plcc_abi::image::{BlockEntry, BlockKind, Config, DbEntry, Family, Profile};
 use plcc_abi::layout;
+use plcc_abi::s7200::image::CpuRow;
+use plcc_abi::s7200::{Operation, S7200Image};
 
 use crate::clock::Clock;
 use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::{Observer, Pace};
+use crate::diagnostics::NO_SITE;
 use crate::io::Simulated;
+use crate::s7200::Operands;
 
 /// A block: gets the CPU and its local data base.
 pub type Block = Box<dyn Fn(&Cpu, u32)>;
@@ -99,4 +103,73 @@ pub fn run(cpu: &Cpu, cycles: u64) {
 pub fn run_observed(cpu: &Cpu, cycles: u64, observer: &mut dyn Observer) {
     let pace = Pace { cycles: Some(cycles), cycle_time: 10_000_000, hang_limit: 50_000_000 };
     cpu.execute(&pace, observer);
+}
+
+/// A 226 with these blocks and 10240 bytes of V.
+pub fn s7200_image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
+    let mut image = image(blocks);
+    image.profile = Profile {
+        name: "226".to_string(),
+        family: Family::S7200,
+        inputs: 16,
+        outputs: 16,
+        bit_memory: 32,
+        timers: 256,
+        counters: 256,
+        local_data: 64,
+        block_depth: 8,
+        ..profile()
+    };
+    let cpu = CpuRow {
+        v_bytes: 10_240,
+        sm_bytes: 550,
+        s_bytes: 32,
+        analog_bytes: 64,
+        high_speed_counters: 0x3F,
+        ports: 2,
+        pulse_outputs: 2,
+        pid_loops: 8,
+        subroutines: 128,
+        interrupts: 128,
+        labels: 256,
+        events: (1 << 34) - 1,
+        queues: [8, 16, 8],
+        watchdog_ms: 500,
+        id: 9,
+        inputs: 24,
+        outputs: 16,
+        old: false,
+    };
+    image.s7200 = Some(S7200Image { cpu, ..S7200Image::default() });
+    image.dbs = vec![DbEntry {
+        number: 1,
+        name: String::new(),
+        address: layout::DB_DATA,
+        data: vec![0; 10_240],
+        read_only: false,
+        unlinked: false,
+    }];
+    image.db_end = layout::DB_DATA + 10_240;
+    image
+}
+
+/// An S7-200 under the virtual clock: main program, interrupt routines with their numbers.
+pub fn s7200(main: Block, routines: Vec<(u16, Block)>) -> Rc<Cpu> {
+    s7200_with(main, routines, |_| {})
+}
+
+pub fn s7200_with(main: Block, routines: Vec<(u16, Block)>, change: impl FnOnce(&mut ProgramImage)) -> Rc<Cpu> {
+    let mut blocks = vec![(BlockKind::Ob, 1)];
+    blocks.extend(routines.iter().map(|(number, _)| (BlockKind::Int, *number)));
+    let mut image = s7200_image(&blocks);
+    change(&mut image);
+    let code = Closures(std::iter::once(main).chain(routines.into_iter().map(|(_, block)| block)).collect());
+    let driver = Box::new(Simulated::new(image.config.modules.clone()));
+    Cpu::new(image, Rc::new(code), Clock::simulated(), driver)
+}
+
+/// An operation with up to four operands.
+pub fn operate(cpu: &Cpu, operation: Operation, operands: [u32; 4]) -> u64 {
+    let [a, b, c, d] = operands;
+    cpu.s7200_operation(operation as u32, &Operands { site: NO_SITE, a, b, c, d })
 }

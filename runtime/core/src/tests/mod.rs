@@ -9,6 +9,9 @@ mod interrupts;
 mod plant;
 mod playing;
 mod run;
+mod s7200_interrupts;
+mod s7200_scan;
+mod s7200_timers;
 mod system;
 mod timers;
 
