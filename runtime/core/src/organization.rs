@@ -129,7 +129,7 @@ impl Cpu {
         let before = (running.priority.replace(priority), running.ob.replace(ob));
         let base = layout::l_stack(u32::from(priority).min(ERROR_CLASS - 1));
         let saved = self.save();
-        memory.clear(base, block.frame.max(LOCAL_BYTES).min(layout::L_CLASS_BYTES));
+        memory.clear(base, block.frame.clamp(LOCAL_BYTES, layout::L_CLASS_BYTES));
         memory.clear(state::REGISTERS, 4 * REGISTER_SLOTS as u32);
         memory.set_host32(state::DEPTH, 1);
         memory.set_host32(state::DEPTH_MAX, u32::MAX);

@@ -140,6 +140,9 @@ fn value_text(bits: u32, real: bool) -> String {
 /// Runs a program as a test.
 pub fn test(image: ProgramImage, code: Rc<dyn Code>, options: &TestOptions) -> TestReport {
     let mut report = TestReport::default();
+    let mut image = image;
+    // A test begins the same every time, and leaves nothing behind.
+    image.config.s7200.retentive_file = None;
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
     let cpu = Cpu::new(image, code, Clock::simulated(), driver);
     let scenario = match options.scenario.as_deref().map(|path| Scenario::read(path, &cpu.image)).transpose() {

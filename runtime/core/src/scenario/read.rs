@@ -238,6 +238,11 @@ impl Reader<'_> {
     }
 
     fn event(&self, event: &Spanned<toml::Value>) -> Result<Event, String> {
+        if self.image.s7200.is_some() {
+            let message =
+                "no event starts an OB of an S7-200; its interrupts come from inputs, times, counters and ports";
+            return self.error(event.span().start, message);
+        }
         parse_event(event.get_ref(), self.image).or_else(|message| self.error(event.span().start, &message))
     }
 }

@@ -8,7 +8,7 @@ use plcc_abi::ProgramImage;
 use plcc_abi::image::{BlockKind, Site};
 use plcc_abi::layout;
 use plcc_abi::s7200::image::AnalogModule;
-use plcc_abi::s7200::{ANALOG_ADDRESS, Operation, error, fatal, result, system};
+use plcc_abi::s7200::{ANALOG_ADDRESS, Operation, TimerKind, error, fatal, result, system};
 
 use super::helpers::{Block, Closures, operate, run, run_observed, s7200, s7200_image, s7200_with};
 use crate::address;
@@ -16,6 +16,7 @@ use crate::cpu::Cpu;
 use crate::cycle::Observer;
 use crate::diagnostics::NO_SITE;
 use crate::options::{ClockKind, RunOptions};
+use crate::scenario::{Player, Scenario};
 use crate::signal::{Source, parse_value};
 
 const SM: u32 = layout::SYSTEM;
@@ -94,7 +95,7 @@ fn with_site(image: &mut ProgramImage) {
 #[test]
 fn non_fatal_errors_are_noted() {
     let main: Block = Box::new(|cpu, _| {
-        assert_eq!(cpu.memory.bit(SM + 4, 3), false, "a new scan clears it");
+        assert!(!cpu.memory.bit(SM + 4, 3), "a new scan clears it");
         cpu.s7200_error(0, error::INDIRECT_ADDRESS);
         assert!(cpu.memory.bit(SM + 4, 3));
         if cpu.clock.now() > 0 {
@@ -239,10 +240,8 @@ fn found(path: &std::path::Path) -> ([u16; 7], bool) {
         ];
         *log.borrow_mut() = (values, memory.bit(SM, 2));
     });
-    let cpu = keeping(path, main);
-    run(&cpu, 1);
-    let found = *seen.borrow();
-    found
+    run(&keeping(path, main), 1);
+    seen.take()
 }
 
 fn fill(cpu: &Cpu) {
@@ -383,6 +382,31 @@ fn values_from_outside() {
         assert!(cpu.check_address(&resolve(name)).is_err(), "{name}");
     }
     assert!(address::resolve("V100.5", &super::image(&[])).is_err());
+}
+
+#[test]
+fn a_scenario_with_its_addresses() {
+    let main: Block = Box::new(|cpu, _| {
+        cpu.s7200_timer(33, TimerKind::Ton as u32, 100, true);
+        cpu.memory.set_word(V + 2, cpu.driver.read(ANALOG_ADDRESS, 2).unwrap_or(0) as u16);
+    });
+    let cpu = s7200_with(main, Vec::new(), |image| {
+        image.config.s7200.analog = vec![analog("EM 235", 4, 1)];
+    });
+    let parse = |text: &str| Scenario::parse("s.toml", text, &cpu.image);
+    let scenario = parse(
+        "[[at]]\ncycle = 2\nset = { \"AIW0\" = \"2.5 V\", \"V0.3\" = 1 }\n\
+         expect = { \"VW2\" = 8000, \"AEW0 in V\" = \"2.5 +- 0.01\", \"T33.VALUE as INT\" = 1, \"VB0\" = 8 }\n\
+         [[at]]\ncycle = 4\nexpect = { \"T33.VALUE\" = 3, \"T33\" = 0, \"SM0.1\" = 0, \"AIW0\" = \"25 +- 1 %\" }\n",
+    );
+    let mut player = Player::new(scenario.unwrap(), &cpu).unwrap();
+    run_observed(&cpu, 4, &mut player);
+    assert_eq!((player.failures(), player.expectations_met()), (Vec::new(), 8));
+    let message = |text: &str| parse(text).err().or_else(|| Player::new(parse(text).unwrap(), &cpu).err()).unwrap();
+    assert!(message("[[at]]\ncycle = 1\nevent = \"OB40\"\n").starts_with("s.toml:3: no event starts"));
+    assert!(message("[[at]]\ncycle = 1\nset = { \"C5.VALUE\" = 1 }\n").contains("cannot be set"));
+    assert!(message("[[at]]\ncycle = 1\nset = { \"AIW8\" = 1 }\n").contains("no module"));
+    assert!(message("[[at]]\ncycle = 1\nset = { \"VB10240\" = 1 }\n").contains("outside of the V memory"));
 }
 
 #[test]
