@@ -10,6 +10,7 @@ mod plant;
 mod playing;
 mod run;
 mod s7200_interrupts;
+mod s7200_retain;
 mod s7200_scan;
 mod s7200_timers;
 mod system;
