@@ -1,4 +1,4 @@
-//! A TCP stream that never blocks, with what waits to be sent and what has arrived.
+//! A byte stream that never blocks, with what waits to be sent and what has arrived.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
@@ -11,8 +11,9 @@ const INPUT_MAX: usize = 1 << 16;
 /// A silent partner is asked after so long.
 const KEEP_ALIVE: Duration = Duration::from_secs(30);
 
-pub struct Link {
-    stream: TcpStream,
+/// A TCP stream, or anything else that reads and writes without blocking.
+pub struct Link<S = TcpStream> {
+    stream: S,
     /// What has arrived and nobody has taken.
     pub input: Vec<u8>,
     output: Vec<u8>,
@@ -22,23 +23,44 @@ pub struct Link {
     pub broken: bool,
 }
 
-impl Link {
+impl Link<TcpStream> {
     pub fn new(stream: TcpStream) -> std::io::Result<Link> {
         stream.set_nonblocking(true)?;
         // Neither is needed for the connection to work.
         let _ = stream.set_nodelay(true);
         let _ = SockRef::from(&stream).set_tcp_keepalive(&TcpKeepalive::new().with_time(KEEP_ALIVE));
-        Ok(Link { stream, input: Vec::new(), output: Vec::new(), ended: false, broken: false })
+        Ok(Link::of(stream))
+    }
+
+    pub fn partner_port(&self) -> Option<u16> {
+        self.stream.peer_addr().ok().map(|address| address.port())
+    }
+}
+
+impl<S: Read + Write> Link<S> {
+    /// A link over a stream that does not block.
+    pub fn of(stream: S) -> Link<S> {
+        Link { stream, input: Vec::new(), output: Vec::new(), ended: false, broken: false }
+    }
+
+    pub fn stream(&self) -> &S {
+        &self.stream
+    }
+
+    /// Bytes that the operating system has not taken yet.
+    pub fn backlog(&self) -> usize {
+        self.output.len()
+    }
+
+    /// Forgets what is not with the operating system yet.
+    pub fn discard_backlog(&mut self) {
+        self.output.clear();
     }
 
     /// Sends now what can be sent, the rest by and by.
     pub fn send(&mut self, bytes: &[u8]) {
         self.output.extend_from_slice(bytes);
         self.flush();
-    }
-
-    pub fn partner_port(&self) -> Option<u16> {
-        self.stream.peer_addr().ok().map(|address| address.port())
     }
 
     /// Everything is with the operating system.

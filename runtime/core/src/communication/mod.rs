@@ -11,7 +11,7 @@
 mod connection;
 mod description;
 mod iso;
-mod link;
+pub(crate) mod link;
 
 use std::net::{Ipv4Addr, TcpListener};
 use std::time::Duration;

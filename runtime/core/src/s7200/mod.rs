@@ -26,14 +26,13 @@ mod pointers;
 mod pulses;
 mod retain;
 mod scan;
+mod sockets;
 mod special;
 mod strings;
 mod tables;
 mod text;
 mod timers;
 
-pub use high_speed::PulseInput;
-pub use pulses::{Edge, PULSE_OUTPUTS};
 
 use plcc_abi::layout;
 use plcc_abi::s7200::{Operation, S7200Config, S7200Image, result, system};
