@@ -24,6 +24,7 @@ pub mod pipeline;
 pub mod plot;
 pub mod project;
 pub mod report;
+pub mod s7200;
 pub mod station;
 pub mod technology;
 pub mod testing;

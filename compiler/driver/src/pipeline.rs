@@ -17,8 +17,8 @@ use plcc_syntax::{Language, ParseOptions};
 use crate::cli::{CompileArgs, Level};
 use crate::inputs::Read;
 use crate::project::Project;
-use crate::station;
 use crate::technology;
+use crate::{s7200, station};
 
 /// What the arrows up to the bound program must know.
 #[derive(Clone, Debug, Default)]
@@ -117,6 +117,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     };
     if let Some(project) = &project {
         diagnostics.extend(technology::check(&project.technology, &profile));
+        diagnostics.extend(s7200::check(project.s7200, &profile));
     }
     let has_station = project.as_ref().is_some_and(|project| project.station.is_some());
     let (program, messages) = plcc_program::bind(&BindInput {

@@ -10,6 +10,7 @@ use plcc_syntax::stl::Mnemonics;
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::s7200::{self, S7200Keys};
 use crate::station::{self, Station, StationKeys};
 use crate::technology;
 
@@ -30,6 +31,8 @@ pub struct Project {
     pub station: Option<Station>,
     /// Fast counters and pulse generators, to be checked against the CPU.
     pub technology: technology::Used,
+    /// Place of the settings of an S7-200, to be checked against the CPU.
+    pub s7200: Option<Span>,
 }
 
 /// Reads the text of a `plc.toml`. What is wrong is left out and reported as P0601.
@@ -78,6 +81,7 @@ struct Keys {
     pulse: BTreeMap<Spanned<String>, technology::PulseKeys>,
     #[serde(default)]
     hardware_interrupt: BTreeMap<Spanned<String>, technology::InterruptKeys>,
+    s7200: Option<Spanned<S7200Keys>>,
 }
 
 #[derive(Deserialize)]
@@ -184,6 +188,11 @@ impl Context {
         let (technology, messages) =
             technology::read(&keys.hsc, &keys.pulse, &keys.hardware_interrupt, self.file, &mut config);
         self.diagnostics.extend(messages);
+        if let Some(keys) = &keys.s7200 {
+            let (settings, messages) = s7200::read(keys.get_ref(), self.file);
+            config.s7200 = settings;
+            self.diagnostics.extend(messages);
+        }
         let file = self.file;
         let place = |text: Spanned<String>| (text.get_ref().clone(), Span::new(file, text.span()));
         let cpu = keys.cpu.map(place);
@@ -209,6 +218,7 @@ impl Context {
             config,
             station,
             technology,
+            s7200: keys.s7200.map(|keys| Span::new(file, keys.span())),
         }
     }
 
@@ -341,7 +351,7 @@ impl Context {
 }
 
 /// `200ms`, `2s`, `1m`.
-fn duration_ms(text: &str) -> Option<u32> {
+pub(crate) fn duration_ms(text: &str) -> Option<u32> {
     let digits = text.find(|c: char| !c.is_ascii_digit())?;
     let factor = match text[digits..].trim() {
         "ms" => 1,

@@ -95,16 +95,18 @@ pub enum Link {
     Connect(String),
 }
 
-/// An EM 231 (4 inputs), EM 232 (2 outputs) or EM 235 (4 inputs, 1 output).
+/// An EM 231 (4 or 8 inputs), EM 232 (2 or 4 outputs) or EM 235 (4 or 3 inputs, 1 output).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AnalogModule {
     /// `EM 235`.
     pub name: String,
     pub inputs: u8,
     pub outputs: u8,
-    /// Engineering range of the inputs at the module: `0-10 V` gives 0.0 and 10.0, as bits of f64.
+    /// Engineering range of the inputs at the module, of the outputs if it has only these: `0-10 V` gives 0.0 and 10.0, as bits of f64.
     pub low: u64,
     pub high: u64,
+    /// Unit of the range: `V`, `mV` or `mA`.
+    pub unit: String,
     /// Words go from -32000 to 32000 in steps of 16, else from 0 to 32000 in steps of 8.
     pub bipolar: bool,
 }

@@ -33,6 +33,11 @@ mod tables;
 mod text;
 mod timers;
 
+pub use sockets::socket_address;
+
+/// A CPU whose port 0 is in Freeport mode, 9600 baud.
+#[cfg(test)]
+pub(crate) use freeport::tests::freeport_cpu as cpu_for_tests;
 
 use plcc_abi::layout;
 use plcc_abi::s7200::{Operation, S7200Config, S7200Image, result, system};

@@ -1,5 +1,6 @@
 //! Scenarios: what happens to a program from outside, and what is expected of it. TOML, see docs/testing.md.
 
+mod line;
 mod player;
 mod read;
 mod trains;
@@ -12,6 +13,7 @@ use crate::events::Event;
 use crate::plant::Plant;
 use crate::s7200::PulseInput;
 use crate::signal::{Signal, Value};
+pub use line::{Received, Sent};
 pub use player::Player;
 
 /// When an entry happens.
@@ -62,6 +64,10 @@ pub struct At {
     /// Parameters and states of the plant, by number.
     pub plant: Vec<(usize, f64)>,
     pub event: Option<Event>,
+    /// Characters that arrive at serial ports.
+    pub receive: Vec<Received>,
+    /// What serial ports have sent.
+    pub sent: Vec<Sent>,
     pub pulses: Vec<Pulses>,
     pub expect: Vec<Setting>,
     pub print: Vec<Signal>,

@@ -88,6 +88,7 @@ impl Player {
         let mut failures = self.failures.clone();
         for (at, _) in self.scenario.entries.iter().zip(&self.happened).filter(|(_, happened)| happened.is_none()) {
             failures.extend(at.expect.iter().map(|setting| self.failure(setting, "(not reached)".to_string())));
+            failures.extend(at.sent.iter().map(|sent| sent.failure(&self.scenario.file, "(not reached)".to_string())));
         }
         failures.extend(self.trains.never_begun(&self.scenario.file));
         failures
@@ -167,6 +168,7 @@ impl Observer for Player {
             for pulses in &at.pulses {
                 self.failures.extend(self.trains.begin(cpu, pulses, cpu.clock.now(), &self.scenario.file));
             }
+            at.receive.iter().for_each(|received| received.feed(cpu));
             if let Some(event) = at.event {
                 cpu.request(event);
             }
@@ -188,6 +190,12 @@ impl Observer for Player {
                     self.expectations_met += 1;
                 } else {
                     failed.push(self.failure(setting, actual.text()));
+                }
+            }
+            for sent in &at.sent {
+                match sent.compare(cpu, &self.scenario.file) {
+                    None => self.expectations_met += 1,
+                    failure => failed.extend(failure),
                 }
             }
             if let Some(out) = self.out.as_mut().filter(|_| !at.print.is_empty()) {

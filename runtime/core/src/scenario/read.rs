@@ -7,6 +7,7 @@ use plcc_abi::technology::CountMode;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::line::{self, PortsText};
 use super::{At, Pulses, Scenario, Setting, When};
 use crate::address;
 use crate::analog;
@@ -35,6 +36,10 @@ struct AtText {
     #[serde(default)]
     plant: BTreeMap<String, Spanned<f64>>,
     event: Option<Spanned<toml::Value>>,
+    #[serde(default)]
+    receive: PortsText,
+    #[serde(default, rename = "expect-sent", alias = "expect_sent")]
+    sent: PortsText,
     #[serde(default)]
     pulses: BTreeMap<Spanned<String>, PulsesText>,
     #[serde(default)]
@@ -117,6 +122,8 @@ impl Reader<'_> {
             set: self.settings(&entry.set, Self::to_set)?,
             plant: plant.collect::<Result<_, _>>()?,
             event: entry.event.map(|event| self.event(&event)).transpose()?,
+            receive: line::received(&entry.receive, self.image).or_else(|(at, message)| self.error(at, &message))?,
+            sent: line::sent(&entry.sent, self.image, self.line).or_else(|(at, message)| self.error(at, &message))?,
             pulses: entry.pulses.iter().map(|(name, text)| self.pulses(name, text)).collect::<Result<_, _>>()?,
             expect: self.settings(&entry.expect, Self::to_expect)?,
             print: print.collect::<Result<_, _>>()?,

@@ -83,7 +83,7 @@ const FREEPORT: u8 = 0x09;
 const CHARACTER: u64 = 1_041_666;
 const MS: u64 = 1_000_000;
 
-fn freeport_cpu() -> Rc<Cpu> {
+pub fn freeport_cpu() -> Rc<Cpu> {
     let cpu = cpu(S7200Config::default());
     set_sm(&cpu, 30, FREEPORT);
     cpu

@@ -1,0 +1,510 @@
+//! `[s7200]` of plc.toml: station address, ports, the link to other stations, analog modules, and how the CPU behaves.
+
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+
+use plcc_abi::image::{Family, Profile};
+use plcc_abi::s7200::S7200Config;
+use plcc_abi::s7200::image::{AnalogModule, Link, Port};
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_runtime::s7200::socket_address;
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::project::{duration_ms, number_within};
+
+/// Highest station address. Source: S7-200 system manual, network.
+const STATION_MAX: i64 = 126;
+/// Analog potentiometers of the larger CPUs.
+const POTENTIOMETERS: usize = 2;
+/// Expansion modules of a CPU. Source: S7-200 system manual, expansion I/O.
+const MODULES_MAX: usize = 7;
+const RANGE_DEFAULT: &str = "0-10 V";
+
+/// `[s7200]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct S7200Keys {
+    station: Option<Spanned<i64>>,
+    retentive: Option<Spanned<String>>,
+    watchdog: Option<Spanned<String>>,
+    potentiometers: Option<Spanned<Vec<Spanned<i64>>>>,
+    #[serde(default, alias = "stop-on-error")]
+    stop_on_error: bool,
+    #[serde(default, alias = "strict-compare")]
+    strict_compare: bool,
+    #[serde(alias = "mode-switch")]
+    mode_switch: Option<Spanned<String>>,
+    #[serde(default)]
+    port: Vec<PortKeys>,
+    network: Option<NetworkKeys>,
+    #[serde(default)]
+    analog: Vec<AnalogKeys>,
+}
+
+/// `[[s7200.port]]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PortKeys {
+    number: Spanned<i64>,
+    device: Option<Spanned<String>>,
+    pty: Option<Spanned<String>>,
+    listen: Option<Spanned<String>>,
+    connect: Option<Spanned<String>>,
+}
+
+/// `[s7200.network]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NetworkKeys {
+    listen: Option<Spanned<String>>,
+    #[serde(default)]
+    stations: BTreeMap<Spanned<String>, Spanned<String>>,
+}
+
+/// `[[s7200.analog]]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AnalogKeys {
+    module: Spanned<String>,
+    inputs: Option<Spanned<i64>>,
+    outputs: Option<Spanned<i64>>,
+    range: Option<Spanned<String>>,
+    switches: Option<Spanned<String>>,
+}
+
+/// A kind of analog module: its name, and the numbers of inputs and outputs with which it is made, the usual one first.
+struct Kind {
+    name: &'static str,
+    inputs: &'static [u8],
+    outputs: &'static [u8],
+}
+
+/// Source: S7-200 system manual, technical data of analog expansion modules. The EM 235 of the 21x generation had 3 inputs.
+const KINDS: [Kind; 3] = [
+    Kind { name: "EM 231", inputs: &[4, 8], outputs: &[0] },
+    Kind { name: "EM 232", inputs: &[0], outputs: &[2, 4] },
+    Kind { name: "EM 235", inputs: &[4, 3], outputs: &[1] },
+];
+
+/// A range of inputs, with the switches that choose it on an EM 231 and an EM 235, SW1 first, x: on.
+struct Range {
+    name: &'static str,
+    low: f64,
+    high: f64,
+    unit: &'static str,
+    em_231: Option<&'static str>,
+    em_235: Option<&'static str>,
+}
+
+const fn range(
+    name: &'static str,
+    (low, high): (f64, f64),
+    unit: &'static str,
+    em_231: Option<&'static str>,
+    em_235: Option<&'static str>,
+) -> Range {
+    Range { name, low, high, unit, em_231, em_235 }
+}
+
+/// Source: S7-200 system manual, configuration of the EM 231 and the EM 235. Of two ranges with the same switches the first one counts.
+const RANGES: [Range; 17] = [
+    range("0-10 V", (0.0, 10.0), "V", Some("x-x"), Some("-x---x")),
+    range("0-5 V", (0.0, 5.0), "V", Some("xx-"), Some("x----x")),
+    range("0-20 mA", (0.0, 20.0), "mA", Some("xx-"), Some("x----x")),
+    range("0-1 V", (0.0, 1.0), "V", None, Some("-x--xx")),
+    range("0-500 mV", (0.0, 500.0), "mV", None, Some("x---xx")),
+    range("0-100 mV", (0.0, 100.0), "mV", None, Some("-x-x-x")),
+    range("0-50 mV", (0.0, 50.0), "mV", None, Some("x--x-x")),
+    range("+-10 V", (-10.0, 10.0), "V", None, Some("--x---")),
+    range("+-5 V", (-5.0, 5.0), "V", Some("--x"), Some("-x----")),
+    range("+-2.5 V", (-2.5, 2.5), "V", Some("-x-"), Some("x-----")),
+    range("+-1 V", (-1.0, 1.0), "V", None, Some("--x-x-")),
+    range("+-500 mV", (-500.0, 500.0), "mV", None, Some("-x--x-")),
+    range("+-250 mV", (-250.0, 250.0), "mV", None, Some("x---x-")),
+    range("+-100 mV", (-100.0, 100.0), "mV", None, Some("--xx--")),
+    range("+-50 mV", (-50.0, 50.0), "mV", None, Some("-x-x--")),
+    range("+-25 mV", (-25.0, 25.0), "mV", None, Some("x--x--")),
+    // Outputs; an EM 232 has no switches.
+    range("+-10 V", (-10.0, 10.0), "V", None, None),
+];
+
+/// Reads the table. What is wrong is left out and reported.
+pub fn read(keys: &S7200Keys, file: FileId) -> (S7200Config, Vec<Diagnostic>) {
+    let mut reader = Reader { file, diagnostics: Vec::new() };
+    let config = reader.config(keys);
+    (config, reader.diagnostics)
+}
+
+/// Reports the table in a project for another CPU.
+pub fn check(place: Option<Span>, profile: &Profile) -> Option<Diagnostic> {
+    let place = place.filter(|_| profile.family != Family::S7200)?;
+    let title = format!("the CPU {} is no S7-200", profile.name);
+    Some(Diagnostic::new(Code::Project, place, title).help("`[s7200]` is for CPUs of the S7-200"))
+}
+
+struct Reader {
+    file: FileId,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Reader {
+    fn report<T>(&mut self, key: &Spanned<T>, title: String, help: &str) {
+        self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, key.span()), title).help(help));
+    }
+
+    fn number(&mut self, key: &Spanned<i64>, range: RangeInclusive<i64>, what: &str) -> Option<u8> {
+        number_within(key, range, what)
+            .map_err(|title| self.report(key, title, "docs/plc-toml.md lists the keys and their values"))
+            .ok()
+    }
+
+    fn config(&mut self, keys: &S7200Keys) -> S7200Config {
+        let station = keys.station.as_ref().and_then(|key| self.number(key, 0..=STATION_MAX, "a station address"));
+        let mut config = S7200Config {
+            station,
+            retentive_file: keys.retentive.as_ref().and_then(|key| self.file_name(key)),
+            watchdog_ms: keys.watchdog.as_ref().and_then(|key| self.watchdog(key)),
+            stop_on_error: keys.stop_on_error,
+            strict_compare: keys.strict_compare,
+            ..S7200Config::default()
+        };
+        if let Some(values) = &keys.potentiometers {
+            if values.get_ref().len() > POTENTIOMETERS {
+                let title = format!("a CPU has at most {POTENTIOMETERS} analog potentiometers");
+                self.report(values, title, "write `[10, 0]`");
+            }
+            for (value, place) in values.get_ref().iter().zip(&mut config.potentiometers) {
+                *place = self.number(value, 0..=255, "a value of a potentiometer").unwrap_or_default();
+            }
+        }
+        if let Some(switch) = &keys.mode_switch {
+            match switch.get_ref().to_ascii_lowercase().as_str() {
+                "run" => {}
+                "term" => config.mode_switch_term = true,
+                _ => {
+                    let title = format!("`{}` is no position of the mode switch", switch.get_ref());
+                    self.report(switch, title, "\"run\" or \"term\"");
+                }
+            }
+        }
+        for port in &keys.port {
+            let known = |number: u8| config.ports.iter().any(|port| port.number == number);
+            match self.port(port) {
+                Some(new) if known(new.number) => {
+                    self.report(&port.number, format!("port {} is there twice", new.number), "give each port once");
+                }
+                new => config.ports.extend(new),
+            }
+        }
+        if let Some(network) = &keys.network {
+            config.listen = network.listen.as_ref().and_then(|key| self.address(key));
+            self.stations(&network.stations, &mut config);
+        }
+        for (index, module) in keys.analog.iter().enumerate() {
+            if index == MODULES_MAX {
+                let title = format!("a CPU has at most {MODULES_MAX} expansion modules");
+                self.report(&module.module, title, "leave some out");
+            }
+            config.analog.extend(self.analog(module));
+        }
+        config
+    }
+
+    fn file_name(&mut self, key: &Spanned<String>) -> Option<String> {
+        if key.get_ref().is_empty() || key.get_ref().contains('\0') {
+            self.report(key, "no name of a file".to_string(), "write `\"plant.state\"`");
+            return None;
+        }
+        Some(key.get_ref().clone())
+    }
+
+    fn watchdog(&mut self, key: &Spanned<String>) -> Option<u16> {
+        let ms = duration_ms(key.get_ref()).and_then(|ms| u16::try_from(ms).ok());
+        if ms.is_none() {
+            let title = format!("`{}` is no time from 0 to {} ms", key.get_ref(), u16::MAX);
+            self.report(key, title, "write `300ms`, or `0ms` for none");
+        }
+        ms
+    }
+
+    fn address(&mut self, key: &Spanned<String>) -> Option<String> {
+        let found = socket_address(key.get_ref());
+        if found.is_none() {
+            let title = format!("`{}` is no address with a port", key.get_ref());
+            self.report(key, title, "write `\"127.0.0.1:7000\"` or `\"localhost:7000\"`");
+        }
+        found.map(|_| key.get_ref().clone())
+    }
+
+    fn port(&mut self, keys: &PortKeys) -> Option<Port> {
+        let number = self.number(&keys.number, 0..=1, "a port")?;
+        let links = [
+            keys.device.as_ref().and_then(|key| self.file_name(key)).map(Link::Device),
+            keys.pty.as_ref().and_then(|key| self.file_name(key)).map(Link::PseudoTerminal),
+            keys.listen.as_ref().and_then(|key| self.address(key)).map(Link::Listen),
+            keys.connect.as_ref().and_then(|key| self.address(key)).map(Link::Connect),
+        ];
+        let given = [&keys.device, &keys.pty, &keys.listen, &keys.connect].into_iter().flatten().count();
+        if given != 1 {
+            let title = format!("what port {number} is connected to is said {given} times");
+            self.report(&keys.number, title, "write one of `device`, `pty`, `listen` and `connect`");
+            return None;
+        }
+        links.into_iter().flatten().next().map(|link| Port { number, link })
+    }
+
+    fn stations(&mut self, keys: &BTreeMap<Spanned<String>, Spanned<String>>, config: &mut S7200Config) {
+        for (station, address) in keys {
+            let number = station.get_ref().parse::<u8>().ok().filter(|number| i64::from(*number) <= STATION_MAX);
+            let Some(number) = number else {
+                let title = format!("`{}` is no station address from 0 to {STATION_MAX}", station.get_ref());
+                self.report(station, title, "write `stations = { \"3\" = \"127.0.0.1:4003\" }`");
+                continue;
+            };
+            if config.station == Some(number) {
+                self.report(station, format!("station {number} is this one"), "give the other stations only");
+                continue;
+            }
+            let Some(address) = self.address(address) else { continue };
+            config.stations.push((number, address));
+        }
+        config.stations.sort();
+    }
+
+    fn analog(&mut self, keys: &AnalogKeys) -> Option<AnalogModule> {
+        let wanted = plain(keys.module.get_ref());
+        let Some(kind) = KINDS.iter().find(|kind| plain(kind.name) == wanted) else {
+            let title = format!("`{}` is no analog module", keys.module.get_ref());
+            self.report(&keys.module, title, "\"EM 231\", \"EM 232\" or \"EM 235\"");
+            return None;
+        };
+        let inputs = self.channels(keys.inputs.as_ref(), kind.inputs, kind, "inputs")?;
+        let outputs = self.channels(keys.outputs.as_ref(), kind.outputs, kind, "outputs")?;
+        let range = self.range(keys, kind)?;
+        Some(AnalogModule {
+            name: kind.name.to_string(),
+            inputs,
+            outputs,
+            low: range.low.to_bits(),
+            high: range.high.to_bits(),
+            unit: range.unit.to_string(),
+            bipolar: range.low < 0.0,
+        })
+    }
+
+    fn channels(&mut self, key: Option<&Spanned<i64>>, made: &[u8], kind: &Kind, what: &str) -> Option<u8> {
+        let Some(key) = key else { return made.first().copied() };
+        let found = made.iter().copied().find(|count| i64::from(*count) == *key.get_ref());
+        if found.is_none() {
+            let counts: Vec<String> = made.iter().map(u8::to_string).collect();
+            let title = format!("the {} does not have {} {what}", kind.name, key.get_ref());
+            self.report(key, title, &format!("it has {}", counts.join(" or ")));
+        }
+        found
+    }
+
+    /// The range in words comes first, then that of the switches.
+    fn range(&mut self, keys: &AnalogKeys, kind: &Kind) -> Option<&'static Range> {
+        let switches = |range: &Range| match kind.name {
+            "EM 231" => range.em_231,
+            "EM 235" => range.em_235,
+            _ => None,
+        };
+        if kind.inputs == [0] {
+            if let Some(key) = keys.range.as_ref().or(keys.switches.as_ref()) {
+                self.report(key, format!("the {} has no inputs", kind.name), "its outputs are +-10 V and 0-20 mA");
+                return None;
+            }
+            return RANGES.last();
+        }
+        let list: Vec<&'static Range> = RANGES.iter().filter(|range| switches(range).is_some()).collect();
+        let by_switches = match &keys.switches {
+            None => None,
+            Some(key) => {
+                let wanted = plain(key.get_ref());
+                let found = list.iter().copied().find(|range| switches(range) == Some(wanted.as_str()));
+                if found.is_none() {
+                    let rows: Vec<String> =
+                        list.iter().filter_map(|range| Some(format!("{} {}", switches(range)?, range.name))).collect();
+                    let title = format!("`{}` is no setting of the switches of an {}", key.get_ref(), kind.name);
+                    self.report(key, title, &format!("x is on: {}", rows.join(", ")));
+                    return None;
+                }
+                found
+            }
+        };
+        match &keys.range {
+            None => by_switches.or_else(|| list.iter().copied().find(|range| range.name == RANGE_DEFAULT)),
+            Some(key) => {
+                let wanted = plain(&key.get_ref().replace("..", "-").replace('±', "+-"));
+                let found = list.iter().copied().find(|range| plain(range.name) == wanted);
+                if found.is_none() {
+                    let names: Vec<&str> = list.iter().map(|range| range.name).collect();
+                    let title = format!("`{}` is no range of an {}", key.get_ref(), kind.name);
+                    self.report(key, title, &format!("one of {}", names.join(", ")));
+                }
+                found
+            }
+        }
+    }
+}
+
+/// Without blanks, in small letters.
+fn plain(text: &str) -> String {
+    text.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use plcc_diag::SourceFile;
+
+    use super::*;
+    use crate::project::{FILE_NAME, parse};
+
+    fn read(text: &str) -> (S7200Config, Vec<(u32, String)>) {
+        let source = SourceFile::new(FILE_NAME, text);
+        let (project, diagnostics) = parse(FileId(0), &source);
+        (project.config.s7200, diagnostics.into_iter().map(|d| (source.line(d.primary.span.start), d.title)).collect())
+    }
+
+    #[test]
+    fn reads_every_key() {
+        let (config, messages) = read(
+            r#"
+[s7200]
+station = 4
+retentive = "plant.state"
+watchdog = "300ms"
+potentiometers = [10, 200]
+stop-on-error = true
+strict_compare = true
+mode_switch = "term"
+
+[[s7200.port]]
+number = 0
+device = "/dev/ttyUSB0"
+
+[[s7200.port]]
+number = 1
+connect = "localhost:7000"
+
+[s7200.network]
+listen = "127.0.0.1:4004"
+stations = { "12" = "127.0.0.1:4012", "3" = "127.0.0.1:4003" }
+
+[[s7200.analog]]
+module = "EM 235"
+range = "0-10 V"
+
+[[s7200.analog]]
+module = "em231"
+inputs = 8
+switches = "-x-"
+
+[[s7200.analog]]
+module = "EM 232"
+"#,
+        );
+        assert_eq!(messages, []);
+        assert_eq!((config.station, config.retentive_file.as_deref()), (Some(4), Some("plant.state")));
+        assert_eq!((config.watchdog_ms, config.potentiometers), (Some(300), [10, 200]));
+        assert!(config.stop_on_error && config.strict_compare && config.mode_switch_term);
+        assert_eq!(
+            config.ports,
+            [
+                Port { number: 0, link: Link::Device("/dev/ttyUSB0".to_string()) },
+                Port { number: 1, link: Link::Connect("localhost:7000".to_string()) },
+            ]
+        );
+        assert_eq!(config.listen.as_deref(), Some("127.0.0.1:4004"));
+        let stations = [(3, "127.0.0.1:4003".to_string()), (12, "127.0.0.1:4012".to_string())];
+        assert_eq!(config.stations, stations);
+        let module = |name: &str, inputs: u8, outputs: u8, (low, high): (f64, f64), bipolar: bool| AnalogModule {
+            name: name.to_string(),
+            inputs,
+            outputs,
+            low: low.to_bits(),
+            high: high.to_bits(),
+            unit: "V".to_string(),
+            bipolar,
+        };
+        assert_eq!(
+            config.analog,
+            [
+                module("EM 235", 4, 1, (0.0, 10.0), false),
+                module("EM 231", 8, 0, (-2.5, 2.5), true),
+                module("EM 232", 0, 2, (-10.0, 10.0), true),
+            ]
+        );
+    }
+
+    #[test]
+    fn left_out() {
+        let (config, messages) = read("[s7200]\n");
+        assert_eq!((config, messages), (S7200Config::default(), vec![]));
+        let (config, _) =
+            read("[s7200]\nwatchdog = \"0ms\"\nmode_switch = \"run\"\n[[s7200.port]]\nnumber = 0\npty = \"port0\"\n");
+        assert_eq!((config.watchdog_ms, config.mode_switch_term), (Some(0), false));
+        assert_eq!(config.ports, [Port { number: 0, link: Link::PseudoTerminal("port0".to_string()) }]);
+    }
+
+    #[test]
+    fn ranges_and_switches() {
+        let one = |text: &str| {
+            let (config, messages) = read(&format!("[[s7200.analog]]\nmodule = \"EM 235\"\n{text}\n"));
+            assert_eq!(messages, []);
+            let module = config.analog.first().cloned().unwrap();
+            (f64::from_bits(module.low), f64::from_bits(module.high), module.unit, module.bipolar)
+        };
+        let is = |low: f64, high: f64, unit: &str| (low, high, unit.to_string(), low < 0.0);
+        assert_eq!(one(""), is(0.0, 10.0, "V"));
+        assert_eq!(one("range = \"0..20 mA\""), is(0.0, 20.0, "mA"));
+        assert_eq!(one("range = \"±25 mV\""), is(-25.0, 25.0, "mV"));
+        assert_eq!(one("switches = \"x--x-x\""), is(0.0, 50.0, "mV"));
+        assert_eq!(one("switches = \"x----x\""), is(0.0, 5.0, "V"));
+        assert_eq!(one("switches = \"x----x\"\nrange = \"0-20 mA\""), is(0.0, 20.0, "mA"));
+        // Each pattern of an EM 235 stands for one polarity: SW6 on is unipolar.
+        for range in &RANGES {
+            assert!(
+                range.em_235.is_none_or(|switches| switches.ends_with('x') == (range.low == 0.0)),
+                "{}",
+                range.name
+            );
+            assert!(
+                range.em_231.is_none_or(|switches| switches.starts_with('x') == (range.low == 0.0)),
+                "{}",
+                range.name
+            );
+        }
+    }
+
+    #[test]
+    fn tells_the_line_of_what_is_wrong() {
+        let line = |text: &str| read(text).1.first().map(|(line, _)| *line);
+        assert_eq!(line("[s7200]\nstation = 127\n"), Some(2));
+        assert_eq!(line("[s7200]\nstatoin = 2\n"), Some(2));
+        assert_eq!(line("[s7200]\n\nwatchdog = \"70s\"\n"), Some(3));
+        assert_eq!(line("[s7200]\nretentive = \"\"\n"), Some(2));
+        assert_eq!(line("[s7200]\npotentiometers = [256]\n"), Some(2));
+        assert_eq!(line("[s7200]\npotentiometers = [1, 2, 3]\n"), Some(2));
+        assert_eq!(line("[s7200]\nmode_switch = \"stop\"\n"), Some(2));
+        assert_eq!(line("[[s7200.port]]\nnumber = 2\npty = \"a\"\n"), Some(2));
+        assert_eq!(line("[[s7200.port]]\nnumber = 0\n"), Some(2));
+        assert_eq!(line("[[s7200.port]]\nnumber = 0\npty = \"a\"\nlisten = \"127.0.0.1:1\"\n"), Some(2));
+        assert_eq!(line("[[s7200.port]]\nnumber = 0\nlisten = \"7000\"\n"), Some(3));
+        let two = "[[s7200.port]]\nnumber = 0\npty = \"a\"\n";
+        assert_eq!(line(&two.repeat(2)), Some(5));
+        assert_eq!(line("[s7200.network]\nlisten = \"here\"\n"), Some(2));
+        assert_eq!(line("[s7200.network]\nstations = { \"200\" = \"127.0.0.1:1\" }\n"), Some(2));
+        assert_eq!(line("[s7200.network.stations]\n3 = \"127.0.0.1\"\n"), Some(2));
+        assert_eq!(line("[s7200]\nstation = 3\n[s7200.network.stations]\n3 = \"127.0.0.1:1\"\n"), Some(4));
+        assert_eq!(line("[[s7200.analog]]\nmodule = \"EM 234\"\n"), Some(2));
+        assert_eq!(line("[[s7200.analog]]\nmodule = \"EM 235\"\ninputs = 5\n"), Some(3));
+        assert_eq!(line("[[s7200.analog]]\nmodule = \"EM 235\"\nrange = \"0-7 V\"\n"), Some(3));
+        assert_eq!(line("[[s7200.analog]]\nmodule = \"EM 235\"\nswitches = \"xxxxxx\"\n"), Some(3));
+        assert_eq!(line("[[s7200.analog]]\nmodule = \"EM 232\"\nrange = \"+-10 V\"\n"), Some(3));
+        let many = "[[s7200.analog]]\nmodule = \"EM 232\"\n".repeat(8);
+        assert_eq!(line(&many), Some(16));
+    }
+}
