@@ -15,6 +15,7 @@ use crate::project::{duration_ms, number_within};
 
 /// Highest station address. Source: S7-200 system manual, network.
 const STATION_MAX: i64 = 126;
+const STATION_DEFAULT: u8 = 2;
 /// Analog potentiometers of the larger CPUs.
 const POTENTIOMETERS: usize = 2;
 /// Expansion modules of a CPU. Source: S7-200 system manual, expansion I/O.
@@ -262,7 +263,7 @@ impl Reader {
                 self.report(station, title, "write `stations = { \"3\" = \"127.0.0.1:4003\" }`");
                 continue;
             };
-            if config.station == Some(number) {
+            if config.station.unwrap_or(STATION_DEFAULT) == number {
                 self.report(station, format!("station {number} is this one"), "give the other stations only");
                 continue;
             }
@@ -499,6 +500,7 @@ module = "EM 232"
         assert_eq!(line("[s7200.network]\nstations = { \"200\" = \"127.0.0.1:1\" }\n"), Some(2));
         assert_eq!(line("[s7200.network.stations]\n3 = \"127.0.0.1\"\n"), Some(2));
         assert_eq!(line("[s7200]\nstation = 3\n[s7200.network.stations]\n3 = \"127.0.0.1:1\"\n"), Some(4));
+        assert_eq!(line("[s7200.network.stations]\n2 = \"127.0.0.1:1\"\n"), Some(2));
         assert_eq!(line("[[s7200.analog]]\nmodule = \"EM 234\"\n"), Some(2));
         assert_eq!(line("[[s7200.analog]]\nmodule = \"EM 235\"\ninputs = 5\n"), Some(3));
         assert_eq!(line("[[s7200.analog]]\nmodule = \"EM 235\"\nrange = \"0-7 V\"\n"), Some(3));
