@@ -82,7 +82,7 @@ struct Kind {
 }
 
 /// Source: S7-200 system manual, technical data of analog expansion modules. The EM 235 of the 21x generation had 3 inputs.
-const KINDS: [Kind; 3] = [
+static KINDS: [Kind; 3] = [
     Kind { name: "EM 231", inputs: &[4, 8], outputs: &[0] },
     Kind { name: "EM 232", inputs: &[0], outputs: &[2, 4] },
     Kind { name: "EM 235", inputs: &[4, 3], outputs: &[1] },
@@ -109,7 +109,7 @@ const fn range(
 }
 
 /// Source: S7-200 system manual, configuration of the EM 231 and the EM 235. Of two ranges with the same switches the first one counts.
-const RANGES: [Range; 17] = [
+static RANGES: [Range; 17] = [
     range("0-10 V", (0.0, 10.0), "V", Some("x-x"), Some("-x---x")),
     range("0-5 V", (0.0, 5.0), "V", Some("xx-"), Some("x----x")),
     range("0-20 mA", (0.0, 20.0), "mA", Some("xx-"), Some("x----x")),

@@ -163,4 +163,17 @@ mod tests {
         assert_eq!(Frame::take(&mut vec![0x68, 200, 200, 0x68]), Err(Malformed), "too long");
         assert_eq!(Frame::take(&mut b"GET / HTTP/1.0".to_vec()), Err(Malformed));
     }
+    #[test]
+    fn any_bytes_end_in_a_frame_or_in_nonsense() {
+        let good = read().encode();
+        for at in 0..good.len() {
+            for value in 0..=255 {
+                let mut bytes = good.clone();
+                bytes[at] = value;
+                let changed = bytes != good;
+                // The checksum sees every single change.
+                assert!(!changed || !matches!(Frame::take(&mut bytes), Ok(Some(_))), "byte {at} is {value}");
+            }
+        }
+    }
 }
