@@ -163,8 +163,9 @@ mod tests {
         assert_eq!(Frame::take(&mut vec![0x68, 200, 200, 0x68]), Err(Malformed), "too long");
         assert_eq!(Frame::take(&mut b"GET / HTTP/1.0".to_vec()), Err(Malformed));
     }
+
     #[test]
-    fn any_bytes_end_in_a_frame_or_in_nonsense() {
+    fn every_change_is_seen() {
         let good = read().encode();
         for at in 0..good.len() {
             for value in 0..=255 {
