@@ -5,6 +5,7 @@ fn main() {
     println!("cargo:rerun-if-changed=src/scl/scl.lalrpop");
     println!("cargo:rerun-if-changed=src/sd/sd.lalrpop");
     println!("cargo:rerun-if-changed=src/gr7/gr7.lalrpop");
+    println!("cargo:rerun-if-changed=src/s7200/s7200.lalrpop");
     lalrpop::Configuration::new()
         .use_cargo_dir_conventions()
         .emit_rerun_directives(false)

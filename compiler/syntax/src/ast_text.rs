@@ -30,6 +30,11 @@ pub fn ast_text(unit: &SourceUnit) -> String {
             Block::Type(block) => out.type_block(block),
         }
     }
+    if let Some(source) = &unit.s7200 {
+        for (depth, line) in crate::s7200::text::lines(source) {
+            out.line(format_args!("{}{line}", "  ".repeat(depth)));
+        }
+    }
     out.text
 }
 

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::gr7;
+use crate::s7200;
 use crate::scl::{Outline, outline};
 
 /// A textual language.
@@ -14,10 +15,13 @@ pub enum Language {
     Sd,
     /// GRAPH source text.
     Graph,
+    /// STL of the S7-200.
+    S7200,
 }
 
 impl Language {
     /// The language that the ending of a file's name stands for, `"scl"`; none for `.txt` and others, whose content tells.
+    /// The content of STL tells which family it is for.
     pub fn of_extension(extension: &str) -> Option<Language> {
         let is = |known: &[&str]| known.iter().any(|known| known.eq_ignore_ascii_case(extension));
         if is(&["scl"]) {
@@ -54,6 +58,10 @@ pub fn detect(text: &str, hint: Option<Language>) -> Reading {
             Some(charts) => Reading::WithCharts(charts),
             None => Reading::Whole(Language::Graph),
         };
+    }
+    // Exports of Micro/WIN and STEP 7 have the same ending, so that a hint of STL leaves it open.
+    if hint == Some(Language::S7200) || matches!(hint, None | Some(Language::Stl)) && s7200::is_s7200(text) {
+        return Reading::Whole(Language::S7200);
     }
     detect_statements(text, hint)
 }

@@ -72,6 +72,7 @@ fn read(file: FileId, text: &str, options: &ParseOptions, reading: Reading) -> (
         Reading::Whole(Language::Scl) => scl::parse(file, text, options),
         Reading::Whole(Language::Sd) => sd::parse(file, text, options),
         Reading::Whole(Language::Graph) => gr7::parse(file, text, options),
+        Reading::Whole(Language::S7200) => s7200::parse(file, text, options),
         Reading::Mixed(scl) => joined(
             stl::parse(file, &language::masked(text, &scl, false), options),
             scl::parse(file, &language::masked(text, &scl, true), options),
@@ -115,6 +116,7 @@ fn tokens_of(text: &str, options: &ParseOptions, reading: Reading) -> String {
         Reading::Whole(Language::Scl) => scl::tokens_text(text, options),
         Reading::Whole(Language::Sd) => sd::tokens_text(text),
         Reading::Whole(Language::Graph) => gr7::tokens_text(text),
+        Reading::Whole(Language::S7200) => s7200::tokens_text(text, options),
         Reading::Mixed(scl) => {
             let stl = stl::tokens_text(&language::masked(text, &scl, false), options);
             stl + &scl::tokens_text(&language::masked(text, &scl, true), options)

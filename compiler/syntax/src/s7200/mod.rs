@@ -1,6 +1,143 @@
 //! STL of the S7-200 (Micro/WIN): lexer, grammar, instruction table, data blocks. Source: S7-200 system manual.
+//!
+//! ```text
+//! text ──► raw tokens, by lines ──► tokens with a meaning ──► lines ──► syntax tree
+//!      raw.rs                 layout/              s7200.lalrpop  blocks.rs
+//! ```
 
+mod address;
+mod aliases;
 pub mod ast;
+mod blocks;
+mod constant;
+mod context;
 mod instructions;
+mod layout;
+mod line;
+mod mnemonics;
+mod outline;
+mod pragma;
+mod raw;
+mod suggest;
+pub(crate) mod text;
+mod token;
+
+#[allow(clippy::all, clippy::pedantic, dead_code, unused_imports, unused_parens, missing_docs)] // Generated.
+mod grammar {
+    include!(concat!(env!("OUT_DIR"), "/s7200/s7200.rs"));
+}
+
+#[cfg(test)]
+mod tests;
+
+use std::fmt::Write as _;
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+
+use crate::ast::SourceUnit;
+use crate::stl::Mnemonics;
+use crate::{ParseOptions, frame};
 
 pub use instructions::{Acts, Compare, CompareKind, Contact, Insn, OperandClass, Relation};
+pub use outline::is_s7200;
+
+/// Whether `word` is a mnemonic of either set, or another spelling of one.
+pub fn is_mnemonic(word: &str) -> bool {
+    mnemonics::any(&word.to_ascii_uppercase(), Mnemonics::En).is_some()
+}
+
+/// The direct address that `text` is (`VW100`, `E 0.0` without its blank), in either set.
+pub fn parse_address(text: &str) -> Option<ast::Direct> {
+    address::parse(&text.trim().to_ascii_uppercase())?.ok()
+}
+
+/// An address as written in the international set: `VW100`.
+pub fn address_text(direct: &ast::Direct) -> String {
+    address::text(direct)
+}
+
+/// The block that `text` numbers: `SBR3`, `INT0`, `OB1`.
+pub fn parse_block(text: &str) -> Option<(ast::BlockKind, u32)> {
+    layout::block(&text.trim().to_ascii_uppercase())
+}
+
+/// Parses a source. Errors are recovered at the end of their line.
+pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
+    let lines = raw::lines(text);
+    let bare_data = outline::is_data(text, &lines);
+    let detected = mnemonics::detect(text, &lines, options.mnemonics);
+    let laid = layout::lay_out(file, text, &lines, &detected, options.pragmas, bare_data);
+    let mut diagnostics = laid.diagnostics;
+    report_mixture(file, text, &detected, options, &mut diagnostics);
+    let mut context = context::Context::new(file, text, &laid.tokens, detected.set);
+    context.reported = diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
+    context.reported.sort_unstable();
+    let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
+    let lines = match grammar::LinesParser::new().parse(&mut context, tokens) {
+        Ok(lines) => lines,
+        // Each line recovers; what is left is a fault of the last one.
+        Err(error) => {
+            let at = frame::error_range(&error).map_or(text.len(), |(start, _)| start);
+            let span = Span::new(file, at..at);
+            context.diagnostics.push(
+                Diagnostic::new(Code::Syntax, span, "the source ends too early")
+                    .label("something is missing here")
+                    .help("a statement is a mnemonic and its operands: `LD I0.0`"),
+            );
+            Vec::new()
+        }
+    };
+    diagnostics.append(&mut context.diagnostics);
+    let source = blocks::build(file, lines, bare_data, &mut diagnostics);
+    diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    let unit =
+        SourceUnit { mnemonics: detected.set, pragmas: laid.pragmas, s7200: Some(source), ..SourceUnit::default() };
+    (unit, diagnostics)
+}
+
+/// Mnemonics of both sets in one file.
+fn report_mixture(
+    file: FileId,
+    text: &str,
+    detected: &mnemonics::Detected,
+    options: &ParseOptions,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    let Some((start, end)) = detected.foreign else { return };
+    let name = |set| match set {
+        Mnemonics::En => "international",
+        Mnemonics::De => "German",
+    };
+    let (set, other) = (name(detected.set), name(mnemonics::other(detected.set)));
+    let word = text.get(start..end).unwrap_or_default();
+    let title = format!("`{word}` is a mnemonic of the {other} set in a file with the {set} one");
+    let mut diagnostic = Diagnostic::new(Code::MixedMnemonics, Span::new(file, start..end), title)
+        .label("a file keeps to one set")
+        .help(if options.mnemonics.is_some() {
+            format!("the {set} set was asked for; leave `--mnemonics` out to have it found")
+        } else {
+            format!("write the whole file with the mnemonics of the {set} set")
+        });
+    if let Some((start, end)) = detected.own {
+        diagnostic = diagnostic.also(Span::new(file, start..end), format!("mnemonic of the {set} set"));
+    }
+    diagnostics.push(diagnostic);
+}
+
+/// The tokens of a source as the grammar sees them, one per line, for `--emit tokens`.
+pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
+    let lines = raw::lines(text);
+    let detected = mnemonics::detect(text, &lines, options.mnemonics);
+    let bare_data = outline::is_data(text, &lines);
+    let laid = layout::lay_out(FileId::default(), text, &lines, &detected, options.pragmas, bare_data);
+    let mut out = String::new();
+    let (mut line, mut counted) = (1usize, 0usize);
+    for (start, token, _) in &laid.tokens {
+        if let Some(passed) = text.get(counted..*start) {
+            line += passed.bytes().filter(|byte| *byte == b'\n').count();
+            counted = *start;
+        }
+        writeln!(out, "{line}: {token:?}").expect("a String takes all text");
+    }
+    out
+}

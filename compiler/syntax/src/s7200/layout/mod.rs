@@ -1,0 +1,407 @@
+//! Raw tokens to tokens with a meaning, line by line: the first word of a line tells what the line is.
+
+mod operand;
+
+use std::ops::Range;
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+
+use super::ast::{BlockKind, Section};
+use super::mnemonics::{self, Detected};
+use super::raw::{RawKind, RawToken};
+use super::token::{Spanned, Tok};
+use super::{pragma, suggest};
+use crate::ast::Pragma;
+use crate::stl;
+
+pub use operand::{Where, block};
+
+/// Whether `word` (upper case) numbers a block: `SBR3`.
+pub fn is_block(word: &str) -> bool {
+    block(word).is_some()
+}
+
+/// The tokens of a file, its pragmas, and what was wrong with its words.
+pub struct Laid<'a> {
+    pub tokens: Vec<Spanned<'a>>,
+    pub pragmas: Vec<Pragma>,
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// What lines without a keyword are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Mode {
+    Code,
+    Declarations,
+    /// Declarations of a section that the S7-200 does not have.
+    Skipped,
+    Data,
+}
+
+/// Gives the raw tokens of a file their meaning. `data`: the file has lines of a data block and nothing else.
+pub fn lay_out<'a>(
+    file: FileId,
+    text: &'a str,
+    lines: &[Vec<RawToken>],
+    detected: &Detected,
+    pragmas: bool,
+    data: bool,
+) -> Laid<'a> {
+    let mode = if data { Mode::Data } else { Mode::Code };
+    let laid = Laid { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
+    let mut layout = Layout { file, text, detected, pragmas, mode, place: Where::Statement, end: 0, laid };
+    for line in lines {
+        layout.line(line);
+    }
+    layout.laid
+}
+
+/// The tokens of the sides of an assertion, which begin at byte `offset` of the file.
+pub fn lay_out_assertion<'a>(
+    file: FileId,
+    text: &'a str,
+    tokens: &[RawToken],
+    detected: &Detected,
+) -> (Vec<Spanned<'a>>, Vec<Diagnostic>) {
+    let laid = Laid { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
+    let mut layout =
+        Layout { file, text, detected, pragmas: false, mode: Mode::Code, place: Where::Assertion, end: 0, laid };
+    layout.operands(tokens);
+    (layout.laid.tokens, layout.laid.diagnostics)
+}
+
+struct Layout<'a, 'd> {
+    file: FileId,
+    text: &'a str,
+    detected: &'d Detected,
+    pragmas: bool,
+    mode: Mode,
+    /// Where the operands of the line stand.
+    place: Where,
+    /// End of the last token.
+    end: usize,
+    laid: Laid<'a>,
+}
+
+impl<'a> Layout<'a, '_> {
+    fn push(&mut self, range: Range<usize>, token: Tok<'a>) {
+        self.end = range.end.max(self.end);
+        self.laid.tokens.push((range.start, token, range.end));
+    }
+
+    fn report(&mut self, diagnostic: Diagnostic) {
+        self.laid.diagnostics.push(diagnostic);
+    }
+
+    fn span(&self, range: Range<usize>) -> Span {
+        Span::new(self.file, range)
+    }
+
+    fn end_line(&mut self) {
+        self.push(self.end..self.end, Tok::End);
+    }
+
+    fn slice(&self, range: Range<usize>) -> &'a str {
+        self.text.get(range).unwrap_or_default()
+    }
+
+    fn line(&mut self, line: &[RawToken]) {
+        let (code, comment) = match line {
+            [code @ .., last] if last.kind == RawKind::Comment => (code, Some(*last)),
+            _ => (line, None),
+        };
+        let Some(first) = code.first().copied() else {
+            return if let Some(comment) = comment {
+                self.own_comment(comment)
+            };
+        };
+        let word = match first.kind {
+            RawKind::Word => first.text(self.text).to_ascii_uppercase(),
+            _ => String::new(),
+        };
+        if word == "TITLE" && self.title(line) {
+            return;
+        }
+        if !self.frame(&word, code) {
+            match self.mode {
+                Mode::Code => self.statement(code),
+                Mode::Declarations => self.declaration(code),
+                Mode::Data => self.data(code),
+                Mode::Skipped => return,
+            }
+        }
+        if let Some(comment) = comment {
+            self.comment(comment);
+        }
+        self.end_line();
+    }
+
+    fn comment(&mut self, comment: RawToken) {
+        let text = comment.text(self.text);
+        let text = text.strip_prefix("//").unwrap_or(text).trim();
+        if !text.starts_with('@') {
+            self.push(comment.range(), Tok::Comment(text));
+        }
+    }
+
+    fn own_comment(&mut self, comment: RawToken) {
+        let text = comment.text(self.text);
+        if !stl::pragma::is_pragma(text) {
+            if !text.starts_with("//@") {
+                self.comment(comment);
+                self.end_line();
+            }
+            return;
+        }
+        if !self.pragmas {
+            return;
+        }
+        let (pragma, assert) =
+            pragma::parse(self.file, self.text, comment.range(), self.detected, &mut self.laid.diagnostics);
+        if stl::pragma::is_for_file(&pragma) {
+            self.laid.pragmas.push(pragma);
+        } else {
+            self.push(comment.range(), Tok::Pragma(Box::new(pragma), assert));
+            self.end_line();
+        }
+    }
+
+    /// `TITLE=text`: the whole rest of the line, `//` included.
+    fn title(&mut self, line: &[RawToken]) -> bool {
+        let (Some(first), Some(last)) = (line.first(), line.last()) else { return false };
+        let sign = line.get(1).map(|token| (token.kind, token.end));
+        let from = match sign {
+            None => first.end,
+            Some((RawKind::Relation | RawKind::Assign, end)) => end,
+            Some((RawKind::Colon, end)) if self.mode == Mode::Code => end,
+            Some(_) => return false,
+        };
+        let text = self.slice(from..last.end.max(from)).trim();
+        self.push(first.start..last.end, Tok::Title(text));
+        self.end_line();
+        true
+    }
+
+    /// A line with a keyword of the frame; false: it is another line.
+    fn frame(&mut self, word: &str, code: &[RawToken]) -> bool {
+        let Some(first) = code.first().copied() else { return false };
+        let (mode, token) = match word {
+            "ORGANIZATION_BLOCK" => return self.header(Tok::Header(BlockKind::Main), code),
+            "SUBROUTINE_BLOCK" => return self.header(Tok::Header(BlockKind::Subroutine), code),
+            "INTERRUPT_BLOCK" => return self.header(Tok::Header(BlockKind::Interrupt), code),
+            "DATA_BLOCK" => return self.header(Tok::DataHeader, code),
+            "END_ORGANIZATION_BLOCK" => (Mode::Code, Tok::EndBlock(BlockKind::Main)),
+            "END_SUBROUTINE_BLOCK" => (Mode::Code, Tok::EndBlock(BlockKind::Subroutine)),
+            "END_INTERRUPT_BLOCK" => (Mode::Code, Tok::EndBlock(BlockKind::Interrupt)),
+            "END_DATA_BLOCK" => (Mode::Code, Tok::EndData),
+            "BEGIN" if self.mode == Mode::Data => (Mode::Data, Tok::Begin),
+            "BEGIN" => (Mode::Code, Tok::Begin),
+            "NETWORK" => return self.network(code),
+            "VAR_INPUT" => (Mode::Declarations, Tok::Section(Section::Input)),
+            "VAR_OUTPUT" => (Mode::Declarations, Tok::Section(Section::Output)),
+            "VAR_IN_OUT" | "VAR_INOUT" => (Mode::Declarations, Tok::Section(Section::InOut)),
+            "VAR" | "VAR_TEMP" => (Mode::Declarations, Tok::Section(Section::Temp)),
+            "END_VAR" if self.mode == Mode::Skipped => {
+                self.mode = Mode::Code;
+                return true;
+            }
+            "END_VAR" => (Mode::Code, Tok::EndVar),
+            "VAR_GLOBAL" | "VAR_EXTERNAL" | "VAR_CONFIG" | "VAR_ACCESS" => {
+                let help =
+                    "the S7-200 has global symbols in a symbol table: a name, its address and a comment in each line";
+                self.foreign(&first, &format!("`{word}` belongs to the IEC mode of Micro/WIN"), help);
+                self.push(first.range(), Tok::BadLine);
+                self.mode = Mode::Skipped;
+                return true;
+            }
+            "FUNCTION" | "FUNCTION_BLOCK" | "TYPE" | "STRUCT" | "END_FUNCTION" | "END_FUNCTION_BLOCK" | "END_TYPE"
+            | "END_STRUCT" | "PROGRAM" | "CONFIGURATION"
+                if code.get(1).is_none_or(|next| next.kind != RawKind::Colon) =>
+            {
+                let help = "blocks of the S7-200 are `ORGANIZATION_BLOCK`, `SUBROUTINE_BLOCK`, `INTERRUPT_BLOCK` and `DATA_BLOCK`";
+                self.foreign(&first, &format!("the S7-200 has no `{word}`"), help);
+                self.push(first.range(), Tok::BadLine);
+                return true;
+            }
+            _ => return false,
+        };
+        self.mode = mode;
+        self.push(first.range(), token);
+        // `END_VAR;` is a habit from other controllers.
+        let rest = code.get(1..).unwrap_or_default();
+        self.operands(without_semicolon(rest));
+        true
+    }
+
+    fn foreign(&mut self, token: &RawToken, title: &str, help: &str) {
+        let span = self.span(token.range());
+        self.report(Diagnostic::new(Code::ForeignLanguage, span, title).label("not of the S7-200").help(help));
+    }
+
+    /// `name:SBR3`, `SBR3` or a name behind the keyword of a block.
+    fn header(&mut self, token: Tok<'a>, code: &[RawToken]) -> bool {
+        self.mode = if token == Tok::DataHeader { Mode::Data } else { Mode::Code };
+        let (Some(first), Some(last)) = (code.first(), code.last()) else { return false };
+        self.push(first.range(), token);
+        let rest = self.slice(first.end..last.end.max(first.end));
+        let (name, number) = match rest.split_once(':') {
+            Some((name, number)) => (name, Some((number, first.end + name.len() + 1))),
+            None => (rest, None),
+        };
+        let part = |text: &'a str, at: usize| {
+            let trimmed = text.trim_start_matches(is_blank);
+            let start = at + text.len() - trimmed.len();
+            let trimmed = trimmed.trim_end_matches(is_blank);
+            (trimmed, start..start + trimmed.len())
+        };
+        let (name, range) = part(name, first.end);
+        if !name.is_empty() {
+            let token = self.block_name(name);
+            self.push(range, token);
+        }
+        if let Some((number, at)) = number {
+            self.push(at - 1..at, Tok::Colon);
+            let (number, range) = part(number, at);
+            if !number.is_empty() {
+                let token = self.block_name(number);
+                self.push(range, token);
+            }
+        }
+        true
+    }
+
+    fn block_name(&self, name: &'a str) -> Tok<'a> {
+        let name = name.trim_matches('"');
+        match operand::block(&name.to_ascii_uppercase()) {
+            Some((kind, number)) => Tok::Block(kind, number),
+            None => Tok::Name(name),
+        }
+    }
+
+    /// `NETWORK 1 // title`.
+    fn network(&mut self, code: &[RawToken]) -> bool {
+        let Some(first) = code.first() else { return false };
+        if self.mode == Mode::Declarations && code.get(1).is_some_and(|next| next.kind == RawKind::Colon) {
+            return false;
+        }
+        self.mode = Mode::Code;
+        self.push(first.range(), Tok::Network);
+        let mut rest = code.get(1..).unwrap_or_default();
+        if let [number, behind @ ..] = rest
+            && number.kind == RawKind::Integer
+        {
+            self.operands(&rest[..1]);
+            rest = behind;
+        }
+        if let [colon, behind @ ..] = rest
+            && colon.kind == RawKind::Colon
+        {
+            rest = behind;
+        }
+        // A title without `//`.
+        if let (Some(from), Some(to)) = (rest.first(), rest.last()) {
+            let range = from.start..to.end;
+            self.push(range.clone(), Tok::Comment(self.slice(range)));
+        }
+        true
+    }
+
+    fn declaration(&mut self, code: &[RawToken]) {
+        let start = code.first().map_or(self.end, |token| token.start);
+        self.push(start..start, Tok::Declaration);
+        self.place = Where::Declaration;
+        self.operands(code);
+        self.place = Where::Statement;
+    }
+
+    fn data(&mut self, code: &[RawToken]) {
+        let Some(first) = code.first() else { return };
+        let addressed = match (first.kind, code.get(1)) {
+            (RawKind::Word, next) => {
+                let constant = operand::is_bool(&first.text(self.text).to_ascii_uppercase());
+                !constant || next.is_some_and(|next| !matches!(next.kind, RawKind::Comma | RawKind::Semicolon))
+            }
+            (RawKind::Quoted, Some(next)) => !matches!(next.kind, RawKind::Comma | RawKind::Semicolon),
+            _ => false,
+        };
+        self.push(first.start..first.start, Tok::Data(addressed));
+        let (address, values) = code.split_at(usize::from(addressed));
+        self.place = Where::DataAddress;
+        self.operands(address);
+        self.place = Where::DataValue;
+        self.operands(values);
+        self.place = Where::Statement;
+    }
+
+    fn statement(&mut self, code: &[RawToken]) {
+        let Some(first) = code.first().copied() else { return };
+        if code.get(1).is_some_and(|next| matches!(next.kind, RawKind::Colon)) && first.kind == RawKind::Word {
+            let name = first.text(self.text);
+            let title = format!("`{name}:` is a label of S7-300/400");
+            self.foreign(
+                &first,
+                &title,
+                "labels of the S7-200 are statements with a number: `LBL 3`, reached by `JMP 3`",
+            );
+            return self.push(first.range(), Tok::BadLine);
+        }
+        let Some(head) = mnemonics::head(self.text, code) else {
+            let span = self.span(first.range());
+            self.report(
+                Diagnostic::new(Code::Syntax, span, format!("`{}` cannot begin a statement", first.text(self.text)))
+                    .label("a mnemonic is expected here")
+                    .help("a statement is a mnemonic and its operands: `LD I0.0`, `MOVW VW0, VW2`"),
+            );
+            return self.push(first.range(), Tok::BadLine);
+        };
+        let range = head.start..head.end;
+        let rest = code.get(head.tokens..).unwrap_or_default();
+        if let Some(kind) = marker(&head.mnemonic, rest) {
+            self.push(range, Tok::Marker(kind));
+            return self.operands(rest);
+        }
+        if let (Some((kind, number)), []) = (operand::block(&head.mnemonic), rest)
+            && kind != BlockKind::Main
+        {
+            self.push(range.clone(), Tok::Marker(kind));
+            return self.push(range, Tok::Integer(i64::from(number)));
+        }
+        match mnemonics::any(&head.mnemonic, self.detected.set) {
+            Some(insn) => {
+                self.push(range, Tok::Insn(insn));
+                self.operands(rest);
+            }
+            None => {
+                let message = suggest::unknown(
+                    self.span(range.clone()),
+                    &head.mnemonic,
+                    self.slice(range.clone()),
+                    self.detected.set,
+                );
+                self.report(message);
+                self.push(range, Tok::BadLine);
+            }
+        }
+    }
+}
+
+/// `SBR 3`, `INT 0`.
+fn marker(mnemonic: &str, rest: &[RawToken]) -> Option<BlockKind> {
+    let kind = match mnemonic {
+        "SBR" => BlockKind::Subroutine,
+        "INT" => BlockKind::Interrupt,
+        _ => return None,
+    };
+    rest.first().is_some_and(|next| next.kind == RawKind::Integer).then_some(kind)
+}
+
+fn without_semicolon(rest: &[RawToken]) -> &[RawToken] {
+    match rest {
+        [before @ .., last] if last.kind == RawKind::Semicolon => before,
+        _ => rest,
+    }
+}
+
+fn is_blank(c: char) -> bool {
+    c.is_whitespace() || c == '\u{FEFF}' || c.is_control()
+}

@@ -1,0 +1,263 @@
+//! Operands: what a word means by where it stands.
+
+use plcc_diag::{Code, Diagnostic};
+
+use super::Layout;
+use crate::ast::{AssertOp, Width};
+use crate::s7200::address::{self, AddressError};
+use crate::s7200::ast::{Area, BlockKind};
+use crate::s7200::constant::{self, ConstantError};
+use crate::s7200::raw::{RawKind, RawToken};
+use crate::s7200::token::Tok;
+
+/// Where operands stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Where {
+    Statement,
+    /// Names are names, whatever they look like.
+    Declaration,
+    /// The address of a line of a data block: `V40` has no size.
+    DataAddress,
+    /// Quoted texts are strings.
+    DataValue,
+    Assertion,
+}
+
+/// `SBR3`, `INT0`, `OB1` (upper case).
+pub fn block(word: &str) -> Option<(BlockKind, u32)> {
+    let (kind, number) = [("SBR", BlockKind::Subroutine), ("INT", BlockKind::Interrupt), ("OB", BlockKind::Main)]
+        .into_iter()
+        .find_map(|(letters, kind)| Some((kind, word.strip_prefix(letters)?)))?;
+    let digits = !number.is_empty() && number.len() <= 5 && number.bytes().all(|byte| byte.is_ascii_digit());
+    digits.then(|| number.parse().ok()).flatten().map(|number| (kind, number))
+}
+
+/// A constant of BOOL (upper case).
+pub fn is_bool(word: &str) -> bool {
+    matches!(word, "TRUE" | "FALSE" | "ON" | "OFF")
+}
+
+impl<'a> Layout<'a, '_> {
+    /// The rest of a line.
+    pub fn operands(&mut self, tokens: &[RawToken]) {
+        let mut at = 0;
+        while let Some(token) = tokens.get(at).copied() {
+            at += 1;
+            if token.kind == RawKind::Word
+                && let Some(next) = tokens.get(at)
+                && self.parted_address(token, *next)
+            {
+                at += 1;
+                continue;
+            }
+            let token_of = self.operand(token);
+            self.push(token.range(), token_of);
+        }
+    }
+
+    /// `I 0.0`: an address with a blank inside.
+    fn parted_address(&mut self, letters: RawToken, number: RawToken) -> bool {
+        if self.place == Where::Declaration || !matches!(number.kind, RawKind::Integer | RawKind::Real) {
+            return false;
+        }
+        let word = letters.text(self.text).to_ascii_uppercase();
+        if !address::are_letters(&word) {
+            return false;
+        }
+        let joined = format!("{word}{}", number.text(self.text));
+        let Some(Ok(direct)) = address::parse(&joined) else { return false };
+        if direct.area == Area::V && direct.width.is_none() && self.place != Where::DataAddress {
+            return false;
+        }
+        let range = letters.start..number.end;
+        let span = self.span(range.clone());
+        self.report(
+            Diagnostic::new(Code::Tolerated, span, format!("a blank stands inside the address `{joined}`"))
+                .label(format!("taken as `{}`", address::text(&direct)))
+                .help("addresses of the S7-200 have no blanks"),
+        );
+        self.push(range, Tok::Direct(direct));
+        true
+    }
+
+    fn operand(&mut self, token: RawToken) -> Tok<'a> {
+        let text = self.slice(token.range());
+        match token.kind {
+            RawKind::Word => self.word(token, text),
+            RawKind::Local => match text.strip_prefix('#') {
+                Some(name) if !name.is_empty() => Tok::Local(name),
+                _ => self.bad_character(token, text),
+            },
+            RawKind::Integer => {
+                let value = constant::integer(text);
+                self.constant(token, value, Tok::Integer)
+            }
+            RawKind::Real => {
+                let value = constant::real(text);
+                self.constant(token, value, Tok::Real)
+            }
+            RawKind::Based => {
+                let value = constant::based(text);
+                self.constant(token, value, |(value, width)| Tok::Bits(value, width))
+            }
+            RawKind::BadNumber => {
+                let span = self.span(token.range());
+                self.report(
+                    Diagnostic::new(Code::BadLiteral, span, format!("`{text}` is no constant"))
+                        .label("begins like a number")
+                        .help("write `100`, `16#7F`, `2#0101` or `1.5`; names do not begin with a digit"),
+                );
+                Tok::BadOperand
+            }
+            RawKind::Quoted => {
+                let inner = text.trim_matches('"');
+                if self.place != Where::DataValue && constant::is_symbol(inner) {
+                    return Tok::Quoted(inner);
+                }
+                let inner = text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or_default();
+                let value = constant::text(inner);
+                self.constant(token, value, Tok::Text)
+            }
+            RawKind::Characters => {
+                let inner = text.strip_prefix('\'').and_then(|text| text.strip_suffix('\'')).unwrap_or_default();
+                let value = constant::text(inner);
+                self.constant(token, value, Tok::Characters)
+            }
+            RawKind::Unterminated => {
+                let span = self.span(token.start..token.start + 1);
+                self.report(
+                    Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
+                        .label("begins here")
+                        .help("close it with the same quote; a quote inside is written `$'` or `$\"`"),
+                );
+                Tok::BadOperand
+            }
+            RawKind::Percent => {
+                let span = self.span(token.range());
+                let plain = text.trim_start_matches('%');
+                self.report(
+                    Diagnostic::new(Code::ForeignLanguage, span, format!("`{text}` is an address of the IEC mode"))
+                        .label("addresses of STL have no `%`")
+                        .help(format!("write `{}`", if plain.is_empty() { "I0.0" } else { plain })),
+                );
+                Tok::BadOperand
+            }
+            RawKind::Colon => Tok::Colon,
+            RawKind::Assign => Tok::Assign,
+            RawKind::Semicolon => Tok::Semicolon,
+            RawKind::Comma => Tok::Comma,
+            RawKind::Plus => Tok::Plus,
+            RawKind::Minus => Tok::Minus,
+            RawKind::Star => Tok::Star,
+            RawKind::Ampersand => Tok::Ampersand,
+            RawKind::Relation if self.place == Where::Assertion => match text {
+                "==" | "=" => Tok::Compare(AssertOp::Eq),
+                "<>" => Tok::Compare(AssertOp::Ne),
+                "<=" => Tok::Compare(AssertOp::Le),
+                ">=" => Tok::Compare(AssertOp::Ge),
+                "<" => Tok::Compare(AssertOp::Lt),
+                _ => Tok::Compare(AssertOp::Gt),
+            },
+            RawKind::Relation | RawKind::Slash => Tok::Stray,
+            RawKind::Stray => self.bad_character(token, text),
+            RawKind::Newline | RawKind::Comment => Tok::Stray,
+        }
+    }
+
+    fn constant<T>(
+        &mut self,
+        token: RawToken,
+        value: Result<T, ConstantError>,
+        made: impl FnOnce(T) -> Tok<'a>,
+    ) -> Tok<'a> {
+        match value {
+            Ok(value) => made(value),
+            Err(error) => {
+                let code = if error.range { Code::LiteralRange } else { Code::BadLiteral };
+                let text = self.slice(token.range());
+                let title = match error.range {
+                    true => format!("the constant `{text}` is too large"),
+                    false => format!("`{text}` is no constant of the S7-200"),
+                };
+                let span = self.span(token.range());
+                self.report(Diagnostic::new(code, span, title).label(error.label).help(error.help));
+                Tok::BadOperand
+            }
+        }
+    }
+
+    fn bad_character(&mut self, token: RawToken, text: &str) -> Tok<'a> {
+        let (title, help) = match text {
+            "(" | ")" => (
+                format!("`{text}` stands in a statement"),
+                "STL of the S7-200 has no parentheses: begin the inner part with `LD` and join it with `ALD` or `OLD`",
+            ),
+            _ => (
+                format!("`{}` cannot stand in a statement", text.escape_debug()),
+                "a statement has names, addresses, constants and the signs `,` `*` `&` `#`",
+            ),
+        };
+        let span = self.span(token.range());
+        self.report(Diagnostic::new(Code::UnexpectedCharacter, span, title).label("not expected here").help(help));
+        Tok::BadOperand
+    }
+
+    fn word(&mut self, token: RawToken, text: &'a str) -> Tok<'a> {
+        if self.place == Where::Declaration {
+            return Tok::Bare(text);
+        }
+        let upper = text.to_ascii_uppercase();
+        if self.place == Where::Assertion {
+            match upper.as_bytes() {
+                [b'S', level @ b'0'..=b'8'] => return Tok::Stack(level - b'0'),
+                b"ENO" => return Tok::Eno,
+                _ => {}
+            }
+        }
+        if is_bool(&upper) {
+            return Tok::Bool(matches!(upper.as_str(), "TRUE" | "ON"));
+        }
+        if let Some((kind, number)) = block(&upper) {
+            return Tok::Block(kind, number);
+        }
+        match address::parse(&upper) {
+            Some(Ok(direct)) => {
+                // `V1` may be a symbol.
+                if direct.area == Area::V && direct.width.is_none() && self.place != Where::DataAddress {
+                    return Tok::Bare(text);
+                }
+                let current = matches!(direct.area, Area::T | Area::C) && direct.width == Some(Width::Word);
+                if current && self.place != Where::Assertion {
+                    let plain = address::text(&address::without_width(direct));
+                    let span = self.span(token.range());
+                    self.report(
+                        Diagnostic::new(Code::Tolerated, span, format!("`{text}` is not written so on the S7-200"))
+                            .label("taken as the current value")
+                            .help(format!(
+                                "write `{plain}`; the instruction tells whether its bit or its value is meant"
+                            )),
+                    );
+                }
+                Tok::Direct(direct)
+            }
+            Some(Err(error)) => self.bad_address(token, text, &error),
+            None if text.contains('.') => self.bad_address(token, text, &AddressError::Number),
+            None => Tok::Bare(text),
+        }
+    }
+
+    fn bad_address(&mut self, token: RawToken, text: &str, error: &AddressError) -> Tok<'a> {
+        let (label, help) = match error {
+            AddressError::Bit => ("its bit is not 0 to 7", "a byte has the bits 0 to 7: `I0.7`, then `I1.0`"),
+            AddressError::Number => ("no area has this address", "addresses are `I0.0`, `VB10`, `VW100`, `T37`, `AC0`"),
+            AddressError::BitOfWord => {
+                ("a byte, word, double word or number has no bit", "name the bit by its byte: `V10.3`")
+            }
+            AddressError::DataBlock => ("not data block 1", "the S7-200 has one data block: `DB1.DBW100` is `VW100`"),
+        };
+        let span = self.span(token.range());
+        let title = format!("`{text}` is no address of the S7-200");
+        self.report(Diagnostic::new(Code::AddressRange, span, title).label(label).help(help));
+        Tok::BadOperand
+    }
+}

@@ -1,0 +1,151 @@
+//! Whether a source is one of the S7-200. Guesses, without parsing, and without regard to correctness.
+//!
+//! Micro/WIN and STEP 7 give their exports the same ending. Block headers decide; where there are none, statements that only one of the
+//! two families has.
+
+use super::ast::Area;
+use super::raw::{RawKind, RawToken};
+use super::{address, layout, mnemonics, raw};
+use crate::stl::{self, Mnemonics};
+
+/// Whether `text` is a source of the S7-200 rather than one of S7-300/400.
+pub fn is_s7200(text: &str) -> bool {
+    let (mut own, mut foreign) = (0usize, 0usize);
+    let mut data = false;
+    for line in raw::lines(text) {
+        match of_line(text, &line, &mut data) {
+            Sign::S7200 => return true,
+            Sign::Other => return false,
+            Sign::Own(count) => own += count,
+            Sign::Foreign => foreign += 1,
+            Sign::None => {}
+        }
+    }
+    own > foreign
+}
+
+/// Whether `text` holds lines of a data block and nothing else.
+pub fn is_data(text: &str, lines: &[Vec<RawToken>]) -> bool {
+    let mut found = false;
+    for line in lines {
+        let Some(first) = line.first().filter(|first| first.kind != RawKind::Comment) else { continue };
+        let word = first.text(text).to_ascii_uppercase();
+        let is_head =
+            || mnemonics::head(text, line).is_some_and(|head| mnemonics::any(&head.mnemonic, Mnemonics::En).is_some());
+        match first.kind {
+            RawKind::Word if is_v(&word) => found = true,
+            RawKind::Word if matches!(word.as_str(), "TITLE" | "BEGIN") => {}
+            RawKind::Word if is_frame(&word) || is_head() => return false,
+            _ => {}
+        }
+    }
+    found
+}
+
+/// What a line tells.
+enum Sign {
+    S7200,
+    Other,
+    /// So many signs of the S7-200.
+    Own(usize),
+    /// A sign of S7-300/400.
+    Foreign,
+    None,
+}
+
+fn of_line(text: &str, line: &[RawToken], data: &mut bool) -> Sign {
+    let code = match line {
+        [code @ .., last] if last.kind == RawKind::Comment => code,
+        _ => line,
+    };
+    let Some(first) = code.first() else { return Sign::None };
+    let word = first.text(text).to_ascii_uppercase();
+    let next = code.get(1);
+    match word.as_str() {
+        "SUBROUTINE_BLOCK" | "INTERRUPT_BLOCK" | "END_SUBROUTINE_BLOCK" | "END_INTERRUPT_BLOCK" => return Sign::S7200,
+        "ORGANIZATION_BLOCK" => {
+            let numbered = code.iter().rev().take(2).any(|token| token.kind == RawKind::Colon)
+                && code.last().is_some_and(|last| layout::is_block(&last.text(text).to_ascii_uppercase()));
+            return if numbered { Sign::S7200 } else { Sign::None };
+        }
+        "FUNCTION"
+        | "FUNCTION_BLOCK"
+        | "TYPE"
+        | "STRUCT"
+        | "SYSTEM_FUNCTION"
+        | "SYSTEM_FUNCTION_BLOCK"
+        | "KNOW_HOW_PROTECT"
+        | "IF"
+        | "REGION" => return Sign::Other,
+        "VERSION" | "AUTHOR" | "FAMILY" | "NAME" if next.is_some_and(|next| next.kind == RawKind::Colon) => {
+            return Sign::Other;
+        }
+        "DATA_BLOCK" => {
+            *data = true;
+            return Sign::None;
+        }
+        "END_DATA_BLOCK" => {
+            *data = false;
+            return Sign::None;
+        }
+        _ => {}
+    }
+    if code.iter().any(|token| token.kind == RawKind::Assign || matches!(token.text(text), "(" | ")" | "{" | "[")) {
+        return Sign::Foreign;
+    }
+    if next.is_some_and(|next| next.kind == RawKind::Colon) {
+        // A label, or a declaration.
+        return Sign::None;
+    }
+    let value = |token: &RawToken| {
+        let kinds = [
+            RawKind::Integer,
+            RawKind::Real,
+            RawKind::Based,
+            RawKind::Plus,
+            RawKind::Minus,
+            RawKind::Characters,
+            RawKind::Quoted,
+        ];
+        kinds.contains(&token.kind)
+    };
+    if is_v(&word) && next.is_some_and(value) {
+        return Sign::Own(if *data { 2 } else { 1 });
+    }
+    let Some(head) = mnemonics::head(text, code) else { return Sign::None };
+    let own = mnemonics::any(&head.mnemonic, Mnemonics::En).is_some();
+    let foreign = stl::is_mnemonic(&head.mnemonic);
+    match (own, foreign) {
+        (true, false) => Sign::Own(1),
+        (false, true) => Sign::Foreign,
+        (true, true) => {
+            let operands = code.get(head.tokens..).unwrap_or_default();
+            let only = operands
+                .iter()
+                .any(|token| token.kind == RawKind::Word && is_only_own(&token.text(text).to_ascii_uppercase()));
+            if only { Sign::Own(1) } else { Sign::None }
+        }
+        (false, false) => Sign::None,
+    }
+}
+
+/// An address of the V area, with or without size.
+fn is_v(word: &str) -> bool {
+    matches!(address::parse(word), Some(Ok(direct)) if direct.area == Area::V)
+}
+
+/// An address that S7-300/400 do not have.
+fn is_only_own(word: &str) -> bool {
+    let Some(Ok(direct)) = address::parse(word) else { return false };
+    match direct.area {
+        Area::V => !word.starts_with("DB") && direct.width.is_some(),
+        Area::Sm | Area::Ai | Area::Aq | Area::Hc | Area::Ac => true,
+        // `AB1` and others are outputs in German.
+        Area::I | Area::Q | Area::M | Area::L | Area::S | Area::T | Area::C => false,
+    }
+}
+
+fn is_frame(word: &str) -> bool {
+    word.ends_with("_BLOCK")
+        || matches!(word, "NETWORK" | "VAR" | "VAR_INPUT" | "VAR_OUTPUT" | "VAR_IN_OUT" | "END_VAR")
+}

@@ -1,0 +1,115 @@
+//! The lexer: characters to raw tokens, without regard to where they stand.
+//!
+//! Names take every character beyond ASCII, as Micro/WIN does; an address is one token with its point. Lines end with CR, LF or both.
+//! Source: S7-200 system manual, conventions and concepts of programming.
+
+use std::ops::Range;
+
+use logos::Logos;
+
+/// What a raw token is.
+#[derive(Logos, Clone, Copy, Debug, PartialEq, Eq)]
+#[logos(skip r"[ \t\x0B\x0C\x1A\u{A0}\u{3000}\u{FEFF}]+")]
+pub enum RawKind {
+    #[regex(r"\r\n|\n|\r")]
+    Newline,
+    #[regex(r"//[^\r\n]*", allow_greedy = true)]
+    Comment,
+    /// `LD`, `Motor`, `I0.0`, `DB1.DBW100`.
+    #[regex(r"[A-Za-z_\u{80}-\u{9F}\u{A1}-\u{2FFF}\u{3001}-\u{FEFE}\u{FF00}-\u{10FFFF}][0-9A-Za-z_\u{80}-\u{9F}\u{A1}-\u{2FFF}\u{3001}-\u{FEFE}\u{FF00}-\u{10FFFF}]*(\.[0-9A-Za-z_]+)*")]
+    Word,
+    /// `%I0.0`
+    #[regex(r"%[0-9A-Za-z_.]*")]
+    Percent,
+    /// `#Raw`
+    #[regex(r"#[0-9A-Za-z_\u{80}-\u{9F}\u{A1}-\u{2FFF}\u{3001}-\u{FEFE}\u{FF00}-\u{10FFFF}]*")]
+    Local,
+    #[regex(r"[0-9][0-9_]*")]
+    Integer,
+    #[regex(r"[0-9][0-9_]*\.[0-9]+([eE][+-]?[0-9]+)?")]
+    #[regex(r"[0-9]+[eE][+-]?[0-9]+")]
+    Real,
+    /// `16#FF`, `W#16#10`, `BYTE#3`.
+    #[regex(r"[0-9]+#[0-9A-Za-z_.]*")]
+    #[regex(r"[A-Za-z][0-9A-Za-z]*#[+-]?[0-9A-Za-z_.#]*")]
+    Based,
+    /// Begins like a number: `10ms`.
+    #[regex(r"[0-9]+[A-Za-z_][0-9A-Za-z_.]*", priority = 1)]
+    BadNumber,
+    #[regex(r#""([^"$\r\n]|\$[^\r\n])*""#)]
+    Quoted,
+    #[regex(r"'([^'$\r\n]|\$[^\r\n])*'")]
+    Characters,
+    #[regex(r#""([^"$\r\n]|\$[^\r\n])*\$?"#)]
+    #[regex(r"'([^'$\r\n]|\$[^\r\n])*\$?")]
+    Unterminated,
+
+    #[token(":")]
+    Colon,
+    #[token(":=")]
+    Assign,
+    #[token(";")]
+    Semicolon,
+    #[token(",")]
+    Comma,
+    /// A relation or `=`.
+    #[token("=")]
+    #[token("==")]
+    #[token("<>")]
+    #[token(">=")]
+    #[token("<=")]
+    #[token(">")]
+    #[token("<")]
+    Relation,
+    #[token("+")]
+    Plus,
+    #[token("-")]
+    Minus,
+    #[token("*")]
+    Star,
+    #[token("/")]
+    Slash,
+    #[token("&")]
+    Ampersand,
+    /// A character that no statement holds.
+    #[regex(r".", priority = 0)]
+    Stray,
+}
+
+/// A raw token; `start..end` are bytes of the text.
+#[derive(Clone, Copy, Debug)]
+pub struct RawToken {
+    pub kind: RawKind,
+    pub start: usize,
+    pub end: usize,
+}
+
+impl RawToken {
+    pub fn range(&self) -> Range<usize> {
+        self.start..self.end
+    }
+
+    pub fn text<'a>(&self, source: &'a str) -> &'a str {
+        source.get(self.range()).unwrap_or_default()
+    }
+}
+
+/// The tokens of a text, line by line, each line without its end.
+pub fn lines(text: &str) -> Vec<Vec<RawToken>> {
+    let mut lines = vec![Vec::new()];
+    for (kind, range) in RawKind::lexer(text).spanned() {
+        let kind = kind.unwrap_or(RawKind::Stray);
+        if kind == RawKind::Newline {
+            lines.push(Vec::new());
+        } else if let Some(line) = lines.last_mut() {
+            line.push(RawToken { kind, start: range.start, end: range.end });
+        }
+    }
+    lines
+}
+
+/// The tokens of one line, or of a part of it, which begins at byte `offset` of the text.
+pub fn part(text: &str, offset: usize) -> Vec<RawToken> {
+    let moved = |token: RawToken| RawToken { start: token.start + offset, end: token.end + offset, ..token };
+    lines(text).into_iter().flatten().map(moved).collect()
+}

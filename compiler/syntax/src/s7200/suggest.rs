@@ -1,0 +1,144 @@
+//! Messages for words that are no instruction.
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use super::{address, aliases, mnemonics};
+use crate::distance;
+use crate::stl::{self, Mnemonics};
+
+/// Instructions of S7-300/400, and what the S7-200 has for them.
+const FROM_S7_300: &[(&str, &str)] = &[
+    ("L", "the S7-200 has no ACCU to load: `MOVB`, `MOVW`, `MOVD` or `MOVR` moves a value"),
+    ("T", "the S7-200 has no ACCU to transfer: `MOVB`, `MOVW`, `MOVD` or `MOVR` moves a value"),
+    ("X", "write it with `LDN`, `A`, `OLD`, or `XORB`, `XORW` for values"),
+    ("XN", "write it with `LDN`, `A`, `OLD`, or `XORB`, `XORW` for values"),
+    ("FP", "write `EU` behind the string of logic"),
+    ("FN", "write `ED` behind the string of logic"),
+    ("SE", "write `TON T37, 50`"),
+    ("SD", "write `TON T37, 50`"),
+    ("SS", "write `TONR T5, 50`"),
+    ("SF", "write `TOF T37, 50`"),
+    ("SA", "write `TOF T37, 50`"),
+    ("SP", "write `TON`, with the logic of the pulse"),
+    ("SV", "write `TON`, with the logic of the pulse"),
+    ("CU", "write `CTU C1, 10`"),
+    ("CD", "write `CTD C1, 10`"),
+    ("ZV", "write `CTU C1, 10`"),
+    ("ZR", "write `CTD C1, 10`"),
+    ("JU", "write `LD SM0.0` and `JMP 3`"),
+    ("SPA", "write `LD SM0.0` and `JMP 3`"),
+    ("JC", "write `JMP 3`, which is conditional"),
+    ("SPB", "write `JMP 3`, which is conditional"),
+    ("UC", "write `LD SM0.0` and `CALL name`"),
+    ("CC", "write `CALL name`, which is conditional"),
+    ("BE", "the end of a block is `END_SUBROUTINE_BLOCK`"),
+    ("BEU", "write `CRET` behind `LD SM0.0`"),
+    ("BEA", "write `CRET` behind `LD SM0.0`"),
+    ("BEC", "write `CRET`, which is conditional"),
+    ("BEB", "write `CRET`, which is conditional"),
+    ("OPN", "the S7-200 has one data block, which needs not be opened: `VW100`"),
+    ("AUF", "the S7-200 has one data block, which needs not be opened: `VW100`"),
+    ("SET", "write `LD SM0.0`"),
+    ("CLR", "write `LDN SM0.0`"),
+];
+
+/// What others write for an instruction, and frequent slips.
+const SLIPS: &[(&str, &str)] = &[
+    ("AND", "write `A` for a bit, `ANDB`, `ANDW` or `ANDD` for values"),
+    ("OR", "write `O` for a bit, `ORB`, `ORW` or `ORD` for values"),
+    ("XOR", "write `XORB`, `XORW` or `XORD`"),
+    ("LDR", "a comparison has its relation: `LDR>= VD0, 1.5`; a bit is loaded with `LD`"),
+    ("MOV", "write `MOVB`, `MOVW`, `MOVD` or `MOVR`"),
+    ("MOVE", "write `MOVB`, `MOVW`, `MOVD` or `MOVR`"),
+    ("OUT", "write `=`"),
+    ("ST", "write `=` for a bit, `MOVW` for a value"),
+    ("TP", "the S7-200 has no pulse timer in STL; write `TON` with the logic of the pulse"),
+    ("ADD", "write `+I`, `+D` or `+R`"),
+    ("SUB", "write `-I`, `-D` or `-R`"),
+    ("INC", "write `INCB`, `INCW` or `INCD`"),
+    ("DEC", "write `DECB`, `DECW` or `DECD`"),
+    ("FND", "write the relation behind it: `FND=`, `FND<>`, `FND<` or `FND>`"),
+    ("GET", "only the S7-200 SMART has it; write `NETR`"),
+    ("PUT", "only the S7-200 SMART has it; write `NETW`"),
+    ("TITEL", "write `TITLE=`"),
+];
+
+/// The message for `word` (upper case; `text` as written), which begins a statement and is no mnemonic.
+pub fn unknown(span: Span, word: &str, text: &str, set: Mnemonics) -> Diagnostic {
+    if let Some((_, help)) = FROM_S7_300.iter().find(|(known, _)| *known == word) {
+        return from_s7_300(span, text).help(*help);
+    }
+    let diagnostic = Diagnostic::new(Code::UnknownInstruction, span, format!("the S7-200 has no instruction `{text}`"));
+    if let Some(statement) = aliases::statement_of_box(word) {
+        return diagnostic
+            .label("the name of a box")
+            .help(format!("the box is the statement `{statement}`, whose operands stand in another order"));
+    }
+    if let Some((_, help)) = SLIPS.iter().find(|(slip, _)| *slip == word) {
+        return diagnostic.label("not a mnemonic").help(*help);
+    }
+    if let Some(at) = glued(word) {
+        let (mnemonic, operand) = text.split_at_checked(at).unwrap_or((text, ""));
+        return diagnostic
+            .label("mnemonic and operand in one word")
+            .help(format!("a blank stands between them: `{mnemonic} {operand}`"));
+    }
+    if stl::is_mnemonic(word) {
+        return from_s7_300(span, text).help("see the instruction set of the S7-200");
+    }
+    match nearest(word, set) {
+        Some(mnemonic) => diagnostic.label("not a mnemonic").help(format!("did you mean `{mnemonic}`?")),
+        None => diagnostic
+            .label("not a mnemonic")
+            .help("a statement is a mnemonic and its operands: `LD I0.0`, `MOVW VW0, VW2`"),
+    }
+}
+
+fn from_s7_300(span: Span, text: &str) -> Diagnostic {
+    Diagnostic::new(Code::UnknownInstruction, span, format!("`{text}` is an instruction of S7-300/400"))
+        .label("the S7-200 does not have it")
+}
+
+/// Where the mnemonic ends in `LDI0.0`.
+fn glued(word: &str) -> Option<usize> {
+    (1..word.len()).rev().find(|at| {
+        word.split_at_checked(*at).is_some_and(|(mnemonic, operand)| {
+            mnemonics::any(mnemonic, Mnemonics::En).is_some() && address::parse(operand).is_some_and(|it| it.is_ok())
+        })
+    })
+}
+
+/// The mnemonic that differs least, of words with three letters or more.
+fn nearest(word: &str, set: Mnemonics) -> Option<String> {
+    let length = word.chars().count();
+    if !(3..=12).contains(&length) {
+        return None;
+    }
+    let limit = if length < 5 { 1 } else { 2 };
+    mnemonics::all()
+        .map(|insn| insn.mnemonic(set).into_owned())
+        .map(|mnemonic| (distance::between(word, &mnemonic), mnemonic))
+        .filter(|(distance, _)| *distance <= limit)
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, mnemonic)| mnemonic)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn help(word: &str) -> String {
+        unknown(Span::default(), word, word, Mnemonics::En).help.unwrap_or_default()
+    }
+
+    #[test]
+    fn hints() {
+        assert!(help("MOWB").contains("`MOVB`"));
+        assert!(help("LDI0.0").contains("`LD I0.0`"));
+        assert!(help("L").contains("MOVW"));
+        assert!(help("ADD_I").contains("`+I IN, OUT`"));
+        assert!(help("LDW==").contains("`LDW="));
+        assert!(help("QWERTZ").contains("a statement is"));
+        assert!(unknown(Span::default(), "TAK", "TAK", Mnemonics::En).title.contains("S7-300"));
+    }
+}

@@ -1,0 +1,78 @@
+//! Tokens as the grammar sees them: each says what it means at its place.
+
+use crate::ast::{AssertOp, Pragma, Width};
+use crate::s7200::Insn;
+use crate::s7200::ast::{Assert, BlockKind, Direct, Section};
+
+/// A token of the grammar. Texts are slices of the source.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Tok<'a> {
+    // Frames.
+    Header(BlockKind),
+    EndBlock(BlockKind),
+    DataHeader,
+    EndData,
+    /// The name of a block, without quotes.
+    Name(&'a str),
+    /// Text behind `TITLE=`.
+    Title(&'a str),
+    Section(Section),
+    EndVar,
+    Begin,
+    Network,
+    /// `SBR 3`, `INT 0` of a flat list.
+    Marker(BlockKind),
+    /// Text behind `//`.
+    Comment(&'a str),
+    /// The end of a line.
+    End,
+
+    // Beginnings of lines.
+    /// A line with declarations begins.
+    Declaration,
+    /// A line of a data block begins; the flag: with an address.
+    Data(bool),
+    Insn(Insn),
+    Pragma(Box<Pragma>, Option<Box<Assert>>),
+    /// What has been reported already, in place of a line.
+    BadLine,
+
+    // Operands.
+    Direct(Direct),
+    Block(BlockKind, u32),
+    /// A name as it stands.
+    Bare(&'a str),
+    /// Without `#`.
+    Local(&'a str),
+    /// Without quotes.
+    Quoted(&'a str),
+    Bool(bool),
+    Integer(i64),
+    Bits(u32, Option<Width>),
+    Real(f32),
+    Characters(Vec<u8>),
+    Text(Vec<u8>),
+    /// What has been reported already, in place of an operand.
+    BadOperand,
+    Star,
+    Ampersand,
+    Plus,
+    Minus,
+
+    // Assertions.
+    /// `S0` to `S8`.
+    Stack(u8),
+    Eno,
+    Compare(AssertOp),
+
+    // Signs.
+    Colon,
+    Assign,
+    Semicolon,
+    Comma,
+    /// What no line holds at its place; the grammar reports it.
+    Stray,
+}
+
+/// A token with its bytes in the text.
+pub type Spanned<'a> = (usize, Tok<'a>, usize);
