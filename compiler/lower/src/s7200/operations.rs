@@ -172,7 +172,9 @@ impl Context<'_, '_> {
     fn long_address(&mut self, operand: &Operand, purpose: Use) -> Value {
         match operand {
             Operand::Timer { .. } | Operand::Counter { .. } => self.address_value(operand, Width::Word, purpose),
-            Operand::Accumulator { width, .. } => self.address_value(operand, *width, purpose),
+            Operand::Accumulator { width, .. } | Operand::Indirect { width, .. } => {
+                self.address_value(operand, *width, purpose)
+            }
             _ => self.operand_address(operand, purpose),
         }
     }

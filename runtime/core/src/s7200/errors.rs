@@ -9,7 +9,7 @@ use crate::cpu::Cpu;
 use crate::diagnostics::{self, Entry};
 
 /// Event of a fatal error, plus its code.
-const FATAL: u16 = 0xFA00;
+const FATAL: u16 = fatal::EVENT;
 /// Event of a non-fatal error, plus its code.
 const NON_FATAL: u16 = 0xFB00;
 /// The program has executed STOP.

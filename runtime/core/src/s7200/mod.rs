@@ -10,6 +10,7 @@
 //!
 //! Generated code calls an [`Operation`] by number; each is a function of one of these modules.
 
+mod access;
 mod address;
 mod analog;
 mod bits;
@@ -33,6 +34,11 @@ mod tables;
 mod text;
 mod timers;
 
+#[cfg(test)]
+mod tests;
+
+pub use high_speed::PulseInput;
+pub use pulses::{Edge, PULSE_OUTPUTS};
 pub use sockets::socket_address;
 
 /// A CPU whose port 0 is in Freeport mode, 9600 baud.
@@ -128,9 +134,7 @@ const fn special(byte: u32) -> u32 {
 
 /// Bits of SM1.
 mod sm1 {
-    pub const ZERO: u8 = 0;
     pub const OVERFLOW: u8 = 1;
-    pub const NEGATIVE: u8 = 2;
     pub const TABLE_FULL: u8 = 4;
     pub const TABLE_EMPTY: u8 = 5;
     pub const NOT_HEX: u8 = 7;

@@ -37,6 +37,10 @@ impl Cpu {
             pointer::C => {
                 (layout::SYSTEM + system::COUNTER_VALUES, 2 * profile.counters.min(plcc_abi::s7200::COUNTERS), true)
             }
+            pointer::CONSTANT if !write => {
+                let (start, length) = self.memory.db(plcc_abi::s7200::CONSTANTS_DB);
+                (start, length, false)
+            }
             _ => return 0,
         };
         let inside = offset.checked_add(bytes.max(1)).is_some_and(|end| end <= length);

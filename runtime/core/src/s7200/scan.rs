@@ -93,8 +93,8 @@ impl Cpu {
             return;
         }
         self.s7200_stamp_events();
-        self.s7200_look_at_inputs();
         self.s7200_poll_counters();
+        self.s7200_look_at_inputs();
         self.s7200_poll_pulses();
         self.s7200_poll_ports();
         self.s7200_poll_timed();

@@ -6,7 +6,7 @@ use super::{Operands, access, done, failed, value};
 use crate::cpu::Cpu;
 
 /// Event of the diagnostic buffer: fatal error 0014.
-const COMPARE_RANGE: u16 = 0xFA00 | fatal::COMPARE_RANGE;
+const COMPARE_RANGE: u16 = fatal::EVENT | fatal::COMPARE_RANGE;
 /// Longest string.
 const LENGTH_MAX: u32 = 254;
 

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::line::{self, PortsText};
-use super::{At, Pulses, Scenario, Setting, When};
+use super::{At, Pulses, PulsesAt, Scenario, Setting, When};
 use crate::address;
 use crate::analog;
 use crate::events::{self, Event};

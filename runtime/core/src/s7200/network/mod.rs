@@ -103,14 +103,14 @@ impl Cpu {
             waits |= client.is_waiting();
             ended
         };
-        ended.iter().for_each(|done| self.s7200_finish(done));
+        ended.iter().for_each(|done| self.s7200_end_request(done));
         // With the virtual clock a scan takes no host time, so a partner would never get to answer.
         if waits && let Ok(mut communication) = self.communication.try_borrow_mut() {
             communication.note_waiting();
         }
     }
 
-    fn s7200_finish(&self, Done { table, code, data }: &Done) {
+    fn s7200_end_request(&self, Done { table, code, data }: &Done) {
         self.memory.load(table.saturating_add(DATA), data);
         self.memory.set_byte(*table, if *code == 0 { DONE } else { DONE | FAILED | code });
     }
