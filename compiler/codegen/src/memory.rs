@@ -269,7 +269,14 @@ impl<'m> Memory<'m> {
                 let pointer = self.region_pointer(addr.region);
                 Some(self.offset_of(b, pointer))
             }
-            Region::State | Region::I | Region::Q | Region::M | Region::Db(_) | Region::AnyDb | Region::Any => None,
+            Region::State
+            | Region::I
+            | Region::Q
+            | Region::M
+            | Region::System
+            | Region::Db(_)
+            | Region::AnyDb
+            | Region::Any => None,
         };
         let sum = match (start, addr.base) {
             (Some(start), Some(base)) => b.ins().iadd(start, base),

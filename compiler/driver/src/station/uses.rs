@@ -59,7 +59,7 @@ pub fn check_program(program: &Program) -> Vec<Diagnostic> {
                     }
                 }
             }
-            Body::Runtime => {}
+            Body::S7200(_) | Body::Runtime => {}
         }
     }
     uses.finish()
