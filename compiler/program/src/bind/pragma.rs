@@ -5,6 +5,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, Pragma, Width};
 use plcc_syntax::literal::Literal;
 
+use super::report::Report;
 use super::settle::Settled;
 use super::{Binder, Ctx};
 use crate::model::{Assert, AssertSide, Operand, StlStatementKind, TestSettings};
@@ -46,55 +47,15 @@ impl Binder<'_> {
 
     /// A pragma of the whole file.
     pub fn file_pragma(&mut self, pragma: &Pragma, settings: &mut TestSettings) {
-        let (word, rest) = split(&pragma.text);
-        match word {
-            "cpu" => {
-                let accumulators = rest.strip_prefix("accus=");
-                let good = match accumulators {
-                    Some(count) => matches!(count, "2" | "4"),
-                    None => profile::lookup(rest).is_some(),
-                };
-                if !good {
-                    self.report.push(
-                        Diagnostic::new(Code::UnknownCpu, pragma.span, "this CPU is not known")
-                            .label(rest.to_string())
-                            .help(format!("write `accus=4` or one of {}", profile::names().join(", "))),
-                    );
-                }
-            }
-            "test" => {
-                if rest == "expect=fail" {
-                    settings.expect_fail = true;
-                } else if let Some(Ok(cycles)) = rest.strip_prefix("cycles=").map(str::parse::<u32>) {
-                    settings.cycles = Some(cycles);
-                } else {
-                    self.bad_pragma(
-                        pragma.span,
-                        "`test` takes `cycles=N` or `expect=fail`",
-                        "write `//@ test cycles=10` or `//@ test expect=fail`",
-                    );
-                }
-            }
-            "assert" | "sleep" => self.bad_pragma(
-                pragma.span,
-                &format!("`{word}` must stand between the statements of a block"),
-                "move it behind the statement after which it holds",
-            ),
-            _ if word.starts_with('^') => {}
-            _ => self.unknown_pragma(pragma),
-        }
+        file_pragma(&mut self.report, pragma, settings);
     }
 
     fn unknown_pragma(&mut self, pragma: &Pragma) {
-        self.bad_pragma(
-            pragma.span,
-            &format!("`{}` is no pragma", split(&pragma.text).0),
-            "the pragmas are assert, sleep, cpu and test; a plain comment begins with `//`",
-        );
+        unknown_pragma(&mut self.report, pragma);
     }
 
     fn bad_pragma(&mut self, span: Span, title: &str, help: &str) {
-        self.report.push(Diagnostic::new(Code::Pragma, span, title).label("not understood").help(help));
+        bad_pragma(&mut self.report, span, title, help);
     }
 
     fn assert(&mut self, ctx: &mut Ctx, pragma: &Pragma) -> Option<StlStatementKind> {
@@ -182,8 +143,66 @@ impl Binder<'_> {
     }
 }
 
+/// A pragma of the whole file.
+pub fn file_pragma(report: &mut Report, pragma: &Pragma, settings: &mut TestSettings) {
+    let (word, rest) = split(&pragma.text);
+    match word {
+        "cpu" => {
+            let accumulators = rest.strip_prefix("accus=");
+            let good = match accumulators {
+                Some(count) => matches!(count, "2" | "4"),
+                None => profile::lookup(rest).is_some(),
+            };
+            if !good {
+                report.push(
+                    Diagnostic::new(Code::UnknownCpu, pragma.span, "this CPU is not known")
+                        .label(rest.to_string())
+                        .help(format!("write `accus=4` or one of {}", profile::names().join(", "))),
+                );
+            }
+        }
+        "test" => {
+            if rest == "expect=fail" {
+                settings.expect_fail = true;
+            } else if let Some(Ok(cycles)) = rest.strip_prefix("cycles=").map(str::parse::<u32>) {
+                settings.cycles = Some(cycles);
+            } else {
+                bad_pragma(
+                    report,
+                    pragma.span,
+                    "`test` takes `cycles=N` or `expect=fail`",
+                    "write `//@ test cycles=10` or `//@ test expect=fail`",
+                );
+            }
+        }
+        "assert" | "sleep" => bad_pragma(
+            report,
+            pragma.span,
+            &format!("`{word}` must stand between the statements of a block"),
+            "move it behind the statement after which it holds",
+        ),
+        _ if word.starts_with('^') => {}
+        _ => unknown_pragma(report, pragma),
+    }
+}
+
+/// A line `//@` that is none of the pragmas.
+pub fn unknown_pragma(report: &mut Report, pragma: &Pragma) {
+    bad_pragma(
+        report,
+        pragma.span,
+        &format!("`{}` is no pragma", split(&pragma.text).0),
+        "the pragmas are assert, sleep, cpu and test; a plain comment begins with `//`",
+    );
+}
+
+/// A pragma that is not built as it must be.
+pub fn bad_pragma(report: &mut Report, span: Span, title: &str, help: &str) {
+    report.push(Diagnostic::new(Code::Pragma, span, title).label("not understood").help(help));
+}
+
 /// First word, and the rest without outer blanks.
-fn split(text: &str) -> (&str, &str) {
+pub fn split(text: &str) -> (&str, &str) {
     let text = text.trim();
     match text.split_once(char::is_whitespace) {
         Some((word, rest)) => (word, rest.trim()),

@@ -52,7 +52,7 @@ impl Report {
     }
 
     /// Notes a use of something that is defined nowhere; it is told of once, at its first use in the sources.
-    fn missing(&mut self, key: MissingKey, span: Span, make: impl FnOnce() -> Diagnostic) {
+    pub fn missing(&mut self, key: MissingKey, span: Span, make: impl FnOnce() -> Diagnostic) {
         match self.index.get(&key) {
             Some(&at) => {
                 let known = &mut self.missing[at];

@@ -1,5 +1,7 @@
 //! CPU profiles: what `--cpu` can name, with the limits of each.
 
+pub mod s7200;
+
 use plcc_abi::image::{Family, Profile};
 use plcc_abi::layout;
 
@@ -133,8 +135,10 @@ const ALIASES: &[(&str, &str)] = &[("315DP", "3152DP"), ("3172", "3172DP"), ("31
 /// The CPU that `name` means: letter case, blanks, hyphens, slashes and a leading `CPU` do not matter.
 pub fn lookup(name: &str) -> Option<Profile> {
     let wanted = normalized(name);
-    let wanted = ALIASES.iter().find(|(alias, _)| *alias == wanted).map_or(wanted.as_str(), |(_, full)| full);
-    PROFILES.iter().find(|row| normalized(row.name) == wanted).map(profile)
+    let mut aliases = ALIASES.iter().chain(s7200::ALIASES);
+    let wanted = aliases.find(|(alias, _)| *alias == wanted).map_or(wanted.as_str(), |(_, full)| full);
+    let row = PROFILES.iter().find(|row| normalized(row.name) == wanted).map(profile);
+    row.or_else(|| s7200::cpus().iter().find(|cpu| cpu.name == wanted).map(s7200::profile))
 }
 
 /// The generic profile of a family.
@@ -145,7 +149,7 @@ pub fn generic(family: Family) -> Profile {
 
 /// Names of all profiles, generic ones first.
 pub fn names() -> Vec<&'static str> {
-    PROFILES.iter().map(|row| row.name).collect()
+    PROFILES.iter().map(|row| row.name).chain(s7200::cpus().iter().map(|cpu| cpu.name)).collect()
 }
 
 fn normalized(name: &str) -> String {
