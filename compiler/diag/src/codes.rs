@@ -1,7 +1,7 @@
 //! The table of diagnostic codes. A code is never used again for something else.
 //!
 //! `P01xx` reading and tokens, `P02xx` syntax, `P03xx` names and blocks, `P04xx` types and addresses, `P05xx` statements,
-//! `P06xx` project and station, `P07xx` tests. Each has a page in `pages/`, printed by `plcc explain`.
+//! `P06xx` project and station, `P07xx` tests, `P08xx` S7-200. Each has a page in `pages/`, printed by `plcc explain`.
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -167,4 +167,21 @@ codes! {
     ModuleAccess = "P0606" Error "an access that a module does not allow";
     Pragma = "P0701" Error "an assertion pragma that cannot be understood";
     AssertionNotReached = "P0702" Error "an assertion that was never executed";
+    StackUnderflow = "P0801" Error "a level of the logic stack that nothing has pushed";
+    StackOverflow = "P0802" Warning "a level of the logic stack that was lost";
+    NoContact = "P0803" Warning "a coil or box without a contact before it";
+    LoopPair = "P0804" Error "a FOR without NEXT, or a NEXT without FOR";
+    LoopNesting = "P0805" Error "FOR loops that are nested too deeply";
+    StepPair = "P0806" Error "a sequence step that is not framed correctly";
+    DuplicateSequenceStep = "P0807" Error "an S bit with two sequence steps";
+    JumpAcrossStep = "P0808" Error "a jump into or out of a sequence step";
+    InstructionPlace = "P0809" Error "an instruction that cannot stand in its block";
+    TimerNumber = "P0810" Error "a timer number of another kind of timer";
+    MixedCells = "P0811" Error "a timer or counter that instructions of two kinds run";
+    CellTwice = "P0812" Warning "a timer or counter that two instructions run";
+    ElementCount = "P0813" Error "a count that the instruction does not have";
+    NumberRange = "P0814" Error "a number that the CPU does not have";
+    CallDepth = "P0815" Warning "calls that may be nested too deeply";
+    DataOverlap = "P0816" Warning "values of a data block that overlap";
+    MixedFamilies = "P0817" Error "sources of the S7-200 among those of another family";
 }

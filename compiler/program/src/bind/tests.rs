@@ -57,7 +57,7 @@ fn codes(source: &str) -> Vec<&'static str> {
 fn statements(program: &Program, kind: BlockKind, number: u16) -> &[crate::model::StlStatement] {
     match &program.block(BlockKey { kind, number }).expect("the test defines the block").body {
         Body::Stl(statements) => statements,
-        Body::Scl(_) | Body::Runtime => panic!("the block has no statements"),
+        Body::Scl(_) | Body::S7200(_) | Body::Runtime => panic!("the block has no statements"),
     }
 }
 

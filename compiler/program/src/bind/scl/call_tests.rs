@@ -73,7 +73,7 @@ fn statements(code: &str) -> Vec<StatementKind> {
     let block = program.blocks.iter().find(|block| block.name == "Test").expect("the block is there");
     match &block.body {
         Body::Scl(body) => body.statements.iter().map(|statement| statement.kind.clone()).collect(),
-        Body::Stl(_) | Body::Runtime => panic!("the block is in SCL"),
+        Body::Stl(_) | Body::S7200(_) | Body::Runtime => panic!("the block is in SCL"),
     }
 }
 

@@ -57,7 +57,7 @@ fn show(program: &Program) -> String {
     let body = &program.block(BlockKey { kind: BlockKind::Fb, number: 1 }).expect("the test defines it").body;
     match body {
         Body::Scl(body) => show::statements(&body.statements),
-        Body::Stl(_) | Body::Runtime => panic!("no SCL"),
+        Body::Stl(_) | Body::S7200(_) | Body::Runtime => panic!("no SCL"),
     }
 }
 

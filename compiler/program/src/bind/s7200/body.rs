@@ -1,0 +1,146 @@
+//! Statements of a block.
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::s7200::ast::{self, StatementKind as Ast};
+use plcc_syntax::s7200::{Insn, OperandClass};
+use plcc_syntax::stl::Mnemonics;
+
+use super::Binder;
+use super::interface::Locals;
+use super::stack::Stack;
+use super::structure::Structure;
+use crate::model::s7200::{Body, Operand, Statement, StatementKind};
+
+impl Binder<'_> {
+    /// The code of block `index`.
+    pub fn bind_body(&mut self, index: usize) -> Option<Body> {
+        let block = self.blocks.get(index)?;
+        let (ast, kind, locals) = (block.ast, block.kind, block.locals.clone());
+        let mut stack = Stack::new(kind);
+        let mut structure = Structure::default();
+        let mut statements = Vec::new();
+        for (position, network) in ast.networks.iter().enumerate() {
+            stack.begin_network();
+            let network_number = u16::try_from(position + 1).unwrap_or(u16::MAX);
+            for statement in &network.statements {
+                let span = statement.span;
+                let bound = match &statement.kind {
+                    Ast::Instruction { insn, mnemonic_span, operands } => {
+                        self.check_place(*insn, kind, structure.in_step(), *mnemonic_span);
+                        let bound = self.instruction(index, &locals, *insn, *mnemonic_span, operands);
+                        let known = match &bound {
+                            Some(StatementKind::Instruction { operands, .. }) => Some(operands.as_slice()),
+                            _ => None,
+                        };
+                        let level = match known.and_then(<[Operand]>::first) {
+                            Some(Operand::Const(level)) => Some(*level),
+                            _ => None,
+                        };
+                        let name = self.mnemonic(*insn);
+                        stack.visit(*insn, level, &name, *mnemonic_span, &mut self.report);
+                        structure.visit(*insn, known, span, &mut self.report);
+                        bound
+                    }
+                    Ast::Pragma { pragma, assert } => self.statement_pragma(&locals, pragma, assert.as_deref()),
+                    Ast::Error => {
+                        stack.unknown();
+                        None
+                    }
+                };
+                statements.extend(bound.map(|kind| Statement { span, network: network_number, kind }));
+            }
+        }
+        structure.finish(&mut self.report);
+        Some(Body { parameters: locals.formals(), statements })
+    }
+
+    /// The mnemonic as the sources write it.
+    pub fn mnemonic(&self, insn: Insn) -> String {
+        let german = self.input.units.iter().find(|(_, unit)| unit.s7200.is_some());
+        let set = german.map_or(Mnemonics::En, |(_, unit)| unit.mnemonics);
+        insn.mnemonic(set).into_owned()
+    }
+
+    fn instruction(
+        &mut self,
+        block: usize,
+        locals: &Locals,
+        insn: Insn,
+        mnemonic: Span,
+        operands: &[ast::Operand],
+    ) -> Option<StatementKind> {
+        if insn == Insn::Call {
+            return self.call(locals, block, operands, mnemonic);
+        }
+        let classes = insn.operands();
+        // `NOP` is written with and without its number.
+        let optional = insn == Insn::Nop && operands.is_empty();
+        if operands.len() < classes.len() && !optional {
+            let what = classes.get(operands.len()).map_or("one", |class| describe(*class));
+            self.missing_operand(what, mnemonic);
+        }
+        if let Some(surplus) = operands.get(classes.len()) {
+            let title = format!("`{}` has {}", self.mnemonic(insn), count(classes.len()));
+            self.push(
+                Diagnostic::new(Code::SurplusOperand, surplus.span, title)
+                    .label("the first one too many")
+                    .help("leave it out"),
+            );
+        }
+        let bound: Vec<Option<Operand>> = classes
+            .iter()
+            .zip(operands)
+            .map(|(class, operand)| match class {
+                OperandClass::Interrupt => self.interrupt_operand(locals, operand),
+                class => self.operand(locals, *class, operand),
+            })
+            .collect();
+        let mut bound: Vec<Operand> = bound.into_iter().collect::<Option<_>>()?;
+        if optional {
+            bound.push(Operand::Const(0));
+        }
+        if bound.len() != classes.len() || operands.len() > classes.len() {
+            return None;
+        }
+        self.check_values(insn, &bound, operands, mnemonic)?;
+        self.uses.instruction(insn, &bound, mnemonic);
+        Some(StatementKind::Instruction { insn, operands: bound })
+    }
+}
+
+fn count(operands: usize) -> String {
+    match operands {
+        0 => "no operand".to_string(),
+        1 => "one operand".to_string(),
+        count => format!("{count} operands"),
+    }
+}
+
+/// What is missing, in a word.
+fn describe(class: OperandClass) -> &'static str {
+    match class {
+        OperandClass::Bit
+        | OperandClass::BitWrite
+        | OperandClass::InputBit
+        | OperandClass::OutputBit
+        | OperandClass::SBit => "a bit",
+        OperandClass::Count | OperandClass::SignedCount => "the number of elements",
+        OperandClass::Timer => "a timer",
+        OperandClass::Counter => "a counter",
+        OperandClass::Number(_) => "a number",
+        OperandClass::Label => "the number of a label",
+        OperandClass::Interrupt => "an interrupt routine",
+        OperandClass::Subroutine => "a subroutine",
+        _ => "an operand",
+    }
+}
+
+/// Name of a block of this kind with its article.
+pub fn block_name(kind: BlockKind) -> &'static str {
+    match kind {
+        BlockKind::Sbr => "a subroutine",
+        BlockKind::Int => "an interrupt routine",
+        _ => "the main program",
+    }
+}

@@ -1,0 +1,250 @@
+//! Calls of subroutines with their parameters, and interrupt routines at ATCH.
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::s7200::OperandClass;
+use plcc_syntax::s7200::ast::{self, Constant, Section};
+
+use super::Binder;
+use super::constant::{Target, whole};
+use super::interface::{Local, Locals, Type};
+use super::operand::{memory, place};
+use super::settle::Settled;
+use crate::model::s7200::{Operand, StatementKind};
+
+impl Binder<'_> {
+    /// `CALL Scale, VW0, VW2`; `None`: reported.
+    pub fn call(
+        &mut self,
+        locals: &Locals,
+        caller: usize,
+        operands: &[ast::Operand],
+        mnemonic: Span,
+    ) -> Option<StatementKind> {
+        let Some((target, actuals)) = operands.split_first() else {
+            self.missing_operand("the subroutine", mnemonic);
+            return None;
+        };
+        let callee = self.block_operand(locals, target, BlockKind::Sbr)?;
+        self.uses.call(caller, callee, target.span);
+        let block = self.blocks.get(callee)?;
+        let (number, name, formals) = (block.number, block.name.clone(), block.locals.clone());
+        let title = if name.is_empty() { format!("SBR{number}") } else { format!("`{name}`") };
+        let wanted = formals.parameters().count();
+        if actuals.len() < wanted {
+            let missing: Vec<&str> = formals.parameters().skip(actuals.len()).map(|local| local.name.as_str()).collect();
+            self.push(
+                Diagnostic::new(
+                    Code::MissingParameter,
+                    mnemonic,
+                    format!("{title} has {wanted} parameters, the call gives {} (0090)", actuals.len()),
+                )
+                .label(format!("missing: {}", missing.join(", ")))
+                .help("write all parameters in the order of the declarations: inputs, in/outs, outputs"),
+            );
+        }
+        if let Some(surplus) = actuals.get(wanted) {
+            self.push(
+                Diagnostic::new(
+                    Code::UnknownParameter,
+                    surplus.span,
+                    format!("{title} has {wanted} parameters, the call gives {} (0090)", actuals.len()),
+                )
+                .label("the first one too many")
+                .help("leave out what the subroutine does not declare, or declare it"),
+            );
+        }
+        let mut arguments = Vec::new();
+        for (formal, actual) in formals.parameters().zip(actuals) {
+            arguments.push(self.argument(locals, formal, actual));
+        }
+        let arguments: Option<Vec<Operand>> = arguments.into_iter().collect();
+        let arguments = arguments.filter(|arguments| arguments.len() == wanted && actuals.len() == wanted)?;
+        Some(StatementKind::Call { number, arguments })
+    }
+
+    fn argument(&mut self, locals: &Locals, formal: &Local, actual: &ast::Operand) -> Option<Operand> {
+        if formal.ty == Type::String {
+            return self.string_argument(locals, actual);
+        }
+        let input = formal.section == Section::Input;
+        // Constants that an operand of an instruction does not have.
+        if input {
+            let constant = match self.settle_quietly(locals, actual) {
+                Some(Settled::Constant(constant)) => Some(constant),
+                _ => None,
+            };
+            match (formal.ty, constant) {
+                (Type::Bool, Some(constant)) => {
+                    return self.constant(&constant, Target::Bool, actual.span).map(Operand::Const);
+                }
+                (Type::Dword, Some(constant @ Constant::Real(_))) => {
+                    let target = Target::Bits(formal.ty.width());
+                    return self.constant(&constant, target, actual.span).map(Operand::Const);
+                }
+                _ => {}
+            }
+        }
+        let class = match (formal.ty, input) {
+            (Type::Bool, true) => OperandClass::Bit,
+            (Type::Bool, false) => OperandClass::BitWrite,
+            (Type::Byte, true) => OperandClass::ByteIn,
+            (Type::Byte, false) => OperandClass::ByteOut,
+            (Type::Word, true) => OperandClass::WordIn,
+            (Type::Word, false) if formal.section == Section::Output => OperandClass::WordOutAnalog,
+            (Type::Word, false) => OperandClass::WordOut,
+            (Type::Dword, true) => OperandClass::DwordInAddress,
+            (Type::Real, true) => OperandClass::RealIn,
+            (Type::Dword | Type::Real | Type::String, _) => OperandClass::DwordOut,
+        };
+        let told = self.report.diagnostics.len();
+        let bound = self.operand(locals, class, actual);
+        // The messages tell which parameter it is.
+        for message in self.report.diagnostics.iter_mut().skip(told) {
+            message.title.push_str(&format!(", parameter `{}`", formal.name));
+        }
+        bound
+    }
+
+    /// What the operand is if that is known without a message.
+    fn settle_quietly(&mut self, locals: &Locals, operand: &ast::Operand) -> Option<Settled> {
+        match &operand.kind {
+            ast::OperandKind::Constant(constant) => Some(Settled::Constant(constant.clone())),
+            ast::OperandKind::Symbol { name, form: ast::SymbolForm::Bare | ast::SymbolForm::Quoted }
+                if locals.find(name).is_none() =>
+            {
+                match self.globals.get(&super::names::fold(name)).map(|global| &global.target) {
+                    Some(ast::OperandKind::Constant(constant)) => Some(Settled::Constant(constant.clone())),
+                    _ => None,
+                }
+            }
+            _ => None,
+        }
+    }
+
+    /// A string parameter gets a pointer.
+    fn string_argument(&mut self, locals: &Locals, actual: &ast::Operand) -> Option<Operand> {
+        let span = actual.span;
+        match self.settle(locals, actual, true)? {
+            Settled::Direct(direct) => self.string_pointer(direct, span),
+            Settled::StringVariable(pointer) => memory(pointer, plcc_syntax::ast::Width::Dword),
+            Settled::Pointer(pointer) => Some(Operand::Const(pointer)),
+            // What `*` names is a string: its pointer is what lies there.
+            Settled::Indirect(pointer) => Some(pointer),
+            Settled::Constant(Constant::Text(bytes)) => self.text(bytes, span),
+            Settled::Constant(_) | Settled::Block(_) => {
+                self.push(
+                    Diagnostic::new(Code::TypeMismatch, span, "a STRING parameter takes a string (0090)")
+                        .label("no string")
+                        .help("name its first byte (`VB100`), a pointer (`*VD200`), or write it in double quotes"),
+                );
+                None
+            }
+        }
+    }
+
+    /// The interrupt routine of ATCH, by name or number.
+    pub fn interrupt(&mut self, settled: Settled, span: Span) -> Option<Operand> {
+        let index = self.settled_block(settled, BlockKind::Int, span)?;
+        let number = self.blocks.get(index)?.number;
+        Some(Operand::Const(u32::from(number)))
+    }
+
+    /// The interrupt routine of ATCH as an operand.
+    pub fn interrupt_operand(&mut self, locals: &Locals, operand: &ast::Operand) -> Option<Operand> {
+        let index = self.block_operand(locals, operand, BlockKind::Int)?;
+        self.interrupt(Settled::Block(index), operand.span)
+    }
+
+    fn block_operand(&mut self, locals: &Locals, operand: &ast::Operand, kind: BlockKind) -> Option<usize> {
+        // A block that is called by its name may have the name of a local variable, too.
+        if let ast::OperandKind::Symbol { name, form } = &operand.kind
+            && *form != ast::SymbolForm::Local
+            && let Some(&index) = self.by_name.get(&super::names::fold(name))
+        {
+            return self.settled_block(Settled::Block(index), kind, operand.span);
+        }
+        if let ast::OperandKind::Symbol { name, form: ast::SymbolForm::Bare } = &operand.kind
+            && !self.globals.contains_key(&super::names::fold(name))
+            && locals.find(name).is_none()
+        {
+            self.unknown_block(locals, name, kind, operand.span);
+            return None;
+        }
+        let settled = self.settle(locals, operand, false)?;
+        self.settled_block(settled, kind, operand.span)
+    }
+
+    /// A block of `kind`: by name, or by a constant that is its number.
+    fn settled_block(&mut self, settled: Settled, kind: BlockKind, span: Span) -> Option<usize> {
+        let index = match settled {
+            Settled::Block(index) => index,
+            Settled::Constant(constant) => match whole(&constant).and_then(|number| u32::try_from(number).ok()) {
+                Some(number) => match self.settle_block(kind, number, span)? {
+                    Settled::Block(index) => index,
+                    _ => return None,
+                },
+                None => return self.no_block(kind, span),
+            },
+            _ => return self.no_block(kind, span),
+        };
+        match self.blocks.get(index) {
+            Some(block) if block.kind == kind => Some(index),
+            _ => self.no_block(kind, span),
+        }
+    }
+
+    fn no_block(&mut self, kind: BlockKind, span: Span) -> Option<usize> {
+        let (what, example) = match kind {
+            BlockKind::Int => ("an interrupt routine", "ATCH INT0, 10"),
+            _ => ("a subroutine", "CALL SBR0"),
+        };
+        self.push(
+            Diagnostic::new(Code::OperandKind, span, format!("{what} is wanted here (0087)"))
+                .label(format!("this is not {what}"))
+                .help(format!("write its name or its number: `{example}`")),
+        );
+        None
+    }
+
+    fn unknown_block(&mut self, locals: &Locals, name: &str, kind: BlockKind, span: Span) {
+        let near = self.nearest(name, locals);
+        let what = if kind == BlockKind::Int { "interrupt routine" } else { "subroutine" };
+        self.report.missing(super::super::report::MissingKey::Symbol(super::names::fold(name)), span, || {
+            let message = Diagnostic::new(Code::UnknownBlock, span, format!("the {what} `{name}` is not defined (0087)"))
+                .label("no source of the program has this block");
+            match near.as_slice() {
+                [] => message.help("add the source that defines it; a file without a header is named after its block"),
+                _ => message.help(format!("names like it: {}", near.join(", "))),
+            }
+        });
+    }
+
+    /// An operand is missing behind a mnemonic.
+    pub fn missing_operand(&mut self, what: &str, mnemonic: Span) {
+        self.push(
+            Diagnostic::new(Code::MissingOperand, mnemonic, "an operand is missing")
+                .label(format!("{what} must follow"))
+                .help("write all operands of the instruction"),
+        );
+    }
+
+    /// The operand that the pragma at `span` compares, with its width.
+    pub fn plain(&mut self, settled: Settled, span: Span) -> Option<(Operand, plcc_syntax::ast::Width)> {
+        use plcc_syntax::ast::Width;
+        use plcc_syntax::s7200::ast::Area;
+        let direct = match settled {
+            Settled::Direct(direct) => direct,
+            Settled::StringVariable(pointer) => return Some((memory(pointer, Width::Dword)?, Width::Dword)),
+            _ => return None,
+        };
+        let width = match (direct.area, direct.width) {
+            (_, Some(width)) => width,
+            (Area::T | Area::C, None) => Width::Bit,
+            (Area::Ai | Area::Aq, None) => Width::Word,
+            (_, None) => Width::Dword,
+        };
+        self.check_range(direct, width, 1, span)?;
+        Some((place(direct, width), width))
+    }
+}

@@ -1,0 +1,131 @@
+//! Constants: the bits that they have at an operand.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::Width;
+use plcc_syntax::s7200::ast::Constant;
+
+use super::Binder;
+
+/// What a place that takes constants makes of them.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Target {
+    /// An integer of this width.
+    Integer(Width),
+    /// Bits of this width: a REAL is taken as it lies in memory.
+    Bits(Width),
+    /// A byte with or without a sign.
+    Signed,
+    Real,
+    Bool,
+}
+
+/// Value of a constant that is a whole number.
+pub fn whole(constant: &Constant) -> Option<i64> {
+    match constant {
+        Constant::Integer(value) => Some(*value),
+        Constant::Bits { value, .. } => Some(i64::from(*value)),
+        Constant::Characters(bytes) if bytes.len() <= 4 => {
+            Some(bytes.iter().fold(0, |value, byte| value << 8 | i64::from(*byte)))
+        }
+        Constant::Bool(_) | Constant::Real(_) | Constant::Text(_) | Constant::Characters(_) => None,
+    }
+}
+
+impl Binder<'_> {
+    /// The bits of a constant; `None` if it cannot stand there, which is reported.
+    pub fn constant(&mut self, constant: &Constant, target: Target, span: Span) -> Option<u32> {
+        match (target, constant) {
+            (Target::Bool, Constant::Bool(value)) => Some(u32::from(*value)),
+            (Target::Bool, _) => match whole(constant) {
+                Some(value @ (0 | 1)) => Some(value as u32),
+                _ => self.wrong_constant("a BOOL takes TRUE, FALSE, 1 or 0", "", span),
+            },
+            (Target::Real, Constant::Real(value)) => Some(value.to_bits()),
+            (Target::Real, Constant::Integer(value)) => {
+                self.push(
+                    Diagnostic::new(Code::Tolerated, span, format!("`{value}` is taken for the REAL {value}.0"))
+                        .label("a REAL has a point or an exponent")
+                        .help(format!("write `{value}.0`")),
+                );
+                Some((*value as f32).to_bits())
+            }
+            (Target::Real, Constant::Bits { value, .. }) => Some(*value),
+            (Target::Real, _) => self.wrong_constant("a REAL is wanted here", "write it as `1.5`", span),
+            (Target::Bits(Width::Dword), Constant::Real(value)) => Some(value.to_bits()),
+            (Target::Signed, Constant::Integer(value @ -128..=-1)) => Some(*value as u32 & 0xFF),
+            (Target::Signed, _) => self.constant(constant, Target::Integer(Width::Byte), span),
+            (Target::Integer(_) | Target::Bits(_), Constant::Real(_)) => {
+                self.wrong_constant("a REAL cannot stand here", "REALs are moved with MOVR and converted with ROUND", span)
+            }
+            (Target::Integer(_) | Target::Bits(_), Constant::Bool(_)) => {
+                self.wrong_constant("a BOOL cannot stand here", "write a number", span)
+            }
+            (Target::Integer(_) | Target::Bits(_), Constant::Text(_)) => {
+                self.wrong_constant("a string cannot stand here", "write characters in single quotes: 'AB'", span)
+            }
+            (Target::Integer(width) | Target::Bits(width), _) => match whole(constant) {
+                Some(value) => self.integer(value, width, span),
+                None => self.wrong_constant("too many characters", "four of them fill a double word", span),
+            },
+        }
+    }
+
+    /// An integer in `width` bits: signed or unsigned.
+    fn integer(&mut self, value: i64, width: Width, span: Span) -> Option<u32> {
+        let (low, high, name) = match width {
+            Width::Bit => (0, 1, "a bit"),
+            Width::Byte => (-128, 0xFF, "a byte"),
+            Width::Word => (-32768, 0xFFFF, "a word"),
+            Width::Dword | Width::Lword => (i64::from(i32::MIN), i64::from(u32::MAX), "a double word"),
+        };
+        if value < low || value > high {
+            let low = if width == Width::Byte { 0 } else { low };
+            self.push(
+                Diagnostic::new(Code::LiteralRange, span, format!("`{value}` does not fit into {name} (0090)"))
+                    .label(format!("{name} holds {low} to {high}"))
+                    .help("use an instruction of a larger width, or a smaller value"),
+            );
+            return None;
+        }
+        let bits = value as u32 & mask(width);
+        if width == Width::Byte && value < 0 {
+            self.push(
+                Diagnostic::new(Code::Tolerated, span, format!("`{value}` is taken for the byte {bits}"))
+                    .label("a byte has no sign")
+                    .help(format!("write {bits} or 16#{bits:02X}")),
+            );
+        }
+        Some(bits)
+    }
+
+    /// A constant from 0 to `max`, such as a mode.
+    pub fn number(&mut self, constant: &Constant, max: u32, span: Span) -> Option<u32> {
+        match whole(constant) {
+            Some(value) if value >= 0 && value <= i64::from(max) => Some(value as u32),
+            Some(value) => {
+                self.push(
+                    Diagnostic::new(Code::LiteralRange, span, format!("`{value}` is outside the range (0090)"))
+                        .label(format!("0 to {max} can stand here")),
+                );
+                None
+            }
+            None => self.wrong_constant("a whole number is wanted here", "", span),
+        }
+    }
+
+    fn wrong_constant(&mut self, title: &str, help: &str, span: Span) -> Option<u32> {
+        let message = Diagnostic::new(Code::OperandKind, span, format!("{title} (0090)")).label("this constant");
+        self.push(if help.is_empty() { message } else { message.help(help) });
+        None
+    }
+}
+
+/// The bits that a width has.
+pub fn mask(width: Width) -> u32 {
+    match width {
+        Width::Bit => 1,
+        Width::Byte => 0xFF,
+        Width::Word => 0xFFFF,
+        Width::Dword | Width::Lword => u32::MAX,
+    }
+}

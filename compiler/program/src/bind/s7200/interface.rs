@@ -1,0 +1,224 @@
+//! Declarations of blocks: types, and the places of parameters and variables in local memory.
+
+use std::rc::Rc;
+
+use plcc_abi::image::BlockKind;
+use plcc_abi::s7200::LOCAL_BYTES;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::Width;
+use plcc_syntax::s7200::ast::{self, Area, Direct, Section};
+use rustc_hash::FxHashMap;
+
+use super::super::path::similar;
+use super::names::fold;
+use super::Binder;
+use crate::model::s7200::{Direction, Parameter};
+
+/// Parameters that a subroutine may have.
+const PARAMETERS_MAX: usize = 16;
+
+/// Data types of local variables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Type {
+    Bool,
+    /// BYTE, CHAR.
+    Byte,
+    /// WORD, INT.
+    Word,
+    /// DWORD, DINT.
+    Dword,
+    Real,
+    /// The pointer to a string.
+    String,
+}
+
+const TYPES: &[(&str, Type)] = &[
+    ("BOOL", Type::Bool),
+    ("BYTE", Type::Byte),
+    ("CHAR", Type::Byte),
+    ("WORD", Type::Word),
+    ("INT", Type::Word),
+    ("DWORD", Type::Dword),
+    ("DINT", Type::Dword),
+    ("REAL", Type::Real),
+    ("STRING", Type::String),
+];
+
+impl Type {
+    pub fn width(self) -> Width {
+        match self {
+            Type::Bool => Width::Bit,
+            Type::Byte => Width::Byte,
+            Type::Word => Width::Word,
+            Type::Dword | Type::Real | Type::String => Width::Dword,
+        }
+    }
+}
+
+/// A local variable with its place.
+pub struct Local {
+    pub name: String,
+    pub section: Section,
+    pub ty: Type,
+    pub place: Direct,
+}
+
+/// The local variables of a block.
+#[derive(Default)]
+pub struct Locals {
+    /// In the order of their places: IN, IN_OUT, OUT, temporary ones.
+    pub list: Vec<Local>,
+    index: FxHashMap<String, usize>,
+}
+
+impl Locals {
+    pub fn find(&self, name: &str) -> Option<&Local> {
+        self.list.get(*self.index.get(&fold(name))?)
+    }
+
+    /// The parameters, in the order of a call.
+    pub fn parameters(&self) -> impl Iterator<Item = &Local> {
+        self.list.iter().filter(|local| local.section != Section::Temp)
+    }
+
+    /// As the bound program has them. Who gets the pointer to a string writes through it, so that it is an input always.
+    pub fn formals(&self) -> Vec<Parameter> {
+        let formal = |local: &Local| Parameter {
+            name: local.name.clone(),
+            direction: match (local.section, local.ty) {
+                (_, Type::String) | (Section::Input | Section::Temp, _) => Direction::In,
+                (Section::InOut, _) => Direction::InOut,
+                (Section::Output, _) => Direction::Out,
+            },
+            width: local.ty.width(),
+            byte: local.place.number,
+            bit: local.place.bit,
+        };
+        self.parameters().map(formal).collect()
+    }
+}
+
+/// Gives out local memory: up to eight BOOLs share a byte, other variables begin with the next whole byte.
+#[derive(Default)]
+struct Layout {
+    byte: u32,
+    /// The next bit of `byte`, while BOOLs follow each other.
+    bit: u8,
+}
+
+impl Layout {
+    fn place(&mut self, width: Width) -> Direct {
+        if self.bit == 8 || self.bit > 0 && width != Width::Bit {
+            (self.byte, self.bit) = (self.byte.saturating_add(1), 0);
+        }
+        let place = Direct { area: Area::L, width: Some(width), number: self.byte, bit: self.bit };
+        match width {
+            Width::Bit => self.bit += 1,
+            _ => self.byte = self.byte.saturating_add(width.bytes()),
+        }
+        place
+    }
+
+    fn end(&self) -> u32 {
+        self.byte.saturating_add(u32::from(self.bit > 0))
+    }
+}
+
+impl Binder<'_> {
+    /// The declarations of all blocks, since calls need them.
+    pub fn bind_interfaces(&mut self) {
+        for index in 0..self.blocks.len() {
+            let Some((ast, kind)) = self.blocks.get(index).map(|block| (block.ast, block.kind)) else { continue };
+            let locals = Rc::new(self.locals(ast, kind));
+            if let Some(block) = self.blocks.get_mut(index) {
+                block.locals = locals;
+            }
+        }
+    }
+
+    fn locals(&mut self, block: &ast::Block, kind: BlockKind) -> Locals {
+        let mut locals = Locals::default();
+        let mut spans: FxHashMap<String, Span> = FxHashMap::default();
+        let mut layout = Layout::default();
+        let mut overflow = None;
+        for section in [Section::Input, Section::InOut, Section::Output, Section::Temp] {
+            for declaration in block.declarations.iter().filter(|declaration| declaration.section == section) {
+                let span = declaration.name_span;
+                if section != Section::Temp && kind != BlockKind::Sbr {
+                    self.section_not_allowed(kind, span);
+                }
+                if let Some(initial) = &declaration.initial {
+                    self.push(
+                        Diagnostic::new(Code::InitialValue, initial.span, "a local variable has no initial value")
+                            .label("local memory is new at each call")
+                            .help("write the value by an instruction at the beginning of the block"),
+                    );
+                }
+                if let Some(&first) = spans.get(&fold(&declaration.name)) {
+                    let message = format!("`{}` is declared twice", declaration.name);
+                    self.push(
+                        Diagnostic::new(Code::DuplicateName, span, message)
+                            .label("the second one")
+                            .also(first, "the first one")
+                            .help("give one of them another name"),
+                    );
+                    continue;
+                }
+                spans.insert(fold(&declaration.name), span);
+                let Some(ty) = self.local_type(declaration) else { continue };
+                let place = layout.place(ty.width());
+                if layout.end() > LOCAL_BYTES {
+                    overflow.get_or_insert(span);
+                }
+                locals.index.insert(fold(&declaration.name), locals.list.len());
+                locals.list.push(Local { name: declaration.name.clone(), section, ty, place });
+            }
+        }
+        if let Some(span) = overflow {
+            self.push(
+                Diagnostic::new(Code::LayoutTooLarge, span, "the local variables take more than 64 bytes (0090)")
+                    .label(format!("all of them take {} bytes", layout.end()))
+                    .help("keep some of them in V memory"),
+            );
+        } else if let Some(first) = block.declarations.first().filter(|_| self.input.profile.local_data == 0) {
+            let cpu = &self.input.profile.name;
+            self.push(
+                Diagnostic::new(Code::CpuInstruction, first.name_span, format!("the CPU {cpu} has no local variables"))
+                    .label("local memory came with the 22x")
+                    .help("take V memory, or name a CPU 22x with --cpu"),
+            );
+        }
+        if locals.parameters().count() > PARAMETERS_MAX {
+            let span = block.declarations.iter().nth(PARAMETERS_MAX).map_or(block.span, |one| one.name_span);
+            self.push(
+                Diagnostic::new(Code::LayoutTooLarge, span, "a subroutine has at most 16 parameters (0090)")
+                    .label(format!("this one has {}", locals.parameters().count()))
+                    .help("hand over the address of data in V memory instead"),
+            );
+        }
+        locals
+    }
+
+    fn section_not_allowed(&mut self, kind: BlockKind, span: Span) {
+        let block = if kind == BlockKind::Ob { "the main program" } else { "an interrupt routine" };
+        self.push(
+            Diagnostic::new(Code::SectionNotAllowed, span, format!("{block} has no parameters"))
+                .label("nothing calls it with parameters")
+                .help("declare it between VAR and END_VAR"),
+        );
+    }
+
+    fn local_type(&mut self, declaration: &ast::Declaration) -> Option<Type> {
+        let known = TYPES.iter().find(|(name, _)| declaration.ty.eq_ignore_ascii_case(name));
+        if known.is_none() {
+            let names = TYPES.iter().map(|(name, _)| *name);
+            let help = match similar(&declaration.ty, names) {
+                Some(name) => format!("is `{name}` meant?"),
+                None => "the types are BOOL, BYTE, WORD, DWORD, INT, DINT, REAL and STRING".to_string(),
+            };
+            let title = format!("the S7-200 has no data type `{}`", declaration.ty);
+            self.push(Diagnostic::new(Code::UnknownType, declaration.ty_span, title).label("not known").help(help));
+        }
+        known.map(|(_, ty)| *ty)
+    }
+}

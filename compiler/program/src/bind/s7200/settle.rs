@@ -1,0 +1,194 @@
+//! What an operand is, whatever the instruction wants: symbols become what they stand for, addresses are in the CPU's range.
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::Width;
+use plcc_syntax::s7200::ast::{self, Area, Constant, Direct, OperandKind, SymbolForm};
+
+use super::super::report::MissingKey;
+use super::address;
+use super::interface::{Locals, Type};
+use super::names::{block_kind, fold};
+use super::{Binder, operand};
+use crate::model::s7200::Operand;
+
+/// An operand whose names are settled.
+#[derive(Clone, Debug)]
+pub enum Settled {
+    /// Its range is checked when its width is known.
+    Direct(Direct),
+    /// A variable of type STRING: the place of its pointer.
+    StringVariable(Direct),
+    Constant(Constant),
+    /// `&VB100`.
+    Pointer(u32),
+    /// `*VD200`: the place of the pointer.
+    Indirect(Operand),
+    /// A block that exists.
+    Block(usize),
+}
+
+impl Binder<'_> {
+    /// Settles an operand; `None`: reported. `text`: a name in double quotes is a string constant.
+    pub fn settle(&mut self, locals: &Locals, operand: &ast::Operand, text: bool) -> Option<Settled> {
+        let span = operand.span;
+        match &operand.kind {
+            OperandKind::Direct(direct) => Some(Settled::Direct(*direct)),
+            OperandKind::Constant(constant) => Some(Settled::Constant(constant.clone())),
+            OperandKind::Indirect(pointer) => self.settle_pointer(locals, pointer).map(Settled::Indirect),
+            OperandKind::AddressOf(place) => self.settle_address(locals, place, span),
+            OperandKind::Symbol { name, form: SymbolForm::Quoted } if text => {
+                Some(Settled::Constant(Constant::Text(characters(name))))
+            }
+            OperandKind::Symbol { name, form } => self.settle_symbol(locals, name, *form, span),
+            OperandKind::Block { kind, number } => self.settle_block(block_kind(*kind), *number, span),
+            OperandKind::Error => None,
+        }
+    }
+
+    fn settle_symbol(&mut self, locals: &Locals, name: &str, form: SymbolForm, span: Span) -> Option<Settled> {
+        if form != SymbolForm::Quoted
+            && let Some(local) = locals.find(name)
+        {
+            return Some(match local.ty {
+                Type::String => Settled::StringVariable(local.place),
+                _ => Settled::Direct(local.place),
+            });
+        }
+        if form == SymbolForm::Local {
+            self.unknown_local(locals, name, span);
+            return None;
+        }
+        if let Some(global) = self.globals.get(&fold(name)) {
+            return match global.target.clone() {
+                OperandKind::Direct(direct) => Some(Settled::Direct(direct)),
+                OperandKind::Constant(constant) => Some(Settled::Constant(constant)),
+                OperandKind::Block { kind, number } => self.settle_block(block_kind(kind), number, span),
+                OperandKind::Indirect(_)
+                | OperandKind::AddressOf(_)
+                | OperandKind::Symbol { .. }
+                | OperandKind::Error => None,
+            };
+        }
+        if let Some(&index) = self.by_name.get(&fold(name)) {
+            return Some(Settled::Block(index));
+        }
+        self.unknown_symbol(locals, name, span);
+        None
+    }
+
+    fn unknown_local(&mut self, locals: &Locals, name: &str, span: Span) {
+        let near: Vec<String> = self.nearest(name, locals).into_iter().filter(|name| name.starts_with('#')).collect();
+        let message =
+            Diagnostic::new(Code::UnknownLocal, span, format!("the block declares no local variable `{name}`"))
+                .label("`#` means a variable of this block");
+        self.push(match near.as_slice() {
+            [] => message.help("declare it, or leave out the `#` if a global symbol is meant"),
+            _ => message.help(format!("is {} meant?", near.join(" or "))),
+        });
+    }
+
+    fn unknown_symbol(&mut self, locals: &Locals, name: &str, span: Span) {
+        let near = self.nearest(name, locals);
+        let has_tables = !self.globals.is_empty();
+        self.report.missing(MissingKey::Symbol(fold(name)), span, || {
+            let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
+                .label("no symbol table and no block has this name");
+            match (near.as_slice(), has_tables) {
+                ([], false) => message.help("add the symbol table of the project to the sources"),
+                ([], true) => message.help("add it to the symbol table, or write the address"),
+                _ => message.help(format!("names like it: {}", near.join(", "))),
+            }
+        });
+    }
+
+    /// The block of a number.
+    pub fn settle_block(&mut self, kind: BlockKind, number: u32, span: Span) -> Option<Settled> {
+        let key = u16::try_from(number).ok().map(|number| (kind, number));
+        if let Some(&index) = key.and_then(|key| self.by_number.get(&key)) {
+            return Some(Settled::Block(index));
+        }
+        let name = format!("{}{number}", kind.prefix());
+        self.report.missing(MissingKey::Symbol(fold(&name)), span, || {
+            Diagnostic::new(Code::UnknownBlock, span, format!("{name} is not defined (0087)"))
+                .label("no source of the program has this block")
+                .help("add the source that defines it")
+        });
+        None
+    }
+
+    /// The place of a pointer: a double word of V or L, or AC1 to AC3.
+    fn settle_pointer(&mut self, locals: &Locals, pointer: &ast::Operand) -> Option<Operand> {
+        let direct = match self.settle(locals, pointer, false)? {
+            Settled::Direct(direct) | Settled::StringVariable(direct) => direct,
+            Settled::Constant(_) | Settled::Pointer(_) | Settled::Indirect(_) | Settled::Block(_) => {
+                self.no_pointer("this is no place of a pointer", pointer.span);
+                return None;
+            }
+        };
+        match (direct.area, direct.width, direct.number) {
+            (Area::V | Area::L, Some(Width::Dword), _) => {
+                self.check_range(direct, Width::Dword, 1, pointer.span)?;
+                operand::memory(direct, Width::Dword)
+            }
+            (Area::Ac, None | Some(Width::Dword), 1..=3) => {
+                Some(Operand::Accumulator { number: direct.number as u8, width: Width::Dword })
+            }
+            (Area::Ac, _, 0) => {
+                self.no_pointer("AC0 cannot hold a pointer", pointer.span);
+                None
+            }
+            _ => {
+                self.no_pointer(&format!("{} cannot hold a pointer", address::text(direct)), pointer.span);
+                None
+            }
+        }
+    }
+
+    fn no_pointer(&mut self, title: &str, span: Span) {
+        self.push(
+            Diagnostic::new(Code::OperandKind, span, format!("{title} (0090)"))
+                .label("behind `*` stands the place of a pointer")
+                .help("pointers are in double words of V or L, or in AC1, AC2, AC3: `*VD200`, `*AC1`"),
+        );
+    }
+
+    fn settle_address(&mut self, locals: &Locals, place: &ast::Operand, span: Span) -> Option<Settled> {
+        let direct = match self.settle(locals, place, false)? {
+            Settled::Direct(direct) => Some(direct),
+            Settled::StringVariable(_)
+            | Settled::Constant(_)
+            | Settled::Pointer(_)
+            | Settled::Indirect(_)
+            | Settled::Block(_) => None,
+        };
+        if let Some(direct) = direct
+            && let Some(pointer) = address::pointer_to(direct)
+        {
+            let width = match direct.area {
+                Area::T | Area::C | Area::Ai | Area::Aq => Width::Word,
+                _ => direct.width.unwrap_or(Width::Byte),
+            };
+            self.check_range(direct, width, 1, place.span)?;
+            return Some(Settled::Pointer(pointer));
+        }
+        self.push(
+            Diagnostic::new(Code::OperandKind, span, "this has no address that a pointer can hold (0090)")
+                .label("bits, local memory, accumulators, high-speed counters and constants cannot be pointed at")
+                .help("point at bytes, words or double words: `&VB100`"),
+        );
+        None
+    }
+}
+
+/// The characters of a name as a string of the CPU holds them, a byte each where they have one.
+fn characters(text: &str) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for letter in text.chars() {
+        match u8::try_from(u32::from(letter)) {
+            Ok(byte) => bytes.push(byte),
+            Err(_) => bytes.extend(letter.to_string().into_bytes()),
+        }
+    }
+    bytes
+}

@@ -1,0 +1,191 @@
+//! The logic stack of a network: how many levels statements push and need.
+//!
+//! A network may hold several rungs, and each begins with a load that pushes one more level; levels that nobody needs any more are
+//! simply lost at the bottom. Networks do not clear the stack, but each is counted by itself.
+//! Source: S7-200 system manual, logic stack instructions and compile rule violations.
+
+use plcc_abi::image::BlockKind;
+use plcc_abi::s7200::STACK_LEVELS;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::s7200::{Acts, Contact, Insn};
+
+use super::super::report::Report;
+
+/// What an instruction does with the stack.
+enum Effect {
+    /// One more level.
+    Push,
+    /// One more level, a copy of level n.
+    Copy(usize),
+    /// Works on so many levels, which stay.
+    Combine(usize),
+    /// Two levels become one.
+    Join,
+    /// Drops the top.
+    Pop,
+    /// Only reads the top.
+    Read,
+    /// The top is 1 from here on.
+    Set,
+    None,
+}
+
+fn effect(insn: Insn, level: Option<u32>) -> Effect {
+    match insn {
+        Insn::Load | Insn::LoadNot | Insn::LoadNow | Insn::LoadNotNow | Insn::Lscr => Effect::Push,
+        Insn::Compare(compare) => match compare.contact {
+            Contact::Load => Effect::Push,
+            Contact::And | Contact::Or => Effect::Combine(1),
+        },
+        Insn::And
+        | Insn::AndNot
+        | Insn::Or
+        | Insn::OrNot
+        | Insn::AndNow
+        | Insn::AndNotNow
+        | Insn::OrNow
+        | Insn::OrNotNow
+        | Insn::Not
+        | Insn::RisingEdge
+        | Insn::FallingEdge => Effect::Combine(1),
+        Insn::Read => Effect::Combine(2),
+        Insn::Ctu | Insn::Ctd => Effect::Combine(2),
+        Insn::Ctud => Effect::Combine(3),
+        Insn::AndLoad | Insn::OrLoad => Effect::Join,
+        Insn::Pop => Effect::Pop,
+        Insn::Push => Effect::Copy(0),
+        Insn::LoadStack => Effect::Copy(level.unwrap_or(0) as usize),
+        Insn::Assign | Insn::AssignNow | Insn::AndEno | Insn::Ton | Insn::Tonr | Insn::Tof => Effect::Read,
+        Insn::Next => Effect::Set,
+        insn => match insn.acts() {
+            Acts::Enabled => Effect::Read,
+            Acts::Always | Acts::Marker => Effect::None,
+        },
+    }
+}
+
+/// The levels that a network has pushed.
+pub struct Stack {
+    kind: BlockKind,
+    depth: usize,
+    /// Levels at the bottom that were pushed out.
+    lost: usize,
+    /// The block has pushed something: what is below is not that of its caller any more.
+    loaded: bool,
+    /// A message was given in this network; the count is not sure any more.
+    told: bool,
+    /// A message about a missing contact was given in this network.
+    read_told: bool,
+}
+
+impl Stack {
+    pub fn new(kind: BlockKind) -> Stack {
+        Stack { kind, depth: 0, lost: 0, loaded: false, told: false, read_told: false }
+    }
+
+    pub fn begin_network(&mut self) {
+        (self.depth, self.lost, self.told, self.read_told) = (0, 0, false, false);
+    }
+
+    /// A statement that could not be read may have pushed anything.
+    pub fn unknown(&mut self) {
+        self.told = true;
+        self.read_told = true;
+        self.loaded = true;
+    }
+
+    /// A statement; `level` is the operand of `LDS`.
+    pub fn visit(&mut self, insn: Insn, level: Option<u32>, name: &str, span: Span, report: &mut Report) {
+        match effect(insn, level) {
+            Effect::None => {}
+            Effect::Push => self.push(),
+            Effect::Set => self.depth = self.depth.max(1),
+            Effect::Copy(level) => {
+                self.read(level, name, span, report);
+                self.push();
+            }
+            Effect::Combine(levels) => self.need(levels, name, span, report),
+            Effect::Join => {
+                self.need(2, name, span, report);
+                self.depth = self.depth.saturating_sub(1);
+            }
+            Effect::Pop => {
+                self.need(1, name, span, report);
+                self.depth = self.depth.saturating_sub(1);
+            }
+            Effect::Read => self.read(0, name, span, report),
+        }
+    }
+
+    fn push(&mut self) {
+        self.depth = self.depth.saturating_add(1);
+        self.lost = self.lost.max(self.depth.saturating_sub(STACK_LEVELS));
+        self.loaded = true;
+    }
+
+    fn need(&mut self, levels: usize, name: &str, span: Span, report: &mut Report) {
+        if self.depth < levels {
+            if !self.told {
+                report.push(underflow(self.depth, levels, name, span));
+            }
+            self.told = true;
+            self.depth = levels;
+        }
+        self.check_lost(levels.saturating_sub(1), name, span, report);
+    }
+
+    /// Reads level `level` from the top.
+    fn read(&mut self, level: usize, name: &str, span: Span, report: &mut Report) {
+        if level < self.depth {
+            return self.check_lost(level, name, span, report);
+        }
+        // A subroutine and an interrupt routine begin with a 1 on top.
+        let given = self.kind != BlockKind::Ob && !self.loaded;
+        if !given && !self.read_told && !self.told {
+            report.push(
+                Diagnostic::new(Code::NoContact, span, format!("`{name}` stands in its network without a contact before it"))
+                    .label("it acts on what the network before has left")
+                    .help("begin the network with a load; `LD SM0.0` is always 1"),
+            );
+        }
+        self.read_told = true;
+    }
+
+    fn check_lost(&mut self, level: usize, name: &str, span: Span, report: &mut Report) {
+        let position = self.depth.saturating_sub(1).saturating_sub(level);
+        if position < self.lost && !self.told {
+            self.told = true;
+            report.push(
+                Diagnostic::new(Code::StackOverflow, span, format!("`{name}` needs a level that the logic stack has lost"))
+                    .label("more than nine levels were pushed before: the oldest ones are gone")
+                    .help("combine branches with ALD and OLD earlier, or keep a result in a bit"),
+            );
+        }
+    }
+}
+
+fn underflow(depth: usize, levels: usize, name: &str, span: Span) -> Diagnostic {
+    if depth == 0 && levels == 1 {
+        return Diagnostic::new(Code::StackUnderflow, span, format!("the network begins with `{name}` (0081)"))
+            .label("there is nothing yet that it could work on")
+            .help("begin the network with a load such as `LD I0.0`");
+    }
+    let has = match depth {
+        0 => "none".to_string(),
+        _ => format!("only {depth}"),
+    };
+    Diagnostic::new(
+        Code::StackUnderflow,
+        span,
+        format!("`{name}` needs {levels} levels of the logic stack, the network has pushed {has} (0081)"),
+    )
+    .label("too few levels")
+    .help(match name {
+        "CTU" => "load the count input, then the reset input: `LD I0.0`, `LD I0.1`, `CTU C1, 10`",
+        "CTD" => "load the count input, then the load input: `LD I0.0`, `LD I0.1`, `CTD C1, 10`",
+        "CTUD" => "load the inputs for up, down and reset before it",
+        "ALD" | "ULD" | "OLD" => "each of the two groups that it joins begins with a load",
+        "LRD" | "LPP" => "LPS must come before it",
+        _ => "push the levels with loads or LPS",
+    })
+}

@@ -1,0 +1,6 @@
+//! Programs from syntax trees made by hand.
+
+mod build;
+mod legality;
+mod operands;
+mod programs;
