@@ -157,7 +157,7 @@ fn profile_named(name: &str) -> Option<Profile> {
         Some("2") => Some(profile::generic(Family::S7300)),
         Some("4") => Some(profile::generic(Family::S7400)),
         Some(_) => None,
-        None => profile::lookup(name).filter(|profile| profile.family != Family::S7200),
+        None => profile::lookup(name),
     }
 }
 
@@ -175,25 +175,34 @@ fn profile_of(
         (None, Some((name, span))) => (name, Some(span)),
         (None, None) => return generic,
     };
+    let is_s7200 = is_s7200(units);
     let title = match profile::lookup(&name) {
         Some(profile) if runs(&profile, units) => return profile,
+        Some(profile) if is_s7200 => format!("`{}` does not run programs of the S7-200", profile.name),
         Some(profile) if profile.family == Family::S71200 => {
             format!("`{}` has no STL: it runs LAD, FBD and SCL", profile.name)
         }
-        Some(profile) => format!("`{}` does not run S7-300/400 programs", profile.name),
+        Some(profile) => format!("`{}` is an S7-200, which runs sources of Micro/WIN only", profile.name),
         None => format!("plcc does not know the CPU `{name}`"),
     };
     let span = span.unwrap_or_else(|| Span::new(sources.add(SourceFile::new("--cpu", name.clone())), 0..name.len()));
-    let help = format!("one of {}", profile::names().join(", "));
+    let names = if is_s7200 { profile::s7200::names() } else { profile::names() };
+    let help = format!("one of {}", names.join(", "));
     diagnostics.push(Diagnostic::new(Code::UnknownCpu, span, title).help(help));
     generic
 }
 
-/// Whether the CPU runs programs in these languages: an S7-1200 has no STL.
+/// Whether the program is one of an S7-200, whose sources mix with no others.
+fn is_s7200(units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
+    units.iter().any(|(_, unit)| unit.s7200.is_some())
+}
+
+/// Whether the CPU runs programs in these languages: an S7-1200 has no STL, an S7-200 has a language of its own.
 fn runs(profile: &Profile, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
     match profile.family {
+        Family::S7200 => is_s7200(units),
+        _ if is_s7200(units) => false,
         Family::S7300 | Family::S7400 | Family::S71500 => true,
-        Family::S7200 => false,
         Family::S71200 => units.iter().flat_map(|(_, unit)| &unit.blocks).all(|block| match block {
             Block::Code(code) => !matches!(code.code, plcc_syntax::ast::Code::Stl(_)),
             Block::Data(_) | Block::Type(_) => true,
@@ -201,9 +210,12 @@ fn runs(profile: &Profile, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
     }
 }
 
-/// The CPU of sources that name none: the generic S7-300, or the S7-400 if an instruction needs its accumulators. What exceeds
+/// The CPU of sources that name none: the generic S7-200 for those of Micro/WIN; else the generic S7-300, or the S7-400 if an instruction needs its accumulators. What exceeds
 /// its limits is a warning, since the plant's CPU may have more.
 fn implied_profile(units: &[(plcc_diag::FileId, SourceUnit)]) -> Profile {
+    if is_s7200(units) {
+        return profile::generic(Family::S7200);
+    }
     let statements = units
         .iter()
         .flat_map(|(_, unit)| &unit.blocks)

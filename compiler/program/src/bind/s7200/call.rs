@@ -32,7 +32,8 @@ impl Binder<'_> {
         let title = if name.is_empty() { format!("SBR{number}") } else { format!("`{name}`") };
         let wanted = formals.parameters().count();
         if actuals.len() < wanted {
-            let missing: Vec<&str> = formals.parameters().skip(actuals.len()).map(|local| local.name.as_str()).collect();
+            let missing: Vec<&str> =
+                formals.parameters().skip(actuals.len()).map(|local| local.name.as_str()).collect();
             self.push(
                 Diagnostic::new(
                     Code::MissingParameter,
@@ -211,8 +212,9 @@ impl Binder<'_> {
         let near = self.nearest(name, locals);
         let what = if kind == BlockKind::Int { "interrupt routine" } else { "subroutine" };
         self.report.missing(super::super::report::MissingKey::Symbol(super::names::fold(name)), span, || {
-            let message = Diagnostic::new(Code::UnknownBlock, span, format!("the {what} `{name}` is not defined (0087)"))
-                .label("no source of the program has this block");
+            let message =
+                Diagnostic::new(Code::UnknownBlock, span, format!("the {what} `{name}` is not defined (0087)"))
+                    .label("no source of the program has this block");
             match near.as_slice() {
                 [] => message.help("add the source that defines it; a file without a header is named after its block"),
                 _ => message.help(format!("names like it: {}", near.join(", "))),

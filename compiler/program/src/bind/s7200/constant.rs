@@ -54,9 +54,11 @@ impl Binder<'_> {
             (Target::Bits(Width::Dword), Constant::Real(value)) => Some(value.to_bits()),
             (Target::Signed, Constant::Integer(value @ -128..=-1)) => Some(*value as u32 & 0xFF),
             (Target::Signed, _) => self.constant(constant, Target::Integer(Width::Byte), span),
-            (Target::Integer(_) | Target::Bits(_), Constant::Real(_)) => {
-                self.wrong_constant("a REAL cannot stand here", "REALs are moved with MOVR and converted with ROUND", span)
-            }
+            (Target::Integer(_) | Target::Bits(_), Constant::Real(_)) => self.wrong_constant(
+                "a REAL cannot stand here",
+                "REALs are moved with MOVR and converted with ROUND",
+                span,
+            ),
             (Target::Integer(_) | Target::Bits(_), Constant::Bool(_)) => {
                 self.wrong_constant("a BOOL cannot stand here", "write a number", span)
             }

@@ -130,7 +130,9 @@ impl Binder<'_> {
         };
         match (&constant, width) {
             (Constant::Text(bytes), None | Some(Width::Byte)) => match u8::try_from(bytes.len()) {
-                Ok(length) if bytes.len() <= TEXT_MAX => Some(std::iter::once(length).chain(bytes.iter().copied()).collect()),
+                Ok(length) if bytes.len() <= TEXT_MAX => {
+                    Some(std::iter::once(length).chain(bytes.iter().copied()).collect())
+                }
                 _ => {
                     let title = format!("a string of {} characters is too long (0090)", bytes.len());
                     self.push(Diagnostic::new(Code::LiteralRange, span, title).label(format!("up to {TEXT_MAX}")));

@@ -10,8 +10,8 @@ use plcc_syntax::s7200::ast::{self, Area, Direct, Section};
 use rustc_hash::FxHashMap;
 
 use super::super::path::similar;
-use super::names::fold;
 use super::Binder;
+use super::names::fold;
 use crate::model::s7200::{Direction, Parameter};
 
 /// Parameters that a subroutine may have.
@@ -144,7 +144,8 @@ impl Binder<'_> {
         for section in [Section::Input, Section::InOut, Section::Output, Section::Temp] {
             for declaration in block.declarations.iter().filter(|declaration| declaration.section == section) {
                 let span = declaration.name_span;
-                if section != Section::Temp && kind != BlockKind::Sbr {
+                // Of a block with a header it was told when it was read.
+                if section != Section::Temp && kind != BlockKind::Sbr && block.is_bare {
                     self.section_not_allowed(kind, span);
                 }
                 if let Some(initial) = &declaration.initial {

@@ -7,12 +7,12 @@ use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::ast as classic;
 use plcc_syntax::s7200::Insn;
-use plcc_syntax::s7200::ast::{self, Area, Direct, OperandKind, StatementKind};
+use plcc_syntax::s7200::ast::{self, Area, Direct, OperandKind, Section, StatementKind};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::super::path::distance;
+use super::Binder;
 use super::interface::Locals;
-use super::{Binder, address};
 use crate::symbols::SymbolTarget;
 
 /// Names of files without block headers that hold the main program, folded.
@@ -109,11 +109,13 @@ impl<'a> Binder<'a> {
             (false, true) if has_main => Vec::new(),
             // The one that nothing calls.
             (false, true) => {
-                let known = |index: &usize| {
+                let is_root = |index: &usize| {
                     let stem = fold(&stems[*index]);
-                    !called.contains(&stem) && !attached.contains(&stem)
+                    let has_parameters =
+                        found[*index].ast.declarations.iter().any(|declaration| declaration.section != Section::Temp);
+                    !called.contains(&stem) && !attached.contains(&stem) && !has_parameters
                 };
-                let roots: Vec<usize> = bare.iter().copied().filter(known).collect();
+                let roots: Vec<usize> = bare.iter().copied().filter(is_root).collect();
                 if roots.len() == 1 { roots } else { Vec::new() }
             }
         };
@@ -372,15 +374,5 @@ fn classic_target(target: SymbolTarget) -> OperandKind {
             OperandKind::Block { kind: ast::BlockKind::Main, number }
         }
         SymbolTarget::Block { .. } => OperandKind::Error,
-    }
-}
-
-impl Global {
-    /// What stands for it in a message.
-    pub fn text(&self) -> String {
-        match &self.target {
-            OperandKind::Direct(direct) => format!("{} ({})", self.name, address::text(*direct)),
-            _ => self.name.clone(),
-        }
     }
 }

@@ -91,7 +91,9 @@ fn wanted(class: OperandClass) -> &'static str {
         C::WordOut => "a word that can be written, such as VW10 or AC0",
         C::WordOutAnalog => "a word that can be written, such as VW10, AC0 or AQW0",
         C::DwordIn => "a double word such as VD10, an accumulator, a pointer or a constant",
-        C::DwordInAddress => "a double word such as VD10, an accumulator, a pointer, an address such as &VB10 or a constant",
+        C::DwordInAddress => {
+            "a double word such as VD10, an accumulator, a pointer, an address such as &VB10 or a constant"
+        }
         C::DwordOut => "a double word that can be written, such as VD10 or AC0",
         C::RealIn => "a REAL: a double word such as VD10, an accumulator, a pointer or a constant such as 1.5",
         C::RealOut => "a double word that can be written, such as VD10 or AC0",
@@ -211,7 +213,9 @@ impl Binder<'_> {
                 return self.protected(direct, "the CPU alone writes it", span);
             }
             let help = match direct.area {
-                Area::Aq => "analog outputs are written by MOVW and other moves only; keep the value in V memory to read it",
+                Area::Aq => {
+                    "analog outputs are written by MOVW and other moves only; keep the value in V memory to read it"
+                }
                 _ => "operands of this area cannot stand here",
             };
             return self.misfit(class, help, span);

@@ -43,7 +43,9 @@ impl Binder<'_> {
         let name = self.mnemonic(insn);
         if wrong {
             let help = match insn {
-                Insn::End | Insn::Mend if interrupt => "leave the routine with CRETI; END ends the scan of the main program",
+                Insn::End | Insn::Mend if interrupt => {
+                    "leave the routine with CRETI; END ends the scan of the main program"
+                }
                 Insn::End | Insn::Mend => "leave the subroutine with CRET; END ends the scan of the main program",
                 Insn::Cret | Insn::Ret if main => "END ends the scan of the main program",
                 Insn::Cret | Insn::Ret => "an interrupt routine is left with CRETI",
@@ -243,14 +245,12 @@ impl Binder<'_> {
             true => ("a retentive timer for TONR", "TON and TOF have T32 to T63 and T96 to T255"),
             false => ("a timer for TON or TOF", "TONR has T0 to T31 and T64 to T95"),
         };
-        self.push(
-            Diagnostic::new(Code::TimerNumber, span, format!("T{number} is {is} (0090)"))
-                .label(others)
-                .help(match retentive {
-                    true => "resolution: T32 and T96 1 ms, T33 to T36 and T97 to T100 10 ms, the others 100 ms",
-                    false => "resolution: T0 and T64 1 ms, T1 to T4 and T65 to T68 10 ms, the others 100 ms",
-                }),
-        );
+        self.push(Diagnostic::new(Code::TimerNumber, span, format!("T{number} is {is} (0090)")).label(others).help(
+            match retentive {
+                true => "resolution: T32 and T96 1 ms, T33 to T36 and T97 to T100 10 ms, the others 100 ms",
+                false => "resolution: T0 and T64 1 ms, T1 to T4 and T65 to T68 10 ms, the others 100 ms",
+            },
+        ));
         None
     }
 

@@ -143,9 +143,13 @@ impl Stack {
         let given = self.kind != BlockKind::Ob && !self.loaded;
         if !given && !self.read_told && !self.told {
             report.push(
-                Diagnostic::new(Code::NoContact, span, format!("`{name}` stands in its network without a contact before it"))
-                    .label("it acts on what the network before has left")
-                    .help("begin the network with a load; `LD SM0.0` is always 1"),
+                Diagnostic::new(
+                    Code::NoContact,
+                    span,
+                    format!("`{name}` stands in its network without a contact before it"),
+                )
+                .label("it acts on what the network before has left")
+                .help("begin the network with a load; `LD SM0.0` is always 1"),
             );
         }
         self.read_told = true;
@@ -156,9 +160,13 @@ impl Stack {
         if position < self.lost && !self.told {
             self.told = true;
             report.push(
-                Diagnostic::new(Code::StackOverflow, span, format!("`{name}` needs a level that the logic stack has lost"))
-                    .label("more than nine levels were pushed before: the oldest ones are gone")
-                    .help("combine branches with ALD and OLD earlier, or keep a result in a bit"),
+                Diagnostic::new(
+                    Code::StackOverflow,
+                    span,
+                    format!("`{name}` needs a level that the logic stack has lost"),
+                )
+                .label("more than nine levels were pushed before: the oldest ones are gone")
+                .help("combine branches with ALD and OLD earlier, or keep a result in a bit"),
             );
         }
     }

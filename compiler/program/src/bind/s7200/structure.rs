@@ -83,10 +83,14 @@ impl Structure {
                 let Some(number) = number else { return };
                 match self.labels.get(&number) {
                     Some(&(_, first)) => report.push(
-                        Diagnostic::new(Code::DuplicateLabel, span, format!("the label {number} is there twice (008C)"))
-                            .label("the second one")
-                            .also(first, "the first one")
-                            .help("take another number for one of them"),
+                        Diagnostic::new(
+                            Code::DuplicateLabel,
+                            span,
+                            format!("the label {number} is there twice (008C)"),
+                        )
+                        .label("the second one")
+                        .also(first, "the first one")
+                        .help("take another number for one of them"),
                     ),
                     None => {
                         self.labels.insert(number, (self.step, span));

@@ -93,10 +93,7 @@ fn steps() {
     assert_eq!(codes(&[(Insn::Scre, &[])]), ["P0806"]);
     assert_eq!(codes(&[(Insn::Load, &i), (Insn::Scrt, &s1)]), ["P0806"]);
     assert_eq!(codes(&[(Insn::Lscr, &s1), (Insn::Lscr, &s2), (Insn::Scre, &[])]), ["P0806"]);
-    assert_eq!(
-        codes(&[(Insn::Lscr, &s1), (Insn::Scre, &[]), (Insn::Lscr, &s1), (Insn::Scre, &[])]),
-        ["P0807"]
-    );
+    assert_eq!(codes(&[(Insn::Lscr, &s1), (Insn::Scre, &[]), (Insn::Lscr, &s1), (Insn::Scre, &[])]), ["P0807"]);
     let range = [vw(0), int(1), int(10)];
     let across: &[(Insn, &[Written])] =
         &[(Insn::Load, &i), (Insn::For, &range), (Insn::Lscr, &s1), (Insn::Next, &[]), (Insn::Scre, &[])];

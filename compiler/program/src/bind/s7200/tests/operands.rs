@@ -36,10 +36,7 @@ fn the_instruction_decides_the_width() {
     );
     assert_eq!(
         second(Insn::MovD, &[direct(Area::Hc, None, 0, 0), vd(4)]),
-        [
-            Operand::HighSpeedCounter(0),
-            Operand::Memory { area: Bound::V, byte: 4, bit: 0, width: Width::Dword }
-        ]
+        [Operand::HighSpeedCounter(0), Operand::Memory { area: Bound::V, byte: 4, bit: 0, width: Width::Dword }]
     );
     assert_eq!(
         second(Insn::MovW, &[direct(Area::Ai, Some(Width::Word), 4, 0), direct(Area::Aq, None, 2, 0)]),

@@ -63,8 +63,15 @@ fn nine_bools_take_two_bytes() {
 
 #[test]
 fn calls_hand_over_parameters() {
-    let arguments =
-        [name("demo"), bit(Area::I, 0, 4), vb(20), constant(Constant::Bool(true)), address_of(vb(60)), star(ac(2)), vd(300)];
+    let arguments = [
+        name("demo"),
+        bit(Area::I, 0, 4),
+        vb(20),
+        constant(Constant::Bool(true)),
+        address_of(vb(60)),
+        star(ac(2)),
+        vd(300),
+    ];
     let program = good(vec![main(vec![network(&[(Insn::Load, &[i00()]), (Insn::Call, &arguments)])]), demo()]);
     let expected = [
         BoundOperand::Memory { area: Bound::I, byte: 0, bit: 4, width: Width::Bit },
@@ -102,14 +109,13 @@ fn strings_are_handed_over_as_pointers() {
     };
     assert_eq!(call(vb(100)), BoundOperand::Const(u32::from(pointer::V) << 24 | 100));
     assert_eq!(call(address_of(vb(7))), BoundOperand::Const(u32::from(pointer::V) << 24 | 7));
-    assert_eq!(
-        call(star(vd(8))),
-        BoundOperand::Memory { area: Bound::V, byte: 8, bit: 0, width: Width::Dword }
-    );
+    assert_eq!(call(star(vd(8))), BoundOperand::Memory { area: Bound::V, byte: 8, bit: 0, width: Width::Dword });
     assert_eq!(call(constant(Constant::Text(b"12 kg".to_vec()))), BoundOperand::Text(b"12 kg".to_vec()));
     // In the subroutine the string is what the pointer points at.
     let program = good(vec![main(Vec::new()), sub.clone()]);
-    let BoundStatement::Instruction { operands, .. } = &body(&program, Kind::Sbr, 0).statements[0].kind else { panic!() };
+    let BoundStatement::Instruction { operands, .. } = &body(&program, Kind::Sbr, 0).statements[0].kind else {
+        panic!()
+    };
     let pointer = BoundOperand::Memory { area: Bound::L, byte: 0, bit: 0, width: Width::Dword };
     assert_eq!(operands[0], BoundOperand::Indirect { pointer: Box::new(pointer), width: Width::Byte });
 }
@@ -178,12 +184,8 @@ fn calls_by_number() {
     let routine = block(BlockKind::Interrupt, "Tick", Some(3), Vec::new());
     let sub = block(BlockKind::Subroutine, "Sub", Some(2), Vec::new());
     let block_2 = operand(OperandKind::Block { kind: BlockKind::Subroutine, number: 2 });
-    let statements: &[(Insn, &[Operand])] = &[
-        (Insn::Load, &[i00()]),
-        (Insn::Call, &[int(2)]),
-        (Insn::Call, &[block_2]),
-        (Insn::Atch, &[int(3), int(10)]),
-    ];
+    let statements: &[(Insn, &[Operand])] =
+        &[(Insn::Load, &[i00()]), (Insn::Call, &[int(2)]), (Insn::Call, &[block_2]), (Insn::Atch, &[int(3), int(10)])];
     let program = good(vec![main(vec![network(statements)]), sub.clone(), routine]);
     let statements = &body(&program, Kind::Ob, 1).statements;
     assert!(matches!(statements[1].kind, BoundStatement::Call { number: 2, .. }));
