@@ -210,8 +210,8 @@ fn runs(profile: &Profile, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
     }
 }
 
-/// The CPU of sources that name none: the generic S7-200 for those of Micro/WIN; else the generic S7-300, or the S7-400 if an instruction needs its accumulators. What exceeds
-/// its limits is a warning, since the plant's CPU may have more.
+/// The CPU of sources that name none: the generic S7-200 for those of Micro/WIN; else the generic S7-300, or the S7-400 if an instruction
+/// needs its accumulators, and what exceeds its limits is a warning, since the plant's CPU may have more.
 fn implied_profile(units: &[(plcc_diag::FileId, SourceUnit)]) -> Profile {
     if is_s7200(units) {
         return profile::generic(Family::S7200);

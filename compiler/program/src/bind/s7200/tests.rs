@@ -4,3 +4,4 @@ mod build;
 mod legality;
 mod operands;
 mod programs;
+mod text;
