@@ -86,7 +86,7 @@ const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
 #[test]
 fn every_code_has_a_failing_and_a_passing_file() {
     let check_files =
-        ["stl", "scl", "s7dcl", "gr7"].map(|suffix| files(&tests_folder().join("check"), suffix)).concat();
+        ["stl", "awl", "scl", "s7dcl", "gr7"].map(|suffix| files(&tests_folder().join("check"), suffix)).concat();
     let names: Vec<String> =
         check_files.iter().map(|path| path.file_stem().unwrap().to_string_lossy().into()).collect();
     let has_pair = |code: Code| {
@@ -102,7 +102,7 @@ fn every_code_has_a_failing_and_a_passing_file() {
             None => {
                 assert!(
                     has_pair(code),
-                    "tests/check has no {0}-NAME.stl, .scl, .s7dcl or .gr7 with its {0}-NAME-ok",
+                    "tests/check has no {0}-NAME.stl, .awl, .scl, .s7dcl or .gr7 with its {0}-NAME-ok",
                     code.name()
                 )
             }
@@ -247,6 +247,7 @@ fn codes_of(code: Code, example: &str) -> Vec<Code> {
             "scl" => "main.scl",
             "s7dcl" => "main.s7dcl",
             "gr7" => "main.gr7",
+            "awl" => "main.awl",
             "s7res" => {
                 // It lies beside the source and is no source itself.
                 fs::write(folder.path().join("main.s7res"), text).unwrap();

@@ -29,7 +29,7 @@ use plcc_tests::{
 };
 
 /// Endings of the sources that are tests.
-const LANGUAGES: [&str; 5] = ["stl", "scl", "s7dcl", "gr7", "xml"];
+const LANGUAGES: [&str; 6] = ["stl", "awl", "scl", "s7dcl", "gr7", "xml"];
 
 /// Run tests in one trial: their executables share links.
 const RUN_GROUP: usize = 40;

@@ -1,13 +1,14 @@
 //! What a file is. Its content tells, never its name.
 
 use plcc_program::symbols;
+use plcc_syntax::s7200;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::xml::{self, XmlKind};
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// A source in STL, SCL or GRAPH, or an export of blocks in XML.
+    /// A source in STL of any family, SCL or GRAPH, or an export of blocks in XML.
     Source,
     SymbolTable,
     /// An export that holds both.
@@ -19,8 +20,10 @@ pub enum Content {
 }
 
 /// Words that begin a line of a source and are no mnemonics.
-const FRAME_WORDS: [&str; 20] = [
+const FRAME_WORDS: [&str; 22] = [
     "ORGANIZATION_BLOCK",
+    "SUBROUTINE_BLOCK",
+    "INTERRUPT_BLOCK",
     "FUNCTION",
     "FUNCTION_BLOCK",
     "DATA_BLOCK",
@@ -60,7 +63,8 @@ pub fn of(text: &str) -> Content {
         Some(line) if line.starts_with("cycle,time_ms,") => return Content::Other("a trace"),
         Some(_) => {}
     }
-    if lines().any(|line| begins_like_stl(line) || is_assignment(line))
+    if s7200::is_s7200(text)
+        || lines().any(|line| begins_like_stl(line) || is_assignment(line))
         || lines().all(|line| line.split_whitespace().count() <= 4)
     {
         Content::Source
@@ -117,7 +121,7 @@ fn is_assignment(line: &str) -> bool {
 
 fn is_mnemonic(word: &str) -> bool {
     let is = |set| move |insn: &&StlInsn| insn.mnemonic(set).eq_ignore_ascii_case(word);
-    StlInsn::ALL.iter().any(|insn| is(Mnemonics::En)(&insn) || is(Mnemonics::De)(&insn))
+    StlInsn::ALL.iter().any(|insn| is(Mnemonics::En)(&insn) || is(Mnemonics::De)(&insn)) || s7200::is_mnemonic(word)
 }
 
 #[cfg(test)]
@@ -135,6 +139,9 @@ mod tests {
             "FUNCTION FC 1 : VOID\nBEGIN\nEND_FUNCTION\n",
             "\n\nDATA_BLOCK \"Tank data\"\n",
             "LD I0.0\n",
+            "Network 1 // a title of several words\nLDW>=  VW2, 4\nTON    T37, +50 // a comment of several words\n",
+            "LD\tI0.0\nA\tI0.1\n=\tQ0.0\n",
+            "VB0    10, 16#1F, 'A', 5, 6, 7 // a data block\nVW10   -5, 300, 301, 302, 303\n",
             "(*$_COM A chart that was cut out of its block, with a long comment*)\nINITIAL_STEP Off (*$_NUM 1*):\nEND_STEP\n",
             "IF #level > 5.0 AND #filling AND NOT #fault THEN\n  #valve := FALSE; // closed\nEND_IF;\n",
         ] {
@@ -147,6 +154,7 @@ mod tests {
         assert_eq!(of("<CAEXFile/>"), Content::Other("a hardware configuration (AML)"));
         assert_eq!(of("<project><types/></project>"), Content::SourceAndTable);
         assert_eq!(of("cycle,time_ms,I0.0\n0,0,0\n"), Content::Other("a trace"));
+        assert_eq!(of("Motor\tQ0.0\tthe pump\nLevel\tVW100\t\n"), Content::SymbolTable);
         assert_eq!(of("A\0B"), Content::Other("binary data"));
         assert_eq!(of("If the tank is full then the valve is closed by hand.\n"), Content::Prose);
         assert_eq!(of("# Tank\n\nA program that fills a tank when the level is low.\n"), Content::Prose);

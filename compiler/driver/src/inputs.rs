@@ -16,7 +16,7 @@ pub struct Read {
     /// Name of the program: of the project, or of the first source without its suffix.
     pub name: String,
     pub sources: SourceMap,
-    /// Sources in STL, SCL, SIMATIC SD and GRAPH and exports of blocks, in the order in which they were given or found.
+    /// Sources in STL of all families, SCL, SIMATIC SD and GRAPH and exports of blocks, in the order in which they were given or found.
     pub units: Vec<FileId>,
     /// Symbol tables.
     pub tables: Vec<FileId>,
@@ -165,7 +165,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
         }
         Content::Other(what) => {
             let title = format!("`{}` holds no PLC source but {what}", path.display());
-            let help = "give a source in STL, SCL, SIMATIC SD or GRAPH, blocks exported as XML, or a symbol table";
+            let help = "give a source in STL (S7-200 or S7-300/400), SCL, SIMATIC SD or GRAPH, blocks exported as XML, or a symbol table";
             read.report(Code::NotASource, path, title, help);
         }
     }

@@ -1,10 +1,13 @@
 //! Symbol tables: `.asc`, `.sdf`, `.seq`, `.dif`, `;`-separated and tag tables in XML, told apart by their content.
 //!
 //! Each row gives a symbol, its address, its data type and a comment. Addresses are taken in both mnemonic sets (`E 0.0` is
-//! `I 0.0`). A row that cannot be read is one message; the others are read all the same.
+//! `I 0.0`). Tables for the S7-200 have columns of their own (`s7200`). A row that cannot be read is one message; the others are read all the same.
 //! Source: STL reference, symbol tables; exports of the newer portal tool have more columns behind the first three.
 
+mod s7200;
 mod tag_table;
+
+pub use s7200::S7200Symbol;
 
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Width};
@@ -16,6 +19,8 @@ pub struct SymbolTable {
     pub symbols: Vec<Symbol>,
     /// User constants of tag tables.
     pub constants: Vec<GlobalConstant>,
+    /// Rows as a program of the S7-200 reads them. A row such as `I0.0` is in both lists.
+    pub s7200: Vec<S7200Symbol>,
 }
 
 /// A constant that every block can use by its name.
@@ -57,6 +62,8 @@ enum Format {
     Seq,
     Dif,
     Semicolon,
+    /// Name, address and comment of the S7-200, with the sign between them.
+    Plain(char),
 }
 
 /// True if `text` is a symbol table rather than a program.
@@ -81,17 +88,30 @@ pub fn parse(file: FileId, source: &SourceFile) -> (SymbolTable, Vec<Diagnostic>
         Some(_) => return tag_table::parse(file, &source.text),
         None => {}
     }
-    let mut reader = Reader { file, text: &source.text, table: SymbolTable::default(), diagnostics: Vec::new() };
+    let mut reader = Reader {
+        file,
+        text: &source.text,
+        table: SymbolTable::default(),
+        only_s7200: Vec::new(),
+        only_s7300: false,
+        diagnostics: Vec::new(),
+    };
     match format(&source.text) {
         Some(Format::Asc) => reader.asc(),
         Some(Format::Sdf) => reader.delimited(b','),
         Some(Format::Semicolon) => reader.delimited(b';'),
         Some(Format::Seq) => reader.seq(),
         Some(Format::Dif) => reader.dif(),
+        Some(Format::Plain(separator)) => reader.plain(separator),
         None => {
             let line = lines(&source.text).find(|(_, line)| !line.trim().is_empty()).unwrap_or((0, ""));
             reader.bad(line.0, line.1, "this is none of the formats .asc, .sdf, .seq, .dif or `;`-separated text");
         }
+    }
+    // Rows of the S7-200 in a table of S7-300/400 are mistakes.
+    if reader.only_s7300 {
+        reader.diagnostics.append(&mut reader.only_s7200);
+        reader.diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     }
     (reader.table, reader.diagnostics)
 }
@@ -122,13 +142,17 @@ fn format(text: &str) -> Option<Format> {
     if is_row(first) || (is_header(first) && rows.next().is_none_or(is_row)) {
         return Some(Format::Semicolon);
     }
-    None
+    s7200::separator(text).map(Format::Plain)
 }
 
 struct Reader<'a> {
     file: FileId,
     text: &'a str,
     table: SymbolTable,
+    /// What is to be said of rows that only the S7-200 has, if the table is for S7-300/400.
+    only_s7200: Vec<Diagnostic>,
+    /// Some row has an address that the S7-200 does not have.
+    only_s7300: bool,
     diagnostics: Vec<Diagnostic>,
 }
 
@@ -140,12 +164,14 @@ impl Reader<'_> {
     }
 
     fn bad(&mut self, start: usize, line: &str, why: &str) {
-        let span = self.span(start, line);
-        self.diagnostics.push(
-            Diagnostic::new(Code::SymbolTable, span, "this line of the symbol table cannot be read")
-                .label(why)
-                .help("a row gives a symbol, its address such as `I 0.0` or `FC 105`, its data type and a comment"),
-        );
+        let message = self.message(start, line, why);
+        self.diagnostics.push(message);
+    }
+
+    fn message(&self, start: usize, line: &str, why: &str) -> Diagnostic {
+        Diagnostic::new(Code::SymbolTable, self.span(start, line), "this line of the symbol table cannot be read")
+            .label(why)
+            .help("a row gives a symbol, its address such as `I 0.0` or `FC 105`, its data type and a comment")
     }
 
     fn row(&mut self, start: usize, line: &str, name: &str, address: &str, ty: &str, comment: &str) {
@@ -160,9 +186,16 @@ impl Reader<'_> {
         if address.is_empty() {
             return self.bad(start, line, &format!("`{name}` has no address"));
         }
+        let of_s7200 = self.keep_s7200(start, line, name, address, comment.trim());
         let Some(target) = parse_address(address) else {
-            return self.bad(start, line, &format!("`{address}` is no address"));
+            let why = format!("`{address}` is no address");
+            if of_s7200 {
+                let message = self.message(start, line, &why);
+                return self.only_s7200.push(message);
+            }
+            return self.bad(start, line, &why);
         };
+        self.only_s7300 |= !of_s7200;
         let symbol = Symbol {
             name: name.to_string(),
             target,
@@ -479,10 +512,63 @@ mod tests {
         assert_eq!((rows[0].1, rows.len(), bad), (LAMP, 1, 1));
     }
 
+    fn rows_of_s7200(text: &str) -> Vec<(String, String, String)> {
+        assert!(is_symbol_table(text), "not taken for a table: {text:?}");
+        let (table, diagnostics) = parse(FileId(0), &SourceFile::new("table", text));
+        assert_eq!(diagnostics, []);
+        for row in &table.s7200 {
+            assert!(
+                text[row.name_span.range()].contains(&row.name)
+                    && text[row.address_span.range()].contains(&row.address)
+            );
+        }
+        table.s7200.into_iter().map(|row| (row.name, row.address, row.comment)).collect()
+    }
+
+    #[test]
+    fn tables_for_the_s7_200() {
+        let row =
+            |name: &str, address: &str, comment: &str| (name.to_string(), address.to_string(), comment.to_string());
+        assert_eq!(
+            rows_of_s7200(
+                "Motor\tQ0.0\tthe pump, large\r\nLevel\tVW100\t\r\nFirst\tSM0.1\r\nMixer\tSBR3\tblock\r\nMax\t16#FF\r\n"
+            ),
+            [
+                row("Motor", "Q0.0", "the pump, large"),
+                row("Level", "VW100", ""),
+                row("First", "SM0.1", ""),
+                row("Mixer", "SBR3", "block"),
+                row("Max", "16#FF", "")
+            ]
+        );
+        assert_eq!(
+            rows_of_s7200("Symbol,Address,Comment\n水泵,Q0.0,\nTime,T37,5 s\n"),
+            [row("水泵", "Q0.0", ""), row("Time", "T37", "5 s")]
+        );
+        assert_eq!(rows_of_s7200("Level;VW100;text\nStop;I0.1;\n"), [row("Level", "VW100", "text"), row("Stop", "I0.1", "")]);
+        // Both families can read these.
+        let (table, _) = parse(FileId(0), &SourceFile::new("table", "Key\tI0.0\t\nLamp\tM1.5\t\n"));
+        assert_eq!((table.symbols.len(), table.s7200.len()), (2, 2));
+        let (table, _) = parse(FileId(0), &SourceFile::new("table", "\tE 0.0\tKey\t\n"));
+        assert_eq!((table.s7200[0].address.as_str(), table.symbols.len()), ("E0.0", 1));
+        // A table for S7-300 with a row that is none.
+        let (_, bad) = read("Lamp;A 4.1;BOOL;text\nSCALE;FC105;FC 105;\nx;VW 100;WORD;\n");
+        assert_eq!(bad, 1);
+    }
+
     #[test]
     fn programs_are_no_tables() {
-        for text in ["A I 0.0; = Q 4.0;\n", "\tA I 0.0\n\t= Q 4.0\n", "FUNCTION FC 1 : VOID\n", "", "L 1; T MW 2; BE\n"]
-        {
+        for text in [
+            "A I 0.0; = Q 4.0;\n",
+            "\tA I 0.0\n\t= Q 4.0\n",
+            "FUNCTION FC 1 : VOID\n",
+            "",
+            "L 1; T MW 2; BE\n",
+            "LD\tI0.0\nA\tI0.1\n",
+            "VW0 1\nSpeed\t5, 6\n",
+            "Speed, 5\n",
+            "TON\tT37, 50\nMOVW\tVW0, VW2\n",
+        ] {
             assert!(!is_symbol_table(text), "{text:?}");
         }
     }

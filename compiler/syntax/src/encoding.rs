@@ -1,8 +1,14 @@
 //! Bytes of a source file to text.
 
-/// Text of a file: by its byte order mark, else UTF-8 if it is that, else Windows-1252.
+use chardetng::{EncodingDetector, Iso2022JpDetection, Utf8Detection};
+use encoding_rs::{
+    BIG5, EUC_KR, Encoding, GBK, SHIFT_JIS, WINDOWS_1250, WINDOWS_1251, WINDOWS_1252, WINDOWS_1254, WINDOWS_1258,
+};
+
+/// Text of a file: by its byte order mark, else UTF-8 if it is that, else the code page that its letters show.
 ///
-/// STEP 7 writes Windows-1252, newer tools UTF-8. Bytes that Windows-1252 leaves open keep their number as a character.
+/// STEP 7 and Micro/WIN write the code page of the PC, newer tools UTF-8. Windows-1252 is the one that is taken where nothing tells. Bytes
+/// that it leaves open keep their number as a character.
 pub fn decode(bytes: &[u8]) -> String {
     let text = decode_bytes(bytes);
     match has_lone_returns(&text) {
@@ -35,6 +41,64 @@ fn decode_bytes(bytes: &[u8]) -> String {
     }
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
-        Err(_) => encoding_rs::WINDOWS_1252.decode_without_bom_handling(bytes).0.into_owned(),
+        Err(_) => code_page(bytes).decode_without_bom_handling(bytes).0.into_owned(),
+    }
+}
+
+/// Code pages of Windows, which the tools write; what else a text may be is not met in sources.
+const CODE_PAGES: [&Encoding; 8] =
+    [GBK, BIG5, SHIFT_JIS, EUC_KR, WINDOWS_1250, WINDOWS_1251, WINDOWS_1254, WINDOWS_1258];
+
+/// Shorter texts tell nothing.
+const SHORTEST_TEXT: usize = 8;
+
+/// The code page of a text that is not UTF-8.
+fn code_page(bytes: &[u8]) -> &'static Encoding {
+    if bytes.len() < SHORTEST_TEXT {
+        return WINDOWS_1252;
+    }
+    let mut detector = EncodingDetector::new(Iso2022JpDetection::Deny);
+    detector.feed(bytes, true);
+    let guess = detector.guess(None, Utf8Detection::Deny);
+    match CODE_PAGES.contains(&guess) && !guess.decode_without_bom_handling(bytes).1 {
+        true => guess,
+        false => WINDOWS_1252,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::decode;
+
+    #[test]
+    fn byte_order_marks_and_utf_8() {
+        assert_eq!(decode(b"\xEF\xBB\xBFLD I0.0"), "LD I0.0");
+        assert_eq!(decode("// 泵\n".as_bytes()), "// 泵\n");
+        assert_eq!(decode(b"\xFF\xFEL\0D\0"), "LD");
+        assert_eq!(decode(b"\xFE\xFF\0L\0D"), "LD");
+    }
+
+    #[test]
+    fn code_pages() {
+        // "SUBROUTINE_BLOCK", two Chinese characters in GBK, ":SBR0".
+        assert_eq!(decode(b"SUBROUTINE_BLOCK \xB6\xA8\xCA\xB1:SBR0\r\n"), "SUBROUTINE_BLOCK 定时:SBR0\r\n");
+        assert_eq!(decode(b"// \xC6\xF4\xB6\xAF\xCB\xAE\xB1\xC3\nLD I0.0\n"), "// 启动水泵\nLD I0.0\n");
+        // Windows-1251.
+        assert_eq!(decode(b"// \xCF\xF3\xF1\xEA \xED\xE0\xF1\xEE\xF1\xE0\nLD I0.0\n"), "// Пуск насоса\nLD I0.0\n");
+        // Windows-1250.
+        assert_eq!(
+            decode(b"// Sie\xE6 zasilaj\xB9ca, w\xB3\xB9czenie pompy i zawor\xF3w\nLD I0.0\n"),
+            "// Sieć zasilająca, włączenie pompy i zaworów\nLD I0.0\n"
+        );
+    }
+
+    #[test]
+    fn western_texts_stay_western() {
+        assert_eq!(decode(b"// St\xF6rung F\xFCllstand\nU E 0.0\n"), "// Störung Füllstand\nU E 0.0\n");
+        assert_eq!(decode(b"// Temperatur 25 \xB0C\nLD I0.0\n"), "// Temperatur 25 °C\nLD I0.0\n");
+        assert_eq!(decode(b"// gro\xDF\n// m\xB3/h, 5 \xB5s\n"), "// groß\n// m³/h, 5 µs\n");
+        for byte in 0xA0..=0xFF_u8 {
+            assert_eq!(decode(&[byte]), char::from(byte).to_string());
+        }
     }
 }

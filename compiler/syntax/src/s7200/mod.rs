@@ -46,6 +46,11 @@ pub fn is_mnemonic(word: &str) -> bool {
     mnemonics::any(&word.to_ascii_uppercase(), Mnemonics::En).is_some()
 }
 
+/// Whether `word` is a mnemonic, of either set or another spelling, whose instruction has operands.
+pub fn has_operands(word: &str) -> bool {
+    mnemonics::any(&word.to_ascii_uppercase(), Mnemonics::En).is_some_and(|insn| !insn.operands().is_empty())
+}
+
 /// The direct address that `text` is (`VW100`, `E 0.0` without its blank), in either set.
 pub fn parse_address(text: &str) -> Option<ast::Direct> {
     address::parse(&text.trim().to_ascii_uppercase())?.ok()

@@ -37,7 +37,7 @@ pub use instructions::{Mnemonics, OperandClass, StlInsn};
 pub use reference::reference;
 
 /// Whether `word` is a mnemonic of either set, CALL included.
-pub(crate) fn is_mnemonic(word: &str) -> bool {
+pub fn is_mnemonic(word: &str) -> bool {
     let upper = mnemonics::Upper::new(word);
     upper.as_str() == "CALL"
         || [Mnemonics::En, Mnemonics::De].into_iter().any(|set| mnemonics::instruction(upper.as_str(), set).is_some())
