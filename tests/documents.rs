@@ -80,6 +80,7 @@ const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
     (Code::BranchNeighbour, "needs an export in XML"),
     (Code::BranchArms, "needs an export in XML"),
     (Code::ChartInstance, "needs an export in XML"),
+    (Code::MixedFamilies, "needs two files"),
     (Code::AssertionNotReached, "comes when a test has run"),
 ];
 

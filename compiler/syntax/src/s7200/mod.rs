@@ -61,6 +61,20 @@ pub fn address_text(direct: &ast::Direct) -> String {
     address::text(direct)
 }
 
+/// The constant that `text` is (`-5`, `16#FF`, `1.5`, `'AB'`), as in a symbol table.
+pub fn parse_constant(text: &str) -> Option<ast::Constant> {
+    use ast::Constant;
+    let text = text.trim();
+    if let Some(inner) = text.strip_prefix('\'').and_then(|text| text.strip_suffix('\'')) {
+        return constant::text(inner).ok().map(Constant::Characters);
+    }
+    let digits = text.strip_prefix('+').unwrap_or(text);
+    if let Ok((value, width)) = constant::based(digits) {
+        return Some(Constant::Bits { value, width });
+    }
+    constant::integer(digits).map(Constant::Integer).or_else(|_| constant::real(digits).map(Constant::Real)).ok()
+}
+
 /// The block that `text` numbers: `SBR3`, `INT0`, `OB1`.
 pub fn parse_block(text: &str) -> Option<(ast::BlockKind, u32)> {
     layout::block(&text.trim().to_ascii_uppercase())

@@ -6,14 +6,14 @@ use std::rc::Rc;
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::ast as classic;
-use plcc_syntax::s7200::Insn;
 use plcc_syntax::s7200::ast::{self, Area, Direct, OperandKind, Section, StatementKind};
+use plcc_syntax::s7200::{self, Insn};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::super::path::distance;
 use super::Binder;
 use super::interface::Locals;
-use crate::symbols::SymbolTarget;
+use crate::symbols::{Symbol, SymbolTarget};
 
 /// Names of files without block headers that hold the main program, folded.
 const MAIN_FILES: &[&str] = &[
@@ -238,9 +238,14 @@ impl<'a> Binder<'a> {
     fn read_tables(&mut self) {
         let mut rows: Vec<(&'a str, Span, OperandKind)> = Vec::new();
         for table in self.input.tables {
-            rows.extend(
-                table.symbols.iter().map(|symbol| (symbol.name.as_str(), symbol.span, classic_target(symbol.target))),
-            );
+            for row in &table.s7200 {
+                rows.push((&row.name, row.name_span, target(&row.address)));
+            }
+            // A row that is possible in both families is in both lists.
+            if table.s7200.is_empty() {
+                let row = |symbol: &'a Symbol| (symbol.name.as_str(), symbol.span, classic_target(symbol.target));
+                rows.extend(table.symbols.iter().map(row));
+            }
         }
         for (name, span, target) in rows {
             self.add_global(name, span, target);
@@ -350,6 +355,17 @@ fn named_blocks(block: &ast::Block, wanted: Insn, names: &mut FxHashSet<String>)
             names.insert(fold(name));
         }
     }
+}
+
+/// The address column of a symbol table.
+fn target(address: &str) -> OperandKind {
+    if let Some(direct) = s7200::parse_address(address) {
+        return OperandKind::Direct(direct);
+    }
+    if let Some((kind, number)) = s7200::parse_block(address) {
+        return OperandKind::Block { kind, number };
+    }
+    s7200::parse_constant(address).map_or(OperandKind::Error, OperandKind::Constant)
 }
 
 /// A row of a symbol table in the form of the other families.

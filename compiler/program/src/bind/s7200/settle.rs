@@ -67,7 +67,17 @@ impl Binder<'_> {
                 OperandKind::Indirect(_)
                 | OperandKind::AddressOf(_)
                 | OperandKind::Symbol { .. }
-                | OperandKind::Error => None,
+                | OperandKind::Error => {
+                    let row = global.span;
+                    let title = format!("the symbol `{name}` has no address of the S7-200");
+                    self.push(
+                        Diagnostic::new(Code::UnknownSymbol, span, title)
+                            .label("used here")
+                            .also(row, "its row in the symbol table")
+                            .help("correct the address in the table"),
+                    );
+                    None
+                }
             };
         }
         if let Some(&index) = self.by_name.get(&fold(name)) {
