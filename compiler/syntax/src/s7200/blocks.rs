@@ -115,6 +115,7 @@ impl Builder<'_> {
             LineKind::Instruction { insn, mnemonic, operands } => {
                 let kind = StatementKind::Instruction { insn, mnemonic_span: mnemonic, operands };
                 self.statement(Statement { kind, span, comment });
+                self.end = span;
                 self.end_section(insn);
             }
             LineKind::Pragma(pragma, assert) => {

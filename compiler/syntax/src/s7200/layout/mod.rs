@@ -203,6 +203,7 @@ impl<'a> Layout<'a, '_> {
             "VAR" | "VAR_TEMP" => (Mode::Declarations, Tok::Section(Section::Temp)),
             "END_VAR" if self.mode == Mode::Skipped => {
                 self.mode = Mode::Code;
+                self.push(first.range(), Tok::BadLine);
                 return true;
             }
             "END_VAR" => (Mode::Code, Tok::EndVar),

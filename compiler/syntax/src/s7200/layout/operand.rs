@@ -203,10 +203,14 @@ impl<'a> Layout<'a, '_> {
     }
 
     fn word(&mut self, token: RawToken, text: &'a str) -> Tok<'a> {
-        if self.place == Where::Declaration {
-            return Tok::Bare(text);
-        }
         let upper = text.to_ascii_uppercase();
+        if self.place == Where::Declaration {
+            let value = matches!(self.laid.tokens.last(), Some((_, Tok::Assign, _)));
+            return match value && is_bool(&upper) {
+                true => Tok::Bool(matches!(upper.as_str(), "TRUE" | "ON")),
+                false => Tok::Bare(text),
+            };
+        }
         if self.place == Where::Assertion {
             match upper.as_bytes() {
                 [b'S', level @ b'0'..=b'8'] => return Tok::Stack(level - b'0'),
