@@ -143,7 +143,10 @@ impl Source {
 
     pub fn read(&self, cpu: &Cpu, plant: Option<&Plant>) -> Value {
         match self {
-            Source::Bits(address) => Value::Bits(cpu.read(address), address.width),
+            Source::Bits(address) => {
+                let driven = pulse_terminal(address, cpu).and_then(|number| cpu.s7200_pulse_level(number));
+                Value::Bits(driven.map_or_else(|| cpu.read(address), u64::from), address.width)
+            }
             Source::Number(address, ty) => {
                 let bits = cpu.read(address);
                 Value::Number(match ty {
@@ -197,6 +200,14 @@ impl Source {
             Source::Plant(_) => return Err("a value of the plant is set by `plant = { name = 1.0 }`".to_string()),
         };
         cpu.write(address, bits)
+    }
+}
+
+/// The pulse output of an S7-200 whose terminal the address is: Q0.0, Q0.1.
+fn pulse_terminal(address: &Address, cpu: &Cpu) -> Option<u8> {
+    match (address.place, address.width) {
+        (Place::Output(0), Width::Bit(bit)) if cpu.s7200().is_some() && bit < crate::s7200::PULSE_OUTPUTS => Some(bit),
+        _ => None,
     }
 }
 

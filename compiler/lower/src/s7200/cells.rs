@@ -3,7 +3,7 @@
 //! A timer box of 100 ms and all counters are computed here; timers of 1 ms and 10 ms run by themselves, in the runtime.
 
 use plcc_abi::RuntimeFn;
-use plcc_abi::s7200::{Resolution, TimerKind, system, timer_resolution};
+use plcc_abi::s7200::{Operation, Resolution, TimerKind, system, timer_resolution};
 use plcc_ir::{Address, BinaryOp, ConvertOp, IntCc, Region, Type, Value};
 use plcc_program::model::s7200::{Insn, Operand, Width};
 
@@ -19,6 +19,9 @@ impl Context<'_, '_> {
             if insn == Insn::Ton && timer_resolution(*number) == Resolution::Ms100 {
                 return context.on_delay_100_ms(*number, preset, enable);
             }
+            if insn == Insn::Tof && context.step.is_some() {
+                context.reset_in_inactive_step(*number);
+            }
             let kind = match insn {
                 Insn::Ton => TimerKind::Ton,
                 Insn::Tonr => TimerKind::Tonr,
@@ -28,6 +31,21 @@ impl Context<'_, '_> {
             let (preset, enable) = (context.b.zext(Type::I32, preset), context.b.zext(Type::I32, enable));
             context.b.call_runtime(RuntimeFn::S7200Timer, &[number, kind, preset, enable]);
         });
+    }
+
+    /// A TOF in a step that is not active does not time: it is reset, and its box then sees its input off.
+    fn reset_in_inactive_step(&mut self, number: u8) {
+        let Some(step) = self.step else { return };
+        let active = self.get(step.gate);
+        let (inactive, behind) = (self.b.create_block(), self.b.create_block());
+        self.b.branch(active, behind, inactive);
+        self.b.seal_block(inactive);
+        self.b.switch_to(inactive);
+        let (number, count) = (self.b.i32_const(u32::from(number)), self.b.i32_const(1));
+        self.run_raw(Operation::ResetTimers, &[number, count]);
+        self.b.jump(behind, &[]);
+        self.b.seal_block(behind);
+        self.b.switch_to(behind);
     }
 
     /// The box adds the ticks between the last two scans, if it was on before.

@@ -226,9 +226,12 @@ impl<'p, 'o> Context<'p, 'o> {
         let enable = self.top();
         let before = self.get(self.eno);
         let skipped = if has_eno { self.b.bool_const(false) } else { before };
+        let constant = self.b.constant_bits(enable);
+        if constant == Some(0) {
+            return self.set(self.eno, skipped);
+        }
         let behind = self.b.create_block();
-        match self.b.constant_bits(enable) {
-            Some(0) => return self.set(self.eno, skipped),
+        match constant {
             Some(_) => {}
             None => {
                 let (run, skip) = (self.b.create_block(), self.b.create_block());
