@@ -76,11 +76,13 @@ impl Binder<'_> {
         let classes = insn.operands();
         // `NOP` is written with and without its number.
         let optional = insn == Insn::Nop && operands.is_empty();
-        if operands.len() < classes.len() && !optional {
+        // What was left of a line that could not be read is no count.
+        let unread = operands.iter().any(|operand| operand.kind == ast::OperandKind::Error);
+        if operands.len() < classes.len() && !optional && !unread {
             let what = classes.get(operands.len()).map_or("one", |class| describe(*class));
             self.missing_operand(what, mnemonic);
         }
-        if let Some(surplus) = operands.get(classes.len()) {
+        if let Some(surplus) = operands.get(classes.len()).filter(|_| !unread) {
             let title = format!("`{}` has {}", self.mnemonic(insn), count(classes.len()));
             self.push(
                 Diagnostic::new(Code::SurplusOperand, surplus.span, title)

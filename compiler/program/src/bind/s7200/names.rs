@@ -285,17 +285,30 @@ impl<'a> Binder<'a> {
     pub fn nearest(&self, name: &str, locals: &Locals) -> Vec<String> {
         let wanted = fold(name);
         let limit = match wanted.chars().count() {
-            0 | 1 => return Vec::new(),
+            0 | 1 | 65.. => return Vec::new(),
             2 | 3 => 1,
             _ => 2,
         };
-        let globals = self.globals.values().map(|global| global.name.clone());
-        let blocks = self.blocks.iter().map(|block| block.name.clone());
-        let names = locals.list.iter().map(|local| format!("#{}", local.name)).chain(globals).chain(blocks);
-        let mut near: Vec<(usize, String)> = names
-            .map(|other| (distance(&wanted, &fold(other.trim_start_matches('#'))), other))
-            .filter(|(distance, other)| *distance <= limit && !other.is_empty())
-            .collect();
+        let mut near: Vec<(usize, String)> = Vec::new();
+        let mut look_at = |folded: &str, name: &dyn Fn() -> String| {
+            // Names of another length are far away; tables are long.
+            if folded.len().abs_diff(wanted.len()) <= limit * 4 {
+                let distance = distance(&wanted, folded);
+                if distance <= limit {
+                    near.push((distance, name()));
+                }
+            }
+        };
+        for local in &locals.list {
+            look_at(&fold(&local.name), &|| format!("#{}", local.name));
+        }
+        for (folded, global) in &self.globals {
+            look_at(folded, &|| global.name.clone());
+        }
+        for (folded, &index) in &self.by_name {
+            look_at(folded, &|| self.blocks.get(index).map(|block| block.name.clone()).unwrap_or_default());
+        }
+        near.retain(|(_, name)| !name.is_empty());
         near.sort();
         near.dedup();
         near.into_iter().take(3).map(|(_, name)| name).collect()
