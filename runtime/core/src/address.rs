@@ -257,6 +257,11 @@ impl Cpu {
                 }
             }
             Place::Input(byte) => {
+                if let Width::Bit(_) = address.width {
+                    // The other bits of the byte are what the module shows, not what the program has made of its image.
+                    let module = self.driver.read(byte, 1).unwrap_or(0);
+                    self.memory.set_byte(layout::I + byte, module as u8);
+                }
                 self.write_memory(address, value);
                 let offset = layout::I + byte;
                 for index in 0..address.width.bytes() {

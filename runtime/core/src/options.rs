@@ -59,6 +59,9 @@ pub struct RunOptions {
     /// Host time that a cycle may take under the virtual clock; 10s if left out
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub hang_limit: Option<Duration>,
+    /// S7-200: errors that leave a real CPU in RUN stop it, too
+    #[arg(long)]
+    pub stop_on_error: bool,
 }
 
 /// A time span in nanoseconds, as given to a flag.

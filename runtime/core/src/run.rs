@@ -79,11 +79,12 @@ impl Observer for Session {
 }
 
 /// Runs a program by the runtime flags. Values go to standard output, messages to standard error. Result: exit code.
-pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
+pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
     let clock = match options.clock {
         ClockKind::Real => Clock::real(),
         ClockKind::Virtual => Clock::simulated(),
     };
+    image.config.s7200.stop_on_error |= options.stop_on_error;
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
     let cpu = Cpu::new(image, code, clock, driver);
     if let Some(port) = options.iso_port {

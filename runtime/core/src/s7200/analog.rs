@@ -18,8 +18,6 @@ const CURRENT_MASK: i16 = 0x7FF0;
 /// Ends of the output: -10 to 10 V and 0 to 20 mA.
 const OUTPUT_VOLTS: f64 = 10.0;
 const OUTPUT_MILLIAMPERES: f64 = 20.0;
-/// Voltage ranges end at 10 V at most; one that ends higher is of a current.
-const VOLTS_MAX: f64 = 10.0;
 
 /// A unit as it is used with a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,14 +125,14 @@ pub(crate) fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Resu
                 return Err(format!("the range of {} is not known; give it in plc.toml", module.name));
             }
             let channel = Channel::Input { low, high, bipolar: module.bipolar };
-            let current = high > VOLTS_MAX;
-            match (unit, current) {
+            match (unit, module.unit.as_str()) {
                 ("%", _) => Ok(ModuleScale { channel, factor: None }),
-                ("V", false) | ("mA", true) => scale(channel, 1.0),
-                ("mV", false) => scale(channel, 1e-3),
-                ("A", true) => scale(channel, 1e3),
-                (_, true) => Err(format!("the channel has {low} to {high} mA: write a number in mA or in %")),
-                (_, false) => Err(format!("the channel has {low} to {high} V: write a number in V or in %")),
+                (unit, of_range) if unit == of_range => scale(channel, 1.0),
+                ("mV", "V") => scale(channel, 1e-3),
+                ("V", "mV") | ("A", "mA") => scale(channel, 1e3),
+                (_, of_range) => {
+                    Err(format!("the channel has {low} to {high} {of_range}: write a number in {of_range} or in %"))
+                }
             }
         }
         (Place::S7200(Part::AnalogOutput, byte), Width::Word) => {
@@ -159,7 +157,7 @@ mod tests {
 
     fn em235(low: f64, high: f64, bipolar: bool) -> AnalogModule {
         let (low, high) = (low.to_bits(), high.to_bits());
-        AnalogModule { name: "EM 235".to_string(), inputs: 4, outputs: 1, low, high, bipolar }
+        AnalogModule { name: "EM 235".to_string(), inputs: 4, outputs: 1, low, high, unit: "V".to_string(), bipolar }
     }
 
     fn input(low: f64, high: f64, bipolar: bool) -> ModuleScale {

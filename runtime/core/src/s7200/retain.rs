@@ -12,6 +12,7 @@ use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use plcc_abi::layout;
@@ -35,8 +36,10 @@ const TONR: [(u32, u32); 2] = [(0, 32), (64, 32)];
 /// State of the file.
 #[derive(Default)]
 pub struct Retain {
-    /// What the file holds, as far as we wrote or read it.
+    /// What the file holds, as far as we wrote or read it, or will hold when `writer` is ready.
     written: RefCell<Vec<u8>>,
+    /// Writes the file while scans go on: a disk may take longer than a scan.
+    writer: RefCell<Option<JoinHandle<std::io::Result<()>>>>,
     last_write: Cell<Option<Instant>>,
     permanent: RefCell<BTreeMap<u16, u8>>,
     /// Retentive memory was expected and is not there.
@@ -218,34 +221,51 @@ impl Cpu {
         let retain = &own.retain;
         let soon = retain.last_write.get().is_some_and(|last| last.elapsed() < PAUSE);
         let damaged = self.stopped().is_some_and(|stop| stop.entry.event == INTERNAL_ERROR);
-        if soon && !finally || damaged {
+        let busy = retain.writer.borrow().as_ref().is_some_and(|writer| !writer.is_finished());
+        if (soon || busy) && !finally || damaged {
             return;
         }
         retain.last_write.set(Some(Instant::now()));
+        if let Some(writer) = retain.writer.take() {
+            let result = writer.join().unwrap_or_else(|_| Err(std::io::ErrorKind::Other.into()));
+            self.note_write(path, result);
+        }
         let file = self.retentive_image();
         if *retain.written.borrow() == file {
             return;
         }
-        match replace(path, &file, finally) {
-            Ok(()) => *retain.written.borrow_mut() = file,
-            Err(error) if !retain.failed.replace(true) => {
-                say(&format!("cannot write retentive memory to {}: {error}", path.display()));
-            }
-            Err(_) => {}
+        retain.written.borrow_mut().clone_from(&file);
+        // Without a real clock a scan may take as long as it likes.
+        if finally || self.clock.is_virtual() {
+            self.note_write(path, replace(path, &file));
+            return;
+        }
+        let own_path = path.to_path_buf();
+        let spawned = std::thread::Builder::new().spawn(move || replace(&own_path, &file));
+        match spawned {
+            Ok(writer) => *retain.writer.borrow_mut() = Some(writer),
+            Err(error) => self.note_write(path, Err(error)),
+        }
+    }
+
+    /// A file that was not written is written again after the next change; the first failure is told.
+    fn note_write(&self, path: &Path, result: std::io::Result<()>) {
+        let (Some(own), Err(error)) = (self.s7200(), result) else { return };
+        own.retain.written.borrow_mut().clear();
+        if !own.retain.failed.replace(true) {
+            say(&format!("cannot write retentive memory to {}: {error}", path.display()));
         }
     }
 }
 
-/// Writes a file beside `path` and puts it in its place. `lasting`: only when it is on the disk.
-fn replace(path: &Path, bytes: &[u8], lasting: bool) -> std::io::Result<()> {
+/// Writes a file beside `path` and puts it in its place when it is on the disk.
+fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(".new");
     let new: PathBuf = path.with_file_name(name);
     let mut file = std::fs::File::create(&new)?;
     file.write_all(bytes)?;
-    if lasting {
-        file.sync_all()?;
-    }
+    file.sync_all()?;
     drop(file);
     std::fs::rename(&new, path)
 }

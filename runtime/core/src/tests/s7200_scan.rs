@@ -67,7 +67,7 @@ fn special_memory_that_the_cpu_fills() {
 
 fn analog(name: &str, inputs: u8, outputs: u8) -> AnalogModule {
     let (low, high) = (0f64.to_bits(), 10f64.to_bits());
-    AnalogModule { name: name.to_string(), inputs, outputs, low, high, bipolar: false }
+    AnalogModule { name: name.to_string(), inputs, outputs, low, high, unit: "V".to_string(), bipolar: false }
 }
 
 #[test]

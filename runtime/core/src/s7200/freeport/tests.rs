@@ -133,9 +133,10 @@ fn transmit_takes_its_time() {
     assert_eq!(sm(&cpu, 4), 0x40);
     assert_eq!(transmit(&cpu, &operands(V, 0)), 0, "0009");
     pass(&cpu, 3 * CHARACTER - 1);
-    assert_eq!((raised(&cpu), sm(&cpu, 4)), (vec![], 0x40));
+    // SM4.3 tells of the error.
+    assert_eq!((raised(&cpu), sm(&cpu, 4)), (vec![], 0x48));
     pass(&cpu, 1);
-    assert_eq!((raised(&cpu), sm(&cpu, 4)), (vec![(9, None)], 0x60));
+    assert_eq!((raised(&cpu), sm(&cpu, 4)), (vec![(9, None)], 0x68));
     assert_eq!((cpu.s7200_take_sent(0), cpu.s7200_take_sent(0)), (b"abc".to_vec(), vec![]));
     assert_eq!(transmit(&cpu, &operands(V, 0)), result::ENO);
 }
