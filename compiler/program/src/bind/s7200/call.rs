@@ -8,7 +8,7 @@ use plcc_syntax::s7200::ast::{self, Constant, Section};
 use super::Binder;
 use super::constant::{Target, whole};
 use super::interface::{Local, Locals, Type};
-use super::operand::{memory, place};
+use super::operand::memory;
 use super::settle::Settled;
 use crate::model::s7200::{Operand, StatementKind};
 
@@ -229,24 +229,5 @@ impl Binder<'_> {
                 .label(format!("{what} must follow"))
                 .help("write all operands of the instruction"),
         );
-    }
-
-    /// The operand that the pragma at `span` compares, with its width.
-    pub fn plain(&mut self, settled: Settled, span: Span) -> Option<(Operand, plcc_syntax::ast::Width)> {
-        use plcc_syntax::ast::Width;
-        use plcc_syntax::s7200::ast::Area;
-        let direct = match settled {
-            Settled::Direct(direct) => direct,
-            Settled::StringVariable(pointer) => return Some((memory(pointer, Width::Dword)?, Width::Dword)),
-            _ => return None,
-        };
-        let width = match (direct.area, direct.width) {
-            (_, Some(width)) => width,
-            (Area::T | Area::C, None) => Width::Bit,
-            (Area::Ai | Area::Aq, None) => Width::Word,
-            (_, None) => Width::Dword,
-        };
-        self.check_range(direct, width, 1, span)?;
-        Some((place(direct, width), width))
     }
 }

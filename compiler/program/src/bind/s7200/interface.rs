@@ -190,7 +190,7 @@ impl Binder<'_> {
             );
         }
         if locals.parameters().count() > PARAMETERS_MAX {
-            let span = block.declarations.iter().nth(PARAMETERS_MAX).map_or(block.span, |one| one.name_span);
+            let span = block.declarations.get(PARAMETERS_MAX).map_or(block.span, |one| one.name_span);
             self.push(
                 Diagnostic::new(Code::LayoutTooLarge, span, "a subroutine has at most 16 parameters (0090)")
                     .label(format!("this one has {}", locals.parameters().count()))

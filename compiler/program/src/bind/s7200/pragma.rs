@@ -3,12 +3,13 @@
 use plcc_abi::image::AssertOp;
 use plcc_diag::Span;
 use plcc_syntax::ast::{self as classic, Pragma, Width};
-use plcc_syntax::s7200::ast::{Assert, AssertSide, Constant, Operand as Written};
+use plcc_syntax::s7200::ast::{Area, Assert, AssertSide, Constant, Operand as Written};
 
 use super::super::pragma::{bad_pragma, split, unknown_pragma};
 use super::Binder;
 use super::constant::{Target, mask};
 use super::interface::Locals;
+use super::operand::{memory, place};
 use super::settle::Settled;
 use crate::model::s7200 as model;
 use crate::model::s7200::StatementKind;
@@ -108,6 +109,23 @@ impl Binder<'_> {
                 None
             }
         }
+    }
+
+    /// The operand that the pragma at `span` compares, with its width.
+    fn plain(&mut self, settled: Settled, span: Span) -> Option<(model::Operand, Width)> {
+        let direct = match settled {
+            Settled::Direct(direct) => direct,
+            Settled::StringVariable(pointer) => return Some((memory(pointer, Width::Dword)?, Width::Dword)),
+            _ => return None,
+        };
+        let width = match (direct.area, direct.width) {
+            (_, Some(width)) => width,
+            (Area::T | Area::C, None) => Width::Bit,
+            (Area::Ai | Area::Aq, None) => Width::Word,
+            (_, None) => Width::Dword,
+        };
+        self.check_range(direct, width, 1, span)?;
+        Some((place(direct, width), width))
     }
 
     /// A constant gets the bits that it has in the width of the other side.
