@@ -545,7 +545,10 @@ mod tests {
             rows_of_s7200("Symbol,Address,Comment\n水泵,Q0.0,\nTime,T37,5 s\n"),
             [row("水泵", "Q0.0", ""), row("Time", "T37", "5 s")]
         );
-        assert_eq!(rows_of_s7200("Level;VW100;text\nStop;I0.1;\n"), [row("Level", "VW100", "text"), row("Stop", "I0.1", "")]);
+        assert_eq!(
+            rows_of_s7200("Level;VW100;text\nStop;I0.1;\n"),
+            [row("Level", "VW100", "text"), row("Stop", "I0.1", "")]
+        );
         // Both families can read these.
         let (table, _) = parse(FileId(0), &SourceFile::new("table", "Key\tI0.0\t\nLamp\tM1.5\t\n"));
         assert_eq!((table.symbols.len(), table.s7200.len()), (2, 2));
