@@ -214,8 +214,9 @@ fn check_messages(path: &Path) -> Result<(), String> {
 fn sample_trials(trials: &mut Vec<Trial>) {
     let samples = folders_in(&root().join("samples"));
     for sample in &samples {
-        // One plant in several languages: a project each.
-        let variants = with_project(folders_in(sample));
+        // One plant in several languages: a project each. Other folders are samples of their own.
+        let mut variants = with_project(folders_in(sample));
+        variants.retain(|folder| folder.file_name().is_some_and(|name| VARIANTS.iter().any(|variant| name == *variant)));
         if let [first, others @ ..] = variants.as_slice() {
             for other in others {
                 let (first, other) = (first.clone(), other.clone());
@@ -245,6 +246,9 @@ fn sample_trials(trials: &mut Vec<Trial>) {
         }
     }
 }
+
+/// Folders with one plant in several languages.
+const VARIANTS: [&str; 2] = ["fbd", "lad"];
 
 /// Folders in a folder, by name.
 fn folders_in(folder: &Path) -> Vec<PathBuf> {
