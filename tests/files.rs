@@ -216,7 +216,8 @@ fn sample_trials(trials: &mut Vec<Trial>) {
     for sample in &samples {
         // One plant in several languages: a project each. Other folders are samples of their own.
         let mut variants = with_project(folders_in(sample));
-        variants.retain(|folder| folder.file_name().is_some_and(|name| VARIANTS.iter().any(|variant| name == *variant)));
+        variants
+            .retain(|folder| folder.file_name().is_some_and(|name| VARIANTS.iter().any(|variant| name == *variant)));
         if let [first, others @ ..] = variants.as_slice() {
             for other in others {
                 let (first, other) = (first.clone(), other.clone());
