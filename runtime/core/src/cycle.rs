@@ -232,6 +232,8 @@ impl Cpu {
         const MISSING: u64 = 1 << 32;
         match bytes {
             1 | 2 | 4 => {
+                // Trains of pulses show their levels of this moment.
+                self.s7200_poll_counters();
                 let counter = self.read_counter(address, bytes);
                 counter.or_else(|| self.driver.read(address, bytes)).map_or(MISSING, u64::from)
             }

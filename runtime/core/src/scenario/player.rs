@@ -137,7 +137,6 @@ impl Observer for Player {
     fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         // What came until now counts by the levels before it.
         cpu.s7200_poll_counters();
-        cpu.s7200_image_pulses();
         self.step_plant(cpu, cycle, time);
         for (at, happened) in self.scenario.entries.iter().zip(&mut self.happened) {
             let now = match at.when {

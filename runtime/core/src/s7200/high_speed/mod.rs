@@ -17,7 +17,6 @@ mod tests;
 
 use std::cell::RefCell;
 
-use plcc_abi::layout;
 use plcc_abi::s7200::error;
 
 use super::{Operands, S7200, done, failed, special};
@@ -144,16 +143,6 @@ impl Cpu {
             }
         }
         Ok(true)
-    }
-
-    /// Puts the levels of inputs with pulses into the process image, before a scenario sets other bits of their bytes.
-    pub(crate) fn s7200_image_pulses(&self) {
-        let Some(own) = self.s7200() else { return };
-        let driven = own.counters.bank.borrow().driven;
-        let levels = self.pin_levels();
-        for pin in (0..PINS as u8).filter(|&pin| bit(pin) & driven != 0) {
-            self.memory.set_bit(layout::I + u32::from(pin / 8), pin % 8, bit(pin) & levels != 0);
-        }
     }
 
     /// Levels of the inputs on board, as the driver shows them.
