@@ -1,6 +1,7 @@
 //! Documents that must agree with the code: generated references, pages of diagnostics, decisions, links; one test file an instruction,
 //! and a pair of them a diagnostic code.
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -11,12 +12,18 @@ use plcc_driver::pipeline::{self, Settings};
 use plcc_driver::testing::{self, Form, Variant};
 use plcc_syntax::ParseOptions;
 use plcc_syntax::ast::Block;
-use plcc_syntax::stl::StlInsn;
+use plcc_syntax::s7200::{Compare, Insn};
+use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_tests::{expect_file, files, plan, root, shown, tests_folder};
 
 #[test]
 fn the_instruction_reference_is_current() {
     expect_file(&root().join("docs/reference/stl.md"), &plcc_syntax::stl::reference()).unwrap();
+}
+
+#[test]
+fn the_reference_of_the_s7_200_is_current() {
+    expect_file(&root().join("docs/reference/s7-200.md"), &plcc_program::s7200_reference()).unwrap();
 }
 
 #[test]
@@ -53,6 +60,33 @@ fn every_instruction_has_its_test_file() {
         .filter(|name| !folder.join(name).is_file())
         .collect();
     assert!(missing.is_empty(), "not in {}: {}", shown(&folder), missing.join(", "));
+}
+
+#[test]
+fn every_instruction_of_the_s7_200_is_in_a_test() {
+    let folder = tests_folder().join("run/awl");
+    let written = first_words(&files(&folder, "awl"));
+    let missing: Vec<String> = Insn::ROWS
+        .iter()
+        .copied()
+        .chain(Compare::all().map(Insn::Compare))
+        .filter(|insn| {
+            let names = [Mnemonics::En, Mnemonics::De].map(|set| insn.mnemonic(set));
+            !names.iter().any(|name| written.contains(name.as_ref()))
+        })
+        .map(|insn| insn.mnemonic(Mnemonics::En).into_owned())
+        .collect();
+    assert!(missing.is_empty(), "no file in {} has {}", shown(&folder), missing.join(", "));
+}
+
+/// The first word of each line, in capital letters: mnemonics among them.
+fn first_words(paths: &[PathBuf]) -> HashSet<String> {
+    let mut words = HashSet::new();
+    for path in paths {
+        let text = inputs::read_text(path).unwrap();
+        words.extend(text.lines().filter_map(|line| line.split_whitespace().next()).map(str::to_uppercase));
+    }
+    words
 }
 
 /// `AddI` to `add_i`.

@@ -15,3 +15,4 @@ pub mod types;
 
 pub use bind::{BindInput, bind, graph_reference, lad_fbd_reference, scl_reference, standard_library};
 pub use model::Program;
+pub use profile::s7200::reference as s7200_reference;

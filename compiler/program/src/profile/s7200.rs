@@ -2,9 +2,13 @@
 //!
 //! Source: S7-200 system manual, memory ranges and features; of the 21x generation, its manual of the first edition.
 
+mod reference;
+
 use plcc_abi::image::{Family, Profile};
 use plcc_abi::s7200::LOCAL_BYTES;
 use plcc_abi::s7200::image::CpuRow;
+
+pub use reference::reference;
 
 /// One CPU.
 pub(super) struct Cpu {

@@ -18,6 +18,7 @@ mod mnemonics;
 mod outline;
 mod pragma;
 mod raw;
+mod reference;
 mod suggest;
 pub(crate) mod text;
 mod token;
@@ -40,6 +41,7 @@ use crate::{ParseOptions, frame};
 
 pub use instructions::{Acts, Compare, CompareKind, Contact, Insn, OperandClass, Relation};
 pub use outline::is_s7200;
+pub use reference::reference;
 
 /// Whether `word` is a mnemonic of either set, or another spelling of one.
 pub fn is_mnemonic(word: &str) -> bool {

@@ -3,9 +3,12 @@
 //! V memory is DB 1. I, Q, M and L lie where they lie in every CPU; what the other families do not have is the
 //! [`layout::SYSTEM`](crate::layout::SYSTEM) area, whose parts are the offsets of [`system`].
 
+mod errors;
+pub mod event;
 pub mod image;
 pub mod operation;
 
+pub use errors::{error, fatal};
 pub use image::{S7200Config, S7200Image};
 pub use operation::{Operation, TimerKind, result};
 
@@ -98,44 +101,4 @@ pub const fn timer_resolution(number: u8) -> Resolution {
 /// True for the numbers of TONR; the others are TON and TOF.
 pub const fn is_retentive_timer(number: u8) -> bool {
     number < 32 || 64 <= number && number < 96
-}
-
-/// Non-fatal run-time errors. Source: S7-200 system manual, run-time programming problems.
-pub mod error {
-    pub const HSC_BEFORE_HDEF: u16 = 0x0001;
-    pub const EVENT_INPUT_IS_HSC: u16 = 0x0002;
-    pub const HSC_INPUT_TAKEN: u16 = 0x0003;
-    pub const NOT_IN_INTERRUPT: u16 = 0x0004;
-    pub const SIMULTANEOUS_HSC: u16 = 0x0005;
-    pub const INDIRECT_ADDRESS: u16 = 0x0006;
-    pub const CLOCK_DATA: u16 = 0x0007;
-    pub const NESTING: u16 = 0x0008;
-    pub const PORT_0_BUSY: u16 = 0x0009;
-    pub const HDEF_REPEATED: u16 = 0x000A;
-    pub const PORT_1_BUSY: u16 = 0x000B;
-    pub const NO_CLOCK: u16 = 0x000C;
-    pub const PULSE_OUTPUT_ACTIVE: u16 = 0x000D;
-    pub const NO_SEGMENTS: u16 = 0x000E;
-    pub const ILLEGAL_REAL: u16 = 0x000F;
-    pub const PTO_MODE: u16 = 0x0010;
-    pub const PTO_COMMAND: u16 = 0x0011;
-    pub const PTO_PROFILE: u16 = 0x0012;
-    pub const PID_TABLE: u16 = 0x0013;
-    pub const RANGE: u16 = 0x0091;
-    pub const COUNT: u16 = 0x0092;
-    pub const PERMANENT_RANGE: u16 = 0x0094;
-    pub const FREEPORT_IN_INTERRUPT: u16 = 0x009A;
-    pub const INDEX: u16 = 0x009B;
-    pub const NO_CARTRIDGE: u16 = 0x009F;
-}
-
-/// Fatal errors. Source: S7-200 system manual, fatal errors.
-pub mod fatal {
-    /// Number of the event that stops the CPU, with the code of the error in its low byte.
-    pub const EVENT: u16 = 0xFA00;
-    pub const WATCHDOG: u16 = 0x0003;
-    pub const INTERNAL: u16 = 0x0010;
-    pub const COMPARE_ADDRESS: u16 = 0x0011;
-    pub const COMPARE_REAL: u16 = 0x0012;
-    pub const COMPARE_RANGE: u16 = 0x0014;
 }

@@ -108,43 +108,9 @@ pub(crate) fn event_text(event: u16, info: u32) -> Option<String> {
 }
 
 fn fatal_text(code: u16) -> &'static str {
-    match code {
-        fatal::WATCHDOG => "scan watchdog expired",
-        fatal::INTERNAL => "internal software error",
-        fatal::COMPARE_ADDRESS => "compare contact: bad indirect address",
-        fatal::COMPARE_REAL => "compare contact: illegal REAL",
-        fatal::COMPARE_RANGE => "compare contact: string outside of its memory",
-        _ => "fatal error",
-    }
+    fatal::text(code).unwrap_or("fatal error")
 }
 
 fn error_text(code: u16) -> &'static str {
-    match code {
-        error::HSC_BEFORE_HDEF => "HSC executed before HDEF",
-        error::EVENT_INPUT_IS_HSC => "input of the event is used by a high-speed counter",
-        error::HSC_INPUT_TAKEN => "input of the high-speed counter is used by an interrupt or another counter",
-        error::NOT_IN_INTERRUPT => "instruction is not allowed in an interrupt routine",
-        error::SIMULTANEOUS_HSC => "second HSC or PLS before the first one has ended",
-        error::INDIRECT_ADDRESS => "indirect addressing error",
-        error::CLOCK_DATA => "data error of TODR or TODW",
-        error::NESTING => "subroutines nested too deep",
-        error::PORT_0_BUSY => "simultaneous XMT and RCV on port 0",
-        error::HDEF_REPEATED => "HDEF repeated for the same counter",
-        error::PORT_1_BUSY => "simultaneous XMT and RCV on port 1",
-        error::NO_CLOCK => "there is no clock",
-        error::PULSE_OUTPUT_ACTIVE => "redefinition of an active pulse output",
-        error::NO_SEGMENTS => "number of PTO segments is 0",
-        error::ILLEGAL_REAL => "illegal REAL in a compare contact",
-        error::PTO_MODE => "command is not allowed in this PTO mode",
-        error::PTO_COMMAND => "illegal PTO command",
-        error::PTO_PROFILE => "illegal PTO profile table",
-        error::PID_TABLE => "illegal PID loop table",
-        error::RANGE => "operand out of range",
-        error::COUNT => "count out of range",
-        error::PERMANENT_RANGE => "range error on writing to permanent memory",
-        error::FREEPORT_IN_INTERRUPT => "change to Freeport in an interrupt routine",
-        error::INDEX => "illegal index",
-        error::NO_CARTRIDGE => "memory cartridge is missing",
-        _ => "run-time programming error",
-    }
+    error::text(code).unwrap_or("run-time programming error")
 }

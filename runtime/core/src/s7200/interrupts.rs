@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout;
+use plcc_abi::s7200::event::{self, Group};
 use plcc_abi::s7200::{EVENTS, error, system};
 
 use super::{Operands, S7200, done, failed, set_special, special};
@@ -18,30 +19,8 @@ use crate::schedule::NEVER;
 /// What an event tells its routine beside its number: a character received in Freeport, and whether its parity was wrong.
 pub type EventData = Option<(u8, bool)>;
 
-/// Groups, which are also the numbers of their queues and of their overflow bits in SMB4.
-const COMMUNICATION: usize = 0;
-const INPUT_OUTPUT: usize = 1;
-const TIMED: usize = 2;
+/// Queues, one a group of events.
 const GROUPS: usize = 3;
-
-/// Group and priority in it of each event. Source: S7-200 system manual, priorities of interrupt events.
-#[rustfmt::skip]
-const EVENT_GROUPS: [(usize, u8); EVENTS as usize] = [
-    (INPUT_OUTPUT, 2), (INPUT_OUTPUT, 6), (INPUT_OUTPUT, 3), (INPUT_OUTPUT, 7), // I0.0, I0.1
-    (INPUT_OUTPUT, 4), (INPUT_OUTPUT, 8), (INPUT_OUTPUT, 5), (INPUT_OUTPUT, 9), // I0.2, I0.3
-    (COMMUNICATION, 0), (COMMUNICATION, 0),                                     // port 0: character, transmitted
-    (TIMED, 0), (TIMED, 1),                                                     // SMB34, SMB35
-    (INPUT_OUTPUT, 10),                                                         // HSC0 reached
-    (INPUT_OUTPUT, 13), (INPUT_OUTPUT, 14), (INPUT_OUTPUT, 15),                 // HSC1 reached, direction, reset
-    (INPUT_OUTPUT, 16), (INPUT_OUTPUT, 17), (INPUT_OUTPUT, 18),                 // HSC2
-    (INPUT_OUTPUT, 0), (INPUT_OUTPUT, 1),                                       // PLS0, PLS1
-    (TIMED, 2), (TIMED, 3),                                                     // T32, T96
-    (COMMUNICATION, 0), (COMMUNICATION, 1),                                     // message on port 0, on port 1
-    (COMMUNICATION, 1), (COMMUNICATION, 1),                                     // port 1: character, transmitted
-    (INPUT_OUTPUT, 11), (INPUT_OUTPUT, 12),                                     // HSC0 direction, reset
-    (INPUT_OUTPUT, 20), (INPUT_OUTPUT, 21), (INPUT_OUTPUT, 22),                 // HSC4 reached, direction, reset
-    (INPUT_OUTPUT, 19), (INPUT_OUTPUT, 23),                                     // HSC3, HSC5 reached
-];
 
 /// Inputs I0.0 to I0.3 raise events 0 to 7: rising and falling edge of each.
 const EDGE_INPUTS: u8 = 4;
@@ -142,8 +121,12 @@ impl Interrupts {
     }
 }
 
+/// Number of the event's queue, and its priority there.
 fn group_of(event: u8) -> (usize, u8) {
-    EVENT_GROUPS.get(usize::from(event)).copied().unwrap_or((INPUT_OUTPUT, u8::MAX))
+    let (group, priority) = event::TABLE
+        .get(usize::from(event))
+        .map_or((Group::InputOutput, u8::MAX), |event| (event.group, event.priority));
+    (group as usize, priority)
 }
 
 impl S7200 {
