@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use plcc_runtime::RunOptions;
+use plcc_syntax::CodePage;
 use plcc_syntax::stl::Mnemonics;
 
 use crate::report::MessageFormat;
@@ -50,6 +51,9 @@ pub struct CompileArgs {
     /// Mnemonics of the statement lists; found in each file if left out.
     #[arg(long, value_name = "SET")]
     pub mnemonics: Option<MnemonicsArg>,
+    /// Code page of sources that are not UTF-8, `936` or `gbk`; found in each file if left out.
+    #[arg(long, value_name = "PAGE")]
+    pub code_page: Option<CodePage>,
 }
 
 /// How much is optimised.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
-use plcc_syntax::Language;
+use plcc_syntax::{CodePage, Language};
 
 use crate::content::{self, Content};
 use crate::pipeline;
@@ -24,6 +24,8 @@ pub struct Read {
     pub texts: Vec<(FileId, FileId)>,
     pub project: Option<Project>,
     pub diagnostics: Vec<Diagnostic>,
+    /// Code page of files that are not UTF-8; `None`: found in each.
+    code_page: Option<CodePage>,
 }
 
 impl Read {
@@ -41,7 +43,12 @@ impl Read {
 
 /// Reads `paths` as one program: files, folders and at most one project.
 pub fn read(paths: &[PathBuf]) -> Read {
-    let mut read = Read::default();
+    read_as(paths, None)
+}
+
+/// As [`read`], with the code page of files that are not UTF-8.
+pub fn read_as(paths: &[PathBuf], code_page: Option<CodePage>) -> Read {
+    let mut read = Read { code_page, ..Read::default() };
     for path in paths {
         if !path.is_dir() {
             add_file(&mut read, path, Wanted::Yes);
@@ -134,7 +141,7 @@ enum Wanted {
 }
 
 fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
-    let text = match read_text(path) {
+    let text = match read_text_as(path, read.code_page) {
         Ok(text) => text,
         Err(error) => {
             let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
@@ -175,7 +182,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
 fn add_texts(read: &mut Read, path: &Path, unit: FileId) {
     let beside = path.with_extension(TEXTS_SUFFIX);
     if pipeline::language_of(&path.display().to_string()) == Some(Language::Sd)
-        && let Ok(text) = read_text(&beside)
+        && let Ok(text) = read_text_as(&beside, read.code_page)
     {
         let texts = read.sources.add(SourceFile::new(beside.display().to_string(), text));
         read.texts.push((unit, texts));
@@ -254,7 +261,11 @@ fn add_named(read: &mut Read, folder: &Path, (name, span): &(String, Span)) {
 
 /// Text of a file, decoded.
 pub fn read_text(path: &Path) -> std::io::Result<String> {
-    Ok(plcc_syntax::decode(&fs::read(path)?))
+    read_text_as(path, None)
+}
+
+fn read_text_as(path: &Path, code_page: Option<CodePage>) -> std::io::Result<String> {
+    Ok(plcc_syntax::decode_as(&fs::read(path)?, code_page))
 }
 
 /// All files below `folder` in the order of their names; hidden ones left out, links to folders not followed.

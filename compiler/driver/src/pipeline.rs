@@ -79,7 +79,7 @@ pub struct Compiled {
 
 /// Parses all sources and symbol tables.
 pub fn parse(read: Read, settings: &Settings) -> Parsed {
-    let Read { name, sources, units, tables, texts, project, mut diagnostics } = read;
+    let Read { name, sources, units, tables, texts, project, mut diagnostics, .. } = read;
     let options = settings.parse_options(project.as_ref());
     let mut parse_unit = |file| {
         let source = sources.file(file);

@@ -1,5 +1,7 @@
 //! Bytes of a source file to text.
 
+use std::str::FromStr;
+
 use chardetng::{EncodingDetector, Iso2022JpDetection, Utf8Detection};
 use encoding_rs::{
     BIG5, EUC_KR, Encoding, GBK, SHIFT_JIS, WINDOWS_1250, WINDOWS_1251, WINDOWS_1252, WINDOWS_1254, WINDOWS_1258,
@@ -10,10 +12,39 @@ use encoding_rs::{
 /// STEP 7 and Micro/WIN write the code page of the PC, newer tools UTF-8. Windows-1252 is the one that is taken where nothing tells. Bytes
 /// that it leaves open keep their number as a character.
 pub fn decode(bytes: &[u8]) -> String {
-    let text = decode_bytes(bytes);
+    decode_as(bytes, None)
+}
+
+/// As [`decode`], with the code page of texts that are not UTF-8, if it is known.
+pub fn decode_as(bytes: &[u8], page: Option<CodePage>) -> String {
+    let text = decode_bytes(bytes, page);
     match has_lone_returns(&text) {
         true => lines_of_returns(&text),
         false => text,
+    }
+}
+
+/// A code page as a user names it: `gbk`, `936`, `windows-1250`, `1250`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CodePage(&'static Encoding);
+
+impl FromStr for CodePage {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<CodePage, String> {
+        let name = text.trim().to_ascii_lowercase();
+        let number = name.strip_prefix("cp").unwrap_or(&name);
+        let windows = format!("windows-{number}");
+        let label = match number {
+            "932" => "shift_jis",
+            "936" | "gb2312" => "gbk",
+            "949" => "euc-kr",
+            "950" => "big5",
+            "1250" | "1251" | "1252" | "1253" | "1254" | "1255" | "1256" | "1257" | "1258" => &windows,
+            _ => name.as_str(),
+        };
+        let found = Encoding::for_label(label.as_bytes()).map(CodePage);
+        found.ok_or_else(|| format!("`{text}` is no code page; write a number as 936 or 1252, or a name as gbk"))
     }
 }
 
@@ -35,13 +66,16 @@ fn lines_of_returns(text: &str) -> String {
     lines
 }
 
-fn decode_bytes(bytes: &[u8]) -> String {
+fn decode_bytes(bytes: &[u8], page: Option<CodePage>) -> String {
     if let Some((encoding, length)) = encoding_rs::Encoding::for_bom(bytes) {
         return encoding.decode_without_bom_handling(&bytes[length..]).0.into_owned();
     }
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
-        Err(_) => code_page(bytes).decode_without_bom_handling(bytes).0.into_owned(),
+        Err(_) => {
+            let encoding = page.map_or_else(|| code_page(bytes), |page| page.0);
+            encoding.decode_without_bom_handling(bytes).0.into_owned()
+        }
     }
 }
 
@@ -68,7 +102,7 @@ fn code_page(bytes: &[u8]) -> &'static Encoding {
 
 #[cfg(test)]
 mod tests {
-    use super::decode;
+    use super::{CodePage, decode, decode_as};
 
     #[test]
     fn byte_order_marks_and_utf_8() {
@@ -100,5 +134,14 @@ mod tests {
         for byte in 0xA0..=0xFF_u8 {
             assert_eq!(decode(&[byte]), char::from(byte).to_string());
         }
+    }
+
+    #[test]
+    fn a_named_code_page_is_for_texts_that_are_not_utf_8() {
+        let page = |name: &str| name.parse::<CodePage>().unwrap();
+        assert_eq!(decode_as(b"// \xB6\xA8", Some(page("936"))), "// 定");
+        assert_eq!(decode_as(b"// \xB6\xA8", Some(page("CP1252"))), "// ¶¨");
+        assert_eq!(decode_as("// 泵".as_bytes(), Some(page("windows-1250"))), "// 泵");
+        assert!("latin-77".parse::<CodePage>().is_err());
     }
 }

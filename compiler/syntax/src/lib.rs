@@ -36,7 +36,7 @@ pub mod xml;
 
 pub use ast_text::ast_text;
 pub use elementary::{Class, Elementary};
-pub use encoding::decode;
+pub use encoding::{CodePage, decode, decode_as};
 pub use language::Language;
 
 use plcc_diag::{Diagnostic, FileId};

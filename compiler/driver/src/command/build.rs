@@ -13,7 +13,7 @@ use crate::{emit, link};
 
 /// Compiles and links, or writes an intermediate form.
 pub fn build(args: &BuildArgs) -> u8 {
-    let read = inputs::read(&args.inputs);
+    let read = inputs::read_as(&args.inputs, args.compile.code_page);
     let name = read.name.clone();
     match build_read(args, read, &name) {
         Ok(()) => exit::OK,

@@ -7,7 +7,7 @@ use crate::{inputs, pipeline};
 
 /// Reports all messages; 0 with or without warnings, 3 with an error.
 pub fn check(args: &CheckArgs) -> u8 {
-    let read = inputs::read(&args.inputs);
+    let read = inputs::read_as(&args.inputs, args.compile.code_page);
     let unreadable = read.is_unreadable();
     // A file alone may be a part of a program, a project is a whole one.
     let require_main = read.project.is_some() && !args.partial;

@@ -292,6 +292,12 @@ pub(super) fn attach(cpu: &Cpu, operands: &Operands) -> u64 {
     if input < EDGE_INPUTS && cpu.s7200_counter_owns_input(input) {
         return failed(cpu, operands, error::EVENT_INPUT_IS_HSC);
     }
+    // A preset that was reached before is no event.
+    match event {
+        21 => cpu.s7200_timer_sync(32),
+        22 => cpu.s7200_timer_sync(96),
+        _ => {}
+    }
     place.set(Some(number));
     for (timed, (_, byte)) in own.interrupts.timed.iter().zip(TIMED_EVENTS).filter(|(_, timed)| timed.0 == event) {
         let period = cpu.memory.byte(special(byte));

@@ -244,6 +244,10 @@ impl<'a> Layout<'a, '_> {
         self.mode = if token == Tok::DataHeader { Mode::Data } else { Mode::Code };
         let (Some(first), Some(last)) = (code.first(), code.last()) else { return false };
         self.push(first.range(), token);
+        if self.mode == Mode::Data {
+            // There is one data block, whatever its name: `DB1`, `Recipe:DB1`.
+            return true;
+        }
         let rest = self.slice(first.end..last.end.max(first.end));
         let (name, number) = match rest.split_once(':') {
             Some((name, number)) => (name, Some((number, first.end + name.len() + 1))),
