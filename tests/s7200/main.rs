@@ -1,0 +1,57 @@
+//! Random programs of an S7-200: the interpreter and machine code leave in each scan the memory that a model leaves that was
+//! written from the manual alone. Sources with random changes are refused or compiled, never more.
+
+mod boxes;
+mod generate;
+mod memory;
+mod model;
+mod operands;
+mod program;
+mod random;
+mod reduce;
+mod robust;
+mod run;
+
+use run::Failure;
+
+/// A number of the environment.
+fn setting(name: &str, otherwise: u64) -> u64 {
+    std::env::var(name).ok().and_then(|number| number.parse().ok()).unwrap_or(otherwise)
+}
+
+/// How many random programs: `PLCC_RANDOM_S7200`, else as many as some seconds take. The first: `PLCC_RANDOM_S7200_FROM`.
+#[test]
+fn programs_do_what_the_model_does() {
+    let first = setting("PLCC_RANDOM_S7200_FROM", 1);
+    let mut failures = Vec::new();
+    for seed in first..first + setting("PLCC_RANDOM_S7200", 100) {
+        let result = plcc_driver::on_large_stack(move || {
+            let case = generate::case(seed);
+            run::check(&case, &run::FORMS).map_err(|failure| reduce::reduce(&case, failure, &run::FORMS))
+        });
+        if let Err((case, failure)) = result.expect("no panic") {
+            let text = match failure {
+                Failure::Refused(text) => text,
+                Failure::Different { scan, text } => format!("scan {scan}: {text}"),
+            };
+            let scans: Vec<String> =
+                case.scans.iter().map(|scan| format!("+{} ms {:02X?}", scan.after, scan.inputs)).collect();
+            failures.push(format!("program {seed}\n{}\n{}\n{text}", case.program, scans.join("\n")));
+        }
+        if failures.len() as u64 >= setting("PLCC_RANDOM_S7200_FAILURES", 1) {
+            break;
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n----\n"));
+}
+
+#[test]
+fn changed_sources_are_read() {
+    let first = setting("PLCC_RANDOM_S7200_FROM", 1);
+    for seed in first..first + setting("PLCC_RANDOM_S7200", 100) * 2 {
+        let source = robust::source(seed);
+        let text = source.clone();
+        let result = plcc_driver::on_large_stack(move || robust::compile(&text));
+        assert!(result.is_ok(), "source {seed} makes the compiler panic\n{source}");
+    }
+}
