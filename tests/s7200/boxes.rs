@@ -333,8 +333,8 @@ fn copy_block(memory: &mut Memory, operands: &[Operand], size: u32) -> Result<()
     if bytes == 0 {
         return Err(RANGE);
     }
-    let from = memory.buffer(&operands[0], bytes)?;
-    let to = memory.buffer(&operands[1], bytes)?;
+    let from = memory.buffer(&operands[0], size, bytes)?;
+    let to = memory.buffer(&operands[1], size, bytes)?;
     let values = memory.bytes(from, bytes);
     memory.set_bytes(to, &values);
     Ok(())
@@ -346,7 +346,7 @@ fn fill(memory: &mut Memory, operands: &[Operand]) -> Result<(), Fault> {
     if count == 0 {
         return Err(RANGE);
     }
-    let to = memory.buffer(&operands[1], count * 2)?;
+    let to = memory.buffer(&operands[1], 2, count * 2)?;
     memory.set_bytes(to, &value.to_be_bytes().repeat(count as usize));
     Ok(())
 }
@@ -430,7 +430,7 @@ const ENTRIES: u32 = 100;
 
 /// Place of a table with its TL and EC.
 fn table(memory: &Memory, operand: &Operand) -> Result<(Store, u32, u32, u32), Fault> {
-    let (store, byte) = memory.buffer(operand, 4)?;
+    let (store, byte) = memory.buffer(operand, 2, 4)?;
     let word = |byte| memory.get(Place::In(store, byte), Width::Word);
     Ok((store, byte, word(byte), word(byte + 2)))
 }
@@ -477,7 +477,7 @@ fn table_take(memory: &mut Memory, op: &str, operands: &[Operand]) -> Result<(),
 }
 
 fn table_find(memory: &mut Memory, op: &str, operands: &[Operand]) -> Result<(), Fault> {
-    let (store, byte) = memory.buffer(&operands[0], 2)?;
+    let (store, byte) = memory.buffer(&operands[0], 2, 2)?;
     let pattern = memory.read(&operands[1], Width::Word)? as i16;
     let index = memory.place(&operands[2], 2)?;
     let count = memory.get(Place::In(store, byte), Width::Word);
@@ -545,7 +545,7 @@ fn source_number(memory: &Memory, op: &str, operand: &Operand) -> Result<(i32, u
 fn to_ascii(memory: &mut Memory, op: &str, operands: &[Operand]) -> Result<(), Fault> {
     let (value, length) = source_number(memory, op, &operands[0])?;
     let format = memory.read(&operands[2], Width::Byte)?;
-    let buffer = memory.buffer(&operands[1], length as u32)?;
+    let buffer = memory.buffer(&operands[1], 1, length as u32)?;
     let result = formatted(value, format, length);
     memory.set_bytes(buffer, result.as_deref().unwrap_or(&b" ".repeat(length)));
     result.map(|_| ()).ok_or(Fault::Eno)
@@ -563,8 +563,8 @@ fn to_text(memory: &mut Memory, op: &str, operands: &[Operand]) -> Result<(), Fa
 
 fn ascii_to_hex(memory: &mut Memory, operands: &[Operand]) -> Result<(), Fault> {
     let length = memory.read(&operands[2], Width::Byte)?;
-    let from = memory.buffer(&operands[0], length)?;
-    let (store, to) = memory.buffer(&operands[1], length.div_ceil(2))?;
+    let from = memory.buffer(&operands[0], 1, length)?;
+    let (store, to) = memory.buffer(&operands[1], 1, length.div_ceil(2))?;
     let mut bad = false;
     for (at, character) in memory.bytes(from, length).into_iter().enumerate() {
         let nibble = match character {
@@ -584,8 +584,8 @@ fn ascii_to_hex(memory: &mut Memory, operands: &[Operand]) -> Result<(), Fault> 
 
 fn hex_to_ascii(memory: &mut Memory, operands: &[Operand]) -> Result<(), Fault> {
     let length = memory.read(&operands[2], Width::Byte)?;
-    let from = memory.buffer(&operands[0], length.div_ceil(2))?;
-    let to = memory.buffer(&operands[1], length)?;
+    let from = memory.buffer(&operands[0], 1, length.div_ceil(2))?;
+    let to = memory.buffer(&operands[1], 1, length)?;
     let bytes = memory.bytes(from, length.div_ceil(2));
     let digits: Vec<u8> = (0..length as usize)
         .map(|at| if at % 2 == 0 { bytes[at / 2] >> 4 } else { bytes[at / 2] & 15 })
@@ -600,9 +600,9 @@ pub fn text(memory: &Memory, operand: &Operand) -> Result<Vec<u8>, Fault> {
     if let Operand::Text(text) = operand {
         return Ok(text.clone().into_bytes());
     }
-    let (store, byte) = memory.buffer(operand, 1)?;
+    let (store, byte) = memory.buffer(operand, 1, 1)?;
     let length = memory.get(Place::In(store, byte), Width::Byte);
-    let (store, byte) = memory.buffer(operand, 1 + length).map(|_| (store, byte))?;
+    let (store, byte) = memory.buffer(operand, 1, 1 + length).map(|_| (store, byte))?;
     if length > 254 {
         return Err(RANGE);
     }
@@ -611,7 +611,7 @@ pub fn text(memory: &Memory, operand: &Operand) -> Result<Vec<u8>, Fault> {
 
 fn set_text(memory: &mut Memory, operand: &Operand, value: &[u8]) -> Result<(), Fault> {
     let length = u8::try_from(value.len()).ok().filter(|&length| length < 255).ok_or(RANGE)?;
-    let (store, byte) = memory.buffer(operand, 1 + u32::from(length))?;
+    let (store, byte) = memory.buffer(operand, 1, 1 + u32::from(length))?;
     memory.set_bytes((store, byte), &[length]);
     memory.set_bytes((store, byte + 1), value);
     Ok(())
@@ -621,11 +621,11 @@ fn part(memory: &mut Memory, operands: &[Operand]) -> Result<(), Fault> {
     let value = text(memory, &operands[0])?;
     let first = memory.read(&operands[1], Width::Byte)? as usize;
     let count = memory.read(&operands[2], Width::Byte)? as usize;
-    if first == 0 || first > value.len() {
+    if first == 0 {
         return Err(INDEX);
     }
-    let rest = &value[first - 1..];
-    set_text(memory, &operands[3], &rest[..count.min(rest.len())])
+    let part: Vec<u8> = value.into_iter().skip(first - 1).take(count).collect();
+    set_text(memory, &operands[3], &part)
 }
 
 fn find(memory: &mut Memory, op: &str, operands: &[Operand]) -> Result<(), Fault> {
@@ -633,7 +633,8 @@ fn find(memory: &mut Memory, op: &str, operands: &[Operand]) -> Result<(), Fault
     let sought = text(memory, &operands[1])?;
     let place = memory.place(&operands[2], 1)?;
     let first = memory.get(place, Width::Byte) as usize;
-    if first == 0 || first > inside.len() {
+    // In an empty string the search may begin, too.
+    if first == 0 || first > inside.len().max(1) {
         return Err(INDEX);
     }
     let found = (first..=inside.len()).find(|&at| {
@@ -652,7 +653,8 @@ fn from_text(memory: &mut Memory, op: &str, operands: &[Operand]) -> Result<(), 
     let first = memory.read(&operands[1], Width::Byte)? as usize;
     let width = if op == "STI" { Width::Word } else { Width::Dword };
     let place = memory.place(&operands[2], width.bytes())?;
-    if first == 0 || first > value.len() {
+    // An empty string has a value, 0.
+    if first == 0 || first > value.len().max(1) {
         return Err(INDEX);
     }
     let mut rest = value[first - 1..].iter().copied().peekable();

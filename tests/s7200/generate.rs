@@ -255,6 +255,27 @@ fn words(byte: u32, values: &[u16]) -> Data {
     }
 }
 
+/// True for a constant number of elements that do not fit.
+fn leaves_area(op: &str, operands: &[Operand]) -> bool {
+    let Some(Operand::Number(count)) = operands.last() else { return false };
+    let count = count.unsigned_abs() as u32;
+    let size = match op {
+        "BMB" => 1,
+        "BMW" | "FILL" => 2,
+        "BMD" => 4,
+        "S" | "R" | "SI" | "RI" | "SHRB" => 0,
+        // Its digits: each in a byte.
+        "ATH" | "HTA" => 1,
+        _ => return false,
+    };
+    operands.iter().any(|operand| match operand {
+        Operand::Bit(area, byte, bit) => size == 0 && byte * 8 + u32::from(*bit) + count > area.bytes() * 8,
+        Operand::Cell(area, _, byte) => byte + size * count > area.bytes(),
+        Operand::Timer(number) | Operand::Counter(number) => u32::from(*number) + count > 256,
+        _ => false,
+    })
+}
+
 struct Writer {
     random: Random,
     parameters: Vec<Vec<Parameter>>,
@@ -544,7 +565,13 @@ impl Writer {
             return self.add("=I", vec![bit]);
         }
         let (op, kinds) = self.random.of(BOXES);
-        let list = kinds.chars().map(|kind| operands::operand(&mut self.random, kind, &self.local)).collect();
+        let mut list: Vec<Operand> =
+            kinds.chars().map(|kind| operands::operand(&mut self.random, kind, &self.local)).collect();
+        if leaves_area(op, &list) {
+            // A constant range must fit; one of run time need not.
+            list.pop();
+            list.push(operands::operand(&mut self.random, 'p', &self.local));
+        }
         self.add(op, list);
         if self.random.percent(20) {
             self.add("AENO", Vec::new());

@@ -31,7 +31,7 @@ fn programs_do_what_the_model_does() {
         });
         if let Err((case, failure)) = result.expect("no panic") {
             let text = match failure {
-                Failure::Refused(text) => text,
+                Failure::Refused(text) | Failure::Panicked(text) => text,
                 Failure::Different { scan, text } => format!("scan {scan}: {text}"),
             };
             let scans: Vec<String> =

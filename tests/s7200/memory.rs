@@ -113,7 +113,9 @@ impl Memory {
                 let pointer = self.read(pointer, Width::Dword)?;
                 let (store, byte) = pointed(pointer).ok_or(INDIRECT)?;
                 let end = byte.checked_add(bytes).ok_or(INDIRECT)?;
-                if end as usize > self.store(store).len() {
+                // Of timers and counters there are words only.
+                let torn = !matches!(store, Store::Bytes(_)) && (bytes != 2 || byte % 2 != 0);
+                if torn || end as usize > self.store(store).len() {
                     return Err(INDIRECT);
                 }
                 Place::In(store, byte)
@@ -186,9 +188,9 @@ impl Memory {
         }
     }
 
-    /// Where a buffer begins: 0006 for a bad pointer, 0091 if `bytes` leave the area.
-    pub fn buffer(&self, operand: &Operand, bytes: u32) -> Result<(Store, u32), Fault> {
-        match self.place(operand, 1)? {
+    /// Where a buffer of elements begins: 0006 for a bad pointer, 0091 if `bytes` leave the area.
+    pub fn buffer(&self, operand: &Operand, element: u32, bytes: u32) -> Result<(Store, u32), Fault> {
+        match self.place(operand, element)? {
             Place::In(store, byte) if (byte + bytes) as usize <= self.store(store).len() => Ok((store, byte)),
             Place::In(..) | Place::Accumulator(_) => Err(RANGE),
         }

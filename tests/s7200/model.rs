@@ -409,8 +409,11 @@ impl<'a> Model<'a> {
         let before = self.timers.get(&number).is_some_and(|timer| timer.input);
         self.timers.insert(number, Timer { kind, input, preset });
         let bit = usize::from(number);
-        let passed = if is_10_ms(number) || input != before { 0 } else { self.ticks_100_ms };
+        let passed = if input != before { 0 } else { self.ticks_100_ms };
         match (kind, input) {
+            // Updated when the scan began.
+            (Kind::Ton | Kind::Tonr, true) | (Kind::Tof, false)
+                if is_10_ms(number) && input == before && frame.gate => {}
             (Kind::Ton | Kind::Tonr, true) => self.advance(number, passed),
             (Kind::Ton, false) => {
                 self.set_current(number, 0);

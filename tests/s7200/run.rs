@@ -1,5 +1,6 @@
 //! Runs a program in the model and in plcc, and compares all memory behind each scan.
 
+use std::panic::{self, AssertUnwindSafe};
 use std::rc::Rc;
 
 use plcc_abi::layout;
@@ -29,6 +30,8 @@ const SHOWN: usize = 12;
 pub enum Failure {
     /// It does not compile.
     Refused(String),
+    /// The compiler or the runtime panics.
+    Panicked(String),
     /// It does something else than the model, first in this scan.
     Different { scan: usize, text: String },
 }
@@ -53,7 +56,13 @@ enum Expected {
 
 /// Compiles and runs in all forms.
 pub fn check(case: &Case, forms: &[Form]) -> Result<(), Failure> {
-    let expected = expected(case);
+    panic::catch_unwind(AssertUnwindSafe(|| checked(case, forms))).unwrap_or_else(|cause| {
+        let text = cause.downcast_ref::<String>().cloned().unwrap_or_else(|| "a panic without text".to_string());
+        Err(Failure::Panicked(text))
+    })
+}
+
+fn checked(case: &Case, forms: &[Form]) -> Result<(), Failure> {
     let mut read = Read { name: "random".to_string(), ..Read::default() };
     read.units.push(read.sources.add(SourceFile::new("random.awl", case.program.to_string())));
     let bound = pipeline::front(read, &Settings { require_main: true, ..Settings::default() });
@@ -61,6 +70,7 @@ pub fn check(case: &Case, forms: &[Form]) -> Result<(), Failure> {
         let errors: Vec<_> = bound.diagnostics.iter().filter(|message| message.is_error()).cloned().collect();
         return Err(Failure::Refused(plcc_diag::drawing::draw(&errors, &bound.sources, false)));
     }
+    let expected = expected(case);
     for &form in forms {
         let level = match form {
             Form::Interpreter => Level::O0,
@@ -75,7 +85,7 @@ pub fn check(case: &Case, forms: &[Form]) -> Result<(), Failure> {
         };
         run(case, &expected, &compiled, code).map_err(|failure| match failure {
             Failure::Different { scan, text } => Failure::Different { scan, text: format!("{form:?}: {text}") },
-            refused @ Failure::Refused(_) => refused,
+            other @ (Failure::Refused(_) | Failure::Panicked(_)) => other,
         })?;
     }
     Ok(())
