@@ -186,6 +186,7 @@ impl<'a> Model<'a> {
         Ok(false)
     }
 
+    /// A statement. In a step that is not active no power flows: its stack top is 0.
     fn statement(
         &mut self,
         frame: &mut Frame,
@@ -197,17 +198,18 @@ impl<'a> Model<'a> {
         if let Some(value) = self.contact(op, operands)? {
             let combine = if op.starts_with("LD") { 'L' } else { op.chars().next().unwrap_or('L') };
             match combine {
-                'L' => frame.push(value && frame.gate),
+                'L' => frame.push(value),
                 'A' => frame.stack[0] &= value,
                 _ => frame.stack[0] |= value,
             }
+            frame.stack[0] &= frame.gate;
             return Ok(Next::On);
         }
         let enabled = frame.stack[0] && frame.gate;
         let code = &self.program.blocks[block].code;
         match op {
             NETWORK | "NOP" | "LBL" => {}
-            "NOT" => frame.stack[0] = !frame.stack[0],
+            "NOT" => frame.stack[0] = !frame.stack[0] && frame.gate,
             "EU" => frame.stack[0] = self.rises((block, at, 0), frame.stack[0]),
             "ED" => {
                 let old = self.edges.insert((block, at, 0), frame.stack[0]);
@@ -256,30 +258,28 @@ impl<'a> Model<'a> {
             "STOP" if enabled => return Err(Stop::Stop),
             "CSCRE" | "JMP" | "CRET" | "END" | "STOP" => {}
             "FOR" => {
-                frame.eno = enabled;
-                let over = matching_next(code, at) + 1;
-                if !enabled {
-                    return Ok(Next::To(over));
+                let runs = if enabled { self.begin_loop(operands) } else { Ok(false) };
+                frame.eno = enabled && runs.is_ok();
+                match runs {
+                    Ok(true) => frame.loops.push(at),
+                    Ok(false) => return Ok(Next::To(matching_next(code, at) + 1)),
+                    Err(fault) => {
+                        self.report(fault);
+                        return Ok(Next::To(matching_next(code, at) + 1));
+                    }
                 }
-                let initial = self.int(&operands[1]);
-                self.set_int(&operands[0], initial);
-                if initial > self.int(&operands[2]) {
-                    return Ok(Next::To(over));
-                }
-                frame.loops.push(at);
             }
             "NEXT" => {
                 frame.stack[0] = true;
-                let Some(&head) = frame.loops.last() else { return Ok(Next::On) };
-                let heads = &code[head].operands;
-                let index = self.int(&heads[0]);
-                if index < i16::MAX {
-                    self.set_int(&heads[0], index + 1);
-                    if index < self.int(&heads[2]) {
+                let Some(head) = frame.loops.pop() else { return Ok(Next::On) };
+                match self.again(&code[head].operands) {
+                    Ok(true) => {
+                        frame.loops.push(head);
                         return Ok(Next::To(head + 1));
                     }
+                    Ok(false) => {}
+                    Err(fault) => self.report(fault),
                 }
-                frame.loops.pop();
             }
             "CALL" => {
                 frame.eno = false;
@@ -310,6 +310,25 @@ impl<'a> Model<'a> {
             Fault::Run(_) => self.memory.sm[4] |= 0x08,
             Fault::Eno => {}
         }
+    }
+
+    /// FOR: whether the body runs.
+    fn begin_loop(&mut self, operands: &[Operand]) -> Result<bool, Fault> {
+        let initial = self.memory.read(&operands[1], Width::Word)?;
+        let last = self.memory.read(&operands[2], Width::Word)?;
+        let index = self.memory.place(&operands[0], 2)?;
+        self.memory.set(index, Width::Word, initial);
+        Ok(initial as i16 <= last as i16)
+    }
+
+    /// NEXT: whether the body runs again. The index is counted, then compared; at 32767 it stays.
+    fn again(&mut self, operands: &[Operand]) -> Result<bool, Fault> {
+        let place = self.memory.place(&operands[0], 2)?;
+        let last = self.memory.read(&operands[2], Width::Word)? as i16;
+        let index = self.memory.get(place, Width::Word) as i16;
+        let Some(next) = index.checked_add(1) else { return Ok(false) };
+        self.memory.set(place, Width::Word, next as u16 as u32);
+        Ok(next <= last)
     }
 
     fn rises(&mut self, key: (usize, usize, u8), value: bool) -> bool {

@@ -113,10 +113,10 @@ pub fn operand(random: &mut Random, kind: char, local: &Local) -> Operand {
             _ => Operand::Number(random.of(&[1, 1, 2, 3, 4])),
         },
         'p' => Operand::Cell(Area::V, Width::Byte, COUNTS.start + random.below(16) as u32),
-        '1' | '2' | '4' => buffer(random, kind, false),
-        '!' => buffer(random, '1', true),
-        '@' => buffer(random, '2', true),
-        '$' => buffer(random, '4', true),
+        '1' | '2' | '4' => buffer(random, kind),
+        '!' => buffer(random, '1'),
+        '@' => buffer(random, '2'),
+        '$' => buffer(random, '4'),
         't' => Operand::Cell(Area::V, Width::Word, random.of(&TABLES)),
         'T' => Operand::Cell(Area::V, Width::Word, random.of(&TABLES) + 2),
         's' => match random.below(8) {
@@ -251,7 +251,7 @@ pub fn target(random: &mut Random) -> Operand {
     }
 }
 
-fn buffer(random: &mut Random, size: char, written: bool) -> Operand {
+fn buffer(random: &mut Random, size: char) -> Operand {
     let width = match size {
         '1' => Width::Byte,
         '2' => Width::Word,
@@ -261,7 +261,8 @@ fn buffer(random: &mut Random, size: char, written: bool) -> Operand {
         0 if size == '2' => Operand::Timer(random.of(&[33, 37, 250, 255])),
         1 if size == '2' => Operand::Counter(random.of(&[0, 2, 250, 255])),
         2 | 3 => pointed(random),
-        4..=7 => cell(random, width, written),
+        // Also what is read is no special memory that the CPU writes.
+        4..=7 => cell(random, width, true),
         _ => Operand::Cell(Area::V, width, random.below(100) as u32),
     }
 }
