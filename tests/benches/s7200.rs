@@ -33,11 +33,11 @@ const fn kernel(name: &'static str, lines: &'static [&'static str]) -> Kernel {
 /// How often a sequence stands in the program.
 const REPETITIONS: usize = 250;
 
-/// Scans of one run: enough that making the CPU does not count.
-const SCANS: u64 = 4000;
+/// Scans of one run: short enough that some runs are not disturbed by what else the machine does.
+const SCANS: u64 = 1000;
 
-/// Runs that a row of the table is the median of.
-const RUNS: usize = 21;
+/// Runs of a row.
+const RUNS: usize = 51;
 
 /// V8000.0 is 1, VW8002 is 3: what the compiler does not know.
 #[rustfmt::skip]
