@@ -25,7 +25,7 @@ pub struct Read {
     pub project: Option<Project>,
     pub diagnostics: Vec<Diagnostic>,
     /// Code page of files that are not UTF-8; `None`: found in each.
-    code_page: Option<CodePage>,
+    pub code_page: Option<CodePage>,
 }
 
 impl Read {
