@@ -92,8 +92,7 @@ impl Context<'_, '_> {
             let whole = context.b.unary(UnaryOp::Ftrunc, x);
             let whole = if round { context.round_away(x, whole) } else { whole };
             let (least, most) = (context.f64_const(f64::from(i32::MIN)), context.f64_const(f64::from(i32::MAX)));
-            let (above, below) =
-                (context.b.fcmp(FloatCc::Ge, whole, least), context.b.fcmp(FloatCc::Le, whole, most));
+            let (above, below) = (context.b.fcmp(FloatCc::Ge, whole, least), context.b.fcmp(FloatCc::Le, whole, most));
             let fits = context.b.and(above, below);
             (context.b.convert(ConvertOp::ToSint, Type::I32, whole), fits)
         });
@@ -189,10 +188,8 @@ impl Context<'_, '_> {
             let wide = context.b.zext(Type::I64, value);
             let high = context.b.binary_imm(BinaryOp::And, wide, 8);
             let is_high = context.b.icmp_imm(IntCc::Ne, high, 0);
-            let (low, high) = (
-                context.b.iconst(Type::I64, SEGMENTS_LOW as i64),
-                context.b.iconst(Type::I64, SEGMENTS_HIGH as i64),
-            );
+            let (low, high) =
+                (context.b.iconst(Type::I64, SEGMENTS_LOW as i64), context.b.iconst(Type::I64, SEGMENTS_HIGH as i64));
             let table = context.b.select(is_high, high, low);
             let place = context.b.binary_imm(BinaryOp::And, wide, 7);
             let place = context.b.binary_imm(BinaryOp::Shl, place, 3);

@@ -234,8 +234,7 @@ impl Context<'_, '_> {
         let stored = self.b.select(fits, bits, old);
         self.store(target, Width::Dword, stored);
         let nothing = self.b.f32_const(0.0);
-        let (zero, negative) =
-            (self.b.fcmp(FloatCc::Eq, result, nothing), self.b.fcmp(FloatCc::Lt, result, nothing));
+        let (zero, negative) = (self.b.fcmp(FloatCc::Eq, result, nothing), self.b.fcmp(FloatCc::Lt, result, nothing));
         let overflow = self.b.not(fits);
         self.set_result_flags(zero, negative, overflow);
     }

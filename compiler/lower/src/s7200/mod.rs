@@ -37,12 +37,8 @@ use crate::{Facts, Lowered, Output};
 /// Lowers a program for the S7-200 that was bound without errors.
 pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap) -> Lowered {
     let mut plan = Plan::new(program);
-    let facts = Facts {
-        dbs: plan.dbs.clone(),
-        db_end: plan.db_end,
-        error_slots: Vec::new(),
-        stops_itself: plan.stops_itself,
-    };
+    let facts =
+        Facts { dbs: plan.dbs.clone(), db_end: plan.db_end, error_slots: Vec::new(), stops_itself: plan.stops_itself };
     let mut output = Output::new(program, sources, facts);
     if let Some(db) = plan.dbs.iter().find(|db| db.number == plcc_abi::s7200::CONSTANTS_DB) {
         output.image.dbs.push(DbEntry {
@@ -84,7 +80,12 @@ fn add_entry(output: &mut Output, block: &CodeBlock, function: FuncId) {
     output.module.entries.push(function);
 }
 
-fn lower_block<'p>(plan: &mut Plan<'p>, output: &mut Output<'p>, block: &'p CodeBlock, body: &'p model::Body) -> Function {
+fn lower_block<'p>(
+    plan: &mut Plan<'p>,
+    output: &mut Output<'p>,
+    block: &'p CodeBlock,
+    body: &'p model::Body,
+) -> Function {
     let mut context = Context::new(plan, output, block, body);
     let mut network = None;
     for (index, statement) in body.statements.iter().enumerate() {
@@ -106,8 +107,8 @@ fn lower_block<'p>(plan: &mut Plan<'p>, output: &mut Output<'p>, block: &'p Code
 impl Context<'_, '_> {
     /// One instruction; operands are as its row says.
     fn instruction(&mut self, insn: Insn, operands: &[model::Operand]) {
-        use plcc_abi::RuntimeFn as R;
         use model::Width::{Byte, Dword, Word};
+        use plcc_abi::RuntimeFn as R;
         match insn {
             Insn::Load => self.load_bit(operands, false),
             Insn::LoadNot => self.load_bit(operands, true),

@@ -32,8 +32,7 @@ impl Context<'_, '_> {
         let [Operand::Memory { byte, .. }, output] = operands else { return };
         self.boxed(|context| {
             let (address, bytes) = (context.b.i32_const(*byte), context.b.i32_const(1));
-            let value =
-                context.b.call_runtime(RuntimeFn::PeripheralRead, &[address, bytes]).expect("it gives a value");
+            let value = context.b.call_runtime(RuntimeFn::PeripheralRead, &[address, bytes]).expect("it gives a value");
             let value = context.b.trunc(Type::I8, value);
             let target = context.target(output, Width::Byte);
             context.store(target, Width::Byte, value);

@@ -149,7 +149,9 @@ impl Context<'_, '_> {
         match operand {
             Operand::Memory { area, byte, .. } => area_address(*area, *byte),
             Operand::Timer { number, .. } => cell_address(system::TIMER_VALUES, system::TIMER_BITS, *number, width),
-            Operand::Counter { number, .. } => cell_address(system::COUNTER_VALUES, system::COUNTER_BITS, *number, width),
+            Operand::Counter { number, .. } => {
+                cell_address(system::COUNTER_VALUES, system::COUNTER_BITS, *number, width)
+            }
             Operand::Accumulator { number, .. } => {
                 let end = system::ACCUMULATORS + 4 * (u32::from(*number) + 1);
                 Address::direct(Region::System, end - width.bytes().min(4))

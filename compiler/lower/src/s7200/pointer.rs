@@ -38,10 +38,7 @@ impl Context<'_, '_> {
 
     fn follow_anywhere(&mut self, pointer: Value, bytes: u32, purpose: Use) -> Value {
         let (bytes, write) = (self.b.i32_const(bytes), self.b.i32_const(u32::from(purpose == Use::Write)));
-        let base = self
-            .b
-            .call_runtime(RuntimeFn::S7200Pointer, &[pointer, bytes, write])
-            .expect("it gives an address");
+        let base = self.b.call_runtime(RuntimeFn::S7200Pointer, &[pointer, bytes, write]).expect("it gives an address");
         let ok = self.b.icmp_imm(IntCc::Ne, base, 0);
         self.pointer_error_unless(ok);
         base

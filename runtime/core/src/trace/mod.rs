@@ -153,7 +153,8 @@ pub fn signals(cpu: &Cpu, asked: &[Signal], printed: &[Signal]) -> Vec<Signal> {
     }
     let mut signals = printed.to_vec();
     for symbol in &cpu.image.symbols {
-        let address = address::parse_for(&symbol.address, &cpu.image).filter(|address| cpu.check_address(address).is_ok());
+        let address =
+            address::parse_for(&symbol.address, &cpu.image).filter(|address| cpu.check_address(address).is_ok());
         if let Some(address) = address.filter(|_| !signals.iter().any(|signal| signal.name == symbol.name)) {
             signals.push(Signal { name: symbol.name.clone(), source: Source::Bits(address) });
         }

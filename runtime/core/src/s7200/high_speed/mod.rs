@@ -15,7 +15,7 @@ mod modes;
 #[cfg(test)]
 mod tests;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use plcc_abi::s7200::error;
 
@@ -29,6 +29,8 @@ use modes::{PINS, ROWS, bit};
 /// The six counters.
 #[derive(Default)]
 pub struct Counters {
+    /// A counter was defined or a train begun: until then there is nothing to look at.
+    used: Cell<bool>,
     bank: RefCell<Bank>,
 }
 
@@ -76,7 +78,7 @@ impl Cpu {
 
     /// When a counter next makes an event or reaches its preset.
     pub(crate) fn s7200_counters_due(&self) -> u64 {
-        let Some(own) = self.s7200() else { return crate::schedule::NEVER };
+        let Some(own) = self.s7200().filter(|own| own.counters.used.get()) else { return crate::schedule::NEVER };
         let bank = own.counters.bank.borrow();
         let wanted = self.wanted(&bank);
         let inputs = bank.due(&wanted, bank::edge_inputs(|event| self.s7200_is_attached(event)));
@@ -94,6 +96,9 @@ impl Cpu {
     pub(crate) fn s7200_poll_counters(&self) {
         let Some(own) = self.s7200() else { return };
         self.s7200_poll_pulses();
+        if !own.counters.used.get() {
+            return;
+        }
         let (events, shown, on) = {
             let mut bank = own.counters.bank.borrow_mut();
             let look = self.counters_look(own, &bank);
@@ -120,6 +125,7 @@ impl Cpu {
         backward: bool,
     ) -> Result<bool, String> {
         let Some(own) = self.s7200() else { return Ok(true) };
+        own.counters.used.set(true);
         self.s7200_poll_counters();
         let inputs = match input {
             PulseInput::Input(_) if backward => return Err("pulses at one input have no direction".to_string()),
@@ -201,6 +207,7 @@ pub(super) fn define(cpu: &Cpu, operands: &Operands) -> u64 {
     if cpu.s7200_in_interrupt() {
         return failed(cpu, operands, error::NOT_IN_INTERRUPT);
     }
+    own.counters.used.set(true);
     cpu.s7200_poll_counters();
     let edges = bank::edge_inputs(|event| cpu.s7200_is_attached(event));
     let control = ROWS.get(operands.a as usize).map_or(0, |row| cpu.memory.byte(special(row.status + 1)));

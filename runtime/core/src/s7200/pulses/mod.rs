@@ -14,7 +14,7 @@ mod tests;
 mod train;
 mod width;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use plcc_abi::layout;
 use plcc_abi::s7200::{V_DB, error};
@@ -49,6 +49,8 @@ const EVENTS: [u8; PULSE_OUTPUTS as usize] = [19, 20];
 /// Q0.0 and Q0.1 as pulse outputs.
 #[derive(Default)]
 pub struct PulseOutputs {
+    /// PLS was executed, or a trace wants edges: until then both are idle.
+    used: Cell<bool>,
     outputs: RefCell<[Output; PULSE_OUTPUTS as usize]>,
 }
 
@@ -81,12 +83,12 @@ impl Cpu {
     /// When an output next changes something that the program can see.
     pub(crate) fn s7200_pulses_due(&self) -> u64 {
         let due = |own: &S7200| own.pulses.outputs.borrow().iter().filter_map(Output::due).min();
-        self.s7200().and_then(due).unwrap_or(crate::schedule::NEVER)
+        self.s7200().filter(|own| own.pulses.used.get()).and_then(due).unwrap_or(crate::schedule::NEVER)
     }
 
     /// Goes on up to now and raises events.
     pub(crate) fn s7200_poll_pulses(&self) {
-        let Some(own) = self.s7200() else { return };
+        let Some(own) = self.s7200().filter(|own| own.pulses.used.get()) else { return };
         let now = self.clock.now();
         for number in 0..PULSE_OUTPUTS {
             let image = self.pulse_image(number);
@@ -125,6 +127,7 @@ impl Cpu {
     /// A trace wants the edges of output `number`, from now on.
     pub(crate) fn s7200_record_pulses(&self, number: u8) {
         if let Some(own) = self.s7200() {
+            own.pulses.used.set(true);
             self.with_output(own, number, |output| output.record_edges(self.clock.now()));
         }
     }
@@ -203,6 +206,7 @@ pub(super) fn control(cpu: &Cpu, operands: &Operands) -> u64 {
     let Some(number) = u8::try_from(operands.a).ok().filter(exists) else {
         return failed(cpu, operands, error::RANGE);
     };
+    own.pulses.used.set(true);
     // Counters of mode 12 count what came until now.
     cpu.s7200_poll_counters();
     let at = |first: u32| special(register(number, first));
