@@ -438,6 +438,7 @@ impl Writer {
             }
         }
         self.add("CALL", actuals);
+        self.eno();
     }
 
     /// Begins a network and leaves its condition in the stack top.
@@ -573,6 +574,11 @@ impl Writer {
             list.push(operands::operand(&mut self.random, 'p', &self.local));
         }
         self.add(op, list);
+        self.eno();
+    }
+
+    /// A coil that shows ENO, now and then.
+    fn eno(&mut self) {
         if self.random.percent(20) {
             self.add("AENO", Vec::new());
             let bit = operands::operand(&mut self.random, 'X', &self.local);

@@ -12,7 +12,7 @@ const STEPS: u32 = 20_000;
 
 /// How a scan ended before its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
+pub enum Halt {
     /// Fatal error: the CPU goes to STOP.
     Fatal(u16),
     /// STOP instruction.
@@ -102,7 +102,7 @@ impl<'a> Model<'a> {
     }
 
     /// A scan that starts at `now`, in milliseconds from RUN.
-    pub fn scan(&mut self, inputs: &[u8], now: u64) -> Result<(), Stop> {
+    pub fn scan(&mut self, inputs: &[u8], now: u64) -> Result<(), Halt> {
         self.begin(inputs, now);
         self.steps = 0;
         self.memory.l.fill(0);
@@ -166,7 +166,7 @@ impl<'a> Model<'a> {
     }
 
     /// Runs a block. True: the scan ends.
-    fn run(&mut self, block: usize, top: bool) -> Result<bool, Stop> {
+    fn run(&mut self, block: usize, top: bool) -> Result<bool, Halt> {
         let mut stack = [false; 9];
         stack[0] = top;
         let mut frame = Frame { stack, eno: false, gate: true, segment: None, loops: Vec::new() };
@@ -174,7 +174,7 @@ impl<'a> Model<'a> {
         while let Some(statement) = self.program.blocks[block].code.get(at) {
             self.steps += 1;
             if self.steps > STEPS {
-                return Err(Stop::Endless);
+                return Err(Halt::Endless);
             }
             match self.statement(&mut frame, (block, at), statement)? {
                 Next::On => at += 1,
@@ -192,7 +192,7 @@ impl<'a> Model<'a> {
         frame: &mut Frame,
         (block, at): (usize, usize),
         statement: &Statement,
-    ) -> Result<Next, Stop> {
+    ) -> Result<Next, Halt> {
         let operands = &statement.operands;
         let op = statement.op;
         if let Some(value) = self.contact(op, operands)? {
@@ -255,7 +255,7 @@ impl<'a> Model<'a> {
             }
             "CRET" if enabled => return Ok(Next::Return),
             "END" if enabled => return Ok(Next::End),
-            "STOP" if enabled => return Err(Stop::Stop),
+            "STOP" if enabled => return Err(Halt::Stop),
             "CSCRE" | "JMP" | "CRET" | "END" | "STOP" => {}
             "FOR" => {
                 let runs = if enabled { self.begin_loop(operands) } else { Ok(false) };
@@ -346,7 +346,7 @@ impl<'a> Model<'a> {
     }
 
     /// The bit of a contact: `LD`, `AN`, `OW>=`; `None` for other statements.
-    fn contact(&mut self, op: &str, operands: &[Operand]) -> Result<Option<bool>, Stop> {
+    fn contact(&mut self, op: &str, operands: &[Operand]) -> Result<Option<bool>, Halt> {
         match op {
             "LD" | "A" | "O" => return Ok(Some(self.memory.bit(&operands[0]))),
             "LDN" | "AN" | "ON" => return Ok(Some(!self.memory.bit(&operands[0]))),
@@ -368,12 +368,12 @@ impl<'a> Model<'a> {
         self.compare(letter, relation, operands).map(Some)
     }
 
-    fn compare(&mut self, letter: char, relation: &str, operands: &[Operand]) -> Result<bool, Stop> {
+    fn compare(&mut self, letter: char, relation: &str, operands: &[Operand]) -> Result<bool, Halt> {
         let [left, right] = operands else { unreachable!("a comparison has two operands") };
         // A bad address in a comparison is fatal.
         let fatal = |fault| match fault {
-            RANGE => Stop::Fatal(0x0014),
-            Fault::Run(_) | Fault::Eno => Stop::Fatal(0x0011),
+            RANGE => Halt::Fatal(0x0014),
+            Fault::Run(_) | Fault::Eno => Halt::Fatal(0x0011),
         };
         let order = match letter {
             'B' | 'W' | 'D' => {
@@ -483,7 +483,7 @@ impl<'a> Model<'a> {
     }
 
     /// CALL with its parameters. True: the scan ends.
-    fn call(&mut self, operands: &[Operand]) -> Result<Result<bool, Fault>, Stop> {
+    fn call(&mut self, operands: &[Operand]) -> Result<Result<bool, Fault>, Halt> {
         let Operand::Block(callee) = operands[0] else { unreachable!("a call names its block") };
         let callee = &self.program.blocks[callee + 1];
         let local = match self.copied_in(callee, &operands[1..]) {

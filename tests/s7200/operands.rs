@@ -299,7 +299,7 @@ pub fn edge_real(random: &mut Random) -> f32 {
             -1.0E20,
             1.0E20,
             88.0,
-            3.141_592_7,
+            std::f32::consts::PI,
             -0.0,
         ]),
     }

@@ -18,7 +18,7 @@ use plcc_runtime::io::Simulated;
 
 use crate::generate::Case;
 use crate::memory::Memory;
-use crate::model::{Model, Stop};
+use crate::model::{Halt, Model};
 
 /// Nanoseconds of host time for a cycle.
 const HANG_LIMIT: u64 = 10_000_000_000;
@@ -99,8 +99,8 @@ fn expected(case: &Case) -> Vec<Expected> {
         now += scan.after;
         match model.scan(&scan.inputs, now) {
             Ok(()) => list.push(Expected::Memory(Box::new(model.memory.clone()))),
-            Err(Stop::Endless) => break,
-            Err(Stop::Fatal(_) | Stop::Stop) => {
+            Err(Halt::Endless) => break,
+            Err(Halt::Fatal(_) | Halt::Stop) => {
                 list.push(Expected::Stopped);
                 break;
             }
