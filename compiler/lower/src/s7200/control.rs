@@ -38,7 +38,7 @@ impl<'p> Context<'p, '_> {
         }
     }
 
-    /// `FOR INDX, INIT, FINAL`: with S0 = 0, or nothing to do, it goes on behind its NEXT.
+    /// `FOR INDX, INIT, FINAL`: with S0 = 0, or nothing to do, it goes on behind its NEXT. It has ENO as a box has.
     pub fn begin_loop(&mut self, operands: &[Operand]) {
         // The operands live as long as the body of the block; NEXT reads them again.
         let body = self.body;
@@ -49,6 +49,8 @@ impl<'p> Context<'p, '_> {
         let ([index, initial, last], Some(own)) = (operands, own) else { return };
         let (start, body, behind) = (self.b.create_block(), self.b.create_block(), self.b.create_block());
         let enable = self.top();
+        let failed = self.b.bool_const(false);
+        self.set(self.eno, failed);
         self.b.branch(enable, start, behind);
         self.b.seal_block(start);
         self.b.switch_to(start);
@@ -57,6 +59,8 @@ impl<'p> Context<'p, '_> {
             let last = context.read(last, Width::Word);
             let target = context.target(index, Width::Word);
             context.store(target, Width::Word, initial);
+            let one = context.b.bool_const(true);
+            context.set(context.eno, one);
             let runs = context.b.icmp(IntCc::Sle, initial, last);
             context.b.branch(runs, body, behind);
         });
