@@ -52,7 +52,7 @@ pub fn separator(text: &str) -> Option<char> {
         let addressed = rows()
             .filter_map(|line| row(line, *separator))
             .any(|(_, address)| s7200::parse_address(address).is_some() || s7200::parse_block(address).is_some());
-        begins && addressed && good * 2 > all && !rows().any(|line| begins_statement(line))
+        begins && addressed && good * 2 > all && !rows().any(begins_statement)
     })
 }
 
