@@ -110,7 +110,7 @@ pub(super) fn inputs_of(counter: u32, mode: u32, cpu: &CpuRow) -> Option<(Kind, 
     let inputs = Inputs {
         clock: used(all.clock, counting),
         second: used(all.second, counting && kind != Kind::Internal),
-        reset: used(all.reset, counting && mode % 3 != 0),
+        reset: used(all.reset, counting && !mode.is_multiple_of(3)),
         start: used(all.start, counting && mode % 3 == 2),
     };
     Some((kind, inputs))
