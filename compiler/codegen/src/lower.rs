@@ -246,6 +246,9 @@ impl<'m, 'f> Lowering<'m, 'f> {
         let function = self.function;
         let results = &function.results[inst];
         let only = || results.first().copied().ok_or_else(|| invalid(format!("{inst} has no result")));
+        if !leaves_memory_alone(&function.insts[inst]) {
+            self.memory.end_bits();
+        }
         match &function.insts[inst] {
             InstData::Const { .. } => {}
             InstData::Unary { op, arg } => {
@@ -637,6 +640,21 @@ fn int_cc(cc: IntCc) -> IntCC {
         IntCc::Ugt => IntCC::UnsignedGreaterThan,
         IntCc::Uge => IntCC::UnsignedGreaterThanOrEqual,
     }
+}
+
+/// Whether an instruction only computes, or writes a bit, which knows of the bits written before it.
+fn leaves_memory_alone(data: &InstData) -> bool {
+    matches!(
+        data,
+        InstData::Const { .. }
+            | InstData::Unary { .. }
+            | InstData::Binary { .. }
+            | InstData::IntCompare { .. }
+            | InstData::FloatCompare { .. }
+            | InstData::Convert { .. }
+            | InstData::Select { .. }
+            | InstData::StoreBit { .. }
+    )
 }
 
 fn float_cc(cc: FloatCc) -> FloatCC {

@@ -10,7 +10,9 @@
 
 use std::borrow::Cow;
 
-use cranelift_codegen::ir::{AliasRegion, AliasRegionData, InstBuilder, MemFlagsData, Type as ClifType, Value, types};
+use cranelift_codegen::ir::{
+    AliasRegion, AliasRegionData, Inst, InstBuilder, MemFlagsData, Type as ClifType, Value, types,
+};
 use cranelift_codegen::isa::TargetFrontendConfig;
 use cranelift_frontend::FunctionBuilder;
 use plcc_abi::{Type, layout};
@@ -79,11 +81,19 @@ struct Place {
 }
 
 /// An address of the IR with its base as CLIF value.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Address {
     pub region: Region,
     pub base: Option<Value>,
     pub offset: u32,
+}
+
+/// A bit that was written, and nothing has looked at memory since.
+struct LastBit {
+    addr: Address,
+    /// The byte with the bit.
+    byte: Value,
+    store: Inst,
 }
 
 /// How one function reaches memory.
@@ -96,6 +106,7 @@ pub struct Memory<'m> {
     pub caller_frame: Option<Value>,
     alias_regions: Vec<AliasRegion>,
     has_any: bool,
+    last_bit: Option<LastBit>,
 }
 
 impl<'m> Memory<'m> {
@@ -114,7 +125,7 @@ impl<'m> Memory<'m> {
                 b.func.dfg.alias_regions.insert(AliasRegionData { user_id: class as u32, description })
             })
             .collect();
-        Memory { module, mem, frame, caller_frame, alias_regions, has_any: uses_any(function) }
+        Memory { module, mem, frame, caller_frame, alias_regions, has_any: uses_any(function), last_bit: None }
     }
 
     fn flags(&self, class: AliasClass) -> MemFlagsData {
@@ -238,8 +249,10 @@ impl<'m> Memory<'m> {
         Ok(Bit::Of(b.ins().load(types::I8, place.flags, place.pointer, place.offset), bit))
     }
 
+    /// Bits of one byte that are written behind each other are stored together: the byte of the store before is taken on, and that
+    /// store goes.
     pub fn store_bit(
-        &self,
+        &mut self,
         b: &mut FunctionBuilder<'_>,
         addr: Address,
         bit: u8,
@@ -247,7 +260,13 @@ impl<'m> Memory<'m> {
     ) -> Result<(), CodegenError> {
         let place = self.place(b, addr)?;
         let mask = 1u8 << bit;
-        let old = b.ins().load(types::I8, place.flags, place.pointer, place.offset);
+        let old = match self.last_bit.take().filter(|last| last.addr == addr) {
+            Some(last) => {
+                b.func.layout.remove_inst(last.store);
+                last.byte
+            }
+            None => b.ins().load(types::I8, place.flags, place.pointer, place.offset),
+        };
         let new = match value {
             BitValue::Constant(true) => b.ins().bor_imm_u(old, i64::from(mask)),
             BitValue::Constant(false) => b.ins().band_imm_u(old, i64::from(!mask)),
@@ -257,8 +276,14 @@ impl<'m> Memory<'m> {
                 b.ins().bor(others, placed)
             }
         };
-        b.ins().store(place.flags, new, place.pointer, place.offset);
+        let store = b.ins().store(place.flags, new, place.pointer, place.offset);
+        self.last_bit = Some(LastBit { addr, byte: new, store });
         Ok(())
+    }
+
+    /// Something else may look at memory from here on.
+    pub fn end_bits(&mut self) {
+        self.last_bit = None;
     }
 
     /// Distance of `addr` from the memory base, an i32.
