@@ -140,7 +140,7 @@ fn data_blocks() {
                     \"Speed\" := int 6\n";
     assert_eq!(tree(text), expected);
     assert_eq!(tree("// recipe\nVW0 1, 2\n 3\n"), "source en\n  data\n    VW0 := int 1, int 2\n    next := int 3\n");
-    assert_eq!(messages("DATA_BLOCK DB1\nVW0\nVW2 ,\nVW4 5\n"), ["P0206 DATA_BLOCK DB1", "P0201 VW0", "P0201 ,"]);
+    assert_eq!(messages("DATA_BLOCK DB1\nVW0\nVW2 ,\nVW4 5\n"), ["P0206 DATA_BLOCK", "P0201 VW0", "P0201 ,"]);
 }
 
 #[test]
