@@ -5,10 +5,8 @@ use std::ops::Range;
 use plcc_abi::layout;
 use plcc_abi::s7200::{ANALOG_ADDRESS, system};
 
+use super::timers::OF_1_MS;
 use crate::cpu::Cpu;
-
-/// Numbers of the timers of 1 ms. Source: S7-200 system manual, timer instructions.
-const TIMERS_OF_1_MS: [u32; 4] = [0, 32, 64, 96];
 
 /// Whether `bytes` bytes from `address` on lie in the area in which they begin.
 pub(super) fn inside(cpu: &Cpu, address: u32, bytes: u32) -> bool {
@@ -41,10 +39,7 @@ pub(super) fn after_write(cpu: &Cpu, address: u32, bytes: u32) {
 
 /// Brings the timers of 1 ms among these up to date.
 pub(super) fn sync_timers(cpu: &Cpu, numbers: Range<u32>) {
-    TIMERS_OF_1_MS
-        .into_iter()
-        .filter(|number| numbers.contains(number))
-        .for_each(|number| cpu.s7200_timer_sync(number));
+    OF_1_MS.into_iter().filter(|number| numbers.contains(number)).for_each(|number| cpu.s7200_timer_sync(number));
 }
 
 /// Which of the bytes lie in the part of the system area that has `length` bytes from `start` on, as offsets in it.

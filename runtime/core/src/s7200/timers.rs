@@ -12,7 +12,7 @@
 use std::cell::Cell;
 
 use plcc_abi::layout;
-use plcc_abi::s7200::{TIMERS, TimerKind, system};
+use plcc_abi::s7200::{Resolution, TIMERS, TimerKind, is_retentive_timer, system, timer_resolution};
 
 use crate::clock::NS_PER_MS;
 use crate::cpu::Cpu;
@@ -20,34 +20,21 @@ use crate::memory::Memory;
 use crate::schedule::NEVER;
 
 /// Timers of 1 ms.
-const OF_1_MS: [u32; 4] = [0, 32, 64, 96];
+pub(super) const OF_1_MS: [u32; 4] = [0, 32, 64, 96];
 /// Timers of 10 ms.
 const OF_10_MS: [u32; 16] = [1, 2, 3, 4, 33, 34, 35, 36, 65, 66, 67, 68, 97, 98, 99, 100];
 /// Timers of 1 ms that raise an event when they reach their preset, and the events.
 const WITH_EVENT: [(u32, u8); 2] = [(32, 21), (96, 22)];
 const LARGEST: i16 = i16::MAX;
 
-/// What a tick of a timer is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Resolution {
-    Ms1,
-    Ms10,
-    Ms100,
-}
-
+/// Resolution of a timer that exists.
 fn resolution(number: u32) -> Resolution {
-    if OF_1_MS.contains(&number) {
-        Resolution::Ms1
-    } else if OF_10_MS.contains(&number) {
-        Resolution::Ms10
-    } else {
-        Resolution::Ms100
-    }
+    u8::try_from(number).map_or(Resolution::Ms100, timer_resolution)
 }
 
 /// True for the numbers of TONR, whose values are retentive.
 fn is_retentive(number: u32) -> bool {
-    matches!(number, 0..=31 | 64..=95)
+    u8::try_from(number).is_ok_and(is_retentive_timer)
 }
 
 /// What a box of 1 or 10 ms told when it was last executed.

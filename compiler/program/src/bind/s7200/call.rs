@@ -31,7 +31,13 @@ impl Binder<'_> {
         let (number, name, formals) = (block.number, block.name.clone(), block.locals.clone());
         let title = if name.is_empty() { format!("SBR{number}") } else { format!("`{name}`") };
         let wanted = formals.parameters().count();
-        if actuals.len() < wanted {
+        // Where the EN of the box is declared, it is S0, and calls may leave it out.
+        let is_enable = |local: &Local| {
+            local.section == Section::Input && local.ty == Type::Bool && local.name.eq_ignore_ascii_case("EN")
+        };
+        let has_enable = actuals.len() + 1 == wanted && formals.parameters().next().is_some_and(is_enable);
+        let left_out = usize::from(has_enable);
+        if actuals.len() + left_out < wanted {
             let missing: Vec<&str> =
                 formals.parameters().skip(actuals.len()).map(|local| local.name.as_str()).collect();
             self.push(
@@ -55,12 +61,16 @@ impl Binder<'_> {
                 .help("leave out what the subroutine does not declare, or declare it"),
             );
         }
-        let mut arguments = Vec::new();
-        for (formal, actual) in formals.parameters().zip(actuals) {
+        let mut arguments: Vec<Option<Operand>> = Vec::new();
+        if has_enable {
+            arguments.push(Some(Operand::Const(1)));
+        }
+        for (formal, actual) in formals.parameters().skip(left_out).zip(actuals) {
             arguments.push(self.argument(locals, formal, actual));
         }
         let arguments: Option<Vec<Operand>> = arguments.into_iter().collect();
-        let arguments = arguments.filter(|arguments| arguments.len() == wanted && actuals.len() == wanted)?;
+        let complete = actuals.len() + left_out == wanted;
+        let arguments = arguments.filter(|arguments| arguments.len() == wanted && complete)?;
         Some(StatementKind::Call { number, arguments })
     }
 

@@ -3,6 +3,7 @@
 //! Source: S7-200 system manual, instruction set; restrictions of interrupt routines and of the 21x generation.
 
 use plcc_abi::image::BlockKind;
+use plcc_abi::s7200::is_retentive_timer;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
 use plcc_syntax::s7200::ast::{self, Area, Direct};
@@ -237,7 +238,7 @@ impl Binder<'_> {
     }
 
     fn timer_kind(&mut self, insn: Insn, number: u8, span: Span) -> Option<()> {
-        let retentive = matches!(number, 0..=31 | 64..=95);
+        let retentive = is_retentive_timer(number);
         if retentive == (insn == Insn::Tonr) {
             return Some(());
         }
