@@ -21,11 +21,11 @@ mod scl;
 mod stl;
 
 use plcc_abi::ProgramImage;
-use plcc_abi::image::{BlockEntry, BlockKind, DbEntry, ErrorSlot};
+use plcc_abi::image::{AssertEntry, BlockEntry, BlockKind, DbEntry, ErrorSlot};
 use plcc_diag::SourceMap;
 use plcc_ir::{Module, StaticDb};
 use plcc_program::Program;
-use plcc_program::model::Body;
+use plcc_program::model::{Assert, Body};
 
 use crate::plan::Plan;
 
@@ -143,6 +143,21 @@ impl<'s> Output<'s> {
     /// Index of the span's file in the image, and its line there. Blocks of the standard library have the spans of their first calls.
     pub fn place(&self, span: plcc_diag::Span) -> (u32, u32) {
         (span.file.0, self.sources.file(span.file).line(span.start))
+    }
+
+    /// Enters an assertion in the program's list; its number there.
+    pub fn register_assert<S>(&mut self, assert: &Assert<S>, span: plcc_diag::Span) -> u32 {
+        let (file, line) = self.place(span);
+        let asserts = &mut self.image.asserts;
+        asserts.push(AssertEntry {
+            file,
+            line,
+            text: assert.text.clone(),
+            op: assert.op,
+            real: assert.real,
+            trap: assert.trap,
+        });
+        asserts.len() as u32 - 1
     }
 
     fn finish(mut self) -> Lowered {

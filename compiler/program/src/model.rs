@@ -369,12 +369,12 @@ pub enum Actual {
     PointerCopy(Place),
 }
 
-/// An assertion pragma.
+/// An assertion pragma, with sides `S`.
 #[derive(Clone, Debug)]
-pub struct Assert {
-    pub left: AssertSide,
+pub struct Assert<S = AssertSide> {
+    pub left: S,
     pub op: AssertOp,
-    pub right: AssertSide,
+    pub right: S,
     /// Compare in order as REAL.
     pub real: bool,
     /// Both sides are different constants.

@@ -1,7 +1,6 @@
 //! Assertion pragmas: they look at the CPU without touching it.
 
 use plcc_abi::RuntimeFn;
-use plcc_abi::image::AssertEntry;
 use plcc_diag::Span;
 use plcc_ir::{IntCc, Type, Value};
 use plcc_program::model::s7200::{Assert, AssertSide, Operand, Width};
@@ -11,17 +10,7 @@ use super::context::Context;
 impl Context<'_, '_> {
     /// `//@ assert`. An assertion whose pointer is bad is an error of the program, and fails by not being executed.
     pub fn assert(&mut self, assert: &Assert, span: Span) {
-        let (file, line) = self.output.place(span);
-        let asserts = &mut self.output.image.asserts;
-        let id = asserts.len() as u32;
-        asserts.push(AssertEntry {
-            file,
-            line,
-            text: assert.text.clone(),
-            op: assert.op,
-            real: assert.real,
-            trap: assert.trap,
-        });
+        let id = self.output.register_assert(assert, span);
         self.guarded(|context| {
             let left = context.assert_side(&assert.left);
             let right = context.assert_side(&assert.right);

@@ -1,7 +1,6 @@
 //! Assertion pragmas: they look at the CPU state without touching it.
 
 use plcc_abi::RuntimeFn;
-use plcc_abi::image::AssertEntry;
 use plcc_diag::Span;
 use plcc_ir::{Type, Value};
 use plcc_program::model::{Assert, AssertRegister, AssertSide, CellKind, Operand, Width};
@@ -9,23 +8,8 @@ use plcc_program::model::{Assert, AssertRegister, AssertSide, CellKind, Operand,
 use crate::context::Context;
 
 impl Context<'_, '_> {
-    /// Enters an assertion in the program's list; its number there.
-    pub fn register_assert(&mut self, assert: &Assert, span: Span) -> u32 {
-        let (file, line) = self.output.place(span);
-        let asserts = &mut self.output.image.asserts;
-        asserts.push(AssertEntry {
-            file,
-            line,
-            text: assert.text.clone(),
-            op: assert.op,
-            real: assert.real,
-            trap: assert.trap,
-        });
-        asserts.len() as u32 - 1
-    }
-
     pub fn assert(&mut self, assert: &Assert, span: Span) {
-        let id = self.register_assert(assert, span);
+        let id = self.output.register_assert(assert, span);
         // A fully qualified address opens its DB, which an assertion must not.
         let db = self.get(self.regs.db);
         let left = self.assert_side(&assert.left);

@@ -116,7 +116,7 @@ impl Context<'_, '_> {
         match &statement.kind {
             StlStatementKind::Instruction { insn, .. } => self.skip_nesting(*insn),
             StlStatementKind::Assert(assert) => {
-                self.register_assert(assert, statement.span);
+                self.output.register_assert(assert, statement.span);
             }
             StlStatementKind::Label(_)
             | StlStatementKind::JumpList { .. }

@@ -1,6 +1,5 @@
 //! Bound blocks of an S7-200: statements whose operands are settled.
 
-use plcc_abi::image::AssertOp;
 use plcc_diag::Span;
 pub use plcc_syntax::ast::Width;
 pub use plcc_syntax::s7200::{Compare, CompareKind, Contact, Insn, Relation};
@@ -116,18 +115,7 @@ pub enum Area {
 }
 
 /// An assertion pragma.
-#[derive(Clone, Debug)]
-pub struct Assert {
-    pub left: AssertSide,
-    pub op: AssertOp,
-    pub right: AssertSide,
-    /// Compare in order as REAL.
-    pub real: bool,
-    /// Both sides are different constants.
-    pub trap: bool,
-    /// The source line, trimmed.
-    pub text: String,
-}
+pub type Assert = super::Assert<AssertSide>;
 
 /// One side of an assertion.
 #[derive(Clone, Debug)]
