@@ -127,6 +127,9 @@ codes! {
     GateInputs = "P0540" Error "a gate or pin of FBD that is not connected";
     ForeignContent = "P0541" Error "a part of an export that plcc does not read";
     TextResource = "P0542" Warning "a text of a network that cannot be found";
+    MemoryByName = "P0543" Warning "clock or system memory that only the tag table tells of";
+    MemoryTag = "P0544" Warning "a tag of the clock or system memory that the CPU does not set";
+    ExtensionBlock = "P0545" Warning "a block that a chart calls besides its steps";
     DuplicateStep = "P0550" Error "a step or transition that is there twice";
     ChartLimit = "P0551" Error "a chart that is larger than GRAPH allows";
     UnknownStep = "P0552" Error "a step or transition that the chart does not have";

@@ -35,6 +35,7 @@ mod report;
 mod s7200;
 mod scl;
 mod settle;
+mod system_memory;
 mod value;
 
 #[cfg(test)]
@@ -95,6 +96,7 @@ pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
     }
     let mut binder = Binder::new(input);
     binder.collect();
+    binder.system_memory();
     binder.ob_classes();
     binder.bind_types();
     binder.bind_data();
@@ -213,6 +215,8 @@ struct Binder<'a> {
     unknown_instances: FxHashSet<u16>,
     /// It was told that there is no REF_TO.
     references_refused: bool,
+    /// Tags of the system memory of which it was told that nothing sets them, folded.
+    system_tags_told: FxHashSet<String>,
 }
 
 /// What binding a block needs to know about it.
@@ -259,6 +263,7 @@ impl<'a> Binder<'a> {
             pointers: FxHashMap::default(),
             unknown_instances: FxHashSet::default(),
             references_refused: false,
+            system_tags_told: FxHashSet::default(),
         }
     }
 

@@ -175,6 +175,7 @@ impl Binder<'_> {
             self.unknown_name(name, span);
             return None;
         };
+        self.check_system_tag(name, target, span);
         let ty = self.globals.get(&fold(name)).and_then(|global| global.ty);
         Some(match target {
             SymbolTarget::Memory { area, width, byte, bit } => {

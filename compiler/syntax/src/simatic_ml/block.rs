@@ -1,6 +1,6 @@
 //! Blocks and data types: attributes, interface and networks.
 
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 use roxmltree::Node;
 
 use super::reader::{Reader, multilingual, setting, setting_text};
@@ -11,7 +11,7 @@ use crate::ast::{
 };
 use crate::network::ast::{Body, Content, Network};
 use crate::scl;
-use crate::xml::{head, text_of};
+use crate::xml::{child, elements, head, text_of};
 
 /// Reads one object of the file; `None` if it has no name.
 pub fn read(reader: &mut Reader, object: Node) -> Option<Block> {
@@ -22,24 +22,90 @@ pub fn read(reader: &mut Reader, object: Node) -> Option<Block> {
         return None;
     };
     let span = reader.span(head(object));
+    let shown = format!("`{}`", text_of_name(&name));
+    settings(reader, object, &shown);
     let kind = object.tag_name().name().trim_start_matches("SW.Blocks.");
     Some(match kind {
         "OB" => Block::Code(code(reader, object, name, CodeKind::Ob, span)),
         "FC" => Block::Code(code(reader, object, name, CodeKind::Fc, span)),
         "FB" => Block::Code(code(reader, object, name, CodeKind::Fb, span)),
         "SW.Types.PlcStruct" => {
-            let members = interface::components(reader, interface::sections(object));
+            let members = interface::components(reader, interface::sections(object), &shown);
             Block::Type(TypeBlock { name, header: header(object), members, alias: None, span })
         }
         "InstanceDB" => Block::Data(instance(reader, object, name, span)),
         "ArrayDB" => Block::Data(array(reader, object, name, span)),
-        // GlobalDB, and kinds of later versions that have an interface like it.
-        _ => {
-            let members = interface::components(reader, interface::sections(object));
+        "GlobalDB" => {
+            let members = interface::components(reader, interface::sections(object), &shown);
             let content = if members.is_empty() { DataContent::Empty } else { DataContent::Struct(members) };
             Block::Data(DataBlock { name, header: header(object), content, values: Vec::new(), span })
         }
+        other => {
+            let message =
+                Diagnostic::new(Code::ForeignContent, span, format!("{shown} is a block of the kind `{other}`"));
+            let help = "export the blocks that use it without it, or write it as an FC, FB or data block";
+            reader.diagnostics.push(message.label("plcc does not read blocks of this kind").help(help));
+            return None;
+        }
     })
+}
+
+/// Settings of blocks that mean nothing for the program, or that are read.
+#[rustfmt::skip]
+const SETTINGS: &[&str] = &[
+    "AcknowledgeErrorsRequired", "ArrayDataType", "ArrayLimitUpperBound", "AssignedProDiagFB", "AutoNumber", "CodeModifiedDate",
+    "CompileDate", "CreateMinimizedDB", "CreationDate", "DBAccessibleFromOPCUA", "DBAccessibleFromWebserver",
+    "DownloadWithoutReinit", "ExtensionBlockName", "ExtensionBlocks", "GraphVersion", "HandleErrorsWithinBlock", "HeaderAuthor",
+    "HeaderFamily", "HeaderName", "HeaderVersion", "InstanceOfName", "InstanceOfNumber", "InstanceOfType", "Interface",
+    "InterfaceModifiedDate", "IsConsistent", "IsFailsafeCompliant", "IsIECCheckEnabled", "IsKnowHowProtected",
+    "IsOnlyStoredInLoadMemory", "IsPLCDB", "IsRetainMemResEnabled", "IsWriteProtected", "IsWriteProtectedInAS",
+    "LanguageInNetworks", "LibraryConformanceStatus", "LockOperatingMode", "MemoryLayout", "MemoryReserve", "ModifiedDate",
+    "Name", "NetworkBridge", "Number", "OfSystemLibElement", "OfSystemLibVersion", "ParameterModified", "ParameterPassing",
+    "PermanentILProcessingInMANMode", "PLCSimAdvancedSupport", "ProgrammingLanguage", "RetainMemoryReserve", "SecondaryType",
+    "SetENOAutomatically", "SkipSteps", "StructureModified", "Supervisions", "UDABlockProperties", "UDAEnableTagReadback",
+    "WithAlarmHandling",
+];
+
+/// Reports settings of a block that nobody knows, and objects below it.
+fn settings(reader: &mut Reader, object: Node, shown: &str) {
+    let list = child(object, "AttributeList");
+    let told = |name: &str| !SETTINGS.contains(&name) && !name.ends_with("Date") && !name.ends_with("Modified");
+    // What is not set needs no words.
+    let is_set = |node: &Node| {
+        let text = text_of(*node);
+        elements(*node).next().is_some() || !matches!(text.as_str(), "" | "false" | "0")
+    };
+    let unknown: Vec<Node> = list.into_iter().flat_map(elements).filter(|node| told(node.tag_name().name())).collect();
+    for node in unknown.into_iter().filter(is_set) {
+        let name = node.tag_name().name();
+        let title = format!("the setting `{name}` of {shown} is not read");
+        let help = "priorities and times of organization blocks stand in plc.toml; else nothing need be done";
+        warn(reader, node, title, "plcc does not know it", help);
+    }
+    for node in child(object, "ObjectList").into_iter().flat_map(elements) {
+        let name = node.tag_name().name();
+        if !matches!(name, "SW.Blocks.CompileUnit" | "MultilingualText") {
+            warn(
+                reader,
+                node,
+                format!("`{name}` of {shown} is skipped"),
+                "no network",
+                "nothing need be done, unless the program depends on it",
+            );
+        }
+    }
+    if let Some(node) = setting(object, "Number")
+        && text_of(node).parse::<u32>().is_err()
+        && !text_of(node).is_empty()
+    {
+        reader.refuse(node, shown, &format!("the number `{}`", text_of(node)));
+    }
+}
+
+fn warn(reader: &mut Reader, node: Node, title: String, label: &str, help: &str) {
+    let mut message = Diagnostic::new(Code::ForeignContent, reader.span(head(node)), title).label(label).help(help);
+    message.severity = Severity::Warning;
+    reader.diagnostics.push(message);
 }
 
 /// The name of an object; its span is where it stands.
@@ -48,6 +114,13 @@ fn name(reader: &mut Reader, object: Node) -> Option<BlockName> {
     let name = text_of(node);
     let span = place(reader, node, &name);
     (!name.is_empty()).then_some(BlockName::Symbol { name, span })
+}
+
+fn text_of_name(name: &BlockName) -> String {
+    match name {
+        BlockName::Symbol { name, .. } => name.clone(),
+        BlockName::Numbered { number, .. } => number.to_string(),
+    }
 }
 
 /// Writes a text over the text of a node.
@@ -84,11 +157,8 @@ fn code(reader: &mut Reader, object: Node, name: BlockName, kind: CodeKind, span
     let header = header(object);
     let language = setting_text(object, "ProgrammingLanguage").unwrap_or_default();
     let is_chart = language == "GRAPH" && kind == CodeKind::Fb;
-    let interface = interface::read(reader, interface::sections(object), is_chart);
-    let shown = match &name {
-        BlockName::Symbol { name, .. } => name.clone(),
-        BlockName::Numbered { number, .. } => number.to_string(),
-    };
+    let shown = text_of_name(&name);
+    let interface = interface::read(reader, interface::sections(object), is_chart, &format!("`{shown}`"));
     let code = match refused(&header, &language, is_chart) {
         Some((what, help)) => {
             let message = Diagnostic::new(Code::ForeignContent, name.span(), format!("`{shown}` {what}"));
@@ -175,7 +245,7 @@ fn instance(reader: &mut Reader, object: Node, name: BlockName, span: Span) -> D
     let own = !system && matches!(ty.as_str(), "" | "FB" | "UDT");
     let of = named_type(reader, object, "InstanceOfName", own)
         .or_else(|| named_type(reader, object, "OfSystemLibElement", false));
-    let members = interface::components(reader, interface::sections(object));
+    let members = interface::components(reader, interface::sections(object), &format!("`{}`", text_of_name(&name)));
     let values = super::initial::assignments(&members);
     let content = match of {
         Some(of) => DataContent::OfType(of),
@@ -198,7 +268,8 @@ fn array(reader: &mut Reader, object: Node, name: BlockName, span: Span) -> Data
             DataContent::Array(TypeRef { kind: TypeKind::Array { bounds, element }, span }, None)
         }
         _ => {
-            let members = interface::components(reader, interface::sections(object));
+            let members =
+                interface::components(reader, interface::sections(object), &format!("`{}`", text_of_name(&name)));
             if members.is_empty() { DataContent::Empty } else { DataContent::Struct(members) }
         }
     };

@@ -52,6 +52,11 @@ pub fn of_member(reader: &mut Reader, member: Node, ty: &TypeRef) -> Option<Init
         return None;
     }
     let dimensions = dimensions(ty);
+    let count = dimensions.iter().flatten().map(|(low, high)| (i128::from(*high) - i128::from(*low) + 1).max(0));
+    if count.product::<i128>() > i128::from(ELEMENTS_MAX) {
+        let what = format!("start values of single elements of an array with more than {ELEMENTS_MAX}");
+        reader.refuse(member, "a declaration", &what);
+    }
     if dimensions.is_none() && leaves.values().flatten().any(|leaf| !leaf.path.is_empty()) {
         let message = "start values of elements of an array whose bounds are constants";
         reader.refuse(member, "a declaration", message);
@@ -85,9 +90,11 @@ fn own_values(reader: &mut Reader, member: Node) -> Vec<Leaf> {
     for element in children(member, "Subelement") {
         let path: Option<Vec<i64>> =
             element.attribute("Path").unwrap_or_default().split(',').map(|index| index.trim().parse().ok()).collect();
-        if let Some(path) = path
-            && let Some(value) = child(element, "StartValue").and_then(|value| reader.start_value(value))
-        {
+        let Some(path) = path else {
+            reader.refuse(element, "a declaration", "the start value of an element whose index cannot be read");
+            continue;
+        };
+        if let Some(value) = child(element, "StartValue").and_then(|value| reader.start_value(value)) {
             leaves.push(Leaf { path, value });
         }
     }

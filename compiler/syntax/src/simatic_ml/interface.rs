@@ -6,9 +6,10 @@ use roxmltree::Node;
 use super::data_type;
 use super::initial;
 use super::reader::Reader;
+use super::schema;
 use crate::ast::{Constant, Retain, Section, SectionKind, TypeKind, TypeRef, Variable};
 use crate::scl::ast::{Expr, ExprKind};
-use crate::xml::{attribute_range, child, children, head, text_of};
+use crate::xml::{attribute_range, child, children, elements, head, text_of};
 
 /// How deep structures may stand in one another.
 const DEPTH_MAX: usize = 64;
@@ -41,9 +42,12 @@ fn is_chart_data(member: Node, chart: bool) -> bool {
     datatype.starts_with("G7_") || chart && member.attribute("Name") == Some("RT_DATA")
 }
 
-/// Reads the sections of a block with code. `chart`: it is written in GRAPH.
-pub fn read(reader: &mut Reader, sections: Option<Node>, chart: bool) -> Interface {
+/// Reads the sections of a block with code. `chart`: it is written in GRAPH; `whose`: the block, in messages.
+pub fn read(reader: &mut Reader, sections: Option<Node>, chart: bool, whose: &str) -> Interface {
     let mut interface = Interface::default();
+    if let Some(sections) = sections {
+        schema::check(reader, sections, schema::Place::Declaration, whose);
+    }
     for section in sections.iter().flat_map(|sections| children(*sections, "Section")) {
         let kind = match section.attribute("Name").unwrap_or_default() {
             "Input" => SectionKind::Input,
@@ -65,7 +69,12 @@ pub fn read(reader: &mut Reader, sections: Option<Node>, chart: bool) -> Interfa
                 continue;
             }
             // `Base` of GRAPH belongs to the system.
-            _ => continue,
+            "Base" if chart => continue,
+            _ if elements(section).next().is_none() => continue,
+            name => {
+                reader.refuse(section, whose, &format!("declarations in the section `{name}`"));
+                continue;
+            }
         };
         let own = |member: &Node| !(chart && kind == SectionKind::Static && is_chart_data(*member, chart));
         for member in children(section, "Member").filter(own) {
@@ -87,8 +96,11 @@ pub fn read(reader: &mut Reader, sections: Option<Node>, chart: bool) -> Interfa
     interface
 }
 
-/// The members of all sections as components: of a data block or data type.
-pub fn components(reader: &mut Reader, sections: Option<Node>) -> Vec<Variable> {
+/// The members of all sections as components: of a data block or data type, which `whose` names in messages.
+pub fn components(reader: &mut Reader, sections: Option<Node>, whose: &str) -> Vec<Variable> {
+    if let Some(sections) = sections {
+        schema::check(reader, sections, schema::Place::Declaration, whose);
+    }
     let chart = is_chart(sections);
     let sections = sections.iter().flat_map(|sections| children(*sections, "Section"));
     let sections = sections.filter(|section| section.attribute("Name") != Some("Base"));

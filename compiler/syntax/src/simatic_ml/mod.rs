@@ -25,6 +25,7 @@ mod order;
 mod overlay;
 mod parts;
 mod reader;
+mod schema;
 mod statements;
 mod step_time;
 mod tokens;
@@ -74,6 +75,8 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ParseOptions) -
     let pragmas = if options.pragmas { pragmas(file, &document) } else { Vec::new() };
     let mut diagnostics = reader.diagnostics;
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    // The schema and the reader of an element see the same fault.
+    diagnostics.dedup_by_key(|diagnostic| (diagnostic.code, diagnostic.primary.span));
     let overlay = Some(reader.overlay.into_text());
     (SourceUnit { blocks, pragmas, overlay, ..SourceUnit::default() }, diagnostics)
 }

@@ -4,7 +4,7 @@ use plcc_diag::Severity;
 use roxmltree::Node;
 
 use super::reader::{Reader, multilingual, setting, setting_text};
-use super::{graph, parts, statements, tokens};
+use super::{graph, parts, schema, statements, tokens};
 use crate::network::ast::{Content, Graph, Language, Network};
 use crate::scl::ast::Name;
 use crate::xml::{child, elements, head, is};
@@ -23,7 +23,11 @@ pub fn read(reader: &mut Reader, unit: Node, number: usize, block: &str, default
         None => format!("network {number} of `{block}`"),
     };
     let named = setting_text(unit, "ProgrammingLanguage").unwrap_or_else(|| default.to_string());
-    let source = setting(unit, "NetworkSource").and_then(|source| elements(source).next());
+    let mut sources = setting(unit, "NetworkSource").into_iter().flat_map(elements);
+    let source = sources.next();
+    if let Some(other) = sources.next() {
+        reader.refuse(other, &whose, "code twice");
+    }
     let language = language_of(&named, source.map(|source| source.tag_name().name()));
     let (labels, content) = content(reader, unit, source, (language, &named), &whose);
     let comment = multilingual(unit, "Comment").map(|text| text.lines().map(str::to_string).collect());
@@ -84,6 +88,9 @@ pub fn content(
             Content::Graphic(Graph::default())
         }
     };
+    if let Some(source) = source {
+        schema::check(reader, source, schema::Place::Code, whose);
+    }
     (labels, content)
 }
 

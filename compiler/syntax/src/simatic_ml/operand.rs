@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use crate::xml::{child, children, elements, is, text_of};
+use crate::xml::{child, elements, is, text_of};
 
 /// Which language the text is for: they write addresses and status bits each in their way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,78 +32,105 @@ fn access_at_depth<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
         return refuse(node, "indices that stand too deep in one another");
     }
     let scope = node.attribute("Scope").unwrap_or_default();
-    let mut text = String::new();
-    for part in elements(node) {
-        match part.tag_name().name() {
-            "Symbol" => text.push_str(&symbol(part, scope, notation, depth)?),
-            "Constant" => text.push_str(&constant(part, scope)),
-            "Address" => text.push_str(&address(part, notation)?),
-            "Label" => text.push_str(part.attribute("Name").unwrap_or_default()),
-            "Statusword" | "StatusWord" => text.push_str(&status(part)),
-            "PredefinedVariable" => text.push_str(part.attribute("Name").unwrap_or_default()),
-            "DataType" => text.push_str(&quoted(text_of(part).trim_matches('"'))),
-            "Indirect" => text.push_str(&indirect(part, notation, depth)?),
-            "AbsoluteOffset" | "Comment" | "LineComment" | "Blank" | "NewLine" | "IntegerAttribute"
-            | "StringAttribute" | "BooleanAttribute" => {}
+    let mut found: Option<String> = None;
+    for part in elements(node).filter(|part| !is_informative(*part)) {
+        let text = match part.tag_name().name() {
+            "Symbol" => path(part, scope.starts_with("Local"), notation, depth)?,
+            "Constant" => constant(part, scope),
+            "Address" => address(part, notation)?,
+            "Label" => part.attribute("Name").unwrap_or_default().to_string(),
+            "Statusword" | "StatusWord" => status(part),
+            "PredefinedVariable" => part.attribute("Name").unwrap_or_default().to_string(),
+            "DataType" => quoted(text_of(part).trim_matches('"')),
+            "Indirect" => indirect(part, notation, depth)?,
+            name if is_layout(name) => continue,
             other => return refuse(part, &format!("an operand with `{other}`")),
+        };
+        if found.is_some() {
+            return refuse(part, "an operand of two parts");
         }
+        found = Some(text);
     }
-    if text.is_empty() { refuse(node, "an operand without a name") } else { Ok(text) }
+    match found {
+        Some(text) if !text.is_empty() => Ok(text),
+        _ => refuse(node, "an operand without a name"),
+    }
+}
+
+/// Whether an element of that name only says how a text looks, or is a comment or a setting of the editor, which the schema checks.
+fn is_layout(name: &str) -> bool {
+    matches!(
+        name,
+        "Blank" | "NewLine" | "Comment" | "LineComment" | "BooleanAttribute" | "StringAttribute" | "IntegerAttribute"
+    )
 }
 
 fn refuse<'a, 'i>(node: Node<'a, 'i>, what: &str) -> Text<'a, 'i> {
     Err(Unreadable { node, what: what.to_string() })
 }
 
-/// Components of a `Symbol`.
-fn symbol<'a, 'i>(node: Node<'a, 'i>, scope: &str, notation: Notation, depth: usize) -> Text<'a, 'i> {
-    let mut text = path(node, scope.starts_with("Local"), notation, depth)?;
-    for address in children(node, "Address") {
-        if !is_informative(address) {
-            text.push('.');
-            text.push_str(&self::address(address, notation)?);
-        }
-    }
-    Ok(text)
-}
-
 /// `#a.b`, `"db".b`: the components below a `Symbol` or an `Instance`.
 pub fn path<'a, 'i>(node: Node<'a, 'i>, local: bool, notation: Notation, depth: usize) -> Text<'a, 'i> {
     let mut text = String::new();
-    let mut peripheral = false;
-    for part in elements(node) {
+    let mut suffix = "";
+    let mut components = 0;
+    for part in elements(node).filter(|part| !is_informative(*part)) {
         match part.tag_name().name() {
             "Component" => {
                 let name = part.attribute("Name").unwrap_or_default();
-                match (text.is_empty(), local) {
-                    (true, true) => text.push_str(&format!("#{}", plain_or_quoted(name))),
-                    (true, false) => text.push_str(&quoted(name)),
-                    (false, _) => text.push_str(&format!(".{}", plain_or_quoted(name))),
+                match (components, local) {
+                    (0, true) => text.push_str(&format!("#{}", plain_or_quoted(name))),
+                    (0, false) => text.push_str(&quoted(name)),
+                    (_, _) => text.push_str(&format!(".{}", plain_or_quoted(name))),
                 }
+                components += 1;
                 text.push_str(&behind_component(part, notation, depth)?);
-                peripheral |= part.attribute("SimpleAccessModifier").is_some_and(|value| value == "Periphery");
+                match part.attribute("SimpleAccessModifier").unwrap_or("None") {
+                    "None" => {}
+                    "Periphery" => suffix = ":P",
+                    other => return refuse(part, &format!("the access `{other}` to `{name}`")),
+                }
             }
-            "Address" | "Token" | "Blank" | "NewLine" | "Comment" | "LineComment" | "BooleanAttribute"
-            | "StringAttribute" | "IntegerAttribute" | "Section" => {}
+            "Address" => match (part.attribute("Area").unwrap_or_default(), components) {
+                (_, 0) => text.push_str(&address(part, notation)?),
+                // `"db".%DBW4`
+                ("DB" | "DI" | "None", 1) => text.push_str(&format!(".{}", address_in_block(part)?)),
+                // The address of a tag, beside its name.
+                ("Input" | "Output" | "Memory" | "PeripheryInput" | "PeripheryOutput" | "Timer" | "Counter", 1) => {}
+                (area, _) => return refuse(part, &format!("an operand with an address in `{area}` after its name")),
+            },
+            "Token" => match part.attribute("Text").unwrap_or_default().trim() {
+                "" | "." | "#" | "\"" => {}
+                sign @ ("^" | "[" | "," | "]") => text.push_str(sign),
+                ":P" => suffix = ":P",
+                // `.%W1`, `.%DBW322`
+                token if token.trim_start_matches('.').starts_with('%') => {
+                    text.push_str(&format!(".{}", token.trim_start_matches('.').to_uppercase()));
+                }
+                token => return refuse(part, &format!("an operand with `{token}`")),
+            },
+            // An index behind its component.
+            "Access" if text.ends_with(['[', ',']) => text.push_str(&access_at_depth(part, notation, depth + 1)?),
+            name if is_layout(name) => {}
             other => return refuse(part, &format!("an operand with `{other}`")),
         }
     }
-    if peripheral {
-        text.push_str(":P");
-    }
+    text.push_str(suffix);
     Ok(text)
 }
 
 /// What follows the name of a component: indices, `^`, a slice.
 fn behind_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize) -> Text<'a, 'i> {
     let mut text = String::new();
-    let modifier = node.attribute("AccessModifier").unwrap_or_default();
-    if modifier.starts_with("Reference") {
-        text.push('^');
+    let modifier = node.attribute("AccessModifier").unwrap_or("None");
+    match modifier {
+        "None" | "Array" => {}
+        "Reference" | "ReferenceToArray" => text.push('^'),
+        other => return refuse(node, &format!("the access `{other}` to a component")),
     }
     let brackets = elements(node).any(|part| part.attribute("Text") == Some("["));
     let mut indices = 0;
-    for part in elements(node) {
+    for part in elements(node).filter(|part| !is_informative(*part)) {
         match part.tag_name().name() {
             "Access" => {
                 if !brackets {
@@ -118,13 +145,17 @@ fn behind_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize
                 let word = token.chars().all(char::is_alphanumeric);
                 text.push_str(&if word { format!(" {token} ") } else { token.to_string() });
             }
-            "Blank" | "NewLine" | "Comment" | "LineComment" | "BooleanAttribute" | "StringAttribute"
-            | "IntegerAttribute" => {}
+            name if is_layout(name) => {}
             other => return refuse(part, &format!("a component with `{other}`")),
         }
     }
     if indices > 0 && !brackets {
         text.push(']');
+    }
+    // The index may also stand behind the component.
+    let behind = node.next_sibling_element().and_then(|next| next.attribute("Text"));
+    if modifier.ends_with("Array") && indices == 0 && behind != Some("[") {
+        return refuse(node, "an element of an array without an index");
     }
     if let Some(slice) = node.attribute("SliceAccessModifier").filter(|slice| *slice != "undef" && !slice.is_empty()) {
         text.push_str(&format!(".%{}", slice.to_uppercase()));
@@ -167,17 +198,20 @@ fn status(node: Node) -> String {
 }
 
 /// The letter of a width, by the type of an address: none for a bit.
-fn width_letter(ty: &str) -> &'static str {
+fn width_letter(ty: &str) -> Option<&'static str> {
     let is = |known: &[&str]| known.iter().any(|known| known.eq_ignore_ascii_case(ty));
-    match () {
+    Some(match () {
         () if is(&["Bool"]) => "X",
         () if is(&["Byte", "SInt", "USInt", "Char"]) => "B",
         () if is(&["Word", "Int", "UInt", "S5Time", "Date", "WChar"]) => "W",
-        () if is(&["LWord", "LInt", "ULInt", "LReal", "LTime", "LTime_Of_Day", "LDT", "DTL", "Date_And_Time"]) => "L",
-        () => "D",
-    }
+        () if is(&["DWord", "DInt", "UDInt", "Real", "Time", "Time_Of_Day", "TOD"]) => "D",
+        () if is(&["LWord", "LInt", "ULInt", "LReal", "LTime", "LTime_Of_Day", "LTOD", "LDT"]) => "L",
+        () if is(&["Date_And_LTime", "DTL", "Date_And_Time"]) => "L",
+        () => return None,
+    })
 }
 
+/// Whether an element says itself that it only informs.
 fn is_informative(node: Node) -> bool {
     node.attribute("Informative").is_some_and(|value| value.eq_ignore_ascii_case("true") || value == "1")
 }
@@ -203,43 +237,65 @@ fn area_letters(area: &str, notation: Notation) -> Option<(&'static str, bool)> 
     })
 }
 
-/// `%I0.0`, `%DB1.DBW4`, `T5`, and of a symbol's address what stands behind the point: `%DBX0.0`.
+/// A number in an attribute.
+fn number(node: Node, name: &str) -> Option<u32> {
+    node.attribute(name).and_then(|value| value.trim().parse::<u32>().ok())
+}
+
+/// Letters, width and number of an address: `DBX0.0`, `MW4`. `letters` are those of its area.
+fn place<'a, 'i>(node: Node<'a, 'i>, letters: &str) -> Text<'a, 'i> {
+    let ty = node.attribute("Type").unwrap_or_default();
+    let Some(width) = width_letter(ty) else { return refuse(node, &format!("an address of the type `{ty}`")) };
+    let Some(offset) = number(node, "BitOffset") else { return refuse(node, "an address without `BitOffset`") };
+    Ok(match width {
+        "X" if letters.starts_with('D') => format!("{letters}X{}.{}", offset / 8, offset % 8),
+        "X" => format!("{letters}{}.{}", offset / 8, offset % 8),
+        _ if offset % 8 != 0 => return refuse(node, &format!("an address of the type `{ty}` in the middle of a byte")),
+        width => format!("{letters}{width}{}", offset / 8),
+    })
+}
+
+/// An address behind the name of its data block: `%DBW4`.
+fn address_in_block<'a, 'i>(node: Node<'a, 'i>) -> Text<'a, 'i> {
+    Ok(format!("%{}", place(node, "DB")?))
+}
+
+/// `%I0.0`, `%DB1.DBW4`, `T5`.
 fn address<'a, 'i>(node: Node<'a, 'i>, notation: Notation) -> Text<'a, 'i> {
     let area = node.attribute("Area").unwrap_or_default();
     let ty = node.attribute("Type").unwrap_or_default();
-    let number = |name: &str| node.attribute(name).and_then(|value| value.trim().parse::<u32>().ok());
-    let (block, offset) = (number("BlockNumber"), number("BitOffset"));
-    let width = width_letter(ty);
-    let place = |prefix: &str, width: &str| {
-        let offset = offset.unwrap_or(0);
-        if width == "X" || width.is_empty() {
-            format!("{prefix}{width}{}.{}", offset / 8, offset % 8)
-        } else {
-            format!("{prefix}{width}{}", offset / 8)
-        }
-    };
+    let (block, offset) = (number(node, "BlockNumber"), number(node, "BitOffset"));
     let sign = if notation == Notation::Scl { "%" } else { "" };
     if area == "None" {
-        return Ok(format!("{sign}{}", place("DB", width)));
+        return Ok(format!("{sign}{}", place(node, "DB")?));
     }
     let Some((letters, peripheral)) = area_letters(area, notation) else {
         return refuse(node, &format!("the area `{area}`"));
     };
     Ok(match letters {
-        "T" | "C" => format!("{sign}{letters}{}", block.filter(|block| *block > 0).or(offset).unwrap_or(0)),
-        "FB" | "FC" => format!("{letters}{}", block.unwrap_or(0)),
+        "T" | "C" => match block.filter(|block| *block > 0).or(offset) {
+            Some(number) => format!("{sign}{letters}{number}"),
+            None => return refuse(node, "a timer or counter without a number"),
+        },
+        "FB" | "FC" => match block {
+            Some(number) => format!("{letters}{number}"),
+            None => return refuse(node, "a block without a number"),
+        },
         "DB" | "DI" => {
-            let whole = ty.is_empty() || ty.starts_with("Block") || ty == "DB_ANY" || offset.is_none();
+            let name = ty.trim().trim_matches('"');
+            let is_block = ty.is_empty() || ty.starts_with("Block") || ty.eq_ignore_ascii_case("DB_ANY");
+            let is_type = width_letter(ty).is_some();
             match block {
-                Some(block) if whole => format!("{sign}{letters}{block}"),
-                Some(block) if block > 0 && letters == "DB" => format!("{sign}DB{block}.{}", place("DB", width)),
-                _ => format!("{sign}{}", place(letters, width)),
+                // The data blocks of an export may have no numbers: the type names the one that is meant.
+                Some(_) if !is_block && !is_type && offset.unwrap_or(0) == 0 && !name.is_empty() => quoted(name),
+                Some(block) if is_block || offset.is_none() => format!("{sign}{letters}{block}"),
+                Some(block) if block > 0 && letters == "DB" => format!("{sign}DB{block}.{}", place(node, "DB")?),
+                _ => format!("{sign}{}", place(node, letters)?),
             }
         }
         letters => {
             let suffix = if peripheral { ":P" } else { "" };
-            let width = if width == "X" { "" } else { width };
-            format!("{sign}{}{suffix}", place(letters, width))
+            format!("{sign}{}{suffix}", place(node, letters)?)
         }
     })
 }
@@ -253,14 +309,20 @@ fn indirect<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize) -> Tex
         "Bit" | "Bool" | "X" => "X",
         "Byte" | "B" => "B",
         "Word" | "W" => "W",
+        "Double" | "DoubleWord" | "DWord" | "D" => "D",
         "None" | "" => "",
-        _ => "D",
+        other => return refuse(node, &format!("an indirect address of the width `{other}`")),
     };
-    let area = node.attribute("Area").unwrap_or_default();
-    let letters = area_letters(area, notation).map_or("", |(letters, _)| letters);
+    let letters = match node.attribute("Area").unwrap_or_default() {
+        "" | "None" => "",
+        area => match area_letters(area, notation) {
+            Some((letters, _)) => letters,
+            None => return refuse(node, &format!("the area `{area}`")),
+        },
+    };
     let width = if width == "X" && !letters.is_empty() && !letters.starts_with('D') { "" } else { width };
     let register = node.attribute("Register").filter(|register| !register.is_empty() && *register != "None");
-    let offset = node.attribute("BitOffset").and_then(|offset| offset.trim().parse::<u32>().ok()).unwrap_or(0);
+    let offset = number(node, "BitOffset").unwrap_or(0);
     match (register, child(node, "Access")) {
         (Some(register), _) => Ok(format!("{letters}{width} [{register},P#{}.{}]", offset / 8, offset % 8)),
         (None, Some(pointer)) => Ok(format!("{letters}{width} [{}]", access_at_depth(pointer, notation, depth + 1)?)),

@@ -42,6 +42,15 @@ impl Overlay {
         Some(range)
     }
 
+    /// As [`Overlay::place`], but only inside of `node`: for texts whose order matters.
+    pub fn place_inside(&mut self, text: &str, wanted: usize, node: Range<usize>) -> Option<Range<usize>> {
+        let fits = |at: usize| at >= node.start && at + text.len() <= node.end && self.is_free(at..at + text.len());
+        if !fits(wanted) && !fits(node.start) {
+            self.gap(node.clone(), text.len())?;
+        }
+        self.place(text, wanted, node)
+    }
+
     /// Whether nothing has been written there.
     fn is_free(&self, range: Range<usize>) -> bool {
         self.used.get(range).is_some_and(|used| !used.contains(&true))
@@ -71,6 +80,7 @@ mod tests {
         assert_eq!(overlay.place("#ä", 4, 4..8), Some(4..7));
         assert_eq!(overlay.place("#abcd", 4, 4..8), Some(7..12));
         assert_eq!(overlay.place("#abcd", 4, 4..8), None);
+        assert_eq!(overlay.place_inside("##", 4, 4..8), None);
         assert_eq!(overlay.into_text(), "#a.b#ä#abcd  ");
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 use roxmltree::Node;
 
 use super::operand;
@@ -137,6 +137,9 @@ pub fn read(reader: &mut Reader, net: Node, whose: &str) -> Result<Parts, Refuse
                 for declaration in children(node, "LabelDeclaration") {
                     let text =
                         child(declaration, "Label").and_then(|label| label.attribute("Name")).unwrap_or_default();
+                    if text.trim().is_empty() {
+                        return Err(reader.refuse(declaration, whose, "a label without a name"));
+                    }
                     let label = reader.label(declaration, text.trim().to_string());
                     found.labels.push(label);
                 }
@@ -230,7 +233,7 @@ fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
                     Target::Element { instance, .. } | Target::Block { instance, .. } => *instance = Some(found),
                 }
             }
-            "TemplateValue" => template(reader, setting, &mut part),
+            "TemplateValue" => template(reader, setting, &mut part, whose)?,
             "AutomaticTyped" => {
                 let key = TemplateKey::of(setting.attribute("Name").unwrap_or_default());
                 part.templates.push(Template { key, value: String::new(), span: reader.span(head(setting)) });
@@ -261,22 +264,49 @@ fn eno(node: Node) -> Eno {
     }
 }
 
-fn template(reader: &mut Reader, node: Node, part: &mut Part) {
+/// Names of settings that mean nothing to the compiler: types that follow from the operands.
+const OTHER_TEMPLATES: &[&str] = &[
+    "date_type",
+    "in1_type",
+    "in2_type",
+    "in_out_type",
+    "operand_type",
+    "operation",
+    "res_type",
+    "result_type",
+    "string_type",
+    "type",
+];
+
+fn template(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Result<(), Refused> {
     let value = text_of(node);
     let name = node.attribute("Name").unwrap_or_default();
     let key = TemplateKey::of(name);
     if key == TemplateKey::Card {
         // The pins are there to be counted; only gates must know of pins that nothing is wired to.
         part.card = value.parse().ok();
-        return;
+        return match part.card {
+            Some(_) => Ok(()),
+            None => Err(reader.refuse(node, whose, &format!("`{value}` as a number of pins"))),
+        };
     }
-    if let Some(case) = Comparison::of(&value).filter(|_| part.row().is_some_and(|row| row.kind == Kind::Switch)) {
+    let is_case = part.row().is_some_and(|row| row.kind == Kind::Switch);
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    if key == TemplateKey::Other && !is_case && !OTHER_TEMPLATES.iter().any(|known| known.eq_ignore_ascii_case(stem)) {
+        let span = reader.span(head(node));
+        let title = format!("{whose} holds the setting `{name}` of an element, which plcc does not know");
+        let mut message = Diagnostic::new(Code::ForeignContent, span, title).label("has no effect");
+        message.severity = Severity::Warning;
+        reader.diagnostics.push(message.help("check whether the element does without it what it shall do"));
+    }
+    if let Some(case) = Comparison::of(&value).filter(|_| is_case) {
         part.cases.push(case);
-        return;
+        return Ok(());
     }
     let range = node.first_child().map_or_else(|| attribute_range(node, "Name"), |text| text.range());
     let placed = reader.overlay.place(&value, range.start, range.clone());
     part.templates.push(Template { key, value, span: reader.span(placed.unwrap_or(range)) });
+    Ok(())
 }
 
 fn negate(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Result<(), Refused> {

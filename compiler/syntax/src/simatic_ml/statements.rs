@@ -31,16 +31,18 @@ fn statement(reader: &mut Reader, statement: Node, whose: &str) -> Result<(), Re
             "LabelDeclaration" => {
                 for label in children(node, "Label") {
                     let name = format!("{}:", label.attribute("Name").unwrap_or_default().trim());
-                    reader.overlay.place(&name, attribute_range(label, "Name").start, node.range());
+                    tokens::put(reader, node, &name, attribute_range(label, "Name").start, whose)?;
                 }
             }
             "StlToken" => {
                 let word = mnemonic(node.attribute("Text").unwrap_or_default());
-                reader.overlay.place(word, attribute_range(node, "Text").start, node.range());
+                tokens::put(reader, node, word, attribute_range(node, "Text").start, whose)?;
             }
             "Access" => access(reader, node, whose)?,
             "LineComment" => tokens::pragma(reader, node),
-            "Comment" | "BlankLine" | "NewLine" | "Blank" | "Token" => {}
+            // Only the colon of a label and the end of the statement, which the parser does not need.
+            "Token" if matches!(node.attribute("Text").unwrap_or_default().trim(), "" | ":" | ";") => {}
+            "Comment" | "BlankLine" | "NewLine" | "Blank" => {}
             other => return Err(reader.refuse(node, whose, &format!("a statement with `{other}`"))),
         }
     }
@@ -55,8 +57,7 @@ fn access(reader: &mut Reader, node: Node, whose: &str) -> Result<(), Refused> {
         None => {
             let text = operand::access(node, Notation::Stl);
             let text = text.map_err(|unreadable| reader.refuse_access(&unreadable, whose))?;
-            reader.overlay.place(&text, operand::wanted_place(node), node.range());
-            Ok(())
+            tokens::put(reader, node, &text, operand::wanted_place(node), whose)
         }
     }
 }
@@ -77,24 +78,41 @@ fn call(reader: &mut Reader, info: Node, whose: &str) -> Result<(), Refused> {
         // A multi-instance is called by its own name.
         text = if local { path } else { format!("{text}, {path}") };
     }
-    let parameters: Vec<Node> = children(info, "Parameter").collect();
-    if parameters.is_empty() {
-        reader.overlay.place(&text, info.range().start, info.range());
-        return Ok(());
+    let mut parameters = Vec::new();
+    for part in elements(info) {
+        match part.tag_name().name() {
+            "Parameter" => parameters.push(part),
+            "Instance" | "Blank" | "NewLine" | "Comment" | "LineComment" | "IntegerAttribute" | "DateAttribute"
+            | "StringAttribute" | "BooleanAttribute" | "TemplateValue" | "AutomaticTyped" => {}
+            other => return Err(reader.refuse(part, whose, &format!("a call with `{other}`"))),
+        }
     }
-    reader.overlay.place(&format!("{text} ("), info.range().start, info.range());
+    if parameters.is_empty() {
+        return tokens::put(reader, info, &text, info.range().start, whose);
+    }
+    tokens::put(reader, info, &format!("{text} ("), info.range().start, whose)?;
     let mut is_first = true;
     for parameter in parameters {
-        let Some(actual) = child(parameter, "Access") else { continue };
-        let actual = operand::access(actual, Notation::Stl);
-        let actual = actual.map_err(|unreadable| reader.refuse_access(&unreadable, whose))?;
+        let mut actual = None;
+        for part in elements(parameter) {
+            match part.tag_name().name() {
+                "Access" if actual.is_none() => {
+                    let text = operand::access(part, Notation::Stl);
+                    actual = Some(text.map_err(|unreadable| reader.refuse_access(&unreadable, whose))?);
+                }
+                "Blank" | "NewLine" | "Comment" | "LineComment" | "IntegerAttribute" | "DateAttribute"
+                | "StringAttribute" | "BooleanAttribute" => {}
+                "Token" if matches!(part.attribute("Text").unwrap_or_default().trim(), "" | ":=" | "," | "=>") => {}
+                other => return Err(reader.refuse(part, whose, &format!("a parameter with `{other}`"))),
+            }
+        }
+        // One that nothing is assigned to.
+        let Some(actual) = actual else { continue };
         let comma = if std::mem::take(&mut is_first) { "" } else { "," };
         let name = operand::plain_or_quoted(parameter.attribute("Name").unwrap_or_default());
-        reader.overlay.place(&format!("{comma}{name} := {actual}"), parameter.range().start, parameter.range());
+        tokens::put(reader, parameter, &format!("{comma}{name} := {actual}"), parameter.range().start, whose)?;
     }
-    let end = info.range().end.saturating_sub(1);
-    reader.overlay.place(")", end, info.range());
-    Ok(())
+    tokens::put(reader, info, ")", info.range().end.saturating_sub(1), whose)
 }
 
 /// Tokens of the export whose mnemonics have other letters.

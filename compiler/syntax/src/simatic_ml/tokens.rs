@@ -1,13 +1,12 @@
 //! Networks in SCL: the tokens of a `StructuredText`, written to their places in the overlay and parsed there.
 
-use plcc_diag::Span;
 use roxmltree::Node;
 
 use super::operand::{self, Notation};
 use super::reader::{Reader, Refused};
 use crate::scl::ast::Statement;
 use crate::scl::fragment;
-use crate::xml::{attribute_range, child, children, elements, head, is, raw_text_of};
+use crate::xml::{attribute_range, child, children, elements, is, raw_text_of};
 
 /// How deep calls may stand in one another.
 const DEPTH_MAX: usize = 64;
@@ -35,25 +34,26 @@ fn tokens(reader: &mut Reader, list: Node, whose: &str, depth: usize) -> Result<
 /// Writes one of the nodes that statements are made of.
 pub fn token(reader: &mut Reader, node: Node, whose: &str, depth: usize) -> Result<(), Refused> {
     match node.tag_name().name() {
-        "Token" => write(reader, node, node.attribute("Text").unwrap_or_default()),
-        "NewLine" => write(reader, node, "\n"),
+        "Token" => write(reader, node, node.attribute("Text").unwrap_or_default(), whose)?,
+        "NewLine" => write(reader, node, "\n", whose)?,
         // The name of a region.
-        "Text" => write(reader, node, &raw_text_of(node).replace(['\n', '\r'], " ")),
+        "Text" => write(reader, node, &raw_text_of(node).replace(['\n', '\r'], " "), whose)?,
         "LineComment" => pragma(reader, node),
         "Access" => access(reader, node, whose, depth)?,
         "Parameter" => {
-            write_name(reader, node);
+            write_name(reader, node, whose)?;
             tokens(reader, node, whose, depth + 1)?;
         }
         "NamelessParameter" | "Expression" | "Statement" => tokens(reader, node, whose, depth + 1)?,
         "LabelDeclaration" => {
             for label in children(node, "Label") {
-                write_name(reader, label);
+                write_name(reader, label, whose)?;
             }
             for token in children(node, "Token") {
-                write(reader, token, token.attribute("Text").unwrap_or_default());
+                write(reader, token, token.attribute("Text").unwrap_or_default(), whose)?;
             }
         }
+        // The instance has been written; types of instructions follow from their operands; settings are checked by the schema.
         "Blank" | "Comment" | "Instance" | "TemplateValue" | "AutomaticTyped" | "StringAttribute"
         | "BooleanAttribute" | "IntegerAttribute" | "DateAttribute" => {}
         other => return Err(reader.refuse(node, whose, &format!("`{other}`"))),
@@ -71,8 +71,7 @@ fn access(reader: &mut Reader, node: Node, whose: &str, depth: usize) -> Result<
     }
     let text = operand::access(node, Notation::Scl);
     let text = text.map_err(|unreadable| reader.refuse_access(&unreadable, whose))?;
-    reader.overlay.place(&text, operand::wanted_place(node), node.range());
-    Ok(())
+    put(reader, node, &text, operand::wanted_place(node), whose)
 }
 
 /// `"Fc"(…)`, `#instance(…)`, `ABS(…)`; the parentheses are tokens.
@@ -87,25 +86,31 @@ fn call(reader: &mut Reader, node: Node, whose: &str, depth: usize) -> Result<()
         if is_instruction && !has_point && !name.is_empty() {
             text.push_str(&format!(".{}", operand::plain_or_quoted(name)));
         }
-        reader.overlay.place(&text, operand::wanted_place(instance), instance.range());
+        put(reader, instance, &text, operand::wanted_place(instance), whose)?;
     } else {
         let text = if is_instruction { name.to_string() } else { operand::quoted(name) };
         let wanted = attribute_range(node, "Name").start.saturating_sub(usize::from(!is_instruction));
-        reader.overlay.place(&text, wanted, node.range());
+        put(reader, node, &text, wanted, whose)?;
     }
     tokens(reader, node, whose, depth + 1)
 }
 
-fn write(reader: &mut Reader, node: Node, text: &str) {
-    reader.overlay.place(text, node.range().start, node.range());
+fn write(reader: &mut Reader, node: Node, text: &str, whose: &str) -> Result<(), Refused> {
+    put(reader, node, text, node.range().start, whose)
 }
 
-fn write_name(reader: &mut Reader, node: Node) -> Span {
+/// Writes a text into its node, so that it stands among the others in the order of the file.
+pub fn put(reader: &mut Reader, node: Node, text: &str, wanted: usize, whose: &str) -> Result<(), Refused> {
+    match reader.overlay.place_inside(text, wanted, node.range()) {
+        Some(_) => Ok(()),
+        None => Err(reader.refuse(node, whose, &format!("`{text}`, which is longer than its element"))),
+    }
+}
+
+fn write_name(reader: &mut Reader, node: Node, whose: &str) -> Result<(), Refused> {
     let name = operand::plain_or_quoted(node.attribute("Name").unwrap_or_default());
     let range = attribute_range(node, "Name");
-    let wanted = range.start.saturating_sub(usize::from(name.starts_with('"')));
-    let placed = reader.overlay.place(&name, wanted, node.range());
-    reader.span(placed.unwrap_or_else(|| head(node)))
+    put(reader, node, &name, range.start.saturating_sub(usize::from(name.starts_with('"'))), whose)
 }
 
 /// Comments mean nothing, but for assertions of tests.
@@ -114,6 +119,6 @@ pub fn pragma(reader: &mut Reader, node: Node) {
     let text = text.trim();
     let text = text.strip_prefix("//").unwrap_or(text);
     if reader.pragmas && text.starts_with('@') {
-        write(reader, node, &format!("\n//{text}\n"));
+        reader.overlay.place(&format!("\n//{text}\n"), node.range().start, node.range());
     }
 }

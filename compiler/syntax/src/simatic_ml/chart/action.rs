@@ -97,7 +97,7 @@ fn write(reader: &mut Reader, node: Node, whose: &str) -> Result<(), Refused> {
                 let wanted = attribute_range(part, "Text").start;
                 word = Some(Word { text: text.to_string(), wanted, range: part.range() });
             }
-            None if is(part, "LineComment") => {}
+            None if is(part, "LineComment") || is(part, "Title") => {}
             None => tokens::token(reader, part, whose, 0)?,
         }
     }

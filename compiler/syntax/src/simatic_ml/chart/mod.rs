@@ -13,12 +13,14 @@ mod nodes;
 mod permanent;
 mod step;
 
-use plcc_diag::{Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, Span};
 use roxmltree::Node;
 
 use super::network::compile_units;
+use super::operand;
 use super::reader::{Reader, setting, setting_text, texts};
-use crate::chart::ast::{Body, Dialect, Interface, Settings, Transition};
+use super::schema;
+use crate::chart::ast::{Body, Call, Dialect, Interface, Permanent, PermanentKind, Settings, Transition};
 use crate::chart::fold::{self, Folded};
 use crate::scl::ast::{Name, NameForm};
 use crate::xml::{attribute_range, child, children, elements, head, is, text_of};
@@ -38,8 +40,33 @@ pub fn read(reader: &mut Reader, object: Node, block: &str) -> Body {
             }
         }
     }
+    chart.after.extend(extensions(reader, object, block));
     chart.broken = reader.diagnostics[told..].iter().any(Diagnostic::is_error);
     chart
+}
+
+/// Settings that name blocks which the chart calls besides its steps.
+const EXTENSIONS: [&str; 2] = ["ExtensionBlockName", "ExtensionBlocks"];
+
+/// Calls of the blocks that extend the chart, which run behind the permanent instructions. See docs/decisions/0086.
+fn extensions(reader: &mut Reader, object: Node, block: &str) -> Vec<Permanent> {
+    let mut calls = Vec::new();
+    for node in EXTENSIONS.iter().filter_map(|name| setting(object, name)) {
+        for text in node.descendants().filter(|part| part.is_text()) {
+            let names = text.text().unwrap_or_default().split([',', ';', '\n']);
+            for name in names.map(|name| name.trim().trim_matches('"')).filter(|name| !name.is_empty()) {
+                let callee = reader.expression(node, text.range().start, &operand::quoted(name));
+                let span = callee.span;
+                let title = format!("`{name}` is called at the end of each call of `{block}`");
+                let message = Diagnostic::new(Code::ExtensionBlock, span, title).label("extends the chart");
+                let help = "if it must run earlier, call it in a permanent instruction and remove it here";
+                reader.diagnostics.push(message.help(help));
+                let call = Call { block: callee, instance: None, parameters: Vec::new(), span };
+                calls.push(Permanent { kind: PermanentKind::Call(call), span });
+            }
+        }
+    }
+    calls
 }
 
 /// The settings in the list of attributes; `AckReq` may also be a start value of the sequencer's data.
@@ -68,6 +95,7 @@ fn is_true(value: &str) -> bool {
 }
 
 fn graph(reader: &mut Reader, source: Node, block: &str, language: &str, chart: &mut Body) {
+    schema::check(reader, source, schema::Place::Code, &format!("`{block}`"));
     let sequences: Vec<Node> = children(source, "Sequence").collect();
     let nodes = Nodes::read(reader, &sequences, block);
     let folded = fold::fold(&nodes.drawing, &mut reader.diagnostics);

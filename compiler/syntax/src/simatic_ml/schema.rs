@@ -1,0 +1,211 @@
+//! What elements of an export may hold: attributes and children, a row an element, for all versions of the format.
+//!
+//! The readers take from an element what they know. This table tells what is left over, so that nothing is skipped without a word: in code it
+//! is an error, in a declaration a warning. What carries no meaning for the program is in the table, too: numbers of objects, views, dates,
+//! comments. What says itself that it only informs (`Informative`) is left alone with all below it.
+//! Source: LAD/FBD reference A2, GRAPH reference B.
+
+use plcc_diag::{Code, Diagnostic, Severity};
+use roxmltree::Node;
+
+use super::reader::Reader;
+use crate::xml::{elements, head};
+
+/// An element, its attributes and its children, words with blanks between.
+struct Row(&'static str, &'static str, &'static str);
+
+/// What the tokens of SCL, STL and actions stand among.
+const LAYOUT: [&str; 4] = ["Blank", "NewLine", "BlankLine", "Token"];
+/// Texts for people; nothing below them means anything.
+const TEXTS: [&str; 5] = ["Comment", "LineComment", "Title", "StepName", "TransitionName"];
+/// Settings as elements, with their name in an attribute.
+const SETTINGS: [&str; 6] =
+    ["BooleanAttribute", "IntegerAttribute", "StringAttribute", "DateAttribute", "RealAttribute", "UnsignedAttribute"];
+/// Names of such settings in code.
+const SETTING_NAMES: [&str; 11] = [
+    "BlockNumber",
+    "Format",
+    "FormatFlags",
+    "HasQuotes",
+    "Inserted",
+    "InterfaceFlags",
+    "NoClosingBracket",
+    "Num",
+    "NumBLs",
+    "ParameterModifiedTS",
+    "TE",
+];
+/// Attributes that any element may have.
+const COMMON: [&str; 3] = ["UId", "Informative", "ID"];
+
+#[rustfmt::skip]
+const ROWS: &[Row] = &[
+    // LAD and FBD.
+    Row("FlgNet", "", "Labels Parts Wires"),
+    Row("Labels", "", "LabelDeclaration"),
+    Row("LabelDeclaration", "", "Label"),
+    Row("Label", "Name", ""),
+    Row("Parts", "", "Access Part Call"),
+    Row("Part", "Name Version DisabledENO", "Instance Equation TemplateValue AutomaticTyped Invisible Negated"),
+    Row("Call", "", "CallInfo Invisible Negated"),
+    Row("Equation", "", ""),
+    Row("TemplateValue", "Name Type", ""),
+    Row("AutomaticTyped", "Name", ""),
+    Row("Invisible", "Name", ""),
+    Row("Negated", "Name", ""),
+    Row("Wires", "", "Wire"),
+    Row("Wire", "Name", "Powerrail NameCon IdentCon OpenCon Openbranch OpenBranch"),
+    Row("NameCon", "Name", ""),
+    Row("IdentCon", "", ""),
+    Row("OpenCon", "Name", ""),
+    Row("Openbranch", "", ""),
+    Row("OpenBranch", "", ""),
+    Row("Powerrail", "", ""),
+    // Operands and calls, in all languages.
+    Row("Access", "Scope Type",
+        "Symbol Constant Address CallInfo Instruction Label Statusword StatusWord PredefinedVariable DataType Indirect AbsoluteOffset Expression"),
+    Row("Symbol", "Scope", "Component Address Access"),
+    Row("Component", "Name AccessModifier SliceAccessModifier SimpleAccessModifier", "Access"),
+    Row("Constant", "Name", "ConstantType ConstantValue"),
+    Row("ConstantType", "", ""),
+    Row("ConstantValue", "", ""),
+    Row("Address", "Area Type BlockNumber BitOffset", ""),
+    Row("AbsoluteOffset", "BlockNumber BitOffset Type", ""),
+    Row("Statusword", "Combination Name", ""),
+    Row("StatusWord", "Combination Name", ""),
+    Row("PredefinedVariable", "Name", ""),
+    Row("DataType", "", ""),
+    Row("Indirect", "Width Area Register BitOffset", "Access"),
+    Row("CallInfo", "Name BlockType", "Instance Parameter NamelessParameter"),
+    Row("Instruction", "Name Version", "Instance TemplateValue AutomaticTyped Parameter NamelessParameter"),
+    Row("Instance", "Scope", "Component Address Access"),
+    Row("Parameter", "Name Section Type TemplateReference", "Access Expression"),
+    Row("NamelessParameter", "Section Type TemplateReference", "Access Expression"),
+    Row("Expression", "", "Access Expression Text"),
+    Row("Statement", "", "Access Statement Text"),
+    // SCL and STL.
+    Row("StructuredText", "", "Access Text Parameter NamelessParameter Expression Statement LabelDeclaration"),
+    Row("Token", "Text TE", ""),
+    Row("Text", "", ""),
+    Row("Blank", "Num", ""),
+    Row("NewLine", "Num", ""),
+    Row("BlankLine", "Num", ""),
+    Row("StatementList", "", "StlStatement"),
+    Row("StlStatement", "", "LabelDeclaration StlToken Access"),
+    Row("StlToken", "Text", ""),
+    // GRAPH.
+    Row("Graph", "", "PreOperations Sequence PostOperations"),
+    Row("PreOperations", "", "PermanentOperation"),
+    Row("PostOperations", "", "PermanentOperation"),
+    Row("PermanentOperation", "ProgrammingLanguage Number Name", "FlgNet StructuredText StatementList"),
+    Row("Sequence", "Number Name", "Steps Transitions Branches Connections"),
+    Row("Steps", "", "Step"),
+    Row("Step", "Number Init Name MaximumStepTime WarningTime IsMissing", "Actions Supervisions Interlocks"),
+    Row("Actions", "", "Action"),
+    Row("Action", "Qualifier Event Interlock", "Access Text Parameter NamelessParameter"),
+    Row("Supervisions", "", "Supervision"),
+    Row("Supervision", "ProgrammingLanguage Number Name", "FlgNet StructuredText StatementList"),
+    Row("Interlocks", "", "Interlock"),
+    Row("Interlock", "ProgrammingLanguage Number Name", "FlgNet StructuredText StatementList"),
+    Row("Transitions", "", "Transition"),
+    Row("Transition", "Number Name IsMissing ProgrammingLanguage", "FlgNet StructuredText StatementList"),
+    Row("Branches", "", "Branch"),
+    Row("Branch", "Number Type Cardinality", ""),
+    Row("Connections", "", "Connection"),
+    Row("Connection", "", "NodeFrom NodeTo LinkType"),
+    Row("NodeFrom", "", "StepRef TransitionRef BranchRef EndConnection"),
+    Row("NodeTo", "", "StepRef TransitionRef BranchRef EndConnection"),
+    Row("StepRef", "Number", ""),
+    Row("TransitionRef", "Number", ""),
+    Row("BranchRef", "Number In Out", ""),
+    Row("EndConnection", "", ""),
+    Row("LinkType", "", ""),
+    // Declarations.
+    Row("Interface", "", "Sections"),
+    Row("Sections", "Datatype Version", "Section"),
+    Row("Section", "Name", "Member"),
+    Row("Member", "Name Datatype Version Remanence Accessibility",
+        "AttributeList Member Sections StartValue Subelement AssignedProDiagFB"),
+    Row("AssignedProDiagFB", "", ""),
+    Row("StartValue", "ConstantName", ""),
+    Row("Subelement", "Path", "StartValue"),
+];
+
+/// Whose meaning for the program is not known.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    Code,
+    Declaration,
+}
+
+/// Reports what below `node` no row has; `whose` names the block or network.
+pub fn check(reader: &mut Reader, node: Node, place: Place, whose: &str) {
+    let root = node;
+    let mut open = vec![node];
+    while let Some(node) = open.pop() {
+        // Networks inside of a chart are checked when they are read.
+        if node != root && matches!(node.tag_name().name(), "FlgNet" | "StructuredText" | "StatementList") {
+            continue;
+        }
+        if let Some(Row(_, attributes, children)) = ROWS.iter().find(|row| row.0 == node.tag_name().name()) {
+            for attribute in node.attributes().filter(|attribute| attribute.namespace().is_none()) {
+                let is = |known: &str| known == attribute.name();
+                if !COMMON.into_iter().any(is) && !attributes.split(' ').any(is) {
+                    let what = format!("`{}` with the attribute `{}`", node.tag_name().name(), attribute.name());
+                    report(reader, attribute.range(), place, whose, &what);
+                }
+            }
+            for child in elements(node) {
+                let name = child.tag_name().name();
+                let informs = child.attribute("Informative").is_some_and(|value| value.eq_ignore_ascii_case("true"));
+                if informs || TEXTS.contains(&name) || name.contains("Alarm") || name == "AttributeList" {
+                    continue;
+                }
+                if SETTINGS.contains(&name) {
+                    let setting = child.attribute("Name").unwrap_or_default();
+                    if !SETTING_NAMES.contains(&setting) && place == Place::Code {
+                        report(reader, head(child), place, whose, &format!("the setting `{setting}`"));
+                    }
+                    continue;
+                }
+                if !LAYOUT.contains(&name) && !children.split(' ').any(|known| known == name) {
+                    let what = format!("`{}` with `{name}`", node.tag_name().name());
+                    report(reader, head(child), place, whose, &what);
+                } else {
+                    open.push(child);
+                }
+            }
+        }
+    }
+}
+
+fn report(reader: &mut Reader, range: std::ops::Range<usize>, place: Place, whose: &str, what: &str) {
+    let span = reader.span(range);
+    let title = format!("{whose} holds {what}, which plcc does not read");
+    let mut message = Diagnostic::new(Code::ForeignContent, span, title).label("not known");
+    message = match place {
+        Place::Code => message
+            .help("write the network in another way, in SCL for example; no part of a network is left out silently"),
+        Place::Declaration => {
+            message.severity = Severity::Warning;
+            message.help("the declaration is read without it; nothing need be done, unless the program depends on it")
+        }
+    };
+    reader.diagnostics.push(message);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_child_has_a_row_of_its_own() {
+        for (at, Row(name, _, children)) in ROWS.iter().enumerate() {
+            assert!(ROWS[at + 1..].iter().all(|row| row.0 != *name), "{name} is there twice");
+            for child in children.split(' ').filter(|child| !child.is_empty() && *child != "AttributeList") {
+                let has_row = ROWS.iter().any(|row| row.0 == child);
+                assert!(has_row, "{name}: {child}");
+            }
+        }
+    }
+}
