@@ -6,6 +6,7 @@ use std::ops::Range;
 use plcc_abi::image::{Config, Module, TimeOfDay};
 use plcc_abi::ob::{OB_CLASSES, OB_FREE, OB_NUMBER_MAX, ObClass};
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
+use plcc_runtime::options::parse_duration;
 use plcc_syntax::stl::Mnemonics;
 use serde::Deserialize;
 use toml::Spanned;
@@ -350,16 +351,16 @@ impl Context {
     }
 }
 
-/// `200ms`, `2s`, `1m`.
+/// `200ms`, `1.5s`, `1m`, in milliseconds; none: no time, or no whole milliseconds.
 pub(crate) fn duration_ms(text: &str) -> Option<u32> {
-    let digits = text.find(|c: char| !c.is_ascii_digit())?;
-    let factor = match text[digits..].trim() {
-        "ms" => 1,
-        "s" => 1000,
-        "m" => 60_000,
-        _ => return None,
-    };
-    text[..digits].parse::<u32>().ok()?.checked_mul(factor)
+    duration_of(text, 1_000_000).and_then(|ms| u32::try_from(ms).ok())
+}
+
+/// A duration in units of so many nanoseconds; none: no time, or no whole number of them.
+pub(crate) fn duration_of(text: &str, unit_ns: u64) -> Option<u64> {
+    // A number alone is no time, 0 neither.
+    let ns = parse_duration(text).ok().filter(|_| !text.trim().ends_with(|c: char| c.is_ascii_digit()))?.0;
+    ns.is_multiple_of(unit_ns).then_some(ns / unit_ns)
 }
 
 /// `2026-01-31T06:00:00`, of the years that an S7 clock knows.

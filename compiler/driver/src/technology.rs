@@ -10,6 +10,8 @@ use plcc_program::profile;
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::project::duration_of;
+
 /// Most events that ATTACH can choose from. Source: LAD/FBD reference for S7-1200, organization blocks.
 const EVENTS_MAX: usize = 50;
 /// Input bytes of the process image.
@@ -279,14 +281,7 @@ impl Reader {
     }
 }
 
-/// `500us`, `10ms`, `2s`.
+/// `500us`, `0.8ms`, `2s`.
 fn duration_us(text: &str) -> Option<u64> {
-    let digits = text.find(|c: char| !c.is_ascii_digit())?;
-    let factor = match text[digits..].trim() {
-        "us" => 1,
-        "ms" => 1000,
-        "s" => 1_000_000,
-        _ => return None,
-    };
-    text[..digits].parse::<u64>().ok()?.checked_mul(factor)
+    duration_of(text, 1000)
 }

@@ -12,7 +12,7 @@ use plcc_diag::Code;
 
 pub use pointer::ANY_TYPES;
 pub use text::{parse_text, windows_1252};
-pub(crate) use time::{days_of_month, leap};
+pub(crate) use time::{Fraction, UNITS_TO_MS, UNITS_TO_NS, days_of_month, leap, nanoseconds};
 
 /// A constant with its type. Values are already range-checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,6 +161,30 @@ mod tests {
         check("S5T#2H_46M_30S", Literal::S5Time(0x3999));
         refuse("S5T#2H_46M_30S_1MS", Code::LiteralRange);
         refuse("S5T#-1S", Code::LiteralRange);
+    }
+
+    /// A fraction is a decimal number, and no binary one: 1.001 s are 1001 ms.
+    #[test]
+    fn fractions_of_durations_are_exact() {
+        check("T#1.001S", Literal::Time(1001));
+        check("T#-2.007S", Literal::Time(-2007));
+        check("T#0.29S", Literal::Time(290));
+        check("T#1.5H_30M", Literal::Time(7_200_000));
+        check("T#.5S", Literal::Time(500));
+        check("T#1.0019S", Literal::Time(1001));
+        check("T#0.1D", Literal::Time(8_640_000));
+        check("S5T#2.01s", Literal::S5Time(0x0201));
+        check("S5T#0.57S", Literal::S5Time(0x0057));
+        check("S5T#10.05S", Literal::S5Time(0x1100));
+        check("S5T#1.1M", Literal::S5Time(0x1660));
+        // Each number of milliseconds of a second.
+        for ms in 0..1000 {
+            check(&format!("T#7.{ms:03}S"), Literal::Time(7000 + ms));
+        }
+        refuse("T#1.2.3S", Code::BadLiteral);
+        refuse("T#.S", Code::BadLiteral);
+        refuse("T#--1S", Code::BadLiteral);
+        refuse("T#99999999999999999999D", Code::LiteralRange);
     }
 
     /// Source: Programming with STEP 7, data types.

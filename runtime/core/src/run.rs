@@ -149,6 +149,7 @@ fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session,
 }
 
 fn prepare(cpu: &Cpu, options: &RunOptions) -> Result<(Vec<Signal>, Session), String> {
+    cpu.s7200_check_retentive_file()?;
     let scenario = options.scenario.as_deref().map(|path| Scenario::read(path, &cpu.image)).transpose()?;
     let player = Player::new(scenario.unwrap_or_default(), cpu)?.print_to(Box::new(std::io::stdout()), options.json);
     let printed = signals(cpu, player.plant(), &options.print)?;

@@ -1,7 +1,7 @@
 //! Values as a user writes them: what `--print` writes, or an STL literal.
 
 use crate::address::{Bits, Width};
-use crate::{bcd, datetime};
+use crate::{bcd, datetime, options};
 
 /// Parses a value for an address of this width. `Err`: what is wrong, in a sentence.
 pub fn parse(text: &str, width: Width) -> Result<Bits, String> {
@@ -113,7 +113,7 @@ fn byte_list(list: &str) -> Option<u64> {
     matches!(bytes.len(), 2 | 4).then(|| bytes.iter().fold(0, |value, &byte| value << 8 | u64::from(byte)))
 }
 
-/// `2h_1m_0s_5ms`, `-1s100ms`: milliseconds.
+/// `2h_1m_0s_5ms`, `-1s100ms`, `1.001s`: milliseconds, exact; what lies below is cut off.
 fn duration_ms(text: &str) -> Option<i128> {
     let clean = text.replace('_', "");
     let (negative, mut rest) = match clean.strip_prefix('-') {
@@ -121,24 +121,21 @@ fn duration_ms(text: &str) -> Option<i128> {
         None => (false, clean.as_str()),
     };
     let mut total = 0i128;
-    let mut last_unit = i128::MAX;
+    let mut last_unit = u64::MAX;
     while !rest.is_empty() {
         let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.')?;
         let (value, tail) = rest.split_at(end);
         let (unit, tail) = [("MS", 1), ("D", 86_400_000), ("H", 3_600_000), ("M", 60_000), ("S", 1000)]
             .into_iter()
             .find_map(|(name, ms)| tail.strip_prefix(name).map(|tail| (ms, tail)))?;
-        if unit >= last_unit || value.len() > 15 {
+        if unit >= last_unit {
             return None;
         }
-        total += match value.parse::<i128>() {
-            Ok(value) => value * unit,
-            Err(_) => (value.parse::<f64>().ok()? * unit as f64) as i128,
-        };
+        total += options::scaled(value, unit)?;
         last_unit = unit;
         rest = tail;
     }
-    (last_unit != i128::MAX).then_some(if negative { -total } else { total })
+    (last_unit != u64::MAX).then_some(if negative { -total } else { total })
 }
 
 /// `2000-6-20`: days since 1990-01-01.
@@ -202,6 +199,9 @@ mod tests {
             ("S5T#2M_3S_400MS", 0x2123),
             ("T#1s100ms", 1100),
             ("T#-1S", 0xFFFF_FC18),
+            ("T#1.001s", 1001),
+            ("T#-0.57S", (-570i32) as u32 as u64),
+            ("S5T#2.01s", 0x0201),
             ("D#1990-01-02", 1),
             ("TOD#1:10:3.3", 4_203_300),
             ("'AB'", 0x4142),

@@ -16,6 +16,10 @@ const AXIS_HEIGHT: u32 = 46;
 const LABELS_WIDTH: u32 = 98;
 /// Left of the labels.
 const MARGIN: u32 = 12;
+/// The shortest axis of time, in seconds.
+const END_MIN: f64 = 1e-12;
+/// Least room above and below the values.
+const ROOM_MIN: f64 = 1e-30;
 const FONT: &str = "sans-serif";
 
 /// Colours that can be told apart, on paper and by people who see colours differently (Okabe and Ito).
@@ -52,7 +56,7 @@ fn draw(root: &Area, panels: &Panels, title: &str, title_height: u32) -> Result<
         head.titled(title, (FONT, 20))?;
     }
     // A trace of one sample has an axis too.
-    let end = if panels.end > 0.0 { panels.end } else { 1.0 };
+    let end = if panels.end > END_MIN { panels.end } else { 1.0 };
     for (index, (unit, columns)) in panels.numbers.iter().enumerate() {
         let is_last = panels.bits.is_empty() && index + 1 == panels.numbers.len();
         let (panel, below) = rest.split_vertically(NUMBERS_HEIGHT + if is_last { AXIS_HEIGHT } else { 0 });
@@ -75,6 +79,8 @@ fn numbers(
     let values = || columns.iter().flat_map(|column| column.points.iter().map(|(_, value)| *value));
     let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
     let room = if most > least { (most - least) * 0.06 } else { 1.0 };
+    // Lines of the axis are counted by adding their distance, which a larger value must not swallow.
+    let room = room.max(most.abs().max(least.abs()) * 1e-6).max(ROOM_MIN);
     let mut chart = ChartBuilder::on(area)
         .margin_left(MARGIN)
         .margin_right(16)

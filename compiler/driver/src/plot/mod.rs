@@ -43,6 +43,11 @@ pub fn picture(trace: &str, title: &str) -> Result<String, String> {
     draw::svg(&panels, title)
 }
 
+/// The latest time of a trace: 30,000 years.
+const TIME_MS_MAX: f64 = 1e15;
+/// The largest value of a picture, more than a REAL holds; the difference of two is a number.
+const VALUE_MAX: f64 = 1e300;
+
 fn columns(trace: &str) -> Result<Vec<Column>, String> {
     let mut reader = csv::Reader::from_reader(trace.as_bytes());
     let header = reader.headers().map_err(|error| error.to_string())?.clone();
@@ -66,9 +71,18 @@ fn columns(trace: &str) -> Result<Vec<Column>, String> {
         let field = |index: usize| record.get(index).unwrap_or("");
         let wrong = |text: &str| format!("`{text}` is no value of a trace");
         let ms: f64 = field(time).parse().map_err(|_| wrong(field(time)))?;
+        if !(0.0..=TIME_MS_MAX).contains(&ms) {
+            return Err(format!(
+                "`{}` is not a time of a trace, which lies between 0 and {TIME_MS_MAX:e} ms",
+                field(time)
+            ));
+        }
         for (index, column) in &mut columns {
             let text = field(*index);
             let value = value(text).filter(|value| value.is_finite()).ok_or_else(|| wrong(text))?;
+            if value.abs() > VALUE_MAX {
+                return Err(format!("`{text}` cannot be drawn: values go to {VALUE_MAX:e}"));
+            }
             // Bits are written as 0 and 1, words in base 16, numbers with or without a point.
             column.is_bit &= matches!(text, "0" | "1") && column.unit.is_empty();
             column.points.push((ms / 1000.0, value));
@@ -119,6 +133,25 @@ mod tests {
         }
     }
 
+    /// Steps between the lines of an axis are never lost in the digits of its values.
+    #[test]
+    fn every_span_has_an_axis() {
+        for (a, b) in [
+            ("1e300", "-1e300"),
+            ("1e300", "1e300"),
+            ("1e17", "100000000000000016"),
+            ("16#FFFFFFFFFFFFFFFF", "16#FFFFFFFFFFFFFFFE"),
+            ("0", "5e-324"),
+            ("1", "1.0000000000000002"),
+            ("-3.4e38", "3.4e38"),
+        ] {
+            for time in ["0", "5e-324", "0.001", "1e15"] {
+                let picture = picture(&format!("cycle,time_ms,MD0\n0,0,{a}\n1,{time},{b}\n"), "");
+                assert!(picture.is_ok_and(|picture| picture.ends_with("</svg>\n")), "{a} {b} {time}");
+            }
+        }
+    }
+
     #[test]
     fn what_is_no_trace_is_told() {
         for (text, part) in [
@@ -129,6 +162,11 @@ mod tests {
             ("cycle,time_ms,Q0.0\n0,0,x\n", "`x` is no value"),
             ("cycle,time_ms,Q0.0\n0,0,NaN\n", "`NaN` is no value"),
             ("cycle,time_ms,Q0.0\n0,soon,1\n", "`soon` is no value"),
+            ("cycle,time_ms,Q0.0\n0,inf,1\n", "`inf` is not a time"),
+            ("cycle,time_ms,Q0.0\n0,1e400,1\n", "`1e400` is not a time"),
+            ("cycle,time_ms,Q0.0\n0,NaN,1\n", "`NaN` is not a time"),
+            ("cycle,time_ms,Q0.0\n0,-1,1\n", "`-1` is not a time"),
+            ("cycle,time_ms,MD0 as REAL\n0,0,1e308\n1,10,-1e308\n", "`1e308` cannot be drawn"),
         ] {
             let message = picture(text, "").unwrap_err();
             assert!(message.contains(part), "{text}: {message}");

@@ -28,8 +28,7 @@ pub fn s5time(text: &str, value: &str) -> Result<Literal, LiteralError> {
 /// `T#-1S_100MS`.
 pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let ms = milliseconds(text, value, TIME_FORM)?;
-    let signed = if value.starts_with('-') { -ms } else { ms };
-    i32::try_from(signed).map(Literal::Time).map_err(|_| {
+    i32::try_from(ms).map(Literal::Time).map_err(|_| {
         LiteralError::range(text, "no TIME", "a TIME lies between T#-24D_20H_31M_23S_648MS and T#24D_20H_31M_23S_647MS")
     })
 }
@@ -89,44 +88,86 @@ fn bad(text: &str, help: &str) -> LiteralError {
     LiteralError::malformed(text, "not complete or not in order", help)
 }
 
-/// Sum of `1D2H3M4S5MS` in any letter case with `_` between the units; the sign is skipped. Units may be fractions (`2.5S`).
-fn milliseconds(text: &str, value: &str, form: &str) -> Result<i64, LiteralError> {
-    const UNITS: [(&str, i64, f64); 5] = [
-        ("D", 86_400_000, f64::INFINITY),
-        ("H", 3_600_000, 24.0),
-        ("M", 60_000, 60.0),
-        ("S", 1_000, 60.0),
-        ("MS", 1, 1000.0),
-    ];
+/// Where a duration may have a fraction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Fraction {
+    /// In each unit, also without digits on one side of the point, as STEP 7 takes it: `T#1.5H_30M`, `T#.5S`.
+    Anywhere,
+    /// In the last unit only.
+    Last,
+}
+
+/// Units of a duration as [`nanoseconds`] counts them: H, M, S and MS behind days; LTIME has US and NS too.
+pub(crate) const UNITS_TO_MS: usize = 5;
+pub(crate) const UNITS_TO_NS: usize = 7;
+
+/// Letters, nanoseconds, and from what number on the next larger unit must be used.
+const UNITS: [(&str, i128, i128); UNITS_TO_NS] = [
+    ("D", 86_400_000_000_000, i128::MAX),
+    ("H", 3_600_000_000_000, 24),
+    ("M", 60_000_000_000, 60),
+    ("S", 1_000_000_000, 60),
+    ("MS", 1_000_000, 1000),
+    ("US", 1000, 1000),
+    ("NS", 1, 1000),
+];
+
+/// Signed sum of `1D2H3M4S5MS` in any letter case with `_` between the units, of which the first `units` are known. Exact: what lies
+/// below a nanosecond is cut off.
+pub(crate) fn nanoseconds(
+    text: &str,
+    value: &str,
+    units: usize,
+    fraction: Fraction,
+    form: &str,
+) -> Result<i128, LiteralError> {
     let malformed = || bad(text, form);
-    let value: String = value.chars().filter(|c| *c != '_').collect::<String>().to_ascii_uppercase();
-    let mut rest = value.trim_start_matches(['-', '+']);
-    let mut total = 0i64;
+    let compact: String = value.chars().filter(|c| *c != '_').collect::<String>().to_ascii_uppercase();
+    let (negative, mut rest) = match compact.strip_prefix('-') {
+        Some(rest) => (true, rest),
+        None => (false, compact.strip_prefix('+').unwrap_or(&compact)),
+    };
+    let mut total = 0i128;
     let mut next_unit = 0;
-    let mut leading = true;
+    let mut ended = false;
     while !rest.is_empty() {
-        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.').ok_or_else(malformed)?;
         let letters = rest[digits..].find(|c: char| !c.is_ascii_alphabetic()).map_or(rest.len(), |at| digits + at);
-        let number: f64 = rest[..digits].parse().map_err(|_| malformed())?;
-        let name = &rest[digits..letters];
-        let unit = UNITS.iter().position(|(unit, ..)| *unit == name).ok_or_else(malformed)?;
-        if unit < next_unit {
+        let (number, name) = (&rest[..digits], &rest[digits..letters]);
+        let unit = UNITS[..units].iter().position(|(unit, ..)| *unit == name).ok_or_else(malformed)?;
+        let (_, unit_ns, limit) = UNITS[unit];
+        if unit < next_unit || ended {
             return Err(malformed());
         }
-        let (_, unit_ms, limit) = UNITS[unit];
-        if !leading && number >= limit {
+        let (whole, part) = number.split_once('.').unwrap_or((number, ""));
+        let has_point = number.contains('.');
+        let one_side = fraction == Fraction::Anywhere && !(whole.is_empty() && part.is_empty());
+        if part.contains('.') || (whole.is_empty() || has_point && part.is_empty()) && !one_side {
+            return Err(malformed());
+        }
+        ended = has_point && fraction == Fraction::Last;
+        // Above 18 digits every type is exceeded.
+        let whole: i128 = if whole.len() > 18 { i128::from(i64::MAX) } else { whole.parse().unwrap_or(0) };
+        if next_unit > 0 && whole >= limit {
             return Err(LiteralError::range(
                 text,
-                format!("{number}{name} behind a larger unit"),
+                format!("{whole}{name} behind a larger unit"),
                 "only the first unit may exceed its natural limit: `T#90S`, but `T#1M_30S`",
             ));
         }
-        total = total.saturating_add((number * unit_ms as f64).min(1e15) as i64);
-        leading = false;
+        // Behind this many digits of a day no nanosecond is left.
+        let part = &part[..part.len().min(15)];
+        let part_ns = part.parse::<i128>().unwrap_or(0) * unit_ns / 10i128.pow(part.len() as u32);
+        total += whole * unit_ns + part_ns;
         next_unit = unit + 1;
         rest = &rest[letters..];
     }
-    if leading { Err(malformed()) } else { Ok(total) }
+    if next_unit == 0 { Err(malformed()) } else { Ok(if negative { -total } else { total }) }
+}
+
+/// As [`nanoseconds`] for literals of STEP 7: whole milliseconds, what lies below is cut off.
+fn milliseconds(text: &str, value: &str, form: &str) -> Result<i128, LiteralError> {
+    Ok(nanoseconds(text, value, UNITS_TO_MS, Fraction::Anywhere, form)? / 1_000_000)
 }
 
 /// Exactly `N` unsigned numbers with `separator` between them.

@@ -7,6 +7,7 @@
 mod expression;
 mod read;
 
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use crate::address::{Place, Width};
@@ -34,9 +35,11 @@ pub struct Plant {
     /// Nanoseconds.
     step: u64,
     names: Vec<String>,
+    /// The number of each name.
+    numbers: HashMap<String, usize>,
     values: Vec<f64>,
     /// What can be changed by the entries of the scenario: parameters and states.
-    settable: Vec<usize>,
+    settable: HashSet<usize>,
     reads: Vec<(usize, Source)>,
     equations: Vec<Equation>,
     writes: Vec<Write>,
@@ -74,7 +77,7 @@ pub struct Fault {
 impl Plant {
     /// The number of the value that is called `name`.
     pub fn find(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|other| other == name)
+        self.numbers.get(name).copied()
     }
 
     pub fn value(&self, index: usize) -> f64 {

@@ -1,6 +1,6 @@
 //! `[plant]` of a scenario.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::rc::Rc;
 
 use plcc_abi::ProgramImage;
@@ -45,7 +45,7 @@ impl PlantText {
             }
             let index = reader.add(name, at)?;
             reader.plant.values[index] = *value.get_ref();
-            reader.plant.settable.push(index);
+            reader.plant.settable.insert(index);
         }
         for (name, source) in &self.read {
             let at = source.span().start;
@@ -54,9 +54,8 @@ impl PlantText {
                 reader.source(source.get_ref(), is_output, "an output (Q, PQ, AO)").map_err(|text| (at, text))?;
             reader.plant.reads.push((index, source));
         }
-        let states: Vec<&String> = self.state.keys().collect();
         for equation in &self.equations {
-            reader.equation(equation, &states)?;
+            reader.equation(equation, |name| self.state.contains_key(name))?;
         }
         for (name, text) in &self.write {
             reader.write(name, text)?;
@@ -75,11 +74,13 @@ impl PlantText {
 }
 
 fn empty(step: u64) -> Plant {
+    let names = vec!["t".to_string(), "dt".to_string()];
     Plant {
         step,
-        names: vec!["t".to_string(), "dt".to_string()],
-        values: vec![0.0; 2],
-        settable: Vec::new(),
+        numbers: names.iter().enumerate().map(|(index, name)| (name.clone(), index)).collect::<HashMap<_, _>>(),
+        values: vec![0.0; names.len()],
+        names,
+        settable: HashSet::new(),
         reads: Vec::new(),
         equations: Vec::new(),
         writes: Vec::new(),
@@ -114,6 +115,7 @@ impl Reader<'_> {
         if self.plant.find(name).is_some() {
             return Err((at, format!("the plant has two values `{name}`")));
         }
+        self.plant.numbers.insert(name.to_string(), self.plant.names.len());
         self.plant.names.push(name.to_string());
         self.plant.values.push(0.0);
         Ok(self.plant.names.len() - 1)
@@ -125,14 +127,14 @@ impl Reader<'_> {
         Ok(source)
     }
 
-    fn equation(&mut self, equation: &Spanned<String>, states: &[&String]) -> Result<(), Wrong> {
+    fn equation(&mut self, equation: &Spanned<String>, is_state: impl Fn(&str) -> bool) -> Result<(), Wrong> {
         let at = equation.span().start;
         let text = equation.get_ref();
         let (name, value) = text.split_once('=').ok_or_else(|| (at, format!("`{text}`: write `name = expression`")))?;
         let name = name.trim();
         let expression = self.expression(value, at)?;
         let target = match self.plant.find(name) {
-            Some(index) if states.iter().any(|state| *state == name) => index,
+            Some(index) if is_state(name) => index,
             Some(_) => return Err((at, format!("`{name}` has a value already; only a state changes by itself"))),
             None => self.add(name, at)?,
         };

@@ -10,7 +10,7 @@
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -120,10 +120,23 @@ impl Cpu {
         self.s7200().and_then(|own| own.config.retentive_file.as_deref()).map(Path::new)
     }
 
+    /// Whether the file of retentive memory can be one. `Err`: why another file stands in its place.
+    pub(crate) fn s7200_check_retentive_file(&self) -> Result<(), String> {
+        match self.retentive_file() {
+            Some(path) => [path.to_path_buf(), beside(path)].iter().try_for_each(|path| check_ours(path)),
+            None => Ok(()),
+        }
+    }
+
     /// The CPU is switched on: memory gets its retentive values, V its permanent ones if there are no others.
     pub(super) fn s7200_load_retentive(&self) {
         let (Some(own), Some(path)) = (self.s7200(), self.retentive_file()) else { return };
         let retain = &own.retain;
+        if let Err(message) = check_ours(path) {
+            say(&format!("cold start: {message}"));
+            retain.lost.set(true);
+            return;
+        }
         let file = match std::fs::read(path) {
             Ok(file) => file,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
@@ -258,11 +271,38 @@ impl Cpu {
     }
 }
 
-/// Writes a file beside `path` and puts it in its place when it is on the disk.
-fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+/// Where the new file is written before it takes the place of the old one.
+fn beside(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(".new");
-    let new: PathBuf = path.with_file_name(name);
+    path.with_file_name(name)
+}
+
+/// Whether `path` may be replaced: nothing is there, or a file that is empty or begins as ours, if only in part. `Err`: why not.
+fn check_ours(path: &Path) -> Result<(), String> {
+    let wrong = |what: &str| Err(format!("{} {what}; name another file in `retentive`", path.display()));
+    match std::fs::metadata(path) {
+        // Nothing is there, or reading it tells what is wrong.
+        Err(_) => return Ok(()),
+        Ok(found) if !found.is_file() => return wrong("is not a file"),
+        Ok(_) => {}
+    }
+    let mut head = Vec::new();
+    let Ok(file) = std::fs::File::open(path) else { return Ok(()) };
+    // All but the version of the format.
+    let magic = &MAGIC[..MAGIC.len() - 1];
+    match file.take(magic.len() as u64).read_to_end(&mut head) {
+        Ok(_) if !magic.starts_with(&head) => wrong("holds something else than retentive memory and is left as it is"),
+        Ok(_) | Err(_) => Ok(()),
+    }
+}
+
+/// Writes a file beside `path` and puts it in its place when it is on the disk.
+fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let new = beside(path);
+    for file in [path, &new] {
+        check_ours(file).map_err(std::io::Error::other)?;
+    }
     let mut file = std::fs::File::create(&new)?;
     file.write_all(bytes)?;
     file.sync_all()?;

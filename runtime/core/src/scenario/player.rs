@@ -1,5 +1,6 @@
 //! Plays a scenario: between the cycles it sets values, starts events, steps the plant, and compares.
 
+use std::collections::HashMap;
 use std::io::Write;
 
 use super::trains::Trains;
@@ -12,11 +13,49 @@ use crate::s7200::PulseInput;
 use crate::signal::{self, Signal, Value};
 use crate::testing::AssertFailure;
 
+/// When entries are due, so that a cycle looks at its own alone.
+struct Agenda {
+    /// Entries of a cycle, in the order of the file.
+    by_cycle: HashMap<u64, Vec<usize>>,
+    /// Nanoseconds and entry; the latest first.
+    by_time: Vec<(u64, usize)>,
+}
+
+impl Agenda {
+    fn of(scenario: &Scenario) -> Agenda {
+        let mut agenda = Agenda { by_cycle: HashMap::new(), by_time: Vec::new() };
+        for (index, at) in scenario.entries.iter().enumerate() {
+            match at.when {
+                When::Cycle(cycle) => agenda.by_cycle.entry(cycle).or_default().push(index),
+                When::Time(time) => agenda.by_time.push((time, index)),
+            }
+        }
+        agenda.by_time.sort_by(|a, b| b.cmp(a));
+        agenda
+    }
+
+    /// Entries that happen in this cycle, in the order of the file; they are taken.
+    fn take(&mut self, cycle: u64, time: u64) -> Vec<usize> {
+        let mut due = self.by_cycle.remove(&cycle).unwrap_or_default();
+        while cycle > 0
+            && let Some(&(_, index)) = self.by_time.last().filter(|(at, _)| *at <= time)
+        {
+            due.push(index);
+            self.by_time.pop();
+        }
+        due.sort_unstable();
+        due
+    }
+}
+
 /// Plays a scenario.
 pub struct Player {
     scenario: Scenario,
-    /// For each entry: the cycle in which it happened.
-    happened: Vec<Option<u64>>,
+    agenda: Agenda,
+    /// For each entry: whether it happened.
+    happened: Vec<bool>,
+    /// Entries that happened in this cycle.
+    current: Vec<usize>,
     expectations_met: u64,
     failures: Vec<AssertFailure>,
     trains: Trains,
@@ -54,10 +93,11 @@ impl Player {
                 line => format!("{file}:{line}: {message}"),
             })?;
         }
-        let happened = vec![None; scenario.entries.len()];
         Ok(Player {
+            agenda: Agenda::of(&scenario),
+            happened: vec![false; scenario.entries.len()],
+            current: Vec::new(),
             scenario,
-            happened,
             expectations_met: 0,
             failures: Vec::new(),
             trains: Trains::default(),
@@ -86,7 +126,7 @@ impl Player {
     /// What failed, with the expectations of entries that never happened. Call it at the end.
     pub fn failures(&self) -> Vec<AssertFailure> {
         let mut failures = self.failures.clone();
-        for (at, _) in self.scenario.entries.iter().zip(&self.happened).filter(|(_, happened)| happened.is_none()) {
+        for (at, _) in self.scenario.entries.iter().zip(&self.happened).filter(|(_, happened)| !**happened) {
             failures.extend(at.expect.iter().map(|setting| self.failure(setting, "(not reached)".to_string())));
             failures.extend(at.sent.iter().map(|sent| sent.failure(&self.scenario.file, "(not reached)".to_string())));
         }
@@ -138,15 +178,10 @@ impl Observer for Player {
         // What came until now counts by the levels before it.
         cpu.s7200_poll_counters();
         self.step_plant(cpu, cycle, time);
-        for (at, happened) in self.scenario.entries.iter().zip(&mut self.happened) {
-            let now = match at.when {
-                When::Cycle(at) => at == cycle,
-                When::Time(at) => cycle > 0 && at <= time,
-            };
-            if !now || happened.is_some() {
-                continue;
-            }
-            *happened = Some(cycle);
+        self.current = self.agenda.take(cycle, time);
+        for &index in &self.current {
+            let Some(at) = self.scenario.entries.get(index) else { continue };
+            self.happened[index] = true;
             for setting in &at.set {
                 let (Some(address), Value::Bits(bits, _)) = (setting.signal.source.address(), setting.value) else {
                     continue;
@@ -174,14 +209,10 @@ impl Observer for Player {
         }
     }
 
-    fn after(&mut self, cpu: &Cpu, cycle: u64, _time: u64) {
+    fn after(&mut self, cpu: &Cpu, _cycle: u64, _time: u64) {
         self.failures.extend(self.trains.retry(cpu, &self.scenario.file));
-        let due = |happened: &Option<u64>| *happened == Some(cycle);
-        for index in 0..self.scenario.entries.len() {
-            if !self.happened.get(index).is_some_and(due) {
-                continue;
-            }
-            let at = &self.scenario.entries[index];
+        for index in std::mem::take(&mut self.current) {
+            let Some(at) = self.scenario.entries.get(index) else { continue };
             let mut failed = Vec::new();
             for setting in &at.expect {
                 let actual = setting.signal.source.read(cpu, self.plant());

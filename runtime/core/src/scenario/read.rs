@@ -65,7 +65,8 @@ const NS_PER_S: f64 = 1e9;
 
 /// Reads a scenario. `Err`: message with file and line.
 pub(super) fn parse(file: &str, text: &str, image: &ProgramImage) -> Result<Scenario, String> {
-    let line = |offset: usize| text.as_bytes().iter().take(offset).filter(|&&byte| byte == b'\n').count() as u32 + 1;
+    let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
+    let line = |offset: usize| ends.partition_point(|end| *end < offset) as u32 + 1;
     let raw: FileText = toml::from_str(text).map_err(|error| {
         let at = error.span().map_or(1, |span| line(span.start));
         format!("{file}:{at}: {}", in_words(error.message()))

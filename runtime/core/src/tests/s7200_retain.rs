@@ -141,3 +141,28 @@ fn permanent_memory() {
     assert_eq!((values[0], lost), (0x1234, true));
     std::fs::remove_dir_all(path.parent().unwrap()).unwrap();
 }
+
+/// The path may be mistyped: what stands there and is not ours stays as it is.
+#[test]
+fn other_files_are_left_alone() {
+    for (name, content) in [("prose", "a plant diary"), ("short", "S8"), ("similar", "S7200RX1 ...")] {
+        let path = file(name);
+        std::fs::write(&path, content).unwrap();
+        let cpu = keeping(&path, Box::new(|cpu, _| fill(cpu)));
+        assert!(cpu.s7200_check_retentive_file().is_err_and(|message| message.contains("left as it is")), "{name}");
+        run(&cpu, 1);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), content, "{name}");
+    }
+    let path = file("beside");
+    let beside = path.with_file_name("retentive.new");
+    std::fs::write(&beside, "notes").unwrap();
+    let cpu = keeping(&path, Box::new(|cpu, _| fill(cpu)));
+    assert!(cpu.s7200_check_retentive_file().is_err());
+    run(&cpu, 1);
+    assert_eq!(std::fs::read_to_string(&beside).unwrap(), "notes");
+    assert!(!path.exists());
+    // A folder, a device.
+    for path in [std::env::temp_dir(), "/dev/null".into()] {
+        assert!(keeping(&path, Box::new(|_, _| {})).s7200_check_retentive_file().is_err());
+    }
+}

@@ -1,27 +1,16 @@
 //! Durations, and dates with nanoseconds.
 
 use crate::elementary::Elementary;
-use crate::literal::{LiteralError, days_of_month, leap};
+use crate::literal::{Fraction, LiteralError, UNITS_TO_MS, UNITS_TO_NS, days_of_month, leap, nanoseconds};
 use crate::scl::ast::Literal;
 
 const TIME_FORM: &str = "write units in the order D, H, M, S, MS, each once: `T#1D_2H_3M_4S_5MS`";
 const LTIME_FORM: &str = "write units in the order D, H, M, S, MS, US, NS, each once: `LT#1S_2MS_3US_4NS`";
 const NS_PER_DAY: u64 = 86_400_000_000_000;
 
-/// Letters, nanoseconds, and from what number on the next larger unit must be used.
-const UNITS: [(&str, i128, u32); 7] = [
-    ("D", NS_PER_DAY as i128, u32::MAX),
-    ("H", 3_600_000_000_000, 24),
-    ("M", 60_000_000_000, 60),
-    ("S", 1_000_000_000, 60),
-    ("MS", 1_000_000, 1000),
-    ("US", 1000, 1000),
-    ("NS", 1, 1000),
-];
-
 /// `T#-1S_100MS`: milliseconds; what lies below is cut off.
 pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
-    let ms = nanoseconds(text, value, 5, TIME_FORM)? / 1_000_000;
+    let ms = nanoseconds(text, value, UNITS_TO_MS, Fraction::Last, TIME_FORM)? / 1_000_000;
     let ms = i32::try_from(ms).map_err(|_| {
         LiteralError::range(text, "no TIME", "a TIME lies between T#-24D_20H_31M_23S_648MS and T#24D_20H_31M_23S_647MS")
     })?;
@@ -30,54 +19,10 @@ pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
 
 /// `LT#1S_5US_7NS`: nanoseconds.
 pub fn long_duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
-    let ns = i64::try_from(nanoseconds(text, value, 7, LTIME_FORM)?).map_err(|_| {
+    let ns = i64::try_from(nanoseconds(text, value, UNITS_TO_NS, Fraction::Last, LTIME_FORM)?).map_err(|_| {
         LiteralError::range(text, "no LTIME", "an LTIME lies between LT#-106751D_23H_47M_16S_854MS_775US_808NS and LT#106751D_23H_47M_16S_854MS_775US_807NS")
     })?;
     Ok(Literal::Typed { ty: Elementary::Ltime, bits: ns as u64 })
-}
-
-/// Sum of the first `units` units in any letter case with `_` between them. The last one may be a fraction.
-fn nanoseconds(text: &str, value: &str, units: usize, form: &str) -> Result<i128, LiteralError> {
-    let malformed = || LiteralError::malformed(text, "not complete or not in order", form);
-    let compact: String = value.chars().filter(|c| *c != '_').collect::<String>().to_ascii_uppercase();
-    let (negative, mut rest) = match compact.strip_prefix('-') {
-        Some(rest) => (true, rest),
-        None => (false, compact.strip_prefix('+').unwrap_or(&compact)),
-    };
-    let mut total = 0i128;
-    let mut next_unit = 0;
-    let mut fraction = false;
-    while !rest.is_empty() {
-        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.').ok_or_else(malformed)?;
-        let letters = rest[digits..].find(|c: char| !c.is_ascii_alphabetic()).map_or(rest.len(), |at| digits + at);
-        let (number, name) = (&rest[..digits], &rest[digits..letters]);
-        let unit = UNITS[..units].iter().position(|(unit, ..)| *unit == name).ok_or_else(malformed)?;
-        let (_, unit_ns, limit) = UNITS[unit];
-        if unit < next_unit || fraction {
-            return Err(malformed());
-        }
-        let (whole, parts) = number.split_once('.').unwrap_or((number, ""));
-        fraction = number.contains('.');
-        if whole.is_empty() || whole.len() > 18 || fraction && (parts.is_empty() || parts.contains('.')) {
-            return Err(malformed());
-        }
-        let whole: i128 = whole.parse().map_err(|_| malformed())?;
-        if next_unit > 0 && whole >= i128::from(limit) {
-            return Err(LiteralError::range(
-                text,
-                format!("{whole}{name} behind a larger unit"),
-                "only the first unit may exceed its natural limit: `T#90S`, but `T#1M_30S`",
-            ));
-        }
-        total += whole * unit_ns;
-        // Below this many digits of a day lies no nanosecond.
-        let digits = &parts[..parts.len().min(15)];
-        let part: i128 = if digits.is_empty() { 0 } else { digits.parse().map_err(|_| malformed())? };
-        total += part * unit_ns / 10i128.pow(digits.len() as u32);
-        next_unit = unit + 1;
-        rest = &rest[letters..];
-    }
-    if next_unit == 0 { Err(malformed()) } else { Ok(if negative { -total } else { total }) }
 }
 
 /// `LTOD#12:00:00.123456789`: nanoseconds since midnight.
