@@ -37,6 +37,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Stl, include_str!("../stl/tia_numbers.stl")),
     (Language::Scl, include_str!("../scl/texts.scl")),
     (Language::Scl, include_str!("../scl/wide_texts.scl")),
+    (Language::Scl, include_str!("../scl/overloads.scl")),
     (Language::Scl, include_str!("../scl/scaling.scl")),
     (Language::Scl, include_str!("../scl/bits.scl")),
     (Language::Scl, include_str!("../scl/instances.scl")),
@@ -53,6 +54,24 @@ const SOURCES: &[(Language, &str)] = &[
 
 /// SFCs and SFBs from this number on are instructions of the TIA Portal. No program calls them by number.
 pub const TIA_NUMBERS: u16 = 1000;
+
+/// The own name of a component of an SFB's instance that programs call by another one, as exports of the TIA Portal do.
+///
+/// `instance`: whether an SFB, and the number. The counters of one type share a layout, in which QU and QD are outputs of their own.
+pub fn own_member(instance: Option<(bool, u16)>, name: &str) -> Option<&'static str> {
+    let Some((true, number)) = instance else { return None };
+    if number < TIA_NUMBERS {
+        return None;
+    }
+    let block = find(BlockClass::Sfb, number)?.name;
+    let is = |own: &str| name.trim().eq_ignore_ascii_case(own);
+    match block {
+        "R_TRIG" | "F_TRIG" if is("Stat_Bit") => Some("OLD"),
+        _ if block.starts_with("CTU_") && is("QU") => Some("Q"),
+        _ if block.starts_with("CTD_") && is("QD") => Some("Q"),
+        _ => None,
+    }
+}
 
 /// Where the code of a block is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

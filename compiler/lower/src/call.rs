@@ -93,7 +93,11 @@ impl Context<'_, '_> {
                         self.store_bytes(temporary, bytes);
                         self.reference(Target::at(temporary, BitNumber::Known(0)), width, place::Direction::Write)
                     }
-                    Actual::Number(_) | Actual::PointerBytes(_) | Actual::PointerTo { .. } | Actual::PointerCopy(_) => {
+                    Actual::Number(_)
+                    | Actual::PointerBytes(_)
+                    | Actual::PointerTo { .. }
+                    | Actual::PointerCopy(_)
+                    | Actual::Variant(..) => {
                         unreachable!("the binder gives elementary formals values")
                     }
                 };
@@ -104,10 +108,9 @@ impl Context<'_, '_> {
                 let Actual::Number(number) = actual else { unreachable!("the binder gives numbers") };
                 references.push(self.number(number));
             }
-            Passing::Pointer | Passing::Any => {
-                let bytes = if parameter.passing == Passing::Any { 10 } else { 6 };
-                let temporary = self.temporary(bytes);
-                self.store_pointer(temporary, actual, parameter.passing == Passing::Any);
+            Passing::Pointer | Passing::Any | Passing::Variant => {
+                let temporary = self.temporary(parameter.passing.pointer_bytes());
+                self.store_pointer(temporary, actual, parameter.passing != Passing::Pointer);
                 references.push(self.b.i32_const(temporary.offset));
             }
             Passing::OpenArray { .. } => unreachable!("the binder gives an ARRAY[*] to calls from SCL only"),
@@ -135,7 +138,11 @@ impl Context<'_, '_> {
                 let address = self.b.address_of(temporary);
                 references.push(address);
             }
-            Actual::Number(_) | Actual::PointerBytes(_) | Actual::PointerTo { .. } | Actual::PointerCopy(_) => {
+            Actual::Number(_)
+            | Actual::PointerBytes(_)
+            | Actual::PointerTo { .. }
+            | Actual::PointerCopy(_)
+            | Actual::Variant(..) => {
                 unreachable!("the binder gives complex formals variables")
             }
         }
@@ -153,9 +160,10 @@ impl Context<'_, '_> {
                 layout::SCRATCH
             }
             Passing::Number => 0,
-            Passing::Pointer | Passing::Any => {
-                let pointer = self.temporary(10);
-                self.b.clear(pointer, 10);
+            Passing::Pointer | Passing::Any | Passing::Variant => {
+                let bytes = parameter.passing.pointer_bytes();
+                let pointer = self.temporary(bytes);
+                self.b.clear(pointer, bytes);
                 pointer.offset
             }
             Passing::OpenArray { dimensions } => {
@@ -273,8 +281,8 @@ impl Context<'_, '_> {
                 let value = self.number(number);
                 self.write_instance(base, byte, 0, Width::Word, value);
             }
-            (Passing::Pointer | Passing::Any, actual) => {
-                let any = parameter.passing == Passing::Any;
+            (Passing::Pointer | Passing::Any | Passing::Variant, actual) => {
+                let any = parameter.passing != Passing::Pointer;
                 let target = self.instance_target(base, byte, Width::Byte);
                 self.store_at(target, |context, addr| context.store_pointer(addr, actual, any));
             }
@@ -299,7 +307,7 @@ impl Context<'_, '_> {
                 let from = self.instance_target(base, parameter.byte, Width::Byte);
                 self.copy_block(place, from, bytes, false);
             }
-            Passing::Number | Passing::Pointer | Passing::Any | Passing::OpenArray { .. } => {}
+            Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant | Passing::OpenArray { .. } => {}
         }
     }
 
@@ -413,8 +421,8 @@ impl Context<'_, '_> {
                 let value = self.number(number);
                 self.store_low(addr, Width::Word, value);
             }
-            (Passing::Pointer | Passing::Any, actual) => {
-                self.store_pointer(addr, actual, parameter.passing == Passing::Any);
+            (Passing::Pointer | Passing::Any | Passing::Variant, actual) => {
+                self.store_pointer(addr, actual, parameter.passing != Passing::Pointer);
             }
             (Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number | Passing::OpenArray { .. }, _) => {
                 unreachable!("the binder gives each formal an actual of its kind")
@@ -433,7 +441,7 @@ impl Context<'_, '_> {
                 self.set(self.regs.db, db);
             }
             Passing::Complex { bytes } => self.copy_block(place, Target::at(addr, BitNumber::Known(0)), bytes, false),
-            Passing::Number | Passing::Pointer | Passing::Any | Passing::OpenArray { .. } => {}
+            Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant | Passing::OpenArray { .. } => {}
         }
     }
 

@@ -11,7 +11,7 @@ use crate::call;
 use crate::plan::{self, Plan};
 
 /// Bytes of the ANY or POINTER of 0 that stands for each one that nobody hands over.
-const NO_POINTER_BYTES: u32 = 10;
+const NO_POINTER_BYTES: u32 = 18;
 
 /// The entry of `block`, whose function is `function`.
 pub fn lower_entry(plan: &Plan<'_>, block: &CodeBlock, function: FuncId) -> Function {
@@ -43,7 +43,7 @@ fn no_arguments(b: &mut FunctionBuilder, block: &CodeBlock, arguments: &mut Vec<
             Passing::Number => &[0],
             // At the start of this frame.
             Passing::Complex { .. } => &[0, layout::SCRATCH],
-            Passing::Pointer | Passing::Any => &[0],
+            Passing::Pointer | Passing::Any | Passing::Variant => &[0],
             Passing::OpenArray { dimensions } => {
                 arguments.push(b.i32_const(layout::SCRATCH));
                 // No element exists between 1 and 0.

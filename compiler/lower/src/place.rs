@@ -496,7 +496,7 @@ impl Context<'_, '_> {
                 let base = self.parameters[parameter][1];
                 Target::at(Address::indexed(Region::Any, base, byte), BitNumber::Known(bit))
             }
-            Passing::Number | Passing::Pointer | Passing::Any => {
+            Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant => {
                 let base = self.parameters[parameter][0];
                 Target::at(Address::indexed(Region::V, base, byte), BitNumber::Known(bit))
             }

@@ -278,7 +278,7 @@ pub fn takes_references(block: &CodeBlock) -> bool {
 /// - ARRAY[*]: the offset of the array from the memory base, then low and high bound of each dimension (at most 6)
 pub fn parameter_types(passing: Passing) -> &'static [Type] {
     match passing {
-        Passing::Elementary(_) | Passing::Number | Passing::Pointer | Passing::Any => &[Type::I32],
+        Passing::Elementary(_) | Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant => &[Type::I32],
         Passing::Complex { .. } => &[Type::I32, Type::I32],
         Passing::OpenArray { dimensions } => &[Type::I32; 1 + 2 * 6][..1 + 2 * usize::from(dimensions)],
     }
@@ -413,7 +413,7 @@ impl Visitor for SclScan<'_, '_> {
             self.facts.passes_ar2_to.push(call.target);
         }
         for argument in &call.arguments {
-            let access = match &argument.actual {
+            let access = match argument.actual.pointer() {
                 scl::Actual::PointerCopy(_) => {
                     self.facts.hands_on_pointers = true;
                     continue;
@@ -456,7 +456,7 @@ fn scl_temporary_bytes(callee: &CodeBlock) -> u32 {
         Passing::Elementary(_) => 8 + ALIGNMENT,
         Passing::Complex { .. } => 6 + crate::scl::result_bytes(&parameter.ty) + 2 * ALIGNMENT,
         Passing::Number | Passing::OpenArray { .. } => 0,
-        Passing::Pointer | Passing::Any => 10 + 8 + 2 * ALIGNMENT,
+        Passing::Pointer | Passing::Any | Passing::Variant => parameter.passing.pointer_bytes() + 8 + 2 * ALIGNMENT,
     };
     let structure = if matches!(callee.body, Body::Runtime) { callee.interface.bytes.max(2) + ALIGNMENT } else { 0 };
     result + structure + callee.interface.parameters.iter().map(of_parameter).sum::<u32>()
@@ -477,14 +477,14 @@ fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
             Some(Actual::Const(bytes)) => (bytes.len() as u32).next_multiple_of(2),
             Some(Actual::Place(Place::Pi { .. } | Place::Pq { .. })) => 4,
             Some(Actual::Place(_) | Actual::Number(_) | Actual::PointerBytes(_) | Actual::PointerTo { .. })
-            | Some(Actual::PointerCopy(_))
+            | Some(Actual::PointerCopy(_) | Actual::Variant(..))
             | None => 0,
         };
         match parameter.passing {
             Passing::Elementary(_) => value,
             Passing::Complex { .. } => 6 + value,
             Passing::Number | Passing::OpenArray { .. } => 0,
-            Passing::Pointer | Passing::Any => 10,
+            Passing::Pointer | Passing::Any | Passing::Variant => parameter.passing.pointer_bytes(),
         }
     };
     callee.interface.parameters.iter().enumerate().map(of_parameter).sum()
@@ -492,12 +492,12 @@ fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
 
 /// True if the actual parameter may be a pointer that the calling block was given itself.
 fn hands_on_pointer(actual: &Actual) -> bool {
-    match actual {
+    match actual.pointer() {
         Actual::PointerCopy(_) => true,
         Actual::Place(place) | Actual::PointerTo { place, .. } => {
             matches!(place, Place::Parameter { .. } | Place::ThroughPointer { .. })
         }
-        Actual::Const(_) | Actual::Number(_) | Actual::PointerBytes(_) => false,
+        Actual::Const(_) | Actual::Number(_) | Actual::PointerBytes(_) | Actual::Variant(..) => false,
     }
 }
 

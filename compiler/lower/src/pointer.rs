@@ -3,7 +3,8 @@
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout::area;
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
-use plcc_program::model::{Actual, Passing, Place, Width};
+use plcc_program::layout;
+use plcc_program::model::{Actual, Passing, Place, Pointed, Width};
 
 use crate::context::Context;
 
@@ -72,7 +73,12 @@ impl Context<'_, '_> {
                 let pointer = self.handed_on(pointer);
                 PointerFields { db, pointer }
             }
-            Passing::Elementary(_) | Passing::Number | Passing::Pointer | Passing::Any | Passing::OpenArray { .. } => {
+            Passing::Elementary(_)
+            | Passing::Number
+            | Passing::Pointer
+            | Passing::Any
+            | Passing::Variant
+            | Passing::OpenArray { .. } => {
                 unreachable!("the binder lets pointers to complex formals through only")
             }
         }
@@ -127,8 +133,37 @@ impl Context<'_, '_> {
                 }
                 self.end_guard(guard);
             }
+            Actual::Variant(pointer, pointed) => {
+                self.store_pointer(addr, pointer, any);
+                match (pointed, &**pointer) {
+                    (Pointed::Known { elements, ty }, _) => self.store_pointed(addr, *elements, *ty),
+                    (Pointed::Copied, Actual::PointerCopy(place)) => {
+                        let source = self.target(place, Width::Byte, crate::place::Direction::Read);
+                        let guard = self.begin_guard(source.checks, crate::fault::Substitute::None);
+                        if let crate::place::TargetKind::Memory { addr: from, .. } = source.kind {
+                            self.copy_pointed(addr, from);
+                        }
+                        self.end_guard(guard);
+                    }
+                    (Pointed::Copied, _) => unreachable!("the binder copies pointers only"),
+                }
+            }
             Actual::Place(_) | Actual::Number(_) => unreachable!("the binder gives pointer formals pointers"),
         }
+    }
+
+    /// Writes what a VARIANT at `addr` says after its ANY.
+    pub fn store_pointed(&mut self, addr: Address, elements: u32, ty: u32) {
+        for (at, field) in [(layout::VARIANT_ELEMENTS, elements), (layout::VARIANT_TYPE, ty)] {
+            let field = self.b.i32_const(field);
+            self.store_low(moved(addr, at), Width::Dword, field);
+        }
+    }
+
+    /// Copies what the VARIANT at `from` says after its ANY.
+    pub fn copy_pointed(&mut self, addr: Address, from: Address) {
+        let bytes = Passing::Variant.pointer_bytes() - layout::ANY_BYTES;
+        self.b.copy(moved(addr, layout::ANY_BYTES), moved(from, layout::ANY_BYTES), bytes);
     }
 
     /// Copies a POINTER or ANY for a block that is called.

@@ -95,6 +95,74 @@ pub fn used_bits(ty: &DataType) -> u32 {
     }
 }
 
+/// Bytes of an ANY, with which a VARIANT begins.
+pub const ANY_BYTES: u32 = 10;
+
+/// Where a VARIANT says how many elements the array has at which it points, a double word; 0: it points at no array.
+pub const VARIANT_ELEMENTS: u32 = ANY_BYTES;
+
+/// Where a VARIANT says what it points at, or what the elements of the array are, a double word: see [`type_number`].
+pub const VARIANT_TYPE: u32 = ANY_BYTES + 4;
+
+/// Type codes of an ANY. Source: STL reference, table of type codes.
+pub const fn type_code(ty: Elementary) -> u8 {
+    match ty {
+        Elementary::Bool => 0x01,
+        Elementary::Byte => 0x02,
+        Elementary::Char => 0x03,
+        Elementary::Word => 0x04,
+        Elementary::Int => 0x05,
+        Elementary::Dword => 0x06,
+        Elementary::Dint => 0x07,
+        Elementary::Real => 0x08,
+        Elementary::Date => 0x09,
+        Elementary::TimeOfDay => 0x0A,
+        Elementary::Time => 0x0B,
+        Elementary::S5Time => 0x0C,
+        Elementary::Wchar => 0x2C,
+        Elementary::Lword => 0x2D,
+        Elementary::Sint => 0x30,
+        Elementary::Usint => 0x31,
+        Elementary::Uint => 0x32,
+        Elementary::Udint => 0x33,
+        Elementary::Lreal => 0x34,
+        Elementary::Lint => 0x35,
+        Elementary::Ulint => 0x36,
+        Elementary::Ltime => 0x37,
+        Elementary::Ltod => 0x38,
+        Elementary::Ldt => 0x39,
+    }
+}
+
+/// The number by which a VARIANT tells types apart: of elementary ones and texts their code in an ANY, of structures and function blocks
+/// one that follows from their name, or without one from their components. The length of a text does not count.
+pub fn type_number(ty: &DataType) -> u32 {
+    const STRUCTURE: u32 = 1 << 31;
+    match ty {
+        DataType::Elementary(ty) => u32::from(type_code(*ty)),
+        DataType::DateAndTime => 0x0E,
+        DataType::String(_) => 0x13,
+        DataType::WideString(_) => 0x14,
+        DataType::Array(array) => hash(0x8000, &[type_number(&array.element)]) | STRUCTURE,
+        DataType::Struct(structure) if structure.name.is_empty() => {
+            let members: Vec<u32> = structure.members.iter().map(|member| type_number(&member.ty)).collect();
+            hash(0x8001, &members) | STRUCTURE
+        }
+        DataType::Struct(structure) => {
+            let letters: Vec<u32> = structure.name.chars().flat_map(char::to_uppercase).map(u32::from).collect();
+            hash(0x8002, &letters) | STRUCTURE
+        }
+        DataType::OpenArray(_) | DataType::Parameter(_) | DataType::Void => 0,
+    }
+}
+
+/// FNV-1a.
+fn hash(kind: u32, words: &[u32]) -> u32 {
+    let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+    let bytes = std::iter::once(&kind).chain(words).flat_map(|word| word.to_be_bytes());
+    bytes.fold(0x811C_9DC5, step)
+}
+
 /// Bytes of a parameter type in an instance or in the structure of parameters.
 pub const fn parameter_bytes(ty: ParameterType) -> u32 {
     match ty {
@@ -105,7 +173,8 @@ pub const fn parameter_bytes(ty: ParameterType) -> u32 {
         | ParameterType::BlockDb
         | ParameterType::BlockSdb => 2,
         ParameterType::Pointer => 6,
-        ParameterType::Any => 10,
+        ParameterType::Any => ANY_BYTES,
+        ParameterType::Variant => ANY_BYTES + 8,
     }
 }
 
@@ -238,6 +307,7 @@ pub fn type_name(ty: &DataType) -> String {
             ParameterType::BlockSdb => "BLOCK_SDB",
             ParameterType::Pointer => "POINTER",
             ParameterType::Any => "ANY",
+            ParameterType::Variant => "VARIANT",
         }
         .to_string(),
         DataType::Void => "an unknown type".to_string(),

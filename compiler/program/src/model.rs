@@ -12,7 +12,8 @@ use plcc_diag::Span;
 pub use plcc_syntax::ast::{AddressRegister, AssertRegister, CellKind, SpecialRegister, StatusOperand, Width};
 use plcc_syntax::stl::StlInsn;
 
-use crate::types::{DataType, Member};
+use crate::layout;
+use crate::types::{DataType, Member, ParameterType};
 
 /// A whole program.
 #[derive(Clone, Debug)]
@@ -135,11 +136,25 @@ pub enum Passing {
     Number,
     Pointer,
     Any,
+    /// As an ANY, with more behind it.
+    Variant,
     /// ARRAY[*]. FC: reference to the actual, then low and high bound of each dimension. FB IN_OUT: a POINTER in the instance, then the
     /// bounds, a DINT each.
     OpenArray {
         dimensions: u8,
     },
+}
+
+impl Passing {
+    /// Bytes of the pointer that a block gets; 0 if it gets none.
+    pub const fn pointer_bytes(self) -> u32 {
+        match self {
+            Passing::Pointer => 6,
+            Passing::Any => layout::ANY_BYTES,
+            Passing::Variant => layout::parameter_bytes(ParameterType::Variant),
+            Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number | Passing::OpenArray { .. } => 0,
+        }
+    }
 }
 
 /// Code of a block.
@@ -367,6 +382,27 @@ pub enum Actual {
     PointerTo { place: Place, type_code: u8, count: u16 },
     /// POINTER and ANY formals: the structure itself lies at `place` (a TEMP variable of type ANY, a formal of the same type).
     PointerCopy(Place),
+    /// VARIANT formals: an ANY, and what it points at.
+    Variant(Box<Actual>, Pointed),
+}
+
+impl Actual {
+    /// The ANY of a VARIANT; everything else itself.
+    pub fn pointer(&self) -> &Actual {
+        match self {
+            Actual::Variant(any, _) => any,
+            other => other,
+        }
+    }
+}
+
+/// What a VARIANT says after its ANY.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pointed {
+    /// Number of elements, 0 of what is no array; [`crate::layout::type_number`] of them.
+    Known { elements: u32, ty: u32 },
+    /// What the VARIANT says of which the ANY is a copy.
+    Copied,
 }
 
 /// An assertion pragma, with sides `S`.

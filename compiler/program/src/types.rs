@@ -17,6 +17,8 @@ pub enum ParameterType {
     Pointer,
     /// 10 bytes.
     Any,
+    /// An ANY with number and type of its elements behind it, 18 bytes. See [`crate::layout::VARIANT_ELEMENTS`].
+    Variant,
 }
 
 /// Name of the structure that a date and time of S7-1200/1500 is, 12 bytes.

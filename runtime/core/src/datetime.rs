@@ -65,6 +65,11 @@ pub fn decode(bytes: [u8; 8]) -> Result<i64, DateTimeError> {
     Ok(moment(date.to_datetime(time)))
 }
 
+/// Day of the month, from 1.
+pub fn day(moment: i64) -> u8 {
+    civil(moment).day().unsigned_abs()
+}
+
 /// Parses `2026-01-31T06:00:00`.
 pub fn parse(text: &str) -> Option<i64> {
     text.trim().parse::<DateTime>().ok().map(moment)
@@ -91,7 +96,8 @@ impl Period {
             0x0201 => Period::Minute,
             0x0401 => Period::Hour,
             0x1001 => Period::Day,
-            0x1201 => Period::Week,
+            // The reference for STEP 7 V5 has 1201, that of the TIA Portal 1202.
+            0x1201 | 0x1202 => Period::Week,
             0x1401 => Period::Month,
             0x1801 => Period::Year,
             0x2001 => Period::EndOfMonth,

@@ -202,8 +202,34 @@ impl Cpu {
                 StartInfo::new(0x35, 0x01, 80).word(6, self.running.ob.get()).byte(10, self.running.priority.get());
             self.request(Event { ob: 80, info });
         } else {
-            self.request(Event { ob: 80, info: StartInfo::new(0x35, 0x01, 80).word(6, ms.min(0xFFFF) as u16) });
+            self.request(Event { ob: 80, info: self.overrun_info(ms) });
         }
+    }
+
+    /// Start information of OB 80 about a cycle of `ms` milliseconds: what ran then.
+    ///
+    /// Source: System and standard functions, OB 80.
+    pub(crate) fn overrun_info(&self, ms: u32) -> StartInfo {
+        let [class, number, ..] = self.running.info.get();
+        StartInfo::new(0x35, 0x01, 80)
+            .word(6, ms.min(0xFFFF) as u16)
+            .byte(8, class)
+            .byte(9, number)
+            .byte(10, self.running.priority.get())
+            .byte(11, self.running.ob.get() as u8)
+    }
+
+    /// OB 80 about time-of-day interrupts over which the clock was set: once, with a bit for each; once for each on an S7-1200/1500.
+    pub(crate) fn times_skipped(&self, skipped: &[Event]) {
+        if self.image.profile.family.is_portal() {
+            skipped.iter().for_each(|event| self.time_error(0x05, *event));
+            return;
+        }
+        let Some(first) = skipped.first() else { return };
+        self.log(0x3505, NO_SITE, u32::from(first.ob));
+        let bit = |event: &Event| 1u16.checked_shl(u32::from(event.ob.saturating_sub(10))).unwrap_or(0);
+        let bits = skipped.iter().fold(0, |bits, event| bits | bit(event));
+        self.request(Event { ob: 80, info: StartInfo::new(0x35, 0x05, 80).word(6, bits) });
     }
 
     /// The text of a STOP: its cause before it, if there is one.

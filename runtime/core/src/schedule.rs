@@ -216,6 +216,11 @@ impl Schedule {
         self.times_of_day.iter().find(|time| time.ob == ob)
     }
 
+    /// Drops what waits for an OB.
+    pub(crate) fn forget(&self, ob: u16) {
+        self.queue.borrow_mut().retain(|event| event.ob != ob);
+    }
+
     fn is_waiting(&self, ob: u16) -> bool {
         self.queue.borrow().iter().any(|event| event.ob == ob)
     }
@@ -366,10 +371,13 @@ impl Cpu {
         }
     }
 
-    /// The wall clock was set. Time-of-day interrupts that it jumped over are a time error each; those that lie ahead
-    /// again come again.
+    /// The wall clock was set. Time-of-day interrupts that it jumped over are a time error, and each comes once, unless OB 80 cancels it; those that
+    /// lie ahead again come again.
+    ///
+    /// Source: System and standard functions, OB 10 and OB 80: bits 0 to 7 of the error information tell which ones.
     pub(crate) fn wall_clock_was_set(&self) {
         let wall = self.clock.wall();
+        let mut skipped = Vec::new();
         for time in &self.schedule.times_of_day {
             if !time.active.get() {
                 continue;
@@ -377,11 +385,13 @@ impl Cpu {
             if time.next.get() < wall {
                 let event = self.time_of_day_event(time);
                 self.step_time_of_day(time, wall.saturating_sub(1));
-                self.time_error(0x05, event);
+                skipped.push(event);
             } else if time.period.get() != Period::Once {
                 self.step_time_of_day(time, wall.saturating_sub(1));
             }
         }
+        self.times_skipped(&skipped);
+        skipped.into_iter().for_each(|event| self.request_timed(event));
         self.rearm();
     }
 
@@ -489,7 +499,7 @@ impl Cpu {
         let in_time_error = self.running.active.contains(80);
         if self.has_ob(80) && !in_time_error {
             self.arm_hang();
-            let info = StartInfo::new(0x35, 0x01, 80).word(6, ms.min(0xFFFF) as u16);
+            let info = self.overrun_info(ms);
             self.run_ob(80, self.priority_of(80).max(self.running.priority.get()), info);
         }
         self.stop_because(0x4568, site, crate::faults::TIME_ERROR_HANG, Some(cause));

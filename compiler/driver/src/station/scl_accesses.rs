@@ -120,14 +120,14 @@ fn of_call(call: &Call, visit: &mut dyn FnMut(&Access)) {
         of_access(access, visit);
     }
     for argument in &call.arguments {
-        match &argument.actual {
+        match argument.actual.pointer() {
             Actual::Value(value) | Actual::PointerToValue { value, .. } => of_expr(value, visit),
             Actual::Variable { access, .. }
             | Actual::Reference(access)
             | Actual::PointerTo { access, .. }
             | Actual::PointerCopy(access) => of_access(access, visit),
             Actual::Complex(value) | Actual::PointerToComplex { value, .. } => of_complex(value, visit),
-            Actual::Number(_) | Actual::PointerBytes(_) | Actual::Dropped => {}
+            Actual::Number(_) | Actual::PointerBytes(_) | Actual::Variant(..) | Actual::Dropped => {}
         }
     }
     of_optional(&call.enable, visit);

@@ -2,9 +2,9 @@
 
 use plcc_ir::{Address, Type, Value};
 use plcc_program::layout;
-use plcc_program::model::scl::{Access, Actual, Argument, Complex, Conversion};
-use plcc_program::model::{Direction, Parameter, Passing, Place, Width};
-use plcc_program::types::DataType;
+use plcc_program::model::scl::{Access, Actual, Argument, Base, Call, Complex, Conversion};
+use plcc_program::model::{Direction, Parameter, Passing, Place, Pointed, Width};
+use plcc_program::types::{DataType, Elementary};
 
 use super::access::Located;
 use super::text::{Text, text_limit};
@@ -47,6 +47,7 @@ pub enum PointerSource<'m> {
     Bytes(&'m [u8]),
     Fields { head: u32, fields: PointerFields },
     Copy(Located<'m>),
+    Variant(Box<PointerSource<'m>>, Pointed),
 }
 
 /// A variable that a result goes to.
@@ -95,7 +96,8 @@ impl Context<'_, '_> {
             | Actual::PointerTo { .. }
             | Actual::PointerCopy(_)
             | Actual::PointerToValue { .. }
-            | Actual::PointerToComplex { .. } => given(Supply::Pointer(self.pointer_source(&argument.actual)), None),
+            | Actual::PointerToComplex { .. }
+            | Actual::Variant(..) => given(Supply::Pointer(self.pointer_source(&argument.actual)), None),
         }
     }
 
@@ -111,8 +113,17 @@ impl Context<'_, '_> {
         match actual {
             Actual::PointerBytes(bytes) => PointerSource::Bytes(bytes),
             Actual::PointerTo { access, type_code, count } => {
-                let located = self.locate(access);
-                let fields = self.located_pointer(&located);
+                let fields = match self.elementary_formal(access) {
+                    Some(ty) => {
+                        let copy = self.copied(access, ty);
+                        self.scl.copies.push(copy);
+                        self.pointer_fields(&Place::L { byte: copy.offset, bit: 0 })
+                    }
+                    None => {
+                        let located = self.locate(access);
+                        self.located_pointer(&located)
+                    }
+                };
                 PointerSource::Fields { head: head(*type_code, *count), fields }
             }
             Actual::PointerCopy(access) => PointerSource::Copy(self.locate(access)),
@@ -133,7 +144,43 @@ impl Context<'_, '_> {
                 };
                 PointerSource::Fields { head: head(*type_code, *count), fields }
             }
+            Actual::Variant(any, pointed) => PointerSource::Variant(Box::new(self.pointer_source(any)), *pointed),
             _ => unreachable!("asked for pointers only"),
+        }
+    }
+
+    /// The type of an elementary formal of this function: it has no POINTER, so what points at it gets a copy.
+    fn elementary_formal(&self, access: &Access) -> Option<Elementary> {
+        match (&access.base, access.elementary()) {
+            (Base::Place(Place::Parameter { parameter, .. }), Some(ty)) if access.indices.is_empty() => {
+                matches!(self.passing(*parameter), Passing::Elementary(_)).then_some(ty)
+            }
+            _ => None,
+        }
+    }
+
+    /// The value of a variable in the frame.
+    fn copied(&mut self, access: &Access, ty: Elementary) -> Address {
+        let value = self.read_access(access);
+        let value = self.untyped(value, ty);
+        let width = layout::width(ty);
+        let copy = self.temporary(width.bytes());
+        self.write_target(Target::at(copy, BitNumber::Known(0)), width, value);
+        copy
+    }
+
+    /// Takes over copies that [`Self::pointer_source`] made for a call, from number `first` on: the callee may have written them.
+    pub fn take_copies(&mut self, call: &Call, first: usize) {
+        let mut copies = self.scl.copies.split_off(first).into_iter();
+        for argument in &call.arguments {
+            if let Actual::PointerTo { access, .. } = argument.actual.pointer()
+                && let Some(ty) = self.elementary_formal(access)
+                && let Some(copy) = copies.next()
+            {
+                let value = self.read_target(Target::at(copy, BitNumber::Known(0)), layout::width(ty));
+                let value = self.typed(value, ty);
+                self.write_access(access, value);
+            }
         }
     }
 
@@ -151,6 +198,19 @@ impl Context<'_, '_> {
                 let guard = self.begin_guard(checks, Substitute::None);
                 self.copy_pointer(addr, from, any);
                 self.end_guard(guard);
+            }
+            PointerSource::Variant(pointer, pointed) => {
+                self.store_pointer_source(addr, pointer, any);
+                match (pointed, &**pointer) {
+                    (Pointed::Known { elements, ty }, _) => self.store_pointed(addr, *elements, *ty),
+                    (Pointed::Copied, PointerSource::Copy(located)) => {
+                        let (from, checks) = self.located_address(located, place::Direction::Read);
+                        let guard = self.begin_guard(checks, Substitute::None);
+                        self.copy_pointed(addr, from);
+                        self.end_guard(guard);
+                    }
+                    (Pointed::Copied, _) => unreachable!("the binder copies pointers only"),
+                }
             }
         }
     }
@@ -182,12 +242,13 @@ impl Context<'_, '_> {
                 Supply::Number(number) => vec![number],
                 _ => vec![self.b.i32_const(0)],
             },
-            Passing::Pointer | Passing::Any => {
-                let any = parameter.passing == Passing::Any;
-                let pointer = self.temporary(10);
+            Passing::Pointer | Passing::Any | Passing::Variant => {
+                let any = parameter.passing != Passing::Pointer;
+                let bytes = parameter.passing.pointer_bytes();
+                let pointer = self.temporary(bytes.max(layout::ANY_BYTES));
                 match &supply {
                     Supply::Pointer(source) => self.store_pointer_source(pointer, source, any),
-                    _ => self.b.clear(pointer, 10),
+                    _ => self.b.clear(pointer, bytes),
                 }
                 vec![self.b.i32_const(pointer.offset)]
             }
@@ -293,7 +354,7 @@ impl Context<'_, '_> {
                 self.write_target(Target::at(addr, BitNumber::Known(parameter.bit)), width, *value);
             }
             (Supply::Number(value), _) => self.store_low(addr, Width::Word, *value),
-            (Supply::Pointer(source), passing) => self.store_pointer_source(addr, source, passing == Passing::Any),
+            (Supply::Pointer(source), passing) => self.store_pointer_source(addr, source, passing != Passing::Pointer),
             (Supply::Complex(source), Passing::Complex { .. })
                 if parameter.direction == Direction::InOut && !system =>
             {

@@ -44,6 +44,8 @@ pub struct SclState {
     sets_flag: bool,
     calls_set_flag: bool,
     loops: Vec<Loop>,
+    /// Copies of elementary formals to which the actuals of calls point, until the calls have been made.
+    pub copies: Vec<Address>,
     /// The promoted result, written when the block ends.
     result: Option<(usize, Elementary, Var)>,
 }

@@ -162,7 +162,7 @@ fn call(value: &Call, visitor: &mut dyn Visitor) {
         access(instance, Role::Memory, visitor);
     }
     for argument in &value.arguments {
-        match &argument.actual {
+        match argument.actual.pointer() {
             Actual::Value(value) | Actual::PointerToValue { value, .. } => expr(value, visitor),
             // An FB gets and gives copies.
             Actual::Variable { access: variable, .. } if value.instance.is_some() => {
@@ -174,7 +174,7 @@ fn call(value: &Call, visitor: &mut dyn Visitor) {
             | Actual::PointerCopy(variable) => access(variable, Role::Memory, visitor),
             Actual::Complex(value) | Actual::PointerToComplex { value, .. } => complex(value, visitor),
             Actual::Number(value) => number(value, visitor),
-            Actual::PointerBytes(_) | Actual::Dropped => {}
+            Actual::PointerBytes(_) | Actual::Variant(..) | Actual::Dropped => {}
         }
     }
     value.eno.iter().for_each(|eno| access(eno, Role::Value, visitor));

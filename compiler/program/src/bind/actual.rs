@@ -10,43 +10,14 @@ use plcc_syntax::literal::Literal;
 
 use super::declare::is_complex;
 use super::names::code_kind;
-use super::path::{Base, Variable, type_of_width};
+use super::path::{Base, type_of_width};
 use super::settle::Settled;
 use super::value::{self, Mismatch};
 use super::{Binder, Ctx};
 use crate::layout;
-use crate::model::{Actual, BlockKey, Direction, Number, Parameter, Place};
+pub use crate::layout::type_code;
+use crate::model::{Actual, BlockKey, Direction, Number, Parameter, Place, Pointed};
 use crate::types::{DataType, Elementary, ParameterType};
-
-/// Type codes of an ANY. Source: STL reference, table of type codes.
-pub const fn type_code(ty: Elementary) -> u8 {
-    match ty {
-        Elementary::Bool => 0x01,
-        Elementary::Byte => 0x02,
-        Elementary::Char => 0x03,
-        Elementary::Word => 0x04,
-        Elementary::Int => 0x05,
-        Elementary::Dword => 0x06,
-        Elementary::Dint => 0x07,
-        Elementary::Real => 0x08,
-        Elementary::Date => 0x09,
-        Elementary::TimeOfDay => 0x0A,
-        Elementary::Time => 0x0B,
-        Elementary::S5Time => 0x0C,
-        Elementary::Wchar => 0x2C,
-        Elementary::Lword => 0x2D,
-        Elementary::Sint => 0x30,
-        Elementary::Usint => 0x31,
-        Elementary::Uint => 0x32,
-        Elementary::Udint => 0x33,
-        Elementary::Lreal => 0x34,
-        Elementary::Lint => 0x35,
-        Elementary::Ulint => 0x36,
-        Elementary::Ltime => 0x37,
-        Elementary::Ltod => 0x38,
-        Elementary::Ldt => 0x39,
-    }
-}
 
 const CODE_BYTE: u8 = 0x02;
 const CODE_DATE_AND_TIME: u8 = 0x0E;
@@ -160,7 +131,10 @@ impl Binder<'_> {
             return None;
         }
         let constant = matches!(settled, Settled::Literal(_) | Settled::Pointer(_) | Settled::ParameterPointer(_));
-        let points = matches!(formal.ty, DataType::Parameter(ParameterType::Pointer | ParameterType::Any));
+        let points = matches!(
+            formal.ty,
+            DataType::Parameter(ParameterType::Pointer | ParameterType::Any | ParameterType::Variant)
+        );
         if constant && formal.direction != Direction::Input && !points {
             let text = self.text(span);
             self.report.push(
@@ -178,7 +152,9 @@ impl Binder<'_> {
             | DataType::Array(_)
             | DataType::Struct(_) => self.complex_actual(callee, formal, settled, span),
             DataType::Parameter(ParameterType::Pointer) => self.pointer_actual(callee, formal, settled, span),
-            DataType::Parameter(ParameterType::Any) => self.any_actual(callee, formal, settled, span),
+            DataType::Parameter(ParameterType::Any | ParameterType::Variant) => {
+                self.any_actual(callee, formal, settled, span)
+            }
             DataType::Parameter(
                 parameter @ (ParameterType::Timer
                 | ParameterType::Counter
@@ -236,7 +212,7 @@ impl Binder<'_> {
             (DataType::Elementary(ty), _) => {
                 message.help(format!("name {} or a variable of type {wanted}", address_example(*ty)))
             }
-            (DataType::Parameter(ParameterType::Any), _) => {
+            (DataType::Parameter(ParameterType::Any | ParameterType::Variant), _) => {
                 message.help("write for example `P#M 50.0 BYTE 10`, or name a variable")
             }
             (DataType::Parameter(ParameterType::Pointer), _) => {
@@ -402,49 +378,113 @@ impl Binder<'_> {
     }
 
     fn any_actual(&mut self, callee: BlockKey, formal: &Parameter, settled: Settled, span: Span) -> Option<Actual> {
-        let to = |place: Place, ty: &DataType| {
-            let (type_code, count) = any_of(ty);
+        let to = |place: Place, ty: &DataType, code_of: &DataType| {
+            let (type_code, count) = code_for(formal, code_of);
             let count = count.min(0xFFFF) as u16;
-            match known_pointer(&place) {
+            let any = match known_pointer(&place) {
                 Some((db, pointer)) => Actual::PointerBytes(any_bytes(type_code, count, db, pointer)),
                 None => Actual::PointerTo { place, type_code, count },
-            }
+            };
+            for_formal(formal, any, pointed_at(ty))
         };
         match &settled {
             Settled::Literal(Literal::Any(bytes)) => {
                 let [_, type_code, high, low, db_high, db_low, pointer @ ..] = *bytes;
                 self.use_db(u16::from_be_bytes([db_high, db_low]), span);
-                Some(match local_place(u32::from_be_bytes(pointer)) {
-                    Some(place) => Actual::PointerTo { place, type_code, count: u16::from_be_bytes([high, low]) },
+                let count = u16::from_be_bytes([high, low]);
+                let any = match local_place(u32::from_be_bytes(pointer)) {
+                    Some(place) => Actual::PointerTo { place, type_code, count },
                     None => Actual::PointerBytes(bytes.to_vec()),
-                })
+                };
+                Some(for_formal(formal, any, pointed_at_by_literal(type_code, count)))
             }
             Settled::Memory { place, width, ty } => {
-                let ty = ty.unwrap_or(type_of_width(*width));
-                Some(to(place.clone(), &DataType::Elementary(ty)))
+                let ty = DataType::Elementary(ty.unwrap_or(type_of_width(*width)));
+                Some(to(place.clone(), &ty, &ty))
             }
             Settled::Cell { kind, number: Number::Known(number) } => {
-                Some(Actual::PointerBytes(any_number_of_cell(*kind, *number)))
+                Some(for_formal(formal, Actual::PointerBytes(any_number_of_cell(*kind, *number)), POINTS_AT_NOTHING))
             }
             Settled::Block { prefix, number: Number::Known(number) } => match any_number_of_block(*prefix, *number) {
-                Some(bytes) => Some(Actual::PointerBytes(bytes)),
+                Some(bytes) => Some(for_formal(formal, Actual::PointerBytes(bytes), POINTS_AT_NOTHING)),
                 None => self.mismatch(callee, formal, &settled, span),
             },
             Settled::Complex(variable) => match &variable.ty {
-                DataType::Parameter(ParameterType::Any) => Some(Actual::PointerCopy(variable.place())),
+                DataType::Parameter(ParameterType::Any) => {
+                    Some(for_formal(formal, Actual::PointerCopy(variable.place()), POINTS_AT_NOTHING))
+                }
+                DataType::Parameter(ParameterType::Variant) => {
+                    Some(for_formal(formal, Actual::PointerCopy(variable.place()), Pointed::Copied))
+                }
                 DataType::Parameter(ParameterType::Pointer) => self.mismatch(callee, formal, &settled, span),
-                ty => Some(self.any_of_variable(variable, ty, to)),
+                ty => {
+                    let longest = DataType::String(254);
+                    // A STRING of an FC's caller has the length of the actual; the pointer covers the largest.
+                    let code_of = match variable.base {
+                        Base::Parameter(_) if matches!(ty, DataType::String(_)) => &longest,
+                        _ => ty,
+                    };
+                    Some(to(variable.place(), ty, code_of))
+                }
             },
             _ => self.mismatch(callee, formal, &settled, span),
         }
     }
+}
 
-    fn any_of_variable(&self, variable: &Variable, ty: &DataType, to: impl Fn(Place, &DataType) -> Actual) -> Actual {
-        match variable.base {
-            // A STRING of an FC's caller has the length of the actual; the pointer covers the largest.
-            Base::Parameter(_) if matches!(ty, DataType::String(_)) => to(variable.place(), &DataType::String(254)),
-            _ => to(variable.place(), ty),
+/// What a VARIANT says that points at no data.
+pub const POINTS_AT_NOTHING: Pointed = Pointed::Known { elements: 0, ty: 0 };
+
+/// What a VARIANT says that is given as `P#DB1.DBX0.0 BYTE 10`.
+pub fn pointed_at_by_literal(type_code: u8, count: u16) -> Pointed {
+    Pointed::Known { elements: if count > 1 { u32::from(count) } else { 0 }, ty: u32::from(type_code) }
+}
+
+/// What a VARIANT says of a variable of type `ty`.
+pub fn pointed_at(ty: &DataType) -> Pointed {
+    match ty {
+        DataType::Array(array) => Pointed::Known {
+            elements: u32::try_from(layout::element_count(&array.bounds)).unwrap_or(u32::MAX),
+            ty: layout::type_number(&array.element),
+        },
+        other => Pointed::Known { elements: 0, ty: layout::type_number(other) },
+    }
+}
+
+/// Type code and number for `ty` in an ANY; that of a VARIANT tells texts from bytes.
+pub fn code_for(formal: &Parameter, ty: &DataType) -> (u8, u32) {
+    match (&formal.ty, ty) {
+        (DataType::Parameter(ParameterType::Variant), DataType::String(_) | DataType::WideString(_)) => {
+            let (_, bytes) = any_of(ty);
+            (layout::type_number(ty) as u8, bytes)
         }
+        _ => any_of(ty),
+    }
+}
+
+/// The actual of `formal`, an ANY or a VARIANT.
+pub fn for_formal<A: Pointer>(formal: &Parameter, any: A, pointed: Pointed) -> A {
+    match formal.ty {
+        DataType::Parameter(ParameterType::Variant) => any.with(pointed),
+        _ => any,
+    }
+}
+
+/// An actual that can become a VARIANT.
+pub trait Pointer {
+    /// The VARIANT that begins with this ANY.
+    fn with(self, pointed: Pointed) -> Self;
+}
+
+impl Pointer for Actual {
+    fn with(self, pointed: Pointed) -> Actual {
+        Actual::Variant(Box::new(self), pointed)
+    }
+}
+
+impl Pointer for crate::model::scl::Actual {
+    fn with(self, pointed: Pointed) -> Self {
+        crate::model::scl::Actual::Variant(Box::new(self), pointed)
     }
 }
 

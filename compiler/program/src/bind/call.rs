@@ -274,13 +274,14 @@ impl Binder<'_> {
             .filter_map(|argument| {
                 let parameter = &bound.interface.parameters[argument.parameter];
                 let Passing::Elementary(width) = parameter.passing else { return None };
-                let (area, bits) = match &argument.actual {
+                let (area, bits) = match argument.actual.pointer() {
                     Actual::Place(place) => area_bits(place)?,
                     Actual::Const(_)
                     | Actual::Number(_)
                     | Actual::PointerBytes(_)
                     | Actual::PointerTo { .. }
-                    | Actual::PointerCopy(_) => return None,
+                    | Actual::PointerCopy(_)
+                    | Actual::Variant(..) => return None,
                 };
                 Some((argument, parameter.direction, area, bits, bits + width.bits()))
             })
@@ -319,7 +320,7 @@ impl Binder<'_> {
     ) {
         for (index, parameter) in bound.interface.parameters.iter().enumerate() {
             let points = match parameter.passing {
-                Passing::Number | Passing::Pointer | Passing::Any => true,
+                Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant => true,
                 Passing::Complex { .. } => parameter.direction == Direction::InOut,
                 Passing::Elementary(_) | Passing::OpenArray { .. } => false,
             };

@@ -204,24 +204,27 @@ impl<'a> Binder<'a> {
             "BLOCK_DB" => ParameterType::BlockDb,
             "BLOCK_SDB" => ParameterType::BlockSdb,
             "POINTER" => ParameterType::Pointer,
-            // A VARIANT is handed over as an ANY is: type, number and place.
-            "ANY" | "VARIANT" => ParameterType::Any,
+            "ANY" => ParameterType::Any,
+            "VARIANT" => ParameterType::Variant,
             _ => return self.block_type(&BlockName::Symbol { name: word.to_string(), span }, used),
         };
         let allowed = match used {
             Use::Parameter(SectionKind::Input) => true,
             Use::Parameter(SectionKind::Output | SectionKind::InOut) => {
-                matches!(parameter, ParameterType::Pointer | ParameterType::Any)
+                matches!(parameter, ParameterType::Pointer | ParameterType::Any | ParameterType::Variant)
             }
             Use::Parameter(SectionKind::Static | SectionKind::Temp) => false,
-            Use::Temp => parameter == ParameterType::Any,
-            Use::Component | Use::Static | Use::Result => false,
+            Use::Temp => matches!(parameter, ParameterType::Any | ParameterType::Variant),
+            Use::Result => {
+                matches!(parameter, ParameterType::Pointer | ParameterType::Any | ParameterType::Variant)
+            }
+            Use::Component | Use::Static => false,
         };
         if !allowed {
             self.report.push(
                 Diagnostic::new(Code::SectionNotAllowed, span, format!("{word} is a type for parameters"))
                     .label("not possible in this declaration")
-                    .help("declare it in VAR_INPUT; POINTER and ANY also in VAR_IN_OUT, ANY also in VAR_TEMP"),
+                    .help("declare it in VAR_INPUT; POINTER and ANY also in VAR_IN_OUT and as results, ANY also in VAR_TEMP"),
             );
             return None;
         }

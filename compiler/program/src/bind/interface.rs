@@ -442,6 +442,7 @@ fn passing(ty: &DataType) -> Option<Passing> {
         DataType::OpenArray(array) => Some(Passing::OpenArray { dimensions: array.dimensions }),
         DataType::Parameter(ParameterType::Pointer) => Some(Passing::Pointer),
         DataType::Parameter(ParameterType::Any) => Some(Passing::Any),
+        DataType::Parameter(ParameterType::Variant) => Some(Passing::Variant),
         DataType::Parameter(
             ParameterType::Timer
             | ParameterType::Counter

@@ -307,7 +307,10 @@ impl Binder<'_> {
     /// The component of a structure by name. Large structures are indexed once.
     pub fn member(&mut self, structure: &Rc<StructType>, name: &str) -> Option<Member> {
         const INDEXED: usize = 12;
-        let folded = fold(name);
+        let folded = match plcc_stdlib::own_member(structure.instance_of, name) {
+            Some(own) => fold(own),
+            None => fold(name),
+        };
         if structure.members.len() < INDEXED {
             return structure.members.iter().find(|member| fold(&member.name) == folded).cloned();
         }

@@ -204,7 +204,9 @@ impl Binder<'_> {
                 Settled::Block { prefix: BlockPrefix::Db, number: number() }
             }
             ty if is_complex(ty) => Settled::Complex(variable),
-            DataType::Parameter(ParameterType::Pointer | ParameterType::Any) => Settled::Complex(variable),
+            DataType::Parameter(ParameterType::Pointer | ParameterType::Any | ParameterType::Variant) => {
+                Settled::Complex(variable)
+            }
             // Its type is unknown and reported.
             _ => return None,
         })
@@ -232,7 +234,10 @@ impl Binder<'_> {
             Base::Parameter(parameter)
                 if path.parts.is_empty()
                     && (is_complex(&variable.ty)
-                        || matches!(variable.ty, DataType::Parameter(ParameterType::Pointer | ParameterType::Any))) =>
+                        || matches!(
+                            variable.ty,
+                            DataType::Parameter(ParameterType::Pointer | ParameterType::Any | ParameterType::Variant)
+                        )) =>
             {
                 Some(Settled::ParameterPointer(parameter))
             }

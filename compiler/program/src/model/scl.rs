@@ -4,7 +4,7 @@
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
 
-use super::{Assert, BlockKey, LabelId, Number, Place, PlaceArea, Width};
+use super::{Assert, BlockKey, LabelId, Number, Place, PlaceArea, Pointed, Width};
 use crate::types::DataType;
 
 /// Code of a block in SCL.
@@ -470,8 +470,20 @@ pub enum Actual {
     PointerToValue { value: Expr, type_code: u8 },
     /// ANY formal that takes a constant or a result: it lies in the frame.
     PointerToComplex { value: Complex, type_code: u8, count: u16 },
+    /// VARIANT: an ANY, and what it points at.
+    Variant(Box<Actual>, Pointed),
     /// OUT of which the result is dropped (`o => `).
     Dropped,
+}
+
+impl Actual {
+    /// The ANY of a VARIANT; everything else itself.
+    pub fn pointer(&self) -> &Actual {
+        match self {
+            Actual::Variant(any, _) => any,
+            other => other,
+        }
+    }
 }
 
 /// The five timer functions.

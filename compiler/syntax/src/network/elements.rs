@@ -442,7 +442,7 @@ pub static ELEMENTS: &[Row] = &[
     en("STP", &["STP"], &[], "?en ?>eno", Procedure("STP")),
     en("WAIT", &["WAIT"], &[], "?en wt ?>eno", Procedure("WAIT")),
     en("GetError", &["GetError", "GET_ERROR"], &[], "?en >error ?>eno", Procedure("GET_ERROR")),
-    en("GetErrorID", &["GetErrorID", "GET_ERR_ID"], &[], "?en ?>out|id ?>eno", Function("GET_ERR_ID")),
+    en("GetErrorID", &["GetErrorID", "GET_ERR_ID"], &[], "?en ?>out|id|error ?>eno", Function("GET_ERR_ID")),
     en("Runtime", &["RUNTIME"], &[], "?en =mem ?>out|ret_val ?>eno", Function("RUNTIME")),
     // B.8 Word logic, selection, shift
     en("And", &["And"], &[], MANY, Operator("AND")),

@@ -30,15 +30,22 @@ pub(super) struct Range {
 /// Type code of STRING.
 pub(super) const STRING: u8 = 0x13;
 
+/// Type code of WSTRING, in a VARIANT.
+pub(super) const WIDE_STRING: u8 = 0x14;
+
+/// Type code of WCHAR, in a VARIANT.
+pub(super) const WIDE_CHARACTER: u8 = 0x2C;
+
 /// Bytes of an element by type code; 0 for BOOL, `None` for what is no data.
 fn element_bytes(code: u8) -> Option<u32> {
     Some(match code {
         0x01 => 0,
-        0x02 | 0x03 => 1,
-        0x04 | 0x05 | 0x09 | 0x0C => 2,
-        0x06..=0x08 | 0x0A | 0x0B => 4,
-        0x0E => 8,
-        STRING => 1,
+        0x02 | 0x03 | 0x30 | 0x31 => 1,
+        0x04 | 0x05 | 0x09 | 0x0C | WIDE_CHARACTER | 0x32 => 2,
+        0x06..=0x08 | 0x0A | 0x0B | 0x33 => 4,
+        0x0E | 0x2D | 0x34..=0x39 => 8,
+        // Their number is that of bytes.
+        STRING | WIDE_STRING => 1,
         _ => return None,
     })
 }

@@ -21,6 +21,8 @@ pub(super) enum Kind {
     DateAndTime,
     Dtl,
     Any,
+    /// An ANY with number and type of elements after it.
+    Variant,
     /// POINTER: DB number and area pointer.
     Pointer,
     /// Twelve bytes of start information.
@@ -37,6 +39,7 @@ impl Kind {
             Kind::Dword => 4,
             Kind::Lword | Kind::DateAndTime => 8,
             Kind::Any => 10,
+            Kind::Variant => 18,
             Kind::Pointer => 6,
             Kind::Dtl | Kind::StartInfo => 12,
             Kind::ErrorStruct => local_error::BYTES,
@@ -99,6 +102,12 @@ impl Call<'_> {
 
     pub fn any_bytes(&self, index: usize) -> [u8; 10] {
         self.cpu.memory.bytes(self.at(index))
+    }
+
+    /// What a VARIANT says after its ANY: number of elements, 0 of what is no array; number of the type, 0 if it is not known.
+    pub fn pointed(&self, index: usize) -> (u32, u32) {
+        let at = self.at(index) + Kind::Any.bytes();
+        (self.cpu.memory.dword(at), self.cpu.memory.dword(at + 4))
     }
 
     pub fn set_bool(&self, index: usize, value: bool) {

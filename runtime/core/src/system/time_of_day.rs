@@ -18,13 +18,19 @@ pub(super) fn status(call: &Call, active: bool) -> u16 {
         | u16::from(call.cpu.has_ob(ob)) << 4
 }
 
-/// OB_NR, SDT, PERIOD: sets, without activating. Seconds and milliseconds of SDT are ignored. 8090 OB, 8091 SDT,
-/// 8092 PERIOD, 80A1 once only and in the past.
+/// Last day of a month on which a monthly interrupt may begin: every month has it.
+const MONTHLY_DAY_MAX: u8 = 28;
+
+/// OB_NR, SDT, PERIOD: sets, without activating. Seconds and milliseconds of SDT are ignored. 8090 OB, 8091 SDT, also the days 29 to 31 with a
+/// monthly PERIOD, 8092 PERIOD, 80A1 once only and in the past.
 pub(super) fn set_tint(call: &Call) -> Outcome {
     let Some(time) = time_of_day(call) else { return error(0x8090) };
     let Ok(moment) = datetime::decode(call.date_and_time(1)) else { return error(0x8091) };
     let code = call.word(2);
     let Some(period) = Period::from_code(code) else { return error(0x8092) };
+    if period == Period::Month && datetime::day(moment) > MONTHLY_DAY_MAX {
+        return error(0x8091);
+    }
     let start = moment - moment.rem_euclid(60 * NS_PER_S);
     if period == Period::Once && start < call.cpu.clock.wall() {
         return error(0x80A1);
@@ -38,10 +44,11 @@ pub(super) fn set_tint(call: &Call) -> Outcome {
     OK
 }
 
-/// OB_NR: 8090 OB, 80A0 not set.
+/// OB_NR: 8090 OB, 80A0 not set. One that waits to be run is gone, too.
 pub(super) fn can_tint(call: &Call) -> Outcome {
     let Some(time) = time_of_day(call) else { return error(0x8090) };
     time.active.set(false);
+    call.cpu.schedule.forget(time.ob);
     if !time.set.replace(false) {
         return error(0x80A0);
     }

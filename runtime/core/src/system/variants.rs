@@ -1,7 +1,7 @@
 //! Variables of any type as bytes: Serialize, Deserialize, READ_BIG … WRITE_LITTLE, VariantGet, VariantPut, MOVE_BLK_VARIANT.
 //!
-//! All data has the standard layout, so a variable's image is its bytes in memory. An ANY of a structure, or of an array of such, is
-//! one of BYTE: only its size tells whether two of them fit.
+//! All data has the standard layout, so a variable's image is its bytes in memory. The ANY with which a VARIANT begins says BYTE of a
+//! structure, and of an array of such: number and type of elements stand after it.
 //!
 //! Source: S7-1200 reference, move operations.
 
@@ -9,7 +9,7 @@ use plcc_abi::layout::area;
 
 use super::any::{self, Access, Range};
 use super::parameters::Call;
-use super::{OK, Outcome, error};
+use super::{OK, Outcome, error, text};
 use crate::cpu::Area;
 
 /// The areas overlap, or one of them is no variable.
@@ -18,10 +18,17 @@ const AREAS: u16 = 0x80B0;
 const POSITION: u16 = 0x8382;
 /// The array ends before the variable does.
 const TOO_SHORT: u16 = 0x8383;
-/// MOVE_BLK_VARIANT: types differ; SRC_INDEX or COUNT, DEST_INDEX or COUNT out of the array.
+/// MOVE_BLK_VARIANT.
 const TYPES_DIFFER: u16 = 0x80B4;
-const SOURCE_INDEX: u16 = 0x8154;
-const TARGET_INDEX: u16 = 0x8155;
+const COUNT: u16 = 0x8281;
+/// Codes of SRC, and what those of DEST are higher by.
+const NO_ACCESS: u16 = 0x8151;
+const OF_BOOL: u16 = 0x8154;
+const OF_TARGET: u16 = 0x0400;
+const FIRST_ELEMENT: u16 = 0x8382;
+const LAST_ELEMENT: u16 = 0x8383;
+const OF_TARGET_INDEX: u16 = 0x0100;
+const WRITE_PROTECTED: u16 = 0x8534;
 /// Type codes of ANY.
 const BOOL: u8 = 0x01;
 /// Longest elementary value.
@@ -103,7 +110,15 @@ pub(super) fn put(call: &Call) -> Outcome {
 
 fn assign(call: &Call) -> Option<()> {
     let (from, to) = (call.any_bytes(0), call.any_bytes(1));
-    if from[..4] != to[..4] {
+    let text = u32::from(any::STRING);
+    let (source, target) = (call.pointed(0), call.pointed(1));
+    if source == (0, text) && target == (0, text) {
+        let characters = text::characters(call, 0)?;
+        let target = text::Text::of(call, 1, Access::Write)?;
+        return target.write(call, characters.characters()).then_some(());
+    }
+    let known = source.1 != 0 && target.1 != 0;
+    if from[..4] != to[..4] || (known && source != target) {
         return None;
     }
     let memory = &call.cpu.memory;
@@ -135,22 +150,75 @@ fn bit_place(call: &Call, any: [u8; 10]) -> Option<(u32, u8)> {
     (byte < length).then_some((base + byte, bit))
 }
 
-/// SRC, COUNT, SRC_INDEX, DEST_INDEX -> RET_VAL, DEST: elements counted from 0. 80B4 the types differ, 8154 and 8155 out of SRC and DEST.
-pub(super) fn move_block(call: &Call) -> Outcome {
-    let (source, target) = (whole(call, 0, Access::Read), whole(call, 5, Access::Write));
-    let Some((source, target)) = source.zip(target) else { return error(AREAS) };
-    if source.type_code != target.type_code || source.type_code == BOOL {
-        return error(TYPES_DIFFER);
+/// Elements that a VARIANT points at.
+struct Elements {
+    offset: u32,
+    count: u32,
+    /// Of each.
+    bytes: u32,
+    ty: u32,
+}
+
+impl Elements {
+    /// What parameter `index` points at; one element if it is no array. `Err`: whether it is write-protected.
+    fn of(call: &Call, index: usize, access: Access) -> Result<Elements, bool> {
+        let protected = any::code(index, 0x30);
+        let range = match any::decode(call, index, access) {
+            Ok(Some(range)) if range.existing == range.bytes => range,
+            Err(code) if code == protected => return Err(true),
+            Ok(_) | Err(_) => return Err(false),
+        };
+        let any = call.any_bytes(index);
+        let (count, ty) = match call.pointed(index) {
+            (_, 0) => (u32::from(u16::from_be_bytes([any[2], any[3]])), u32::from(range.type_code)),
+            (elements, ty) => (elements.max(1), ty),
+        };
+        // A text takes an even number of bytes in an array.
+        let bytes = (range.bytes / count.max(1)).max(1);
+        let bytes = if ty == u32::from(any::STRING) { bytes.next_multiple_of(2) } else { bytes };
+        Ok(Elements { offset: range.offset, count, bytes, ty })
     }
-    let size = |any: [u8; 10], range: &Range| range.bytes / u32::from(u16::from_be_bytes([any[2], any[3]])).max(1);
-    let bytes = size(call.any_bytes(0), &source);
-    let offset = |index: u32, range: &Range| {
-        let start = u64::try_from(index as i32).ok()?.checked_mul(u64::from(bytes))?;
-        let length = u64::from(call.dword(1)).checked_mul(u64::from(bytes))?;
-        (start.checked_add(length)? <= u64::from(range.bytes)).then_some((range.offset + start as u32, length as u32))
-    };
-    let Some((from, length)) = offset(call.dword(2), &source) else { return error(SOURCE_INDEX) };
-    let Some((to, _)) = offset(call.dword(3), &target) else { return error(TARGET_INDEX) };
-    call.cpu.memory.copy(from, to, length);
-    OK
+
+    /// Offset of the first of `count` elements from `index` on; `Err`: whether the first one is there.
+    fn part(&self, index: i32, count: u32) -> Result<u32, bool> {
+        let index = u32::try_from(index).ok().filter(|&index| index < self.count).ok_or(false)?;
+        if count > self.count - index {
+            return Err(true);
+        }
+        Ok(self.offset + index * self.bytes)
+    }
+}
+
+/// SRC, COUNT, SRC_INDEX, DEST_INDEX -> RET_VAL, DEST: elements counted from 0.
+pub(super) fn move_block(call: &Call) -> Outcome {
+    match moved_block(call) {
+        Ok(()) => OK,
+        Err(code) => error(code),
+    }
+}
+
+fn moved_block(call: &Call) -> Result<(), u16> {
+    let bits = |index: usize| call.any_bytes(index)[1] == BOOL;
+    if bits(0) {
+        return Err(OF_BOOL);
+    }
+    if bits(5) {
+        return Err(OF_BOOL + OF_TARGET);
+    }
+    let source = Elements::of(call, 0, Access::Read).map_err(|_| NO_ACCESS)?;
+    let target = Elements::of(call, 5, Access::Write);
+    let target = target.map_err(|protected| if protected { WRITE_PROTECTED } else { NO_ACCESS + OF_TARGET })?;
+    if source.ty != target.ty || source.bytes != target.bytes {
+        return Err(TYPES_DIFFER);
+    }
+    let count = call.dword(1);
+    if count == 0 {
+        return Err(COUNT);
+    }
+    let outside = |first_is_there: bool| if first_is_there { LAST_ELEMENT } else { FIRST_ELEMENT };
+    let from = source.part(call.dword(2) as i32, count).map_err(outside)?;
+    let to = target.part(call.dword(3) as i32, count);
+    let to = to.map_err(|first_is_there| outside(first_is_there) + OF_TARGET_INDEX)?;
+    call.cpu.memory.copy(from, to, count * source.bytes);
+    Ok(())
 }

@@ -37,7 +37,10 @@ impl Binder<'_> {
                     | ParameterType::BlockSdb
             )
         );
-        let points = matches!(formal.ty, DataType::Parameter(ParameterType::Pointer | ParameterType::Any));
+        let points = matches!(
+            formal.ty,
+            DataType::Parameter(ParameterType::Pointer | ParameterType::Any | ParameterType::Variant)
+        );
         if intent != Intent::Read && !by_number && !points && !is_variable(node) {
             return self.not_writable(callee, formal, node.span);
         }
@@ -62,7 +65,9 @@ impl Binder<'_> {
             },
             DataType::OpenArray(array) => self.open_array_actual(ctx, callee, formal, &array.clone(), node, intent),
             DataType::Parameter(ParameterType::Pointer) => self.scl_pointer(ctx, callee, formal, node, intent),
-            DataType::Parameter(ParameterType::Any) => self.scl_any(ctx, callee, formal, node, intent),
+            DataType::Parameter(ParameterType::Any | ParameterType::Variant) => {
+                self.scl_any(ctx, callee, formal, node, intent)
+            }
             DataType::Parameter(parameter) => self.scl_number(ctx, callee, formal, *parameter, node),
             DataType::Void => None,
         }
@@ -83,7 +88,9 @@ impl Binder<'_> {
         let text = self.text(span);
         let wanted = layout::type_name(&formal.ty);
         let help = match &formal.ty {
-            DataType::Parameter(ParameterType::Any) => "write for example `P#M50.0 BYTE 10`, or name a variable".into(),
+            DataType::Parameter(ParameterType::Any | ParameterType::Variant) => {
+                "write for example `P#M50.0 BYTE 10`, or name a variable".into()
+            }
             DataType::Parameter(ParameterType::Pointer) => "write for example `P#M50.0`, or name a variable".into(),
             _ => format!("name a variable of type {wanted}"),
         };
@@ -151,13 +158,23 @@ impl Binder<'_> {
             return self.wrong_actual(callee, formal, "no variable", node.span);
         }
         let access = self.scl_access(ctx, node, intent)?;
+        // Instructions that take characters take bytes, too.
+        let kin = |element: &DataType| match (element, &wanted.element) {
+            (DataType::Elementary(own), DataType::Elementary(wanted)) => {
+                self.library_block(callee).is_some_and(|block| block.is_tia())
+                    && own.bits() == wanted.bits()
+                    && [own, wanted].iter().all(|ty| matches!(ty.class(), Class::Bits | Class::Character))
+            }
+            _ => false,
+        };
         let fits = match &access.ty {
             DataType::Array(array) => {
                 array.bounds.len() == usize::from(wanted.dimensions)
-                    && layout::same_type(&array.element, &wanted.element)
+                    && (layout::same_type(&array.element, &wanted.element) || kin(&array.element))
             }
             DataType::OpenArray(array) => {
-                array.dimensions == wanted.dimensions && layout::same_type(&array.element, &wanted.element)
+                array.dimensions == wanted.dimensions
+                    && (layout::same_type(&array.element, &wanted.element) || kin(&array.element))
             }
             _ => false,
         };

@@ -117,11 +117,13 @@ impl Binder<'_> {
     /// What the name of an argument means.
     fn formal(&mut self, key: BlockKey, bound: &BoundInterface, name: &Name) -> Formal {
         let folded = fold(&name.text);
+        let instance = matches!(key.kind, BlockKind::Sfb).then_some((true, key.number));
+        let own = plcc_stdlib::own_member(instance, &name.text).map_or_else(|| folded.clone(), fold);
         let found = bound
             .interface
             .parameters
             .iter()
-            .position(|parameter| fold(&parameter.name) == folded && !is_result(key, parameter));
+            .position(|parameter| fold(&parameter.name) == own && !is_result(key, parameter));
         match (found, folded.as_str()) {
             (Some(index), _) => Formal::Parameter(index),
             (None, "en") => Formal::Enable,

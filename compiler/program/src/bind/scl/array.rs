@@ -7,7 +7,7 @@ use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 
 use super::Intent;
-use super::memory::{binary, failed, load, minus_one, number, whole};
+use super::memory::{binary, elementary_at, failed, load, minus_one, number, whole};
 use super::message::described;
 use super::pins::Pins;
 use super::value::Value;
@@ -17,7 +17,7 @@ use crate::model::Place;
 use crate::model::scl::{
     Access, Base, BinaryOp, CompareOp, Complex, Expr, ExprKind, Function, Index, IndexBounds, Statement, StatementKind,
 };
-use crate::types::{ArrayType, DataType};
+use crate::types::{ArrayType, DataType, ParameterType};
 
 /// Elements of an array from one on.
 pub(super) struct Run {
@@ -238,6 +238,7 @@ impl Binder<'_> {
                         )
                     }
                 }
+                DataType::Parameter(ParameterType::Variant) => variant_field(&access, layout::VARIANT_ELEMENTS, span)?,
                 _ => {
                     let is = described(&Value::Parameter { access: access.clone(), span: place });
                     self.wrong_type(place, &is, "an array", None);
@@ -248,6 +249,12 @@ impl Binder<'_> {
         };
         Some(Value::Elementary(count))
     }
+}
+
+/// A field of a VARIANT, an UDINT. See [`crate::model::Pointed`].
+pub fn variant_field(variant: &Access, at: u32, span: Span) -> Option<Expr> {
+    let field = elementary_at(variant, at, 0, Elementary::Udint)?;
+    Some(Expr { kind: ExprKind::Load(Box::new(field)), ty: Elementary::Udint, span })
 }
 
 /// The parameter that an ARRAY[*] is.

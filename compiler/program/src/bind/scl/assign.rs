@@ -24,7 +24,10 @@ impl Binder<'_> {
         span: Span,
         bound: &mut Vec<Statement>,
     ) {
-        let mut value = self.scl_value(ctx, value);
+        let mut value = match self.value_for_target(ctx, targets, value) {
+            Some(value) => value,
+            None => self.scl_value(ctx, value),
+        };
         for (at, (target, op)) in targets.iter().enumerate().rev() {
             let read = at > 0;
             value = self.assign_one(ctx, target, *op, value, span, read, bound);

@@ -30,7 +30,7 @@ impl Binder<'_> {
     /// Binds a call: of a block, an instance, a function of the language. `statement`: its value may be dropped.
     pub fn scl_call(&mut self, ctx: &mut Ctx, node: &Node, statement: bool) -> Option<Value> {
         let NodeKind::Call { callee, arguments } = &node.kind else { return None };
-        let wide = self.wide_function(ctx, callee, arguments).map(|key| Callee::Block { key, instance: None });
+        let wide = self.overload(ctx, callee, arguments).map(|key| Callee::Block { key, instance: None });
         let Some(target) = wide.or_else(|| self.callee(ctx, callee)) else {
             self.note_arguments(ctx, arguments);
             return None;
@@ -188,7 +188,14 @@ impl Binder<'_> {
     /// The block of the library by the name of a function. The same name means one thing in STEP 7 V5 and another in the TIA Portal.
     pub fn library_function(&self, rules: Rules, name: &str) -> Option<BlockKey> {
         let name = name.trim();
-        let (classic, tia) = (|| plcc_stdlib::find_name(name), || plcc_stdlib::find_tia(name));
+        // `LEFT_STRING`, beside `LEFT_WSTRING`.
+        let narrow = || {
+            let base = name.len().checked_sub(7).and_then(|at| name.split_at_checked(at))?;
+            let both = base.1.eq_ignore_ascii_case("_STRING")
+                && plcc_stdlib::find_tia(&format!("{}_WSTRING", base.0)).is_some();
+            plcc_stdlib::find_tia(base.0).filter(|_| both)
+        };
+        let (classic, tia) = (|| plcc_stdlib::find_name(name), || plcc_stdlib::find_tia(name).or_else(narrow));
         let block = match rules {
             Rules::Classic => classic().or_else(tia),
             Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500 => tia().or_else(classic),

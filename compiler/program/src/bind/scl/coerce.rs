@@ -35,6 +35,9 @@ impl Binder<'_> {
             Value::Cell { kind, number, span } if ty == Elementary::Bool => {
                 Some(Expr { kind: ExprKind::Cell { kind, number }, ty, span })
             }
+            other if ty == Elementary::Ldt && converts_dates(ctx.scl.rules) && Self::is_long_date(&other) => {
+                self.as_ldt(ctx, other)
+            }
             other => {
                 let help = match (&other, ty) {
                     (Value::Complex { ty: DataType::String(_) | DataType::WideString(_), .. }, _) => {
@@ -132,6 +135,10 @@ impl Binder<'_> {
     /// Gives a bound value the complex type `ty`; what cannot have it is reported.
     pub(super) fn scl_complex_value(&mut self, ctx: &mut Ctx, value: Value, ty: &DataType) -> Option<Complex> {
         let span = value.span();
+        let value = match self.date_as(ctx, value, ty) {
+            Ok(value) => value?,
+            Err(value) => value,
+        };
         match (value, ty) {
             (_, DataType::Void) => None,
             (Value::Complex { value, ty: from, .. }, _) => {
@@ -185,6 +192,27 @@ impl Binder<'_> {
         }
     }
 
+    /// DATE_AND_TIME, DTL and LDT become each other by themselves; `Err`: the value is another one, or already of that type.
+    ///
+    /// Source: S7-1500 information system, implicit conversion of dates.
+    #[allow(clippy::result_large_err, reason = "the value comes back to who sent it")]
+    fn date_as(&mut self, ctx: &mut Ctx, value: Value, ty: &DataType) -> Result<Option<Value>, Value> {
+        let to = match ty {
+            DataType::DateAndTime => "DT",
+            DataType::Struct(structure) if is_dtl(structure) => "DTL",
+            _ => return Err(value),
+        };
+        let from = match super::text::type_word(&value) {
+            Some(from) if matches!(from.as_str(), "DT" | "DTL" | "LDT") && from != to => from,
+            _ => return Err(value),
+        };
+        if !converts_dates(ctx.scl.rules) {
+            return Err(value);
+        }
+        let span = value.span();
+        self.converted_text(ctx, &from, to, value, span, span)
+    }
+
     fn complex_constant(&mut self, constant: Constant, span: Span, ty: &DataType) -> Option<Complex> {
         let bytes = match (&constant, ty) {
             (Constant::Text { bytes, .. }, DataType::String(_)) => text_bytes(bytes),
@@ -213,6 +241,11 @@ impl Binder<'_> {
         }
         bytes.map(Complex::Const)
     }
+}
+
+/// True where dates of different types become each other.
+fn converts_dates(rules: Rules) -> bool {
+    matches!(rules, Rules::Tia1200 | Rules::Tia1500)
 }
 
 /// The predefined structure of date and time.

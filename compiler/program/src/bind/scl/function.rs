@@ -263,6 +263,10 @@ impl Named {
         if text::is_conversion(&upper) {
             return Some(Named::Text(upper));
         }
+        let of_any = format!("{}_{upper}", text::ANY_TYPE);
+        if text::is_conversion(&of_any) {
+            return Some(Named::Text(of_any));
+        }
         let (base, suffix) = upper.rsplit_once('_')?;
         let suffix = Elementary::from_word(suffix)?;
         find_row(base).filter(|row| row.suffix).map(|row| Named::Row { row, suffix: Some(suffix) })

@@ -50,6 +50,9 @@ impl Binder<'_> {
             Kind::TextNumber(TextNumber::Convert) if self.is_text_to_text(ctx, pins) => {
                 vec![self.move_text(ctx, pins)?]
             }
+            Kind::TextNumber(TextNumber::Convert) if let Some(statement) = self.wide_conversion(ctx, pins, span) => {
+                vec![statement?]
+            }
             Kind::TextNumber(kind) => vec![StatementKind::Call(Box::new(self.text_number(ctx, kind, pins, span)?))],
             Kind::ResetTimer => self.reset_timer(ctx, pins, span)?,
             Kind::PresetTimer => self.preset_timer(ctx, pins)?,
@@ -365,10 +368,15 @@ pub fn bit_of(access: &Access, index: usize) -> Access {
     Access { part: Some(part), ..access.clone() }
 }
 
-/// The BOOL so many bytes and bits behind the start of a variable.
+/// The BOOL so many bytes and bits after the start of a variable.
 fn moved(access: &Access, by: u32, at: u8) -> Option<Access> {
+    elementary_at(access, by, at, Elementary::Bool)
+}
+
+/// What is of type `ty` so many bytes and bits after the start of a variable.
+pub fn elementary_at(access: &Access, by: u32, at: u8, ty: Elementary) -> Option<Access> {
     let mut moved = access.clone();
-    moved.ty = DataType::Elementary(Elementary::Bool);
+    moved.ty = DataType::Elementary(ty);
     match &mut moved.base {
         Base::Place(
             Place::I { byte, bit }

@@ -4,11 +4,13 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::scl::ast::{Argument as Given, BinaryOp as NodeOp, Expr as Node};
 use plcc_syntax::{Class, Elementary};
 
+use super::coerce::is_dtl;
 use super::convert::{self, converted};
 use super::function::{Kind, Row};
 use super::message::described;
 use super::numeric::{self, Shape};
 use super::pins::Pins;
+use super::text::is_wide_text;
 use super::value::Value;
 use super::{Rules, constant};
 use crate::bind::constant::Constant;
@@ -35,7 +37,18 @@ impl Binder<'_> {
             }
             Kind::Extreme(op) => {
                 let nodes = pins.numbered("IN1");
-                let (values, ty) = self.alike(ctx, &nodes, suffix)?;
+                let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+                let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
+                if let Some(kind) = values.iter().find_map(ordered_kind) {
+                    let name = if op == BinaryOp::Min { "MIN" } else { "MAX" };
+                    let mut values = values.into_iter();
+                    let mut best = values.next()?;
+                    for value in values {
+                        best = self.instruction_value(ctx, &format!("{name}_{kind}"), vec![best, value], span)?;
+                    }
+                    return Some(best);
+                }
+                let (values, ty) = self.alike_values(ctx, values, suffix)?;
                 let fold = |left: Expr, right: Expr| Expr {
                     kind: ExprKind::Binary { op, left: Box::new(left), right: Box::new(right) },
                     ty,
@@ -44,16 +57,22 @@ impl Binder<'_> {
                 values.into_iter().reduce(fold)
             }
             Kind::Limit => {
-                let (arguments, ty) = self.alike(ctx, &[pins.get("MN")?, pins.get("IN")?, pins.get("MX")?], suffix)?;
+                let nodes = [pins.get("MN")?, pins.get("IN")?, pins.get("MX")?];
+                let values = nodes.map(|node| self.scl_value(ctx, node));
+                let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
+                if let Some(kind) = values.iter().find_map(ordered_kind) {
+                    return self.instruction_value(ctx, &format!("LIMIT_{kind}"), values, span);
+                }
+                let (arguments, ty) = self.alike_values(ctx, values, suffix)?;
                 Some(computed(Function::Limit, arguments, ty, span))
             }
             Kind::Select => {
                 let selector = self.scl_of_type(ctx, pins.get("G")?, Elementary::Bool);
                 let values = [pins.get("IN0")?, pins.get("IN1")?].map(|node| self.scl_value(ctx, node));
                 let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
-                if values.iter().any(is_long_text) {
+                if let Some(kind) = values.iter().find_map(complex_kind) {
                     let inputs = std::iter::once(Value::Elementary(selector?)).chain(values).collect();
-                    return self.instruction_value(ctx, "SEL_STRING", inputs, span);
+                    return self.instruction_value(ctx, &format!("SEL_{kind}"), inputs, span);
                 }
                 let (mut arguments, ty) = self.alike_values(ctx, values, suffix)?;
                 arguments.insert(0, selector?);
@@ -394,18 +413,68 @@ impl Binder<'_> {
     /// An operator as a function.
     pub fn operator_function(&mut self, ctx: &mut Ctx, op: NodeOp, pins: &Pins, span: Span) -> Option<Value> {
         let (left, right) = (self.scl_value(ctx, pins.get("IN1")?), self.scl_value(ctx, pins.get("IN2")?));
-        let (left, right) = (left?, right?);
+        self.operation(ctx, op, pins.name, left?, right?, span)
+    }
+
+    /// T_ADD, T_SUB and T_DIFF of bound operands.
+    pub(super) fn operation(
+        &mut self,
+        ctx: &mut Ctx,
+        op: NodeOp,
+        name: Span,
+        left: Value,
+        right: Value,
+        span: Span,
+    ) -> Option<Value> {
+        let (left, right) = match op {
+            NodeOp::Subtract => match self.mixed_difference(ctx, left, right, span) {
+                Ok(value) => return value,
+                Err(both) => both,
+            },
+            _ => (left, right),
+        };
         // T_DIFF gives a TIME on every CPU.
         if op == NodeOp::Subtract && Self::is_dtl_value(&left) && Self::is_dtl_value(&right) {
             return self.dtl_difference(ctx, left, right, Elementary::Time, span);
         }
-        // A sum that no TIME holds is 0 there. Source: S7-1200 reference, date and time.
-        let times = [&left, &right].iter().all(|value| Shape::of(value) == Shape::Of(Elementary::Time));
-        if times && ctx.scl.rules == Rules::Tia1200 {
-            let name = if op == NodeOp::Subtract { "SUB_TIME_TIME" } else { "ADD_TIME_TIME" };
-            return self.instruction_value(ctx, name, vec![left, right], span);
+        // What no variable of the type holds is 0 there. Source: S7-1200 reference, date and time; decision 70.
+        let subtract = op == NodeOp::Subtract;
+        let of = |value: &Value| match Shape::of(value) {
+            Shape::Of(ty) => Some(ty),
+            _ => None,
+        };
+        match (of(&left), of(&right)) {
+            (Some(Elementary::Time), Some(Elementary::Time)) => {
+                let name = if subtract { "SUB_TIME_TIME" } else { "ADD_TIME_TIME" };
+                return self.instruction_value(ctx, name, vec![left, right], span);
+            }
+            (Some(Elementary::Ltime | Elementary::Time), Some(Elementary::Ltime | Elementary::Time)) => {
+                let name = if subtract { "SUB_LTIME_LTIME" } else { "ADD_LTIME_LTIME" };
+                return self.instruction_value(ctx, name, vec![left, right], span);
+            }
+            (Some(Elementary::Ldt), Some(Elementary::Ltime | Elementary::Time)) => {
+                let back = Value::Constant(Constant::Typed { ty: Elementary::Bool, bits: subtract.into() }, span);
+                return self.instruction_value(ctx, "ADD_LDT_LTIME", vec![left, right, back], span);
+            }
+            _ => {}
         }
-        self.binary_value(ctx, op, pins.name, left, right, span)
+        self.binary_value(ctx, op, name, left, right, span)
+    }
+}
+
+/// The block of MIN, MAX and LIMIT for a value that is no single one.
+fn ordered_kind(value: &Value) -> Option<&'static str> {
+    complex_kind(value).filter(|kind| *kind != "DT")
+}
+
+/// The block of SEL for a value that is no single one.
+fn complex_kind(value: &Value) -> Option<&'static str> {
+    match value {
+        Value::Complex { ty: DataType::DateAndTime, .. } => Some("DT"),
+        Value::Complex { ty: DataType::Struct(structure), .. } if is_dtl(structure) => Some("DTL"),
+        value if is_wide_text(value) => Some("WSTRING"),
+        value if is_long_text(value) => Some("STRING"),
+        _ => None,
     }
 }
 

@@ -1,4 +1,4 @@
-//! Actual parameters of type POINTER and ANY. Source: SCL reference, parameters; STL reference, parameter types.
+//! Actual parameters of type POINTER, ANY and VARIANT. Source: SCL reference, parameters; STL reference, parameter types.
 
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Literal};
 
@@ -6,12 +6,14 @@ use super::Intent;
 use super::actual::{access_type, is_variable};
 use super::message::described;
 use super::value::Value;
-use crate::bind::actual::{any_bytes, any_number_of_block, any_number_of_cell, any_of, known_pointer, local_place};
-use crate::bind::actual::{pointer_bytes, type_code};
+use crate::bind::actual::{
+    POINTS_AT_NOTHING, code_for, for_formal, pointed_at, pointed_at_by_literal, pointer_bytes, type_code,
+};
+use crate::bind::actual::{any_bytes, any_number_of_block, any_number_of_cell, known_pointer, local_place};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
 use crate::model::scl::{Access, Actual, Base, Complex, Expr, ExprKind};
-use crate::model::{BlockKey, Number, Parameter, Place};
+use crate::model::{BlockKey, Number, Parameter, Place, Pointed};
 use crate::types::{DataType, Elementary, ParameterType};
 
 impl Binder<'_> {
@@ -63,12 +65,16 @@ impl Binder<'_> {
             NodeKind::Literal(Literal::Any(bytes)) => {
                 let [_, type_code, high, low, db_high, db_low, pointer @ ..] = *bytes;
                 self.use_db(u16::from_be_bytes([db_high, db_low]), node.span);
-                return Some(match local_place(u32::from_be_bytes(pointer)) {
-                    Some(place) => to_place(place, node, type_code, u16::from_be_bytes([high, low])),
+                let count = u16::from_be_bytes([high, low]);
+                let any = match local_place(u32::from_be_bytes(pointer)) {
+                    Some(place) => to_place(place, node, type_code, count),
                     None => Actual::PointerBytes(bytes.to_vec()),
-                });
+                };
+                return Some(for_formal(formal, any, pointed_at_by_literal(type_code, count)));
             }
-            NodeKind::Literal(Literal::Nil) => return Some(Actual::PointerBytes(any_bytes(0, 0, 0, 0))),
+            NodeKind::Literal(Literal::Nil) => {
+                return Some(for_formal(formal, Actual::PointerBytes(any_bytes(0, 0, 0, 0)), POINTS_AT_NOTHING));
+            }
             NodeKind::Literal(Literal::Pointer { .. }) => {
                 return self.wrong_actual(callee, formal, "a pointer without a length", node.span);
             }
@@ -88,50 +94,53 @@ impl Binder<'_> {
             Value::Complex { value: Complex::Variable(access), .. } | Value::Parameter { access, .. } => {
                 self.any_to(callee, formal, access, node)
             }
-            Value::Elementary(value) => {
-                let type_code = type_code(value.ty);
-                Some(Actual::PointerToValue { value, type_code })
-            }
+            Value::Elementary(value) => Some(any_of_value(formal, value)),
             Value::Complex { value, ty, .. } => {
-                let (type_code, count) = any_of(&ty);
-                Some(Actual::PointerToComplex { value, type_code, count: count.min(0xFFFF) as u16 })
+                let (type_code, count) = code_for(formal, &ty);
+                let any = Actual::PointerToComplex { value, type_code, count: count.min(0xFFFF) as u16 };
+                Some(for_formal(formal, any, pointed_at(&ty)))
             }
             Value::Constant(Constant::Text { bytes, .. }, _) if bytes.len() != 1 => {
                 let ty = DataType::String(bytes.len().min(254) as u8);
-                self.any_of_complex(ctx, node, &ty)
+                self.any_of_complex(ctx, formal, node, &ty)
             }
-            Value::Constant(Constant::DateAndTime(_), _) => self.any_of_complex(ctx, node, &DataType::DateAndTime),
+            Value::Constant(Constant::WideText(text), _) => {
+                self.any_of_complex(ctx, formal, node, &DataType::WideString(text.len().min(254) as u16))
+            }
+            Value::Constant(Constant::DateAndTime(_), _) => {
+                self.any_of_complex(ctx, formal, node, &DataType::DateAndTime)
+            }
             value @ Value::Constant(..) => {
                 let value = self.scl_own_type(ctx, value)?;
-                let type_code = type_code(value.ty);
-                Some(Actual::PointerToValue { value, type_code })
+                Some(any_of_value(formal, value))
             }
             Value::Cell { kind, number: Number::Known(number), .. } => {
-                Some(Actual::PointerBytes(any_number_of_cell(kind, number)))
+                Some(for_formal(formal, Actual::PointerBytes(any_number_of_cell(kind, number)), POINTS_AT_NOTHING))
             }
             Value::Block { prefix, number: Number::Known(number), span } => match any_number_of_block(prefix, number) {
-                Some(bytes) => Some(Actual::PointerBytes(bytes)),
+                Some(bytes) => Some(for_formal(formal, Actual::PointerBytes(bytes), POINTS_AT_NOTHING)),
                 None => self.wrong_actual(callee, formal, "a block", span),
             },
             other => self.wrong_actual(callee, formal, &described(&other), node.span),
         }
     }
 
-    fn any_of_complex(&mut self, ctx: &mut Ctx, node: &Node, ty: &DataType) -> Option<Actual> {
-        let (type_code, count) = any_of(ty);
+    fn any_of_complex(&mut self, ctx: &mut Ctx, formal: &Parameter, node: &Node, ty: &DataType) -> Option<Actual> {
+        let (type_code, count) = code_for(formal, ty);
         let value = self.scl_complex(ctx, node, ty)?;
-        Some(Actual::PointerToComplex { value, type_code, count: count.min(0xFFFF) as u16 })
+        let any = Actual::PointerToComplex { value, type_code, count: count.min(0xFFFF) as u16 };
+        Some(for_formal(formal, any, pointed_at(ty)))
     }
 
     /// An ANY that points at a variable.
     fn any_to(&mut self, callee: BlockKey, formal: &Parameter, access: Access, node: &Node) -> Option<Actual> {
-        let counts = self.library_block(callee).is_some_and(|block| COUNTS_ELEMENTS.contains(&block.name));
-        if counts && !has_counted_elements(&access.ty) {
-            let is = format!("{}, whose elements an ANY does not count", access_type(&access));
-            return self.wrong_actual(callee, formal, &is, node.span);
-        }
         let (type_code, count) = match &access.ty {
-            DataType::Parameter(ParameterType::Any) => return Some(Actual::PointerCopy(access)),
+            DataType::Parameter(ParameterType::Any) => {
+                return Some(for_formal(formal, Actual::PointerCopy(access), POINTS_AT_NOTHING));
+            }
+            DataType::Parameter(ParameterType::Variant) => {
+                return Some(for_formal(formal, Actual::PointerCopy(access), Pointed::Copied));
+            }
             DataType::Parameter(_) | DataType::OpenArray(_) | DataType::Void => {
                 return self.wrong_actual(callee, formal, &access_type(&access), node.span);
             }
@@ -140,15 +149,17 @@ impl Binder<'_> {
             }
             // A STRING of a function's caller has the length of the actual; the pointer covers the largest.
             DataType::String(_) if matches!(access.base, Base::Place(Place::Parameter { byte: 0, .. })) => {
-                any_of(&DataType::String(254))
+                code_for(formal, &DataType::String(254))
             }
-            ty => any_of(ty),
+            ty => code_for(formal, ty),
         };
         let count = count.min(0xFFFF) as u16;
-        Some(match known(&access) {
+        let pointed = pointed_at(&access.ty);
+        let any = match known(&access) {
             Some((db, pointer)) => Actual::PointerBytes(any_bytes(type_code, count, db, pointer)),
             None => Actual::PointerTo { access, type_code, count },
-        })
+        };
+        Some(for_formal(formal, any, pointed))
     }
 
     /// The variable at which a pointer points. What an ANY or POINTER formal refers to is not itself read or written here.
@@ -157,22 +168,10 @@ impl Binder<'_> {
     }
 }
 
-/// Instructions that number the elements of what an ANY points at.
-const COUNTS_ELEMENTS: [&str; 1] = ["MOVE_BLK_VARIANT"];
-
-/// True if an ANY says how many elements there are: those that have a type of ANY and whole bytes. A formal says it when it is called.
-fn has_counted_elements(ty: &DataType) -> bool {
-    let counted = |ty: &Elementary| matches!(ty.bits(), 8 | 16 | 32);
-    match ty {
-        DataType::Array(array) => match &array.element {
-            DataType::Elementary(ty) => counted(ty),
-            DataType::DateAndTime => true,
-            _ => false,
-        },
-        DataType::Elementary(ty) => counted(ty),
-        DataType::Parameter(ParameterType::Any) => true,
-        _ => false,
-    }
+fn any_of_value(formal: &Parameter, value: Expr) -> Actual {
+    let pointed = pointed_at(&DataType::Elementary(value.ty));
+    let type_code = type_code(value.ty);
+    for_formal(formal, Actual::PointerToValue { value, type_code }, pointed)
 }
 
 /// A pointer to local data of this block.

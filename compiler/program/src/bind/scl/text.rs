@@ -5,6 +5,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKind, Name};
 
+use super::call::{Callee, is_result};
 use super::function::Named;
 use super::pins::Pins;
 use super::value::Value;
@@ -33,6 +34,9 @@ const CLASSIC: &[(&str, &str)] = &[
 
 /// True of `X_TO_Y` (upper case) where one of the types is no single value.
 pub fn is_conversion(name: &str) -> bool {
+    if let Some(to) = name.strip_prefix("*_TO_") {
+        return WORDS.contains(&to);
+    }
     let known = |word: &str| WORDS.contains(&word) || Elementary::from_word(word).is_some();
     name.split_once("_TO_")
         .is_some_and(|(from, to)| known(from) && known(to) && (WORDS.contains(&from) || WORDS.contains(&to)))
@@ -47,6 +51,39 @@ fn short(word: &str) -> &str {
         "LDATE_AND_TIME" => "LDT",
         other => other,
     }
+}
+
+/// Stands for the type of the value in the name of a conversion: `TO_STRING`.
+pub const ANY_TYPE: &str = "*";
+
+/// The type of a value as names of conversions have it.
+pub fn type_word(value: &Value) -> Option<String> {
+    let word = match value {
+        Value::Elementary(expr) => short(expr.ty.name()),
+        Value::Constant(Constant::Typed { ty, .. }, _) => short(ty.name()),
+        Value::Constant(Constant::Integer { .. }, _) => "DINT",
+        Value::Constant(Constant::Real(_), _) => "REAL",
+        Value::Constant(Constant::DateAndTime(_), _) => "DT",
+        Value::Constant(Constant::Dtl(_), _) => "DTL",
+        Value::Complex { ty, .. } => return type_word_of(ty),
+        value if is_wide_text(value) => "WSTRING",
+        Value::Constant(Constant::Text { .. }, _) => "STRING",
+        _ => return None,
+    };
+    Some(word.to_string())
+}
+
+/// As [`type_word`], of a type.
+pub fn type_word_of(ty: &DataType) -> Option<String> {
+    let word = match ty {
+        DataType::Elementary(ty) => short(ty.name()),
+        DataType::DateAndTime => "DT",
+        DataType::String(_) => "STRING",
+        DataType::WideString(_) => "WSTRING",
+        DataType::Struct(structure) if super::coerce::is_dtl(structure) => "DTL",
+        _ => return None,
+    };
+    Some(word.to_string())
 }
 
 /// The integer type whose texts hold those of `ty`.
@@ -67,6 +104,19 @@ pub fn is_wide_text(value: &Value) -> bool {
         Value::Constant(constant, _) => matches!(constant, Constant::WideText(_)),
         _ => false,
     }
+}
+
+/// What chooses among the blocks that an instruction is.
+enum Overload<'n> {
+    Clock,
+    /// A text.
+    Text(Option<&'n Node>),
+}
+
+/// The argument of Chars_TO_Strg that is a text: `Strg`, or the last.
+fn text_argument(given: &[Given]) -> Option<&Node> {
+    let named = given.iter().find(|argument| argument.name.as_ref().is_some_and(|name| fold(&name.text) == "strg"));
+    named.or_else(|| given.last().filter(|argument| argument.name.is_none()))?.value.as_ref()
 }
 
 /// The first argument that is not EN or ENO.
@@ -97,27 +147,62 @@ impl Binder<'_> {
             }
             _ => {}
         }
+        let value = self.scl_value(ctx, node)?;
+        let own = type_word(&value);
+        let from = if from == ANY_TYPE { own.as_deref().unwrap_or_default() } else { from };
+        match self.converted_text(ctx, from, to, value, name, span) {
+            Ok(value) => value,
+            Err(_) => {
+                let function = function.trim_start_matches(ANY_TYPE).trim_start_matches('_');
+                self.report.missing_function(function, name, None, true);
+                None
+            }
+        }
+    }
+
+    /// A value of type `from` as `to`, both as names of conversions have them; `Err`: there is no such conversion.
+    #[allow(clippy::result_large_err, reason = "the value comes back to who sent it")]
+    pub(super) fn converted_text(
+        &mut self,
+        ctx: &mut Ctx,
+        from: &str,
+        to: &str,
+        value: Value,
+        name: Span,
+        span: Span,
+    ) -> Result<Option<Value>, Value> {
         if let Some(key) = self.conversion_block(ctx, from, to) {
-            return self.library_of_nodes(ctx, key, &[node], name, span);
+            return Ok(self.library_call(ctx, key, vec![value], name, span));
         }
         // By way of a type that holds all values.
         if let Some(own) = Elementary::from_word(from)
             && let Some((through, key)) = self.wider_block(ctx, own, |word| (word.to_string(), to.to_string()))
         {
-            let value = self.scl_of_type(ctx, node, own)?;
-            let value = convert::explicit_expr(ctx.scl.rules, value, through)?;
-            return self.library_call(ctx, key, vec![Value::Elementary(value)], name, span);
+            let Some(value) = self.scl_convert(ctx, value, own) else { return Ok(None) };
+            let Some(value) = convert::explicit_expr(ctx.scl.rules, value, through) else { return Ok(None) };
+            return Ok(self.library_call(ctx, key, vec![Value::Elementary(value)], name, span));
         }
         if let Some(own) = Elementary::from_word(to)
             && let Some((_, key)) = self.wider_block(ctx, own, |word| (from.to_string(), word.to_string()))
-            && let Value::Elementary(value) = self.library_of_nodes(ctx, key, &[node], name, span)?
         {
-            let value = convert::explicit_expr(ctx.scl.rules, value, own)?;
-            return Some(Value::Elementary(Expr { span, ..value }));
+            let Some(Value::Elementary(value)) = self.library_call(ctx, key, vec![value], name, span) else {
+                return Ok(None);
+            };
+            let value = convert::explicit_expr(ctx.scl.rules, value, own);
+            return Ok(value.map(|value| Value::Elementary(Expr { span, ..value })));
         }
-        self.scl_value(ctx, node);
-        self.report.missing_function(function, name, None, true);
-        None
+        // Texts of wide characters by way of those of narrow ones.
+        if to == "WSTRING" && from != "STRING" {
+            let text = self.converted_text(ctx, from, "STRING", value, name, span)?;
+            return Ok(text.and_then(|text| self.instruction_value(ctx, "STRING_TO_WSTRING", vec![text], span)));
+        }
+        if from == "WSTRING" && to != "STRING" {
+            let Some(text) = self.instruction_value(ctx, "WSTRING_TO_STRING", vec![value], span) else {
+                return Ok(None);
+            };
+            return self.converted_text(ctx, "STRING", to, text, name, span);
+        }
+        Err(value)
     }
 
     fn conversion_block(&self, ctx: &Ctx, from: &str, to: &str) -> Option<BlockKey> {
@@ -146,16 +231,54 @@ impl Binder<'_> {
         None
     }
 
-    /// LEN, MID and others, called with a WSTRING: the block for wide characters. CONCAT chooses by itself.
-    pub(super) fn wide_function(&mut self, ctx: &mut Ctx, callee: &Node, given: &[Given]) -> Option<BlockKey> {
+    /// An instruction that is a block of its own for the type of an operand: LEN, MID and others of a WSTRING, RD_SYS_T and its kin of
+    /// DATE_AND_TIME and LDT. CONCAT chooses by itself.
+    pub(super) fn overload(&mut self, ctx: &mut Ctx, callee: &Node, given: &[Given]) -> Option<BlockKey> {
         let NodeKind::Name(name) = &callee.kind else { return None };
         let own = name.text.trim();
-        let wide = plcc_stdlib::find_tia(&format!("{own}_WSTRING"))?;
-        let shipped = plcc_stdlib::find_tia(own).is_some() && Named::find(own).is_none();
-        if !shipped || self.is_instance(ctx, name) || self.globals.contains_key(&fold(own)) {
+        let deciding = first_text(given);
+        let kind = match plcc_stdlib::find_tia(own).filter(|_| Named::find(own).is_none())?.name {
+            "RD_SYS_T" | "RD_LOC_T" | "WR_SYS_T" | "WR_LOC_T" => Overload::Clock,
+            "Chars_TO_Strg" => Overload::Text(text_argument(given)),
+            _ => Overload::Text(deciding),
+        };
+        if self.is_instance(ctx, name) || self.globals.contains_key(&fold(own)) {
             return None;
         }
-        self.is_wide(ctx, first_text(given)?).then(|| self.library_key(wide))
+        let suffix = match kind {
+            Overload::Clock => match self.quiet_type(ctx, deciding?)? {
+                DataType::DateAndTime => "DT",
+                DataType::Elementary(Elementary::Ldt) => "LDT",
+                _ => return None,
+            },
+            Overload::Text(node) => {
+                plcc_stdlib::find_tia(&format!("{own}_WSTRING"))?;
+                if !self.is_wide(ctx, node?) {
+                    return None;
+                }
+                "WSTRING"
+            }
+        };
+        plcc_stdlib::find_tia(&format!("{own}_{suffix}")).map(|block| self.library_key(block))
+    }
+
+    /// The type of an expression; tells nothing of mistakes in it.
+    fn quiet_type(&mut self, ctx: &mut Ctx, node: &Node) -> Option<DataType> {
+        match self.quiet_value(ctx, node)? {
+            Value::Elementary(expr) => Some(DataType::Elementary(expr.ty)),
+            Value::Complex { ty, .. } => Some(ty),
+            Value::Constant(Constant::Typed { ty, .. }, _) => Some(DataType::Elementary(ty)),
+            Value::Constant(Constant::DateAndTime(_), _) => Some(DataType::DateAndTime),
+            _ => None,
+        }
+    }
+
+    fn quiet_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Value> {
+        let (told, reads) = (self.report.diagnostics.len(), ctx.scl.temp_reads.len());
+        let value = self.scl_value(ctx, node);
+        self.report.diagnostics.truncate(told);
+        ctx.scl.temp_reads.truncate(reads);
+        value
     }
 
     /// True of an expression that gives a WSTRING; tells nothing of mistakes in it.
@@ -167,17 +290,27 @@ impl Binder<'_> {
                 NodeKind::Name(name) if plcc_stdlib::find_tia(&format!("{}_WSTRING", name.text.trim())).is_some() => {
                     first_text(arguments).is_some_and(|first| self.is_wide(ctx, first))
                 }
-                _ => false,
+                _ => self.gives_wide_text(ctx, callee),
             },
             NodeKind::Name(_) | NodeKind::Member { .. } | NodeKind::Index { .. } | NodeKind::Literal(_) => {
-                let (told, reads) = (self.report.diagnostics.len(), ctx.scl.temp_reads.len());
-                let value = self.scl_value(ctx, node);
-                self.report.diagnostics.truncate(told);
-                ctx.scl.temp_reads.truncate(reads);
-                value.as_ref().is_some_and(is_wide_text)
+                self.quiet_value(ctx, node).as_ref().is_some_and(is_wide_text)
             }
             _ => false,
         }
+    }
+
+    /// True of a function whose result is a WSTRING; tells nothing of mistakes.
+    fn gives_wide_text(&mut self, ctx: &mut Ctx, callee: &Node) -> bool {
+        let told = self.report.diagnostics.len();
+        let wide = match self.callee(ctx, callee) {
+            Some(Callee::Block { key, instance: None }) => self.interface(key, callee.span).is_some_and(|bound| {
+                let mut parameters = bound.interface.parameters.iter();
+                parameters.any(|one| is_result(key, one) && matches!(one.ty, DataType::WideString(_)))
+            }),
+            _ => false,
+        };
+        self.report.diagnostics.truncate(told);
+        wide
     }
 
     /// CONCAT of two or more texts.
@@ -211,19 +344,6 @@ impl Binder<'_> {
             call.eno = Some(self.variable_of_type(ctx, eno, Elementary::Bool, Intent::Write)?);
         }
         Some(joined)
-    }
-
-    /// The value of a function of the library for arguments in its order.
-    fn library_of_nodes(
-        &mut self,
-        ctx: &mut Ctx,
-        key: BlockKey,
-        nodes: &[&Node],
-        name: Span,
-        span: Span,
-    ) -> Option<Value> {
-        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
-        self.library_call(ctx, key, values.into_iter().collect::<Option<_>>()?, name, span)
     }
 
     /// A call of a function of the library with bound arguments in its order.

@@ -7,14 +7,17 @@ use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::Expr as Node;
 
 use super::Intent;
+use super::actual::is_variable;
 use super::call::is_result;
 use super::function::TextNumber;
 use super::pins::Pins;
+use super::text::is_wide_text;
 use super::value::Value;
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
 use crate::layout;
-use crate::model::scl::{Actual, Argument, Call};
+use crate::model::scl::{Actual, Argument, Call, StatementKind};
+use crate::model::{BlockKey, Direction, Parameter};
 use crate::types::DataType;
 
 /// The type whose function takes a number of type `ty`.
@@ -72,7 +75,8 @@ impl Binder<'_> {
                 continue;
             }
             let node = pins.get(&formal.name)?;
-            arguments.push(Argument { parameter, actual: self.scl_actual(ctx, key, formal, node)?, span: node.span });
+            let actual = self.text_number_actual(ctx, key, formal, node)?;
+            arguments.push(Argument { parameter, actual, span: node.span });
         }
         let actual = if to_text { Actual::Reference(target) } else { Actual::Variable { access: target, back: None } };
         arguments.push(Argument { parameter: result?, actual, span: output.span });
@@ -83,14 +87,77 @@ impl Binder<'_> {
         Some(Call { target: key, instance: None, arguments, enable: None, eno, span })
     }
 
+    /// An argument: a position that is a number does not move on, and a text of wide characters is read as one of narrow ones.
+    fn text_number_actual(&mut self, ctx: &mut Ctx, key: BlockKey, formal: &Parameter, node: &Node) -> Option<Actual> {
+        match (&formal.ty, formal.direction) {
+            (DataType::Elementary(ty), Direction::InOut) if !is_variable(node) => {
+                Some(Actual::Value(self.scl_of_type(ctx, node, *ty)?))
+            }
+            (DataType::String(_), Direction::Input) => {
+                let mut value = self.scl_value(ctx, node)?;
+                if is_wide_text(&value) {
+                    value = self.instruction_value(ctx, "WSTRING_TO_STRING", vec![value], node.span)?;
+                }
+                Some(Actual::Complex(self.scl_complex_value(ctx, value, &formal.ty)?))
+            }
+            _ => self.scl_actual(ctx, key, formal, node),
+        }
+    }
+
+    /// S_CONV to or from a text of wide characters whose other side is a text or whose target is one; `None`: another S_CONV.
+    pub fn wide_conversion(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Option<StatementKind>> {
+        let (input, output) = (pins.get("IN")?, pins.get("OUT")?);
+        if pins.eno.is_some() {
+            return None;
+        }
+        let (told, reads) = (self.report.diagnostics.len(), ctx.scl.temp_reads.len());
+        let target = self.scl_access(ctx, output, Intent::Write);
+        let value = self.scl_value(ctx, input);
+        let wide_target = matches!(target.as_ref()?.ty, DataType::WideString(_));
+        let from_wide = is_wide_text(value.as_ref()?);
+        if !wide_target && !(from_wide && matches!(target.as_ref()?.ty, DataType::String(_))) {
+            self.report.diagnostics.truncate(told);
+            ctx.scl.temp_reads.truncate(reads);
+            return None;
+        }
+        let (target, value) = (target?, value?);
+        let text = if from_wide {
+            Some(value)
+        } else if matches!(
+            value,
+            Value::Complex { ty: DataType::String(_), .. } | Value::Constant(Constant::Text { .. }, _)
+        ) {
+            Some(value)
+        } else {
+            let number = self.number_type_of(&value, input.span).and_then(written_as);
+            let name = number.map(|name| format!("S_CONV_{name}"));
+            name.and_then(|name| self.instruction_value(ctx, &name, vec![value], span))
+        };
+        let change = match (&text, wide_target) {
+            (Some(text), true) if !is_wide_text(text) => Some("STRING_TO_WSTRING"),
+            (Some(text), false) if is_wide_text(text) => Some("WSTRING_TO_STRING"),
+            _ => None,
+        };
+        let text = match (text, change) {
+            (Some(text), Some(name)) => self.instruction_value(ctx, name, vec![text], span),
+            (text, _) => text,
+        };
+        Some(text.and_then(|text| self.assignment(ctx, target, text)))
+    }
+
     /// The type of a number that is to be written; a constant takes one that holds it.
     fn number_type(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Elementary> {
-        match self.scl_value(ctx, node)? {
+        let value = self.scl_value(ctx, node)?;
+        self.number_type_of(&value, node.span)
+    }
+
+    fn number_type_of(&mut self, value: &Value, span: Span) -> Option<Elementary> {
+        match value {
             Value::Elementary(expr) => Some(expr.ty),
-            Value::Constant(Constant::Typed { ty, .. }, _) => Some(ty),
+            Value::Constant(Constant::Typed { ty, .. }, _) => Some(*ty),
             Value::Constant(Constant::Integer { .. }, _) => Some(Elementary::Lint),
             Value::Constant(Constant::Real(_), _) => Some(Elementary::Real),
-            _ => self.wrong_pin(node.span, "a number"),
+            _ => self.wrong_pin(span, "a number"),
         }
     }
 

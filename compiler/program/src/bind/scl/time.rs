@@ -1,18 +1,20 @@
 //! Arithmetic of dates and times. Source: SCL reference, date and time arithmetic.
 
 use plcc_diag::{Code, Span};
-use plcc_syntax::scl::ast::BinaryOp as Operator;
+use plcc_syntax::scl::ast::{AssignOp, BinaryOp as Operator, Expr as Node, ExprKind as NodeKind};
 use plcc_syntax::{Class, Elementary};
 
-use super::Rules;
 use super::coerce::is_dtl;
 use super::convert;
 use super::expression::{as_bits, binary_expr, binary_op, constant_expr};
+use super::function::Named;
 use super::numeric::Shape;
 use super::value::Value;
+use super::{Intent, Rules};
 use crate::bind::constant::Constant;
+use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Actual, Argument, BinaryOp, Call, Complex, Expr, ExprKind};
+use crate::model::scl::{Actual, Argument, BinaryOp, Call, Complex, Conversion, Expr, ExprKind};
 use crate::types::DataType;
 use Elementary::*;
 
@@ -48,6 +50,12 @@ fn moment(value: &Value) -> Moment {
             _ => Moment::None,
         },
     }
+}
+
+/// The number of a DATE, a DINT.
+fn days_of(date: Expr) -> Expr {
+    let days = convert::converted(date, Conversion::Bits { checked: false }, Uint);
+    convert::converted(days, Conversion::Bits { checked: false }, Dint)
 }
 
 /// True if two values compare as dates, one of them a DTL.
@@ -153,6 +161,104 @@ impl Binder<'_> {
             _ => return Err((left, right)),
         };
         Ok(value)
+    }
+
+    /// True of a DTL or DATE_AND_TIME.
+    pub(super) fn is_long_date(value: &Value) -> bool {
+        matches!(moment(value), Moment::Dtl | Moment::DateAndTime)
+    }
+
+    /// The difference of dates of different types, one of them no single value: an LTIME; `Err`: they are others.
+    #[allow(clippy::result_large_err, reason = "the operands come back to who sent them")]
+    pub(super) fn mixed_difference(
+        &mut self,
+        ctx: &mut Ctx,
+        left: Value,
+        right: Value,
+        span: Span,
+    ) -> Result<Option<Value>, (Value, Value)> {
+        let (a, b) = (moment(&left), moment(&right));
+        let date = |moment| matches!(moment, Moment::Dtl | Moment::DateAndTime | Moment::Of(Ldt));
+        if a == b || !date(a) || !date(b) {
+            return Err((left, right));
+        }
+        let (left, right) = (self.as_ldt(ctx, left), self.as_ldt(ctx, right));
+        let Some((left, right)) = left.zip(right) else { return Ok(None) };
+        Ok(self.difference(ctx, Ldt, Value::Elementary(left), Value::Elementary(right), span))
+    }
+
+    /// T_CONV and T_DIFF whose result is assigned: they give what the target is. `None`: any other expression; `Some(None)`: after a message.
+    pub(super) fn value_for_target(
+        &mut self,
+        ctx: &mut Ctx,
+        targets: &[(Node, AssignOp)],
+        node: &Node,
+    ) -> Option<Option<Value>> {
+        let ([(target, AssignOp::Set)], NodeKind::Call { callee, arguments }) = (targets, &node.kind) else {
+            return None;
+        };
+        let NodeKind::Name(name) = &callee.kind else { return None };
+        let Named::Row { row, suffix: None } = Named::find(&name.text)? else { return None };
+        let own = matches!(row.name, "T_CONV" | "T_DIFF") && !ctx.scl.rules.is_300();
+        if !own || self.is_instance(ctx, name) || self.globals.contains_key(&fold(&name.text)) {
+            return None;
+        }
+        let (told, reads) = (self.report.diagnostics.len(), ctx.scl.temp_reads.len());
+        let access = self.scl_access(ctx, target, Intent::Write);
+        self.report.diagnostics.truncate(told);
+        ctx.scl.temp_reads.truncate(reads);
+        let to = access.filter(|access| access.part.is_none())?.ty;
+        let span = node.span;
+        let Some(pins) = self.pins(ctx, row, arguments, name.span) else { return Some(None) };
+        if row.name == "T_CONV" {
+            let value = self.scl_value(ctx, pins.get("IN")?);
+            return Some(value.and_then(|value| self.converted_time(ctx, value, &to, span)));
+        }
+        let (left, right) = (self.scl_value(ctx, pins.get("IN1")?), self.scl_value(ctx, pins.get("IN2")?));
+        let Some((left, right)) = left.zip(right) else { return Some(None) };
+        Some(match (moment(&left), moment(&right), &to) {
+            // The days between two dates.
+            (Moment::Of(Date), Moment::Of(Date), DataType::Elementary(ty)) if ty.is_integer() => {
+                let left = self.scl_convert(ctx, left, Date);
+                let right = self.scl_convert(ctx, right, Date);
+                left.zip(right).and_then(|(left, right)| {
+                    let days = binary_expr(BinaryOp::Subtract, days_of(left), days_of(right), Dint, span);
+                    convert::explicit_expr(ctx.scl.rules, days, *ty).map(Value::Elementary)
+                })
+            }
+            (Moment::Dtl, Moment::Dtl, DataType::Elementary(Ltime)) => {
+                self.dtl_difference(ctx, left, right, Ltime, span)
+            }
+            _ => self.operation(ctx, Operator::Subtract, name.span, left, right, span),
+        })
+    }
+
+    /// T_CONV of a value that goes to a variable of type `to`.
+    fn converted_time(&mut self, ctx: &mut Ctx, value: Value, to: &DataType, span: Span) -> Option<Value> {
+        if let DataType::Elementary(ty) = to {
+            let own = match value {
+                Value::Constant(..) => return Some(value),
+                Value::Elementary(expr) => expr,
+                other => return self.converted_date(ctx, other, to, span),
+            };
+            if let Some(converted) = convert::explicit_expr(ctx.scl.rules, own.clone(), *ty) {
+                return Some(Value::Elementary(Expr { span, ..converted }));
+            }
+            return self.converted_date(ctx, Value::Elementary(own), to, span);
+        }
+        self.converted_date(ctx, value, to, span)
+    }
+
+    fn converted_date(&mut self, ctx: &mut Ctx, value: Value, to: &DataType, span: Span) -> Option<Value> {
+        let words = super::text::type_word(&value).zip(super::text::type_word_of(to));
+        match words {
+            Some((from, to)) if from != to => match self.converted_text(ctx, &from, &to, value, span, span) {
+                Ok(value) => value,
+                // What is wrong with it is told where it is assigned.
+                Err(value) => Some(value),
+            },
+            _ => Some(value),
+        }
     }
 
     /// True of a DTL.
