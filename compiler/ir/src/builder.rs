@@ -3,10 +3,13 @@
 //! The caller declares variables and writes and reads them; the builder turns them into values and block parameters
 //! (Braun et al., "Simple and efficient construction of static single assignment form", 2013): a read in a block
 //! with several predecessors makes a parameter, which is removed again if all predecessors bring the same value.
-//! A block is *sealed* when all its predecessors are known.
+//! A block is *sealed* when all its predecessors are known. What no block on the way writes is not asked for block by
+//! block, see [`paths`]: time and memory follow what is read and written, not variables times blocks.
 //!
 //! Operations on constants are folded as they are built: most of the virtual CPU's state is known at compile time,
 //! and instructions that need not exist need not be removed.
+
+mod paths;
 
 use plcc_abi::functions::Effect;
 use plcc_abi::{RuntimeFn, Type};
@@ -16,16 +19,37 @@ use crate::entities::{Block, Entity, EntityVec, FuncId, Inst, Loc, Value, Var};
 use crate::eval;
 use crate::function::{Function, ValueDef};
 use crate::instructions::{Address, BinaryOp, BlockCall, ConvertOp, FloatCc, InstData, IntCc, Region, UnaryOp};
+use paths::Paths;
+use rustc_hash::FxHashMap;
 
 /// State of a block while the function is built.
 #[derive(Default)]
 struct BlockState {
     predecessors: Vec<Block>,
     sealed: bool,
-    /// Current value of each variable at the end of the block as built so far.
-    current: Vec<Option<Value>>,
     /// Parameters made by reads before the block was sealed.
     incomplete: Vec<(Var, Value)>,
+    /// Parameters of variables, and what each predecessor brings for them.
+    joined: Vec<(Value, Vec<Value>)>,
+    /// Constants at the start, the last one first.
+    constants: Vec<Inst>,
+}
+
+/// A variable, and where it was written.
+struct VarState {
+    ty: Type,
+    /// Its value at the end of the block where it was written or read last.
+    latest: Option<(Block, Value)>,
+    /// Times at which it was written, see [`Paths`].
+    written: Vec<u32>,
+}
+
+impl VarState {
+    /// True if it was written after time `after` and up to `limit`.
+    fn is_written(&self, after: u32, limit: u32) -> bool {
+        let next = self.written.partition_point(|&time| time <= after);
+        self.written.get(next).is_some_and(|&time| time <= limit)
+    }
 }
 
 /// A block with several predecessors, whose parameter for a variable waits for what they bring.
@@ -35,21 +59,24 @@ struct Join {
     predecessors: Vec<Block>,
     /// Values at the end of the predecessors, as far as they have been read.
     operands: Vec<Value>,
-    /// Blocks behind this one where the variable has the same value.
-    chain: Vec<Block>,
 }
 
 impl Join {
     fn new(block: Block, param: Value, predecessors: Vec<Block>) -> Join {
-        Join { block, param, predecessors, operands: Vec::new(), chain: Vec::new() }
+        Join { block, param, predecessors, operands: Vec::new() }
     }
 }
 
 /// Builds one function; see the module comment.
 pub struct FunctionBuilder {
     function: Function,
-    vars: EntityVec<Var, Type>,
+    vars: EntityVec<Var, VarState>,
+    /// Values of variables at the ends of blocks, besides the latest ones.
+    known: FxHashMap<(Var, Block), Value>,
     states: EntityVec<Block, BlockState>,
+    paths: Paths,
+    /// Blocks in the order in which they ended.
+    ended: Vec<Block>,
     block: Option<Block>,
     loc: Loc,
 }
@@ -59,14 +86,22 @@ impl FunctionBuilder {
     pub fn new(name: impl Into<String>, params: &[Type], returns: &[Type]) -> FunctionBuilder {
         let mut function = Function::new(name);
         function.returns = returns.to_vec();
-        let mut builder =
-            FunctionBuilder { function, vars: EntityVec::new(), states: EntityVec::new(), block: None, loc: Loc(0) };
+        let mut builder = FunctionBuilder {
+            function,
+            vars: EntityVec::new(),
+            known: FxHashMap::default(),
+            states: EntityVec::new(),
+            paths: Paths::default(),
+            ended: Vec::new(),
+            block: None,
+            loc: Loc(0),
+        };
         let entry = builder.create_block();
         for &ty in params {
             builder.function.add_param(entry, ty);
         }
         builder.seal_block(entry);
-        builder.block = Some(entry);
+        builder.switch_to(entry);
         builder
     }
 
@@ -76,6 +111,8 @@ impl FunctionBuilder {
             assert!(self.states[block].sealed, "{block} of {} is not sealed", self.function.name);
             assert!(self.function.terminator(block).is_some(), "{block} of {} has no end", self.function.name);
         }
+        self.place_constants();
+        self.supply_params();
         self.function.resolve_aliases();
         // In a circle that nothing enters, a value can be defined by itself: such text would not parse back.
         let flow = ControlFlow::new(&self.function);
@@ -107,6 +144,7 @@ impl FunctionBuilder {
     pub fn create_block(&mut self) -> Block {
         let block = self.function.add_block();
         self.states.push(BlockState::default());
+        self.paths.add();
         block
     }
 
@@ -120,13 +158,23 @@ impl FunctionBuilder {
     /// Appends a parameter that every jump to `block` must supply. Parameters are appended before
     /// variables are read in the block.
     pub fn append_param(&mut self, block: Block, ty: Type) -> Value {
-        assert!(self.states[block].incomplete.is_empty(), "variables have been read in {block}");
+        let state = &self.states[block];
+        assert!(state.incomplete.is_empty() && state.joined.is_empty(), "variables have been read in {block}");
         self.function.add_param(block, ty)
     }
 
     /// Instructions built from now on go to the end of `block`.
     pub fn switch_to(&mut self, block: Block) {
         self.block = Some(block);
+        let is_first = !self.paths.is_entered(block);
+        self.paths.enter(block);
+        if is_first {
+            let state = &self.states[block];
+            match state.sealed {
+                true => self.paths.close(block, &state.predecessors),
+                false => self.paths.open(block, &state.predecessors),
+            }
+        }
     }
 
     /// The block that is being filled; none after a terminator.
@@ -148,21 +196,30 @@ impl FunctionBuilder {
             let join = Join::new(block, param, self.states[block].predecessors.clone());
             self.complete_joins(var, vec![join], None);
         }
-        self.states[block].sealed = true;
+        let state = &mut self.states[block];
+        state.sealed = true;
+        if self.paths.is_entered(block) {
+            self.paths.close(block, &state.predecessors);
+        }
     }
 
     // Variables.
 
     /// A variable of the source program; the builder turns its definitions and uses into SSA values.
     pub fn declare_var(&mut self, ty: Type) -> Var {
-        self.vars.push(ty)
+        self.vars.push(VarState { ty, latest: None, written: Vec::new() })
     }
 
     /// `var` has `value` from here on, in the current block.
     pub fn def_var(&mut self, var: Var, value: Value) {
         let block = self.block.expect("a variable is written inside a block");
-        assert_eq!(self.vars[var], self.function.ty(value), "type of {var}");
-        self.write_var(var, block, value);
+        let state = &mut self.vars[var];
+        assert_eq!(state.ty, self.function.ty(value), "type of {var}");
+        let now = self.paths.now();
+        if state.written.last() != Some(&now) {
+            state.written.push(now);
+        }
+        self.note_value(var, block, value);
     }
 
     /// The value of `var` here; where several definitions meet, a block parameter.
@@ -171,67 +228,86 @@ impl FunctionBuilder {
         self.read_var(var, block)
     }
 
-    fn write_var(&mut self, var: Var, block: Block, value: Value) {
-        let current = &mut self.states[block].current;
-        if current.len() <= var.index() {
-            current.resize(var.index() + 1, None);
+    /// `var` is `value` at the end of `block`, as built so far.
+    fn note_value(&mut self, var: Var, block: Block, value: Value) {
+        let before = self.vars[var].latest.replace((block, value));
+        if let Some((other, value)) = before
+            && other != block
+        {
+            self.known.insert((var, other), value);
         }
-        current[var.index()] = Some(value);
     }
 
     fn known_var(&self, var: Var, block: Block) -> Option<Value> {
-        self.states[block].current.get(var.index()).copied().flatten().map(|value| self.function.resolve(value))
+        let value = match self.vars[var].latest {
+            Some((latest, value)) if latest == block => Some(value),
+            _ => self.known.get(&(var, block)).copied(),
+        };
+        value.map(|value| self.function.resolve(value))
     }
 
     /// Value of `var` at the end of `block`.
     fn read_var(&mut self, var: Var, block: Block) -> Value {
-        let mut joins = Vec::new();
-        match self.walk_back(var, block, &mut joins) {
-            Some(value) if joins.is_empty() => value,
-            found => self.complete_joins(var, joins, found),
+        if let Some(value) = self.known_var(var, block) {
+            return value;
         }
+        let mut joins = Vec::new();
+        let value = match self.walk_back(var, block, &mut joins) {
+            Some(value) => value,
+            None => self.complete_joins(var, joins, None),
+        };
+        self.note_value(var, block, value);
+        value
     }
 
-    /// Walks from `block` to where `var` is known, through blocks with one predecessor. `None`: the walk ended at a block with
-    /// several, which now stands in `joins`.
+    /// Walks from `block` to where `var` is known, past blocks that do not write it. `None`: the walk ended at a block with
+    /// several predecessors, which now stands in `joins`.
     fn walk_back(&mut self, var: Var, block: Block, joins: &mut Vec<Join>) -> Option<Value> {
-        let mut chain = Vec::new();
         let mut at = block;
-        let value = loop {
+        let mut steps = 0;
+        loop {
             if let Some(value) = self.known_var(var, at) {
-                break value;
+                return Some(value);
             }
+            let ty = self.vars[var].ty;
             let state = &self.states[at];
             if !state.sealed {
-                let param = self.function.add_param(at, self.vars[var]);
+                let param = self.function.add_param(at, ty);
                 self.states[at].incomplete.push((var, param));
-                break param;
+                self.note_value(var, at, param);
+                return Some(param);
+            }
+            steps += 1;
+            if let Some(next) = self.step_back(var, at) {
+                at = next;
+                continue;
             }
             match state.predecessors[..] {
                 // Never written, or unreachable: 0.
-                [] => break self.constant_at_start(at, self.vars[var], 0),
+                [] => break,
                 // Blocks that only follow each other round a circle are unreachable.
-                [_] if chain.len() > self.states.len() => break self.constant_at_start(at, self.vars[var], 0),
-                [only] => {
-                    chain.push(at);
-                    at = only;
-                }
+                [_] if steps > self.states.len() => break,
+                [only] => at = only,
                 _ => {
-                    let param = self.function.add_param(at, self.vars[var]);
+                    let param = self.function.add_param(at, ty);
                     // Before the operands are read, so that a loop finds it.
-                    self.write_var(var, at, param);
-                    let mut join = Join::new(at, param, self.states[at].predecessors.clone());
-                    join.chain = chain;
-                    joins.push(join);
+                    self.note_value(var, at, param);
+                    joins.push(Join::new(at, param, self.states[at].predecessors.clone()));
                     return None;
                 }
             }
-        };
-        self.write_var(var, at, value);
-        for block in chain {
-            self.write_var(var, block, value);
         }
+        let value = self.constant_at_start(at, self.vars[var].ty, 0);
+        self.note_value(var, at, value);
         Some(value)
+    }
+
+    /// An ancestor of `block` at whose end `var` has the value that it has at the start of `block`.
+    fn step_back(&self, var: Var, block: Block) -> Option<Block> {
+        let state = &self.vars[var];
+        let steps = [self.paths.jump(block), self.paths.parent(block)];
+        let clean = steps.into_iter().flatten().find(|step| !state.is_written(step.after, step.limit));
+        clean.map(|step| step.to)
     }
 
     /// Reads `var` at the end of every predecessor of every join, and of those that turn up on the way. The joins stand
@@ -241,16 +317,16 @@ impl FunctionBuilder {
         let mut found = found;
         loop {
             let join = joins.last_mut().expect("ends with the first join");
-            join.operands.extend(found.take());
+            if let Some(value) = found.take() {
+                let predecessor = join.predecessors[join.operands.len()];
+                join.operands.push(value);
+                self.note_value(var, predecessor, value);
+            }
             match join.predecessors.get(join.operands.len()).copied() {
                 Some(predecessor) => found = self.walk_back(var, predecessor, &mut joins),
                 None => {
                     let join = joins.pop().expect("it is the last");
-                    let value = self.complete_param(var, &join);
-                    // If the parameter is another's name now, so is what was written for it.
-                    for &block in &join.chain {
-                        self.write_var(var, block, value);
-                    }
+                    let value = self.complete_param(var, join);
                     if joins.is_empty() {
                         return value;
                     }
@@ -260,10 +336,9 @@ impl FunctionBuilder {
         }
     }
 
-    /// Gives every jump to the join the value of `var` for its parameter; returns the parameter, or the one value for which
-    /// it stands.
-    fn complete_param(&mut self, var: Var, join: &Join) -> Value {
-        let Join { block, param, .. } = *join;
+    /// Notes what every jump to the join gives for its parameter; returns the parameter, or the one value for which it stands.
+    fn complete_param(&mut self, var: Var, join: Join) -> Value {
+        let Join { block, param, .. } = join;
         let mut same = None;
         for &operand in &join.operands {
             let operand = self.function.resolve(operand);
@@ -277,7 +352,7 @@ impl FunctionBuilder {
                 continue;
             }
             if same.is_some() {
-                self.append_operands(join);
+                self.states[block].joined.push((param, join.operands));
                 return param;
             }
             same = Some(operand);
@@ -285,47 +360,51 @@ impl FunctionBuilder {
         let replacement = match same.map(|value| (value, self.function.constant(value))) {
             Some((value, None)) => value,
             // A constant of one predecessor does not dominate this block.
-            Some((_, Some(bits))) => self.constant_at_start(block, self.vars[var], bits),
+            Some((_, Some(bits))) => self.constant_at_start(block, self.vars[var].ty, bits),
             // Unreachable.
-            None => self.constant_at_start(block, self.vars[var], 0),
+            None => self.constant_at_start(block, self.vars[var].ty, 0),
         };
-        let params = &mut self.function.blocks[block].params;
-        let position = params.iter().position(|&p| p == param).expect("the parameter is the block's");
-        params.remove(position);
-        self.renumber_params(block);
         self.function.replace_value(param, replacement);
         replacement
     }
 
+    /// A constant at the start of `block`, before all others.
     fn constant_at_start(&mut self, block: Block, ty: Type, bits: u64) -> Value {
         let inst = self.function.make_inst(InstData::Const { bits }, &[ty], Loc(0));
-        self.function.blocks[block].insts.insert(0, inst);
+        self.states[block].constants.push(inst);
         self.function.result(inst)
     }
 
-    fn renumber_params(&mut self, block: Block) {
-        for (index, param) in self.function.blocks[block].params.clone().into_iter().enumerate() {
-            self.function.values[param].def = ValueDef::Param(block, index as u32);
+    fn place_constants(&mut self) {
+        for (block, state) in self.states.iter() {
+            self.function.blocks[block].insts.splice(0..0, state.constants.iter().rev().copied());
         }
     }
 
-    /// Appends the operands of the join's parameter to the jumps. A predecessor that jumps to the block twice stands twice in
-    /// the list; each of its jumps gets one operand.
-    fn append_operands(&mut self, join: &Join) {
-        let Join { block, param, .. } = *join;
-        // Operands are in the order of the parameters; this one's place is where it stands now, and parameters whose
-        // operands are still missing stand behind it or have none yet.
-        let position = self.function.blocks[block].params.iter().position(|&p| p == param).expect("own parameter");
-        for (&pred, &operand) in join.predecessors.iter().zip(&join.operands) {
-            let inst = self.function.terminator(pred).expect("a predecessor ends with a jump");
-            let mut open = true;
-            self.function.insts[inst].for_each_target_mut(|call| {
-                if open && call.block == block && call.args.len() == position {
-                    call.args.push(operand);
-                    open = false;
-                }
+    /// Drops the parameters that stand for other values, and gives all jumps the operands of those that stay.
+    fn supply_params(&mut self) {
+        for (block, state) in self.states.iter_mut() {
+            let values = &mut self.function.values;
+            let params = &mut self.function.blocks[block].params;
+            params.retain(|&param| !matches!(values[param].def, ValueDef::Alias(_)));
+            for (index, &param) in (0u32..).zip(params.iter()) {
+                values[param].def = ValueDef::Param(block, index);
+            }
+            // In the order of the parameters, as the operands stand in the jumps.
+            state.joined.sort_by_key(|&(param, _)| match values[param].def {
+                ValueDef::Param(_, index) => index,
+                ValueDef::Result(..) | ValueDef::Alias(_) => u32::MAX,
             });
-            assert!(!open, "operands are added in the order of the parameters");
+        }
+        // Predecessors stand in the lists in the order in which they ended, once for each jump.
+        let mut next = vec![0; self.states.len()];
+        for &block in &self.ended {
+            let Some(inst) = self.function.terminator(block) else { continue };
+            self.function.insts[inst].for_each_target_mut(|call| {
+                let at = &mut next[call.block.index()];
+                call.args.extend(self.states[call.block].joined.iter().map(|(_, operands)| operands[*at]));
+                *at += 1;
+            });
         }
     }
 }
@@ -351,6 +430,8 @@ impl FunctionBuilder {
             self.states[target.block].predecessors.push(block);
         }
         self.push(data, &[]);
+        self.ended.push(block);
+        self.paths.leave(block);
         self.block = None;
     }
 

@@ -98,6 +98,10 @@ impl<K: Entity, V> EntityVec<K, V> {
         self.items.iter_mut()
     }
 
+    pub fn iter_mut(&mut self) -> impl DoubleEndedIterator<Item = (K, &mut V)> {
+        self.items.iter_mut().enumerate().map(|(index, value)| (K::new(index), value))
+    }
+
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = (K, &V)> {
         self.items.iter().enumerate().map(|(index, value)| (K::new(index), value))
     }

@@ -167,6 +167,9 @@ impl Context<'_, '_> {
                 pointer.offset
             }
             Passing::OpenArray { dimensions } => {
+                let pointer = self.temporary(6);
+                self.b.clear(pointer, 6);
+                references.push(self.b.i32_const(pointer.offset));
                 references.push(self.b.i32_const(layout::SCRATCH));
                 // No element exists between 1 and 0.
                 for _ in 0..dimensions {

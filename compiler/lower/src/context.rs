@@ -9,6 +9,7 @@ use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
 
 use crate::Output;
+use crate::fault::SafepointBlocks;
 use crate::plan::{self, Plan};
 use crate::scl::SclState;
 
@@ -100,6 +101,14 @@ struct LabelState {
     block: Block,
     jumps_left: u32,
     placed: bool,
+}
+
+/// A jump to a label: the block that it goes to, and those of the safepoint on the way.
+#[derive(Clone, Copy)]
+pub struct JumpEdge {
+    label: LabelId,
+    pub block: Block,
+    safepoint: Option<SafepointBlocks>,
 }
 
 /// What lowering one block needs at hand.
@@ -383,37 +392,29 @@ impl<'p, 'o> Context<'p, 'o> {
         self.labels.get(&label).is_some_and(|state| state.placed)
     }
 
-    /// Block to jump to for `label`; a backward jump passes a safepoint on its way.
-    pub fn label_target(&mut self, label: LabelId) -> Block {
+    /// Where a jump to `label` goes; a backward jump passes a safepoint on its way, which [`Context::jump_done`] builds.
+    pub fn label_target(&mut self, label: LabelId) -> JumpEdge {
         let target = self.labels[&label].block;
         if !self.is_backward(label) {
-            return target;
+            return JumpEdge { label, block: target, safepoint: None };
         }
-        let here = self.b.current_block();
-        let edge = self.b.create_block();
-        self.b.switch_to(edge);
-        self.safepoint();
-        self.b.jump(target, &[]);
-        if let Some(here) = here {
-            self.b.switch_to(here);
-        }
-        edge
+        let block = self.b.create_block();
+        JumpEdge { label, block, safepoint: Some(self.safepoint_blocks()) }
     }
 
-    /// A jump to `label` has been built; seals its block after the last one.
-    pub fn jump_done(&mut self, label: LabelId, edge: Block) {
-        let state = self.labels.get_mut(&label).expect("labels are declared before statements are lowered");
-        state.jumps_left -= 1;
-        let (block, last, placed) = (state.block, state.jumps_left == 0, state.placed);
-        if edge != block {
-            self.b.seal_block(edge);
+    /// The jump by `edge` has been built; seals the label's block after the last one. No block is current after it.
+    pub fn jump_done(&mut self, edge: JumpEdge) {
+        let target = self.labels[&edge.label].block;
+        if let Some(safepoint) = edge.safepoint {
+            self.b.seal_block(edge.block);
+            self.b.switch_to(edge.block);
+            self.safepoint_in(safepoint);
+            self.b.jump(target, &[]);
         }
-        if last && placed {
-            self.b.seal_block(block);
-        }
+        self.jump_skipped(edge.label);
     }
 
-    /// A jump to `label` stands where it cannot be reached.
+    /// A jump to `label` stands where it cannot be reached, or has been built.
     pub fn jump_skipped(&mut self, label: LabelId) {
         let state = self.labels.get_mut(&label).expect("labels are declared before statements are lowered");
         state.jumps_left -= 1;

@@ -37,6 +37,9 @@ pub fn lower_entry(plan: &Plan<'_>, block: &CodeBlock, function: FuncId) -> Func
 /// Nothing is handed over for the formals of an FC: reads give 0, writes go nowhere.
 fn no_arguments(b: &mut FunctionBuilder, block: &CodeBlock, arguments: &mut Vec<Value>) {
     for parameter in &block.interface.parameters {
+        if !matches!(parameter.passing, Passing::Elementary(_) | Passing::Number) {
+            b.set_frame_bytes(layout::frame_bytes(NO_POINTER_BYTES));
+        }
         let nowhere: &[u32] = match parameter.passing {
             Passing::Elementary(Width::Bit) => &[layout::SCRATCH * 8],
             Passing::Elementary(_) => &[layout::SCRATCH],
@@ -45,6 +48,7 @@ fn no_arguments(b: &mut FunctionBuilder, block: &CodeBlock, arguments: &mut Vec<
             Passing::Complex { .. } => &[0, layout::SCRATCH],
             Passing::Pointer | Passing::Any | Passing::Variant => &[0],
             Passing::OpenArray { dimensions } => {
+                arguments.push(b.i32_const(0));
                 arguments.push(b.i32_const(layout::SCRATCH));
                 // No element exists between 1 and 0.
                 for _ in 0..dimensions {
@@ -54,9 +58,6 @@ fn no_arguments(b: &mut FunctionBuilder, block: &CodeBlock, arguments: &mut Vec<
                 continue;
             }
         };
-        if !matches!(parameter.passing, Passing::Elementary(_) | Passing::Number) {
-            b.set_frame_bytes(layout::frame_bytes(NO_POINTER_BYTES));
-        }
         arguments.extend(nowhere.iter().map(|&value| b.i32_const(value)));
     }
     if b.function().frame_bytes > 0 {

@@ -35,6 +35,13 @@ pub enum Substitute {
     Long,
 }
 
+/// The blocks of a safepoint: what is due runs in the cold one, and both paths meet at the next.
+#[derive(Clone, Copy)]
+pub struct SafepointBlocks {
+    cold: Block,
+    next: Block,
+}
+
 impl Context<'_, '_> {
     /// The path on which all `checks` hold begins here; what failed goes on at the block that is given back, for
     /// [`Context::end_guard`]. `None`: nothing can fail.
@@ -110,9 +117,18 @@ impl Context<'_, '_> {
 
     /// Runs what is due: one load, one test, one branch that is rarely taken.
     pub fn safepoint(&mut self) {
+        let blocks = self.safepoint_blocks();
+        self.safepoint_in(blocks);
+    }
+
+    pub fn safepoint_blocks(&mut self) -> SafepointBlocks {
+        SafepointBlocks { cold: self.b.create_cold_block(), next: self.b.create_block() }
+    }
+
+    /// As [`Context::safepoint`], with blocks made before.
+    pub fn safepoint_in(&mut self, SafepointBlocks { cold, next }: SafepointBlocks) {
         let attention = self.b.load_state(state::ATTENTION);
         let due = self.b.icmp_imm(IntCc::Ne, attention, 0);
-        let (cold, next) = (self.b.create_cold_block(), self.b.create_block());
         self.b.branch(due, cold, next);
         self.b.seal_block(cold);
         self.b.switch_to(cold);

@@ -136,6 +136,15 @@ impl Context<'_, '_> {
     }
 
     fn read_peripheral(&mut self, address: Value, width: Width) -> Value {
+        if width == Width::Lword {
+            // Modules hand over double words at most.
+            let high = self.read_peripheral(address, Width::Dword);
+            let behind = self.b.binary_imm(BinaryOp::Iadd, address, 4);
+            let low = self.read_peripheral(behind, Width::Dword);
+            let (high, low) = (self.b.zext(Type::I64, high), self.b.zext(Type::I64, low));
+            let high = self.b.binary_imm(BinaryOp::Shl, high, 32);
+            return self.b.or(high, low);
+        }
         let bytes = self.b.i32_const(width.bytes());
         let answer =
             self.b.call_runtime(RuntimeFn::PeripheralRead, &[address, bytes]).expect("peripheral_read has a result");
@@ -213,6 +222,13 @@ impl Context<'_, '_> {
     }
 
     fn write_peripheral(&mut self, address: Value, width: Width, value: Value) {
+        if width == Width::Lword {
+            let high = self.b.binary_imm(BinaryOp::Lshr, value, 32);
+            let (high, low) = (self.b.trunc(Type::I32, high), self.b.trunc(Type::I32, value));
+            self.write_peripheral(address, Width::Dword, high);
+            let behind = self.b.binary_imm(BinaryOp::Iadd, address, 4);
+            return self.write_peripheral(behind, Width::Dword, low);
+        }
         let value = if width == Width::Bit { self.b.zext(Type::I32, value) } else { value };
         let bytes = self.b.i32_const(width.bytes());
         let missing = self
@@ -492,17 +508,13 @@ impl Context<'_, '_> {
                 let base = self.parameters[parameter][0];
                 Target::at(Address::indexed(Region::Any, base, byte), BitNumber::Known(bit))
             }
-            Passing::Complex { .. } => {
+            Passing::Complex { .. } | Passing::OpenArray { .. } => {
                 let base = self.parameters[parameter][1];
                 Target::at(Address::indexed(Region::Any, base, byte), BitNumber::Known(bit))
             }
             Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant => {
                 let base = self.parameters[parameter][0];
                 Target::at(Address::indexed(Region::V, base, byte), BitNumber::Known(bit))
-            }
-            Passing::OpenArray { .. } => {
-                let base = self.parameters[parameter][0];
-                Target::at(Address::indexed(Region::Any, base, byte), BitNumber::Known(bit))
             }
         }
     }

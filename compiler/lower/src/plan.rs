@@ -275,12 +275,12 @@ pub fn takes_references(block: &CodeBlock) -> bool {
 /// - complex: where its POINTER lies in the caller's frame, and the offset of the variable from the memory base
 /// - TIMER, COUNTER, BLOCK_x: the number
 /// - POINTER, ANY: where it lies in the caller's frame
-/// - ARRAY[*]: the offset of the array from the memory base, then low and high bound of each dimension (at most 6)
+/// - ARRAY[*]: as complex, then low and high bound of each dimension (at most 6)
 pub fn parameter_types(passing: Passing) -> &'static [Type] {
     match passing {
         Passing::Elementary(_) | Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant => &[Type::I32],
         Passing::Complex { .. } => &[Type::I32, Type::I32],
-        Passing::OpenArray { dimensions } => &[Type::I32; 1 + 2 * 6][..1 + 2 * usize::from(dimensions)],
+        Passing::OpenArray { dimensions } => &[Type::I32; 2 + 2 * 6][..2 + 2 * usize::from(dimensions)],
     }
 }
 
@@ -455,7 +455,8 @@ fn scl_temporary_bytes(callee: &CodeBlock) -> u32 {
     let of_parameter = |parameter: &Parameter| match parameter.passing {
         Passing::Elementary(_) => 8 + ALIGNMENT,
         Passing::Complex { .. } => 6 + crate::scl::result_bytes(&parameter.ty) + 2 * ALIGNMENT,
-        Passing::Number | Passing::OpenArray { .. } => 0,
+        Passing::OpenArray { .. } => 6 + ALIGNMENT,
+        Passing::Number => 0,
         Passing::Pointer | Passing::Any | Passing::Variant => parameter.passing.pointer_bytes() + 8 + 2 * ALIGNMENT,
     };
     let structure = if matches!(callee.body, Body::Runtime) { callee.interface.bytes.max(2) + ALIGNMENT } else { 0 };
@@ -483,7 +484,8 @@ fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
         match parameter.passing {
             Passing::Elementary(_) => value,
             Passing::Complex { .. } => 6 + value,
-            Passing::Number | Passing::OpenArray { .. } => 0,
+            Passing::OpenArray { .. } => 6,
+            Passing::Number => 0,
             Passing::Pointer | Passing::Any | Passing::Variant => parameter.passing.pointer_bytes(),
         }
     };

@@ -66,19 +66,14 @@ impl Context<'_, '_> {
     /// What a formal parameter of this FC refers to: its own POINTER, moved on. An elementary one has no POINTER.
     fn parameter_pointer(&mut self, parameter: usize, byte: u32, bit: u8) -> PointerFields {
         match self.passing(parameter) {
-            Passing::Complex { .. } => {
+            Passing::Complex { .. } | Passing::OpenArray { .. } => {
                 let db = self.read_parameter_structure(parameter, 0, Width::Word);
                 let start = self.read_parameter_structure(parameter, 2, Width::Dword);
                 let pointer = self.b.binary_imm(BinaryOp::Iadd, start, i64::from(8 * byte + u32::from(bit)));
                 let pointer = self.handed_on(pointer);
                 PointerFields { db, pointer }
             }
-            Passing::Elementary(_)
-            | Passing::Number
-            | Passing::Pointer
-            | Passing::Any
-            | Passing::Variant
-            | Passing::OpenArray { .. } => {
+            Passing::Elementary(_) | Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant => {
                 unreachable!("the binder lets pointers to complex formals through only")
             }
         }

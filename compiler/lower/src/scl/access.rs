@@ -158,7 +158,7 @@ impl Context<'_, '_> {
     pub fn open_bounds(&mut self, parameter: usize, dimension: u8) -> (Value, Value) {
         let at = 2 * usize::from(dimension);
         if let Some(values) = self.parameters.get(parameter) {
-            return (values[1 + at], values[2 + at]);
+            return (values[2 + at], values[3 + at]);
         }
         let byte = self.block.interface.parameters[parameter].byte + 6 + 4 * at as u32;
         let low = self.read(&Place::Instance { byte, bit: 0 }, Width::Dword);

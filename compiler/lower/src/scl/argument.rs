@@ -302,16 +302,22 @@ impl Context<'_, '_> {
             (Supply::Complex(Source::Variable { access, located }), _)
             | (_, Some(Back { access, located: Some(located), .. })) => (access, located),
             _ => {
+                let pointer = self.temporary(6);
+                self.b.clear(pointer, 6);
                 let scratch = self.b.i32_const(plcc_abi::layout::SCRATCH);
-                let mut values = vec![scratch];
+                let mut values = vec![self.b.i32_const(pointer.offset), scratch];
                 for _ in 0..dimensions {
                     values.extend([self.b.i32_const(1), self.b.i32_const(0)]);
                 }
                 return values;
             }
         };
+        let pointer = self.temporary(6);
+        let fields = self.located_pointer(&located);
+        self.store_pointer_fields(pointer, fields);
         let target = self.located_target(&located, Width::Byte, place::Direction::Write);
-        let mut values = vec![self.reference(target, Width::Byte, place::Direction::Write)];
+        let reference = self.reference(target, Width::Byte, place::Direction::Write);
+        let mut values = vec![self.b.i32_const(pointer.offset), reference];
         for dimension in 0..dimensions {
             let (low, high) = self.bounds_of(access, dimension);
             values.extend([low, high]);

@@ -1,5 +1,8 @@
 //! Variables that live in SSA values instead of memory: elementary TEMPs, inputs and the result of an FC that nothing can reach but
 //! the reads and writes of their own names.
+//!
+//! Values that many statements lie between cost the register allocator time for each of them, and a parameter for each path where
+//! paths meet. So a block with thousands of variables that it uses all over keeps those in memory that span most of it.
 
 use std::collections::BTreeMap;
 
@@ -10,6 +13,11 @@ use plcc_program::types::{DataType, Elementary};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::walk::{self, Role, Visitor};
+
+/// Statements that all promoted variables of a block may span together: some tenths of a second of register allocation.
+const SPANS_MAX: u64 = 1_000_000;
+/// What a path counts that meets others, in statements.
+const PATH_WEIGHT: u64 = 20;
 
 /// A variable that may be promoted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -41,7 +49,7 @@ pub fn promotable(block: &CodeBlock, statements: &[Statement]) -> Vec<(Slot, Ele
             slots.push((Slot::Parameter(index), ty));
         }
     }
-    slots
+    seen.keep_short(slots)
 }
 
 /// The slot of an access, if it is one of a whole elementary variable. A slice counts as the variable that it is a part of.
@@ -68,6 +76,9 @@ struct Seen {
     parameters: BTreeMap<usize, Option<Elementary>>,
     /// All of it is reached as memory.
     everything: bool,
+    /// Statements walked so far, and where each variable is used first and last.
+    position: u64,
+    spans: FxHashMap<Slot, (u64, u64)>,
 }
 
 impl Seen {
@@ -90,13 +101,36 @@ impl Seen {
                 last = Some((start, end));
             }
         }
-        let reached = |start: u32, end: u32| self.memory.iter().any(|&(from, to)| start < to && from < end);
+        let memory = joined(&self.memory);
+        let reached = |start: u32, end: u32| {
+            let next = memory.partition_point(|&(_, to)| to <= start);
+            memory.get(next).is_some_and(|&(from, _)| from < end)
+        };
         self.values
             .iter()
             .filter_map(|(&start, &ty)| Some((start, ty?)))
             .filter(|&(start, _)| start >= first && !overlapped.contains(&start) && !reached(start, extents[&start]))
             .map(|(start, ty)| (Slot::Local(start), ty))
             .collect()
+    }
+
+    /// Those variables that span the fewest statements, as far as all together span no more than [`SPANS_MAX`].
+    fn keep_short(&self, slots: Vec<(Slot, Elementary)>) -> Vec<(Slot, Elementary)> {
+        let span = |slot: &Slot| self.spans.get(slot).map_or(0, |(first, last)| last - first);
+        if slots.iter().map(|(slot, _)| span(slot)).sum::<u64>() <= SPANS_MAX {
+            return slots;
+        }
+        let mut order: Vec<usize> = (0..slots.len()).collect();
+        order.sort_by_key(|&index| span(&slots[index].0));
+        let mut total = 0;
+        let kept: FxHashSet<usize> = order
+            .into_iter()
+            .take_while(|&index| {
+                total += span(&slots[index].0);
+                total <= SPANS_MAX
+            })
+            .collect();
+        slots.into_iter().enumerate().filter(|(index, _)| kept.contains(index)).map(|(_, slot)| slot).collect()
     }
 
     fn memory(&mut self, place: &Place, bits: u32) {
@@ -117,12 +151,25 @@ impl Seen {
 impl Visitor for Seen {
     /// STL reaches local data and parameters by address, also by one that it computes.
     fn statement(&mut self, statement: &Statement) {
+        self.position += match statement.kind {
+            StatementKind::Exit | StatementKind::Continue | StatementKind::Goto(_) => PATH_WEIGHT,
+            _ => 1,
+        };
         if matches!(statement.kind, StatementKind::Stl(_)) {
             self.everything = true;
         }
     }
 
+    fn paths_meet(&mut self, paths: usize) {
+        // Two paths make at most a parameter.
+        self.position += 1 + PATH_WEIGHT * (paths as u64 - 2);
+    }
+
     fn access(&mut self, access: &Access, role: Role) {
+        if let Some((slot, _)) = slot(access) {
+            let position = self.position;
+            self.spans.entry(slot).and_modify(|span| span.1 = position).or_insert((position, position));
+        }
         match (slot(access), role) {
             (Some((Slot::Local(start), ty)), Role::Value) => {
                 self.values
@@ -163,4 +210,18 @@ impl Visitor for Seen {
             }
         }
     }
+}
+
+/// The ranges in order, those that touch as one.
+fn joined(ranges: &[(u32, u32)]) -> Vec<(u32, u32)> {
+    let mut ranges = ranges.to_vec();
+    ranges.sort_unstable();
+    let mut joined: Vec<(u32, u32)> = Vec::new();
+    for (from, to) in ranges {
+        match joined.last_mut() {
+            Some(last) if from <= last.1 => last.1 = last.1.max(to),
+            _ => joined.push((from, to)),
+        }
+    }
+    joined
 }

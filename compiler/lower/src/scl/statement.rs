@@ -69,8 +69,8 @@ impl Context<'_, '_> {
             }
             StatementKind::Goto(label) => {
                 let edge = self.label_target(*label);
-                self.b.jump(edge, &[]);
-                self.jump_done(*label, edge);
+                self.b.jump(edge.block, &[]);
+                self.jump_done(edge);
             }
             StatementKind::Label(label) => self.place_label(*label),
             StatementKind::Assert(assert) => self.assert(assert, statement.span),

@@ -31,6 +31,8 @@ pub trait Visitor {
     fn statement(&mut self, _statement: &Statement) {}
     /// Behind what belongs to the statement itself, before those inside of it.
     fn own_part_done(&mut self) {}
+    /// So many paths meet: behind IF and CASE.
+    fn paths_meet(&mut self, _paths: usize) {}
 }
 
 pub fn statements(list: &[Statement], visitor: &mut dyn Visitor) {
@@ -57,6 +59,7 @@ fn statement(statement: &Statement, visitor: &mut dyn Visitor) {
             visitor.own_part_done();
             branches.iter().for_each(|(_, body)| statements(body, visitor));
             statements(otherwise, visitor);
+            visitor.paths_meet(branches.len() + 1);
             return;
         }
         StatementKind::Case { selector, arms, otherwise } => {
@@ -64,6 +67,7 @@ fn statement(statement: &Statement, visitor: &mut dyn Visitor) {
             visitor.own_part_done();
             arms.iter().for_each(|arm| statements(&arm.body, visitor));
             statements(otherwise, visitor);
+            visitor.paths_meet(arms.len() + 1);
             return;
         }
         StatementKind::For { variable, start, end, step, body } => {

@@ -32,13 +32,13 @@ impl Context<'_, '_> {
         let label = Self::label(operand);
         let target = self.label_target(label);
         if self.b.constant_bits(condition) == Some(1) {
-            self.b.jump(target, &[]);
-            self.jump_done(label, target);
+            self.b.jump(target.block, &[]);
+            self.jump_done(target);
             return;
         }
         let next = self.b.create_block();
-        self.b.branch(condition, target, next);
-        self.jump_done(label, target);
+        self.b.branch(condition, target.block, next);
+        self.jump_done(target);
         self.b.seal_block(next);
         self.b.switch_to(next);
     }
@@ -103,10 +103,11 @@ impl Context<'_, '_> {
         let index = self.b.binary_imm(BinaryOp::And, accu1, 0xFF);
         let edges: Vec<_> = targets.iter().map(|&label| self.label_target(label)).collect();
         let default_edge = self.label_target(default);
-        self.b.switch(index, &edges, default_edge);
-        for (&label, edge) in targets.iter().zip(edges) {
-            self.jump_done(label, edge);
+        let blocks: Vec<_> = edges.iter().map(|edge| edge.block).collect();
+        self.b.switch(index, &blocks, default_edge.block);
+        for edge in edges {
+            self.jump_done(edge);
         }
-        self.jump_done(default, default_edge);
+        self.jump_done(default_edge);
     }
 }
