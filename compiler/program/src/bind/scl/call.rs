@@ -15,7 +15,7 @@ use crate::bind::names::{code_kind, fold};
 use crate::bind::path::similar;
 use crate::bind::{Binder, Ctx};
 use crate::layout;
-use crate::model::scl::{Access, Base, Call, Complex, Expr, ExprKind, Instance};
+use crate::model::scl::{Access, Argument, Base, Call, Complex, Expr, ExprKind, Instance};
 use crate::model::{BlockKey, Direction, Parameter, Place};
 use crate::symbols::SymbolTarget;
 use crate::types::{DataType, Member, StructType};
@@ -80,6 +80,19 @@ impl Binder<'_> {
             return Some(Value::Nothing(Box::new(call)));
         }
         let (key, span) = (call.target, call.span);
+        let bound = self.interface(key, name)?;
+        let supplied = |argument: &Argument| is_result(key, &bound.interface.parameters[argument.parameter]);
+        if call.arguments.iter().any(supplied) {
+            let label = "its value goes to the variable behind `RET_VAL =>` already";
+            self.refuse(
+                Code::UnknownParameter,
+                name,
+                "the value of this call is taken twice",
+                label,
+                "leave RET_VAL out",
+            );
+            return None;
+        }
         let ty = self.interface(key, name)?.interface.parameters.iter().find(|one| is_result(key, one)).cloned();
         match ty.map(|result| result.ty) {
             Some(DataType::Elementary(ty)) => {
