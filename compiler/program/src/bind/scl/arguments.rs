@@ -51,7 +51,7 @@ impl Binder<'_> {
         for (at, argument) in given.iter().enumerate() {
             let index = match (&positions, &argument.name) {
                 (Some(positions), _) => positions[at],
-                (None, Some(formal)) => match self.formal(key, bound, formal) {
+                (None, Some(formal)) => match self.formal(key, bound, formal, argument.output) {
                     Formal::Parameter(index) => index,
                     Formal::Enable => {
                         good &= self.enable(ctx, &mut list, argument).is_some();
@@ -115,10 +115,15 @@ impl Binder<'_> {
     }
 
     /// What the name of an argument means.
-    fn formal(&mut self, key: BlockKey, bound: &BoundInterface, name: &Name) -> Formal {
+    fn formal(&mut self, key: BlockKey, bound: &BoundInterface, name: &Name, output: bool) -> Formal {
         let folded = fold(&name.text);
         let instance = matches!(key.kind, BlockKind::Sfb).then_some((true, key.number));
         let own = plcc_stdlib::own_member(instance, &name.text).map_or_else(|| folded.clone(), fold);
+        // `RET_VAL => x`, as the TIA Portal writes some instructions whose value it shows as an output.
+        let result = bound.interface.parameters.iter().position(|parameter| is_result(key, parameter));
+        if let (true, "ret_val", Some(result)) = (output, folded.as_str(), result) {
+            return Formal::Parameter(result);
+        }
         let found = bound
             .interface
             .parameters
