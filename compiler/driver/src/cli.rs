@@ -54,6 +54,10 @@ pub struct CompileArgs {
     /// Code page of sources that are not UTF-8, `936` or `gbk`; found in each file if left out.
     #[arg(long, value_name = "PAGE")]
     pub code_page: Option<CodePage>,
+    /// Take a program of which parts are missing: stubs and variables of their own stand in for what is defined nowhere; `check` tells of it by
+    /// warnings.
+    #[arg(long)]
+    pub partial: bool,
 }
 
 /// How much is optimised.
@@ -170,9 +174,6 @@ pub struct CheckArgs {
     /// Sources, symbol tables, folders of them, or a project; together one program.
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
-    /// Check blocks without the rest of their project: what is defined nowhere is a warning.
-    #[arg(long)]
-    pub partial: bool,
     /// How messages are written.
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     pub message_format: MessageFormat,

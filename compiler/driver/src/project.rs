@@ -29,6 +29,8 @@ pub struct Project {
     pub symbols: Vec<(String, Span)>,
     pub config: Config,
     pub station: Option<Station>,
+    /// Parts may be missing.
+    pub partial: bool,
     /// Fast counters and pulse generators, to be checked against the CPU.
     pub technology: technology::Used,
     /// Place of the settings of an S7-200, to be checked against the CPU.
@@ -63,6 +65,8 @@ struct Keys {
     sources: Option<Vec<Spanned<String>>>,
     #[serde(default)]
     symbols: Vec<Spanned<String>>,
+    #[serde(default)]
+    partial: bool,
     startup: Option<StartupKey>,
     cycle_time: Option<Spanned<String>>,
     cycle_time_max: Option<Spanned<String>>,
@@ -215,6 +219,7 @@ impl Context {
             }),
             sources: keys.sources.map(|sources| sources.into_iter().map(place).collect()),
             symbols: keys.symbols.into_iter().map(place).collect(),
+            partial: keys.partial,
             config,
             station,
             technology,

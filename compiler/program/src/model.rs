@@ -30,6 +30,8 @@ pub struct Program {
     pub test: TestSettings,
     /// Limits of the CPU, if it is an S7-200.
     pub s7200: Option<CpuRow>,
+    /// What stands in for missing parts, and what is left out for want of them: a line each.
+    pub partial: Vec<String>,
 }
 
 impl Program {
