@@ -57,6 +57,10 @@ pub struct CompileArgs {
     /// Compile blocks of safety programs (F_LAD, F_FBD) as standard blocks, to test their logic.
     #[arg(long)]
     pub safety_as_standard: bool,
+    /// Take a program of which parts are missing: stubs and variables of their own stand in for what is defined nowhere; `check` tells of it by
+    /// warnings.
+    #[arg(long)]
+    pub partial: bool,
 }
 
 /// How much is optimised.
@@ -173,9 +177,6 @@ pub struct CheckArgs {
     /// Sources, symbol tables, folders of them, or a project; together one program.
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
-    /// Check blocks without the rest of their project: what is defined nowhere is a warning.
-    #[arg(long)]
-    pub partial: bool,
     /// How messages are written.
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     pub message_format: MessageFormat,

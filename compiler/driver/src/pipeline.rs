@@ -27,8 +27,10 @@ pub struct Settings {
     pub mnemonics: Option<Mnemonics>,
     /// `//@` lines are obeyed.
     pub pragmas: bool,
-    /// What is defined nowhere is a warning.
+    /// What is defined nowhere is a warning, and something stands in for it.
     pub partial: bool,
+    /// Nothing is compiled: nothing need stand in.
+    pub check: bool,
     /// A program without OB 1 is an error.
     pub require_main: bool,
     /// Blocks of safety programs are standard blocks.
@@ -42,8 +44,14 @@ impl Settings {
             cpu: args.cpu.clone(),
             mnemonics: args.mnemonics.map(Mnemonics::from),
             safety_as_standard: args.safety_as_standard,
+            partial: args.partial,
             ..Settings::default()
         }
+    }
+
+    /// Whether the command line or the project says that parts may be missing.
+    pub fn is_partial(&self, project: Option<&Project>) -> bool {
+        self.partial || project.is_some_and(|project| project.partial)
     }
 
     fn parse_options(&self, project: Option<&Project>) -> ParseOptions<'static> {
@@ -126,14 +134,15 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         diagnostics.extend(technology::check(&project.technology, &profile));
         diagnostics.extend(s7200::check(project.s7200, &profile));
     }
-    if settings.partial {
+    let partial = settings.is_partial(project.as_ref()) || pragma_partial(settings, &units);
+    if partial {
         // Networks that nobody has finished, which binding leaves out.
         let drafts = diagnostics.iter_mut().filter(|message| plcc_program::is_about_drafts(message.code));
         let networks = drafts.filter(|message| matches!(message.code, Code::NoSource | Code::OpenBranch));
         networks.for_each(|message| message.severity = Severity::Warning);
     }
     let has_station = project.as_ref().is_some_and(|project| project.station.is_some());
-    let (program, messages) = plcc_program::bind(&BindInput {
+    let input = BindInput {
         name,
         sources: &sources,
         units: &units,
@@ -142,12 +151,23 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         safety_as_standard: settings.safety_as_standard
             || project.as_ref().is_some_and(|project| project.safety_as_standard),
         config: project.map(|project| project.config).unwrap_or_default(),
-        partial: settings.partial,
+        partial,
+        stand_ins: None,
         pragmas: settings.pragmas,
         // Without a source there is another message already.
         require_main: settings.require_main && !units.is_empty(),
-    });
-    diagnostics.extend(messages);
+    };
+    let program = if partial && !settings.check {
+        let completed = plcc_program::complete(&input);
+        diagnostics.extend(completed.diagnostics);
+        // Stand-ins have places like everything else.
+        sources.add(SourceFile::new(STAND_INS, completed.stand_ins));
+        completed.program
+    } else {
+        let (program, messages) = plcc_program::bind(&input);
+        diagnostics.extend(messages);
+        program
+    };
     if has_station {
         diagnostics.extend(station::check_program(&program));
     }
@@ -155,6 +175,19 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     // Two stages may see the same fault; it is one problem.
     diagnostics.dedup_by_key(|d| (d.code, d.primary.span));
     Bound { sources, program, diagnostics }
+}
+
+/// Name of the file in which stand-ins for missing parts have their places.
+const STAND_INS: &str = "stand-ins of --partial";
+
+/// A test file may say that parts of it are missing.
+fn pragma_partial(settings: &Settings, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
+    let mut pragmas = units.iter().flat_map(|(_, unit)| &unit.pragmas);
+    let words = |text: &str| {
+        let mut words = text.split_whitespace();
+        words.next() == Some("test") && words.any(|word| word == "partial")
+    };
+    settings.pragmas && pragmas.any(|pragma| words(&pragma.text))
 }
 
 /// The CPU of a test file: the last `//@ cpu` that can be understood. Binding reports the others.

@@ -32,6 +32,8 @@ pub struct Project {
     pub symbols: Vec<(String, Span)>,
     pub config: Config,
     pub station: Option<Station>,
+    /// Parts may be missing.
+    pub partial: bool,
     /// Fast counters and pulse generators, to be checked against the CPU.
     pub technology: technology::Used,
     /// Place of the settings of an S7-200, to be checked against the CPU.
@@ -68,6 +70,8 @@ struct Keys {
     sources: Option<Vec<Spanned<String>>>,
     #[serde(default)]
     symbols: Vec<Spanned<String>>,
+    #[serde(default)]
+    partial: bool,
     startup: Option<StartupKey>,
     cycle_time: Option<Spanned<String>>,
     cycle_time_max: Option<Spanned<String>>,
@@ -221,6 +225,7 @@ impl Context {
             safety_as_standard: keys.safety_as_standard,
             sources: keys.sources.map(|sources| sources.into_iter().map(place).collect()),
             symbols: keys.symbols.into_iter().map(place).collect(),
+            partial: keys.partial,
             config,
             station,
             technology,

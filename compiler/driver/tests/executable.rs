@@ -64,6 +64,7 @@ fn image() -> ProgramImage {
         files: Vec::new(),
         asserts: Vec::new(),
         symbols: Vec::new(),
+        partial: Vec::new(),
         stops_itself: false,
         notices: Vec::new(),
         s7200: None,

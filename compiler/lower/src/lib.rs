@@ -134,6 +134,7 @@ impl<'s> Output<'s> {
             files: Vec::new(),
             asserts: Vec::new(),
             symbols: program.symbols.clone(),
+            partial: program.partial.clone(),
             stops_itself: facts.stops_itself,
             notices: program.notices.clone(),
             s7200: None,

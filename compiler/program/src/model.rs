@@ -33,6 +33,8 @@ pub struct Program {
     pub notices: Vec<String>,
     /// Limits of the CPU, if it is an S7-200.
     pub s7200: Option<CpuRow>,
+    /// What stands in for missing parts, and what is left out for want of them: a line each.
+    pub partial: Vec<String>,
 }
 
 impl Program {

@@ -311,6 +311,8 @@ pub struct ProgramImage {
     pub files: Vec<String>,
     pub asserts: Vec<AssertEntry>,
     pub symbols: Vec<SymbolEntry>,
+    /// What stands in for parts that are missing, and what is left out for want of them: a line each, told at the start of a run.
+    pub partial: Vec<String>,
     /// The program may end itself (SFC 46, STP): `plcc test` runs it until then.
     pub stops_itself: bool,
     /// What every run says first, a line each.

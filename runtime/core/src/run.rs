@@ -97,6 +97,7 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
             return EXIT_USAGE;
         }
     };
+    tell_partial(&cpu.image.partial, options.quiet);
     watch_signals();
     let pace = Pace {
         cycles: options.cycles,
@@ -109,6 +110,16 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
     }
     let cycles = cpu.execute(&pace, &mut session);
     finish(&cpu, options, &printed, session, cycles)
+}
+
+/// Says what stands in for missing parts: each in a line, or all of them in one.
+fn tell_partial(items: &[String], quiet: bool) {
+    match (items.len(), quiet) {
+        (0, _) => {}
+        (1, true) => say!("partial: the program was built without 1 of its parts"),
+        (count, true) => say!("partial: the program was built without {count} of its parts"),
+        (_, false) => items.iter().for_each(|item| say!("partial: {item}")),
+    }
 }
 
 fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session, cycles: u64) -> u8 {

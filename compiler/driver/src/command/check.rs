@@ -10,8 +10,9 @@ pub fn check(args: &CheckArgs) -> u8 {
     let read = inputs::read_as(&args.inputs, args.compile.code_page);
     let unreadable = read.is_unreadable();
     // A file alone may be a part of a program, a project is a whole one.
-    let require_main = read.project.is_some() && !args.partial;
-    let settings = pipeline::Settings { partial: args.partial, require_main, ..pipeline::Settings::new(&args.compile) };
+    let settings = pipeline::Settings::new(&args.compile);
+    let require_main = read.project.is_some() && !settings.is_partial(read.project.as_ref());
+    let settings = pipeline::Settings { require_main, check: true, ..settings };
     let mut bound = pipeline::front(read, &settings);
     report::messages(&mut bound.diagnostics, &bound.sources, args.message_format);
     if args.message_format == MessageFormat::Human && !bound.diagnostics.is_empty() {

@@ -188,6 +188,7 @@ fn empty(sources: &SourceMap) -> BindInput<'_> {
         profile: profile::generic(Family::S7300),
         config: Config::default(),
         partial: false,
+        stand_ins: None,
         pragmas: false,
         require_main: false,
         safety_as_standard: false,
@@ -210,7 +211,7 @@ mod tests {
             assert!(binder.interface(key, Span { file, start: 0, end: 0 }).is_some(), "{}", block.name);
             let mut bound = Vec::new();
             binder.bind_system_blocks(&mut bound);
-            let messages = binder.report.finish();
+            let (messages, _) = binder.report.finish();
             assert!(messages.is_empty(), "{}: {messages:#?}", block.name);
             assert!(bound.iter().any(|other| other.key() == key), "{}", block.name);
         }

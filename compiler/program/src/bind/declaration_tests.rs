@@ -21,6 +21,7 @@ fn bind_scl(source: &str) -> (Program, Vec<Diagnostic>) {
         profile: profile::generic(Family::S71500),
         config: Config::default(),
         partial: false,
+        stand_ins: None,
         pragmas: true,
         require_main: false,
         safety_as_standard: false,

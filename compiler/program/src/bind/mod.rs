@@ -28,6 +28,7 @@ mod names;
 mod network;
 mod ob;
 mod operand;
+mod partial;
 #[cfg(test)]
 mod partial_tests;
 mod path;
@@ -66,6 +67,7 @@ use declare::{BoundInterface, Scope, Typed, TypedStruct};
 use names::Global;
 pub use names::has_free_obs;
 pub use network::{is_about_drafts, reference as lad_fbd_reference};
+pub use partial::{Completed, complete};
 use report::Report;
 pub use scl::reference as scl_reference;
 
@@ -86,6 +88,8 @@ pub struct BindInput<'a> {
     pub config: Config,
     /// Undefined names and blocks are warnings, and what depends on them goes unchecked.
     pub partial: bool,
+    /// The file of declarations that stand in for what is missing, whose tags lie beyond the CPU's memory.
+    pub stand_ins: Option<FileId>,
     /// Obey assertion pragmas.
     pub pragmas: bool,
     /// A program without OB 1 is an error.
@@ -94,8 +98,21 @@ pub struct BindInput<'a> {
     pub safety_as_standard: bool,
 }
 
+/// A program with its messages.
+struct Bound {
+    program: Program,
+    diagnostics: Vec<Diagnostic>,
+    /// What is named and defined nowhere; each has a message among the others.
+    missing: Vec<report::Uses>,
+}
+
 /// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
 pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
+    let Bound { program, diagnostics, .. } = bind_all(input);
+    (program, diagnostics)
+}
+
+fn bind_all(input: &BindInput) -> Bound {
     if input.units.iter().any(|(_, unit)| unit.s7200.is_some()) {
         return s7200::bind(input);
     }
@@ -110,13 +127,7 @@ pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
     binder.check_pointers();
     blocks.sort_by_key(CodeBlock::key);
     let config = std::mem::take(&mut binder.config);
-    let is_main = |block: &CodeBlock| match block.kind {
-        BlockKind::Ob if input.profile.family.is_portal() => {
-            config.class_of(block.number) == Some(ObClass::ProgramCycle)
-        }
-        kind => kind == BlockKind::Ob && block.number == 1,
-    };
-    if input.require_main && !blocks.iter().any(is_main) {
+    if input.require_main && !blocks.iter().any(|block| is_main(input, &config, block)) {
         binder.no_main_block();
     }
     let test = binder.file_pragmas();
@@ -125,7 +136,7 @@ pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
     dbs.sort_by_key(|db| db.number);
     let symbols = binder.symbol_entries();
     let notices = std::mem::take(&mut binder.notices);
-    let mut diagnostics = binder.report.finish();
+    let (mut diagnostics, missing) = binder.report.finish();
     // A message inside a block of the system has no file that could be shown.
     for diagnostic in &mut diagnostics {
         if diagnostic.primary.span.file == SYSTEM_FILE {
@@ -143,8 +154,19 @@ pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
         notices,
         test,
         s7200: None,
+        partial: Vec::new(),
     };
-    (program, diagnostics)
+    Bound { program, diagnostics, missing }
+}
+
+/// True of the block that the CPU calls in each cycle.
+fn is_main(input: &BindInput, config: &Config, block: &CodeBlock) -> bool {
+    match block.kind {
+        BlockKind::Ob if input.profile.family.is_portal() => {
+            config.class_of(block.number) == Some(ObClass::ProgramCycle)
+        }
+        kind => kind == BlockKind::Ob && block.number == 1,
+    }
 }
 
 /// A value that is made when it is first wanted.

@@ -179,6 +179,9 @@ impl Binder<'_> {
         let ty = self.globals.get(&fold(name)).and_then(|global| global.ty);
         Some(match target {
             SymbolTarget::Memory { area, width, byte, bit } => {
+                if let Some(variable) = self.stand_in(name, span) {
+                    return Some(Resolved::Variable(variable));
+                }
                 self.check_address(ctx, area, width, byte, span)?;
                 if let Some(structure) = self.structure_of_tag(name, span) {
                     let last = byte.saturating_add(structure.bytes.saturating_sub(1));
@@ -200,6 +203,24 @@ impl Binder<'_> {
             SymbolTarget::Cell { kind, number } => Resolved::Cell { kind, number },
             SymbolTarget::Block { prefix, number } => Resolved::Block { prefix, number: number as u16 },
         })
+    }
+
+    /// A tag that stands in for one that is missing: of any type, in memory that the CPU does not have.
+    fn stand_in(&mut self, name: &str, span: Span) -> Option<Variable> {
+        let global = self.globals.get(&fold(name)).filter(|global| Some(global.span.file) == self.input.stand_ins)?;
+        let SymbolTarget::Memory { area, byte, bit, .. } = global.target else { return None };
+        let ty = match (global.ty, global.structure.clone()) {
+            (Some(ty), _) => DataType::Elementary(ty),
+            (None, Some(alias)) => {
+                let SymbolTarget::Block { prefix: BlockPrefix::Udt, number } = self.globals.get(&fold(&alias))?.target
+                else {
+                    return None;
+                };
+                self.udt(u16::try_from(number).ok()?, span)?.ty
+            }
+            (None, None) => return None,
+        };
+        Some(Variable { base: Base::of_area(area), byte, bit, ty, untyped: false })
     }
 
     /// The structure that a tag is, whose type the tag table gives: one of the program.

@@ -166,12 +166,12 @@ pub fn file_pragma(report: &mut Report, pragma: &Pragma, settings: &mut TestSett
                 settings.expect_fail = true;
             } else if let Some(Ok(cycles)) = rest.strip_prefix("cycles=").map(str::parse::<u32>) {
                 settings.cycles = Some(cycles);
-            } else {
+            } else if rest != "partial" {
                 bad_pragma(
                     report,
                     pragma.span,
-                    "`test` takes `cycles=N` or `expect=fail`",
-                    "write `//@ test cycles=10` or `//@ test expect=fail`",
+                    "`test` takes `cycles=N`, `expect=fail` or `partial`",
+                    "write `//@ test cycles=10`, `//@ test expect=fail` or `//@ test partial`",
                 );
             }
         }

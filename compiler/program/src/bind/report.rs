@@ -32,6 +32,13 @@ pub enum MissingKey {
     DbLayout(u16),
 }
 
+/// Something that is missing, and where it is used.
+pub struct Uses {
+    pub key: MissingKey,
+    pub diagnostic: Diagnostic,
+    pub places: Vec<Span>,
+}
+
 struct Missing {
     key: MissingKey,
     diagnostic: Diagnostic,
@@ -189,9 +196,10 @@ impl Report {
         });
     }
 
-    /// All messages; what is defined nowhere comes last, in one list.
-    pub fn finish(self) -> Vec<Diagnostic> {
+    /// All messages, with what is defined nowhere last, in one list; that list comes by itself, too.
+    pub fn finish(self) -> (Vec<Diagnostic>, Vec<Uses>) {
         let Report { mut diagnostics, missing, index, partial } = self;
+        let mut list = Vec::with_capacity(missing.len());
         for Missing { key, mut diagnostic, places } in missing {
             let uses = places.len();
             // That a DB is not there is told once.
@@ -207,9 +215,10 @@ impl Report {
             if partial && !matches!(key, MissingKey::Db(_)) {
                 diagnostic.severity = Severity::Warning;
             }
+            list.push(Uses { key, diagnostic: diagnostic.clone(), places: places.into_iter().collect() });
             diagnostics.push(diagnostic);
         }
-        diagnostics
+        (diagnostics, list)
     }
 }
 

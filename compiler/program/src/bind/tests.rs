@@ -33,6 +33,7 @@ fn bind_text(source: &str, table: &str, partial: bool) -> (Program, Vec<Diagnost
         profile: profile::generic(Family::S7300),
         config: Config::default(),
         partial,
+        stand_ins: None,
         pragmas: true,
         require_main: false,
         safety_as_standard: false,

@@ -69,6 +69,7 @@ pub fn image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         files: Vec::new(),
         asserts: Vec::new(),
         symbols: Vec::new(),
+        partial: Vec::new(),
         stops_itself: false,
         notices: Vec::new(),
         s7200: None,

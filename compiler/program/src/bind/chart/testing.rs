@@ -40,6 +40,7 @@ pub fn in_block<T>(
         profile: profile::generic(Family::S7300),
         config: Config::default(),
         partial: false,
+        stand_ins: None,
         pragmas: true,
         require_main: false,
         safety_as_standard: false,
@@ -61,5 +62,5 @@ pub fn in_block<T>(
         scl: Scope::new(&input, &block.header, Dialect::Tia),
     };
     let result = work(&mut binder, &mut ctx, &code.statements);
-    (result, binder.report.finish().iter().map(|message| message.code.name()).collect())
+    (result, binder.report.finish().0.iter().map(|message| message.code.name()).collect())
 }

@@ -39,7 +39,7 @@ use crate::model::{Body, CodeBlock, Interface, Program, TestSettings};
 use crate::profile;
 
 /// Binds the blocks of Micro/WIN sources.
-pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
+pub fn bind(input: &BindInput) -> super::Bound {
     let mut binder = Binder::new(input);
     binder.refuse_other_families();
     binder.collect();
@@ -68,8 +68,10 @@ pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
         notices: Vec::new(),
         test,
         s7200: Some(binder.row),
+        partial: Vec::new(),
     };
-    (program, binder.report.finish())
+    let (diagnostics, missing) = binder.report.finish();
+    super::Bound { program, diagnostics, missing }
 }
 
 struct Binder<'a> {

@@ -59,6 +59,7 @@ fn bound(code: &str) -> (Program, Vec<Diagnostic>) {
         profile: profile::generic(Family::S7300),
         config: Config::default(),
         partial: false,
+        stand_ins: None,
         pragmas: false,
         require_main: false,
         safety_as_standard: false,

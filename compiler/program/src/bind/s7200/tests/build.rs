@@ -150,6 +150,7 @@ pub fn bind_files(files: Vec<(&str, Source)>, cpu: &str) -> (Program, Vec<Diagno
         profile: profile::lookup(cpu).unwrap(),
         config: Config::default(),
         partial: false,
+        stand_ins: None,
         pragmas: true,
         require_main: true,
         safety_as_standard: false,

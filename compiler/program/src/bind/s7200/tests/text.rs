@@ -32,6 +32,7 @@ fn bind_text(name: &str, text: &str, table: &str) -> (SourceMap, Program, Vec<Di
         profile: named.unwrap_or_else(|| profile::lookup("s7-200").unwrap()),
         config: Config::default(),
         partial: false,
+        stand_ins: None,
         pragmas: true,
         require_main: false,
         safety_as_standard: false,

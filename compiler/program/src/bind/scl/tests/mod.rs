@@ -37,6 +37,7 @@ fn bind_text(source: &str, (dialect, family, named): Setting) -> (Program, Vec<D
         profile: plcc_abi::image::Profile { limits_checked: named, ..profile::generic(family) },
         config: Config::default(),
         partial: false,
+        stand_ins: None,
         pragmas: true,
         require_main: false,
         safety_as_standard: false,

@@ -1,0 +1,264 @@
+//! What the uses of things that are defined nowhere tell about them.
+
+use std::collections::BTreeMap;
+
+use plcc_diag::Span;
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{BlockPrefix, CellKind};
+use rustc_hash::FxHashSet;
+
+use crate::bind::names::fold;
+use crate::types::DataType;
+
+/// Something that is defined nowhere.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Missing {
+    /// A name, folded.
+    Name(String),
+    /// A block by its number; UDTs too.
+    Block(u8, u16),
+}
+
+/// Order of prefixes in a list: types, functions, function blocks, data blocks.
+const PREFIXES: [BlockPrefix; 6] =
+    [BlockPrefix::Udt, BlockPrefix::Fc, BlockPrefix::Fb, BlockPrefix::Sfc, BlockPrefix::Sfb, BlockPrefix::Db];
+
+impl Missing {
+    pub fn name(name: &str) -> Missing {
+        Missing::Name(fold(name))
+    }
+
+    /// A block by its number; none for kinds that nothing can stand in for.
+    pub fn block(prefix: BlockPrefix, number: u32) -> Option<Missing> {
+        let prefix = if prefix == BlockPrefix::Di { BlockPrefix::Db } else { prefix };
+        let at = PREFIXES.iter().position(|known| *known == prefix)?;
+        Some(Missing::Block(at as u8, u16::try_from(number).ok()?))
+    }
+
+    /// Letters and number, if it is a block by its number.
+    pub fn numbered(&self) -> Option<(BlockPrefix, u16)> {
+        match self {
+            Missing::Block(at, number) => Some((PREFIXES[usize::from(*at)], *number)),
+            Missing::Name(_) => None,
+        }
+    }
+}
+
+/// What a use wants of a value, the surest first.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Hint {
+    /// A declared type.
+    Type(DataType),
+    /// An address: any type of this width.
+    Width(Elementary),
+    /// A constant without a type, and the type that it has alone.
+    Literal(DataType),
+    /// A timer or counter.
+    Cell(CellKind),
+    /// A data block as a whole.
+    DataBlock,
+}
+
+/// Elements of an array.
+#[derive(Clone, Debug)]
+pub struct Elements {
+    /// Least and greatest index of each dimension that was seen as a constant.
+    pub bounds: Vec<(i64, i64)>,
+    /// Some index is known at run time only.
+    pub open: bool,
+    pub shape: Shape,
+}
+
+/// A parameter of a call.
+#[derive(Clone, Debug)]
+pub struct Formal {
+    pub name: String,
+    pub output: bool,
+    pub shape: Shape,
+}
+
+/// Calls of a block.
+#[derive(Clone, Debug, Default)]
+pub struct Interface {
+    pub formals: Vec<Formal>,
+    /// Its value is used.
+    pub result: bool,
+    /// What the uses of its value tell.
+    pub value: Box<Shape>,
+    /// It is called with an instance.
+    pub instance: bool,
+}
+
+/// What the uses of one thing tell.
+#[derive(Clone, Debug, Default)]
+pub struct Shape {
+    /// As it is first written.
+    pub name: String,
+    pub place: Option<Span>,
+    /// Where it is used, for the message.
+    pub ty: Option<DataType>,
+    pub width: Option<Elementary>,
+    pub literal: Option<DataType>,
+    pub cell: Option<CellKind>,
+    /// Components by folded name, in the order of their first use.
+    pub members: Vec<(String, Shape)>,
+    pub elements: Option<Box<Elements>>,
+    /// Bytes that absolute addresses in it reach.
+    pub extent: u32,
+    pub call: Option<Interface>,
+    /// A type in a declaration.
+    pub is_type: bool,
+    /// A data block as a whole: opened, or handed over.
+    pub is_db: bool,
+    /// It stands where only a constant can.
+    pub is_constant: bool,
+    /// A whole variable of the program is an instance of it, or it is called alone: whose instance this data block is.
+    pub of: Option<Missing>,
+}
+
+impl Shape {
+    /// Adds what one use tells.
+    pub fn learn(&mut self, hint: Option<&Hint>) {
+        match hint {
+            Some(Hint::Type(ty)) => self.ty = Some(joined(self.ty.take(), ty)),
+            Some(Hint::Width(ty)) => {
+                self.width = Some(match self.width {
+                    Some(known) if known.bits() >= ty.bits() => known,
+                    _ => *ty,
+                });
+            }
+            Some(Hint::Literal(ty)) => self.literal = Some(joined(self.literal.take(), ty)),
+            Some(Hint::Cell(kind)) => self.cell = Some(*kind),
+            Some(Hint::DataBlock) => self.is_db = true,
+            None => {}
+        }
+    }
+
+    /// The component of that name.
+    pub fn member(&mut self, name: &str) -> &mut Shape {
+        let folded = fold(name);
+        let at = match self.members.iter().position(|(known, _)| *known == folded) {
+            Some(at) => at,
+            None => {
+                self.members.push((folded, Shape { name: name.trim().to_string(), ..Shape::default() }));
+                self.members.len() - 1
+            }
+        };
+        &mut self.members[at].1
+    }
+
+    /// An element of the array; an index that is no constant is none.
+    pub fn element(&mut self, indices: &[Option<i64>]) -> &mut Shape {
+        let elements = self
+            .elements
+            .get_or_insert_with(|| Box::new(Elements { bounds: Vec::new(), open: false, shape: Shape::default() }));
+        for (at, index) in indices.iter().enumerate() {
+            match index {
+                Some(index) => match elements.bounds.get_mut(at) {
+                    Some((low, high)) => (*low, *high) = ((*low).min(*index), (*high).max(*index)),
+                    None => elements.bounds.push((*index, *index)),
+                },
+                None => {
+                    elements.open = true;
+                    if elements.bounds.len() <= at {
+                        elements.bounds.push((0, 0));
+                    }
+                }
+            }
+        }
+        &mut elements.shape
+    }
+
+    /// The parameter of that name.
+    pub fn formal(&mut self, name: &str, output: bool) -> &mut Shape {
+        let formals = &mut self.call.get_or_insert_with(Interface::default).formals;
+        let at = match formals.iter().position(|known| fold(&known.name) == fold(name)) {
+            Some(at) => at,
+            None => {
+                formals.push(Formal { name: name.trim().to_string(), output, shape: Shape::default() });
+                formals.len() - 1
+            }
+        };
+        formals[at].output |= output;
+        &mut formals[at].shape
+    }
+
+    /// True if no use tells its type yet.
+    pub fn is_vague(&self) -> bool {
+        self.ty.is_none()
+            && self.cell.is_none()
+            && self.members.is_empty()
+            && self.elements.is_none()
+            && self.call.is_none()
+            && !self.is_type
+            && !self.is_db
+            && self.extent == 0
+            && self.of.is_none()
+            && !self.is_constant
+    }
+
+    /// Facts that it holds, to see whether a round found new ones.
+    pub fn weight(&self) -> usize {
+        let own = usize::from(self.ty.is_some())
+            + usize::from(self.width.is_some())
+            + usize::from(self.literal.is_some())
+            + usize::from(self.cell.is_some())
+            + usize::from(self.is_type)
+            + usize::from(self.is_db)
+            + usize::from(self.is_constant)
+            + usize::from(self.of.is_some())
+            + self.extent as usize;
+        let members: usize = self.members.iter().map(|(_, shape)| 1 + shape.weight()).sum();
+        let elements = self.elements.as_ref().map_or(0, |elements| {
+            let bounds: usize = elements.bounds.iter().map(|(low, high)| (high - low).unsigned_abs() as usize).sum();
+            1 + elements.bounds.len() + bounds + usize::from(elements.open) + elements.shape.weight()
+        });
+        let call = self.call.as_ref().map_or(0, |call| {
+            let formals: usize = call.formals.iter().map(|formal| 1 + formal.shape.weight()).sum();
+            1 + formals + usize::from(call.result) + usize::from(call.instance) + call.value.weight()
+        });
+        own + members + elements + call
+    }
+}
+
+/// One type for two uses: of numbers the wider one, else the first.
+fn joined(known: Option<DataType>, other: &DataType) -> DataType {
+    match (known, other) {
+        (None, other) => other.clone(),
+        (Some(DataType::Elementary(known)), DataType::Elementary(other)) => {
+            let number = |ty: Elementary| ty.is_integer() || ty.is_float();
+            let rank = |ty: Elementary| (ty.is_float(), ty.bits());
+            let wider = number(known) && number(*other) && rank(*other) > rank(known);
+            DataType::Elementary(if wider { *other } else { known })
+        }
+        (Some(known), _) => known,
+    }
+}
+
+/// Everything that is missing, with what its uses tell.
+#[derive(Clone, Debug, Default)]
+pub struct Evidence {
+    pub things: BTreeMap<Missing, Shape>,
+    /// Timers and counters that the program names by their numbers.
+    pub cells: FxHashSet<(CellKind, u32)>,
+}
+
+impl Evidence {
+    /// The thing `missing`, written `name`, used at `span`.
+    pub fn of(&mut self, missing: Missing, name: &str, span: Span) -> &mut Shape {
+        let shape = self.things.entry(missing).or_default();
+        if shape.name.is_empty() {
+            shape.name = name.trim().to_string();
+        }
+        let before = shape.place.is_none_or(|known| (span.file, span.start) < (known.file, known.start));
+        if before {
+            shape.place = Some(span);
+        }
+        shape
+    }
+
+    /// As [`Shape::weight`], of all.
+    pub fn weight(&self) -> usize {
+        self.things.values().map(|shape| 1 + shape.weight()).sum()
+    }
+}

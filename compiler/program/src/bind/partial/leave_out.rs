@@ -1,0 +1,274 @@
+//! Leaves out what cannot be bound although stand-ins are there for all that is missing: the smallest part around a message that can
+//! go without changing what its neighbours mean.
+
+use plcc_diag::{FileId, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{self, Block, Code, SourceUnit, StatementKind as StlKind};
+use plcc_syntax::chart::ast as chart;
+use plcc_syntax::network::ast as network;
+use plcc_syntax::scl::ast as scl;
+
+/// A part that was left out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    pub span: Span,
+    pub what: &'static str,
+}
+
+/// Leaves out what stands at `at`; `None` if nothing can go there.
+pub fn leave_out(units: &mut [(FileId, SourceUnit)], at: Span) -> Option<LeftOut> {
+    let (_, unit) = units.iter_mut().find(|(file, _)| *file == at.file)?;
+    let block = unit.blocks.iter_mut().filter(|block| holds(block.span(), at)).min_by_key(|block| {
+        let span = block.span();
+        span.end - span.start
+    })?;
+    match block {
+        Block::Code(code) => code_block(code, at),
+        Block::Data(data) => {
+            let before = data.values.len();
+            data.values.retain(|value| !holds(value.span, at));
+            if data.values.len() < before {
+                return Some(LeftOut { span: at, what: "this start value" });
+            }
+            match &mut data.content {
+                ast::DataContent::Struct(variables) => declaration(variables, at),
+                ast::DataContent::Array(_, initial @ Some(_)) => {
+                    *initial = None;
+                    Some(LeftOut { span: at, what: "this start value" })
+                }
+                ast::DataContent::OfType(_) | ast::DataContent::Array(..) | ast::DataContent::Empty => {
+                    let span = data.name.span();
+                    let kind = ast::TypeKind::Named("WORD".to_string());
+                    let bound = |value| ast::Bound::Number(value, span);
+                    let element = Box::new(ast::TypeRef { kind, span });
+                    let kind = ast::TypeKind::Array { bounds: vec![(bound(0), bound(511))], element };
+                    let ty = ast::TypeRef { kind, span };
+                    let is_same = matches!(&data.content, ast::DataContent::Array(known, None) if *known == ty);
+                    data.content = ast::DataContent::Array(ty, None);
+                    data.values.clear();
+                    (!is_same).then_some(LeftOut { span: at, what: "the content of this data block" })
+                }
+            }
+        }
+        Block::Type(ty) => declaration(&mut ty.members, at),
+    }
+}
+
+fn holds(outer: Span, inner: Span) -> bool {
+    outer.file == inner.file && outer.start <= inner.start && inner.end <= outer.end
+}
+
+fn declaration(variables: &mut Vec<ast::Variable>, at: Span) -> Option<LeftOut> {
+    for index in 0..variables.len() {
+        let variable = &mut variables[index];
+        if variable.initial.as_ref().is_some_and(|initial| holds(initial.span, at)) {
+            variable.initial = None;
+            return Some(LeftOut { span: at, what: "this start value" });
+        }
+        if holds(variable.ty.span, at)
+            && let ast::TypeKind::Struct(inner) = &mut variable.ty.kind
+            && let Some(left) = declaration(inner, at)
+        {
+            return Some(left);
+        }
+        if holds(variable.name_span, at) || holds(variable.ty.span, at) {
+            variables.remove(index);
+            return Some(LeftOut { span: at, what: "this declaration" });
+        }
+    }
+    None
+}
+
+fn code_block(code: &mut ast::CodeBlock, at: Span) -> Option<LeftOut> {
+    for section in &mut code.sections {
+        if let Some(left) = declaration(&mut section.variables, at) {
+            return Some(left);
+        }
+    }
+    let before = code.constants.len();
+    code.constants.retain(|constant| !holds(constant.name_span, at) && !holds(constant.value.span, at));
+    if code.constants.len() < before {
+        return Some(LeftOut { span: at, what: "this constant" });
+    }
+    let left = match &mut code.code {
+        Code::Scl(body) => scl_list(&mut body.statements, at),
+        Code::Stl(networks) => networks.iter_mut().find_map(|network| stl_list(&mut network.statements, at)),
+        Code::Graphic(body) => body.networks.iter_mut().find_map(|network| one_network(network, at)),
+        Code::Chart(body) => one_of_chart(body, at),
+    };
+    if left.is_some() {
+        return left;
+    }
+    // A message of the block as a whole.
+    let is_empty = matches!(&code.code, Code::Scl(body) if body.statements.is_empty());
+    code.code = Code::Scl(scl::Body::default());
+    (!is_empty).then_some(LeftOut { span: at, what: "the code of this block" })
+}
+
+fn scl_list(list: &mut [scl::Statement], at: Span) -> Option<LeftOut> {
+    let statement = list.iter_mut().find(|statement| holds(statement.span, at))?;
+    let inner = match &mut statement.kind {
+        scl::StatementKind::If { branches, otherwise } => branches
+            .iter_mut()
+            .map(|(_, body)| body)
+            .find_map(|body| scl_list(body, at))
+            .or_else(|| scl_list(otherwise, at)),
+        scl::StatementKind::Case { arms, otherwise, .. } => {
+            let label = |arm: &scl::Arm| {
+                arm.values.iter().any(|value| {
+                    holds(value.low.span, at) || value.high.as_ref().is_some_and(|high| holds(high.span, at))
+                })
+            };
+            if let Some(index) = arms.iter().position(label) {
+                arms.remove(index);
+                return Some(LeftOut { span: at, what: "this arm of CASE" });
+            }
+            arms.iter_mut().find_map(|arm| scl_list(&mut arm.body, at)).or_else(|| scl_list(otherwise, at))
+        }
+        scl::StatementKind::For { body, .. }
+        | scl::StatementKind::While { body, .. }
+        | scl::StatementKind::Repeat { body, .. } => scl_list(body, at),
+        scl::StatementKind::Empty
+        | scl::StatementKind::Label(_)
+        | scl::StatementKind::Expression(_)
+        | scl::StatementKind::Assign { .. }
+        | scl::StatementKind::Exit
+        | scl::StatementKind::Continue
+        | scl::StatementKind::Return(_)
+        | scl::StatementKind::Goto(_)
+        | scl::StatementKind::Pragma(_)
+        | scl::StatementKind::Error => None,
+    };
+    if inner.is_some() {
+        return inner;
+    }
+    if matches!(statement.kind, scl::StatementKind::Empty) {
+        return None;
+    }
+    statement.kind = scl::StatementKind::Empty;
+    Some(LeftOut { span: at, what: "this statement" })
+}
+
+/// A call goes alone; of other statements the whole network, since each works on what those before it left behind.
+fn stl_list(list: &mut [ast::Statement], at: Span) -> Option<LeftOut> {
+    let index = list.iter().position(|statement| holds(statement.span, at))?;
+    if matches!(list[index].kind, StlKind::Call(_)) {
+        list[index].kind = StlKind::Empty;
+        return Some(LeftOut { span: at, what: "this call" });
+    }
+    if matches!(list[index].kind, StlKind::Empty) {
+        return None;
+    }
+    for statement in list {
+        statement.kind = StlKind::Empty;
+    }
+    Some(LeftOut { span: at, what: "this network" })
+}
+
+fn one_network(network: &mut network::Network, at: Span) -> Option<LeftOut> {
+    match &mut network.content {
+        network::Content::Scl(list) => scl_list(list, at),
+        network::Content::Stl(list) => stl_list(list, at),
+        network::Content::Graphic(graph) => {
+            if graph.elements.is_empty() && graph.nets.is_empty() {
+                return None;
+            }
+            let near = |span: Span| holds(span, at) || holds(at, span) && at.end > at.start;
+            let of_pin = |pin: &network::Pin| {
+                near(pin.span) || matches!(&pin.value, network::PinValue::Operand(node) if near(node.span))
+            };
+            let of_target = |target: &network::Target| match target {
+                network::Target::Block { callee, instance } => {
+                    near(callee.span) || instance.as_ref().is_some_and(|instance| near(instance.span))
+                }
+                network::Target::Element { instance, .. } => {
+                    instance.as_ref().is_some_and(|instance| near(instance.span))
+                }
+            };
+            let of_source = |source: &network::Source| match source {
+                network::Source::Operand { value, .. } => near(value.span),
+                network::Source::Rail | network::Source::Pin { .. } | network::Source::Net(_) => false,
+            };
+            let is_here = near(network.span)
+                || graph.nets.iter().any(|net| near(net.span) || net.sources.iter().any(of_source))
+                || graph.elements.iter().any(|element| {
+                    near(element.span)
+                        || element.pins.iter().any(of_pin)
+                        || of_target(&element.target)
+                        || element.templates.iter().any(|template| near(template.span))
+                        || element.equation.as_ref().is_some_and(|formula| near(formula.span))
+                });
+            if !is_here {
+                return None;
+            }
+            network.content = network::Content::Graphic(network::Graph::default());
+            Some(LeftOut { span: at, what: "this network" })
+        }
+    }
+}
+
+/// A condition that is never satisfied.
+fn never(span: Span) -> chart::Condition {
+    let literal = scl::Literal::Typed { ty: Elementary::Bool, bits: 0 };
+    chart::Condition::Expression(scl::Expr { kind: scl::ExprKind::Literal(literal), span })
+}
+
+fn condition_holds(condition: &mut chart::Condition, at: Span) -> bool {
+    match condition {
+        chart::Condition::Expression(value) => {
+            holds(value.span, at) && !matches!(value.kind, scl::ExprKind::Literal(_))
+        }
+        chart::Condition::Network(network) => one_network(&mut network.clone(), at).is_some(),
+        chart::Condition::Statements(list) => list.iter().any(|statement| holds(statement.span, at)),
+    }
+}
+
+fn one_of_chart(body: &mut chart::Body, at: Span) -> Option<LeftOut> {
+    for list in [&mut body.before, &mut body.after] {
+        for index in 0..list.len() {
+            let inside = match &mut list[index].kind {
+                chart::PermanentKind::Network(network) => one_network(&mut network.clone(), at).is_some(),
+                chart::PermanentKind::Coil { .. } | chart::PermanentKind::Call(_) => false,
+            };
+            if inside || holds(list[index].span, at) {
+                list.remove(index);
+                return Some(LeftOut { span: at, what: "this permanent instruction" });
+            }
+        }
+    }
+    for step in &mut body.steps {
+        for index in 0..step.actions.len() {
+            let action = &mut step.actions[index];
+            let inside = match &mut action.body {
+                chart::ActionBody::Network(network) => one_network(&mut network.clone(), at).is_some(),
+                chart::ActionBody::Statements(list) => list.iter().any(|statement| holds(statement.span, at)),
+                _ => false,
+            };
+            if inside || holds(action.span, at) {
+                step.actions.remove(index);
+                return Some(LeftOut { span: at, what: "this action" });
+            }
+        }
+        if step.interlock.as_mut().is_some_and(|condition| condition_holds(condition, at)) {
+            step.interlock = Some(never(at));
+            return Some(LeftOut { span: at, what: "this interlock, which is never satisfied," });
+        }
+        if step.supervision.as_mut().is_some_and(|condition| condition_holds(condition, at)) {
+            step.supervision = None;
+            return Some(LeftOut { span: at, what: "this supervision" });
+        }
+        for time in [&mut step.maximum, &mut step.warning] {
+            if time.as_ref().is_some_and(|value| holds(value.span, at)) {
+                *time = None;
+                return Some(LeftOut { span: at, what: "this time" });
+            }
+        }
+    }
+    for transition in &mut body.transitions {
+        if transition.condition.as_mut().is_some_and(|condition| condition_holds(condition, at)) {
+            transition.condition = Some(never(at));
+            return Some(LeftOut { span: at, what: "this condition, which is never satisfied," });
+        }
+    }
+    None
+}

@@ -1,0 +1,304 @@
+//! Partial programs: declarations stand in for what no source defines, so that the rest compiles and runs.
+//!
+//! 1. The program is bound as it is. Everything that is named and defined nowhere is one warning.
+//! 2. [`look`], [`scl`], [`stl`] and [`network`] look at the uses of what is missing: [`evidence`] is what they tell. [`write`] makes declarations
+//!    of it, and the next look knows more: the type of a tag may follow from a block that is missing itself. This ends when nothing new is found.
+//! 3. The program is bound with the stand-ins. What still cannot be bound is left out, the smallest part that can go ([`leave_out`]),
+//!    and told of. Errors that the program has without stand-ins, too, stay errors.
+//!
+//! Meaning: docs/decisions/0094 and 0095.
+
+mod evidence;
+mod leave_out;
+mod look;
+mod network;
+mod scl;
+mod stl;
+mod write;
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind, SourceUnit};
+use plcc_syntax::scl::ast::Dialect;
+use rustc_hash::FxHashSet;
+
+use super::declare::BoundInterface;
+use super::report::{MissingKey, Uses};
+use super::{BindInput, Binder, Bound, Ctx, scl::Scope};
+use crate::model::Program;
+use crate::symbols::SymbolTable;
+use evidence::{Evidence, Missing};
+use look::Look;
+use write::{StandIns, Writer};
+
+/// Rounds of looking; each but the last finds something new.
+const LOOKS_MAX: u32 = 12;
+
+/// Rounds of leaving out; each leaves out all that the last binding complained about.
+const ROUNDS_MAX: u32 = 40;
+
+/// A partial program that was made whole.
+pub struct Completed {
+    pub program: Program,
+    pub diagnostics: Vec<Diagnostic>,
+    /// Text of the file in which the stand-ins have their places: the next one of the source map.
+    pub stand_ins: String,
+}
+
+/// Binds a program in which parts may be missing, with stand-ins for them.
+pub fn complete(input: &BindInput) -> Completed {
+    let first = super::bind_all(input);
+    let no_main = input.require_main && !has_main(input, &first.program);
+    let has_errors = first.diagnostics.iter().any(Diagnostic::is_error);
+    if first.missing.is_empty() && !no_main && !has_errors || input.units.iter().any(|(_, unit)| unit.s7200.is_some()) {
+        let Bound { program, diagnostics, .. } = first;
+        return Completed { program, diagnostics, stand_ins: String::new() };
+    }
+    let file = FileId(input.sources.files().count() as u32);
+    let evidence = gather(input, file);
+    let mut refused = FxHashSet::default();
+    let mut units = input.units.to_vec();
+    let mut left = Vec::new();
+    // What is wrong with and without stand-ins is wrong.
+    let mut wrong: Option<FxHashSet<(Code, Span)>> = None;
+    let own: FxHashSet<(Code, Span)> = errors(&first.diagnostics).collect();
+    for round in 0.. {
+        let stand_ins = stand_ins(input, &evidence, file, true, &refused, no_main);
+        let bound = super::bind_all(&with(input, &units, &stand_ins, file).as_input(input, file));
+        let wrong =
+            wrong.get_or_insert_with(|| errors(&bound.diagnostics).filter(|error| own.contains(error)).collect());
+        let mut places: Vec<Span> =
+            errors(&bound.diagnostics).filter(|error| !wrong.contains(error)).map(|(_, span)| span).collect();
+        places.extend(
+            bound.missing.iter().filter(|uses| !matches!(uses.key, MissingKey::Db(_))).flat_map(|uses| &uses.places),
+        );
+        places.sort_unstable_by_key(|span| (span.file, span.start, span.end));
+        places.dedup();
+        let before = (left.len(), refused.len());
+        for place in &places {
+            if place.file == file {
+                if let Some(line) = stand_ins.lines.get(place.start as usize) {
+                    refused.insert(line.missing.clone());
+                }
+            } else if let Some(part) = leave_out::leave_out(&mut units, *place) {
+                left.push(part);
+            }
+        }
+        if places.is_empty() || before == (left.len(), refused.len()) || round >= ROUNDS_MAX {
+            let kept = |diagnostic: &Diagnostic| {
+                !diagnostic.is_error() || wrong.contains(&(diagnostic.code, diagnostic.primary.span))
+            };
+            let mut diagnostics: Vec<Diagnostic> = first.diagnostics.into_iter().filter(kept).collect();
+            // Nothing more can go: what is left is told of.
+            diagnostics.extend(bound.diagnostics.into_iter().filter(|diagnostic| {
+                diagnostic.is_error() && !wrong.contains(&(diagnostic.code, diagnostic.primary.span))
+            }));
+            if !places.is_empty() {
+                diagnostics.extend(
+                    bound.missing.into_iter().filter(|uses| !matches!(uses.key, MissingKey::Db(_))).map(|uses| {
+                        let mut diagnostic = uses.diagnostic;
+                        diagnostic.severity = plcc_diag::Severity::Error;
+                        diagnostic
+                    }),
+                );
+            }
+            let mut program = bound.program;
+            let told = tell(input, &stand_ins, &first.missing, &left, no_main, &mut diagnostics);
+            program.partial = told;
+            return Completed { program, diagnostics, stand_ins: text(&stand_ins) };
+        }
+    }
+    unreachable!("the loop returns at the latest after its last round")
+}
+
+fn errors(diagnostics: &[Diagnostic]) -> impl Iterator<Item = (Code, Span)> {
+    diagnostics
+        .iter()
+        .filter(|diagnostic| diagnostic.is_error())
+        .map(|diagnostic| (diagnostic.code, diagnostic.primary.span))
+}
+
+fn has_main(input: &BindInput, program: &Program) -> bool {
+    program.blocks.iter().any(|block| super::is_main(input, &program.config, block))
+}
+
+/// Sources with stand-ins.
+struct Whole {
+    units: Vec<(FileId, SourceUnit)>,
+    tables: Vec<SymbolTable>,
+}
+
+impl Whole {
+    fn as_input<'a>(&'a self, input: &BindInput<'a>, file: FileId) -> BindInput<'a> {
+        BindInput {
+            name: input.name.clone(),
+            sources: input.sources,
+            units: &self.units,
+            tables: &self.tables,
+            profile: input.profile.clone(),
+            config: input.config.clone(),
+            partial: true,
+            stand_ins: Some(file),
+            pragmas: input.pragmas,
+            require_main: input.require_main,
+        }
+    }
+}
+
+fn with(input: &BindInput, units: &[(FileId, SourceUnit)], stand_ins: &StandIns, file: FileId) -> Whole {
+    let unit = SourceUnit { blocks: stand_ins.blocks.clone(), ..SourceUnit::default() };
+    Whole {
+        units: units.iter().cloned().chain([(file, unit)]).collect(),
+        tables: input.tables.iter().cloned().chain([stand_ins.table.clone()]).collect(),
+    }
+}
+
+fn stand_ins(
+    input: &BindInput,
+    evidence: &Evidence,
+    file: FileId,
+    vague: bool,
+    refused: &FxHashSet<Missing>,
+    no_main: bool,
+) -> StandIns {
+    let profile = &input.profile;
+    let limit = |cells: u32| cells.min(plcc_abi::layout::TIMERS_MAX);
+    let used_cells = &evidence.cells;
+    let cells = [limit(profile.timers), limit(profile.counters)];
+    let mut stand_ins = Writer { evidence, file, vague, refused, cells, used_cells }.write();
+    if no_main {
+        let at = stand_ins.lines.len() as u32;
+        let span = Span { file, start: at, end: at };
+        stand_ins.blocks.push(ast::Block::Code(ast::CodeBlock {
+            kind: CodeKind::Ob,
+            name: BlockName::Numbered { prefix: BlockPrefix::Ob, number: 1, span },
+            return_type: None,
+            header: ast::Header::default(),
+            sections: Vec::new(),
+            constants: Vec::new(),
+            code: ast::Code::Scl(plcc_syntax::scl::ast::Body { dialect: Dialect::Either, ..Default::default() }),
+            span,
+        }));
+    }
+    stand_ins
+}
+
+/// Looks until nothing new is found.
+fn gather(input: &BindInput, file: FileId) -> Evidence {
+    let mut evidence = Evidence::default();
+    let none = FxHashSet::default();
+    for vague in [false, true] {
+        for _ in 0..LOOKS_MAX {
+            let before = evidence.weight();
+            let stand_ins = stand_ins(input, &evidence, file, vague, &none, false);
+            let whole = with(input, input.units, &stand_ins, file);
+            let input = whole.as_input(input, file);
+            let mut binder = Binder::new(&input);
+            binder.collect();
+            binder.ob_classes();
+            binder.bind_types();
+            binder.bind_data();
+            look_at(&mut binder, &mut evidence, file);
+            if evidence.weight() == before {
+                break;
+            }
+        }
+    }
+    evidence
+}
+
+fn look_at(binder: &mut Binder, evidence: &mut Evidence, file: FileId) {
+    let input = binder.input;
+    let mut look = Look { binder, found: evidence };
+    for (unit_file, unit) in input.units {
+        if *unit_file == file {
+            continue;
+        }
+        for block in &unit.blocks {
+            look.declarations(block);
+            if let ast::Block::Code(code) = block {
+                look.block(code);
+            }
+        }
+    }
+}
+
+impl Look<'_, '_> {
+    fn block(&mut self, code: &ast::CodeBlock) {
+        let span = code.name.span();
+        let key = self.binder.code.iter().find(|(_, source)| source.block().name.span() == span).map(|(key, _)| *key);
+        // A second definition of a block is none.
+        let Some(key) = key else { return };
+        let bound = self
+            .quietly(|binder| binder.interface(key, span))
+            .unwrap_or_else(|| std::rc::Rc::new(BoundInterface::default()));
+        let dialect = super::declare::dialect(code).unwrap_or_default();
+        let mut ctx = Ctx {
+            key,
+            bound,
+            unknown_locals: FxHashSet::default(),
+            local_bytes: 0,
+            fixed_span: None,
+            scl: Scope::new(self.binder.input, &code.header, dialect),
+        };
+        self.code(&mut ctx, &code.code);
+    }
+}
+
+/// What stands in, a line for each thing.
+fn text(stand_ins: &StandIns) -> String {
+    // Places are counted in characters: one for each line, so that they lie in the text.
+    let mut text: String = stand_ins.lines.iter().map(|_| '\n').collect();
+    text.push('\n');
+    text
+}
+
+fn missing_of(key: &MissingKey) -> Option<Missing> {
+    match key {
+        MissingKey::Symbol(name) => Some(Missing::Name(name.clone())),
+        MissingKey::Block(prefix, number) | MissingKey::NotShipped(prefix, number) => {
+            Missing::block(*prefix, u32::from(*number))
+        }
+        MissingKey::Db(number) | MissingKey::DbLayout(number) => Missing::block(BlockPrefix::Db, u32::from(*number)),
+    }
+}
+
+/// Lists what stands in and what is left out: in the messages, and in lines for the start of a run.
+fn tell(
+    input: &BindInput,
+    stand_ins: &StandIns,
+    missing: &[Uses],
+    left: &[leave_out::LeftOut],
+    no_main: bool,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Vec<String> {
+    let mut lines = Vec::new();
+    if no_main {
+        lines.push("OB 1 is missing: an empty one".to_string());
+        for diagnostic in diagnostics.iter_mut().filter(|diagnostic| diagnostic.code == Code::NoMainBlock) {
+            diagnostic.severity = plcc_diag::Severity::Warning;
+            diagnostic.help = Some("in its place: an empty one".to_string());
+        }
+    }
+    for line in &stand_ins.lines {
+        lines.push(format!("{} is missing: {}", line.name, line.what));
+        let uses = missing.iter().filter(|uses| missing_of(&uses.key).as_ref() == Some(&line.missing));
+        for uses in uses {
+            let (code, span) = (uses.diagnostic.code, uses.diagnostic.primary.span);
+            let of_it = diagnostics.iter_mut().find(|message| message.code == code && message.primary.span == span);
+            if let Some(message) = of_it {
+                message.help = Some(format!("in its place: {}", line.what));
+            }
+        }
+    }
+    for part in left {
+        let source = input.sources.file(part.span.file);
+        let line = source.line_column(part.span.start).0;
+        lines.push(format!("{}:{line}: {} is left out", source.name, part.what.trim_end_matches(',')));
+        diagnostics.push(
+            Diagnostic::new(Code::LeftOut, part.span, format!("{} is left out", part.what))
+                .label("it needs something that is missing and whose type no use shows")
+                .help("add the sources and symbol tables that define what is missing"),
+        );
+    }
+    lines
+}

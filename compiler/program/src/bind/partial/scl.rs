@@ -1,0 +1,447 @@
+//! Uses in statements and expressions of SCL.
+
+use plcc_diag::Span;
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::CellKind;
+use plcc_syntax::scl::ast::{
+    Argument, AssignOp, BinaryOp, Expr as Node, ExprKind as NodeKind, NameForm, Statement, StatementKind, UnaryOp,
+};
+
+use super::evidence::{Hint, Missing};
+use super::look::{Look, Start, Step};
+use crate::bind::scl::call::Callee;
+use crate::bind::scl::function::Named;
+use crate::bind::{Ctx, names::fold};
+use crate::model::{BlockKey, Direction};
+use crate::types::DataType;
+
+/// A hint of an elementary type.
+pub const fn typed(ty: Elementary) -> Hint {
+    Hint::Type(DataType::Elementary(ty))
+}
+
+const INT: Hint = Hint::Literal(DataType::Elementary(Elementary::Int));
+
+/// The surest of some hints.
+pub fn surest(hints: impl IntoIterator<Item = Option<Hint>>) -> Option<Hint> {
+    let rank = |hint: &Hint| match hint {
+        Hint::Type(_) | Hint::Cell(_) | Hint::DataBlock => 0,
+        Hint::Width(_) => 1,
+        Hint::Literal(_) => 2,
+    };
+    hints.into_iter().flatten().min_by_key(rank)
+}
+
+impl Look<'_, '_> {
+    pub fn statements(&mut self, ctx: &mut Ctx, list: &[Statement]) {
+        for statement in list {
+            self.statement(ctx, statement);
+        }
+    }
+
+    fn statement(&mut self, ctx: &mut Ctx, statement: &Statement) {
+        match &statement.kind {
+            StatementKind::Expression(node) => match &node.kind {
+                NodeKind::Call { callee, arguments } => self.call(ctx, callee, arguments, None, true),
+                _ => self.expect(ctx, node, None),
+            },
+            StatementKind::Assign { targets, value } => self.assignment(ctx, targets, value),
+            StatementKind::If { branches, otherwise } => {
+                for (condition, body) in branches {
+                    self.expect(ctx, condition, Some(&typed(Elementary::Bool)));
+                    self.statements(ctx, body);
+                }
+                self.statements(ctx, otherwise);
+            }
+            StatementKind::Case { selector, arms, otherwise } => {
+                let hint = self.hint_of(ctx, selector);
+                self.expect(ctx, selector, Some(&INT));
+                for arm in arms {
+                    for value in &arm.values {
+                        self.constant_of_arm(ctx, &value.low, hint.as_ref());
+                        value.high.iter().for_each(|high| self.constant_of_arm(ctx, high, hint.as_ref()));
+                    }
+                    self.statements(ctx, &arm.body);
+                }
+                self.statements(ctx, otherwise);
+            }
+            StatementKind::For { variable, start, end, step, body } => {
+                let hint = self.hint_of(ctx, variable).unwrap_or(INT);
+                for node in [variable, start, end].into_iter().chain(step) {
+                    self.expect(ctx, node, Some(&hint));
+                }
+                self.statements(ctx, body);
+            }
+            StatementKind::While { condition, body } => {
+                self.expect(ctx, condition, Some(&typed(Elementary::Bool)));
+                self.statements(ctx, body);
+            }
+            StatementKind::Repeat { body, until } => {
+                self.statements(ctx, body);
+                self.expect(ctx, until, Some(&typed(Elementary::Bool)));
+            }
+            StatementKind::Return(Some(value)) => self.expect(ctx, value, Some(&typed(Elementary::Bool))),
+            StatementKind::Return(None)
+            | StatementKind::Empty
+            | StatementKind::Label(_)
+            | StatementKind::Exit
+            | StatementKind::Continue
+            | StatementKind::Goto(_)
+            | StatementKind::Pragma(_)
+            | StatementKind::Error => {}
+        }
+    }
+
+    fn assignment(&mut self, ctx: &mut Ctx, targets: &[(Node, AssignOp)], value: &Node) {
+        let of_value = self.hint_of(ctx, value);
+        let of_targets: Vec<Option<Hint>> = targets.iter().map(|(target, _)| self.hint_of(ctx, target)).collect();
+        let wanted = surest(of_targets.iter().cloned());
+        if of_value.is_none() {
+            self.expect(ctx, value, wanted.as_ref());
+        }
+        let given = surest([of_value, wanted]);
+        for ((target, _), known) in targets.iter().zip(of_targets) {
+            if known.is_none() {
+                self.expect(ctx, target, given.as_ref());
+            }
+        }
+    }
+
+    /// A value of an arm, which must be a constant.
+    fn constant_of_arm(&mut self, ctx: &mut Ctx, node: &Node, hint: Option<&Hint>) {
+        let known = self.quietly(|binder| binder.constant(&ctx.bound.constants, node).is_some());
+        if !known {
+            let own = matches!(&node.kind, NodeKind::Name(name) if ctx.bound.locals.contains_key(&fold(&name.text)));
+            if !own {
+                self.constant_names(node, hint);
+            }
+        }
+    }
+
+    /// Looks at an expression of which `hint` is wanted.
+    pub fn expect(&mut self, ctx: &mut Ctx, node: &Node, hint: Option<&Hint>) {
+        if ctx.scl.depth >= crate::bind::Binder::DEPTH_MAX {
+            return;
+        }
+        ctx.scl.depth += 1;
+        self.expect_inner(ctx, node, hint);
+        ctx.scl.depth -= 1;
+    }
+
+    fn expect_inner(&mut self, ctx: &mut Ctx, node: &Node, hint: Option<&Hint>) {
+        match &node.kind {
+            NodeKind::Literal(_) | NodeKind::Error => {}
+            NodeKind::Name(_)
+            | NodeKind::Absolute(_)
+            | NodeKind::Member { .. }
+            | NodeKind::MemberAbsolute { .. }
+            | NodeKind::Slice { .. }
+            | NodeKind::Index { .. } => {
+                // Steps look at indices, too.
+                let place = self.steps(ctx, node);
+                if self.hint_of(ctx, node).is_none()
+                    && let Some((start, steps, span)) = place
+                {
+                    self.note(ctx, &start, &steps, span, hint);
+                }
+            }
+            NodeKind::Call { callee, arguments } => self.call(ctx, callee, arguments, hint, false),
+            NodeKind::Dereference(base) | NodeKind::Reference(base) => self.expect(ctx, base, None),
+            NodeKind::Unary { op, operand } => {
+                let bool = typed(Elementary::Bool);
+                let hint = match op {
+                    UnaryOp::Not => Some(hint.unwrap_or(&bool)),
+                    UnaryOp::Plus | UnaryOp::Minus => hint,
+                };
+                self.expect(ctx, operand, hint);
+            }
+            NodeKind::Binary { .. } => self.chain(ctx, node, hint),
+        }
+    }
+
+    /// Operators in a row, all of one kind.
+    fn chain(&mut self, ctx: &mut Ctx, node: &Node, hint: Option<&Hint>) {
+        let NodeKind::Binary { op, .. } = &node.kind else { return };
+        let group = group(*op);
+        let mut operands = Vec::new();
+        let mut at = node;
+        while let NodeKind::Binary { op, left, right, .. } = &at.kind
+            && self::group(*op) == group
+        {
+            operands.push((Some(*op), &**right));
+            at = left;
+        }
+        operands.push((None, at));
+        operands.reverse();
+        let hints: Vec<Option<Hint>> = operands.iter().map(|(_, operand)| self.hint_of(ctx, operand)).collect();
+        if hints.iter().all(Option::is_some) {
+            return;
+        }
+        let known = surest(hints.iter().cloned());
+        let wanted = match group {
+            Group::Compare => known,
+            Group::Logic => surest([known, hint.cloned()]).or(Some(typed(Elementary::Bool))),
+            Group::Number => surest([hint.cloned(), known]),
+        };
+        for ((op, operand), known) in operands.into_iter().zip(hints) {
+            if known.is_some() {
+                continue;
+            }
+            let is_time = matches!(
+                &wanted,
+                Some(Hint::Type(DataType::Elementary(Elementary::Time | Elementary::Ltime | Elementary::S5Time)))
+            );
+            // A time is multiplied with numbers.
+            match op {
+                Some(BinaryOp::Multiply | BinaryOp::Divide) if is_time => self.expect(ctx, operand, Some(&INT)),
+                _ => self.expect(ctx, operand, wanted.as_ref()),
+            }
+        }
+    }
+
+    /// Looks at a call. `hint`: what is wanted of its value; `statement`: it stands alone.
+    pub fn call(&mut self, ctx: &mut Ctx, callee: &Node, arguments: &[Argument], hint: Option<&Hint>, statement: bool) {
+        if self.missing_callee(ctx, callee, arguments, hint, statement) {
+            return;
+        }
+        let target = self.quietly(|binder| binder.callee(ctx, callee));
+        match target {
+            Some(Callee::Block { key, .. }) => self.known_block(ctx, key, arguments, callee.span),
+            Some(Callee::Function(named)) => self.function(ctx, &named, arguments, hint),
+            None => {
+                for value in arguments.iter().filter_map(|argument| argument.value.as_ref()) {
+                    self.expect(ctx, value, None);
+                }
+            }
+        }
+    }
+
+    /// A call of something that is missing; false if it is not.
+    fn missing_callee(
+        &mut self,
+        ctx: &mut Ctx,
+        callee: &Node,
+        arguments: &[Argument],
+        hint: Option<&Hint>,
+        statement: bool,
+    ) -> bool {
+        // `"block"."data block"(…)`, `FB10.DB20(…)`.
+        if let NodeKind::Member { base, name } = &callee.kind
+            && let Some((start, steps, span)) = self.steps(ctx, base)
+            && steps.is_empty()
+            && let Some(block) = self.missing_block(ctx, &start)
+            && (name.form == NameForm::Quoted || matches!(start, Start::Block(..)))
+        {
+            let instance = match plcc_syntax::scl::absolute(&name.text) {
+                Some(plcc_syntax::ast::OperandKind::Block(plcc_syntax::ast::BlockName::Numbered {
+                    prefix,
+                    number,
+                    ..
+                })) => Start::Block(prefix, number),
+                _ => Start::Global(name.text.clone()),
+            };
+            self.formals(ctx, &start, &[], span, arguments, None, true, true);
+            self.with_shape(ctx, &instance, &[], name.span, &mut |shape| {
+                shape.is_db = true;
+                shape.of = Some(block.clone());
+            });
+            return true;
+        }
+        if let NodeKind::Name(name) = &callee.kind
+            && name.form == NameForm::Bare
+            && Named::find(&name.text).is_some()
+        {
+            return false;
+        }
+        let Some((start, steps, span)) = self.steps(ctx, callee) else { return false };
+        if !self.lies_in_missing(ctx, &start, &steps, span) {
+            return false;
+        }
+        let instance = !steps.is_empty() || matches!(start, Start::Local(_));
+        self.formals(ctx, &start, &steps, span, arguments, hint, statement, instance);
+        true
+    }
+
+    /// The thing at the start of a place, if it is missing.
+    fn missing_block(&mut self, ctx: &Ctx, start: &Start) -> Option<Missing> {
+        let missing = match start {
+            Start::Global(name) => Missing::name(name),
+            Start::Block(prefix, number) => Missing::block(*prefix, *number)?,
+            Start::Local(_) => return None,
+        };
+        self.lies_in_missing(ctx, start, &[], Span::default()).then_some(missing)
+    }
+
+    /// True if the place is missing, or lies in something that is.
+    fn lies_in_missing(&mut self, ctx: &Ctx, start: &Start, steps: &[Step], span: Span) -> bool {
+        let mut hit = false;
+        self.with_shape(ctx, start, steps, span, &mut |_| hit = true);
+        hit
+    }
+
+    /// What the arguments of a call tell about the parameters of a missing block.
+    #[allow(clippy::too_many_arguments)] // A call, and where it stands.
+    fn formals(
+        &mut self,
+        ctx: &mut Ctx,
+        start: &Start,
+        steps: &[Step],
+        span: Span,
+        arguments: &[Argument],
+        hint: Option<&Hint>,
+        statement: bool,
+        instance: bool,
+    ) {
+        let mut formals = Vec::new();
+        for (at, argument) in arguments.iter().enumerate() {
+            let name = argument.name.as_ref().map_or_else(|| format!("IN{}", at + 1), |name| name.text.clone());
+            if name.eq_ignore_ascii_case("EN") || name.eq_ignore_ascii_case("ENO") {
+                if let Some(value) = &argument.value {
+                    self.expect(ctx, value, Some(&typed(Elementary::Bool)));
+                }
+                continue;
+            }
+            let known = argument.value.as_ref().and_then(|value| self.hint_of(ctx, value));
+            formals.push((name, argument.output, known));
+        }
+        let mut wanted = Vec::new();
+        self.with_shape(ctx, start, steps, span, &mut |shape| {
+            wanted.clear();
+            for (name, output, known) in &formals {
+                let formal = shape.formal(name, *output);
+                formal.learn(known.as_ref());
+                wanted.push((name.clone(), formal.ty.clone()));
+            }
+            let call = shape.call.get_or_insert_default();
+            call.instance |= instance;
+            if !statement && !instance {
+                call.result = true;
+                call.value.learn(hint);
+            }
+        });
+        for (at, argument) in arguments.iter().enumerate() {
+            let name = argument.name.as_ref().map_or_else(|| format!("IN{}", at + 1), |name| name.text.clone());
+            if let Some(value) = &argument.value
+                && self.hint_of(ctx, value).is_none()
+            {
+                let ty = wanted.iter().find(|(known, _)| *known == name).and_then(|(_, ty)| ty.clone());
+                self.expect(ctx, value, ty.map(Hint::Type).as_ref());
+            }
+        }
+    }
+
+    /// Arguments of a block that is known.
+    pub fn known_block(&mut self, ctx: &mut Ctx, key: BlockKey, arguments: &[Argument], span: Span) {
+        let Some(bound) = self.quietly(|binder| binder.interface(key, span)) else { return };
+        let inputs: Vec<_> =
+            bound.interface.parameters.iter().filter(|one| one.direction != Direction::Output).collect();
+        for (at, argument) in arguments.iter().enumerate() {
+            let Some(value) = &argument.value else { continue };
+            let formal = match &argument.name {
+                Some(name) => bound.interface.parameters.iter().find(|formal| fold(&formal.name) == fold(&name.text)),
+                None => inputs.get(at).copied(),
+            };
+            let enable = argument
+                .name
+                .as_ref()
+                .is_some_and(|name| name.text.eq_ignore_ascii_case("EN") || name.text.eq_ignore_ascii_case("ENO"));
+            let hint = match formal.map(|formal| &formal.ty) {
+                _ if enable => Some(typed(Elementary::Bool)),
+                Some(ty) => parameter_hint(ty),
+                None => None,
+            };
+            if self.hint_of(ctx, value).is_none() {
+                self.expect(ctx, value, hint.as_ref());
+            }
+        }
+    }
+
+    /// Arguments of a function of the language.
+    fn function(&mut self, ctx: &mut Ctx, named: &Named, arguments: &[Argument], hint: Option<&Hint>) {
+        let hints: Vec<Option<Hint>> = arguments
+            .iter()
+            .map(|argument| argument.value.as_ref().and_then(|value| self.hint_of(ctx, value)))
+            .collect();
+        let common = surest(hints.iter().cloned()).or_else(|| hint.cloned());
+        for (argument, known) in arguments.iter().zip(hints) {
+            let Some(value) = argument.value.as_ref().filter(|_| known.is_none()) else { continue };
+            let name = argument.name.as_ref().map_or(String::new(), |name| name.text.to_ascii_uppercase());
+            let wanted = match named {
+                Named::Convert { from: Some(from), .. } => Some(typed(*from)),
+                Named::Convert { from: None, .. } => None,
+                Named::Bcd(word) => {
+                    let from = word.split("_TO_").next().unwrap_or("");
+                    Elementary::from_word(from).map(typed).or(Some(typed(Elementary::Word)))
+                }
+                Named::Text(word) => {
+                    let from = word.split("_TO_").next().unwrap_or("");
+                    match from {
+                        "STRING" => Some(Hint::Type(DataType::String(254))),
+                        "WSTRING" => Some(Hint::Type(DataType::WideString(254))),
+                        from => Elementary::from_word(from).map(typed),
+                    }
+                }
+                Named::Row { row, suffix } => match (row.name, name.as_str()) {
+                    (_, "T_NO" | "TIMER") => Some(Hint::Cell(CellKind::Timer)),
+                    (_, "C_NO") => Some(Hint::Cell(CellKind::Counter)),
+                    (_, "TV") => Some(typed(Elementary::S5Time)),
+                    (_, "PV" | "BI" | "CV") => Some(typed(Elementary::Word)),
+                    (_, "S" | "R" | "Q" | "CU" | "CD" | "G") => Some(typed(Elementary::Bool)),
+                    (_, "K" | "N" | "COUNT" | "COUNT_IN" | "COUNT_OUT" | "DIM") => Some(INT),
+                    ("NORM_X", _) => common.clone(),
+                    ("SCALE_X", "VALUE") => Some(typed(Elementary::Real)),
+                    ("ROUND" | "TRUNC" | "CEIL" | "FLOOR" | "SQRT" | "EXP" | "LN" | "SIN" | "COS" | "TAN", _) => {
+                        Some(typed(Elementary::Real))
+                    }
+                    _ => suffix.map(typed).or_else(|| common.clone()),
+                },
+            };
+            self.expect(ctx, value, wanted.as_ref());
+        }
+    }
+}
+
+/// The hint that a parameter's type is; a type that takes anything is none.
+pub fn parameter_hint(ty: &DataType) -> Option<Hint> {
+    use crate::types::ParameterType;
+    match ty {
+        DataType::Parameter(ParameterType::Timer) => Some(Hint::Cell(CellKind::Timer)),
+        DataType::Parameter(ParameterType::Counter) => Some(Hint::Cell(CellKind::Counter)),
+        DataType::Parameter(ParameterType::BlockDb) => Some(Hint::DataBlock),
+        DataType::Parameter(_) | DataType::Void => None,
+        DataType::OpenArray(array) => {
+            let bounds = vec![(0, 9); usize::from(array.dimensions)];
+            let bytes = u32::try_from(crate::layout::array_bytes(&bounds, &array.element)).ok()?;
+            let array = crate::types::ArrayType { bounds, element: array.element.clone(), bytes };
+            Some(Hint::Type(DataType::Array(std::rc::Rc::new(array))))
+        }
+        ty => Some(Hint::Type(ty.clone())),
+    }
+}
+
+/// Operators that want the same of both sides.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Group {
+    Compare,
+    Logic,
+    Number,
+}
+
+const fn group(op: BinaryOp) -> Group {
+    match op {
+        BinaryOp::Less
+        | BinaryOp::Greater
+        | BinaryOp::LessEqual
+        | BinaryOp::GreaterEqual
+        | BinaryOp::Equal
+        | BinaryOp::NotEqual => Group::Compare,
+        BinaryOp::And | BinaryOp::Or | BinaryOp::Xor => Group::Logic,
+        BinaryOp::Power
+        | BinaryOp::Multiply
+        | BinaryOp::Divide
+        | BinaryOp::DivideInteger
+        | BinaryOp::Modulo
+        | BinaryOp::Add
+        | BinaryOp::Subtract => Group::Number,
+    }
+}

@@ -1,0 +1,344 @@
+//! Uses in statement lists.
+
+use plcc_diag::Span;
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{self, Area, BlockName, BlockPrefix, CellKind, Operand, OperandKind, PathRoot, Statement};
+use plcc_syntax::stl::{OperandClass, StlInsn};
+
+use super::evidence::{Hint, Missing};
+use super::look::{Look, Start, Step, of_constant, of_width, step_of_part};
+use super::scl::{parameter_hint, typed};
+use crate::bind::Ctx;
+use crate::bind::constant::Constant;
+use crate::bind::names::fold;
+use crate::bind::settle::Settled;
+use crate::model::BlockKey;
+use crate::model::Number;
+use crate::types::{DataType, ParameterType};
+
+/// The data blocks that statements have opened so far.
+#[derive(Default)]
+struct Open {
+    db: Option<Start>,
+    di: Option<Start>,
+}
+
+impl Look<'_, '_> {
+    pub fn list<'s>(&mut self, ctx: &mut Ctx, statements: impl Iterator<Item = &'s Statement>) {
+        let statements: Vec<&Statement> = statements.collect();
+        let mut open = Open::default();
+        for (at, statement) in statements.iter().enumerate() {
+            match &statement.kind {
+                ast::StatementKind::Instruction { insn, operand: Some(operand), .. } => {
+                    self.instruction(ctx, &statements, at, *insn, operand, &mut open);
+                }
+                ast::StatementKind::Call(call) => self.stl_call(ctx, call, &mut open),
+                ast::StatementKind::Instruction { operand: None, .. }
+                | ast::StatementKind::Empty
+                | ast::StatementKind::Pragma(_)
+                | ast::StatementKind::Error => {}
+            }
+        }
+    }
+
+    fn instruction(
+        &mut self,
+        ctx: &mut Ctx,
+        statements: &[&Statement],
+        at: usize,
+        insn: StlInsn,
+        operand: &Operand,
+        open: &mut Open,
+    ) {
+        use OperandClass as Class;
+        let bool = typed(Elementary::Bool);
+        match insn.operand() {
+            Class::DataBlock => {
+                if let OperandKind::Block(name) = &operand.kind {
+                    let start = start_of_block(name);
+                    let di = matches!(name, BlockName::Numbered { prefix: BlockPrefix::Di, .. });
+                    let place = if di { &mut open.di } else { &mut open.db };
+                    *place = Some(start);
+                } else if let OperandKind::Path(path) = &operand.kind
+                    && let PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. } = &path.root
+                {
+                    open.db = Some(Start::Global(name.clone()));
+                } else {
+                    open.db = None;
+                }
+                self.operand(ctx, operand, Some(&Hint::DataBlock));
+            }
+            Class::Block => {
+                if let Some((start, _, span)) = start_of_operand(ctx, operand) {
+                    self.with_shape(ctx, &start, &[], span, &mut |shape| {
+                        shape.call.get_or_insert_default();
+                    });
+                }
+            }
+            Class::Timer => self.operand(ctx, operand, Some(&Hint::Cell(CellKind::Timer))),
+            Class::Counter => self.operand(ctx, operand, Some(&Hint::Cell(CellKind::Counter))),
+            // A timer or a counter: other uses tell.
+            Class::Cell => self.operand(ctx, operand, None),
+            Class::Bit | Class::BitOrNone | Class::BitWrite | Class::BitWriteOrCounter | Class::BitWriteOrCell => {
+                self.extent(ctx, operand, open);
+                self.operand(ctx, operand, Some(&bool));
+            }
+            Class::LoadSource | Class::TransferTarget => {
+                self.extent(ctx, operand, open);
+                let hint = self.around(ctx, statements, at);
+                self.operand(ctx, operand, hint.as_ref());
+            }
+            Class::LoadAr1 | Class::LoadAr2 | Class::TransferAr1 | Class::TransferAr2 => {
+                self.extent(ctx, operand, open);
+                self.operand(ctx, operand, Some(&typed(Elementary::Dword)));
+            }
+            Class::None
+            | Class::PointerOrNone
+            | Class::Byte
+            | Class::AddConstant
+            | Class::WordConstOrNone
+            | Class::DwordConstOrNone
+            | Class::ShiftCount16
+            | Class::ShiftCount32
+            | Class::Label => {}
+        }
+    }
+
+    /// `DBW 10` reaches into the data block that was opened.
+    fn extent(&mut self, ctx: &Ctx, operand: &Operand, open: &Open) {
+        if let OperandKind::Absolute { area: area @ (Area::Db | Area::Di), width, byte, .. } = &operand.kind
+            && let Some(start) = if *area == Area::Db { open.db.clone() } else { open.di.clone() }
+        {
+            let end = byte.saturating_add(width.bytes());
+            self.with_shape(ctx, &start, &[Step::Absolute(end)], operand.span, &mut |_| {});
+        }
+    }
+
+    /// What the statements around `L` and `T` tell of the value in ACCU1.
+    fn around(&mut self, ctx: &mut Ctx, statements: &[&Statement], at: usize) -> Option<Hint> {
+        const FAR: usize = 4;
+        let insn_at = |at: usize| match statements.get(at).map(|statement| &statement.kind) {
+            Some(ast::StatementKind::Instruction { insn, operand, .. }) => Some((*insn, operand.as_ref())),
+            _ => None,
+        };
+        let loads = matches!(insn_at(at), Some((StlInsn::Load, _)));
+        let of_letter = |mnemonic: &str| match mnemonic.chars().last() {
+            Some('I') => Some(typed(Elementary::Int)),
+            Some('D') => Some(typed(Elementary::Dint)),
+            Some('R') => Some(typed(Elementary::Real)),
+            _ => None,
+        };
+        // Behind a load: the first operation or transfer; before a transfer: the operation or load.
+        let range: Vec<usize> =
+            if loads { (at + 1..at + 1 + FAR).collect() } else { (at.saturating_sub(FAR)..at).rev().collect() };
+        for other in range {
+            let Some((insn, operand)) = insn_at(other) else { continue };
+            let mnemonic = insn.mnemonic(plcc_syntax::stl::Mnemonics::En);
+            match insn {
+                StlInsn::Load | StlInsn::Transfer => {
+                    let Some(operand) = operand else { continue };
+                    if let Some(hint) = self.operand_hint(ctx, operand) {
+                        return Some(hint);
+                    }
+                }
+                _ if operand.is_none() && mnemonic.chars().next().is_some_and(|first| "+-*/<>=".contains(first)) => {
+                    if let Some(hint) = of_letter(mnemonic) {
+                        return Some(hint);
+                    }
+                }
+                _ => match mnemonic {
+                    "ITD" | "BTI" | "NEGI" | "INVI" if loads => return Some(typed(Elementary::Int)),
+                    "DTR" | "DTB" | "NEGD" | "INVD" if loads => return Some(typed(Elementary::Dint)),
+                    "RND" | "TRUNC" | "RND+" | "RND-" | "ABS" | "NEGR" | "SQRT" | "SQR" if loads => {
+                        return Some(typed(Elementary::Real));
+                    }
+                    "ITD" | "RND" | "TRUNC" | "RND+" | "RND-" | "BTD" => return Some(typed(Elementary::Dint)),
+                    "DTR" | "ABS" | "SQRT" | "SQR" | "NEGR" => return Some(typed(Elementary::Real)),
+                    "ITB" | "BTI" => return Some(typed(Elementary::Int)),
+                    "AW" | "OW" | "XOW" | "SLW" | "SRW" => return Some(typed(Elementary::Word)),
+                    "AD" | "OD" | "XOD" | "SLD" | "SRD" | "RLD" | "RRD" | "LAR1" | "LAR2" => {
+                        return Some(typed(Elementary::Dword));
+                    }
+                    "SP" | "SE" | "SD" | "SS" | "SF" if loads => return Some(typed(Elementary::S5Time)),
+                    _ => {}
+                },
+            }
+        }
+        None
+    }
+
+    /// What an operand of STL is, if it is known.
+    fn operand_hint(&mut self, ctx: &mut Ctx, operand: &Operand) -> Option<Hint> {
+        let settled = self.quietly(|binder| binder.settle(ctx, operand))?;
+        Some(match settled {
+            Settled::Memory { ty: Some(ty), .. } => typed(ty),
+            Settled::Memory { width: ast::Width::Bit, ty: None, .. } => typed(Elementary::Bool),
+            Settled::Memory { width, ty: None, .. } => Hint::Width(of_width(width)),
+            Settled::Complex(variable) => Hint::Type(variable.ty),
+            Settled::Cell { kind, .. } => Hint::Cell(kind),
+            Settled::Block { prefix: BlockPrefix::Db | BlockPrefix::Di, .. } => Hint::DataBlock,
+            Settled::Block { prefix, .. } => Hint::Type(DataType::Parameter(match prefix {
+                BlockPrefix::Fb => ParameterType::BlockFb,
+                BlockPrefix::Fc => ParameterType::BlockFc,
+                _ => return None,
+            })),
+            Settled::Literal(literal) => match Constant::of_stl(literal) {
+                Some(constant) => of_constant(&constant),
+                None => Hint::Type(DataType::Parameter(match literal {
+                    plcc_syntax::literal::Literal::Any(_) => ParameterType::Any,
+                    _ => ParameterType::Pointer,
+                })),
+            },
+            Settled::Pointer(_) | Settled::ParameterPointer(_) => typed(Elementary::Dword),
+            Settled::Status(_) => typed(Elementary::Bool),
+            Settled::Special(_) => Hint::Width(Elementary::Word),
+            Settled::Register(_) => typed(Elementary::Dword),
+            Settled::Label => return None,
+        })
+    }
+
+    /// Notes what an operand names, if it is missing.
+    pub fn operand(&mut self, ctx: &mut Ctx, operand: &Operand, hint: Option<&Hint>) {
+        match &operand.kind {
+            OperandKind::Cell { kind, number } => {
+                self.found.cells.insert((*kind, *number));
+            }
+            OperandKind::MemoryIndirect { pointer, .. } => self.operand(ctx, pointer, Some(&typed(Elementary::Dword))),
+            OperandKind::CellIndirect { pointer, .. } | OperandKind::BlockIndirect { pointer, .. } => {
+                self.operand(ctx, pointer, Some(&typed(Elementary::Word)));
+            }
+            _ => {
+                let Some((start, steps, span)) = start_of_operand(ctx, operand) else { return };
+                let known = match &start {
+                    // Cells and bits of a missing name may be told apart by another use only.
+                    Start::Global(name) if self.is_missing(name) => false,
+                    Start::Block(prefix, number) => {
+                        Missing::block(*prefix, *number).is_none_or(|missing| !self.found.things.contains_key(&missing))
+                            && self.is_known_start(ctx, &start)
+                            && self.operand_hint(ctx, operand).is_some()
+                    }
+                    _ => self.operand_hint(ctx, operand).is_some(),
+                };
+                if !known {
+                    self.note(ctx, &start, &steps, span, hint);
+                }
+            }
+        }
+    }
+
+    fn is_known_start(&mut self, _ctx: &Ctx, start: &Start) -> bool {
+        match start {
+            Start::Block(BlockPrefix::Db | BlockPrefix::Di, number) => {
+                u16::try_from(*number).is_ok_and(|number| number == 0 || self.binder.dbs.contains_key(&number))
+            }
+            _ => true,
+        }
+    }
+
+    fn stl_call(&mut self, ctx: &mut Ctx, call: &ast::Call, open: &mut Open) {
+        // The callee may change the data block register.
+        *open = Open::default();
+        let Some((start, steps, span)) = start_of_operand(ctx, &call.target) else { return };
+        let known = self.quietly(|binder| match binder.settle(ctx, &call.target)? {
+            Settled::Block { prefix, number: Number::Known(number) } => {
+                Some(BlockKey { kind: crate::bind::names::code_kind(prefix)?, number })
+            }
+            Settled::Complex(variable) => match &variable.ty {
+                DataType::Struct(structure) => {
+                    let (sfb, number) = structure.instance_of?;
+                    let kind = if sfb { plcc_abi::image::BlockKind::Sfb } else { plcc_abi::image::BlockKind::Fb };
+                    Some(BlockKey { kind, number })
+                }
+                _ => None,
+            },
+            _ => None,
+        });
+        let mut is_missing = false;
+        let missing = match &start {
+            Start::Global(name) => Some(Missing::name(name)),
+            Start::Block(prefix, number) => Missing::block(*prefix, *number),
+            Start::Local(_) => None,
+        };
+        self.with_shape(ctx, &start, &steps, span, &mut |shape| {
+            is_missing = true;
+            let interface = shape.call.get_or_insert_default();
+            interface.instance |= call.instance.is_some();
+        });
+        if let Some(operand) = &call.instance
+            && let Some((instance, steps, span)) = start_of_operand(ctx, operand)
+            && steps.is_empty()
+        {
+            let of = match (&missing, is_missing) {
+                (Some(missing), true) => Some(missing.clone()),
+                _ => None,
+            };
+            // The binder makes the instance of a block that it knows.
+            if of.is_some() || matches!(&instance, Start::Global(name) if self.binder.global(name).is_none()) {
+                let of = of.or_else(|| known.and_then(|key| known_block(key)));
+                self.with_shape(ctx, &instance, &[], span, &mut |shape| {
+                    shape.is_db = true;
+                    shape.of = shape.of.take().or(of.clone());
+                });
+            }
+        }
+        if is_missing {
+            for parameter in &call.parameters {
+                let known = parameter.actual.as_ref().and_then(|actual| self.operand_hint(ctx, actual));
+                let mut wanted = None;
+                self.with_shape(ctx, &start, &steps, span, &mut |shape| {
+                    let formal = shape.formal(&parameter.name, false);
+                    formal.learn(known.as_ref());
+                    wanted.clone_from(&formal.ty);
+                });
+                if let Some(actual) = &parameter.actual {
+                    self.operand(ctx, actual, wanted.map(Hint::Type).as_ref());
+                }
+            }
+            return;
+        }
+        let bound = known.and_then(|key| self.quietly(|binder| binder.interface(key, span)));
+        for parameter in &call.parameters {
+            let Some(actual) = &parameter.actual else { continue };
+            let formal = bound.as_ref().and_then(|bound| {
+                bound.interface.parameters.iter().find(|formal| fold(&formal.name) == fold(&parameter.name))
+            });
+            let hint = formal.and_then(|formal| parameter_hint(&formal.ty));
+            self.operand(ctx, actual, hint.as_ref());
+        }
+    }
+}
+
+/// A block that is known, as instances name it.
+fn known_block(key: BlockKey) -> Option<Missing> {
+    Missing::block(crate::bind::names::kind_prefix(key.kind), u32::from(key.number))
+}
+
+fn start_of_block(name: &BlockName) -> Start {
+    match name {
+        BlockName::Numbered { prefix, number, .. } => Start::Block(*prefix, *number),
+        BlockName::Symbol { name, .. } => Start::Global(name.clone()),
+    }
+}
+
+/// What an operand begins with, and its steps; none of operands that name nothing.
+fn start_of_operand(ctx: &Ctx, operand: &Operand) -> Option<(Start, Vec<Step>, Span)> {
+    match &operand.kind {
+        OperandKind::Block(name) => Some((start_of_block(name), Vec::new(), operand.span)),
+        OperandKind::DbAbsolute { db, width, byte, .. } => {
+            Some((start_of_block(db), vec![Step::Absolute(byte.saturating_add(width.bytes()))], operand.span))
+        }
+        OperandKind::Path(path) | OperandKind::AddressOf(path) => {
+            let steps: Vec<Step> = path.parts.iter().map(step_of_part).collect();
+            let (start, span) = match &path.root {
+                PathRoot::Local { name, span } => (Start::Local(name.clone()), *span),
+                PathRoot::Bare { name, span } if ctx.bound.locals.contains_key(&fold(name)) => {
+                    (Start::Local(name.clone()), *span)
+                }
+                PathRoot::Bare { name, span } | PathRoot::Quoted { name, span } => (Start::Global(name.clone()), *span),
+                PathRoot::Block(name) => (start_of_block(name), name.span()),
+            };
+            Some((start, steps, span))
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,488 @@
+//! Declarations that stand in for what is missing, as its uses show it.
+
+use plcc_diag::{FileId, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{
+    self, Area, Block, BlockName, BlockPrefix, Bound, CellKind, CodeKind, DataContent, Header, Retain, Section,
+    SectionKind, TypeKind, TypeRef, Variable, Width,
+};
+use plcc_syntax::scl::ast as scl;
+use rustc_hash::FxHashSet;
+
+use super::evidence::{Evidence, Interface, Missing, Shape};
+use crate::bind::names::fold;
+use crate::layout;
+use crate::symbols::{GlobalConstant, Symbol, SymbolTable, SymbolTarget};
+use crate::types::{DataType, StructType};
+
+/// Bit memory from here on has no CPU: tags that are missing lie there.
+pub const MEMORY_START: u32 = 32_768;
+
+/// Where the memory of tags ends.
+const MEMORY_END: u32 = plcc_abi::layout::AREA_BYTES;
+
+/// Bytes of a data block of which no use shows how large it is.
+const OPENED_BYTES: u32 = 1024;
+
+/// Last index of an array whose indices are all found at run time.
+const OPEN_INDEX: i64 = 99;
+
+/// The first value of a constant that is missing; each has one of its own.
+const FIRST_CONSTANT: i64 = 101;
+
+/// Declarations that stand in.
+#[derive(Default)]
+pub struct StandIns {
+    pub blocks: Vec<Block>,
+    pub table: SymbolTable,
+    /// One line for each thing, in the order of their spans; the text of the file that they stand in.
+    pub lines: Vec<Line>,
+}
+
+/// What stands in for one thing.
+pub struct Line {
+    pub missing: Missing,
+    /// `FC 105`, `` `Start` ``.
+    pub name: String,
+    /// `a stub that does nothing`.
+    pub what: String,
+}
+
+/// What can be declared for a thing.
+enum Kind {
+    Constant,
+    Type,
+    Function,
+    FunctionBlock,
+    DataBlock,
+    /// An instance of a block, or of one of its own.
+    Instance,
+    Cell(CellKind),
+    Tag,
+}
+
+/// Writes stand-ins for all that is missing. `vague`: also for what no use shows the type of.
+pub struct Writer<'e> {
+    pub evidence: &'e Evidence,
+    pub file: FileId,
+    pub vague: bool,
+    /// What cannot have a stand-in.
+    pub refused: &'e FxHashSet<Missing>,
+    /// Timers and counters of the CPU, and those that the program uses.
+    pub cells: [u32; 2],
+    pub used_cells: &'e FxHashSet<(CellKind, u32)>,
+}
+
+impl Writer<'_> {
+    pub fn write(&self) -> StandIns {
+        let mut stand_ins = StandIns::default();
+        let mut byte = MEMORY_START;
+        let mut next_cell = self.cells;
+        for (missing, shape) in &self.evidence.things {
+            if self.refused.contains(missing) || (shape.is_vague() && !self.vague) {
+                continue;
+            }
+            let span = self.span(stand_ins.lines.len());
+            let name = name_of(missing, shape, span);
+            let what = match kind_of(missing, shape) {
+                Kind::Constant => {
+                    let value = FIRST_CONSTANT + stand_ins.table.constants.len() as i64;
+                    let (constant, text) = constant(shape, value, span);
+                    stand_ins.table.constants.push(constant);
+                    format!("a constant of the value {text}")
+                }
+                Kind::Type => {
+                    let block = ast::TypeBlock {
+                        name,
+                        header: Header::default(),
+                        members: members(shape, span),
+                        alias: (shape.members.is_empty() && shape.elements.is_some()).then(|| type_of(shape, span)),
+                        span,
+                    };
+                    stand_ins.blocks.push(Block::Type(block));
+                    format!("a structure of {}", components(shape.members.len()))
+                }
+                Kind::Function | Kind::FunctionBlock => {
+                    let fb = matches!(kind_of(missing, shape), Kind::FunctionBlock);
+                    stand_ins.blocks.push(Block::Code(code_block(name, shape, fb, span)));
+                    "a stub that does nothing".to_string()
+                }
+                Kind::Instance => {
+                    let of = match &shape.of {
+                        Some(of) => self.block_name(of, span),
+                        None => {
+                            // Called by its own name, and looked into: the function block is not known at all.
+                            let text = format!("{} (function block)", shape.name);
+                            let name = BlockName::Symbol { name: text, span };
+                            stand_ins.blocks.push(Block::Code(code_block(name.clone(), shape, true, span)));
+                            name
+                        }
+                    };
+                    let ty = TypeRef { kind: TypeKind::Block(of), span };
+                    stand_ins.blocks.push(data_block(name, DataContent::OfType(ty), span));
+                    "an instance data block".to_string()
+                }
+                Kind::DataBlock => {
+                    let (content, what) = content(shape, span);
+                    stand_ins.blocks.push(data_block(name, content, span));
+                    what
+                }
+                Kind::Cell(kind) => {
+                    let (at, word) = if kind == CellKind::Timer { (0, "timer") } else { (1, "counter") };
+                    let free = (0..next_cell[at]).rev().find(|number| !self.used_cells.contains(&(kind, *number)));
+                    let Some(number) = free else { continue };
+                    next_cell[at] = number;
+                    let target = SymbolTarget::Cell { kind, number };
+                    stand_ins.table.symbols.push(symbol(&shape.name, target, word.to_ascii_uppercase(), span));
+                    let letter = if kind == CellKind::Timer { "T" } else { "C" };
+                    format!("a {word} of its own ({letter} {number})")
+                }
+                Kind::Tag => {
+                    let Some(what) = self.tag(shape, span, &mut byte, &mut stand_ins) else { continue };
+                    what
+                }
+            };
+            let name = match missing.numbered() {
+                Some((prefix, number)) => format!("{} {number}", prefix.letters()),
+                None => format!("`{}`", shape.name),
+            };
+            stand_ins.lines.push(Line { missing: missing.clone(), name, what });
+        }
+        stand_ins
+    }
+
+    /// The line of the file in which stand-in `at` is described: as many characters into it.
+    fn span(&self, at: usize) -> Span {
+        Span { file: self.file, start: at as u32, end: at as u32 }
+    }
+
+    fn block_name(&self, missing: &Missing, span: Span) -> BlockName {
+        match self.evidence.things.get(missing) {
+            Some(shape) => name_of(missing, shape, span),
+            None => name_of(missing, &Shape::default(), span),
+        }
+    }
+
+    /// A tag: bit memory of its own, beyond that of the CPU.
+    fn tag(&self, shape: &Shape, span: Span, byte: &mut u32, stand_ins: &mut StandIns) -> Option<String> {
+        let elementary = match (&shape.elements, elementary_of(shape)) {
+            (None, Some(ty)) => Some(ty),
+            (None, None)
+                if shape.ty.is_none()
+                    && !matches!(shape.literal, Some(DataType::String(_) | DataType::WideString(_))) =>
+            {
+                Some(Elementary::Int)
+            }
+            _ => None,
+        };
+        let at = byte.next_multiple_of(2);
+        let (target, ty, bytes, what) = match elementary {
+            Some(ty) => {
+                let width = layout::width(ty);
+                let target = SymbolTarget::Memory { area: Area::M, width, byte: at, bit: 0 };
+                (target, ty.name().to_string(), width.bytes(), format!("a variable of its own of type {}", ty.name()))
+            }
+            None => {
+                // A tag has the type that its table names: one that is only an alias.
+                let alias = format!("{} (type)", shape.name);
+                let ty = type_of(shape, span);
+                let bytes = match &shape.ty {
+                    Some(ty) => layout::bytes(ty),
+                    None => 1024,
+                };
+                stand_ins.blocks.push(Block::Type(ast::TypeBlock {
+                    name: BlockName::Symbol { name: alias.clone(), span },
+                    header: Header::default(),
+                    members: Vec::new(),
+                    alias: Some(ty),
+                    span,
+                }));
+                let target = SymbolTarget::Memory { area: Area::M, width: Width::Byte, byte: at, bit: 0 };
+                (target, alias, bytes, "a variable of its own".to_string())
+            }
+        };
+        if at + bytes > MEMORY_END {
+            return None;
+        }
+        *byte = at + bytes;
+        stand_ins.table.symbols.push(symbol(&shape.name, target, ty, span));
+        Some(what)
+    }
+}
+
+fn kind_of(missing: &Missing, shape: &Shape) -> Kind {
+    if let Some((prefix, _)) = missing.numbered() {
+        return match prefix {
+            BlockPrefix::Udt => Kind::Type,
+            BlockPrefix::Fc | BlockPrefix::Sfc => Kind::Function,
+            BlockPrefix::Fb | BlockPrefix::Sfb => Kind::FunctionBlock,
+            _ if shape.of.is_some() => Kind::Instance,
+            _ => Kind::DataBlock,
+        };
+    }
+    match &shape.call {
+        _ if shape.is_constant => Kind::Constant,
+        Some(_) if shape.is_type => Kind::FunctionBlock,
+        None if shape.is_type => Kind::Type,
+        _ if shape.of.is_some() => Kind::Instance,
+        Some(call) if call.instance => Kind::FunctionBlock,
+        Some(call) if !call.result && (!shape.members.is_empty() || shape.is_db) => Kind::Instance,
+        Some(_) => Kind::Function,
+        None => match shape.cell {
+            Some(kind) => Kind::Cell(kind),
+            None if !shape.members.is_empty() || shape.is_db || shape.extent > 0 => Kind::DataBlock,
+            None => Kind::Tag,
+        },
+    }
+}
+
+fn name_of(missing: &Missing, shape: &Shape, span: Span) -> BlockName {
+    match missing.numbered() {
+        // System blocks that nothing knows are those of the user.
+        Some((prefix, number)) => BlockName::Numbered { prefix, number: u32::from(number), span },
+        None => {
+            let name = match missing {
+                Missing::Name(folded) if shape.name.is_empty() => folded.clone(),
+                _ => shape.name.clone(),
+            };
+            BlockName::Symbol { name, span }
+        }
+    }
+}
+
+fn components(count: usize) -> String {
+    match count {
+        1 => "the one component that is used".to_string(),
+        count => format!("the {count} components that are used"),
+    }
+}
+
+fn symbol(name: &str, target: SymbolTarget, ty: String, span: Span) -> Symbol {
+    Symbol { name: name.to_string(), target, ty, comment: String::new(), span }
+}
+
+fn data_block(name: BlockName, content: DataContent, span: Span) -> Block {
+    Block::Data(ast::DataBlock { name, header: Header::default(), content, values: Vec::new(), span })
+}
+
+fn variable(name: &str, ty: TypeRef, span: Span) -> Variable {
+    Variable {
+        name: name.to_string(),
+        name_span: span,
+        attributes: Vec::new(),
+        at: None,
+        ty,
+        initial: None,
+        comment: None,
+    }
+}
+
+fn members(shape: &Shape, span: Span) -> Vec<Variable> {
+    let mut list: Vec<Variable> =
+        shape.members.iter().map(|(_, member)| variable(&member.name, type_of(member, span), span)).collect();
+    if list.is_empty() && shape.elements.is_none() {
+        list.push(variable("UNKNOWN", named("WORD", span), span));
+    }
+    list
+}
+
+fn content(shape: &Shape, span: Span) -> (DataContent, String) {
+    if let (Some(elements), true) = (&shape.elements, shape.members.is_empty()) {
+        let _ = elements;
+        return (DataContent::Array(type_of(shape, span), None), "an array of its own".to_string());
+    }
+    let mut list = if shape.members.is_empty() { Vec::new() } else { members(shape, span) };
+    let bytes = match (shape.extent, list.is_empty()) {
+        (0, true) => OPENED_BYTES,
+        (extent, _) => extent.min(65_000),
+    };
+    let what = match (list.len(), bytes) {
+        (0, bytes) => format!("{bytes} bytes of its own"),
+        (count, _) => format!("a data block with {}", components(count)),
+    };
+    if bytes > 0 {
+        let bounds = vec![(Bound::Number(0, span), Bound::Number(i64::from(bytes) - 1, span))];
+        let kind = TypeKind::Array { bounds, element: Box::new(named("BYTE", span)) };
+        list.push(variable("ADDRESSED", TypeRef { kind, span }, span));
+    }
+    (DataContent::Struct(list), what)
+}
+
+fn code_block(name: BlockName, shape: &Shape, fb: bool, span: Span) -> ast::CodeBlock {
+    let none = Interface::default();
+    let call = shape.call.as_ref().unwrap_or(&none);
+    let mut sections = Vec::new();
+    let mut section = |kind, variables: Vec<Variable>| {
+        if !variables.is_empty() {
+            sections.push(Section { kind, retain: Retain::Unsaid, variables, span });
+        }
+    };
+    let formals = |output: bool| {
+        call.formals
+            .iter()
+            .filter(|formal| formal.output == output)
+            .map(|formal| variable(&formal.name, parameter_type(&formal.shape, output, fb, span), span))
+            .collect()
+    };
+    section(SectionKind::Input, formals(false));
+    section(SectionKind::Output, formals(true));
+    if fb {
+        let is_formal = |name: &str| call.formals.iter().any(|formal| fold(&formal.name) == *name);
+        let others = shape.members.iter().filter(|(name, _)| !is_formal(name));
+        section(
+            SectionKind::Static,
+            others.map(|(_, member)| variable(&member.name, type_of(member, span), span)).collect(),
+        );
+    }
+    ast::CodeBlock {
+        kind: match (&name, fb) {
+            (BlockName::Numbered { prefix: BlockPrefix::Sfc, .. }, _) => CodeKind::Sfc,
+            (BlockName::Numbered { prefix: BlockPrefix::Sfb, .. }, _) => CodeKind::Sfb,
+            (_, true) => CodeKind::Fb,
+            (_, false) => CodeKind::Fc,
+        },
+        name,
+        return_type: (call.result && !fb).then(|| type_of(&call.value, span)),
+        header: Header::default(),
+        sections,
+        constants: Vec::new(),
+        code: ast::Code::Scl(scl::Body::default()),
+        span,
+    }
+}
+
+/// The type of a parameter; one that takes anything where no other can be.
+fn parameter_type(shape: &Shape, output: bool, fb: bool, span: Span) -> TypeRef {
+    let special = match &shape.ty {
+        Some(DataType::Struct(structure)) if structure.instance_of.is_some() => true,
+        Some(DataType::Parameter(_) | DataType::OpenArray(_)) => true,
+        _ => false,
+    };
+    if shape.elements.is_none() && shape.members.is_empty() {
+        if let Some(kind) = shape.cell.filter(|_| !output) {
+            return named(if kind == CellKind::Timer { "TIMER" } else { "COUNTER" }, span);
+        }
+        if shape.is_db && shape.ty.is_none() && !output {
+            return named("BLOCK_DB", span);
+        }
+        if special && !(output && fb) {
+            return match &shape.ty {
+                Some(ty @ DataType::Parameter(_)) => named(&layout::type_name(ty), span),
+                _ => named("ANY", span),
+            };
+        }
+    }
+    type_of(shape, span)
+}
+
+fn named(word: &str, span: Span) -> TypeRef {
+    TypeRef { kind: TypeKind::Named(word.to_string()), span }
+}
+
+/// The elementary type that the uses of a thing show.
+fn elementary_of(shape: &Shape) -> Option<Elementary> {
+    if !shape.members.is_empty() || shape.elements.is_some() {
+        return None;
+    }
+    match (&shape.ty, shape.width, &shape.literal) {
+        (Some(DataType::Elementary(ty)), ..) => Some(*ty),
+        (Some(_), ..) => None,
+        (None, width, Some(DataType::Elementary(ty))) => Some(match width {
+            // A number beside an address of the same width is that number.
+            Some(width) if width.bits() != ty.bits() => width,
+            _ => *ty,
+        }),
+        (None, Some(width), _) => Some(width),
+        (None, None, _) => None,
+    }
+}
+
+/// The type that the uses of a thing show, as a declaration writes it.
+fn type_of(shape: &Shape, span: Span) -> TypeRef {
+    if !shape.members.is_empty() {
+        return TypeRef { kind: TypeKind::Struct(members(shape, span)), span };
+    }
+    match (&shape.elements, &shape.ty) {
+        (_, Some(ty @ (DataType::Array(_) | DataType::String(_) | DataType::WideString(_)))) => written(ty, span),
+        (Some(elements), _) => {
+            let bounds = elements
+                .bounds
+                .iter()
+                .map(|(low, high)| {
+                    let (low, high) =
+                        if elements.open { ((*low).min(0), (*high).max(OPEN_INDEX)) } else { ((*low).min(1), *high) };
+                    (Bound::Number(low, span), Bound::Number(high, span))
+                })
+                .collect();
+            let element = Box::new(type_of(&elements.shape, span));
+            TypeRef { kind: TypeKind::Array { bounds, element }, span }
+        }
+        (None, Some(ty)) if !matches!(ty, DataType::Elementary(_)) => written(ty, span),
+        (None, _) => match (elementary_of(shape), &shape.literal) {
+            (Some(ty), _) => named(ty.name(), span),
+            (None, Some(ty)) => written(ty, span),
+            (None, None) => named("INT", span),
+        },
+    }
+}
+
+/// A type as a declaration writes it.
+fn written(ty: &DataType, span: Span) -> TypeRef {
+    let number = |value: i64| Bound::Number(value, span);
+    let kind = match ty {
+        DataType::Elementary(ty) => TypeKind::Named(ty.name().to_string()),
+        DataType::DateAndTime => TypeKind::Named("DATE_AND_TIME".to_string()),
+        DataType::String(length) => TypeKind::String(Some(number(i64::from(*length)))),
+        DataType::WideString(length) => TypeKind::WideString(Some(number(i64::from(*length)))),
+        DataType::Array(array) => TypeKind::Array {
+            bounds: array
+                .bounds
+                .iter()
+                .map(|(low, high)| (number(i64::from(*low)), number(i64::from(*high))))
+                .collect(),
+            element: Box::new(written(&array.element, span)),
+        },
+        DataType::Struct(structure) => return written_structure(structure, span),
+        DataType::OpenArray(array) => {
+            let bounds = vec![(number(0), number(9)); usize::from(array.dimensions)];
+            TypeKind::Array { bounds, element: Box::new(written(&array.element, span)) }
+        }
+        DataType::Parameter(_) | DataType::Void => TypeKind::Named("DWORD".to_string()),
+    };
+    TypeRef { kind, span }
+}
+
+fn written_structure(structure: &StructType, span: Span) -> TypeRef {
+    let kind = match structure.instance_of {
+        Some((sfb, number)) => {
+            let prefix = if sfb { BlockPrefix::Sfb } else { BlockPrefix::Fb };
+            TypeKind::Block(BlockName::Numbered { prefix, number: u32::from(number), span })
+        }
+        None if structure.name.is_empty() => TypeKind::Struct(
+            structure.members.iter().map(|member| variable(&member.name, written(&member.ty, span), span)).collect(),
+        ),
+        None => match structure.name.strip_prefix("UDT ").and_then(|number| number.parse().ok()) {
+            Some(number) => TypeKind::Block(BlockName::Numbered { prefix: BlockPrefix::Udt, number, span }),
+            None => TypeKind::Block(BlockName::Symbol { name: structure.name.clone(), span }),
+        },
+    };
+    TypeRef { kind, span }
+}
+
+/// A constant of its own value, in the type that its uses want.
+fn constant(shape: &Shape, value: i64, span: Span) -> (GlobalConstant, String) {
+    let ty = match &shape.ty {
+        Some(DataType::Elementary(ty)) => Some(*ty),
+        _ => None,
+    };
+    let (literal, text) = match ty {
+        Some(Elementary::Bool) => (scl::Literal::Typed { ty: Elementary::Bool, bits: 0 }, "FALSE".to_string()),
+        Some(ty) if ty.is_float() => (scl::Literal::Real(value as f64), format!("{value}.0")),
+        Some(ty) if !ty.is_integer() && !matches!(ty, Elementary::Byte | Elementary::Word | Elementary::Dword) => {
+            (scl::Literal::Typed { ty, bits: value as u64 }, format!("{value} as {}", ty.name()))
+        }
+        _ => (scl::Literal::Integer { value: value as u64, based: false }, value.to_string()),
+    };
+    let value = scl::Expr { kind: scl::ExprKind::Literal(literal), span };
+    (GlobalConstant { name: shape.name.clone(), ty: String::new(), value, span }, text)
+}

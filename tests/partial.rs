@@ -1,0 +1,195 @@
+//! Complete programs of which parts are taken away: with `--partial` the rest must build and run. Parts are files, blocks, declared
+//! variables, rows of tables and constants. No error may come, nothing may panic, the IR must be valid, and three cycles must run.
+//!
+//! `PLCC_RANDOM_PARTIAL=N` sets how many programs are tried, `PLCC_RANDOM_PARTIAL_FROM` the first of them; `PLCC_RANDOM_PARTIAL_ALL` goes on behind one that fails.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+
+use plcc_diag::drawing;
+use plcc_driver::cli::Level;
+use plcc_driver::pipeline::{self, Parsed, Settings};
+use plcc_driver::{code, inputs};
+use plcc_runtime::TestOptions;
+use plcc_syntax::ast::{Block, DataContent};
+use plcc_tests::{files, folders, projects, root, shown, tests_folder};
+
+/// Deterministic chance: splitmix64.
+struct Chance(u64);
+
+impl Chance {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+
+    /// True once in `times`.
+    fn one_in(&mut self, times: usize) -> bool {
+        self.below(times) == 0
+    }
+}
+
+/// A number from the environment.
+fn number(name: &str, default: u64) -> u64 {
+    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
+}
+
+/// Programs of all languages: projects, carriers, and single files with several blocks.
+fn programs() -> Vec<PathBuf> {
+    let mut found = projects(&root().join("samples"));
+    found.extend(projects(&tests_folder().join("run")));
+    let twins = folders(&tests_folder().join("twins"));
+    let carriers = twins.iter().flat_map(|twin| ["sd", "xml", "open"].map(|carrier| twin.join(carrier)));
+    found.extend(carriers.filter(|folder| folder.is_dir()));
+    for (folder, suffix) in [
+        ("run/stl/calls", "stl"),
+        ("run/stl/data", "stl"),
+        ("run/stl/timers", "stl"),
+        ("run/stl/library", "stl"),
+        ("run/scl/language", "scl"),
+        ("run/scl/programs", "scl"),
+        ("run/scl/library", "scl"),
+        ("run/gr7", "gr7"),
+        ("run/sd", "s7dcl"),
+        ("run/awl/subroutines", "awl"),
+        ("run/awl/plants", "awl"),
+    ] {
+        found.extend(files(&tests_folder().join(folder), suffix));
+    }
+    found
+}
+
+/// The program at `path` as it is, if it has no errors.
+fn whole(path: &Path) -> Option<Parsed> {
+    let settings = Settings { require_main: true, ..Settings::default() };
+    let read = inputs::read(&[path.to_path_buf()]);
+    let bound = pipeline::front(read, &settings);
+    if bound.has_errors() {
+        return None;
+    }
+    let read = inputs::read(&[path.to_path_buf()]);
+    Some(pipeline::parse(read, &settings))
+}
+
+/// Takes parts away; a line for each.
+fn take_away(parsed: &mut Parsed, chance: &mut Chance) -> Vec<String> {
+    let mut gone = Vec::new();
+    if parsed.units.len() > 1 && chance.one_in(3) {
+        let at = chance.below(parsed.units.len());
+        let (file, _) = parsed.units.remove(at);
+        gone.push(format!("file {}", parsed.sources.file(file).name));
+    }
+    if !parsed.tables.is_empty() && chance.one_in(4) {
+        parsed.tables.clear();
+        gone.push("all tables".to_string());
+    }
+    for table in &mut parsed.tables {
+        let share = 2 + chance.below(6);
+        table.symbols.retain(|symbol| {
+            let kept = !chance.one_in(share);
+            if !kept {
+                gone.push(format!("symbol {}", symbol.name));
+            }
+            kept
+        });
+        table.s7200.retain(|_| !chance.one_in(share));
+        table.constants.retain(|_| !chance.one_in(share));
+    }
+    for (_, unit) in &mut parsed.units {
+        let share = 2 + chance.below(8);
+        unit.blocks.retain(|block| {
+            let kept = !chance.one_in(share);
+            if !kept {
+                gone.push(format!("block {}", name_of(block)));
+            }
+            kept
+        });
+        // Types and data blocks of an older version: some components are not there yet.
+        for block in &mut unit.blocks {
+            if let Block::Code(code) = block
+                && chance.one_in(4)
+            {
+                // An exported block whose declarations of other types are all that is known.
+                code.header.title = None;
+            }
+            if let Block::Data(data) = block
+                && matches!(data.content, DataContent::Struct(_))
+                && chance.one_in(6)
+            {
+                data.values.clear();
+            }
+        }
+        if let Some(source) = &mut unit.s7200
+            && source.blocks.len() > 1
+            && chance.one_in(2)
+        {
+            let at = chance.below(source.blocks.len());
+            source.blocks.remove(at);
+            gone.push(format!("block {at} of the S7-200"));
+        }
+    }
+    gone
+}
+
+fn name_of(block: &Block) -> String {
+    match block {
+        Block::Code(code) => format!("{:?} {:?}", code.kind, code.name),
+        Block::Data(data) => format!("{:?}", data.name),
+        Block::Type(ty) => format!("{:?}", ty.name),
+    }
+}
+
+/// Builds and runs the rest.
+fn check(path: &Path, seed: u64) -> Result<(), String> {
+    let Some(mut parsed) = whole(path) else { return Ok(()) };
+    let mut chance = Chance(seed);
+    let gone = take_away(&mut parsed, &mut chance);
+    if parsed.units.is_empty() {
+        return Ok(());
+    }
+    let explain = |text: String| format!("{} with seed {seed}, without {}:\n{text}", shown(path), gone.join(", "));
+    let settings = Settings { partial: true, require_main: true, ..Settings::default() };
+    let result = catch_unwind(AssertUnwindSafe(|| {
+        let bound = pipeline::bind(parsed, &settings);
+        if bound.has_errors() {
+            let errors: Vec<_> = bound.diagnostics.iter().filter(|message| message.is_error()).cloned().collect();
+            return Err(drawing::draw(&errors, &bound.sources, false));
+        }
+        let mut compiled = pipeline::lower(&bound, Level::O0);
+        plcc_ir::verify::verify(&compiled.module).map_err(|errors| format!("after lowering: {}", errors[0]))?;
+        plcc_opt::optimize_with(&mut compiled.module, &mut |_, _| {});
+        plcc_ir::verify::verify(&compiled.module).map_err(|errors| format!("after the passes: {}", errors[0]))?;
+        // A fault stops the CPU, which is an end like others here.
+        let options = TestOptions { cycles: Some(3), ..TestOptions::default() };
+        plcc_runtime::test(compiled.image.clone(), code::interpreter(&compiled), &options);
+        Ok(())
+    }));
+    match result {
+        Ok(result) => result.map_err(explain),
+        Err(_) => Err(explain("a panic".to_string())),
+    }
+}
+
+#[test]
+fn the_rest_of_a_program_builds_and_runs() {
+    let programs = programs();
+    let (count, first) = (number("PLCC_RANDOM_PARTIAL", 120), number("PLCC_RANDOM_PARTIAL_FROM", 1));
+    let all = std::env::var_os("PLCC_RANDOM_PARTIAL_ALL").is_some();
+    let mut failures = Vec::new();
+    for seed in first..first + count {
+        let path = &programs[Chance(seed ^ 0x5EED).below(programs.len())];
+        if let Err(failure) = check(path, seed) {
+            assert!(all, "{failure}");
+            eprintln!("{failure}\n");
+            failures.push(seed);
+        }
+    }
+    assert!(failures.is_empty(), "{} of {count} failed: {failures:?}", failures.len());
+}
