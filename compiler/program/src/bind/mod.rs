@@ -67,7 +67,7 @@ use declare::{BoundInterface, Scope, Typed, TypedStruct};
 use names::Global;
 pub use names::has_free_obs;
 pub use network::{is_about_drafts, reference as lad_fbd_reference};
-pub use partial::{Completed, complete};
+pub use partial::complete;
 use report::Report;
 pub use scl::reference as scl_reference;
 

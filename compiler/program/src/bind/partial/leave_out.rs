@@ -86,7 +86,9 @@ fn code_block(code: &mut ast::CodeBlock, at: Span) -> Option<LeftOut> {
         }
     }
     let before = code.constants.len();
-    code.constants.retain(|constant| !holds(constant.name_span, at) && !holds(constant.value.span, at));
+    code.constants.retain(|constant| {
+        !holds(constant.name_span, at) && !constant.value.as_ref().is_some_and(|value| holds(value.span, at))
+    });
     if code.constants.len() < before {
         return Some(LeftOut { span: at, what: "this constant" });
     }

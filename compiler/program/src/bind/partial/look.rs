@@ -426,7 +426,7 @@ impl<'a> Look<'_, 'a> {
                     self.declared_as(ty);
                 }
                 for constant in &code.constants {
-                    self.constant_names(&constant.value, None);
+                    constant.value.iter().for_each(|value| self.constant_names(value, None));
                 }
             }
             ast::Block::Data(data) => match &data.content {

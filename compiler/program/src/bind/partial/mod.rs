@@ -140,6 +140,7 @@ impl Whole {
             stand_ins: Some(file),
             pragmas: input.pragmas,
             require_main: input.require_main,
+            safety_as_standard: input.safety_as_standard,
         }
     }
 }
@@ -254,7 +255,7 @@ fn text(stand_ins: &StandIns) -> String {
 
 fn missing_of(key: &MissingKey) -> Option<Missing> {
     match key {
-        MissingKey::Symbol(name) => Some(Missing::Name(name.clone())),
+        MissingKey::Symbol(name) | MissingKey::Constant(name) => Some(Missing::Name(name.clone())),
         MissingKey::Block(prefix, number) | MissingKey::NotShipped(prefix, number) => {
             Missing::block(*prefix, u32::from(*number))
         }
