@@ -266,8 +266,6 @@ impl Binder<'_> {
         let problem = if !ends_at_label {
             let end = end.map_or(mnemonic, |end| end.span);
             Some((end, format!("the list of `{name}` ends here, but not at the label `{default}`")))
-        } else if entries == 0 {
-            Some((mnemonic, format!("`{name}` has no list")))
         } else if entries > JUMP_LIST_MAX {
             Some((mnemonic, format!("the list of `{name}` has {entries} entries; {JUMP_LIST_MAX} are possible")))
         } else {

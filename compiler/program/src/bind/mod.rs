@@ -223,6 +223,8 @@ struct Ctx {
     unknown_locals: FxHashSet<String>,
     /// End of the local data that direct addresses touch.
     local_bytes: u32,
+    /// The block is a list of statements without a header.
+    fragment: bool,
     /// Stands for all statements of a system block.
     fixed_span: Option<Span>,
     /// Only while a block in SCL is bound.
@@ -307,6 +309,7 @@ impl<'a> Binder<'a> {
             bound: Rc::clone(&bound),
             unknown_locals: FxHashSet::default(),
             local_bytes: 0,
+            fragment: fixed_span.is_none() && names::is_fragment(block),
             fixed_span,
             scl: scl::Scope::default(),
         };

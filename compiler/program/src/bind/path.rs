@@ -7,6 +7,7 @@ use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Path, PathPart, PathRoot, Wi
 use rustc_hash::FxHashMap;
 
 use super::names::fold;
+use super::report::MissingKey;
 use super::{Binder, Ctx};
 use crate::layout;
 use crate::model::Place;
@@ -56,8 +57,8 @@ impl Base {
             Base::I => Place::I { byte, bit },
             Base::Q => Place::Q { byte, bit },
             Base::M => Place::M { byte, bit },
-            Base::Pi => Place::Pi { byte },
-            Base::Pq => Place::Pq { byte },
+            Base::Pi => Place::Pi { byte, bit },
+            Base::Pq => Place::Pq { byte, bit },
             Base::L => Place::L { byte, bit },
             Base::OpenDb => Place::OpenDb { byte, bit },
             Base::OpenDi => Place::OpenDi { byte, bit },
@@ -111,6 +112,8 @@ impl Binder<'_> {
         let start = match &path.root {
             PathRoot::Local { name, span } => match self.local(ctx, name) {
                 Some(variable) => Resolved::Variable(variable),
+                // As STEP 7 does: a `#` before a name that the block does not declare is read over.
+                None if self.globals.contains_key(&fold(name)) => self.resolve_global(ctx, name, *span)?,
                 None => {
                     self.unknown_local(ctx, name, *span);
                     return None;
@@ -161,8 +164,16 @@ impl Binder<'_> {
         if !ctx.unknown_locals.insert(fold(name)) {
             return;
         }
-        let message = Diagnostic::new(Code::UnknownLocal, span, format!("`#{name}` is not declared in this block"))
-            .label("neither a parameter nor static or temporary data");
+        let message = || {
+            Diagnostic::new(Code::UnknownLocal, span, format!("`#{name}` is not declared in this block"))
+                .label("neither a parameter nor static or temporary data")
+        };
+        // Statements without a header are a part of a block: its declarations are missing.
+        if ctx.fragment {
+            let help = "add the header of the block, with its VAR sections, before the statements";
+            return self.report.missing(MissingKey::Local(fold(name)), span, || message().help(help));
+        }
+        let message = message();
         let names = ctx.bound.locals.values().map(|local| local.name.as_str());
         self.report.push(match similar(name, names) {
             Some(other) => message.help(format!("is `#{other}` meant?")),

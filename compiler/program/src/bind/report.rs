@@ -20,6 +20,8 @@ pub struct Report {
 pub enum MissingKey {
     /// A symbol or a data type, folded.
     Symbol(String),
+    /// A local name of statements without a header, folded.
+    Local(String),
     /// A block to call.
     Block(BlockPrefix, u16),
     /// A block of the CPU or of a library that is not here, by number.
