@@ -81,6 +81,11 @@ impl Binder<'_> {
                     self.check_instruction(*insn, *mnemonic_span);
                     self.instruction(ctx, flow, at - 1, *insn, *mnemonic_span, operand.as_ref())
                 }
+                StatementKind::Call(call) if self.is_move(call) => {
+                    let kinds = self.bind_move(ctx, call).into_iter().flatten();
+                    bound.extend(kinds.map(|kind| StlStatement { span, network, kind }));
+                    None
+                }
                 StatementKind::Call(call) => {
                     if flow.zones[at - 1] > 0 && call.parameters.iter().any(|parameter| parameter.actual.is_some()) {
                         self.report.push(

@@ -204,6 +204,10 @@ impl Binder<'_> {
                 false => parameters.iter().position(|parameter| fold(&parameter.name) == folded),
             };
             let Some(index) = index else {
+                // `time_type := Time` tells for which type an instruction of the TIA Portal is called; all that are here have one.
+                if super::move_call::names_a_type(given) {
+                    continue;
+                }
                 good = false;
                 misspelt.extend(self.unknown_parameter(key, bound, (&given.name, given.name_span)));
                 continue;

@@ -24,6 +24,7 @@ mod initial;
 mod interface;
 mod library;
 mod mentions;
+mod move_call;
 mod names;
 mod network;
 mod ob;

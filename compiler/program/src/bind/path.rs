@@ -287,6 +287,19 @@ impl Binder<'_> {
                         _ => return self.bad_character(place, length),
                     }
                 }
+                (PathPart::Member { name, span }, DataType::Elementary(ty)) if name.starts_with('%') => {
+                    let Some((byte, bit, part)) = slice(name, *ty) else {
+                        self.report.push(
+                            Diagnostic::new(Code::UnknownMember, *span, format!("{} has no part `{name}`", ty.name()))
+                                .label(format!("{} bits", ty.bits()))
+                                .help("`%X0` is the lowest bit, `%B0` the lowest byte, `%W0` the lowest word"),
+                        );
+                        return None;
+                    };
+                    variable.byte += byte;
+                    variable.bit = bit;
+                    variable.ty = DataType::Elementary(part);
+                }
                 (PathPart::Member { name, span }, ty) => {
                     self.report.push(
                         Diagnostic::new(Code::UnknownMember, *span, format!("there is no component `{name}` here"))
@@ -342,6 +355,28 @@ impl Binder<'_> {
             None => message,
         });
     }
+}
+
+/// Where a part such as `%X3` of a value of type `ty` lies, byte and bit, and its type; `None`: it has no such part. The lowest byte is the last
+/// one in memory.
+fn slice(name: &str, ty: Elementary) -> Option<(u32, u8, Elementary)> {
+    let number: u32 = name.get(2..)?.parse().ok()?;
+    let (bits, part) = match name.as_bytes()[1].to_ascii_uppercase() {
+        b'X' => (1, Elementary::Bool),
+        b'B' => (8, Elementary::Byte),
+        b'W' => (16, Elementary::Word),
+        b'D' => (32, Elementary::Dword),
+        _ => return None,
+    };
+    let end = number.checked_add(1)?.checked_mul(bits)?;
+    if end > ty.bits() || bits >= ty.bits() {
+        return None;
+    }
+    let bytes = ty.bits() / 8;
+    Some(match bits {
+        1 => (bytes - 1 - number / 8, (number % 8) as u8, part),
+        _ => (bytes - end / 8, 0, part),
+    })
 }
 
 /// The name that differs least from `name`, if it differs by a slip only.

@@ -100,6 +100,12 @@ impl<'a> Layout<'a> {
                 self.push(token.start as usize, Tok::Peripheral, end);
             }
             RawKind::Hash => self.local(),
+            RawKind::Percent if matches!(self.last(), Some(Tok::Dot)) && self.is_slice() => {
+                let end = self.raw[self.at + 1].end as usize;
+                self.at += 2;
+                let start = token.start as usize;
+                self.push(start, Tok::Name(&self.text[start..end]), end);
+            }
             RawKind::Percent if self.kind_at(self.at + 1) == Some(RawKind::Word) => self.at += 1,
             RawKind::EqualEqual
             | RawKind::NotEqual
@@ -365,6 +371,13 @@ impl<'a> Layout<'a> {
             *end = self.raw[self.at + 1].end as usize;
             self.at += 2;
         }
+    }
+
+    /// Whether `%X3`, `%B1`, `%W0` or `%D1` stands at hand: a part of the variable before the point.
+    fn is_slice(&self) -> bool {
+        let upper = self.upper(self.at + 1);
+        let (letters, digits) = letters_and_digits(upper.as_str());
+        matches!(letters, "X" | "B" | "W" | "D") && !digits.is_empty() && self.adjacent(self.at)
     }
 
     /// Whether `:P` stands at hand, no label behind it.
