@@ -128,8 +128,58 @@ pub fn find(class: BlockClass, number: u16) -> Option<&'static SystemBlock> {
     blocks().iter().find(|block| block.class == class && block.number == number)
 }
 
+/// Names that symbol tables have for the IEC functions, FC 1 to FC 40, with their standard names.
+#[rustfmt::skip]
+const LONG_NAMES: &[(&str, &str)] = &[
+    ("ADD DT TIME", "AD_DT_TM"),
+    ("DT plus TIME", "AD_DT_TM"),
+    ("ADD DT and TIME", "AD_DT_TM"),
+    ("DATE and TOD to DT", "D_TOD_DT"),
+    ("DI to STRING", "DI_STRNG"),
+    ("DINT to STRING", "DI_STRNG"),
+    ("DT to DATE", "DT_DATE"),
+    ("DT to DAY", "DT_DAY"),
+    ("DT to TOD", "DT_TOD"),
+    ("EQ DT", "EQ_DT"),
+    ("EQ STRING", "EQ_STRNG"),
+    ("GE DT", "GE_DT"),
+    ("GE STRING", "GE_STRNG"),
+    ("GT DT", "GT_DT"),
+    ("GT STRING", "GT_STRNG"),
+    ("I to STRING", "I_STRNG"),
+    ("INT to STRING", "I_STRNG"),
+    ("LE DT", "LE_DT"),
+    ("LE STRING", "LE_STRNG"),
+    ("LT DT", "LT_DT"),
+    ("LT STRING", "LT_STRNG"),
+    ("NE DT", "NE_DT"),
+    ("NE STRING", "NE_STRNG"),
+    ("R to STRING", "R_STRNG"),
+    ("REAL to STRING", "R_STRNG"),
+    ("S5TIME to TIME", "S5TI_TIM"),
+    ("SUB DT DT", "SB_DT_DT"),
+    ("DT minus DT", "SB_DT_DT"),
+    ("SUB DT and DT", "SB_DT_DT"),
+    ("SUB DT TIME", "SB_DT_TM"),
+    ("DT minus TIME", "SB_DT_TM"),
+    ("SUB DT and TIME", "SB_DT_TM"),
+    ("STRING to DI", "STRNG_DI"),
+    ("STRING to DINT", "STRNG_DI"),
+    ("STRING to I", "STRNG_I"),
+    ("STRING to INT", "STRNG_I"),
+    ("STRING to R", "STRNG_R"),
+    ("STRING to REAL", "STRNG_R"),
+    ("TIME to S5TIME", "TIM_S5TI"),
+];
+
+/// The standard name of a block that symbol tables call by a longer one, `DT to DATE` for DT_DATE; else the name itself.
+pub fn standard_name(name: &str) -> &str {
+    LONG_NAMES.iter().find(|(long, _)| long.eq_ignore_ascii_case(name.trim())).map_or(name, |(_, short)| short)
+}
+
 /// A block of the CPU or of a library of STEP 7 V5 by standard name, in any letter case. A block of the CPU comes first.
 pub fn find_name(name: &str) -> Option<&'static SystemBlock> {
+    let name = standard_name(name);
     blocks()
         .iter()
         .filter(|block| !block.is_tia() && block.name.eq_ignore_ascii_case(name))

@@ -149,7 +149,7 @@ codes! {
     BranchNeighbour = "P0565" Error "a branch between nodes that it cannot join";
     BranchArms = "P0566" Error "a branch that lacks arms";
     UnsafeBranch = "P0567" Error "a step that is entered while it is active";
-    BranchJump = "P0568" Error "a jump into or out of a simultaneous branch";
+    BranchJump = "P0568" Warning "a jump into or out of a simultaneous branch";
     DeadJoin = "P0569" Error "a join that can never switch";
     SharedOperand = "P0570" Warning "an operand that two active steps write";
     ActionEvent = "P0571" Error "an action whose event is missing or not possible";

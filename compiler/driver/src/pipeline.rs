@@ -234,8 +234,10 @@ fn profile_of(
         None => format!("plcc does not know the CPU `{name}`"),
     };
     let span = span.unwrap_or_else(|| Span::new(sources.add(SourceFile::new("--cpu", name.clone())), 0..name.len()));
-    let names = if is_s7200 { profile::s7200::names() } else { profile::names() };
-    let help = format!("one of {}", names.join(", "));
+    let help = match is_s7200 {
+        true => format!("one of {}", profile::s7200::names().join(", ")),
+        false => profile::help(&name),
+    };
     diagnostics.push(Diagnostic::new(Code::UnknownCpu, span, title).help(help));
     generic
 }

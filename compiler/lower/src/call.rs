@@ -42,18 +42,28 @@ impl Context<'_, '_> {
     fn call_fc(&mut self, callee: &CodeBlock, function: FuncId, arguments: &[Argument]) {
         let mut copies_back = Vec::new();
         let mut references = Vec::new();
+        let mut pointers = Vec::new();
+        let plan = self.plan;
+        let pointed = plan.pointed(callee.key());
         for (index, parameter) in callee.interface.parameters.iter().enumerate() {
             let argument = arguments.iter().find(|argument| argument.parameter == index);
             match argument {
                 Some(argument) => {
                     // A fully qualified actual does not change the caller's DB register.
                     let db = self.get(self.regs.db);
-                    self.fc_argument(parameter, &argument.actual, &mut references, &mut copies_back);
+                    let wanted = pointed.contains(&index).then_some(&mut pointers);
+                    self.fc_argument(parameter, &argument.actual, &mut references, &mut copies_back, wanted);
                     self.set(self.regs.db, db);
                 }
-                None => self.no_argument(parameter, &mut references),
+                None => {
+                    self.no_argument(parameter, &mut references);
+                    if pointed.contains(&index) {
+                        pointers.push(self.b.i32_const(0));
+                    }
+                }
             }
         }
+        references.extend(pointers);
         self.call_function(callee, function, references);
         for (place, width, temporary) in copies_back {
             let value = self.read_target(Target::at(temporary, BitNumber::Known(0)), width);
@@ -61,19 +71,26 @@ impl Context<'_, '_> {
         }
     }
 
-    /// What an FC gets for one parameter; see [`plan::parameter_types`].
+    /// What an FC gets for one parameter; see [`plan::parameter_types`]. `pointers`: the FC wants the area pointer of the actual,
+    /// too. What has none in the FC is copied into the caller's frame and back, as STEP 7 does.
     fn fc_argument(
         &mut self,
         parameter: &Parameter,
         actual: &Actual,
         references: &mut Vec<Value>,
         copies_back: &mut Vec<(Place, Width, Address)>,
+        pointers: Option<&mut Vec<Value>>,
     ) {
         match parameter.passing {
             Passing::Elementary(width) => {
+                let mut copy = None;
                 let reference = match actual {
-                    Actual::Place(place @ (Place::Pi { .. } | Place::Pq { .. })) => {
+                    Actual::Place(place)
+                        if matches!(place, Place::Pi { .. } | Place::Pq { .. })
+                            || pointers.is_some() && !has_area_pointer(place) =>
+                    {
                         let temporary = self.temporary(4);
+                        copy = Some(temporary);
                         if parameter.direction != Direction::Output {
                             let value = self.read(place, width);
                             self.store_low(temporary, width, value);
@@ -90,6 +107,7 @@ impl Context<'_, '_> {
                     }
                     Actual::Const(bytes) => {
                         let temporary = self.temporary(bytes.len() as u32);
+                        copy = Some(temporary);
                         self.store_bytes(temporary, bytes);
                         self.reference(Target::at(temporary, BitNumber::Known(0)), width, place::Direction::Write)
                     }
@@ -102,6 +120,14 @@ impl Context<'_, '_> {
                     }
                 };
                 references.push(reference);
+                if let Some(pointers) = pointers {
+                    let copy = copy.map_or(0, |temporary| temporary.offset);
+                    let pointer = match actual {
+                        Actual::Place(place) if has_area_pointer(place) => self.pointer_fields(place).pointer,
+                        _ => self.pointer_fields(&Place::L { byte: copy, bit: 0 }).pointer,
+                    };
+                    pointers.push(pointer);
+                }
             }
             Passing::Complex { .. } => self.complex_argument(actual, references),
             Passing::Number => {
@@ -514,6 +540,7 @@ impl Context<'_, '_> {
             for parameter in &callee.interface.parameters {
                 self.no_argument(parameter, &mut references);
             }
+            references.extend(plan.pointed(target).iter().map(|_| self.b.i32_const(0)));
         }
         self.call_function(callee, function, references);
         self.set(self.regs.db, db);
@@ -574,6 +601,27 @@ fn access_direction(direction: Direction) -> place::Direction {
     match direction {
         Direction::Input => place::Direction::Read,
         Direction::Output | Direction::InOut => place::Direction::Write,
+    }
+}
+
+/// True for actuals whose area pointer means the same in the block that is called: not for static data and formal parameters of the
+/// caller.
+pub fn has_area_pointer(place: &Place) -> bool {
+    match place {
+        Place::I { .. }
+        | Place::Q { .. }
+        | Place::M { .. }
+        | Place::Pi { .. }
+        | Place::Pq { .. }
+        | Place::L { .. }
+        | Place::OpenDb { .. }
+        | Place::Db { .. } => true,
+        Place::OpenDi { .. }
+        | Place::Instance { .. }
+        | Place::Parameter { .. }
+        | Place::ThroughPointer { .. }
+        | Place::Indirect { .. }
+        | Place::Register { .. } => false,
     }
 }
 

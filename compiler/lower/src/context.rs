@@ -122,6 +122,8 @@ pub struct Context<'p, 'o> {
     spare_nesting: Vec<Nesting>,
     /// Values of the formal parameters of an FC, in their order.
     pub parameters: Vec<Vec<Value>>,
+    /// Elementary parameters of a function whose area pointers are handed over, too.
+    area_pointers: Vec<(usize, Value)>,
     /// Offset of the instance from the memory base, if the block is an FB that leaves AR2 and DI alone.
     pub instance: Option<Value>,
     /// Local data that code can address, in bytes.
@@ -168,6 +170,7 @@ impl<'p, 'o> Context<'p, 'o> {
             nesting: Vec::new(),
             spare_nesting: Vec::new(),
             parameters: Vec::new(),
+            area_pointers: Vec::new(),
             instance: None,
             local_bytes,
             temporaries: local_bytes,
@@ -228,6 +231,16 @@ impl<'p, 'o> Context<'p, 'o> {
             self.parameters.push((next..next + count).map(|index| self.b.param(index)).collect());
             next += count;
         }
+        for &parameter in self.plan.pointed(self.block.key()) {
+            self.area_pointers.push((parameter, self.b.param(next)));
+            next += 1;
+        }
+    }
+
+    /// The area pointer of the actual of elementary parameter `index` of this function, whose code asks for it.
+    pub fn area_pointer(&self, index: usize) -> Value {
+        let found = self.area_pointers.iter().find(|(parameter, _)| *parameter == index);
+        found.expect("the plan lists each parameter whose pointer is loaded").1
     }
 
     /// Passing of formal parameter `index` of this block.

@@ -24,6 +24,7 @@ pub fn lower_entry(plan: &Plan<'_>, block: &CodeBlock, function: FuncId) -> Func
     }
     if plan::takes_references(block) {
         no_arguments(&mut b, block, &mut arguments);
+        arguments.extend(plan.pointed(block.key()).iter().map(|_| b.i32_const(0)));
     }
     let returned = b.call(function, arguments, &plan.function_returns(block));
     for (register, value) in plan.returned_registers().zip(returned) {

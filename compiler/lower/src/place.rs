@@ -45,6 +45,8 @@ pub enum TargetKind {
     /// Peripheral byte address, an i32.
     Peripheral {
         address: Value,
+        /// Of a bit: its number in the byte.
+        bit: u8,
     },
     /// Area found at run time: peripheral if `is_peripheral` (i1), else memory.
     Either {
@@ -89,14 +91,14 @@ impl Context<'_, '_> {
         let guard = self.begin_guard(target.checks, substitute);
         let value = match target.kind {
             TargetKind::Memory { addr, bit } => self.read_memory(addr, bit, width),
-            TargetKind::Peripheral { address } => self.read_peripheral(address, width),
+            TargetKind::Peripheral { address, bit } => self.read_peripheral(address, bit, width),
             TargetKind::Either { is_peripheral, address, addr, bit } => {
                 let (there, here, join) = (self.b.create_cold_block(), self.b.create_block(), self.b.create_block());
                 self.b.branch(is_peripheral, there, here);
                 self.b.seal_block(there);
                 self.b.seal_block(here);
                 self.b.switch_to(there);
-                let value = self.read_peripheral(address, width);
+                let value = self.read_peripheral(address, 0, width);
                 self.b.def_var(result, value);
                 self.b.jump(join, &[]);
                 self.b.switch_to(here);
@@ -135,12 +137,12 @@ impl Context<'_, '_> {
         self.b.zext(Type::I32, value)
     }
 
-    fn read_peripheral(&mut self, address: Value, width: Width) -> Value {
+    fn read_peripheral(&mut self, address: Value, bit: u8, width: Width) -> Value {
         if width == Width::Lword {
             // Modules hand over double words at most.
-            let high = self.read_peripheral(address, Width::Dword);
-            let behind = self.b.binary_imm(BinaryOp::Iadd, address, 4);
-            let low = self.read_peripheral(behind, Width::Dword);
+            let high = self.read_peripheral(address, 0, Width::Dword);
+            let next = self.b.binary_imm(BinaryOp::Iadd, address, 4);
+            let low = self.read_peripheral(next, 0, Width::Dword);
             let (high, low) = (self.b.zext(Type::I64, high), self.b.zext(Type::I64, low));
             let high = self.b.binary_imm(BinaryOp::Shl, high, 32);
             return self.b.or(high, low);
@@ -157,7 +159,11 @@ impl Context<'_, '_> {
         self.b.def_var(self.result, value);
         self.end_guard(guard);
         let value = self.b.use_var(self.result);
-        if width == Width::Bit { self.b.trunc(Type::I1, value) } else { value }
+        if width != Width::Bit {
+            return value;
+        }
+        let value = self.b.binary_imm(BinaryOp::Lshr, value, i64::from(bit));
+        self.b.trunc(Type::I1, value)
     }
 
     fn peripheral_check(&mut self, ok: Value, address: Value, width: Width, direction: Direction) -> Check {
@@ -177,7 +183,10 @@ impl Context<'_, '_> {
         let guard = self.begin_guard(target.checks, Substitute::None);
         match target.kind {
             TargetKind::Memory { addr, bit } => self.write_memory(addr, bit, width, value),
-            TargetKind::Peripheral { address } => self.write_peripheral(address, width, value),
+            TargetKind::Peripheral { address, bit } if width == Width::Bit => {
+                self.write_peripheral_bit(address, bit, value);
+            }
+            TargetKind::Peripheral { address, .. } => self.write_peripheral(address, width, value),
             TargetKind::Either { is_peripheral, address, addr, bit } => {
                 let (there, here, join) = (self.b.create_cold_block(), self.b.create_block(), self.b.create_block());
                 self.b.branch(is_peripheral, there, here);
@@ -262,9 +271,9 @@ impl Context<'_, '_> {
             Place::Q { byte, bit } => Target::memory(Region::Q, byte, bit),
             Place::M { byte, bit } => Target::memory(Region::M, byte, bit),
             Place::L { byte, bit } => Target::memory(Region::L, byte, bit),
-            Place::Pi { byte } | Place::Pq { byte } => {
+            Place::Pi { byte, bit } | Place::Pq { byte, bit } => {
                 let address = self.b.i32_const(byte);
-                Target { kind: TargetKind::Peripheral { address }, checks: Vec::new() }
+                Target { kind: TargetKind::Peripheral { address, bit }, checks: Vec::new() }
             }
             Place::OpenDb { byte, bit } => {
                 let byte = self.b.i32_const(byte);
@@ -369,7 +378,7 @@ impl Context<'_, '_> {
                 checks.extend(self.alignment_check(&effective, width, number, direction));
                 let limit = self.b.i32_const(PERIPHERAL_BYTES);
                 checks.push(self.length_check(effective.byte, limit, width, number, direction));
-                return Target { kind: TargetKind::Peripheral { address: effective.byte }, checks };
+                return Target { kind: TargetKind::Peripheral { address: effective.byte, bit: 0 }, checks };
             }
             PlaceArea::Db | PlaceArea::Di => {
                 let number = self.area_number(area);
@@ -644,7 +653,7 @@ impl Context<'_, '_> {
         let kind = match self.b.constant_bits(is_peripheral) {
             Some(0) => TargetKind::Memory { addr, bit },
             _ if width == Width::Bit => TargetKind::Memory { addr, bit },
-            Some(_) => TargetKind::Peripheral { address: effective.byte },
+            Some(_) => TargetKind::Peripheral { address: effective.byte, bit: 0 },
             None => TargetKind::Either { is_peripheral, address: effective.byte, addr, bit },
         };
         Target { kind, checks }

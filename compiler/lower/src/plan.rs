@@ -43,6 +43,8 @@ pub struct Plan<'a> {
     frame_estimates: Vec<u32>,
     /// Blocks that contain GET_ERROR or GET_ERR_ID.
     handles_errors: Vec<bool>,
+    /// Elementary parameters of functions whose area pointer their code loads (`L P##x`).
+    pointed: Vec<Vec<usize>>,
 }
 
 impl<'a> Plan<'a> {
@@ -86,6 +88,7 @@ impl<'a> Plan<'a> {
                 .map(|facts| facts.frame_estimate + if facts.handles_errors() { ERROR_SLOT_BYTES } else { 0 })
                 .collect(),
             handles_errors: facts.iter().map(BlockFacts::handles_errors).collect(),
+            pointed: program.blocks.iter().zip(&facts).map(|(block, facts)| facts.pointed_of(block)).collect(),
         };
         plan.changes_ar2 = plan.find_ar2_changes(&facts);
         plan.checks_depth = plan.has_dynamic_calls || plan.too_deep(&facts);
@@ -116,6 +119,11 @@ impl<'a> Plan<'a> {
         self.block_index(key).is_some_and(|index| self.handles_errors[index])
     }
 
+    /// Elementary parameters of a function whose area pointer its code loads, in order: its callers hand the pointers over, too.
+    pub fn pointed(&self, key: BlockKey) -> &[usize] {
+        self.block_index(key).map_or(&[], |index| &self.pointed[index])
+    }
+
     /// As [`local_bytes`], with the room for the first error of a block that handles its errors.
     pub fn local_bytes(&self, block: &CodeBlock) -> u32 {
         local_bytes(block) + if self.handles_errors(block.key()) { codes::local_error::BYTES } else { 0 }
@@ -137,7 +145,8 @@ impl<'a> Plan<'a> {
         self.dbs.binary_search_by_key(&number, |db| db.number).ok().map(|index| &self.dbs[index])
     }
 
-    /// Types of the parameters of a block's function: the registers, then what [`parameter_types`] lists.
+    /// Types of the parameters of a block's function: the registers, what [`parameter_types`] lists, then an area pointer for each
+    /// parameter of [`pointed`](Plan::pointed).
     pub fn function_params(&self, block: &CodeBlock) -> Vec<Type> {
         if block.kind == BlockKind::Ob {
             return Vec::new();
@@ -147,6 +156,7 @@ impl<'a> Plan<'a> {
             for parameter in &block.interface.parameters {
                 types.extend_from_slice(parameter_types(parameter.passing));
             }
+            types.extend(self.pointed(block.key()).iter().map(|_| Type::I32));
         }
         types
     }
@@ -294,6 +304,8 @@ struct BlockFacts {
     dynamic_calls: bool,
     stops: bool,
     hands_on_pointers: bool,
+    /// Parameters of which it loads the pointer (`P##x`).
+    pointers: Vec<usize>,
     /// Upper bound of its frame.
     frame_estimate: u32,
 }
@@ -307,6 +319,19 @@ impl BlockFacts {
         self.calls.iter().any(|key| key.kind == BlockKind::Sfc && numbers.contains(&key.number))
     }
 
+    /// See [`Plan::pointed`].
+    fn pointed_of(&self, block: &CodeBlock) -> Vec<usize> {
+        let is_elementary =
+            |&index: &usize| matches!(block.interface.parameters[index].passing, Passing::Elementary(_));
+        let mut pointed: Vec<usize> = match takes_references(block) {
+            true => self.pointers.iter().copied().filter(is_elementary).collect(),
+            false => Vec::new(),
+        };
+        pointed.sort_unstable();
+        pointed.dedup();
+        pointed
+    }
+
     fn new(block: &CodeBlock, program: &Program, index: &FxHashMap<BlockKey, usize>) -> BlockFacts {
         let mut facts = BlockFacts {
             calls: Vec::new(),
@@ -315,6 +340,7 @@ impl BlockFacts {
             dynamic_calls: false,
             stops: false,
             hands_on_pointers: false,
+            pointers: Vec::new(),
             frame_estimate: block.temp_bytes,
         };
         if let Body::Stl(statements) = &block.body {
@@ -354,6 +380,9 @@ impl BlockFacts {
         match &statement.kind {
             StlStatementKind::Instruction { insn, operand } => {
                 self.changes_ar2 |= changes_ar2(*insn, operand);
+                if let Operand::ParameterPointer { parameter } = operand {
+                    self.pointers.push(*parameter);
+                }
                 if let Operand::Block { kind, number } = operand {
                     match number {
                         Number::Known(number) => {
@@ -476,7 +505,7 @@ fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
         let argument = call.arguments.iter().find(|argument| argument.parameter == index);
         let value = match argument.map(|argument| &argument.actual) {
             Some(Actual::Const(bytes)) => (bytes.len() as u32).next_multiple_of(2),
-            Some(Actual::Place(Place::Pi { .. } | Place::Pq { .. })) => 4,
+            Some(Actual::Place(place)) if is_copied(place) => 4,
             Some(Actual::Place(_) | Actual::Number(_) | Actual::PointerBytes(_) | Actual::PointerTo { .. })
             | Some(Actual::PointerCopy(_) | Actual::Variant(..))
             | None => 0,
@@ -490,6 +519,20 @@ fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
         }
     };
     callee.interface.parameters.iter().enumerate().map(of_parameter).sum()
+}
+
+/// True for actuals of functions that may be handed over as a copy in the caller's frame: peripheral ones, and those without an area
+/// pointer of their own if the function asks for it.
+fn is_copied(place: &Place) -> bool {
+    matches!(
+        place,
+        Place::Pi { .. }
+            | Place::Pq { .. }
+            | Place::OpenDi { .. }
+            | Place::Instance { .. }
+            | Place::Parameter { .. }
+            | Place::ThroughPointer { .. }
+    )
 }
 
 /// True if the actual parameter may be a pointer that the calling block was given itself.

@@ -33,7 +33,7 @@ impl Context<'_, '_> {
             Place::Q { byte, bit } => (None, known(area::Q, byte, bit)),
             Place::M { byte, bit } => (None, known(area::M, byte, bit)),
             Place::L { byte, bit } => (None, known(area::V, byte, bit)),
-            Place::Pi { byte } | Place::Pq { byte } => (None, known(area::P, byte, 0)),
+            Place::Pi { byte, bit } | Place::Pq { byte, bit } => (None, known(area::P, byte, bit)),
             Place::Db { number, byte, bit } => (Some(self.b.i32_const(u32::from(number))), known(area::DB, byte, bit)),
             Place::OpenDb { byte, bit } => (Some(self.get(self.regs.db)), known(area::DB, byte, bit)),
             Place::OpenDi { byte, bit } => (Some(self.get(self.regs.di)), known(area::DB, byte, bit)),

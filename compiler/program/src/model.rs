@@ -253,7 +253,8 @@ pub enum Operand {
     Special(SpecialRegister),
     Register(AddressRegister),
     Label(LabelId),
-    /// `L P##p` of a complex, POINTER or ANY parameter of an FC: a V pointer to what the caller hands over.
+    /// `L P##p` of a parameter of an FC: of a complex, POINTER or ANY one a V pointer to what the caller hands over, of an elementary one
+    /// the area pointer of the actual.
     ParameterPointer {
         parameter: usize,
     },
@@ -284,12 +285,14 @@ pub enum Place {
         byte: u32,
         bit: u8,
     },
-    /// Peripheral input and output: no bits.
+    /// Peripheral input and output; a bit is read out of its byte.
     Pi {
         byte: u32,
+        bit: u8,
     },
     Pq {
         byte: u32,
+        bit: u8,
     },
     /// Local data; declared TEMP variables too.
     L {

@@ -326,6 +326,8 @@ pub enum InitialKind {
     Expr(Box<scl::ast::Expr>),
     /// `(a := 1, b := 2)`, `(1, 2)`, `()`: components of a structure, by name or in order.
     Fields(Vec<(Option<scl::ast::Name>, InitialValue)>),
+    /// `T 5`, `DB 7`, `"Tank"`: of a parameter of type TIMER, COUNTER or BLOCK_x in an instance.
+    Operand(OperandKind),
     /// Left empty between commas: the element keeps its default.
     Default,
 }
@@ -543,6 +545,8 @@ pub enum OperandKind {
     Block(BlockName),
     /// `"sym"`, `"db".a.b[3]`, `#loc.x`, a bare name, `DB10.member` (root is then the block).
     Path(Path),
+    /// `"sym":P`: past the process image.
+    Peripheral(Path),
     /// `P##loc.x`.
     AddressOf(Path),
     Literal(Literal),

@@ -351,6 +351,7 @@ fn initial(value: &InitialValue) -> String {
                 .collect();
             format!("({})", fields.join(", "))
         }
+        InitialKind::Operand(kind) => operand_text(kind),
         InitialKind::Default => "default".to_owned(),
     }
 }
@@ -469,6 +470,7 @@ pub(crate) fn operand_text(kind: &OperandKind) -> String {
         }
         OperandKind::Block(name) => block_name(name),
         OperandKind::Path(name) => path(name),
+        OperandKind::Peripheral(name) => format!("{}:P", path(name)),
         OperandKind::AddressOf(name) => format!("address_of {}", path(name)),
         OperandKind::Literal(value) => literal(value),
         OperandKind::Status(status) => match status {

@@ -18,7 +18,7 @@ pub mod ast;
 mod ast_text;
 pub mod chart;
 mod comment;
-mod distance;
+pub mod distance;
 mod elementary;
 mod encoding;
 mod frame;

@@ -113,8 +113,8 @@ impl Uses<'_> {
         let (area, start) = match *place {
             Place::I { byte, .. } => (Area::Input, byte),
             Place::Q { byte, .. } => (Area::Output, byte),
-            Place::Pi { byte } => (Area::PeripheralInput, byte),
-            Place::Pq { byte } => (Area::PeripheralOutput, byte),
+            Place::Pi { byte, .. } => (Area::PeripheralInput, byte),
+            Place::Pq { byte, .. } => (Area::PeripheralOutput, byte),
             Place::Indirect { ref pointer, .. } => return self.place(pointer, 4, span),
             _ => return,
         };

@@ -257,7 +257,7 @@ impl Context<'_, '_> {
     fn move_target(&mut self, target: &mut Target, offset: Value) {
         let (addr, bit) = match &mut target.kind {
             TargetKind::Memory { addr, bit } | TargetKind::Either { addr, bit, .. } => (addr, bit),
-            TargetKind::Peripheral { address } => {
+            TargetKind::Peripheral { address, .. } => {
                 let bytes = self.b.binary_imm(BinaryOp::Ashr, offset, 3);
                 *address = self.b.iadd(*address, bytes);
                 return;
@@ -376,7 +376,7 @@ impl Context<'_, '_> {
             && part.width == Width::Bit
         {
             let target = self.located_target(located, width, Direction::Write);
-            if let TargetKind::Peripheral { address } = target.kind {
+            if let TargetKind::Peripheral { address, .. } = target.kind {
                 return self.write_peripheral_bit(address, part.index, value);
             }
         }

@@ -2,12 +2,13 @@
 
 use plcc_ir::{Address, Type, Value};
 use plcc_program::layout;
-use plcc_program::model::scl::{Access, Actual, Argument, Base, Call, Complex, Conversion};
+use plcc_program::model::scl::{Access, Actual, Argument, Base, Call, Complex, Conversion, ExprKind};
 use plcc_program::model::{Direction, Parameter, Passing, Place, Pointed, Width};
 use plcc_program::types::{DataType, Elementary};
 
 use super::access::Located;
 use super::text::{Text, text_limit};
+use crate::call::has_area_pointer;
 use crate::context::Context;
 use crate::fault::Substitute;
 use crate::place::{self, BitNumber, Target};
@@ -56,6 +57,22 @@ pub struct Back<'m> {
     /// None: the variable does not lie in memory.
     pub located: Option<Located<'m>>,
     pub conversion: Option<Conversion>,
+}
+
+/// The place of the variable that an elementary actual is, if it is known before the program runs.
+pub fn place_of(actual: &Actual) -> Option<&Place> {
+    let access = match actual {
+        Actual::Value(value) => match &value.kind {
+            ExprKind::Load(access) => access,
+            _ => return None,
+        },
+        Actual::Variable { access, .. } => access,
+        _ => return None,
+    };
+    match &access.base {
+        Base::Place(place) if access.indices.is_empty() && access.part.is_none() => Some(place),
+        Base::Place(_) | Base::Indexed { .. } => None,
+    }
 }
 
 impl Context<'_, '_> {
@@ -226,7 +243,13 @@ impl Context<'_, '_> {
     ) -> Vec<Value> {
         let (supply, back) = given.map_or((Supply::Nothing, None), |given| (given.supply, given.back));
         match parameter.passing {
-            Passing::Elementary(width) => vec![self.elementary_reference(width, supply, back, temporaries)],
+            Passing::Elementary(width) => {
+                if let Some(reference) = self.direct_reference(width, back.as_ref()) {
+                    return vec![reference];
+                }
+                let temporary = self.elementary_copy(width, supply, back, temporaries);
+                vec![self.reference(Target::at(temporary, BitNumber::Known(0)), width, place::Direction::Write)]
+            }
             Passing::Complex { .. } => {
                 let pointer = self.temporary(6);
                 let source = match (supply, back) {
@@ -256,21 +279,57 @@ impl Context<'_, '_> {
         }
     }
 
-    fn elementary_reference<'m>(
+    /// What an FC gets for an elementary formal whose area pointer it loads: the reference, and that pointer. `place`: the actual is
+    /// the variable there.
+    pub fn pointed_reference<'m>(
+        &mut self,
+        width: Width,
+        given: Option<Given<'m>>,
+        place: Option<&Place>,
+        temporaries: &mut Vec<(Back<'m>, Address)>,
+    ) -> (Value, Value) {
+        let (supply, back) = given.map_or((Supply::Nothing, None), |given| (given.supply, given.back));
+        // Local data of SCL may have no address at all.
+        let place = place.filter(|place| has_area_pointer(place) && !matches!(place, Place::L { .. }));
+        if let Some(place) = place
+            && let Some(reference) = self.direct_reference(width, back.as_ref())
+        {
+            return (reference, self.area_pointer_of(place));
+        }
+        let temporary = self.elementary_copy(width, supply, back, temporaries);
+        let reference = self.reference(Target::at(temporary, BitNumber::Known(0)), width, place::Direction::Write);
+        let copy = Place::L { byte: temporary.offset, bit: 0 };
+        (reference, self.area_pointer_of(place.unwrap_or(&copy)))
+    }
+
+    fn area_pointer_of(&mut self, place: &Place) -> Value {
+        let db = self.get(self.regs.db);
+        let pointer = self.pointer_fields(place).pointer;
+        self.set(self.regs.db, db);
+        pointer
+    }
+
+    /// A reference to the variable that takes the value, if it can be used as it is.
+    fn direct_reference(&mut self, width: Width, back: Option<&Back>) -> Option<Value> {
+        let Some(Back { access, located: Some(located), conversion: None }) = back else { return None };
+        let fits = access.part.is_none()
+            && access.elementary().is_some_and(|ty| layout::width(ty) == width)
+            && located.is_memory();
+        if !fits {
+            return None;
+        }
+        let target = self.located_target(located, width, place::Direction::Write);
+        Some(self.reference(target, width, place::Direction::Write))
+    }
+
+    /// Puts the value of an elementary formal into the frame.
+    fn elementary_copy<'m>(
         &mut self,
         width: Width,
         supply: Supply<'m>,
         back: Option<Back<'m>>,
         temporaries: &mut Vec<(Back<'m>, Address)>,
-    ) -> Value {
-        if let Some(Back { access, located: Some(located), conversion: None }) = &back
-            && access.part.is_none()
-            && access.elementary().is_some_and(|ty| layout::width(ty) == width)
-            && located.is_memory()
-        {
-            let target = self.located_target(located, width, place::Direction::Write);
-            return self.reference(target, width, place::Direction::Write);
-        }
+    ) -> Address {
         let temporary = self.temporary(width.bytes());
         match supply {
             Supply::Value(value) => self.write_target(Target::at(temporary, BitNumber::Known(0)), width, value),
@@ -279,7 +338,7 @@ impl Context<'_, '_> {
         if let Some(back) = back {
             temporaries.push((back, temporary));
         }
-        self.reference(Target::at(temporary, BitNumber::Known(0)), width, place::Direction::Write)
+        temporary
     }
 
     fn complex_reference(&mut self, source: &Source) -> (PointerFields, Value) {

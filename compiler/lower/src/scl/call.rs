@@ -4,10 +4,10 @@ use plcc_abi::layout::area;
 use plcc_ir::{Address, FuncId, Value};
 use plcc_program::layout;
 use plcc_program::model::scl::{Call, Instance};
-use plcc_program::model::{CodeBlock, Direction, Parameter, Place, Width};
+use plcc_program::model::{CodeBlock, Direction, Parameter, Passing, Place, Width};
 use plcc_program::types::DataType;
 
-use super::argument::Given;
+use super::argument::{self, Given};
 use super::value_type;
 use crate::context::Context;
 use crate::fault::{Check, Substitute};
@@ -134,16 +134,32 @@ impl Context<'_, '_> {
         let result = result(callee).map(|(index, _)| index).filter(|&index| !supplies(call, index));
         let mut temporaries = Vec::new();
         let mut references = Vec::new();
+        let mut pointers = Vec::new();
+        let plan = self.plan;
+        let pointed = plan.pointed(callee.key());
         for (index, parameter) in callee.interface.parameters.iter().enumerate() {
+            let is_pointed = pointed.contains(&index);
             if let (true, Some(room)) = (result == Some(index), room) {
                 references.extend(self.result_reference(parameter, room));
+                if is_pointed {
+                    pointers.push(self.pointer_fields(&Place::L { byte: room.offset, bit: 0 }).pointer);
+                }
                 continue;
             }
             let own = given.iter().position(|given| given.parameter == index).map(|at| given.swap_remove(at));
             let mut backs = Vec::new();
-            references.extend(self.references(parameter, own, &mut backs));
+            if let (true, Passing::Elementary(width)) = (is_pointed, parameter.passing) {
+                let actual = call.arguments.iter().find(|argument| argument.parameter == index);
+                let place = actual.and_then(|argument| argument::place_of(&argument.actual));
+                let (reference, pointer) = self.pointed_reference(width, own, place, &mut backs);
+                references.push(reference);
+                pointers.push(pointer);
+            } else {
+                references.extend(self.references(parameter, own, &mut backs));
+            }
             temporaries.extend(backs.into_iter().map(|(back, temporary)| (index, back, temporary)));
         }
+        references.extend(pointers);
         let ar2 = self.get(self.regs.ar[1]);
         let registers = [self.regs.db, self.regs.di].map(|register| (register, self.get(register)));
         self.call_function(callee, function, references);

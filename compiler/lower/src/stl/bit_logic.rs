@@ -209,9 +209,12 @@ impl Context<'_, '_> {
                 let copy = crate::place::Target::at(addr, bit);
                 self.read_target(copy, Width::Bit)
             }
-            crate::place::TargetKind::Peripheral { .. } | crate::place::TargetKind::Either { .. } => {
-                unreachable!("the peripheral area has no bits")
+            // An output: what was written last is in its process image.
+            crate::place::TargetKind::Peripheral { address, bit } => {
+                let byte = self.b.constant_bits(address).expect("bits of outputs have addresses that are known");
+                self.b.load_bit(plcc_ir::Address::direct(plcc_ir::Region::Q, byte as u32), bit)
             }
+            crate::place::TargetKind::Either { .. } => unreachable!("the peripheral area has no bits"),
         }
     }
 

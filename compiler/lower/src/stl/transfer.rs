@@ -3,7 +3,7 @@
 use plcc_abi::RuntimeFn;
 use plcc_abi::layout::area;
 use plcc_ir::{BinaryOp, Type, Value, Var};
-use plcc_program::model::{AddressRegister, CellKind, Operand, SpecialRegister, Width};
+use plcc_program::model::{AddressRegister, CellKind, Operand, Passing, SpecialRegister, Width};
 
 use crate::context::Context;
 
@@ -35,6 +35,9 @@ impl Context<'_, '_> {
             }
             Operand::Special(special) => self.special(*special),
             Operand::Register(register) => self.get(self.address_register(*register)),
+            Operand::ParameterPointer { parameter } if matches!(self.passing(*parameter), Passing::Elementary(_)) => {
+                self.area_pointer(*parameter)
+            }
             Operand::ParameterPointer { parameter } => {
                 let offset = self.parameters[*parameter][0];
                 let bits = self.b.binary_imm(BinaryOp::Shl, offset, 3);

@@ -5,9 +5,10 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::{self, BlockPrefix, CellKind, Width};
+use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, OperandKind, Width};
 use plcc_syntax::literal::Literal;
 
+use super::constant::Constant;
 use super::declare::is_complex;
 use super::names::code_kind;
 use super::path::{Base, type_of_width};
@@ -56,7 +57,7 @@ pub fn known_pointer(place: &Place) -> Option<(u16, u32)> {
         Place::I { byte, bit } => Some((0, pointer(area::I, *byte, *bit))),
         Place::Q { byte, bit } => Some((0, pointer(area::Q, *byte, *bit))),
         Place::M { byte, bit } => Some((0, pointer(area::M, *byte, *bit))),
-        Place::Pi { byte } | Place::Pq { byte } => Some((0, pointer(area::P, *byte, 0))),
+        Place::Pi { byte, bit } | Place::Pq { byte, bit } => Some((0, pointer(area::P, *byte, *bit))),
         Place::Db { number, byte, bit } => Some((*number, pointer(area::DB, *byte, *bit))),
         Place::OpenDb { byte, bit } => Some((0, pointer(area::DB, *byte, *bit))),
         Place::OpenDi { byte, bit } => Some((0, pointer(area::DI, *byte, *bit))),
@@ -131,10 +132,15 @@ impl Binder<'_> {
             return None;
         }
         let constant = matches!(settled, Settled::Literal(_) | Settled::Pointer(_) | Settled::ParameterPointer(_));
-        let points = matches!(
-            formal.ty,
-            DataType::Parameter(ParameterType::Pointer | ParameterType::Any | ParameterType::Variant)
-        );
+        let points = match &settled {
+            Settled::Literal(Literal::AreaPointer { .. } | Literal::Any(_)) => {
+                !matches!(formal.ty, DataType::Elementary(_))
+            }
+            _ => matches!(
+                formal.ty,
+                DataType::Parameter(ParameterType::Pointer | ParameterType::Any | ParameterType::Variant)
+            ),
+        };
         if constant && formal.direction != Direction::Input && !points {
             let text = self.text(span);
             self.report.push(
@@ -150,7 +156,7 @@ impl Binder<'_> {
             | DataType::String(_)
             | DataType::WideString(_)
             | DataType::Array(_)
-            | DataType::Struct(_) => self.complex_actual(callee, formal, settled, span),
+            | DataType::Struct(_) => self.complex_actual(ctx, callee, formal, settled, span),
             DataType::Parameter(ParameterType::Pointer) => self.pointer_actual(callee, formal, settled, span),
             DataType::Parameter(ParameterType::Any | ParameterType::Variant) => {
                 self.any_actual(callee, formal, settled, span)
@@ -238,7 +244,10 @@ impl Binder<'_> {
         match &settled {
             Settled::Literal(literal) => match value::elementary_bytes(ty, literal, value::Place::Call) {
                 Ok(bytes) => Some(Actual::Const(bytes)),
-                Err(Mismatch::Type) => self.mismatch(callee, formal, &settled, span),
+                Err(Mismatch::Type) => match value::untyped_bytes(ty, literal) {
+                    Some(bytes) => Some(Actual::Const(bytes)),
+                    None => self.mismatch(callee, formal, &settled, span),
+                },
                 Err(Mismatch::Range) => {
                     self.report.push(
                         Diagnostic::new(
@@ -285,9 +294,137 @@ impl Binder<'_> {
         }
     }
 
-    fn complex_actual(&mut self, callee: BlockKey, formal: &Parameter, settled: Settled, span: Span) -> Option<Actual> {
-        let Settled::Complex(variable) = &settled else {
-            return self.mismatch(callee, formal, &settled, span);
+    /// Binds a pointer that a call without names hands over: of an elementary parameter it is the address of the actual.
+    pub fn bind_positional(
+        &mut self,
+        ctx: &mut Ctx,
+        callee: BlockKey,
+        formal: &Parameter,
+        actual: &ast::Operand,
+    ) -> Option<Actual> {
+        let (OperandKind::Literal(Literal::AreaPointer { db, pointer }), DataType::Elementary(ty)) =
+            (&actual.kind, &formal.ty)
+        else {
+            return self.bind_actual(ctx, callee, formal, actual);
+        };
+        let width = layout::width(*ty);
+        let place = self.pointed_place(ctx, *db, *pointer, formal, width.bytes(), actual.span)?;
+        let whole = match width {
+            Width::Bit => true,
+            Width::Byte | Width::Word | Width::Dword | Width::Lword => pointer & 7 == 0,
+        };
+        let settled = Settled::Memory { place, width, ty: None };
+        match whole {
+            true => self.elementary_actual(callee, formal, *ty, settled, actual.span),
+            false => self.mismatch(callee, formal, &settled, actual.span),
+        }
+    }
+
+    /// The memory of `bytes` bytes at a pointer constant, checked against its area; `None` after a message.
+    fn pointed_place(
+        &mut self,
+        ctx: &mut Ctx,
+        db: u16,
+        pointer: u32,
+        formal: &Parameter,
+        bytes: u32,
+        span: Span,
+    ) -> Option<Place> {
+        use plcc_abi::layout::area;
+        let (byte, bit) = ((pointer & 0x00FF_FFFF) >> 3, (pointer & 7) as u8);
+        let (found, place) = match (pointer >> 24) as u8 {
+            area::I => (Area::I, Place::I { byte, bit }),
+            area::Q => (Area::Q, Place::Q { byte, bit }),
+            area::M => (Area::M, Place::M { byte, bit }),
+            area::L => (Area::L, Place::L { byte, bit }),
+            area::DB if db == 0 => (Area::Db, Place::OpenDb { byte, bit }),
+            area::DB => (Area::Db, Place::Db { number: db, byte, bit }),
+            area::DI if db == 0 => (Area::Di, Place::OpenDi { byte, bit }),
+            area::P if formal.direction == Direction::Output => (Area::Pq, Place::Pq { byte, bit }),
+            area::P => (Area::Pi, Place::Pi { byte, bit }),
+            _ => {
+                let text = self.text(span);
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
+                        .label("no address of this block")
+                        .help("name an address of I, Q, M, L or a data block"),
+                );
+                return None;
+            }
+        };
+        self.check_address(ctx, found, Width::Byte, byte, span)?;
+        self.check_address(ctx, found, Width::Byte, byte.saturating_add(bytes.saturating_sub(1)), span)?;
+        if let Place::Db { number, .. } = place {
+            self.use_db(number, span);
+            self.check_db_end(number, byte + bytes, span);
+        }
+        Some(place)
+    }
+
+    /// `P#DB5.DBX 20.0` for a parameter of type DATE_AND_TIME, STRING, STRUCT or ARRAY: the address of the actual. `None`: it does not
+    /// fit; the outer one after a message.
+    fn complex_at_pointer(
+        &mut self,
+        ctx: &mut Ctx,
+        formal: &Parameter,
+        literal: &Literal,
+        span: Span,
+    ) -> Option<Option<Actual>> {
+        let bytes = layout::bytes(&formal.ty);
+        let (db, pointer) = match literal {
+            Literal::AreaPointer { db, pointer } => (*db, *pointer),
+            Literal::Any([_, code, high, low, db_high, db_low, pointer @ ..]) => {
+                let count = u32::from(u16::from_be_bytes([*high, *low]));
+                let fits = match (*code, &formal.ty) {
+                    (CODE_DATE_AND_TIME, DataType::DateAndTime) => count == 1,
+                    (CODE_BYTE, DataType::String(_)) => true,
+                    (CODE_BYTE, _) => count == bytes,
+                    _ => false,
+                };
+                if !fits {
+                    return Some(None);
+                }
+                (u16::from_be_bytes([*db_high, *db_low]), u32::from_be_bytes(*pointer))
+            }
+            _ => return Some(None),
+        };
+        let peripheral = (pointer >> 24) as u8 == plcc_abi::layout::area::P;
+        if pointer & 7 != 0 || peripheral {
+            return Some(None);
+        }
+        let place = self.pointed_place(ctx, db, pointer, formal, bytes, span)?;
+        Some(Some(Actual::Place(place)))
+    }
+
+    fn complex_actual(
+        &mut self,
+        ctx: &mut Ctx,
+        callee: BlockKey,
+        formal: &Parameter,
+        settled: Settled,
+        span: Span,
+    ) -> Option<Actual> {
+        let variable = match &settled {
+            Settled::Complex(variable) => variable,
+            // The caller keeps the constant in its local data.
+            Settled::Literal(literal @ (Literal::DateAndTime(_) | Literal::Text(_)))
+                if formal.direction == Direction::Input =>
+            {
+                let bytes = Constant::of_stl(literal)
+                    .ok_or(Mismatch::Type)
+                    .and_then(|constant| Self::constant_bytes(&constant, &formal.ty));
+                return match bytes {
+                    Ok(bytes) => Some(Actual::Const(bytes)),
+                    Err(_) => self.mismatch(callee, formal, &settled, span),
+                };
+            }
+            Settled::Literal(literal) => {
+                return match self.complex_at_pointer(ctx, formal, literal, span)? {
+                    Some(actual) => Some(actual),
+                    None => self.mismatch(callee, formal, &settled, span),
+                };
+            }
+            _ => return self.mismatch(callee, formal, &settled, span),
         };
         // What a STRING can hold stands in its first byte, which a function looks at.
         let any_length = matches!(callee.kind, BlockKind::Fc | BlockKind::Sfc) || formal.direction == Direction::InOut;

@@ -81,6 +81,11 @@ impl Binder<'_> {
                     self.check_instruction(*insn, *mnemonic_span);
                     self.instruction(ctx, flow, at - 1, *insn, *mnemonic_span, operand.as_ref())
                 }
+                StatementKind::Call(call) if self.is_move(call) => {
+                    let kinds = self.bind_move(ctx, call).into_iter().flatten();
+                    bound.extend(kinds.map(|kind| StlStatement { span, network, kind }));
+                    None
+                }
                 StatementKind::Call(call) => {
                     if flow.zones[at - 1] > 0 && call.parameters.iter().any(|parameter| parameter.actual.is_some()) {
                         self.report.push(
@@ -266,8 +271,6 @@ impl Binder<'_> {
         let problem = if !ends_at_label {
             let end = end.map_or(mnemonic, |end| end.span);
             Some((end, format!("the list of `{name}` ends here, but not at the label `{default}`")))
-        } else if entries == 0 {
-            Some((mnemonic, format!("`{name}` has no list")))
         } else if entries > JUMP_LIST_MAX {
             Some((mnemonic, format!("the list of `{name}` has {entries} entries; {JUMP_LIST_MAX} are possible")))
         } else {

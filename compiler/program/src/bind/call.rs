@@ -30,6 +30,9 @@ pub struct PointerUse {
     span: Span,
     block: BlockKey,
     parameter: String,
+    /// Where the pointer or number lies in the instance.
+    byte: u32,
+    bytes: u32,
 }
 
 impl Binder<'_> {
@@ -192,9 +195,23 @@ impl Binder<'_> {
         let mut good = true;
         // Parameters that are given under a misspelt name: that they are missing is told already.
         let mut misspelt: Vec<String> = Vec::new();
-        for given in &call.parameters {
+        for (at, given) in call.parameters.iter().enumerate() {
             let folded = fold(&given.name);
-            let Some(index) = parameters.iter().position(|parameter| fold(&parameter.name) == folded) else {
+            let index = match given.name.is_empty() {
+                // Pointers in the order of the interface.
+                true if at < parameters.len() => Some(at),
+                true => {
+                    good = false;
+                    self.surplus_pointer(key, parameters.len(), given.name_span);
+                    continue;
+                }
+                false => parameters.iter().position(|parameter| fold(&parameter.name) == folded),
+            };
+            let Some(index) = index else {
+                // `time_type := Time` tells for which type an instruction of the TIA Portal is called; all that are here have one.
+                if super::move_call::names_a_type(given) {
+                    continue;
+                }
                 good = false;
                 misspelt.extend(self.unknown_parameter(key, bound, (&given.name, given.name_span)));
                 continue;
@@ -216,7 +233,11 @@ impl Binder<'_> {
                 empty.push(index);
                 continue;
             };
-            match self.bind_actual(ctx, key, &parameters[index], actual) {
+            let bound = match given.name.is_empty() {
+                true => self.bind_positional(ctx, key, &parameters[index], actual),
+                false => self.bind_actual(ctx, key, &parameters[index], actual),
+            };
+            match bound {
                 Some(bound) => arguments.push(Argument { parameter: index, actual: bound, span: actual.span }),
                 None => good = false,
             }
@@ -242,6 +263,17 @@ impl Binder<'_> {
             }
         }
         good.then_some(arguments)
+    }
+
+    fn surplus_pointer(&mut self, key: BlockKey, count: usize, span: Span) {
+        self.report.push(
+            Diagnostic::new(
+                Code::UnknownParameter,
+                span,
+                format!("{key} has {count} parameters, but more are handed over"),
+            )
+            .label("this pointer belongs to none of them"),
+        );
     }
 
     /// Reports a parameter that the block does not have; gives the one that may be meant.
@@ -337,15 +369,35 @@ impl Binder<'_> {
                 span,
                 block: key,
                 parameter: parameter.name.clone(),
+                byte: parameter.byte,
+                bytes: match parameter.passing {
+                    Passing::Number => 2,
+                    Passing::Any => 10,
+                    _ => 6,
+                },
             });
             entry.supplied |= supplied;
         }
     }
 
+    /// Whether the data block gives the parameter a value to begin with.
+    fn has_start_value(&self, id: InstanceId, pointer: &PointerUse) -> bool {
+        let InstanceId::Db(number) = id else { return false };
+        let range = pointer.byte as usize..(pointer.byte + pointer.bytes) as usize;
+        let data = self.dbs.get(&number).and_then(|db| db.block.data.get(range));
+        // `P#P 0.0 VOID 0`, as STEP 7 writes it, points nowhere.
+        data.is_some_and(|bytes| {
+            !matches!(bytes, [0x10, 0, ..] | [0, 0, 0x80, 0, 0, 0]) && bytes.iter().any(|byte| *byte != 0)
+        })
+    }
+
     /// Warns of pointer parameters that no call of an instance supplies.
     pub fn check_pointers(&mut self) {
-        let mut uses: Vec<PointerUse> =
-            std::mem::take(&mut self.pointers).into_values().filter(|pointer| !pointer.supplied).collect();
+        let mut uses: Vec<PointerUse> = std::mem::take(&mut self.pointers)
+            .into_iter()
+            .filter(|((id, _), pointer)| !pointer.supplied && !self.has_start_value(*id, pointer))
+            .map(|(_, pointer)| pointer)
+            .collect();
         uses.sort_by_key(|pointer| (pointer.span.file, pointer.span.start));
         for PointerUse { span, block, parameter, .. } in uses {
             self.report.push(

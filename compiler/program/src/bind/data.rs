@@ -313,8 +313,10 @@ impl Binder<'_> {
             }
             OperandKind::Block(BlockName::Symbol { name, .. }) => symbol(name),
             OperandKind::Path(path) if path.parts.is_empty() => match &path.root {
-                PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. } => symbol(name),
-                PathRoot::Local { .. } | PathRoot::Block(_) => None,
+                PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. } | PathRoot::Local { name, .. } => {
+                    symbol(name)
+                }
+                PathRoot::Block(_) => None,
             },
             _ => None,
         }

@@ -3,16 +3,18 @@
 //! Source: STL reference, declarations and data blocks; SCL reference, declarations.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::{Bound, InitialKind, InitialValue};
+use plcc_syntax::ast::{BlockName, BlockPrefix, Bound, CellKind, InitialKind, InitialValue, OperandKind};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
 
 use super::Binder;
+use super::actual::pointer_bytes;
 use super::constant::Constant;
 use super::declare::put;
 use super::value::{Mismatch, Place, elementary_bytes, literal_kind};
 use crate::layout;
-use crate::types::{ArrayType, DataType, Elementary, StructType};
+use crate::symbols::SymbolTarget;
+use crate::types::{ArrayType, DataType, Elementary, ParameterType, StructType};
 
 impl Binder<'_> {
     /// Writes an initial value over the bytes of a variable of type `ty` at `byte`.`bit` of `image`.
@@ -25,6 +27,10 @@ impl Binder<'_> {
         match (&value.kind, ty) {
             (_, DataType::Void) | (InitialKind::Default, _) => Some(()),
             (InitialKind::Fields(fields), _) if fields.is_empty() => Some(()),
+            (kind, DataType::Parameter(parameter)) => self.encode_parameter(kind, *parameter, value.span, image, byte),
+            (InitialKind::Operand(_), _) => {
+                self.encode_bytes(Err(Mismatch::Type), "this operand", value.span, ty, image, byte, bit)
+            }
             (InitialKind::Literal(Literal::Text(text)), DataType::Array(array)) if is_char(&array.element) => {
                 self.encode_characters(text, array, value.span, image, byte)
             }
@@ -68,6 +74,91 @@ impl Binder<'_> {
                 None
             }
         }
+    }
+
+    /// The value of a formal parameter of type TIMER, COUNTER, BLOCK_x, POINTER or ANY in an instance: it is used until a call supplies
+    /// another one.
+    fn encode_parameter(
+        &mut self,
+        kind: &InitialKind,
+        parameter: ParameterType,
+        span: Span,
+        image: &mut [u8],
+        byte: u32,
+    ) -> Option<()> {
+        let bytes = match kind {
+            InitialKind::Literal(literal) => parameter_bytes(literal, parameter),
+            InitialKind::Operand(kind) => self.parameter_number(kind, parameter, span)?,
+            InitialKind::Expr(value) => match &value.kind {
+                ExprKind::Absolute(kind) => self.parameter_number(kind, parameter, span)?,
+                ExprKind::Literal(plcc_syntax::scl::ast::Literal::Any(bytes)) => {
+                    parameter_bytes(&Literal::Any(*bytes), parameter)
+                }
+                _ => None,
+            },
+            InitialKind::List(_) | InitialKind::Repeat { .. } | InitialKind::Fields(_) | InitialKind::Default => None,
+        };
+        let Some(bytes) = bytes else {
+            let name = layout::type_name(&DataType::Parameter(parameter));
+            let example = match parameter {
+                ParameterType::Timer => "T 5",
+                ParameterType::Counter => "C 5",
+                ParameterType::BlockFb => "FB 5",
+                ParameterType::BlockFc => "FC 5",
+                ParameterType::BlockDb => "DB 5",
+                ParameterType::BlockSdb => "SDB 5",
+                ParameterType::Pointer => "P#M 10.0",
+                ParameterType::Any => "P#M 10.0 BYTE 4",
+            };
+            self.report.push(
+                Diagnostic::new(Code::InitialValue, span, format!("this is no value of type {name}"))
+                    .label(format!("the parameter is of type {name}"))
+                    .help(format!("write it as `{example}`")),
+            );
+            return None;
+        };
+        let at = byte as usize;
+        image.get_mut(at..at + bytes.len())?.copy_from_slice(&bytes);
+        Some(())
+    }
+
+    /// The number of a timer, counter or block; the inner `None`: it is of another kind. The outer one: it is reported.
+    fn parameter_number(
+        &mut self,
+        kind: &OperandKind,
+        parameter: ParameterType,
+        span: Span,
+    ) -> Option<Option<Vec<u8>>> {
+        let named = match kind {
+            OperandKind::Cell { kind, number } => SymbolTarget::Cell { kind: *kind, number: *number },
+            OperandKind::Block(BlockName::Numbered { prefix, number, .. }) => {
+                SymbolTarget::Block { prefix: *prefix, number: *number }
+            }
+            OperandKind::Block(BlockName::Symbol { name, span }) => match self.global(name) {
+                Some(target) => target,
+                None => {
+                    self.unknown_name(name, *span);
+                    return None;
+                }
+            },
+            _ => return Some(None),
+        };
+        let number = match (parameter, named) {
+            (ParameterType::Timer, SymbolTarget::Cell { kind: kind @ CellKind::Timer, number })
+            | (ParameterType::Counter, SymbolTarget::Cell { kind: kind @ CellKind::Counter, number }) => {
+                self.check_cell(kind, number, span)?
+            }
+            (ParameterType::BlockFb, SymbolTarget::Block { prefix: BlockPrefix::Fb | BlockPrefix::Sfb, number })
+            | (ParameterType::BlockFc, SymbolTarget::Block { prefix: BlockPrefix::Fc | BlockPrefix::Sfc, number })
+            | (ParameterType::BlockDb, SymbolTarget::Block { prefix: BlockPrefix::Db, number }) => {
+                match u16::try_from(number) {
+                    Ok(number) => number,
+                    Err(_) => return Some(None),
+                }
+            }
+            _ => return Some(None),
+        };
+        Some(Some(number.to_be_bytes().to_vec()))
     }
 
     fn encode_characters(
@@ -140,7 +231,7 @@ impl Binder<'_> {
                     );
                     return None;
                 }
-                InitialKind::Literal(_) | InitialKind::Expr(_) | InitialKind::Fields(_) => {
+                InitialKind::Literal(_) | InitialKind::Expr(_) | InitialKind::Fields(_) | InitialKind::Operand(_) => {
                     if *next >= count.saturating_mul(inner) {
                         self.surplus(value.span);
                         return None;
@@ -280,6 +371,17 @@ impl Binder<'_> {
                 None
             }
         }
+    }
+}
+
+/// A constant as a POINTER or ANY; `P#P 0.0 VOID 0` points nowhere in both.
+fn parameter_bytes(literal: &Literal, parameter: ParameterType) -> Option<Vec<u8>> {
+    match (parameter, literal) {
+        (ParameterType::Any, Literal::Any(bytes)) => Some(bytes.to_vec()),
+        (ParameterType::Pointer, Literal::Any(bytes)) if bytes[1] == 0 => Some(bytes[4..].to_vec()),
+        (ParameterType::Pointer, Literal::Pointer(pointer)) => Some(pointer_bytes(0, *pointer)),
+        (ParameterType::Pointer, Literal::AreaPointer { db, pointer }) => Some(pointer_bytes(*db, *pointer)),
+        _ => None,
     }
 }
 

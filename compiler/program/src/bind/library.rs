@@ -46,7 +46,10 @@ impl Binder<'_> {
             let kind = kind_of(block.class);
             let prefix = kind_prefix(kind);
             let taken = self.defined.contains_key(&(prefix, block.number))
-                || self.block_names.get(&(prefix, block.number)).is_some_and(|name| fold(name) != fold(block.name));
+                || self
+                    .block_names
+                    .get(&(prefix, block.number))
+                    .is_some_and(|name| fold(plcc_stdlib::standard_name(name)) != fold(block.name));
             if matches!(block.class, BlockClass::Sfc | BlockClass::Sfb) || !taken {
                 continue;
             }
@@ -78,9 +81,9 @@ impl Binder<'_> {
         }
         let name = self.block_name(kind_prefix(key.kind), key.number);
         match class {
-            BlockClass::Fc | BlockClass::Fb if !name.is_empty() => plcc_stdlib::blocks()
-                .iter()
-                .find(|block| block.class == class && block.name.eq_ignore_ascii_case(&name)),
+            BlockClass::Fc | BlockClass::Fb if !name.is_empty() => plcc_stdlib::blocks().iter().find(|block| {
+                block.class == class && block.name.eq_ignore_ascii_case(plcc_stdlib::standard_name(&name))
+            }),
             _ => plcc_stdlib::find(class, key.number),
         }
     }

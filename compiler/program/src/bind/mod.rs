@@ -24,6 +24,7 @@ mod initial;
 mod interface;
 mod library;
 mod mentions;
+mod move_call;
 mod names;
 mod network;
 mod ob;
@@ -260,6 +261,8 @@ struct Ctx {
     unknown_locals: FxHashSet<String>,
     /// End of the local data that direct addresses touch.
     local_bytes: u32,
+    /// The block is a list of statements without a header.
+    fragment: bool,
     /// Stands for all statements of a system block.
     fixed_span: Option<Span>,
     /// Only while a block in SCL is bound.
@@ -347,6 +350,7 @@ impl<'a> Binder<'a> {
             bound: Rc::clone(&bound),
             unknown_locals: FxHashSet::default(),
             local_bytes: 0,
+            fragment: fixed_span.is_none() && names::is_fragment(block),
             fixed_span,
             scl: scl::Scope::default(),
         };

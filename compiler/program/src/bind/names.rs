@@ -85,10 +85,42 @@ fn frame(block: &ast::Block) -> (BlockPrefix, &BlockName) {
     }
 }
 
-/// Names that the TIA Portal gives to organization blocks, and their numbers. Further ones of a kind are called `_1`, `_2`, where the
-/// kind has several numbers.
+/// Whether a block is a list of statements without a header, which is OB 1 unless its file is named otherwise.
+pub fn is_fragment(block: &ast::CodeBlock) -> bool {
+    let span = block.name.span();
+    matches!(block.name, BlockName::Numbered { .. })
+        && span.start == span.end
+        && matches!(block.code, ast::Code::Stl(_))
+}
+
+/// The block that a file's name tells: `FC19_Name`, `OB1_MAIN`, `FB 3`.
+fn block_of_file(stem: &str) -> Option<(BlockPrefix, u32)> {
+    let stem = stem.trim();
+    let letters = stem.get(..2)?;
+    let prefix = [BlockPrefix::Ob, BlockPrefix::Fc, BlockPrefix::Fb]
+        .into_iter()
+        .find(|prefix| prefix.letters().eq_ignore_ascii_case(letters))?;
+    let rest = stem[2..].trim_start_matches([' ', '_', '-']);
+    let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+    if rest[digits..].starts_with(char::is_alphanumeric) {
+        return None;
+    }
+    Some((prefix, rest[..digits].parse().ok()?))
+}
+
+/// Names that STEP 7 and the TIA Portal give to organization blocks, and their numbers: the first one, and how many there are. Further
+/// ones are called `_1`, `_2`; in STEP 7 they are counted from 0, `Cyclic Interrupt 5`, `CYC_INT5`.
 #[rustfmt::skip]
 const OB_NAMES: &[(&str, u32, u32)] = &[
+    ("Cycle Execution", 1, 1), ("CYCL_EXC", 1, 1), ("TOD_INT", 10, 8), ("Time of Day Interrupt", 10, 8), ("DEL_INT", 20, 4),
+    ("CYC_INT", 30, 9), ("HW_INT", 40, 8), ("MP_INT", 60, 1), ("Multicomputing Interrupt", 60, 1), ("Multiprocessing Interrupt", 60, 1),
+    ("I/O Redundancy Error", 70, 1), ("CPU Redundancy Error", 72, 1), ("Communication Redundancy Error", 73, 1),
+    ("CYCL_FLT", 80, 1), ("Cycle Time Fault", 80, 1), ("Time Error", 80, 1), ("PS_FLT", 81, 1), ("Power Supply Fault", 81, 1),
+    ("I/O_FLT1", 82, 1), ("I/O Point Fault 1", 82, 1), ("I/O_FLT2", 83, 1), ("I/O Point Fault 2", 83, 1), ("CPU_FLT", 84, 1),
+    ("CPU Fault", 84, 1), ("OBNL_FLT", 85, 1), ("OB Not Loaded Fault", 85, 1), ("RACK_FLT", 86, 1), ("Loss of Rack Fault", 86, 1),
+    ("COMM_FLT", 87, 1), ("Communication Fault", 87, 1), ("BACKGRND", 90, 1), ("Background Cycle", 90, 1), ("Background", 90, 1),
+    ("Complete Restart", 100, 1), ("Warm Restart", 100, 1), ("Restart", 101, 1), ("Hot Restart", 101, 1),
+    ("Cold Restart", 102, 1), ("PROG_ERR", 121, 1), ("MOD_ERR", 122, 1), ("Module Access Error", 122, 1),
     ("Main", 1, 1), ("Startup", 100, 1), ("Cyclic interrupt", 30, 9), ("Time of day", 10, 8),
     ("Time delay interrupt", 20, 4), ("Hardware interrupt", 40, 8), ("Status", 55, 1), ("Update", 56, 1), ("Profile", 57, 1),
     ("Time error interrupt", 80, 1), ("Diagnostic error interrupt", 82, 1), ("Pull or plug of modules", 83, 1),
@@ -98,16 +130,23 @@ const OB_NAMES: &[(&str, u32, u32)] = &[
 /// The number of an organization block by its usual name.
 fn ob_number(name: &str) -> Option<u32> {
     let name = name.trim();
-    let (base, index) = match name.rsplit_once('_') {
-        Some((base, index))
-            if !index.is_empty() && index.len() < 4 && index.bytes().all(|digit| digit.is_ascii_digit()) =>
-        {
-            (base, index.parse().ok()?)
-        }
-        _ => (name, 0),
-    };
-    let (_, first, count) = OB_NAMES.iter().find(|(usual, ..)| usual.eq_ignore_ascii_case(base))?;
+    let row = |base: &str| OB_NAMES.iter().find(|(usual, ..)| usual.eq_ignore_ascii_case(base));
+    if let Some((_, first, _)) = row(name) {
+        return Some(*first);
+    }
+    let base = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let index: u32 = name[base.len()..].parse().ok()?;
+    let (_, first, count) = row(base.trim_end_matches(['_', ' ']))?;
     (index < *count).then_some(first + index)
+}
+
+/// The number of an organization block by the names of its start information: `OB35_EV_CLASS`.
+fn number_of_start_information(block: &ast::Block) -> Option<u32> {
+    let ast::Block::Code(code) = block else { return None };
+    let temporary = code.sections.iter().find(|section| section.kind == ast::SectionKind::Temp)?;
+    let name = &temporary.variables.first()?.name;
+    let digits = name.get(..2).filter(|letters| letters.eq_ignore_ascii_case("OB")).and_then(|_| name.get(2..))?;
+    digits.split_once('_')?.0.parse().ok()
 }
 
 /// What starts an OB, if its attributes tell.
@@ -168,7 +207,10 @@ fn numbered(
         .iter()
         .find(|(name, _)| NUMBER_ATTRIBUTES.iter().any(|number| number.eq_ignore_ascii_case(name)))
         .and_then(|(_, value)| value.trim().trim_matches(['\'', '"']).parse().ok());
-    let usual = || if prefix == BlockPrefix::Ob { ob_number(text) } else { None };
+    let usual = || match prefix {
+        BlockPrefix::Ob => ob_number(text).or_else(|| number_of_start_information(block)),
+        _ => None,
+    };
     let said = written.or(header.number).or(attribute);
     let movable = header.auto_number || said.is_none();
     match said.or_else(usual) {
@@ -258,9 +300,14 @@ impl<'a> Binder<'a> {
         for movable in [false, true] {
             for &block in &blocks {
                 let (prefix, name) = frame(block);
-                let (numbered, is_movable) = numbered(block, prefix, name, &self.globals);
+                let (prefix, (numbered, is_movable)) = match self.named_by_file(block) {
+                    Some((prefix, number)) => {
+                        (prefix, (BlockName::Numbered { prefix, number, span: name.span() }, false))
+                    }
+                    None => (prefix, numbered(block, prefix, name, &self.globals)),
+                };
                 if is_movable == movable {
-                    self.place(block, numbered, movable, &mut used, &mut unnumbered);
+                    self.place(block, (prefix, numbered), movable, &mut used, &mut unnumbered);
                 }
             }
         }
@@ -392,12 +439,12 @@ impl<'a> Binder<'a> {
     fn place(
         &mut self,
         block: &'a ast::Block,
-        numbered: BlockName,
+        (prefix, numbered): (BlockPrefix, BlockName),
         movable: bool,
         used: &mut FxHashSet<(BlockPrefix, u32)>,
         unnumbered: &mut Vec<Unnumbered<'a>>,
     ) {
-        let (prefix, name) = frame(block);
+        let (_, name) = frame(block);
         if matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb) {
             self.report.push(
                 Diagnostic::new(Code::BlockFrame, name.span(), "system blocks belong to the CPU")
@@ -505,6 +552,17 @@ impl<'a> Binder<'a> {
         Some(ObClass::ProgramCycle)
     }
 
+    /// Kind and number of statements without a header, if the name of their file tells them.
+    fn named_by_file(&self, block: &ast::Block) -> Option<(BlockPrefix, u32)> {
+        let ast::Block::Code(code) = block else { return None };
+        if !is_fragment(code) {
+            return None;
+        }
+        let (_, source) = self.input.sources.files().nth(code.span.file.0 as usize)?;
+        let stem = std::path::Path::new(&source.name).file_stem()?.to_string_lossy();
+        block_of_file(&stem)
+    }
+
     fn collect_tables(&mut self) {
         let rows: usize = self.input.tables.iter().map(|table| table.symbols.len()).sum();
         self.globals.reserve(rows);
@@ -567,6 +625,11 @@ impl<'a> Binder<'a> {
             ast::Block::Code(code) => {
                 if let Some(kind) = code_kind(prefix) {
                     let source = match &code.code {
+                        ast::Code::Stl(_) if prefix != source_prefix(code.kind) => {
+                            let mut code = code.clone();
+                            code.kind = if prefix == BlockPrefix::Fb { CodeKind::Fb } else { CodeKind::Fc };
+                            super::CodeSource::Expanded(std::rc::Rc::new(code))
+                        }
                         ast::Code::Chart(chart) => {
                             super::CodeSource::Expanded(std::rc::Rc::new(super::chart::expanded(code, chart)))
                         }
@@ -625,7 +688,7 @@ impl<'a> Binder<'a> {
     /// Reports a name that nothing defines.
     pub fn unknown_name(&mut self, name: &str, span: Span) {
         let folded = fold(name);
-        match plcc_stdlib::LIBRARY.iter().find(|block| fold(block.name) == folded) {
+        match plcc_stdlib::LIBRARY.iter().find(|block| fold(block.name) == fold(plcc_stdlib::standard_name(&folded))) {
             Some(block) => {
                 let prefix = if block.fb { BlockPrefix::Fb } else { BlockPrefix::Fc };
                 self.report.not_shipped(prefix, block.number, block.name, span);

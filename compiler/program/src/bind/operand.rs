@@ -162,6 +162,27 @@ impl Binder<'_> {
     ) -> Option<Operand> {
         use OperandClass as Class;
         match (class, settled) {
+            (Class::Bit | Class::BitOrNone, Settled::Memory { place: Place::Pq { .. }, width: Width::Bit, .. }) => {
+                let text = self.text(span);
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be read"))
+                        .label("a peripheral output")
+                        .help("read the process image: without `:P`"),
+                );
+                None
+            }
+            (
+                Class::BitWrite | Class::BitWriteOrCounter | Class::BitWriteOrCell,
+                Settled::Memory { place: Place::Pi { .. }, width: Width::Bit, .. },
+            ) => {
+                let text = self.text(span);
+                self.report.push(
+                    Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
+                        .label("a peripheral input")
+                        .help("outputs are written"),
+                );
+                None
+            }
             (
                 Class::Bit | Class::BitOrNone | Class::BitWrite | Class::BitWriteOrCounter | Class::BitWriteOrCell,
                 Settled::Memory { place, width: Width::Bit, .. },

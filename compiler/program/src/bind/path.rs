@@ -7,6 +7,7 @@ use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Path, PathPart, PathRoot, Wi
 use rustc_hash::FxHashMap;
 
 use super::names::fold;
+use super::report::MissingKey;
 use super::{Binder, Ctx};
 use crate::layout;
 use crate::model::Place;
@@ -56,8 +57,8 @@ impl Base {
             Base::I => Place::I { byte, bit },
             Base::Q => Place::Q { byte, bit },
             Base::M => Place::M { byte, bit },
-            Base::Pi => Place::Pi { byte },
-            Base::Pq => Place::Pq { byte },
+            Base::Pi => Place::Pi { byte, bit },
+            Base::Pq => Place::Pq { byte, bit },
             Base::L => Place::L { byte, bit },
             Base::OpenDb => Place::OpenDb { byte, bit },
             Base::OpenDi => Place::OpenDi { byte, bit },
@@ -111,6 +112,8 @@ impl Binder<'_> {
         let start = match &path.root {
             PathRoot::Local { name, span } => match self.local(ctx, name) {
                 Some(variable) => Resolved::Variable(variable),
+                // As STEP 7 does: a `#` before a name that the block does not declare is read over.
+                None if self.globals.contains_key(&fold(name)) => self.resolve_global(ctx, name, *span)?,
                 None => {
                     self.unknown_local(ctx, name, *span);
                     return None;
@@ -161,8 +164,16 @@ impl Binder<'_> {
         if !ctx.unknown_locals.insert(fold(name)) {
             return;
         }
-        let message = Diagnostic::new(Code::UnknownLocal, span, format!("`#{name}` is not declared in this block"))
-            .label("neither a parameter nor static or temporary data");
+        let message = || {
+            Diagnostic::new(Code::UnknownLocal, span, format!("`#{name}` is not declared in this block"))
+                .label("neither a parameter nor static or temporary data")
+        };
+        // Statements without a header are a part of a block: its declarations are missing.
+        if ctx.fragment {
+            let help = "add the header of the block, with its VAR sections, before the statements";
+            return self.report.missing(MissingKey::Local(fold(name)), span, || message().help(help));
+        }
+        let message = message();
         let names = ctx.bound.locals.values().map(|local| local.name.as_str());
         self.report.push(match similar(name, names) {
             Some(other) => message.help(format!("is `#{other}` meant?")),
@@ -296,6 +307,19 @@ impl Binder<'_> {
                         _ => return self.bad_character(place, length),
                     }
                 }
+                (PathPart::Member { name, span }, DataType::Elementary(ty)) if name.starts_with('%') => {
+                    let Some((byte, bit, part)) = slice(name, *ty) else {
+                        self.report.push(
+                            Diagnostic::new(Code::UnknownMember, *span, format!("{} has no part `{name}`", ty.name()))
+                                .label(format!("{} bits", ty.bits()))
+                                .help("`%X0` is the lowest bit, `%B0` the lowest byte, `%W0` the lowest word"),
+                        );
+                        return None;
+                    };
+                    variable.byte += byte;
+                    variable.bit = bit;
+                    variable.ty = DataType::Elementary(part);
+                }
                 (PathPart::Member { name, span }, ty) => {
                     self.report.push(
                         Diagnostic::new(Code::UnknownMember, *span, format!("there is no component `{name}` here"))
@@ -354,6 +378,28 @@ impl Binder<'_> {
             None => message,
         });
     }
+}
+
+/// Where a part such as `%X3` of a value of type `ty` lies, byte and bit, and its type; `None`: it has no such part. The lowest byte is the last
+/// one in memory.
+fn slice(name: &str, ty: Elementary) -> Option<(u32, u8, Elementary)> {
+    let number: u32 = name.get(2..)?.parse().ok()?;
+    let (bits, part) = match name.as_bytes()[1].to_ascii_uppercase() {
+        b'X' => (1, Elementary::Bool),
+        b'B' => (8, Elementary::Byte),
+        b'W' => (16, Elementary::Word),
+        b'D' => (32, Elementary::Dword),
+        _ => return None,
+    };
+    let end = number.checked_add(1)?.checked_mul(bits)?;
+    if end > ty.bits() || bits >= ty.bits() {
+        return None;
+    }
+    let bytes = ty.bits() / 8;
+    Some(match bits {
+        1 => (bytes - 1 - number / 8, (number % 8) as u8, part),
+        _ => (bytes - end / 8, 0, part),
+    })
 }
 
 /// The name that differs least from `name`, if it differs by a slip only.

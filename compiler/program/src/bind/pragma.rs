@@ -157,7 +157,7 @@ pub fn file_pragma(report: &mut Report, pragma: &Pragma, settings: &mut TestSett
                 report.push(
                     Diagnostic::new(Code::UnknownCpu, pragma.span, "this CPU is not known")
                         .label(rest.to_string())
-                        .help(format!("write `accus=4` or one of {}", profile::names().join(", "))),
+                        .help(profile::help(rest)),
                 );
             }
         }

@@ -22,6 +22,8 @@ pub enum MissingKey {
     Symbol(String),
     /// A name where the compiler must know the value, folded.
     Constant(String),
+    /// A local name of statements without a header, folded.
+    Local(String),
     /// A block to call.
     Block(BlockPrefix, u16),
     /// A block of the CPU or of a library that is not here, by number.

@@ -101,6 +101,7 @@ impl Binder<'_> {
                 Some(Settled::Block { prefix, number: Number::Known(number) })
             }
             OperandKind::Path(path) => self.settle_path(ctx, path),
+            OperandKind::Peripheral(path) => self.peripheral(ctx, path, span),
             OperandKind::AddressOf(path) => self.address_of(ctx, path, span),
             OperandKind::Literal(literal) => Some(Settled::Literal(literal)),
             OperandKind::Status(status) => Some(Settled::Status(*status)),
@@ -171,6 +172,30 @@ impl Binder<'_> {
         }
     }
 
+    /// `"sym":P`: the input or output itself, past the process image.
+    fn peripheral(&mut self, ctx: &mut Ctx, path: &Path, span: Span) -> Option<Settled<'static>> {
+        let settled = match self.resolve(ctx, path)? {
+            Resolved::Variable(variable) => match variable.base {
+                Base::I => Some(Variable { base: Base::Pi, ..variable }),
+                Base::Q => Some(Variable { base: Base::Pq, ..variable }),
+                _ => None,
+            },
+            Resolved::Cell { .. } | Resolved::Block { .. } => None,
+        };
+        match settled {
+            Some(variable) => self.settle_variable(ctx, variable),
+            None => {
+                let text = self.text(span);
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` is no input and no output"))
+                        .label("`:P` reads an input or writes an output past the process image")
+                        .help("remove `:P`"),
+                );
+                None
+            }
+        }
+    }
+
     fn settle_path(&mut self, ctx: &mut Ctx, path: &Path) -> Option<Settled<'static>> {
         match self.resolve(ctx, path)? {
             Resolved::Cell { kind, number } => {
@@ -214,8 +239,9 @@ impl Binder<'_> {
 
     /// `P##name`: the address of a variable of this block.
     ///
-    /// TEMP: a pointer into L. FB: the offset in the instance as a pointer into DI, without AR2. FC: complex, POINTER and ANY
-    /// parameters only. Source: STL reference, access to formal parameters.
+    /// TEMP: a pointer into L. FB: the offset in the instance as a pointer into DI, without AR2. FC: of complex, POINTER and ANY
+    /// parameters the place of the POINTER or ANY, of elementary ones the area pointer of the actual. Source: STL reference, access to
+    /// formal parameters.
     fn address_of(&mut self, ctx: &mut Ctx, path: &Path, span: Span) -> Option<Settled<'static>> {
         let Resolved::Variable(variable) = self.resolve(ctx, path)? else {
             self.report.push(
@@ -234,6 +260,7 @@ impl Binder<'_> {
             Base::Parameter(parameter)
                 if path.parts.is_empty()
                     && (is_complex(&variable.ty)
+                        || matches!(variable.ty, DataType::Elementary(_))
                         || matches!(
                             variable.ty,
                             DataType::Parameter(ParameterType::Pointer | ParameterType::Any | ParameterType::Variant)
@@ -241,6 +268,8 @@ impl Binder<'_> {
             {
                 Some(Settled::ParameterPointer(parameter))
             }
+            // Its type is not defined, which is told.
+            Base::Parameter(_) if variable.ty == DataType::Void => None,
             Base::Parameter(_) | Base::ThroughPointer(_) => {
                 let text = self.text(span);
                 let name = layout::type_name(&variable.ty);
@@ -248,7 +277,7 @@ impl Binder<'_> {
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` has no address in this block"))
                         .label(format!("a parameter of type {name} that lies with the caller"))
                         .help(
-                            "`P##` works for parameters of type POINTER, ANY, STRUCT, ARRAY, STRING and DATE_AND_TIME",
+                            "`P##` works for parameters of all types but TIMER, COUNTER and BLOCK_x, without a component",
                         ),
                 );
                 None

@@ -68,6 +68,29 @@ pub fn elementary_bytes(ty: Elementary, literal: &Literal, place: Place) -> Resu
     }
 }
 
+/// The bytes of a number without a type as an actual of type `ty`, as sources of the TIA Portal have them: `Rev := 0`, `LADDR := 320`.
+/// `None`: it is no such number, or does not fit.
+pub fn untyped_bytes(ty: Elementary, literal: &Literal) -> Option<Vec<u8>> {
+    let value = match literal {
+        Literal::Int(value) => *value,
+        Literal::Bits { value, .. } => i64::from(*value),
+        _ => return None,
+    };
+    let (low, high) = match ty {
+        Elementary::Bool => (0, 1),
+        Elementary::Byte | Elementary::Usint => (0, 0xFF),
+        Elementary::Word | Elementary::Uint => (0, 0xFFFF),
+        Elementary::Dword | Elementary::Udint => (0, 0xFFFF_FFFF),
+        Elementary::Sint => (-0x80, 0x7F),
+        Elementary::Dint => (i64::from(i32::MIN), i64::from(i32::MAX)),
+        Elementary::Lint => (i64::MIN, i64::MAX),
+        Elementary::Lword | Elementary::Ulint => (0, i64::MAX),
+        _ => return None,
+    };
+    let bytes = (ty.bits().div_ceil(8)) as usize;
+    (low..=high).contains(&value).then(|| value.to_be_bytes()[8 - bytes..].to_vec())
+}
+
 /// How a constant of `ty` is written.
 pub const fn example(ty: Elementary) -> &'static str {
     match ty {
@@ -181,6 +204,10 @@ mod tests {
         assert_eq!(bytes(Elementary::Word, Literal::Counter(0x20)), Ok(vec![0, 0x20]));
         assert_eq!(bytes(Elementary::Time, Literal::Time(-1)), Ok(vec![0xFF; 4]));
         assert_eq!(bytes(Elementary::Bool, Literal::Int(1)), Err(Mismatch::Type));
+        assert_eq!(untyped_bytes(Elementary::Bool, &Literal::Int(1)), Some(vec![1]));
+        assert_eq!(untyped_bytes(Elementary::Word, &Literal::Int(320)), Some(vec![1, 0x40]));
+        assert_eq!(untyped_bytes(Elementary::Byte, &Literal::Int(256)), None);
+        assert_eq!(untyped_bytes(Elementary::Real, &Literal::Int(1)), None);
         assert_eq!(elementary_bytes(Elementary::Bool, &Literal::Int(1), Place::Declaration), Ok(vec![1]));
     }
 }

@@ -1,104 +1,12 @@
 //! CPU profiles: what `--cpu` can name, with the limits of each.
 
+mod cpus;
 pub mod s7200;
 
 use plcc_abi::image::{Family, Profile};
 use plcc_abi::layout;
 
-/// One row of the table of CPUs.
-struct Row {
-    name: &'static str,
-    family: Family,
-    accumulators: u8,
-    /// Bytes of the process image, inputs and outputs alike.
-    image: u32,
-    bit_memory: u32,
-    timers: u32,
-    counters: u32,
-    local_data: u32,
-    db_bytes_max: u32,
-    block_depth: u32,
-    error_depth: u32,
-    checked: bool,
-}
-
-#[allow(clippy::too_many_arguments, reason = "one table row a line reads better than named fields")]
-const fn row(
-    name: &'static str,
-    family: Family,
-    accumulators: u8,
-    image: u32,
-    bit_memory: u32,
-    timers: u32,
-    counters: u32,
-    local_data: u32,
-    db_bytes_max: u32,
-    block_depth: u32,
-    error_depth: u32,
-    checked: bool,
-) -> Row {
-    Row {
-        name,
-        family,
-        accumulators,
-        image,
-        bit_memory,
-        timers,
-        counters,
-        local_data,
-        db_bytes_max,
-        block_depth,
-        error_depth,
-        checked,
-    }
-}
-
-use Family::{S7200, S7300, S7400, S71200, S71500};
-
-/// Source: the generic profiles are design decisions, 313 is from its technical data, those of S7-1200 (firmware V4) from the
-/// LAD/FBD reference. The others are not `checked`: what exceeds one of
-/// their limits is a warning only.
-#[rustfmt::skip]
-const PROFILES: &[Row] = &[
-    //  name            family  accus image     M     T     C      L     DB depth err checked
-    row("s7-300",       S7300,  2,  2048,  8192, 2048, 2048, 32768, 65534, 16, 4, true),
-    row("s7-400",       S7400,  4,  2048, 16384, 2048, 2048, 65536, 65534, 24, 2, true),
-    row("s7-200",       S7200,  2,    16,    32,  256,  256,    64, 10240,  8, 0, true),
-    row("s7-1200",      S71200, 2,  1024,  8192,    0,    0, 65536, 65534, 16, 6, true),
-    row("s7-1500",      S71500, 2, 32768, 16384, 2048, 2048, 65536, 65534, 24, 2, true),
-    row("1211C",        S71200, 2,  1024,  4096,    0,    0, 16384, 30720, 16, 6, true),
-    row("1212C",        S71200, 2,  1024,  4096,    0,    0, 16384, 51200, 16, 6, true),
-    row("1214C",        S71200, 2,  1024,  8192,    0,    0, 16384, 65534, 16, 6, true),
-    row("1215C",        S71200, 2,  1024,  8192,    0,    0, 16384, 65534, 16, 6, true),
-    row("1217C",        S71200, 2,  1024,  8192,    0,    0, 16384, 65534, 16, 6, true),
-    row("312IFM",       S7300,  2,   128,   128,   64,   32,   256,  8192,  8, 4, false),
-    row("312",          S7300,  2,   128,   256,  128,  128,   256, 16384,  8, 4, false),
-    row("312C",         S7300,  2,   128,   128,  128,  128,   256, 16384,  8, 4, false),
-    row("313",          S7300,  2,    32,   256,  128,   64,   256,  8192,  8, 4, true),
-    row("313C",         S7300,  2,   128,   256,  256,  256,   510, 16384,  8, 4, false),
-    row("313C-2DP",     S7300,  2,   128,   256,  256,  256,   510, 16384,  8, 4, false),
-    row("314",          S7300,  2,   128,   256,  128,   64,   256,  8192,  8, 4, false),
-    row("314IFM",       S7300,  2,   128,   256,  128,   64,   256,  8192,  8, 4, false),
-    row("314C-2DP",     S7300,  2,  2048,   256,  256,  256,   510, 16384,  8, 4, false),
-    row("315",          S7300,  2,   128,   256,  128,   64,   256, 16384,  8, 4, false),
-    row("315-2DP",      S7300,  2,   128,   256,  128,   64,   256, 16384,  8, 4, false),
-    row("315-2PN/DP",   S7300,  2,  2048,  2048,  256,  256, 32768, 65534, 16, 4, false),
-    row("316",          S7300,  2,   128,   256,  128,   64,   256, 16384,  8, 4, false),
-    row("317-2DP",      S7300,  2,  8192,  4096,  512,  512, 32768, 65534, 16, 4, false),
-    row("317-2PN/DP",   S7300,  2,  8192,  4096,  512,  512, 32768, 65534, 16, 4, false),
-    row("318",          S7300,  4,  2048,  1024,  512,  512,  4096, 65534, 16, 3, false),
-    row("318-2",        S7300,  4,  2048,  1024,  512,  512,  4096, 65534, 16, 3, false),
-    row("319-3PN/DP",   S7300,  2,  8192,  8192, 2048, 2048, 32768, 65534, 16, 4, false),
-    row("412-2",        S7400,  4,  4096,  4096, 2048, 2048,  8192, 65534, 24, 2, false),
-    row("412-2DP",      S7400,  4,  4096,  4096, 2048, 2048,  8192, 65534, 24, 2, false),
-    row("414-2",        S7400,  4,  8192,  8192, 2048, 2048, 16384, 65534, 24, 2, false),
-    row("414-3",        S7400,  4,  8192,  8192, 2048, 2048, 16384, 65534, 24, 2, false),
-    row("414-3PN/DP",   S7400,  4,  8192,  8192, 2048, 2048, 16384, 65534, 24, 2, false),
-    row("416-2",        S7400,  4, 16384, 16384, 2048, 2048, 32768, 65534, 24, 2, false),
-    row("416-3",        S7400,  4, 16384, 16384, 2048, 2048, 32768, 65534, 24, 2, false),
-    row("416-3PN/DP",   S7400,  4, 16384, 16384, 2048, 2048, 32768, 65534, 24, 2, false),
-    row("417-4",        S7400,  4, 16384, 16384, 2048, 2048, 65536, 65534, 24, 2, false),
-];
+use cpus::{PROFILES, Row};
 
 /// What an S7-1200 has on board, by the name of its row: fast counters, pulse generators, bytes of digital inputs and outputs from
 /// address 0, analog inputs and outputs from address 64.
@@ -119,8 +27,11 @@ const ON_BOARD: &[OnBoard] = &[
     OnBoard { name: "s7-1200", fast_counters: 6, pulse_generators: 4, input_bytes: 2, output_bytes: 2, analog_inputs: 2, analog_outputs: 2 },
     OnBoard { name: "1211C",   fast_counters: 3, pulse_generators: 4, input_bytes: 1, output_bytes: 1, analog_inputs: 2, analog_outputs: 0 },
     OnBoard { name: "1212C",   fast_counters: 4, pulse_generators: 4, input_bytes: 1, output_bytes: 1, analog_inputs: 2, analog_outputs: 0 },
+    OnBoard { name: "1212FC",  fast_counters: 4, pulse_generators: 4, input_bytes: 1, output_bytes: 1, analog_inputs: 2, analog_outputs: 0 },
     OnBoard { name: "1214C",   fast_counters: 6, pulse_generators: 4, input_bytes: 2, output_bytes: 2, analog_inputs: 2, analog_outputs: 0 },
+    OnBoard { name: "1214FC",  fast_counters: 6, pulse_generators: 4, input_bytes: 2, output_bytes: 2, analog_inputs: 2, analog_outputs: 0 },
     OnBoard { name: "1215C",   fast_counters: 6, pulse_generators: 4, input_bytes: 2, output_bytes: 2, analog_inputs: 2, analog_outputs: 2 },
+    OnBoard { name: "1215FC",  fast_counters: 6, pulse_generators: 4, input_bytes: 2, output_bytes: 2, analog_inputs: 2, analog_outputs: 2 },
     OnBoard { name: "1217C",   fast_counters: 6, pulse_generators: 4, input_bytes: 2, output_bytes: 2, analog_inputs: 2, analog_outputs: 2 },
 ];
 
@@ -130,15 +41,64 @@ pub fn on_board(profile: &Profile) -> Option<&'static OnBoard> {
 }
 
 /// Short forms that mean a row of the table.
-const ALIASES: &[(&str, &str)] = &[("315DP", "3152DP"), ("3172", "3172DP"), ("317", "3172DP"), ("319", "3193PNDP")];
+const ALIASES: &[(&str, &str)] = &[("315DP", "3152DP"), ("317", "3172DP"), ("319", "3193PNDP"), ("3172", "3172DP")];
 
-/// The CPU that `name` means: letter case, blanks, hyphens, slashes and a leading `CPU` do not matter.
+/// What may be missing at the end of a name: `315-2PN` is the 315-2PN/DP, `1511-1` the 1511-1PN.
+const INTERFACES: [&str; 4] = ["", "DP", "PN", "PNDP"];
+
+/// Supply and outputs of an S7-1200, which its name may tell.
+const SUPPLIES: [&str; 6] = ["DCDCDC", "DCDCRLY", "DCDCRELAY", "ACDCRLY", "ACDCRELAY", "ACDCDC"];
+
+/// What order numbers of CPUs begin with: the usual ones, and those of SIPLUS.
+const ORDERS: [&str; 3] = ["6ES7", "6AG1", "6AG2"];
+
+/// The CPU that `name` means, or an order number: letter case, blanks, hyphens, slashes and a leading `CPU` do not matter.
 pub fn lookup(name: &str) -> Option<Profile> {
     let wanted = normalized(name);
+    if let Some(row) = ordered(&wanted) {
+        return Some(row);
+    }
+    let wanted = SUPPLIES.iter().find_map(|supply| wanted.strip_suffix(supply)).unwrap_or(&wanted);
     let mut aliases = ALIASES.iter().chain(s7200::ALIASES);
-    let wanted = aliases.find(|(alias, _)| *alias == wanted).map_or(wanted.as_str(), |(_, full)| full);
-    let row = PROFILES.iter().find(|row| normalized(row.name) == wanted).map(profile);
-    row.or_else(|| s7200::cpus().iter().find(|cpu| cpu.name == wanted).map(s7200::profile))
+    let wanted = aliases.find(|(alias, _)| *alias == wanted).map_or(wanted, |(_, full)| full);
+    let named = |name: &str| PROFILES.iter().find(|row| normalized(row.name) == name);
+    let exact = named(wanted).map(profile);
+    let exact = exact.or_else(|| s7200::cpus().iter().find(|cpu| cpu.name == wanted).map(s7200::profile));
+    // `1511F` of an S7-1500 is enough, since no other row begins so.
+    let by_model = || {
+        PROFILES.iter().find(|row| {
+            row.family == Family::S71500
+                && row.name.split_once('-').is_some_and(|(model, _)| normalized(model) == wanted)
+        })
+    };
+    exact
+        .or_else(|| INTERFACES.iter().find_map(|interface| named(&format!("{wanted}{interface}"))).map(profile))
+        .or_else(|| by_model().map(profile))
+}
+
+/// The CPU of an order number such as `6ES7 315-2EH14-0AB0`, in the form of [`normalized`].
+fn ordered(number: &str) -> Option<Profile> {
+    let number = ORDERS.iter().find_map(|prefix| number.strip_prefix(prefix))?;
+    let matches = |orders: &[&str]| orders.iter().any(|order| number.starts_with(&normalized(order)));
+    let row = PROFILES.iter().find(|row| matches(row.orders)).map(profile);
+    row.or_else(|| s7200::cpus().iter().find(|cpu| matches(s7200::orders(cpu.name))).map(s7200::profile))
+}
+
+/// What to write in place of a name that means no CPU.
+pub fn help(name: &str) -> String {
+    let wanted = normalized(name);
+    let near = PROFILES
+        .iter()
+        .map(|row| row.name)
+        .chain(s7200::cpus().iter().map(|cpu| cpu.name))
+        .map(|known| (plcc_syntax::distance::between(&wanted, &normalized(known)), known))
+        .filter(|(distance, known)| *distance <= 2 && wanted.get(..2) == normalized(known).get(..2))
+        .min();
+    let forms = "write a family (`s7-300`, `s7-400`, `s7-1200`, `s7-1500`, `s7-200`), a CPU as STEP 7 calls it (`315-2 PN/DP`), or its order number";
+    match near {
+        Some((_, near)) => format!("is `{near}` meant? Otherwise {forms}"),
+        None => forms.to_string(),
+    }
 }
 
 /// The generic profile of a family.
@@ -155,7 +115,8 @@ pub fn names() -> Vec<&'static str> {
 fn normalized(name: &str) -> String {
     let letters: String =
         name.chars().filter(char::is_ascii_alphanumeric).map(|letter| letter.to_ascii_uppercase()).collect();
-    letters.strip_prefix("CPU").map(str::to_string).unwrap_or(letters)
+    let name = letters.strip_prefix("CPU").unwrap_or(&letters);
+    name.strip_suffix("CPU").unwrap_or(name).to_string()
 }
 
 fn profile(row: &Row) -> Profile {
@@ -195,6 +156,58 @@ mod tests {
         assert_eq!(lookup("1217c").map(|profile| (profile.bit_memory, profile.limits_checked)), Some((8192, true)));
         assert_eq!(lookup("s7-1500"), Some(generic(Family::S71500)));
         assert_eq!(lookup("999"), None);
+    }
+
+    #[test]
+    fn order_numbers() {
+        for (number, name) in [
+            ("6ES7 315-2EH14-0AB0", "315-2PN/DP"),
+            ("6ES73152EH140AB0", "315-2PN/DP"),
+            ("6es7 314-6eh04-0ab0", "314C-2PN/DP"),
+            ("6AG1 315-2AH14-2AY0", "315-2DP"),
+            ("6ES7 318-3EL01-0AB0", "319-3PN/DP"),
+            ("6ES7 416-3XR05-0AB0", "416-3"),
+            ("6ES7 417-4HT14-0AB0", "417-4H"),
+            ("6ES7214-1AG40-0XB0", "1214C"),
+            ("6ES7 214-1AF40-0XB0", "1214FC"),
+            ("6ES7 214-1AD23-0XB0", "224"),
+            ("6ES7 516-3AN01-0AB0", "1516-3PN/DP"),
+            ("6ES7 512-1SK01-0AB0", "1512SP F-1PN"),
+        ] {
+            assert_eq!(lookup(number).map(|profile| profile.name).as_deref(), Some(name), "{number}");
+        }
+        assert_eq!(lookup("6ES7 399-0AA00-0AA0"), None);
+    }
+
+    #[test]
+    fn short_names() {
+        for (short, name) in [
+            ("319-3", "319-3PN/DP"),
+            ("315-2PN", "315-2PN/DP"),
+            ("314C-2 PN/DP", "314C-2PN/DP"),
+            ("412-5H", "412-5H"),
+            ("1511", "1511-1PN"),
+            ("CPU 1516F-3 PN/DP", "1516F-3PN/DP"),
+            ("1518", "1518-4PN/DP"),
+            ("1510SP-1 PN", "1510SP-1PN"),
+            ("CPU 1214C DC/DC/DC", "1214C"),
+            ("IM 151-8 PN/DP CPU", "IM 151-8PN/DP"),
+        ] {
+            assert_eq!(lookup(short).map(|profile| profile.name).as_deref(), Some(name), "{short}");
+        }
+        assert!(help("315-2DB").contains("315-2DP"));
+    }
+
+    /// No order number means two CPUs, and each row answers to its name.
+    #[test]
+    fn rows_are_told_apart() {
+        let orders: Vec<&str> = PROFILES.iter().flat_map(|row| row.orders).copied().collect();
+        for (at, order) in orders.iter().enumerate() {
+            assert!(!orders[..at].iter().any(|other| order.starts_with(other) || other.starts_with(order)), "{order}");
+        }
+        for row in PROFILES {
+            assert_eq!(lookup(row.name).map(|profile| profile.name).as_deref(), Some(row.name));
+        }
     }
 
     #[test]

@@ -130,6 +130,22 @@ const CPUS: &[Cpu] = &[
 /// Short forms and variants that mean a row of the table.
 pub(super) const ALIASES: &[(&str, &str)] = &[("224XPSI", "224XP"), ("226XM", "226")];
 
+/// What the order numbers of a CPU begin with behind `6ES7`.
+pub(super) fn orders(name: &str) -> &'static [&'static str] {
+    match name {
+        "212" => &["212-1AA", "212-1BA", "212-1CA", "212-1FA"],
+        "214" => &["214-1AC", "214-1BC", "214-1CC", "214-1DC"],
+        "215" => &["215-2AD", "215-2BD"],
+        "216" => &["216-2AD00", "216-2BD00"],
+        "221" => &["211-0AA", "211-0BA"],
+        "222" => &["212-1AB", "212-1BB"],
+        "224" => &["214-1AD", "214-1BD"],
+        "224XP" => &["214-2AD", "214-2BD", "214-2AS"],
+        "226" => &["216-2AD", "216-2BD", "216-2AF", "216-2BF"],
+        _ => &[],
+    }
+}
+
 /// The table.
 pub(super) fn cpus() -> &'static [Cpu] {
     CPUS

@@ -132,7 +132,10 @@ fn form(kind: &OperandKind) -> Form {
         OperandKind::Cell { kind, .. } | OperandKind::CellIndirect { kind, .. } => Form::Cell(*kind),
         OperandKind::BlockIndirect { prefix, .. } => Form::Block(*prefix),
         OperandKind::Block(BlockName::Numbered { prefix, .. }) => Form::Block(*prefix),
-        OperandKind::Block(BlockName::Symbol { .. }) | OperandKind::Path(_) | OperandKind::Error => Form::Any,
+        OperandKind::Block(BlockName::Symbol { .. })
+        | OperandKind::Path(_)
+        | OperandKind::Peripheral(_)
+        | OperandKind::Error => Form::Any,
         OperandKind::AddressOf(_)
         | OperandKind::Literal(_)
         | OperandKind::Status(_)
@@ -147,7 +150,8 @@ fn fits(class: OperandClass, kind: &OperandKind) -> bool {
     if matches!(form, Form::Any) {
         return class != OperandClass::Label && class != OperandClass::Byte || matches!(kind, OperandKind::Error);
     }
-    let bit = matches!(form, Form::Memory(area, Width::Bit) if !matches!(area, Some(Area::Pi | Area::Pq)));
+    let is_marked = matches!(kind, OperandKind::Absolute { .. });
+    let bit = matches!(form, Form::Memory(area, Width::Bit) if is_marked || !matches!(area, Some(Area::Pi | Area::Pq)));
     let wide = matches!(form, Form::Memory(_, Width::Byte | Width::Word | Width::Dword));
     let double_word = matches!(form, Form::Memory(Some(Area::M | Area::L | Area::Db | Area::Di), Width::Dword));
     let cell = matches!(form, Form::Cell(_));

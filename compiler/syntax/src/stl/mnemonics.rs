@@ -195,7 +195,7 @@ pub fn detect(text: &str, raw: &RawText, wanted: Option<Mnemonics>) -> Detected 
                 counts[set as usize] += 1;
                 first[set as usize].get_or_insert(*token);
             }
-        } else if matches!(before, Some(RawKind::Word | RawKind::Equal))
+        } else if matches!(before, Some(RawKind::Word | RawKind::Equal | RawKind::Assign | RawKind::Percent))
             && let Some(set) = set_of_operand(upper.as_str(), next)
         {
             operand_counts[set as usize] += 1;

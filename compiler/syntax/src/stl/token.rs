@@ -101,6 +101,8 @@ pub enum Tok<'a> {
     Register(AddressRegister),
     Status(StatusOperand),
     Special(SpecialRegister),
+    /// `:P` after a name.
+    Peripheral,
     /// `P##` before a name.
     PointerTo,
     /// `#name`, without `#`.

@@ -255,6 +255,8 @@ fn text(stand_ins: &StandIns) -> String {
 
 fn missing_of(key: &MissingKey) -> Option<Missing> {
     match key {
+        // What is local to statements without a header has no type that could be known.
+        MissingKey::Local(_) => None,
         MissingKey::Symbol(name) | MissingKey::Constant(name) => Some(Missing::Name(name.clone())),
         MissingKey::Block(prefix, number) | MissingKey::NotShipped(prefix, number) => {
             Missing::block(*prefix, u32::from(*number))

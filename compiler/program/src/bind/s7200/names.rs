@@ -101,8 +101,7 @@ impl<'a> Binder<'a> {
         }
         let stems: Vec<String> = found.iter().map(|block| self.stem(block.file)).collect();
         let bare: Vec<usize> = (0..found.len()).filter(|&index| is_bare(&found[index])).collect();
-        let by_name: Vec<usize> =
-            bare.iter().copied().filter(|&index| MAIN_FILES.contains(&fold(&stems[index]).as_str())).collect();
+        let by_name: Vec<usize> = bare.iter().copied().filter(|&index| is_main_file(&fold(&stems[index]))).collect();
         let main: Vec<usize> = match (alone, by_name.is_empty()) {
             (true, _) => bare.clone(),
             (false, false) => by_name,
@@ -143,10 +142,20 @@ impl<'a> Binder<'a> {
     fn number_blocks(&mut self, found: Vec<Found<'a>>) {
         let mut taken: FxHashMap<(BlockKind, u16), Span> = FxHashMap::default();
         let mut numbers: Vec<Option<u16>> = Vec::new();
+        // A number that the sources or symbol tables name is that of a block which may be missing.
+        let mut mentioned: FxHashSet<(BlockKind, u16)> = FxHashSet::default();
+        for block in &found {
+            numbered_blocks(block.ast, &mut mentioned);
+        }
+        for row in self.input.tables.iter().flat_map(|table| &table.s7200) {
+            if let OperandKind::Block { kind, number } = target(&row.address) {
+                mentioned.extend(u16::try_from(number).map(|number| (block_kind(kind), number)));
+            }
+        }
         for block in &found {
             let number = match (block.kind, block.number) {
                 (BlockKind::Ob, _) => Some(1),
-                (_, None) => None,
+                (kind, None) => self.number_in_tables(kind, &block.name),
                 (kind, Some((number, span))) => {
                     self.check_block_number(kind, number, span);
                     Some(u16::try_from(number).unwrap_or(u16::MAX))
@@ -164,7 +173,8 @@ impl<'a> Binder<'a> {
         }
         for (block, number) in found.into_iter().zip(numbers) {
             let number = number.unwrap_or_else(|| {
-                let free = (0..u16::MAX).find(|number| !taken.contains_key(&(block.kind, *number)));
+                let is_free = |key: &(BlockKind, u16)| !taken.contains_key(key) && !mentioned.contains(key);
+                let free = (0..u16::MAX).find(|number| is_free(&(block.kind, *number)));
                 let free = free.unwrap_or(u16::MAX);
                 self.check_block_number(block.kind, u32::from(free), block.span);
                 taken.insert((block.kind, free), block.span);
@@ -172,6 +182,18 @@ impl<'a> Binder<'a> {
             });
             self.add_block(block, number);
         }
+    }
+
+    /// The number that a symbol table gives to the block of this name.
+    fn number_in_tables(&self, kind: BlockKind, name: &str) -> Option<u16> {
+        let folded = fold(name);
+        let mut rows = self.input.tables.iter().flat_map(|table| &table.s7200);
+        rows.find_map(|row| match target(&row.address) {
+            OperandKind::Block { kind: named, number } if block_kind(named) == kind && fold(&row.name) == folded => {
+                u16::try_from(number).ok()
+            }
+            _ => None,
+        })
     }
 
     fn add_block(&mut self, block: Found<'a>, number: u16) {
@@ -340,14 +362,35 @@ pub fn block_kind(kind: ast::BlockKind) -> BlockKind {
     }
 }
 
-/// `SBR_3`, `INT0`: the number is in the name.
+/// Whether a file of this name (folded) holds the main program: `main`, `ob1`, `ob1_main`.
+fn is_main_file(folded: &str) -> bool {
+    MAIN_FILES.contains(&folded)
+        || folded.starts_with("ob1_")
+        || folded.starts_with("ob_1_")
+        || folded.ends_with("_ob1")
+}
+
+/// `SBR_3`, `INT0`, `sbr3_mixer`: the number is in the name.
 fn default_name(folded: &str) -> Option<(BlockKind, u32)> {
     let (kind, rest) = match (folded.strip_prefix("sbr"), folded.strip_prefix("int")) {
         (Some(rest), _) => (BlockKind::Sbr, rest),
         (_, Some(rest)) => (BlockKind::Int, rest),
         (None, None) => return None,
     };
-    Some((kind, rest.trim_start_matches('_').parse().ok()?))
+    let rest = rest.trim_start_matches('_');
+    let digits = rest.split('_').next().unwrap_or(rest);
+    Some((kind, digits.parse().ok()?))
+}
+
+/// Blocks that operands name by their numbers.
+fn numbered_blocks(block: &ast::Block, numbers: &mut FxHashSet<(BlockKind, u16)>) {
+    for operand in instructions(block).flat_map(|(_, operands)| operands) {
+        if let OperandKind::Block { kind, number } = &operand.kind
+            && let Ok(number) = u16::try_from(*number)
+        {
+            numbers.insert((block_kind(*kind), number));
+        }
+    }
 }
 
 fn instructions(block: &ast::Block) -> impl Iterator<Item = (Insn, &[ast::Operand])> {

@@ -241,6 +241,11 @@ impl<'a> Layout<'a> {
                 return;
             }
             match token.kind {
+                RawKind::LeftBrace
+                    if behind_operand && self.out[first - 1].1 == Tok::Insn(StlInsn::CallUnconditional) =>
+                {
+                    return self.pointer_list(first - 1);
+                }
                 RawKind::LeftBracket => open_brackets += 1,
                 RawKind::RightBracket => open_brackets = open_brackets.saturating_sub(1),
                 RawKind::Word | RawKind::Equal | RawKind::RightParen
@@ -252,6 +257,37 @@ impl<'a> Layout<'a> {
             }
             self.operand_token();
         }
+    }
+
+    /// `UC SFC 65097 { P#L 210.1, P#L 211.0 }`: how STEP 7 writes a call whose interface it does not know. A `CALL` with parameters that
+    /// have no names, in the order of the interface. `insn`: the token of the instruction.
+    fn pointer_list(&mut self, insn: usize) {
+        self.out[insn].1 = Tok::Call;
+        let opening = self.raw[self.at];
+        self.take(Tok::LeftParen);
+        while let Some(token) = self.peek() {
+            match token.kind {
+                RawKind::RightBrace => return self.take(Tok::RightParen),
+                RawKind::Comma => self.take(Tok::Comma),
+                RawKind::Semicolon => break,
+                _ if self.ends_code(self.at) || token.first_on_line && self.begins_statement(self.at) => break,
+                _ => {
+                    if matches!(self.last(), Some(Tok::LeftParen | Tok::Comma)) {
+                        let start = token.start as usize;
+                        self.push(start, Tok::Name(""), start);
+                        self.push(start, Tok::Assign, start);
+                    }
+                    self.operand_token();
+                }
+            }
+        }
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(opening), "the list of pointers is not closed with `}`")
+                .label("begins here")
+                .help("write `}` after the last pointer"),
+        );
+        let end = self.last_end();
+        self.push(end, Tok::RightParen, end);
     }
 
     /// Another statement begins on the line without `;` before it.

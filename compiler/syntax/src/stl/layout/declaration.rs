@@ -4,6 +4,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use super::{ARRAY_DEPTH_MAX, BRACKET_DEPTH_MAX, Layout, STRUCT_DEPTH_MAX, is_end_of_block, is_section, unquoted};
 use crate::ast::SectionKind;
+use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 
@@ -312,8 +313,18 @@ impl<'a> Layout<'a> {
             self.file_pragmas(token.start);
             let upper = self.upper(self.at);
             let at_start = matches!(self.last(), Some(Tok::Semicolon | Tok::Begin));
-            let behind_value =
-                matches!(self.last(), Some(Tok::Literal(_) | Tok::BadOperand | Tok::RightParen | Tok::Assign));
+            let behind_value = matches!(
+                self.last(),
+                Some(
+                    Tok::Literal(_)
+                        | Tok::BadOperand
+                        | Tok::RightParen
+                        | Tok::Assign
+                        | Tok::Address(_)
+                        | Tok::Block(..)
+                        | Tok::Quoted(_)
+                )
+            );
             match token.kind {
                 RawKind::Word if is_end_of_block(upper.as_str()) => break,
                 RawKind::Word if token.first_on_line && self.block_keyword(self.at).is_some() => break,
@@ -335,6 +346,7 @@ impl<'a> Layout<'a> {
                 RawKind::Word | RawKind::Quoted if behind_value && token.first_on_line && brackets == 0 => {
                     self.missing_semicolon("assignment");
                 }
+                RawKind::Word if matches!(self.last(), Some(Tok::Assign)) && self.value_operand(token) => {}
                 RawKind::Word => {
                     let name = self.slice(token);
                     self.take(Tok::Name(name));
@@ -350,6 +362,26 @@ impl<'a> Layout<'a> {
         if !matches!(self.last(), Some(Tok::Semicolon | Tok::Begin)) {
             self.missing_semicolon("assignment");
         }
+    }
+
+    /// Takes `T 5`, `Z6`, `DB 7`: the value of a parameter of type TIMER, COUNTER or BLOCK_x, with letters of either set.
+    fn value_operand(&mut self, token: RawToken) -> bool {
+        let upper = self.upper(self.at);
+        let (letters, digits) = letters_and_digits(upper.as_str());
+        let Some(cell) = mnemonics::cell(letters, None) else { return self.numbered_block() };
+        let (number, count) = match self.raw_at(self.at + 1) {
+            _ if !digits.is_empty() => (token, 1),
+            Some(next) if next.kind == RawKind::Number && !next.first_on_line => (next, 2),
+            _ => return false,
+        };
+        let text = if digits.is_empty() { self.slice(number) } else { digits };
+        let Ok(value) = text.replace('_', "").parse() else { return false };
+        let letters_end = token.start as usize + letters.len();
+        self.push(token.start as usize, Tok::Cell(cell), letters_end);
+        let start = if count == 1 { letters_end } else { number.start as usize };
+        self.push(start, Tok::Address(value), number.end as usize);
+        self.at += count;
+        true
     }
 
     /// Reports `=` in place of `:=` and takes it as `:=`.

@@ -26,6 +26,14 @@ impl<'a> Layout<'a> {
             self.take(Tok::Colon);
             self.type_name();
         }
+        // `FUNCTION_BLOCK FB 1 : VOID`: returning nothing is what the others do.
+        if !function
+            && frame == Frame::Code
+            && self.kind_at(self.at) == Some(RawKind::Colon)
+            && self.upper(self.at + 1).as_str() == "VOID"
+        {
+            self.at += 2;
+        }
         self.header(frame);
         self.end_of_block(opening, end_word);
     }

@@ -91,7 +91,21 @@ impl<'a> Layout<'a> {
                 let name = unquoted(self.slice(token));
                 self.take(if matches!(self.last(), Some(Tok::Dot)) { Tok::Name(name) } else { Tok::Quoted(name) });
             }
+            RawKind::Colon
+                if self.is_peripheral_mark()
+                    && matches!(self.last(), Some(Tok::Quoted(_) | Tok::Name(_) | Tok::RightBracket)) =>
+            {
+                let end = self.raw[self.at + 1].end as usize;
+                self.at += 2;
+                self.push(token.start as usize, Tok::Peripheral, end);
+            }
             RawKind::Hash => self.local(),
+            RawKind::Percent if matches!(self.last(), Some(Tok::Dot)) && self.is_slice() => {
+                let end = self.raw[self.at + 1].end as usize;
+                self.at += 2;
+                let start = token.start as usize;
+                self.push(start, Tok::Name(&self.text[start..end]), end);
+            }
             RawKind::Percent if self.kind_at(self.at + 1) == Some(RawKind::Word) => self.at += 1,
             RawKind::EqualEqual
             | RawKind::NotEqual
@@ -342,14 +356,13 @@ impl<'a> Layout<'a> {
 
     /// `IW64:P` of newer tools is `PIW64`.
     fn peripheral(&mut self) {
-        let marked = self.kind_at(self.at) == Some(RawKind::Colon)
-            && self.adjacent(self.at)
-            && self.upper(self.at + 1).as_str() == "P"
-            && self.kind_at(self.at + 2) != Some(RawKind::Colon);
-        let Some([(_, Tok::Area(area, width), _), (_, Tok::Address(_), end)]) = self.out.last_chunk_mut() else {
+        let marked = self.is_peripheral_mark();
+        let Some([(_, Tok::Area(area, _), _), (_, Tok::Address(_) | Tok::BitAddress(..), end)]) =
+            self.out.last_chunk_mut()
+        else {
             return;
         };
-        if marked && *width != Width::Bit {
+        if marked {
             *area = match area {
                 Area::I => Area::Pi,
                 Area::Q => Area::Pq,
@@ -358,6 +371,21 @@ impl<'a> Layout<'a> {
             *end = self.raw[self.at + 1].end as usize;
             self.at += 2;
         }
+    }
+
+    /// Whether `%X3`, `%B1`, `%W0` or `%D1` stands at hand: a part of the variable before the point.
+    fn is_slice(&self) -> bool {
+        let upper = self.upper(self.at + 1);
+        let (letters, digits) = letters_and_digits(upper.as_str());
+        matches!(letters, "X" | "B" | "W" | "D") && !digits.is_empty() && self.adjacent(self.at)
+    }
+
+    /// Whether `:P` stands at hand, no label behind it.
+    fn is_peripheral_mark(&self) -> bool {
+        self.kind_at(self.at) == Some(RawKind::Colon)
+            && self.adjacent(self.at)
+            && self.upper(self.at + 1).as_str() == "P"
+            && self.kind_at(self.at + 2) != Some(RawKind::Colon)
     }
 
     fn push_number(&mut self, start: usize, byte: &str, bit: Option<&str>, end: usize) {

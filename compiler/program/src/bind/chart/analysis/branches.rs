@@ -102,16 +102,11 @@ fn branch_jump(checked: &Checked, stray: &Stray) -> Diagnostic {
             "join all paths first; to abandon them, use OFF S_ALL, OFF_SQ or INIT_SQ",
         )
     };
-    let mut message = Diagnostic::new(Code::BranchJump, transition.name.span, text)
+    Diagnostic::new(Code::BranchJump, transition.name.span, text)
         .label(label)
         .also(opener.name.span, "opens the paths")
         .also(step.name.span, "this step")
-        .help(help);
-    // Rows of OFF may abandon the other paths.
-    if !checked.requests.is_empty() {
-        message.severity = Severity::Warning;
-    }
-    message
+        .help(help)
 }
 
 fn unsafe_branch(checked: &Checked, entry: &Entry, severity: Severity) -> Diagnostic {
