@@ -232,6 +232,14 @@ impl<'a> Binder<'a> {
         for (block, prefix, name, span) in unnumbered {
             let class = block_class(block);
             if prefix == BlockPrefix::Ob && class.is_none() && (!lonely || used.contains(&(BlockPrefix::Ob, 1))) {
+                if self.input.partial {
+                    self.report.push(
+                        Diagnostic::new(Code::LeftOut, span, format!("the organization block `{name}` is left out"))
+                            .label("the CPU finds an organization block by its number, which no source tells")
+                            .help("give the name its number in a symbol table, or write `ORGANIZATION_BLOCK OB 35`"),
+                    );
+                    continue;
+                }
                 self.report.push(
                     Diagnostic::new(Code::BlockFrame, span, format!("which OB `{name}` is cannot be known"))
                         .label("the CPU finds an organization block by its number")
@@ -277,6 +285,7 @@ impl<'a> Binder<'a> {
                 self.block_names.insert((prefix, number as u16), global.name.clone());
             }
         }
+        self.find_foreign();
         self.move_library(&used);
     }
 
