@@ -54,8 +54,7 @@ pub struct CompileArgs {
     /// Code page of sources that are not UTF-8, `936` or `gbk`; found in each file if left out.
     #[arg(long, value_name = "PAGE")]
     pub code_page: Option<CodePage>,
-    /// Take a program of which parts are missing: stubs and variables of their own stand in for what is defined nowhere; `check` tells of it by
-    /// warnings.
+    /// Take a program of which parts are missing: each is a warning, and a stub or a variable of its own stands in for it.
     #[arg(long)]
     pub partial: bool,
 }

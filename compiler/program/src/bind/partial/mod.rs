@@ -68,7 +68,7 @@ pub fn complete(input: &BindInput) -> Completed {
     let own: FxHashSet<(Code, Span)> = errors(&first.diagnostics).collect();
     for round in 0.. {
         let stand_ins = stand_ins(input, &evidence, file, true, &refused, no_main);
-        let bound = super::bind_all(&with(input, &units, &stand_ins, file).as_input(input, file));
+        let bound = super::bind_all(&with(input, &units, &evidence, &stand_ins, file).as_input(input, file));
         let wrong =
             wrong.get_or_insert_with(|| errors(&bound.diagnostics).filter(|error| own.contains(error)).collect());
         let mut places: Vec<Span> =
@@ -98,7 +98,8 @@ pub fn complete(input: &BindInput) -> Completed {
                     what: line.what.clone(),
                 })
                 .collect();
-            let parts = Parts { told, left, no_main, stand_ins: text(&stand_ins) };
+            let added = added_components(&evidence);
+            let parts = Parts { told, added, left, no_main, stand_ins: text(&stand_ins) };
             return finish(input, first, bound, wrong, &places, parts);
         }
     }
@@ -139,11 +140,35 @@ impl Whole {
     }
 }
 
-fn with(input: &BindInput, units: &[(FileId, SourceUnit)], stand_ins: &StandIns, file: FileId) -> Whole {
+fn with(
+    input: &BindInput,
+    units: &[(FileId, SourceUnit)],
+    evidence: &Evidence,
+    stand_ins: &StandIns,
+    file: FileId,
+) -> Whole {
+    let mut units = units.to_vec();
+    add_components(&mut units, evidence);
     let unit = SourceUnit { blocks: stand_ins.blocks.clone(), ..SourceUnit::default() };
     Whole {
-        units: units.iter().cloned().chain([(file, unit)]).collect(),
+        units: units.into_iter().chain([(file, unit)]).collect(),
         tables: input.tables.iter().cloned().chain([stand_ins.table.clone()]).collect(),
+    }
+}
+
+/// Data blocks get the components that the program uses and they do not declare, after those that they have: addresses stay.
+fn add_components(units: &mut [(FileId, SourceUnit)], evidence: &Evidence) {
+    if evidence.added.is_empty() {
+        return;
+    }
+    for block in units.iter_mut().flat_map(|(_, unit)| &mut unit.blocks) {
+        let ast::Block::Data(data) = block else { continue };
+        let span = data.name.span();
+        if let (Some(shape), ast::DataContent::Struct(variables)) =
+            (evidence.added.get(&(span.file, span.start)), &mut data.content)
+        {
+            variables.extend(write::members(shape, span));
+        }
     }
 }
 
@@ -185,7 +210,7 @@ fn gather(input: &BindInput, file: FileId) -> Evidence {
         for _ in 0..LOOKS_MAX {
             let before = evidence.weight();
             let stand_ins = stand_ins(input, &evidence, file, vague, &none, false);
-            let whole = with(input, input.units, &stand_ins, file);
+            let whole = with(input, input.units, &evidence, &stand_ins, file);
             let input = whole.as_input(input, file);
             let mut binder = Binder::new(&input);
             binder.collect();
@@ -269,6 +294,8 @@ pub struct Told {
 /// What became of the parts of a program.
 pub struct Parts {
     pub told: Vec<Told>,
+    /// Components that data blocks got: the place of the data block's name, and a line.
+    pub added: Vec<(Span, String)>,
     pub left: Vec<LeftOut>,
     /// An empty main program stands in for one that is missing.
     pub no_main: bool,
@@ -307,6 +334,15 @@ pub fn finish(
     Completed { program, diagnostics, stand_ins: parts.stand_ins }
 }
 
+/// Tells which components data blocks got.
+fn added_components(evidence: &Evidence) -> Vec<(Span, String)> {
+    let line = |(&(file, start), shape): (&(FileId, u32), &evidence::Shape)| {
+        let names: Vec<String> = shape.members.iter().map(|(_, member)| format!("`{}`", member.name)).collect();
+        (Span { file, start, end: start }, format!("`{}` lacks {}: added at its end", shape.name, names.join(", ")))
+    };
+    evidence.added.iter().map(line).collect()
+}
+
 /// Lists what stands in and what is left out: in the messages, and in lines for the start of a run.
 fn tell(input: &BindInput, missing: &[Uses], parts: &Parts, diagnostics: &mut Vec<Diagnostic>) -> Vec<String> {
     let mut lines = Vec::new();
@@ -327,6 +363,14 @@ fn tell(input: &BindInput, missing: &[Uses], parts: &Parts, diagnostics: &mut Ve
                 message.help = Some(format!("in its place: {}", told.what));
             }
         }
+    }
+    for (place, line) in &parts.added {
+        lines.push(line.clone());
+        diagnostics.push(
+            Diagnostic::new(Code::Added, *place, line.clone())
+                .label("the program uses them, and this version of the data block does not declare them")
+                .help("add the source of the data block that belongs to the program"),
+        );
     }
     for message in diagnostics.iter().filter(|message| message.code == Code::LeftOut) {
         let span = message.primary.span;

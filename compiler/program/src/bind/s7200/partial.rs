@@ -94,7 +94,7 @@ pub fn complete(input: &BindInput, first: Bound) -> Completed {
         let before = left.len();
         left.extend(places.iter().filter_map(|place| leave_out(&mut units, *place)));
         if places.is_empty() || left.len() == before || round >= ROUNDS_MAX {
-            let parts = Parts { told: lines, left, no_main, stand_ins: "\n".to_string() };
+            let parts = Parts { told: lines, added: Vec::new(), left, no_main, stand_ins: "\n".to_string() };
             return partial::finish(input, first, bound, wrong, &places, parts);
         }
     }
