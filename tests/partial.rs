@@ -60,6 +60,8 @@ fn programs() -> Vec<PathBuf> {
         ("run/sd", "s7dcl"),
         ("run/awl/subroutines", "awl"),
         ("run/awl/plants", "awl"),
+        ("run/plcopen", "xml"),
+        ("run/simatic-ml", "xml"),
     ] {
         found.extend(files(&tests_folder().join(folder), suffix));
     }
@@ -113,17 +115,15 @@ fn take_away(parsed: &mut Parsed, chance: &mut Chance) -> Vec<String> {
         });
         // Types and data blocks of an older version: some components are not there yet.
         for block in &mut unit.blocks {
-            if let Block::Code(code) = block
-                && chance.one_in(4)
-            {
-                // An exported block whose declarations of other types are all that is known.
-                code.header.title = None;
-            }
             if let Block::Data(data) = block
-                && matches!(data.content, DataContent::Struct(_))
-                && chance.one_in(6)
+                && let DataContent::Struct(variables) = &mut data.content
+                && variables.len() > 1
+                && chance.one_in(3)
             {
+                let at = chance.below(variables.len());
+                let name = variables.remove(at).name;
                 data.values.clear();
+                gone.push(format!("component {name}"));
             }
         }
         if let Some(source) = &mut unit.s7200

@@ -170,6 +170,7 @@ codes! {
     NoModule = "P0605" Warning "an address that no module of the station has";
     ModuleAccess = "P0606" Error "an access that a module does not allow";
     LeftOut = "P0615" Warning "a part that is left out, since something that it needs is missing";
+    Added = "P0616" Warning "components that a data block does not declare and the program uses";
     Pragma = "P0701" Error "an assertion pragma that cannot be understood";
     AssertionNotReached = "P0702" Error "an assertion that was never executed";
     StackUnderflow = "P0801" Error "a level of the logic stack that nothing has pushed";

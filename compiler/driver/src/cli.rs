@@ -57,8 +57,7 @@ pub struct CompileArgs {
     /// Compile blocks of safety programs (F_LAD, F_FBD) as standard blocks, to test their logic.
     #[arg(long)]
     pub safety_as_standard: bool,
-    /// Take a program of which parts are missing: stubs and variables of their own stand in for what is defined nowhere; `check` tells of it by
-    /// warnings.
+    /// Take a program of which parts are missing: each is a warning, and a stub or a variable of its own stands in for it.
     #[arg(long)]
     pub partial: bool,
 }

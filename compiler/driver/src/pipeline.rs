@@ -29,8 +29,6 @@ pub struct Settings {
     pub pragmas: bool,
     /// What is defined nowhere is a warning, and something stands in for it.
     pub partial: bool,
-    /// Nothing is compiled: nothing need stand in.
-    pub check: bool,
     /// A program without OB 1 is an error.
     pub require_main: bool,
     /// Blocks of safety programs are standard blocks.
@@ -157,7 +155,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         // Without a source there is another message already.
         require_main: settings.require_main && !units.is_empty(),
     };
-    let program = if partial && !settings.check {
+    let program = if partial {
         let completed = plcc_program::complete(&input);
         diagnostics.extend(completed.diagnostics);
         // Stand-ins have places like everything else.

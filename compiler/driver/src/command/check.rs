@@ -12,7 +12,7 @@ pub fn check(args: &CheckArgs) -> u8 {
     // A file alone may be a part of a program, a project is a whole one.
     let settings = pipeline::Settings::new(&args.compile);
     let require_main = read.project.is_some() && !settings.is_partial(read.project.as_ref());
-    let settings = pipeline::Settings { require_main, check: true, ..settings };
+    let settings = pipeline::Settings { require_main, ..settings };
     let mut bound = pipeline::front(read, &settings);
     report::messages(&mut bound.diagnostics, &bound.sources, args.message_format);
     if args.message_format == MessageFormat::Human && !bound.diagnostics.is_empty() {

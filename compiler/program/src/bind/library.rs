@@ -12,11 +12,11 @@ use plcc_diag::Span;
 use plcc_stdlib::{BlockClass, Form, Language, SystemBlock};
 use plcc_syntax::ast::{self, BlockPrefix};
 use plcc_syntax::{ParseOptions, scl, stl};
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::declare::BoundInterface;
 use super::names::{fold, kind_prefix};
-use super::{Binder, CodeSource, SYSTEM_FILE, SystemUse};
+use super::{Binder, CodeSource, SYSTEM_FILE, SystemUse, mentions};
 use crate::model::BlockKey;
 
 const fn class_of(kind: BlockKind) -> Option<BlockClass> {
@@ -61,6 +61,52 @@ impl Binder<'_> {
         }
     }
 
+    /// With `partial`: finds blocks of the library that the program does not mean, since it calls them with other parameters.
+    pub fn find_foreign(&mut self) {
+        if !self.input.partial {
+            return;
+        }
+        let mut calls = Vec::new();
+        for block in self.input.units.iter().flat_map(|(_, unit)| &unit.blocks) {
+            if let ast::Block::Code(code) = block {
+                mentions::calls_of_blocks(&code.code, &mut calls);
+            }
+        }
+        let mut known: FxHashMap<(BlockClass, u16), Vec<String>> = FxHashMap::default();
+        for call in calls {
+            let block = match call.target {
+                mentions::Called::Number(prefix, number) => {
+                    let class = match prefix {
+                        BlockPrefix::Fc => BlockClass::Fc,
+                        BlockPrefix::Fb => BlockClass::Fb,
+                        _ => continue,
+                    };
+                    let Ok(number) = u16::try_from(number) else { continue };
+                    self.library_block(BlockKey { kind: kind_of(class), number })
+                }
+                mentions::Called::Name(name) => match self.global(&name) {
+                    Some(crate::symbols::SymbolTarget::Block { prefix, number }) => super::names::code_kind(prefix)
+                        .zip(u16::try_from(number).ok())
+                        .and_then(|(kind, number)| self.library_block(BlockKey { kind, number })),
+                    _ => None,
+                },
+            };
+            let Some(block) = block.filter(|block| matches!(block.class, BlockClass::Fc | BlockClass::Fb)) else {
+                continue;
+            };
+            let formals = known.entry((block.class, block.number)).or_insert_with(|| parameters(block));
+            let fits = |name: &String| {
+                let folded = fold(name);
+                formals.contains(&folded) || matches!(folded.as_str(), "en" | "eno" | "ret_val")
+            };
+            let none =
+                call.formals.is_empty() && block.class == BlockClass::Fc && !formals.is_empty() && !call.by_place;
+            if none || !call.formals.iter().all(fits) {
+                self.foreign.insert((block.class, block.number));
+            }
+        }
+    }
+
     /// Kind and number of a block of the library in this program.
     pub fn library_key(&self, block: &SystemBlock) -> BlockKey {
         let moved = self.moved.iter().find(|(_, other)| (other.class, other.number) == (block.class, block.number));
@@ -73,6 +119,9 @@ impl Binder<'_> {
     /// The block of the library that stands for `key`, if the program itself does not define it.
     pub fn library_block(&self, key: BlockKey) -> Option<&'static SystemBlock> {
         let class = class_of(key.kind)?;
+        if self.foreign.contains(&(class, key.number)) {
+            return None;
+        }
         if matches!(self.code.get(&key), Some(CodeSource::User(_) | CodeSource::Expanded(_))) {
             return None;
         }
@@ -177,6 +226,19 @@ impl Binder<'_> {
         self.system.push(SystemUse { key, span, runtime: block.form == Form::Runtime });
         true
     }
+}
+
+/// Folded names of the parameters of a block of the library.
+fn parameters(block: &SystemBlock) -> Vec<String> {
+    if block.form == Form::NotShipped {
+        return Vec::new();
+    }
+    let code = parsed(block);
+    let is_parameter = |section: &&ast::Section| {
+        matches!(section.kind, ast::SectionKind::Input | ast::SectionKind::Output | ast::SectionKind::InOut)
+    };
+    let sections = code.sections.iter().filter(is_parameter);
+    sections.flat_map(|section| &section.variables).map(|variable| fold(&variable.name)).collect()
 }
 
 /// The syntax tree of a block of the library.

@@ -142,6 +142,101 @@ pub fn instance_calls(code: &Code) -> Vec<(scl::Name, scl::Name)> {
     found
 }
 
+/// What a call names.
+pub enum Called {
+    Number(BlockPrefix, u32),
+    Name(String),
+}
+
+/// A call of a block, with the names of the parameters that it gives.
+pub struct CallOfBlock {
+    pub target: Called,
+    pub formals: Vec<String>,
+    /// Its arguments have no names.
+    pub by_place: bool,
+}
+
+/// Calls of blocks by number or name, in all languages. Of a block called with an instance it is the block.
+pub fn calls_of_blocks(code: &Code, found: &mut Vec<CallOfBlock>) {
+    let lists: Vec<&ast::Statement> = match code {
+        Code::Stl(networks) => networks.iter().flat_map(|network| &network.statements).collect(),
+        Code::Scl(_) | Code::Graphic(_) | Code::Chart(_) => stl_statements(code).collect(),
+    };
+    for statement in lists {
+        let (target, formals) = match &statement.kind {
+            StatementKind::Call(call) => {
+                (&call.target, call.parameters.iter().map(|parameter| parameter.name.clone()).collect())
+            }
+            StatementKind::Instruction { insn, operand: Some(operand), .. }
+                if insn.operand() == plcc_syntax::stl::OperandClass::Block =>
+            {
+                (operand, Vec::new())
+            }
+            StatementKind::Instruction { .. }
+            | StatementKind::Empty
+            | StatementKind::Pragma(_)
+            | StatementKind::Error => continue,
+        };
+        let target = match &target.kind {
+            OperandKind::Block(BlockName::Numbered { prefix, number, .. }) => Called::Number(*prefix, *number),
+            OperandKind::Block(BlockName::Symbol { name, .. }) => Called::Name(name.clone()),
+            OperandKind::Path(ast::Path { root: ast::PathRoot::Quoted { name, .. }, parts, .. })
+                if parts.is_empty() =>
+            {
+                Called::Name(name.clone())
+            }
+            _ => continue,
+        };
+        found.push(CallOfBlock { target, formals, by_place: false });
+    }
+    if let Code::Graphic(body) = code {
+        for element in graphs(body).flat_map(|graph| &graph.elements) {
+            if let network::Target::Block { callee, .. } = &element.target
+                && let Some(target) = called(callee)
+            {
+                let formals = element.pins.iter().map(|pin| pin.name.clone()).collect();
+                found.push(CallOfBlock { target, formals, by_place: false });
+            }
+        }
+    }
+    if let Code::Chart(chart) = code {
+        for call in calls(chart) {
+            if let Some(target) = called(&call.block) {
+                let formals = call.parameters.iter().map(|parameter| parameter.name.text.clone()).collect();
+                found.push(CallOfBlock { target, formals, by_place: false });
+            }
+        }
+    }
+    expressions(code, &mut |value| {
+        let scl::ExprKind::Call { callee, arguments } = &value.kind else { return };
+        let callee = match &callee.kind {
+            scl::ExprKind::Member { base, .. } => base,
+            _ => callee,
+        };
+        if let Some(target) = called(callee) {
+            let by_place = arguments.iter().any(|argument| argument.name.is_none());
+            let named = arguments.iter().filter_map(|argument| argument.name.as_ref());
+            found.push(CallOfBlock { target, formals: named.map(|name| name.text.clone()).collect(), by_place });
+        }
+    });
+}
+
+/// The block that the callee of a graphic call is.
+fn called(callee: &scl::Expr) -> Option<Called> {
+    match &callee.kind {
+        scl::ExprKind::Name(name) => match (written_number(&name.text), name.form) {
+            (Some((prefix, number)), scl::NameForm::Bare) => Some(Called::Number(prefix, number)),
+            (_, scl::NameForm::Quoted) => Some(Called::Name(name.text.clone())),
+            // A word may be a function of the language, whose pins differ by dialect.
+            (None, scl::NameForm::Bare) | (_, scl::NameForm::Local) => None,
+        },
+        scl::ExprKind::Absolute(OperandKind::Block(BlockName::Numbered { prefix, number, .. })) => {
+            Some(Called::Number(*prefix, *number))
+        }
+        _ => None,
+    }
+}
+
 /// Goes through all expressions of a block in SCL, LAD, FBD or GRAPH, their parts included.
 pub fn expressions(code: &Code, visit: &mut dyn FnMut(&scl::Expr)) {
     match code {

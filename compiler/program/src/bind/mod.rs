@@ -238,6 +238,8 @@ struct Binder<'a> {
     /// Blocks of libraries whose numbers the program uses for its own, by the number that they have instead.
     moved: FxHashMap<BlockKey, &'static plcc_stdlib::SystemBlock>,
     system_used: FxHashSet<BlockKey>,
+    /// Blocks of the library whose numbers or names mean blocks of the program that are missing: their calls have other parameters.
+    foreign: FxHashSet<(plcc_stdlib::BlockClass, u16)>,
     /// Addresses beyond the CPU's limits that were told of.
     limits_told: FxHashSet<(Area, u32)>,
     cells_told: FxHashSet<(CellKind, u32)>,
@@ -295,6 +297,7 @@ impl<'a> Binder<'a> {
             system: Vec::new(),
             moved: FxHashMap::default(),
             system_used: FxHashSet::default(),
+            foreign: FxHashSet::default(),
             limits_told: FxHashSet::default(),
             cells_told: FxHashSet::default(),
             pointers: FxHashMap::default(),

@@ -329,11 +329,12 @@ impl<'a> Binder<'a> {
             if let Some(global) = own_global(&self.globals, prefix, &name) {
                 // Two blocks by one name: the second would replace the first.
                 let first = global.span;
+                let help = self.choice(first, span, "give one of them another name");
                 self.report.push(
                     Diagnostic::new(Code::DuplicateBlock, span, format!("`{name}` is defined twice"))
                         .label("the second definition")
                         .also(first, "the first definition")
-                        .help("give one of them another name"),
+                        .help(help),
                 );
                 continue;
             }
@@ -370,6 +371,7 @@ impl<'a> Binder<'a> {
                 self.block_names.insert((prefix, number as u16), global.name.clone());
             }
         }
+        self.find_foreign();
         self.move_library(&used);
     }
 
@@ -540,6 +542,14 @@ impl<'a> Binder<'a> {
             ast::Block::Code(code) => super::declare::dialect(code).map_or(self.tia_sources, |of| of == Dialect::Tia),
             ast::Block::Data(_) | ast::Block::Type(_) => false,
         };
+        if !tia && self.input.partial {
+            self.report.push(
+                Diagnostic::new(Code::LeftOut, span, format!("the organization block `{name}` is left out"))
+                    .label("the CPU finds an organization block by its number, which no source tells")
+                    .help("give the name its number in a symbol table, or write `ORGANIZATION_BLOCK OB 35`"),
+            );
+            return None;
+        }
         if !tia {
             self.report.push(message.label("the CPU finds an organization block by its number"));
             return None;
@@ -610,14 +620,29 @@ impl<'a> Binder<'a> {
         }
     }
 
+    /// What to do about two definitions: which version of a block counts is not guessed.
+    fn choice(&self, first: Span, second: Span, same_file: &str) -> String {
+        let name =
+            |span: Span| self.input.sources.files().nth(span.file.0 as usize).map(|(_, file)| file.name.as_str());
+        match (name(first), name(second)) {
+            (Some(first), Some(second)) if first != second => format!(
+                "choose one: give only the files of one CPU and one version, or name them as `sources` in plc.toml. The files are \
+                 `{first}` and `{second}`"
+            ),
+            _ => same_file.to_string(),
+        }
+    }
+
     fn define(&mut self, block: &'a ast::Block, prefix: BlockPrefix, number: u16, span: Span) {
         if let Some(first) = self.defined.insert((prefix, number), span) {
             self.defined.insert((prefix, number), first);
+            let title = format!("{} {number} is defined twice", prefix.letters());
+            let help = self.choice(first, span, "give one of them another number");
             self.report.push(
-                Diagnostic::new(Code::DuplicateBlock, span, format!("{} {number} is defined twice", prefix.letters()))
+                Diagnostic::new(Code::DuplicateBlock, span, title)
                     .label("the second definition")
                     .also(first, "the first definition")
-                    .help("give one of them another number"),
+                    .help(help),
             );
             return;
         }

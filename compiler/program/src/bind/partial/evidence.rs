@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use plcc_diag::Span;
+use plcc_diag::{FileId, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{BlockPrefix, CellKind};
 use rustc_hash::FxHashSet;
@@ -239,6 +239,8 @@ fn joined(known: Option<DataType>, other: &DataType) -> DataType {
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
     pub things: BTreeMap<Missing, Shape>,
+    /// Components that data blocks of the sources do not have, by the place of the data block's name.
+    pub added: BTreeMap<(FileId, u32), Shape>,
     /// Timers and counters that the program names by their numbers.
     pub cells: FxHashSet<(CellKind, u32)>,
 }
@@ -257,8 +259,17 @@ impl Evidence {
         shape
     }
 
+    /// What is missing in the data block whose name stands at `place`.
+    pub fn added(&mut self, place: Span, name: &str) -> &mut Shape {
+        let shape = self.added.entry((place.file, place.start)).or_default();
+        if shape.name.is_empty() {
+            shape.name = name.trim().to_string();
+        }
+        shape
+    }
+
     /// As [`Shape::weight`], of all.
     pub fn weight(&self) -> usize {
-        self.things.values().map(|shape| 1 + shape.weight()).sum()
+        self.things.values().chain(self.added.values()).map(|shape| 1 + shape.weight()).sum()
     }
 }

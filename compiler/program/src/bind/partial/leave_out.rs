@@ -18,10 +18,20 @@ pub struct LeftOut {
 /// Leaves out what stands at `at`; `None` if nothing can go there.
 pub fn leave_out(units: &mut [(FileId, SourceUnit)], at: Span) -> Option<LeftOut> {
     let (_, unit) = units.iter_mut().find(|(file, _)| *file == at.file)?;
-    let block = unit.blocks.iter_mut().filter(|block| holds(block.span(), at)).min_by_key(|block| {
-        let span = block.span();
-        span.end - span.start
-    })?;
+    let size = |block: &Block| block.span().end - block.span().start;
+    // In exports a block may be shown by its name alone, so that any block of the file can hold the place.
+    let mut order: Vec<usize> = (0..unit.blocks.len()).collect();
+    order.sort_by_key(|&index| (!holds(unit.blocks[index].span(), at), size(&unit.blocks[index])));
+    if let Some(left) = order.iter().find_map(|&index| part(&mut unit.blocks[index], at)) {
+        return Some(left);
+    }
+    // A message of the block as a whole.
+    let index = *order.first()?;
+    whole(&mut unit.blocks[index], at)
+}
+
+/// Leaves out the part of a block that holds `at`.
+fn part(block: &mut Block, at: Span) -> Option<LeftOut> {
     match block {
         Block::Code(code) => code_block(code, at),
         Block::Data(data) => {
@@ -32,25 +42,38 @@ pub fn leave_out(units: &mut [(FileId, SourceUnit)], at: Span) -> Option<LeftOut
             }
             match &mut data.content {
                 ast::DataContent::Struct(variables) => declaration(variables, at),
-                ast::DataContent::Array(_, initial @ Some(_)) => {
+                ast::DataContent::Array(_, initial @ Some(_)) if holds(data.span, at) => {
                     *initial = None;
                     Some(LeftOut { span: at, what: "this start value" })
                 }
-                ast::DataContent::OfType(_) | ast::DataContent::Array(..) | ast::DataContent::Empty => {
-                    let span = data.name.span();
-                    let kind = ast::TypeKind::Named("WORD".to_string());
-                    let bound = |value| ast::Bound::Number(value, span);
-                    let element = Box::new(ast::TypeRef { kind, span });
-                    let kind = ast::TypeKind::Array { bounds: vec![(bound(0), bound(511))], element };
-                    let ty = ast::TypeRef { kind, span };
-                    let is_same = matches!(&data.content, ast::DataContent::Array(known, None) if *known == ty);
-                    data.content = ast::DataContent::Array(ty, None);
-                    data.values.clear();
-                    (!is_same).then_some(LeftOut { span: at, what: "the content of this data block" })
-                }
+                ast::DataContent::OfType(_) | ast::DataContent::Array(..) | ast::DataContent::Empty => None,
             }
         }
         Block::Type(ty) => declaration(&mut ty.members, at),
+    }
+}
+
+/// Leaves out the content of a block.
+fn whole(block: &mut Block, at: Span) -> Option<LeftOut> {
+    match block {
+        Block::Code(code) => {
+            let is_empty = matches!(&code.code, Code::Scl(body) if body.statements.is_empty());
+            code.code = Code::Scl(scl::Body::default());
+            (!is_empty).then_some(LeftOut { span: at, what: "the code of this block" })
+        }
+        Block::Data(data) => {
+            let span = data.name.span();
+            let kind = ast::TypeKind::Named("WORD".to_string());
+            let bound = |value| ast::Bound::Number(value, span);
+            let element = Box::new(ast::TypeRef { kind, span });
+            let kind = ast::TypeKind::Array { bounds: vec![(bound(0), bound(511))], element };
+            let ty = ast::TypeRef { kind, span };
+            let is_same = matches!(&data.content, ast::DataContent::Array(known, None) if *known == ty);
+            data.content = ast::DataContent::Array(ty, None);
+            data.values.clear();
+            (!is_same).then_some(LeftOut { span: at, what: "the content of this data block" })
+        }
+        Block::Type(_) => None,
     }
 }
 
@@ -92,19 +115,12 @@ fn code_block(code: &mut ast::CodeBlock, at: Span) -> Option<LeftOut> {
     if code.constants.len() < before {
         return Some(LeftOut { span: at, what: "this constant" });
     }
-    let left = match &mut code.code {
+    match &mut code.code {
         Code::Scl(body) => scl_list(&mut body.statements, at),
         Code::Stl(networks) => networks.iter_mut().find_map(|network| stl_list(&mut network.statements, at)),
         Code::Graphic(body) => body.networks.iter_mut().find_map(|network| one_network(network, at)),
         Code::Chart(body) => one_of_chart(body, at),
-    };
-    if left.is_some() {
-        return left;
     }
-    // A message of the block as a whole.
-    let is_empty = matches!(&code.code, Code::Scl(body) if body.statements.is_empty());
-    code.code = Code::Scl(scl::Body::default());
-    (!is_empty).then_some(LeftOut { span: at, what: "the code of this block" })
 }
 
 fn scl_list(list: &mut [scl::Statement], at: Span) -> Option<LeftOut> {

@@ -276,11 +276,14 @@ impl<'a> Look<'_, 'a> {
             None => {}
             Some(source) => match &source.content {
                 ast::DataContent::Struct(variables) => {
-                    if let Some((Step::Member(name), rest)) = steps.split_first()
-                        && let Some(variable) = variables.iter().find(|variable| fold(&variable.name) == fold(name))
-                    {
-                        let ty = variable.ty.clone();
-                        self.inside_type(&ty, rest, span, teach, 0);
+                    let Some((Step::Member(member), rest)) = steps.split_first() else { return };
+                    match variables.iter().find(|variable| fold(&variable.name) == fold(member)) {
+                        Some(variable) => {
+                            let ty = variable.ty.clone();
+                            self.inside_type(&ty, rest, span, teach, 0);
+                        }
+                        // A component of another version of the data block.
+                        None => descend(self.found.added(source.name.span(), name), steps, teach),
                     }
                 }
                 ast::DataContent::OfType(ty) => self.inside_type(ty, steps, span, teach, 0),
@@ -430,12 +433,14 @@ impl<'a> Look<'_, 'a> {
                 }
             }
             ast::Block::Data(data) => match &data.content {
-                ast::DataContent::Struct(variables) => variables.iter().for_each(|variable| self.declared(variable)),
+                ast::DataContent::Struct(variables) => {
+                    variables.iter().for_each(|variable| self.declared(variable));
+                    let ty = TypeRef { kind: TypeKind::Struct(variables.clone()), span: data.span };
+                    data.values.iter().for_each(|value| self.start_value(&ty, value));
+                }
                 ast::DataContent::OfType(ty) => {
                     self.declared_as(ty);
-                    for value in &data.values {
-                        self.start_value(ty, value);
-                    }
+                    data.values.iter().for_each(|value| self.start_value(ty, value));
                 }
                 ast::DataContent::Array(ty, _) => self.declared_as(ty),
                 ast::DataContent::Empty => {}

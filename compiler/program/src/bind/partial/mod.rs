@@ -16,7 +16,7 @@ mod scl;
 mod stl;
 mod write;
 
-use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind, SourceUnit};
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashSet;
@@ -26,7 +26,9 @@ use super::report::{MissingKey, Uses};
 use super::{BindInput, Binder, Bound, Ctx, scl::Scope};
 use crate::model::Program;
 use crate::symbols::SymbolTable;
-use evidence::{Evidence, Missing};
+use evidence::Evidence;
+pub use evidence::Missing;
+pub use leave_out::LeftOut;
 use look::Look;
 use write::{StandIns, Writer};
 
@@ -49,9 +51,12 @@ pub fn complete(input: &BindInput) -> Completed {
     let first = super::bind_all(input);
     let no_main = input.require_main && !has_main(input, &first.program);
     let has_errors = first.diagnostics.iter().any(Diagnostic::is_error);
-    if first.missing.is_empty() && !no_main && !has_errors || input.units.iter().any(|(_, unit)| unit.s7200.is_some()) {
+    if first.missing.is_empty() && !no_main && !has_errors {
         let Bound { program, diagnostics, .. } = first;
         return Completed { program, diagnostics, stand_ins: String::new() };
+    }
+    if input.units.iter().any(|(_, unit)| unit.s7200.is_some()) {
+        return super::s7200::partial::complete(input, first);
     }
     let file = FileId(input.sources.files().count() as u32);
     let evidence = gather(input, file);
@@ -63,7 +68,7 @@ pub fn complete(input: &BindInput) -> Completed {
     let own: FxHashSet<(Code, Span)> = errors(&first.diagnostics).collect();
     for round in 0.. {
         let stand_ins = stand_ins(input, &evidence, file, true, &refused, no_main);
-        let bound = super::bind_all(&with(input, &units, &stand_ins, file).as_input(input, file));
+        let bound = super::bind_all(&with(input, &units, &evidence, &stand_ins, file).as_input(input, file));
         let wrong =
             wrong.get_or_insert_with(|| errors(&bound.diagnostics).filter(|error| own.contains(error)).collect());
         let mut places: Vec<Span> =
@@ -84,33 +89,24 @@ pub fn complete(input: &BindInput) -> Completed {
             }
         }
         if places.is_empty() || before == (left.len(), refused.len()) || round >= ROUNDS_MAX {
-            let kept = |diagnostic: &Diagnostic| {
-                !diagnostic.is_error() || wrong.contains(&(diagnostic.code, diagnostic.primary.span))
-            };
-            let mut diagnostics: Vec<Diagnostic> = first.diagnostics.into_iter().filter(kept).collect();
-            // Nothing more can go: what is left is told of.
-            diagnostics.extend(bound.diagnostics.into_iter().filter(|diagnostic| {
-                diagnostic.is_error() && !wrong.contains(&(diagnostic.code, diagnostic.primary.span))
-            }));
-            if !places.is_empty() {
-                diagnostics.extend(
-                    bound.missing.into_iter().filter(|uses| !matches!(uses.key, MissingKey::Db(_))).map(|uses| {
-                        let mut diagnostic = uses.diagnostic;
-                        diagnostic.severity = plcc_diag::Severity::Error;
-                        diagnostic
-                    }),
-                );
-            }
-            let mut program = bound.program;
-            let told = tell(input, &stand_ins, &first.missing, &left, no_main, &mut diagnostics);
-            program.partial = told;
-            return Completed { program, diagnostics, stand_ins: text(&stand_ins) };
+            let told = stand_ins
+                .lines
+                .iter()
+                .map(|line| Told {
+                    missing: line.missing.clone(),
+                    line: format!("{} is missing: {}", line.name, line.what),
+                    what: line.what.clone(),
+                })
+                .collect();
+            let added = added_components(&evidence);
+            let parts = Parts { told, added, left, no_main, stand_ins: text(&stand_ins) };
+            return finish(input, first, bound, wrong, &places, parts);
         }
     }
     unreachable!("the loop returns at the latest after its last round")
 }
 
-fn errors(diagnostics: &[Diagnostic]) -> impl Iterator<Item = (Code, Span)> {
+pub fn errors(diagnostics: &[Diagnostic]) -> impl Iterator<Item = (Code, Span)> {
     diagnostics
         .iter()
         .filter(|diagnostic| diagnostic.is_error())
@@ -122,13 +118,13 @@ fn has_main(input: &BindInput, program: &Program) -> bool {
 }
 
 /// Sources with stand-ins.
-struct Whole {
-    units: Vec<(FileId, SourceUnit)>,
-    tables: Vec<SymbolTable>,
+pub struct Whole {
+    pub units: Vec<(FileId, SourceUnit)>,
+    pub tables: Vec<SymbolTable>,
 }
 
 impl Whole {
-    fn as_input<'a>(&'a self, input: &BindInput<'a>, file: FileId) -> BindInput<'a> {
+    pub fn as_input<'a>(&'a self, input: &BindInput<'a>, file: FileId) -> BindInput<'a> {
         BindInput {
             name: input.name.clone(),
             sources: input.sources,
@@ -145,11 +141,35 @@ impl Whole {
     }
 }
 
-fn with(input: &BindInput, units: &[(FileId, SourceUnit)], stand_ins: &StandIns, file: FileId) -> Whole {
+fn with(
+    input: &BindInput,
+    units: &[(FileId, SourceUnit)],
+    evidence: &Evidence,
+    stand_ins: &StandIns,
+    file: FileId,
+) -> Whole {
+    let mut units = units.to_vec();
+    add_components(&mut units, evidence);
     let unit = SourceUnit { blocks: stand_ins.blocks.clone(), ..SourceUnit::default() };
     Whole {
-        units: units.iter().cloned().chain([(file, unit)]).collect(),
+        units: units.into_iter().chain([(file, unit)]).collect(),
         tables: input.tables.iter().cloned().chain([stand_ins.table.clone()]).collect(),
+    }
+}
+
+/// Data blocks get the components that the program uses and they do not declare, after those that they have: addresses stay.
+fn add_components(units: &mut [(FileId, SourceUnit)], evidence: &Evidence) {
+    if evidence.added.is_empty() {
+        return;
+    }
+    for block in units.iter_mut().flat_map(|(_, unit)| &mut unit.blocks) {
+        let ast::Block::Data(data) = block else { continue };
+        let span = data.name.span();
+        if let (Some(shape), ast::DataContent::Struct(variables)) =
+            (evidence.added.get(&(span.file, span.start)), &mut data.content)
+        {
+            variables.extend(write::members(shape, span));
+        }
     }
 }
 
@@ -191,7 +211,7 @@ fn gather(input: &BindInput, file: FileId) -> Evidence {
         for _ in 0..LOOKS_MAX {
             let before = evidence.weight();
             let stand_ins = stand_ins(input, &evidence, file, vague, &none, false);
-            let whole = with(input, input.units, &stand_ins, file);
+            let whole = with(input, input.units, &evidence, &stand_ins, file);
             let input = whole.as_input(input, file);
             let mut binder = Binder::new(&input);
             binder.collect();
@@ -265,41 +285,108 @@ fn missing_of(key: &MissingKey) -> Option<Missing> {
     }
 }
 
-/// Lists what stands in and what is left out: in the messages, and in lines for the start of a run.
-fn tell(
+/// What stands in for one thing, in words.
+pub struct Told {
+    pub missing: Missing,
+    /// The whole line.
+    pub line: String,
+    /// Without the name of the thing.
+    pub what: String,
+}
+
+/// What became of the parts of a program.
+pub struct Parts {
+    pub told: Vec<Told>,
+    /// Components that data blocks got: the place of the data block's name, and a line.
+    pub added: Vec<(Span, String)>,
+    pub left: Vec<LeftOut>,
+    /// An empty main program stands in for one that is missing.
+    pub no_main: bool,
+    /// Text of the file of stand-ins.
+    pub stand_ins: String,
+}
+
+/// The program with its messages: those of the first binding but for errors that only came of what was missing, what stands in and what is left
+/// out. `places`: what could not be left out, and remains an error.
+pub fn finish(
     input: &BindInput,
-    stand_ins: &StandIns,
-    missing: &[Uses],
-    left: &[leave_out::LeftOut],
-    no_main: bool,
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Vec<String> {
+    first: Bound,
+    bound: Bound,
+    wrong: &FxHashSet<(Code, Span)>,
+    places: &[Span],
+    parts: Parts,
+) -> Completed {
+    let kept = |diagnostic: &Diagnostic| {
+        !diagnostic.is_error()
+            || diagnostic.code == Code::NoMainBlock
+            || wrong.contains(&(diagnostic.code, diagnostic.primary.span))
+    };
+    let mut diagnostics: Vec<Diagnostic> = first.diagnostics.into_iter().filter(kept).collect();
+    diagnostics.extend(
+        bound
+            .diagnostics
+            .into_iter()
+            .filter(|diagnostic| diagnostic.is_error() && !wrong.contains(&(diagnostic.code, diagnostic.primary.span))),
+    );
+    if !places.is_empty() {
+        let rest = bound.missing.into_iter().filter(|uses| !matches!(uses.key, MissingKey::Db(_)));
+        diagnostics.extend(rest.map(|uses| Diagnostic { severity: Severity::Error, ..uses.diagnostic }));
+    }
+    let mut program = bound.program;
+    program.partial = tell(input, &first.missing, &parts, &mut diagnostics);
+    Completed { program, diagnostics, stand_ins: parts.stand_ins }
+}
+
+/// Tells which components data blocks got.
+fn added_components(evidence: &Evidence) -> Vec<(Span, String)> {
+    let line = |(&(file, start), shape): (&(FileId, u32), &evidence::Shape)| {
+        let names: Vec<String> = shape.members.iter().map(|(_, member)| format!("`{}`", member.name)).collect();
+        (Span { file, start, end: start }, format!("`{}` lacks {}: added at its end", shape.name, names.join(", ")))
+    };
+    evidence.added.iter().map(line).collect()
+}
+
+/// Lists what stands in and what is left out: in the messages, and in lines for the start of a run.
+fn tell(input: &BindInput, missing: &[Uses], parts: &Parts, diagnostics: &mut Vec<Diagnostic>) -> Vec<String> {
     let mut lines = Vec::new();
-    if no_main {
+    if parts.no_main {
         lines.push("OB 1 is missing: an empty one".to_string());
         for diagnostic in diagnostics.iter_mut().filter(|diagnostic| diagnostic.code == Code::NoMainBlock) {
-            diagnostic.severity = plcc_diag::Severity::Warning;
+            diagnostic.severity = Severity::Warning;
             diagnostic.help = Some("in its place: an empty one".to_string());
         }
     }
-    for line in &stand_ins.lines {
-        lines.push(format!("{} is missing: {}", line.name, line.what));
-        let uses = missing.iter().filter(|uses| missing_of(&uses.key).as_ref() == Some(&line.missing));
+    for told in &parts.told {
+        lines.push(told.line.clone());
+        let uses = missing.iter().filter(|uses| missing_of(&uses.key).as_ref() == Some(&told.missing));
         for uses in uses {
             let (code, span) = (uses.diagnostic.code, uses.diagnostic.primary.span);
             let of_it = diagnostics.iter_mut().find(|message| message.code == code && message.primary.span == span);
             if let Some(message) = of_it {
-                message.help = Some(format!("in its place: {}", line.what));
+                message.help = Some(format!("in its place: {}", told.what));
             }
         }
     }
-    for part in left {
+    for (place, line) in &parts.added {
+        lines.push(line.clone());
+        diagnostics.push(
+            Diagnostic::new(Code::Added, *place, line.clone())
+                .label("the program uses them, and this version of the data block does not declare them")
+                .help("add the source of the data block that belongs to the program"),
+        );
+    }
+    for message in diagnostics.iter().filter(|message| message.code == Code::LeftOut) {
+        let span = message.primary.span;
+        let source = input.sources.file(span.file);
+        lines.push(format!("{}:{}: {}", source.name, source.line(span.start), message.title));
+    }
+    for part in &parts.left {
         let source = input.sources.file(part.span.file);
-        let line = source.line_column(part.span.start).0;
+        let line = source.line(part.span.start);
         lines.push(format!("{}:{line}: {} is left out", source.name, part.what.trim_end_matches(',')));
         diagnostics.push(
             Diagnostic::new(Code::LeftOut, part.span, format!("{} is left out", part.what))
-                .label("it needs something that is missing and whose type no use shows")
+                .label("it needs something that is missing, and no type fits all its uses")
                 .help("add the sources and symbol tables that define what is missing"),
         );
     }

@@ -2,9 +2,9 @@
 
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
-use plcc_syntax::ast::CellKind;
+use plcc_syntax::ast::{BlockName, BlockPrefix, CellKind, OperandKind};
 use plcc_syntax::scl::ast::{
-    Argument, AssignOp, BinaryOp, Expr as Node, ExprKind as NodeKind, NameForm, Statement, StatementKind, UnaryOp,
+    Argument, AssignOp, BinaryOp, Expr as Node, ExprKind as NodeKind, Name, NameForm, Statement, StatementKind, UnaryOp,
 };
 
 use super::evidence::{Hint, Missing};
@@ -225,6 +225,24 @@ impl Look<'_, '_> {
         hint: Option<&Hint>,
         statement: bool,
     ) -> bool {
+        // A block that is known, with an instance that may be missing.
+        if let NodeKind::Member { base, name } = &callee.kind
+            && let Some((prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number)) = self.binder.quiet_block(ctx, base)
+            && let Some(of) = Missing::block(prefix, u32::from(number))
+            && !self.found.things.contains_key(&of)
+            && self.is_block(prefix, u32::from(number))
+        {
+            let instance = instance_start(name);
+            self.with_shape(ctx, &instance, &[], name.span, &mut |shape| {
+                shape.is_db = true;
+                shape.of = Some(of.clone());
+            });
+            let kind = crate::bind::names::code_kind(prefix);
+            if let Some(kind) = kind {
+                self.known_block(ctx, BlockKey { kind, number }, arguments, base.span);
+            }
+            return true;
+        }
         // `"block"."data block"(…)`, `FB10.DB20(…)`.
         if let NodeKind::Member { base, name } = &callee.kind
             && let Some((start, steps, span)) = self.steps(ctx, base)
@@ -232,14 +250,7 @@ impl Look<'_, '_> {
             && let Some(block) = self.missing_block(ctx, &start)
             && (name.form == NameForm::Quoted || matches!(start, Start::Block(..)))
         {
-            let instance = match plcc_syntax::scl::absolute(&name.text) {
-                Some(plcc_syntax::ast::OperandKind::Block(plcc_syntax::ast::BlockName::Numbered {
-                    prefix,
-                    number,
-                    ..
-                })) => Start::Block(prefix, number),
-                _ => Start::Global(name.text.clone()),
-            };
+            let instance = instance_start(name);
             self.formals(ctx, &start, &[], span, arguments, None, true, true);
             self.with_shape(ctx, &instance, &[], name.span, &mut |shape| {
                 shape.is_db = true;
@@ -398,6 +409,14 @@ impl Look<'_, '_> {
             };
             self.expect(ctx, value, wanted.as_ref());
         }
+    }
+}
+
+/// The data block behind a function block.
+fn instance_start(name: &Name) -> Start {
+    match plcc_syntax::scl::absolute(&name.text) {
+        Some(OperandKind::Block(BlockName::Numbered { prefix, number, .. })) => Start::Block(prefix, number),
+        _ => Start::Global(name.text.clone()),
     }
 }
 

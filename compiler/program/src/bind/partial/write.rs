@@ -252,6 +252,7 @@ fn name_of(missing: &Missing, shape: &Shape, span: Span) -> BlockName {
 
 fn components(count: usize) -> String {
     match count {
+        0 => "a word, since no component is used".to_string(),
         1 => "the one component that is used".to_string(),
         count => format!("the {count} components that are used"),
     }
@@ -277,7 +278,8 @@ fn variable(name: &str, ty: TypeRef, span: Span) -> Variable {
     }
 }
 
-fn members(shape: &Shape, span: Span) -> Vec<Variable> {
+/// Components as they are used, in the order of their first use.
+pub fn members(shape: &Shape, span: Span) -> Vec<Variable> {
     let mut list: Vec<Variable> =
         shape.members.iter().map(|(_, member)| variable(&member.name, type_of(member, span), span)).collect();
     if list.is_empty() && shape.elements.is_none() {

@@ -18,6 +18,7 @@ mod data;
 mod interface;
 mod names;
 mod operand;
+pub mod partial;
 mod pragma;
 mod rules;
 mod settle;

@@ -76,6 +76,11 @@ fn shape(class: OperandClass) -> Option<Shape> {
     }
 }
 
+/// The width of what a class takes; none of timers, blocks, labels and constants.
+pub fn width(class: OperandClass) -> Option<Width> {
+    shape(class).map(|shape| shape.width)
+}
+
 /// What a class wants, in words.
 fn wanted(class: OperandClass) -> &'static str {
     use OperandClass as C;
