@@ -169,6 +169,7 @@ codes! {
     Station = "P0604" Error "a station that cannot be built";
     NoModule = "P0605" Warning "an address that no module of the station has";
     ModuleAccess = "P0606" Error "an access that a module does not allow";
+    NotRead = "P0607" Warning "files of a folder that are not read";
     LeftOut = "P0615" Warning "a part that is left out, since something that it needs is missing";
     Added = "P0616" Warning "components that a data block does not declare and the program uses";
     Pragma = "P0701" Error "an assertion pragma that cannot be understood";
