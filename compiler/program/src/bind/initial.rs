@@ -108,7 +108,7 @@ impl Binder<'_> {
                 ParameterType::BlockDb => "DB 5",
                 ParameterType::BlockSdb => "SDB 5",
                 ParameterType::Pointer => "P#M 10.0",
-                ParameterType::Any => "P#M 10.0 BYTE 4",
+                ParameterType::Any | ParameterType::Variant => "P#M 10.0 BYTE 4",
             };
             self.report.push(
                 Diagnostic::new(Code::InitialValue, span, format!("this is no value of type {name}"))

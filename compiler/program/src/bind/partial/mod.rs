@@ -258,6 +258,7 @@ impl Look<'_, '_> {
             bound,
             unknown_locals: FxHashSet::default(),
             local_bytes: 0,
+            fragment: super::names::is_fragment(code),
             fixed_span: None,
             scl: Scope::new(self.binder.input, &code.header, dialect),
         };
