@@ -5,10 +5,12 @@
 //! - `place` turns addresses into checked memory accesses, `fault` builds the cold paths.
 //! - `call` hands parameters over; `stl` has one function a family of instructions, `scl` one a kind of node of the typed tree.
 //! - `s7200` lowers programs of an S7-200, which share the IR only.
+//! - `assertion`: what assertions of all languages share.
 //! - `entry` makes the functions that the runtime calls.
 //!
 //! **Invariant**: a program that was bound without errors lowers without errors.
 
+mod assertion;
 mod call;
 mod context;
 mod entry;
@@ -153,8 +155,8 @@ impl<'s> Output<'s> {
             file,
             line,
             text: assert.text.clone(),
-            op: assert.op,
-            real: assert.real,
+            condition: assert.condition.clone(),
+            comparisons: assert.comparisons.iter().map(assertion::compared).collect(),
             trap: assert.trap,
         });
         asserts.len() as u32 - 1

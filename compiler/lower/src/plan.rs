@@ -524,9 +524,11 @@ pub fn local_bytes(block: &CodeBlock) -> u32 {
         match &statement.kind {
             StlStatementKind::Instruction { operand, .. } => see_operand(operand, &mut see),
             StlStatementKind::Assert(assert) => {
-                for side in [&assert.left, &assert.right] {
-                    if let plcc_program::model::AssertSide::Operand(operand) = side {
-                        see_operand(operand, &mut see);
+                for side in assert.sides() {
+                    match side {
+                        plcc_program::model::AssertSide::Operand(operand) => see_operand(operand, &mut see),
+                        plcc_program::model::AssertSide::Memory(place) => see(place, 16),
+                        plcc_program::model::AssertSide::Register(_) => {}
                     }
                 }
             }

@@ -5,7 +5,9 @@
 pub mod s7200;
 pub mod scl;
 
-use plcc_abi::image::{AssertOp, BlockKind, Config, Profile, SymbolEntry};
+use plcc_abi::image::{
+    AssertCondition, AssertConstant, AssertKind, AssertOp, AssertType, BlockKind, Config, Profile, SymbolEntry,
+};
 use plcc_abi::ob::StartInput;
 use plcc_abi::s7200::image::CpuRow;
 use plcc_diag::Span;
@@ -372,20 +374,54 @@ pub enum Actual {
 /// An assertion pragma, with sides `S`.
 #[derive(Clone, Debug)]
 pub struct Assert<S = AssertSide> {
-    pub left: S,
-    pub op: AssertOp,
-    pub right: S,
-    /// Compare in order as REAL.
-    pub real: bool,
-    /// Both sides are different constants.
+    pub condition: AssertCondition,
+    /// At least one.
+    pub comparisons: Vec<Comparison<S>>,
+    /// One comparison of two different constants.
     pub trap: bool,
     /// The source line, trimmed.
     pub text: String,
 }
 
+/// A comparison whose types are settled.
+#[derive(Clone, Debug)]
+pub struct Comparison<S> {
+    pub op: AssertOp,
+    pub kind: AssertKind,
+    pub left: Compared<S>,
+    pub right: Compared<S>,
+}
+
+/// A side of a comparison with the type that it is taken for.
+#[derive(Clone, Debug)]
+pub struct Compared<S> {
+    pub ty: AssertType,
+    pub value: ComparedValue<S>,
+}
+
+#[derive(Clone, Debug)]
+pub enum ComparedValue<S> {
+    Constant(AssertConstant),
+    Code(S),
+}
+
+impl<S> Assert<S> {
+    /// What code brings for the sides, in the order of the text.
+    pub fn sides(&self) -> impl Iterator<Item = &S> {
+        self.comparisons.iter().flat_map(|comparison| [&comparison.left, &comparison.right]).filter_map(|side| {
+            match &side.value {
+                ComparedValue::Code(side) => Some(side),
+                ComparedValue::Constant(_) => None,
+            }
+        })
+    }
+}
+
 #[derive(Clone, Debug)]
 pub enum AssertSide {
-    /// Value zero-extended to 32 bits.
+    /// Value zero-extended.
     Operand(Operand),
+    /// A text or a DTL: where it is.
+    Memory(Place),
     Register(AssertRegister),
 }

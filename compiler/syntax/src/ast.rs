@@ -595,16 +595,44 @@ pub struct Pragma {
     pub text: String,
     /// Of the whole line's pragma, `//@` included.
     pub span: Span,
-    /// For `assert`: its two sides as operands and the comparison, parsed with the grammar of operands.
-    pub assert: Option<Box<AssertPragma>>,
+    /// For `assert`: what it demands, sides parsed with the grammar of operands.
+    pub assert: Option<Box<Assertion>>,
 }
 
-/// `assert LHS OP RHS`.
+/// Comparisons and how they are joined, with operands `S`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AssertPragma {
-    pub left: AssertSide,
+pub struct Assertion<S = AssertSide> {
+    pub condition: Condition,
+    /// In the order of the text.
+    pub comparisons: Vec<Comparison<S>>,
+}
+
+/// How comparisons are joined.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Condition {
+    /// The comparison with this number.
+    Compare(u32),
+    Not(Box<Condition>),
+    All(Vec<Condition>),
+    Any(Vec<Condition>),
+}
+
+/// `LHS OP RHS`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison<S> {
+    pub left: Side<S>,
     pub op: AssertOp,
-    pub right: AssertSide,
+    pub right: Side<S>,
+    pub span: Span,
+}
+
+/// A side of a comparison.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Side<S> {
+    pub value: S,
+    /// `as TYPE`: the type as it is written.
+    pub ty: Option<(String, Span)>,
+    pub span: Span,
 }
 
 /// Comparison of an assertion.
@@ -618,11 +646,41 @@ pub enum AssertOp {
     Ge,
 }
 
-/// One side of an assertion.
+impl AssertOp {
+    /// As it is written.
+    pub const fn sign(self) -> &'static str {
+        match self {
+            AssertOp::Eq => "==",
+            AssertOp::Ne => "<>",
+            AssertOp::Lt => "<",
+            AssertOp::Le => "<=",
+            AssertOp::Gt => ">",
+            AssertOp::Ge => ">=",
+        }
+    }
+
+    /// Neither `==` nor `<>`.
+    pub const fn is_order(self) -> bool {
+        !matches!(self, AssertOp::Eq | AssertOp::Ne)
+    }
+}
+
+/// What stands on a side of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AssertSide {
     Operand(Operand),
     Register(AssertRegister),
+    Literal(AssertLiteral),
+}
+
+/// A constant, whose type the other side tells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AssertLiteral {
+    /// As `L` loads it, if it can be one of STL.
+    pub loaded: Option<Literal>,
+    /// As SCL reads it, without sign; none for what only STL has, such as `B#(1,8)`.
+    pub exact: Option<crate::scl::ast::Literal>,
+    pub negative: bool,
 }
 
 /// CPU registers that an assertion can look at.

@@ -280,18 +280,39 @@ impl Out {
 
 pub(crate) fn pragma_text(pragma: &Pragma) -> String {
     match &pragma.assert {
-        Some(assert) => {
-            let op = match assert.op {
-                AssertOp::Eq => "==",
-                AssertOp::Ne => "<>",
-                AssertOp::Lt => "<",
-                AssertOp::Le => "<=",
-                AssertOp::Gt => ">",
-                AssertOp::Ge => ">=",
-            };
-            format!("assert {} {op} {}", assert_side(&assert.left), assert_side(&assert.right))
-        }
+        Some(assertion) => format!("assert {}", assertion_text(assertion, &assert_side)),
         None => format!("pragma {:?}", pragma.text),
+    }
+}
+
+/// An assertion with sides as `side` writes them.
+pub(crate) fn assertion_text<S>(assertion: &Assertion<S>, side: &dyn Fn(&S) -> String) -> String {
+    condition_text(&assertion.condition, assertion, side, false)
+}
+
+fn condition_text<S>(
+    condition: &Condition,
+    assertion: &Assertion<S>,
+    side: &dyn Fn(&S) -> String,
+    inner: bool,
+) -> String {
+    let join = |conditions: &[Condition], word: &str| {
+        let list: Vec<String> = conditions.iter().map(|one| condition_text(one, assertion, side, true)).collect();
+        let list = list.join(word);
+        if inner { format!("({list})") } else { list }
+    };
+    match condition {
+        Condition::Compare(index) => {
+            let Some(comparison) = assertion.comparisons.get(*index as usize) else { return String::new() };
+            let side = |written: &Side<S>| match &written.ty {
+                Some((ty, _)) => format!("{} as {ty}", side(&written.value)),
+                None => side(&written.value),
+            };
+            format!("{} {} {}", side(&comparison.left), comparison.op.sign(), side(&comparison.right))
+        }
+        Condition::Not(one) => format!("NOT ({})", condition_text(one, assertion, side, false)),
+        Condition::All(conditions) => join(conditions, " AND "),
+        Condition::Any(conditions) => join(conditions, " OR "),
     }
 }
 
@@ -498,6 +519,11 @@ pub(crate) fn operand_text(kind: &OperandKind) -> String {
 fn assert_side(side: &AssertSide) -> String {
     let register = match side {
         AssertSide::Operand(side) => return operand(side),
+        AssertSide::Literal(AssertLiteral { loaded: Some(value), .. }) => return literal(value),
+        AssertSide::Literal(AssertLiteral { exact: Some(value), negative, .. }) => {
+            return format!("{}{}", if *negative { "-" } else { "" }, scl::text::literal(value));
+        }
+        AssertSide::Literal(AssertLiteral { loaded: None, exact: None, .. }) => return "error".to_owned(),
         AssertSide::Register(register) => register,
     };
     match register {

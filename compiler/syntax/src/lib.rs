@@ -14,6 +14,7 @@
 //!
 //! **Invariant**: never fails; gives a tree and diagnostics.
 
+mod assertion;
 pub mod ast;
 mod ast_text;
 pub mod chart;

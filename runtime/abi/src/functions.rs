@@ -159,9 +159,13 @@ runtime_functions! {
     /// `PeripheralWrite`.
     PeripheralWriteBit = "peripheral_write_bit"(address: I32, bit: I32, value: I32) -> I32, Io;
 
-    /// Checks assertion `id` of a test: `left` and `right` as 32-bit patterns. How they are compared is in the
-    /// program image.
-    Assert = "assert"(id: I32, left: I32, right: I32), Cells;
+    /// Brings the values of comparison `comparison` of assertion `id` of a test, zero-extended; a constant side brings 0. How they are
+    /// compared is in the program image.
+    Assert = "assert"(id: I32, comparison: I32, left: I32, right: I32), Cells;
+    /// As `Assert` for values of 64 bits, each in two halves.
+    AssertLong = "assert_long"(id: I32, comparison: I32, left: I32, left_high: I32, right: I32, right_high: I32), Cells;
+    /// As `AssertLong` where a side is an offset from the memory base: the value there is read.
+    AssertMemory = "assert_memory"(id: I32, comparison: I32, left: I32, left_high: I32, right: I32, right_high: I32), All;
     /// Lets `ms` milliseconds pass on the clock, due interrupts included. Result as `Safepoint`.
     Sleep = "sleep"(ms: I32) -> I32, All;
 

@@ -147,6 +147,96 @@ pub enum AssertOp {
     Ge,
 }
 
+/// What the value of a side of an assertion is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum AssertType {
+    /// So many bits without another meaning: registers, addresses, BYTE to LWORD.
+    Bits(u8),
+    Bool,
+    /// So many bits with a sign.
+    Signed(u8),
+    Unsigned(u8),
+    Real,
+    Lreal,
+    Char,
+    Wchar,
+    S5Time,
+    /// Milliseconds.
+    Time,
+    /// Nanoseconds.
+    Ltime,
+    /// Days since 1990-01-01.
+    Date,
+    /// Milliseconds since midnight.
+    TimeOfDay,
+    /// Nanoseconds since midnight.
+    Ltod,
+    /// Nanoseconds since 1970-01-01.
+    Ldt,
+    /// Eight bytes of BCD.
+    DateAndTime,
+    /// Where the 12 bytes are: an offset from the memory base.
+    Dtl,
+    /// Where a STRING is: an offset from the memory base.
+    Text,
+    /// Where a WSTRING is.
+    WideText,
+}
+
+/// How the sides of a comparison are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum AssertKind {
+    /// Unsigned, the narrower one with zeros in front.
+    Bits,
+    /// By the whole numbers that they are.
+    Whole,
+    /// As floating-point numbers.
+    Float,
+    Duration,
+    TimeOfDay,
+    /// Dates, with or without a time.
+    Moment,
+    Text,
+}
+
+/// A constant side of a comparison.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum AssertConstant {
+    /// As a variable of the type has it, zero-extended.
+    Bits(u64),
+    /// The 12 bytes of a DTL.
+    Bytes(Vec<u8>),
+    /// The characters of a STRING, each a byte, or of a WSTRING.
+    Text(Vec<u16>),
+}
+
+/// A side of a comparison.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AssertSide {
+    pub ty: AssertType,
+    /// Its value; `None`: code brings it.
+    pub constant: Option<AssertConstant>,
+}
+
+/// A comparison of an assertion.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AssertComparison {
+    pub op: AssertOp,
+    pub kind: AssertKind,
+    pub left: AssertSide,
+    pub right: AssertSide,
+}
+
+/// How comparisons are joined.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum AssertCondition {
+    /// The comparison with this number.
+    Compare(u32),
+    Not(Box<AssertCondition>),
+    All(Vec<AssertCondition>),
+    Any(Vec<AssertCondition>),
+}
+
 /// An assertion pragma that was compiled.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AssertEntry {
@@ -154,9 +244,9 @@ pub struct AssertEntry {
     pub line: u32,
     /// The source line, trimmed.
     pub text: String,
-    pub op: AssertOp,
-    /// Compare in order as REAL.
-    pub real: bool,
+    pub condition: AssertCondition,
+    /// At least one. Code brings their values in this order; behind those of the last one the assertion is judged.
+    pub comparisons: Vec<AssertComparison>,
     /// Both sides are different constants: it must never be reached.
     pub trap: bool,
 }

@@ -11,6 +11,7 @@ use plcc_abi::image::{BlockEntry, BlockKind};
 use plcc_abi::layout::{self, state};
 use plcc_abi::ob::{OB_FREE, ObClass};
 
+use crate::assertion::Assertions;
 use crate::clock::{Clock, NS_PER_MS};
 use crate::code::Code;
 use crate::communication::Communication;
@@ -23,7 +24,6 @@ use crate::s7200::S7200;
 use crate::schedule::Schedule;
 use crate::system::meters::{METERS, Meter};
 use crate::technology::Technology;
-use crate::testing::Assertions;
 use crate::watchdog::Watchdog;
 
 /// Why the CPU is in STOP.
@@ -79,7 +79,7 @@ impl Cpu {
             schedule: Schedule::new(&image, &blocks),
             technology: Technology::new(&image.config),
             s7200: image.s7200.as_ref().map(|own| Box::new(S7200::new(own, &image.config.s7200))),
-            assertions: Assertions::new(image.asserts.len()),
+            assertions: Assertions::new(&image.asserts),
             watchdog: Watchdog::new(&memory),
             memory,
             image,

@@ -154,10 +154,16 @@ functions! {
         PeripheralWrite = plcc_rt_peripheral_write(cpu, address, bytes, value) -> u32 {
             cpu.peripheral_write(address, bytes, value).into()
         }
-        Assert = plcc_rt_assert(cpu, id, left, right) {
-            if let Some(entry) = cpu.image.asserts.get(id as usize) {
-                cpu.assertions.check(id as usize, entry, left, right);
-            }
+        Assert = plcc_rt_assert(cpu, id, comparison, left, right) {
+            cpu.assertions.check(cpu, id as usize, comparison as usize, left.into(), right.into());
+        }
+        AssertLong = plcc_rt_assert_long(cpu, id, comparison, left, left_high, right, right_high) {
+            let (left, right) = (u64::from(left_high) << 32 | u64::from(left), u64::from(right_high) << 32 | u64::from(right));
+            cpu.assertions.check(cpu, id as usize, comparison as usize, left, right);
+        }
+        AssertMemory = plcc_rt_assert_memory(cpu, id, comparison, left, left_high, right, right_high) {
+            let (left, right) = (u64::from(left_high) << 32 | u64::from(left), u64::from(right_high) << 32 | u64::from(right));
+            cpu.assertions.check(cpu, id as usize, comparison as usize, left, right);
         }
         CopyText = plcc_rt_copy_text(cpu, to, from, limit, wide) -> u32 {
             text::copy(&cpu.memory, to, from, limit, wide != 0).into()

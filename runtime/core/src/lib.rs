@@ -10,6 +10,7 @@
 //! - [`communication`]: TCP and ISO-on-TCP connections of the program.
 //! - [`s7200`]: what an S7-200 has of its own.
 //! - [`guest`]: code that runs in the process of the compiler.
+//! - [`assertion`]: values of assertions, compared and printed by their types.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
 //! **Invariant**: the runtime knows no source language and never depends on the compiler.
@@ -17,6 +18,7 @@
 
 pub mod address;
 pub mod analog;
+pub mod assertion;
 pub mod bcd;
 pub mod clock;
 pub mod code;

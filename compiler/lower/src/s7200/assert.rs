@@ -4,6 +4,7 @@ use plcc_abi::RuntimeFn;
 use plcc_diag::Span;
 use plcc_ir::{IntCc, Type, Value};
 use plcc_program::model::s7200::{Assert, AssertSide, Operand, Width};
+use plcc_program::model::{Compared, ComparedValue};
 
 use super::context::Context;
 
@@ -12,10 +13,17 @@ impl Context<'_, '_> {
     pub fn assert(&mut self, assert: &Assert, span: Span) {
         let id = self.output.register_assert(assert, span);
         self.guarded(|context| {
-            let left = context.assert_side(&assert.left);
-            let right = context.assert_side(&assert.right);
-            let id = context.b.i32_const(id);
-            context.b.call_runtime(RuntimeFn::Assert, &[id, left, right]);
+            for (index, comparison) in assert.comparisons.iter().enumerate() {
+                let mut value = |side: &Compared<AssertSide>| match &side.value {
+                    ComparedValue::Constant(_) => None,
+                    ComparedValue::Code(side) => Some(context.assert_side(side)),
+                };
+                let sides = [value(&comparison.left), value(&comparison.right)];
+                let (function, values) = crate::assertion::call(&mut context.b, comparison, sides);
+                let mut arguments = vec![context.b.i32_const(id), context.b.i32_const(index as u32)];
+                arguments.extend(values);
+                context.b.call_runtime(function, &arguments);
+            }
         });
     }
 

@@ -153,8 +153,9 @@ impl Visitor for Seen {
     }
 
     fn assert(&mut self, assert: &Assert) {
-        for side in [&assert.left, &assert.right] {
+        for side in assert.sides() {
             match side {
+                AssertSide::Memory(place) => self.memory(place, 8 * plcc_abi::layout::L_CLASS_BYTES),
                 AssertSide::Operand(Operand::Memory { place, .. }) => self.memory(place, 64),
                 AssertSide::Operand(Operand::Cell { number: plcc_program::model::Number::Word(place), .. }) => {
                     self.memory(place, 32);

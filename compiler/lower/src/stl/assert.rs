@@ -3,23 +3,53 @@
 use plcc_abi::RuntimeFn;
 use plcc_diag::Span;
 use plcc_ir::{Type, Value};
-use plcc_program::model::{Assert, AssertRegister, AssertSide, CellKind, Operand, Width};
+use plcc_program::model::{
+    Assert, AssertRegister, AssertSide, CellKind, Compared, ComparedValue, Operand, Place, Width,
+};
 
 use crate::context::Context;
+use crate::fault::{Check, Substitute};
+use crate::place::{Direction, TargetKind};
 
 impl Context<'_, '_> {
     pub fn assert(&mut self, assert: &Assert, span: Span) {
         let id = self.output.register_assert(assert, span);
-        // A fully qualified address opens its DB, which an assertion must not.
-        let db = self.get(self.regs.db);
-        let left = self.assert_side(&assert.left);
-        let right = self.assert_side(&assert.right);
-        self.set(self.regs.db, db);
-        let id = self.b.i32_const(id);
-        self.b.call_runtime(RuntimeFn::Assert, &[id, left, right]);
+        for (index, comparison) in assert.comparisons.iter().enumerate() {
+            // A fully qualified address opens its DB, which an assertion must not.
+            let db = self.get(self.regs.db);
+            let mut checks = Vec::new();
+            let left = self.compared(&comparison.left, &mut checks);
+            let right = self.compared(&comparison.right, &mut checks);
+            self.set(self.regs.db, db);
+            let guard = self.begin_guard(checks, Substitute::None);
+            let (function, values) = crate::assertion::call(&mut self.b, comparison, [left, right]);
+            let mut arguments = vec![self.b.i32_const(id), self.b.i32_const(index as u32)];
+            arguments.extend(values);
+            self.b.call_runtime(function, &arguments);
+            self.end_guard(guard);
+        }
     }
 
-    /// Value of one side, an i32.
+    /// What code brings for a side.
+    fn compared(&mut self, side: &Compared<AssertSide>, checks: &mut Vec<Check>) -> Option<Value> {
+        match &side.value {
+            ComparedValue::Constant(_) => None,
+            ComparedValue::Code(AssertSide::Memory(place)) => Some(self.where_is(place, checks)),
+            ComparedValue::Code(side) => Some(self.assert_side(side)),
+        }
+    }
+
+    /// Offset of a place from the memory base.
+    fn where_is(&mut self, place: &Place, checks: &mut Vec<Check>) -> Value {
+        let target = self.target(place, Width::Byte, Direction::Read);
+        checks.extend(target.checks);
+        match target.kind {
+            TargetKind::Memory { addr, .. } | TargetKind::Either { addr, .. } => self.b.address_of(addr),
+            TargetKind::Peripheral { .. } => unreachable!("the binder lets places in memory through only"),
+        }
+    }
+
+    /// Value of one side, an i32 or i64.
     fn assert_side(&mut self, side: &AssertSide) -> Value {
         match side {
             AssertSide::Operand(Operand::Memory { place, width: Width::Bit }) => {
@@ -35,6 +65,7 @@ impl Context<'_, '_> {
                 self.b.zext(Type::I32, bit)
             }
             AssertSide::Operand(operand) => self.load_value(operand),
+            AssertSide::Memory(_) => unreachable!("its place was asked for"),
             AssertSide::Register(register) => self.assert_register(*register),
         }
     }

@@ -3,7 +3,7 @@
 //! 1. [`names`] reads the tables and numbers the blocks of all sources, so that order does not matter.
 //! 2. [`declare`] lays out types, [`interface`] the interfaces of blocks, each when it is first wanted; [`data`] makes the data blocks.
 //! 3. [`body`] binds statements: [`path`] turns names into places, [`operand`] checks operands against the instruction table,
-//!    [`call`] and [`actual`] check calls, [`pragma`] binds assertions. That is STL; [`scl`] does the same for SCL.
+//!    [`call`] and [`actual`] check calls, [`pragma`] binds assertions, [`assertion`] compares by types. That is STL; [`scl`] does the same for SCL.
 //! 4. Blocks of the [`library`] join when something uses them.
 //!
 //! [`constant`] computes constants of all languages; [`catalog`] prints the reference of the library.
@@ -12,6 +12,7 @@
 //! undefined names.
 
 mod actual;
+mod assertion;
 mod body;
 mod call;
 mod catalog;

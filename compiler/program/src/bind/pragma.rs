@@ -1,23 +1,16 @@
 //! Assertion pragmas.
 
-use plcc_abi::image::AssertOp;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, Pragma, Width};
-use plcc_syntax::literal::Literal;
 
+use super::assertion::{self, Literal, Side, Type, What};
+use super::constant::Constant;
 use super::report::Report;
 use super::settle::Settled;
-use super::{Binder, Ctx};
-use crate::model::{Assert, AssertSide, Operand, StlStatementKind, TestSettings};
+use super::{Binder, Ctx, value};
+use crate::model::{Assert, AssertSide, ComparedValue, Operand, Place, StlStatementKind, TestSettings};
 use crate::profile;
-
-/// One side of an assertion.
-struct Side {
-    side: AssertSide,
-    /// The value, if it is a constant.
-    constant: Option<u32>,
-    real: bool,
-}
+use crate::types::{DTL, DataType};
 
 impl Binder<'_> {
     /// A pragma between statements.
@@ -59,88 +52,189 @@ impl Binder<'_> {
     }
 
     fn assert(&mut self, ctx: &mut Ctx, pragma: &Pragma) -> Option<StlStatementKind> {
-        // One that is not built as `assert LHS OP RHS` was reported when it was read.
-        let sides = pragma.assert.as_ref()?;
-        let left = self.assert_side(ctx, &sides.left, pragma.span);
-        let right = self.assert_side(ctx, &sides.right, pragma.span);
-        let (left, right) = (left?, right?);
-        let op = match sides.op {
-            ast::AssertOp::Eq => AssertOp::Eq,
-            ast::AssertOp::Ne => AssertOp::Ne,
-            ast::AssertOp::Lt => AssertOp::Lt,
-            ast::AssertOp::Le => AssertOp::Le,
-            ast::AssertOp::Gt => AssertOp::Gt,
-            ast::AssertOp::Ge => AssertOp::Ge,
-        };
-        let ordered = matches!(op, AssertOp::Lt | AssertOp::Le | AssertOp::Gt | AssertOp::Ge);
-        Some(StlStatementKind::Assert(Assert {
-            op,
-            real: ordered && (left.real || right.real),
-            trap: matches!((left.constant, right.constant), (Some(left), Some(right)) if left != right),
-            left: left.side,
-            right: right.side,
-            text: pragma.text.clone(),
-        }))
+        // One that is not built as an assertion was reported when it was read.
+        let written = pragma.assert.as_ref()?;
+        let mut comparisons = Vec::new();
+        for comparison in &written.comparisons {
+            let left = self.assert_side(ctx, &comparison.left);
+            let right = self.assert_side(ctx, &comparison.right);
+            let (left, right) = (left?, right?);
+            match assertion::compare(assertion::op(comparison.op), left, right) {
+                Ok(comparison) => comparisons.push(comparison),
+                Err(mismatch) => {
+                    self.report.push(mismatch.message());
+                    return None;
+                }
+            }
+        }
+        let condition = assertion::condition(&written.condition);
+        let trap = assertion::is_trap(&condition, &comparisons);
+        Some(StlStatementKind::Assert(Assert { condition, comparisons, trap, text: pragma.text.clone() }))
     }
 
-    fn assert_side(&mut self, ctx: &mut Ctx, side: &ast::AssertSide, pragma: Span) -> Option<Side> {
-        let operand = match side {
+    fn assert_side(&mut self, ctx: &mut Ctx, written: &ast::Side<ast::AssertSide>) -> Option<Side<AssertSide>> {
+        let span = written.span;
+        let ty = match &written.ty {
+            Some((word, at)) => match Type::from_word(word) {
+                Some(ty) => Some((ty, *at)),
+                None => {
+                    let title = format!("`{word}` is no type of values");
+                    self.bad_pragma(*at, &title, "write e.g. `as INT`, `as DINT`, `as REAL` or `as TIME`");
+                    return None;
+                }
+            },
+            None => None,
+        };
+        let value = |side, ty: Option<Type>, width: u8| {
+            let what = What::Value { value: ComparedValue::Code(side), ty, width };
+            Some(Side { what, span })
+        };
+        let operand = match &written.value {
             ast::AssertSide::Register(register) => {
                 if let ast::AssertRegister::Accu(number @ (3 | 4)) = register
                     && self.input.profile.accumulators < 4
                 {
                     self.bad_pragma(
-                        pragma,
+                        span,
                         &format!("this CPU has no ACCU{number}"),
                         "add `//@ cpu accus=4` to the file",
                     );
                     return None;
                 }
-                return Some(Side { side: AssertSide::Register(*register), constant: None, real: false });
+                // A narrower type takes the low bits.
+                return match ty {
+                    Some((ty, at)) if ty.width() > 32 || ty.is_in_memory() => self.other_width(ty, 32, at),
+                    Some((ty, _)) => value(AssertSide::Register(*register), Some(ty), ty.width()),
+                    None => value(AssertSide::Register(*register), None, 32),
+                };
+            }
+            ast::AssertSide::Literal(literal) => {
+                return self.literal_side(literal_of(literal), ty.map(|(ty, _)| ty), span);
             }
             ast::AssertSide::Operand(operand) => operand,
         };
-        let constant = |value: u32, real: bool| {
-            let side = AssertSide::Operand(Operand::Const { value, wide: true });
-            Some(Side { side, constant: Some(value), real })
-        };
-        let variable =
-            |operand: Operand| Some(Side { side: AssertSide::Operand(operand), constant: None, real: false });
         match self.settle(ctx, operand)? {
-            Settled::Memory { width: Width::Lword, .. } => {
-                let text = self.text(operand.span);
-                self.bad_pragma(
-                    operand.span,
-                    &format!("`{text}` has 64 bits"),
-                    "assertions compare up to 32 bits: convert the value to another variable first, or compare it in the program",
-                );
-                None
+            Settled::Memory { place, width, ty: own } => {
+                let bits = width.bits() as u8;
+                let Some((ty, at)) = ty else {
+                    let own = own.map(Type::Elementary);
+                    return value(AssertSide::Operand(Operand::Memory { place, width }), own, bits);
+                };
+                match (ty, width) {
+                    // What begins at a byte.
+                    (_, Width::Byte) if ty.is_in_memory() && is_memory(&place) => {
+                        value(AssertSide::Memory(place), Some(ty), ty.width())
+                    }
+                    (_, Width::Byte) if ty.width() == 64 && is_memory(&place) => {
+                        let operand = Operand::Memory { place, width: Width::Lword };
+                        value(AssertSide::Operand(operand), Some(ty), 64)
+                    }
+                    _ if ty.width() == bits && !ty.is_in_memory() => {
+                        value(AssertSide::Operand(Operand::Memory { place, width }), Some(ty), bits)
+                    }
+                    _ => self.other_width(ty, bits, at),
+                }
             }
-            Settled::Memory { place, width, .. } => variable(Operand::Memory { place, width }),
-            Settled::Cell { kind, number } => variable(Operand::Cell { kind, number }),
-            Settled::Literal(Literal::Bool(value)) => constant(u32::from(*value), false),
-            Settled::Literal(literal) => match self.loaded(literal, operand.span)? {
-                Operand::Const { value, .. } => constant(value, matches!(literal, Literal::Real(_))),
-                _ => None,
-            },
-            Settled::Pointer(value) => constant(value, false),
-            Settled::Status(status) => variable(Operand::Status(status)),
-            Settled::Special(special) => variable(Operand::Special(special)),
-            Settled::Complex(_)
+            Settled::Complex(variable) => {
+                let own = match &variable.ty {
+                    DataType::String(_) => Some(Type::Text),
+                    DataType::WideString(_) => Some(Type::WideText),
+                    DataType::DateAndTime => Some(Type::DateAndTime),
+                    DataType::Struct(structure) if structure.name == DTL => Some(Type::Dtl),
+                    _ => None,
+                };
+                let place = variable.place();
+                match own {
+                    Some(own) if ty.is_some_and(|(ty, _)| ty != own) => {
+                        let (ty, at) = ty?;
+                        let title =
+                            format!("`{}` is of type {}, not {}", self.text(operand.span), own.name(), ty.name());
+                        self.bad_pragma(at, &title, "leave the type out, or compare a part of it");
+                        None
+                    }
+                    Some(Type::DateAndTime) => {
+                        let operand = Operand::Memory { place, width: Width::Lword };
+                        value(AssertSide::Operand(operand), Some(Type::DateAndTime), 64)
+                    }
+                    Some(own) => value(AssertSide::Memory(place), Some(own), own.width()),
+                    None => self.not_comparable(operand),
+                }
+            }
+            Settled::Cell { kind, number } => self.bit(AssertSide::Operand(Operand::Cell { kind, number }), ty, span),
+            Settled::Status(status) => self.bit(AssertSide::Operand(Operand::Status(status)), ty, span),
+            Settled::Special(special) => {
+                value(AssertSide::Operand(Operand::Special(special)), ty.map(|(ty, _)| ty), 32)
+            }
+            Settled::Pointer(bits) => {
+                self.literal_side(Literal { constant: None, loaded: Some(bits.into()) }, ty.map(|(ty, _)| ty), span)
+            }
+            Settled::Literal(_)
             | Settled::Block { .. }
             | Settled::ParameterPointer(_)
             | Settled::Register(_)
-            | Settled::Label => {
-                let text = self.text(operand.span);
-                self.bad_pragma(
-                    operand.span,
-                    &format!("`{text}` has no value of up to 32 bits"),
-                    "name an address, a variable, a constant, or a register such as ACCU1, AR1, STW, STW.RLO, DBNO",
-                );
+            | Settled::Label => self.not_comparable(operand),
+        }
+    }
+
+    /// A side that is a single bit.
+    fn bit(&mut self, side: AssertSide, ty: Option<(Type, Span)>, span: Span) -> Option<Side<AssertSide>> {
+        match ty {
+            Some((ty, at)) if ty.width() != 1 => self.other_width(ty, 1, at),
+            _ => {
+                let what = What::Value { value: ComparedValue::Code(side), ty: ty.map(|(ty, _)| ty), width: 1 };
+                Some(Side { what, span })
+            }
+        }
+    }
+
+    fn literal_side(&mut self, literal: Literal, ty: Option<Type>, span: Span) -> Option<Side<AssertSide>> {
+        let Some(ty) = ty else { return Some(Side { what: What::Literal(literal), span }) };
+        match assertion::typed_literal(&literal, ty, span) {
+            Ok(side) => Some(side),
+            Err(mismatch) => {
+                self.report.push(mismatch.message());
                 None
             }
         }
     }
+
+    fn other_width<T>(&mut self, ty: Type, bits: u8, at: Span) -> Option<T> {
+        let title = format!("the address has {bits} bits, a {} another width", ty.name());
+        let help = "name an address of the width of the type; what is larger begins at a byte: `DB1.DBB 4 as LREAL`";
+        self.bad_pragma(at, &title, help);
+        None
+    }
+
+    fn not_comparable<T>(&mut self, operand: &ast::Operand) -> Option<T> {
+        let text = self.text(operand.span);
+        self.bad_pragma(
+            operand.span,
+            &format!("`{text}` has no value that could be compared"),
+            "name an address, a variable of an elementary type or a text, a constant, or a register such as ACCU1, AR1, STW, STW.RLO, DBNO",
+        );
+        None
+    }
+}
+
+/// A constant as both its readers understand it.
+fn literal_of(written: &ast::AssertLiteral) -> Literal {
+    let exact = written.exact.as_ref().and_then(Constant::of_literal);
+    let exact = match (exact, written.negative) {
+        (exact, false) => exact,
+        (Some(Constant::Integer { value, based }), true) => Some(Constant::Integer { value: -value, based }),
+        (Some(Constant::Real(value)), true) => Some(Constant::Real(-value)),
+        (_, true) => None,
+    };
+    let loaded = written.loaded.as_ref().and_then(|literal| match literal {
+        plcc_syntax::literal::Literal::Bool(value) => Some(u64::from(*value)),
+        _ => value::loaded(literal).ok().map(|(bits, _)| bits.into()),
+    });
+    Literal { constant: exact.or_else(|| written.loaded.as_ref().and_then(Constant::of_stl)), loaded }
+}
+
+/// Places whose bytes lie in memory.
+fn is_memory(place: &Place) -> bool {
+    !matches!(place, Place::Pi { .. } | Place::Pq { .. } | Place::Indirect { .. } | Place::Register { .. })
 }
 
 /// A pragma of the whole file.

@@ -2,7 +2,7 @@
 //!
 //! What a message says is tested by the files of `tests/check/`.
 
-use plcc_abi::image::{BlockKind, Config, Family};
+use plcc_abi::image::{AssertKind, BlockKind, Config, Family};
 use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap};
 use plcc_stdlib::BlockClass;
 use plcc_syntax::ParseOptions;
@@ -344,14 +344,57 @@ fn jump_lists_fold() {
 fn assertions() {
     let program =
         good("L 1.5\n//@ assert ACCU1 > 1.0\n//@ assert ACCU1 == 1.5\n//@ assert 0 == 1\n//@ sleep 100\nNOP 0\n");
-    let kinds: Vec<(bool, bool)> = statements(&program, BlockKind::Ob, 1)
+    let kinds: Vec<(AssertKind, bool)> = statements(&program, BlockKind::Ob, 1)
         .iter()
         .filter_map(|statement| match &statement.kind {
-            StlStatementKind::Assert(assert) => Some((assert.real, assert.trap)),
+            StlStatementKind::Assert(assert) => Some((assert.comparisons[0].kind, assert.trap)),
             _ => None,
         })
         .collect();
-    assert_eq!(kinds, [(true, false), (false, false), (false, true)]);
+    assert_eq!(kinds, [(AssertKind::Float, false), (AssertKind::Float, false), (AssertKind::Bits, true)]);
+}
+
+/// What tests nothing, or guesses, is refused.
+#[test]
+fn assertions_that_cannot_be_meant() {
+    let data = "DATA_BLOCK DB 1\nSTRUCT\n i : INT;\n d : DINT;\n r : REAL;\n s : STRING[5];\n a : ARRAY[1..9] OF INT;\n b : BOOL;\n\
+                END_STRUCT\nBEGIN\nEND_DATA_BLOCK\n";
+    let code = |assertion: &str| {
+        let source =
+            format!("{data}ORGANIZATION_BLOCK OB 1\nBEGIN\nNOP 0;\n//@ assert {assertion}\nEND_ORGANIZATION_BLOCK\n");
+        codes(&source).join(" ")
+    };
+    for good in
+        ["DB1.i == -5", "DB1.i < DB1.d", "DB1.i < 2.5", "DB1.r == 5", "MW 10 == 40000", "DB1.s == 'a'", "DB1.b == 1"]
+    {
+        assert_eq!(code(good), "", "{good}");
+    }
+    for bad in [
+        // No value, or every value, meets them.
+        "DB1.i == 70000",
+        "DB1.i <> 40000",
+        "DB1.b == 2",
+        "MB 10 == 256",
+        "M 0.0 == 5",
+        // Without a type there is no sign.
+        "MW 10 > -5",
+        "ACCU1 < -1",
+        "ACCU1 < DB1.i",
+        // Other kinds of values.
+        "DB1.s == 5",
+        "DB1.r == 'x'",
+        "DB1.d == DB1.s",
+        "DB1.a == 5",
+        "MW 10 == 1.5",
+        "MW 10 as DINT == 5",
+        "MW 10 as NUMBER == 5",
+        "DB1.s as INT == 5",
+        "MW 10 == 1 XOR MW 12 == 2",
+        "MW 10",
+        "(MW 10 == 1",
+    ] {
+        assert_eq!(code(bad), "P0701", "{bad}");
+    }
 }
 
 #[test]

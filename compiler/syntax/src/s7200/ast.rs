@@ -2,7 +2,7 @@
 
 use plcc_diag::Span;
 
-use crate::ast::{AssertOp, Pragma, Width};
+use crate::ast::{Pragma, Width};
 use crate::s7200::Insn;
 
 /// What a source in STL for the S7-200 holds, in the order of the text.
@@ -102,13 +102,8 @@ pub enum StatementKind {
     Error,
 }
 
-/// `assert LHS OP RHS`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Assert {
-    pub left: AssertSide,
-    pub op: AssertOp,
-    pub right: AssertSide,
-}
+/// What an assertion demands.
+pub type Assert = crate::ast::Assertion<AssertSide>;
 
 /// One side of an assertion.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,6 +8,7 @@ use super::ast::Assert;
 use super::context::Context;
 use super::mnemonics::Detected;
 use super::{grammar, layout, raw};
+use crate::assertion;
 use crate::ast::Pragma;
 
 /// Reads the pragma in the comment at `range` of the file's text, and its assertion if it is one.
@@ -41,30 +42,41 @@ fn parse_assert(
     detected: &Detected,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<Assert> {
-    let help =
-        "write e.g. `assert VW10 == 5`, `assert S0 == 1`, `assert TW37 >= 5`, `assert ENO == 0` or `assert SM1.0 == 1`";
-    let tokens = raw::part(source.get(range.clone()).unwrap_or_default(), range.start);
-    let (tokens, mut found) = layout::lay_out_assertion(file, source, &tokens, detected);
-    if let Some(first) = found.drain(..).next() {
+    let help = "write e.g. `assert VW10 as INT >= -5`, `assert S0 == 1 AND TW37 >= 5`, `assert ENO == 0` or `assert SM1.0 == 1`";
+    if source.get(range.clone()).unwrap_or_default().trim().is_empty() {
         diagnostics.push(
-            Diagnostic::new(Code::Pragma, first.primary.span, first.title)
-                .label(first.primary.text)
-                .help(first.help.unwrap_or_else(|| help.to_owned())),
+            Diagnostic::new(Code::Pragma, span, "this assertion cannot be understood")
+                .label("an assertion is: operand, comparison, operand")
+                .help(help),
         );
         return None;
     }
-    let mut context = Context::new(file, source, &[], detected.set);
-    match grammar::AssertionParser::new().parse(&mut context, tokens.into_iter().map(Ok::<_, ()>)) {
-        Ok(assertion) => Some(assertion),
-        Err(error) => {
-            let (start, stop) = crate::frame::error_range(&error).unwrap_or((span.start as usize, span.end as usize));
-            let place = if start < stop { Span::new(file, start..stop) } else { span };
+    let mut side = |range: Range<usize>, diagnostics: &mut Vec<Diagnostic>| {
+        let place = Span::new(file, range.clone());
+        let tokens = raw::part(source.get(range.clone()).unwrap_or_default(), range.start);
+        let (tokens, mut found) = layout::lay_out_assertion(file, source, &tokens, detected);
+        if let Some(first) = found.drain(..).next() {
             diagnostics.push(
-                Diagnostic::new(Code::Pragma, place, "this assertion cannot be understood")
-                    .label("an assertion is: operand, comparison, operand")
-                    .help(help),
+                Diagnostic::new(Code::Pragma, first.primary.span, first.title)
+                    .label(first.primary.text)
+                    .help(first.help.unwrap_or_else(|| help.to_owned())),
             );
-            None
+            return None;
         }
-    }
+        let mut context = Context::new(file, source, &[], detected.set);
+        match grammar::SideParser::new().parse(&mut context, tokens.into_iter().map(Ok::<_, ()>)) {
+            Ok(side) => Some(side),
+            Err(error) => {
+                let (start, stop) = crate::frame::error_range(&error).unwrap_or((range.start, range.end));
+                let place = if start < stop { Span::new(file, start..stop) } else { place };
+                diagnostics.push(
+                    Diagnostic::new(Code::Pragma, place, "this assertion cannot be understood")
+                        .label("an assertion is: operand, comparison, operand")
+                        .help(help),
+                );
+                None
+            }
+        }
+    };
+    assertion::parse(file, source, range, diagnostics, &mut side)
 }

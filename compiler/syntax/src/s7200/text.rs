@@ -3,7 +3,7 @@
 use super::address;
 use super::ast::*;
 use super::{Insn, ast};
-use crate::ast::{AssertOp, Width};
+use crate::ast::Width;
 use crate::stl::Mnemonics;
 
 /// Lines of a source's tree, each with its depth.
@@ -76,7 +76,7 @@ fn statement(statement: &Statement) -> String {
             }
         }
         StatementKind::Pragma { pragma, assert } => match assert {
-            Some(assert) => format!("assert {} {} {}", side(&assert.left), sign(assert.op), side(&assert.right)),
+            Some(assert) => format!("assert {}", crate::ast_text::assertion_text(assert, &side)),
             None => format!("pragma {:?}", pragma.text),
         },
         StatementKind::Error => "error".to_owned(),
@@ -84,17 +84,6 @@ fn statement(statement: &Statement) -> String {
     match &statement.comment {
         Some(comment) => format!("{text} // {}", comment.replace('\n', " | ")),
         None => text,
-    }
-}
-
-fn sign(op: AssertOp) -> &'static str {
-    match op {
-        AssertOp::Eq => "==",
-        AssertOp::Ne => "<>",
-        AssertOp::Lt => "<",
-        AssertOp::Le => "<=",
-        AssertOp::Gt => ">",
-        AssertOp::Ge => ">=",
     }
 }
 

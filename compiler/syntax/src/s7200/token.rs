@@ -1,6 +1,6 @@
 //! Tokens as the grammar sees them: each says what it means at its place.
 
-use crate::ast::{AssertOp, Pragma, Width};
+use crate::ast::{Pragma, Width};
 use crate::s7200::Insn;
 use crate::s7200::ast::{Assert, BlockKind, Direct, Section};
 
@@ -63,7 +63,6 @@ pub enum Tok<'a> {
     /// `S0` to `S8`.
     Stack(u8),
     Eno,
-    Compare(AssertOp),
 
     // Signs.
     Colon,

@@ -254,7 +254,7 @@ fn absolute(operand: &OperandKind) -> String {
 }
 
 /// Values as a programmer reads them; bits of a type in hexadecimal digits.
-fn literal(value: &Literal) -> String {
+pub(crate) fn literal(value: &Literal) -> String {
     let hex = |bytes: &[u8]| bytes.iter().map(|byte| format!("{byte:02X}")).collect::<String>();
     match value {
         Literal::Integer { value, based: false } => value.to_string(),

@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use crate::ast::{AssertPragma, Pragma};
+use crate::assertion;
+use crate::ast::{AssertLiteral, AssertSide, Assertion, Operand, OperandKind, Pragma};
+use crate::scl;
 use crate::stl::context::Context;
 use crate::stl::layout::lay_out_operand;
 use crate::stl::{grammar, raw};
@@ -41,39 +43,76 @@ fn parse_assert(
     range: Range<usize>,
     span: Span,
     diagnostics: &mut Vec<Diagnostic>,
-) -> Option<AssertPragma> {
-    let help = "write e.g. `assert MW 10 == 5`, `assert ACCU1 == W#16#8000` or `assert STW.OV == 1`";
-    let offset = range.start;
-    let sides = &source[range];
-    let (tokens, mut found) = lay_out_operand(file, sides, raw::scan(sides), offset);
-    if let Some(first) = found.drain(..).next() {
-        let mut diagnostic =
-            Diagnostic::new(Code::Pragma, first.primary.span, first.title).label(first.primary.text).help(help);
-        if let Some(help) = first.help {
-            diagnostic = diagnostic.help(help);
+) -> Option<Assertion> {
+    if source[range.clone()].trim().is_empty() {
+        diagnostics.push(
+            Diagnostic::new(Code::Pragma, span, "this assertion cannot be understood")
+                .label("an assertion is: operand, comparison, operand")
+                .help(assertion::HELP),
+        );
+        return None;
+    }
+    assertion::parse(file, source, range, diagnostics, &mut |range, diagnostics| side(file, source, range, diagnostics))
+}
+
+/// What stands on a side of a comparison.
+fn side(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<Diagnostic>) -> Option<AssertSide> {
+    let text = &source[range.clone()];
+    let mut found = Vec::new();
+    let operand = operand(file, source, range.clone(), &mut found);
+    match operand {
+        Some(AssertSide::Operand(Operand { kind: OperandKind::Literal(loaded), .. })) => {
+            let (negative, exact) = exact(text);
+            Some(AssertSide::Literal(AssertLiteral { loaded: Some(loaded), exact, negative }))
         }
-        diagnostics.push(diagnostic);
+        Some(side) if found.is_empty() => Some(side),
+        _ => {
+            // STL has neither constants of 64 bits nor texts of two bytes a character.
+            if let (negative, Some(exact)) = exact(text) {
+                return Some(AssertSide::Literal(AssertLiteral { loaded: None, exact: Some(exact), negative }));
+            }
+            let place = Span::new(file, range);
+            diagnostics.push(match found.into_iter().next() {
+                Some(first) => Diagnostic::new(Code::Pragma, first.primary.span, first.title)
+                    .label(first.primary.text)
+                    .help(first.help.unwrap_or_else(|| assertion::HELP.to_owned())),
+                None => Diagnostic::new(Code::Pragma, place, "this assertion cannot be understood")
+                    .label("no operand, register or constant")
+                    .help(assertion::HELP),
+            });
+            None
+        }
+    }
+}
+
+/// Sign and constant of a text that SCL reads as one.
+fn exact(text: &str) -> (bool, Option<scl::ast::Literal>) {
+    let (negative, unsigned) = match text.strip_prefix('-') {
+        Some(rest) => (true, rest.trim_start()),
+        None => (false, text.strip_prefix('+').map_or(text, str::trim_start)),
+    };
+    (negative, scl::literal::parse(unsigned).ok().map(|read| read.value))
+}
+
+fn operand(file: FileId, source: &str, range: Range<usize>, found: &mut Vec<Diagnostic>) -> Option<AssertSide> {
+    let text = &source[range.clone()];
+    let (tokens, messages) = lay_out_operand(file, text, raw::scan(text), range.start);
+    found.extend(messages);
+    if !found.is_empty() {
         return None;
     }
     let mut context = Context::new(file, source, &[]);
-    let end = span.end as usize;
-    match grammar::AssertionParser::new().parse(&mut context, tokens.into_iter().map(Ok::<_, ()>)) {
-        Ok(assertion) => {
-            if let Some(first) = context.diagnostics.drain(..).next() {
-                diagnostics.push(
-                    Diagnostic::new(Code::Pragma, first.primary.span, first.title).label(first.primary.text).help(help),
-                );
-                return None;
-            }
-            Some(assertion)
-        }
+    let parsed = grammar::AssertSideParser::new().parse(&mut context, tokens.into_iter().map(Ok::<_, ()>));
+    found.append(&mut context.diagnostics);
+    match parsed {
+        Ok(side) => Some(side),
         Err(error) => {
-            let (start, stop) = crate::frame::error_range(&error).unwrap_or((span.start as usize, end));
-            let place = if start < stop { Span::new(file, start..stop) } else { span };
-            diagnostics.push(
-                Diagnostic::new(Code::Pragma, place, "this assertion cannot be understood")
+            let (start, stop) = crate::frame::error_range(&error).unwrap_or((range.start, range.end));
+            let place = if start < stop { start..stop } else { range };
+            found.push(
+                Diagnostic::new(Code::Pragma, Span::new(file, place), "this assertion cannot be understood")
                     .label("an assertion is: operand, comparison, operand")
-                    .help(help),
+                    .help(assertion::HELP),
             );
             None
         }

@@ -1,6 +1,6 @@
 //! Tokens as the grammar sees them: each says what it means at its place.
 
-use crate::ast::{AddressRegister, AssertOp, AssertRegister};
+use crate::ast::{AddressRegister, AssertRegister};
 use crate::ast::{Area, BlockPrefix, CellKind, Pragma, SectionKind, SpecialRegister, StatusOperand, Width};
 use crate::literal::Literal;
 use crate::stl::StlInsn;
@@ -113,7 +113,6 @@ pub enum Tok<'a> {
 
     // Assertions.
     AssertRegister(AssertRegister),
-    Compare(AssertOp),
 
     // Signs.
     Colon,

@@ -3,7 +3,9 @@
 use std::rc::Rc;
 
 use plcc_abi::RuntimeFn;
-use plcc_abi::image::{AssertEntry, AssertOp, BlockKind};
+use plcc_abi::image::{
+    AssertComparison, AssertCondition, AssertEntry, AssertKind, AssertOp, AssertSide, AssertType, BlockKind,
+};
 use plcc_abi::layout;
 
 use super::helpers::{Block, Closures, cpu, image, run as run_cycles};
@@ -18,16 +20,19 @@ fn code(blocks: Vec<Block>) -> Rc<Closures> {
 }
 
 fn assertion(line: u32, trap: bool) -> AssertEntry {
-    AssertEntry { file: 0, line, text: format!("assert {line}"), op: AssertOp::Eq, real: false, trap }
+    let side = || AssertSide { ty: AssertType::Bits(32), constant: None };
+    let comparison = AssertComparison { op: AssertOp::Eq, kind: AssertKind::Bits, left: side(), right: side() };
+    let condition = AssertCondition::Compare(0);
+    AssertEntry { file: 0, line, text: format!("assert {line}"), condition, comparisons: vec![comparison], trap }
 }
 
 #[test]
 fn assertions_are_counted() {
     let ob1: Block = Box::new(|cpu, _| {
         let mem = cpu.memory.base();
-        functions::call(RuntimeFn::Assert, mem, &[0, 5, 5]);
-        functions::call(RuntimeFn::Assert, mem, &[1, 5, 6]);
-        functions::call(RuntimeFn::Assert, mem, &[9, 5, 6]);
+        functions::call(RuntimeFn::Assert, mem, &[0, 0, 5, 5]);
+        functions::call(RuntimeFn::Assert, mem, &[1, 0, 5, 6]);
+        functions::call(RuntimeFn::Assert, mem, &[9, 0, 5, 6]);
     });
     let mut image = image(&[(BlockKind::Ob, 1)]);
     image.files.push("a.stl".to_string());

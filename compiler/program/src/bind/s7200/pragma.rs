@@ -1,24 +1,21 @@
 //! Pragmas between statements.
 
-use plcc_abi::image::AssertOp;
 use plcc_diag::Span;
-use plcc_syntax::ast::{self as classic, Pragma, Width};
-use plcc_syntax::s7200::ast::{Area, Assert, AssertSide, Constant, Operand as Written};
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{Pragma, Side as WrittenSide, Width};
+use plcc_syntax::s7200::ast::{Area, Assert, AssertSide, Constant as Written};
 
+use super::super::assertion::{self, Literal, Side, Type, What};
+use super::super::constant::Constant;
 use super::super::pragma::{bad_pragma, split, unknown_pragma};
 use super::Binder;
-use super::constant::{Target, mask};
+use super::constant::whole;
 use super::interface::Locals;
 use super::operand::{memory, place};
 use super::settle::Settled;
+use crate::model::ComparedValue;
 use crate::model::s7200 as model;
 use crate::model::s7200::StatementKind;
-
-/// One side before the other one is known.
-enum Side {
-    Bound(model::AssertSide, Width),
-    Constant(Constant, Span),
-}
 
 impl Binder<'_> {
     pub fn statement_pragma(
@@ -52,60 +49,87 @@ impl Binder<'_> {
         }
     }
 
-    fn assert(&mut self, locals: &Locals, pragma: &Pragma, assert: &Assert) -> Option<StatementKind> {
-        let left = self.assert_side(locals, &assert.left);
-        let right = self.assert_side(locals, &assert.right);
-        let (left, right) = (left?, right?);
-        let op = match assert.op {
-            classic::AssertOp::Eq => AssertOp::Eq,
-            classic::AssertOp::Ne => AssertOp::Ne,
-            classic::AssertOp::Lt => AssertOp::Lt,
-            classic::AssertOp::Le => AssertOp::Le,
-            classic::AssertOp::Gt => AssertOp::Gt,
-            classic::AssertOp::Ge => AssertOp::Ge,
-        };
-        let ordered = matches!(op, AssertOp::Lt | AssertOp::Le | AssertOp::Gt | AssertOp::Ge);
-        let real = [&left, &right].iter().any(|side| matches!(side, Side::Constant(Constant::Real(_), _)));
-        let width = match (&left, &right) {
-            (Side::Bound(_, width), _) | (_, Side::Bound(_, width)) => *width,
-            _ => Width::Dword,
-        };
-        let (left, left_constant) = self.settle_side(left, width, real)?;
-        let (right, right_constant) = self.settle_side(right, width, real)?;
-        Some(StatementKind::Assert(model::Assert {
-            left,
-            op,
-            right,
-            real: ordered && real,
-            trap: matches!((left_constant, right_constant), (Some(left), Some(right)) if left != right),
-            text: pragma.text.clone(),
-        }))
+    fn assert(&mut self, locals: &Locals, pragma: &Pragma, written: &Assert) -> Option<StatementKind> {
+        let mut comparisons = Vec::new();
+        for comparison in &written.comparisons {
+            let left = self.assert_side(locals, &comparison.left);
+            let right = self.assert_side(locals, &comparison.right);
+            let (left, right) = (left?, right?);
+            match assertion::compare(assertion::op(comparison.op), left, right) {
+                Ok(comparison) => comparisons.push(comparison),
+                Err(mismatch) => {
+                    self.push(mismatch.message());
+                    return None;
+                }
+            }
+        }
+        let condition = assertion::condition(&written.condition);
+        let trap = assertion::is_trap(&condition, &comparisons);
+        Some(StatementKind::Assert(model::Assert { condition, comparisons, trap, text: pragma.text.clone() }))
     }
 
-    fn assert_side(&mut self, locals: &Locals, side: &AssertSide) -> Option<Side> {
-        let operand: &Written = match side {
-            AssertSide::Stack(level @ 0..=8) => return Some(Side::Bound(model::AssertSide::Stack(*level), Width::Bit)),
-            AssertSide::Stack(_) => return None,
-            AssertSide::Eno => return Some(Side::Bound(model::AssertSide::Eno, Width::Bit)),
-            AssertSide::Operand(operand) => operand,
+    fn assert_side(&mut self, locals: &Locals, written: &WrittenSide<AssertSide>) -> Option<Side<model::AssertSide>> {
+        let span = written.span;
+        let ty = match &written.ty {
+            Some((word, at)) => match Type::from_word(word) {
+                Some(ty @ Type::Elementary(_)) if ty.width() <= 32 => Some((ty, *at)),
+                _ => {
+                    let title = format!("`{word}` is no type of values of up to 32 bits");
+                    bad_pragma(&mut self.report, *at, &title, "write e.g. `as INT`, `as DINT`, `as REAL` or `as TIME`");
+                    return None;
+                }
+            },
+            None => None,
         };
-        match self.settle(locals, operand, false)? {
-            Settled::Constant(constant) => Some(Side::Constant(constant, operand.span)),
-            Settled::Pointer(value) => {
-                let constant = Constant::Bits { value, width: Some(Width::Dword) };
-                Some(Side::Constant(constant, operand.span))
-            }
-            settled @ (Settled::Direct(_) | Settled::StringVariable(_)) => {
-                let (operand, width) = self.plain(settled, operand.span)?;
-                Some(Side::Bound(model::AssertSide::Operand(operand), width))
-            }
-            Settled::Indirect(_) | Settled::Block(_) => {
-                bad_pragma(
-                    &mut self.report,
-                    operand.span,
-                    "this has no value of up to 32 bits",
-                    "name an address, a symbol, a constant, AC0 to AC3, S0 to S8 of the logic stack, or ENO",
-                );
+        let (side, width) = match &written.value {
+            AssertSide::Stack(level @ 0..=8) => (model::AssertSide::Stack(*level), Width::Bit),
+            AssertSide::Stack(_) => return None,
+            AssertSide::Eno => (model::AssertSide::Eno, Width::Bit),
+            AssertSide::Operand(operand) => match self.settle(locals, operand, false)? {
+                Settled::Constant(constant) => return self.literal_side(literal_of(&constant), ty, span),
+                Settled::Pointer(value) => {
+                    return self.literal_side(Literal { constant: None, loaded: Some(value.into()) }, ty, span);
+                }
+                settled @ (Settled::Direct(_) | Settled::StringVariable(_)) => {
+                    let (operand, width) = self.plain(settled, operand.span)?;
+                    (model::AssertSide::Operand(operand), width)
+                }
+                Settled::Indirect(_) | Settled::Block(_) => {
+                    bad_pragma(
+                        &mut self.report,
+                        operand.span,
+                        "this has no value of up to 32 bits",
+                        "name an address, a symbol, a constant, AC0 to AC3, S0 to S8 of the logic stack, or ENO",
+                    );
+                    return None;
+                }
+            },
+        };
+        let accumulator = matches!(side, model::AssertSide::Operand(model::Operand::Accumulator { .. }));
+        let bits = width.bits() as u8;
+        if let Some((ty, at)) = ty
+            && (ty.width() > bits || ty.width() < bits && !accumulator)
+        {
+            let title = format!("the address has {bits} bits, a {} has {}", ty.name(), ty.width());
+            bad_pragma(&mut self.report, at, &title, "name an address of the width of the type: `VW10 as INT`");
+            return None;
+        }
+        let width = ty.map_or(bits, |(ty, _)| ty.width());
+        let what = What::Value { value: ComparedValue::Code(side), ty: ty.map(|(ty, _)| ty), width };
+        Some(Side { what, span })
+    }
+
+    fn literal_side(
+        &mut self,
+        literal: Literal,
+        ty: Option<(Type, Span)>,
+        span: Span,
+    ) -> Option<Side<model::AssertSide>> {
+        let Some((ty, _)) = ty else { return Some(Side { what: What::Literal(literal), span }) };
+        match assertion::typed_literal(&literal, ty, span) {
+            Ok(side) => Some(side),
+            Err(mismatch) => {
+                self.push(mismatch.message());
                 None
             }
         }
@@ -127,20 +151,21 @@ impl Binder<'_> {
         self.check_range(direct, width, 1, span)?;
         Some((place(direct, width), width))
     }
+}
 
-    /// A constant gets the bits that it has in the width of the other side.
-    fn settle_side(&mut self, side: Side, width: Width, real: bool) -> Option<(model::AssertSide, Option<u32>)> {
-        let (constant, span) = match side {
-            Side::Bound(side, _) => return Some((side, None)),
-            Side::Constant(constant, span) => (constant, span),
-        };
-        let value = match (&constant, width) {
-            (Constant::Bool(value), _) => u32::from(*value),
-            (Constant::Integer(value), Width::Dword) if real => (*value as f32).to_bits(),
-            // A byte of the other side is compared without a sign; a negative constant has the same bits.
-            (Constant::Integer(value @ -128..=-1), Width::Byte) => *value as u32 & mask(width),
-            _ => self.constant(&constant, Target::Bits(width), span)?,
-        };
-        Some((model::AssertSide::Operand(model::Operand::Const(value)), Some(value)))
-    }
+/// A constant whose bits the width of the other side tells.
+fn literal_of(written: &Written) -> Literal {
+    let constant = match written {
+        Written::Integer(value) => Constant::Integer { value: i128::from(*value), based: false },
+        Written::Bits { value, .. } => Constant::Integer { value: i128::from(*value), based: true },
+        Written::Real(value) => Constant::Real(f64::from(*value)),
+        Written::Bool(value) => Constant::Typed { ty: Elementary::Bool, bits: u64::from(*value) },
+        Written::Characters(bytes) | Written::Text(bytes) => Constant::Text { bytes: bytes.clone(), typed: false },
+    };
+    let loaded = match written {
+        Written::Integer(_) | Written::Real(_) | Written::Text(_) => None,
+        Written::Bool(value) => Some(u64::from(*value)),
+        Written::Bits { .. } | Written::Characters(_) => whole(written).and_then(|value| u64::try_from(value).ok()),
+    };
+    Literal { constant: Some(constant), loaded }
 }

@@ -79,7 +79,7 @@ impl Binder<'_> {
             TreeKind::Pragma(pragma) => match self.statement_pragma(ctx, pragma) {
                 Some(StlStatementKind::Assert(assert)) => {
                     let register = |side: &model::AssertSide| matches!(side, model::AssertSide::Register(_));
-                    if register(&assert.left) || register(&assert.right) {
+                    if assert.sides().any(register) {
                         self.refuse(
                             Code::Pragma,
                             pragma.span,

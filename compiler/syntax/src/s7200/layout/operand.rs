@@ -3,7 +3,7 @@
 use plcc_diag::{Code, Diagnostic};
 
 use super::Layout;
-use crate::ast::{AssertOp, Width};
+use crate::ast::Width;
 use crate::s7200::address::{self, AddressError};
 use crate::s7200::ast::{Area, BlockKind};
 use crate::s7200::constant::{self, ConstantError};
@@ -150,14 +150,6 @@ impl<'a> Layout<'a, '_> {
             RawKind::Minus => Tok::Minus,
             RawKind::Star => Tok::Star,
             RawKind::Ampersand => Tok::Ampersand,
-            RawKind::Relation if self.place == Where::Assertion => match text {
-                "==" | "=" => Tok::Compare(AssertOp::Eq),
-                "<>" => Tok::Compare(AssertOp::Ne),
-                "<=" => Tok::Compare(AssertOp::Le),
-                ">=" => Tok::Compare(AssertOp::Ge),
-                "<" => Tok::Compare(AssertOp::Lt),
-                _ => Tok::Compare(AssertOp::Gt),
-            },
             RawKind::Relation | RawKind::Slash => Tok::Stray,
             RawKind::Stray => self.bad_character(token, text),
             RawKind::Newline | RawKind::Comment => Tok::Stray,

@@ -64,7 +64,7 @@ pub fn lay_out_operand<'a>(
 ) -> (Vec<Spanned<'a>>, Vec<Diagnostic>) {
     let mut layout = Layout::new(file, text, raw, Mnemonics::En);
     layout.both_sets = true;
-    layout.assertion();
+    layout.assert_side();
     for (start, _, end) in &mut layout.out {
         *start += offset;
         *end += offset;

@@ -4,35 +4,17 @@ use plcc_diag::{Code, Diagnostic};
 
 use super::declaration::sign;
 use super::{Layout, unquoted};
-use crate::ast::{Area, AssertOp, AssertRegister, BlockPrefix, StatusOperand, Width};
+use crate::ast::{Area, AssertRegister, BlockPrefix, StatusOperand, Width};
 use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 use crate::stl::{Mnemonics, messages};
 
 impl<'a> Layout<'a> {
-    /// The two sides of an assertion and what stands between them.
-    pub(super) fn assertion(&mut self) {
-        while let Some(token) = self.peek() {
-            let comparison = match token.kind {
-                RawKind::EqualEqual => Some(AssertOp::Eq),
-                RawKind::NotEqual => Some(AssertOp::Ne),
-                RawKind::Less => Some(AssertOp::Lt),
-                RawKind::LessEqual => Some(AssertOp::Le),
-                RawKind::Greater => Some(AssertOp::Gt),
-                RawKind::GreaterEqual => Some(AssertOp::Ge),
-                _ => None,
-            };
-            if let Some(comparison) = comparison {
-                self.take(Tok::Compare(comparison));
-            } else if token.kind == RawKind::Equal {
-                self.report(
-                    Diagnostic::new(Code::Syntax, self.span(token), "an assertion compares with `==`, not with `=`")
-                        .label("no comparison")
-                        .help("comparisons are `== <> >= <= > <`"),
-                );
-                self.take(Tok::Compare(AssertOp::Eq));
-            } else if !self.assert_register() {
+    /// A side of an assertion.
+    pub(super) fn assert_side(&mut self) {
+        while self.peek().is_some() {
+            if !self.assert_register() {
                 self.operand_token();
             }
         }

@@ -7,6 +7,9 @@ use plcc_syntax::ast::Width;
 
 use crate::bind::BindInput;
 use crate::model::Program;
+use plcc_abi::image::{AssertConstant, AssertKind};
+
+use crate::model::ComparedValue;
 use crate::model::s7200::{Assert, AssertSide, Operand, StatementKind};
 use crate::profile;
 
@@ -86,17 +89,18 @@ fn assertions() {
             _ => None,
         })
         .collect();
-    let constant = |index: usize| match asserts[index].right {
-        AssertSide::Operand(Operand::Const(value)) => value,
+    let constant = |index: usize| match asserts[index].comparisons[0].right.value {
+        ComparedValue::Constant(AssertConstant::Bits(value)) => value,
         _ => panic!("no constant"),
     };
     // The bits that a word with this value has.
     assert_eq!(constant(0), 0xFFFB);
-    let left = |index: usize| asserts[index].left.clone();
+    let left = |index: usize| asserts[index].sides().next().unwrap();
     assert!(matches!(left(1), AssertSide::Operand(Operand::Timer { number: 37, width: Width::Bit })));
     assert!(matches!(left(2), AssertSide::Operand(Operand::Timer { number: 37, width: Width::Word })));
     assert!(matches!((left(3), left(4)), (AssertSide::Stack(0), AssertSide::Eno)));
-    assert_eq!((asserts[5].real, constant(5)), (true, 1.5f32.to_bits()));
+    let kind = asserts[5].comparisons[0].kind;
+    assert_eq!((kind, constant(5)), (AssertKind::Float, u64::from(1.5f32.to_bits())));
     assert!(asserts[6].trap && !asserts[0].trap);
     assert!(matches!(statements.last().map(|statement| &statement.kind), Some(StatementKind::Sleep(100))));
 }
