@@ -121,8 +121,11 @@ fn verified(module: &plcc_ir::Module) -> Result<(), String> {
 fn all_passed(outcomes: &[Outcome]) -> Result<(), String> {
     let failed: String = outcomes
         .iter()
-        .filter(|outcome| outcome.failed > 0 || outcome.unreadable)
-        .map(|outcome| format!("{}{}", outcome.messages, outcome.failures))
+        .filter(|outcome| outcome.failed > 0 || outcome.unreadable || !outcome.untested.is_empty())
+        .map(|outcome| {
+            let untested: String = outcome.untested.iter().map(|file| format!("no assertions: {file}\n")).collect();
+            format!("{}{}{untested}", outcome.messages, outcome.failures)
+        })
         .collect();
     if failed.is_empty() { Ok(()) } else { Err(failed) }
 }

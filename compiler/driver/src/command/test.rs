@@ -27,6 +27,9 @@ pub fn test(args: &TestArgs) -> u8 {
     for outcome in &outcomes {
         eprint!("{}", outcome.messages);
         print!("{}", outcome.failures);
+        for file in &outcome.untested {
+            println!("no assertions: {file}");
+        }
     }
     let sum = |count: fn(&Outcome) -> u64| outcomes.iter().map(count).sum::<u64>();
     let failed = sum(|outcome| outcome.failed);

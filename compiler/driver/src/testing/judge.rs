@@ -65,6 +65,10 @@ fn add_report(
     outcome: &mut Outcome,
 ) {
     outcome.passed += report.passed;
+    if report.passed == 0 && report.failed() == 0 {
+        let scenario = program.options.scenario.as_ref().map(|path| path.display().to_string());
+        outcome.untested.push(scenario.unwrap_or_else(|| outcome.name.clone()));
+    }
     for failure in &report.failures {
         outcome.fail(&format!(
             "{}:{}: {}\n       left  {}\n       right {}",

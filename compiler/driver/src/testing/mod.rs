@@ -71,6 +71,8 @@ pub struct Outcome {
     pub rejected: bool,
     /// A file could not be read.
     pub unreadable: bool,
+    /// Files whose run tested nothing: a source without an assertion, a scenario that expects nothing.
+    pub untested: Vec<String>,
     /// Messages of the compiler, drawn.
     pub messages: String,
     /// What failed, a few lines each.
