@@ -20,8 +20,12 @@ const DRAWN_LINE_MAX: usize = 400;
 /// Draws `diagnostics` one after the other, and behind them the list of missing symbols if there are several.
 pub fn draw(diagnostics: &[Diagnostic], sources: &SourceMap, color: bool) -> String {
     let mut text = String::new();
-    for diagnostic in diagnostics {
+    let (shown, omitted) = crate::shown(diagnostics);
+    for diagnostic in shown {
         text.push_str(&draw_one(diagnostic, sources, color));
+    }
+    if omitted > 0 {
+        text.push_str(&format!("{}\n\n", crate::omitted_text(omitted)));
     }
     text.push_str(&missing_symbols(diagnostics, sources));
     text

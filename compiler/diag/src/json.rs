@@ -30,9 +30,16 @@ struct Place<'a> {
     label: &'a str,
 }
 
-/// `diagnostics` as JSON objects, one a line.
+/// `diagnostics` as JSON objects, one a line. If there are too many, the last object has their number and no place.
 pub fn lines(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
-    diagnostics.iter().map(|diagnostic| line(diagnostic, sources) + "\n").collect()
+    let (shown, omitted) = crate::shown(diagnostics);
+    let mut lines: String = shown.into_iter().map(|diagnostic| line(diagnostic, sources) + "\n").collect();
+    if omitted > 0 {
+        let title = crate::omitted_text(omitted);
+        lines.push_str(&serde_json::json!({ "severity": "warning", "title": title, "omitted": omitted }).to_string());
+        lines.push('\n');
+    }
+    lines
 }
 
 fn line(diagnostic: &Diagnostic, sources: &SourceMap) -> String {

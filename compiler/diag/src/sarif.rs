@@ -8,10 +8,11 @@ use crate::source::SourceMap;
 
 /// `diagnostics` as a SARIF document; its rules are the codes that occur.
 pub fn document(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
+    let (diagnostics, omitted) = crate::shown(diagnostics);
     let mut codes: Vec<Code> = diagnostics.iter().map(|d| d.code).collect();
     codes.sort();
     codes.dedup();
-    let document = json!({
+    let mut document = json!({
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",
         "runs": [{
@@ -24,6 +25,11 @@ pub fn document(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
             "results": diagnostics.iter().map(|d| result(d, &codes, sources)).collect::<Vec<_>>(),
         }],
     });
+    if omitted > 0 {
+        let note = json!({ "level": "warning", "message": { "text": crate::omitted_text(omitted) } });
+        document["runs"][0]["invocations"] =
+            json!([{ "executionSuccessful": true, "toolExecutionNotifications": [note] }]);
+    }
     serde_json::to_string_pretty(&document).expect("a JSON value is JSON") + "\n"
 }
 

@@ -38,6 +38,8 @@ pub struct SourceFile {
     pub text: String,
     /// Byte offset at which each line begins.
     line_starts: Vec<u32>,
+    /// Each character is a byte.
+    is_ascii: bool,
 }
 
 impl SourceFile {
@@ -46,7 +48,7 @@ impl SourceFile {
         let line_starts = std::iter::once(0)
             .chain(text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at as u32 + 1))
             .collect();
-        SourceFile { name: name.into(), text, line_starts }
+        SourceFile { name: name.into(), is_ascii: text.is_ascii(), text, line_starts }
     }
 
     /// 1-based line of byte `offset`.
@@ -59,6 +61,9 @@ impl SourceFile {
         let line = self.line(offset);
         let start = self.line_starts[line as usize - 1] as usize;
         let end = (offset as usize).min(self.text.len());
+        if self.is_ascii {
+            return (line, end.saturating_sub(start) as u32 + 1);
+        }
         (line, self.text.get(start..end).map_or(0, |text| text.chars().count()) as u32 + 1)
     }
 
