@@ -110,6 +110,7 @@ const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
     (Code::Station, "needs a plc.toml"),
     (Code::NoModule, "needs a plc.toml"),
     (Code::ModuleAccess, "needs a plc.toml"),
+    (Code::NotRead, "needs a folder"),
     (Code::MissingCondition, "needs an export in XML"),
     (Code::BranchNeighbour, "needs an export in XML"),
     (Code::BranchArms, "needs an export in XML"),

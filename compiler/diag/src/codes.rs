@@ -165,6 +165,7 @@ codes! {
     Station = "P0604" Error "a station that cannot be built";
     NoModule = "P0605" Warning "an address that no module of the station has";
     ModuleAccess = "P0606" Error "an access that a module does not allow";
+    NotRead = "P0607" Warning "files of a folder that are not read";
     Pragma = "P0701" Error "an assertion pragma that cannot be understood";
     AssertionNotReached = "P0702" Error "an assertion that was never executed";
     StackUnderflow = "P0801" Error "a level of the logic stack that nothing has pushed";

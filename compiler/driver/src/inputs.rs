@@ -24,6 +24,8 @@ pub struct Read {
     pub texts: Vec<(FileId, FileId)>,
     pub project: Option<Project>,
     pub diagnostics: Vec<Diagnostic>,
+    /// Files of folders that hold nothing that plcc reads, and what they are.
+    unread: Vec<(PathBuf, String)>,
     /// Code page of files that are not UTF-8; `None`: found in each.
     pub code_page: Option<CodePage>,
 }
@@ -61,7 +63,30 @@ pub fn read_as(paths: &[PathBuf], code_page: Option<CodePage>) -> Read {
     if read.name.is_empty() {
         read.name = paths.first().map(|path| stem(path)).unwrap_or_default();
     }
+    report_unread(&mut read);
     read
+}
+
+/// Names that a message about files that are not read has room for.
+const UNREAD_MAX: usize = 100;
+
+/// One message names all files of folders that were not read.
+fn report_unread(read: &mut Read) {
+    let unread = std::mem::take(&mut read.unread);
+    let texts: Vec<String> = read.texts.iter().map(|(_, texts)| read.sources.file(*texts).name.clone()).collect();
+    let unread: Vec<&(PathBuf, String)> =
+        unread.iter().filter(|(path, _)| !texts.contains(&path.display().to_string())).collect();
+    let Some((first, _)) = unread.first() else { return };
+    let title = match unread.len() {
+        1 => "a file of the folder is not read".to_string(),
+        count => format!("{count} files of the folder are not read"),
+    };
+    let mut names: Vec<String> =
+        unread.iter().take(UNREAD_MAX).map(|(path, what)| format!("{} ({what})", path.display())).collect();
+    if unread.len() > UNREAD_MAX {
+        names.push(format!("... and {} more", unread.len() - UNREAD_MAX));
+    }
+    read.report(Code::NotRead, first, title, &names.join(", "));
 }
 
 /// What `plcc test` runs.
@@ -91,7 +116,7 @@ fn find_tests_below(folder: &Path, tests: &mut Vec<TestInput>) {
         return tests.push(TestInput::Project(folder.to_path_buf()));
     }
     for path in entries(folder) {
-        if path.is_dir() {
+        if is_folder(&path) {
             find_tests_below(&path, tests);
         } else if path.extension().is_none_or(|suffix| suffix != "toml")
             && read_text(&path).is_ok_and(|text| !text.is_empty() && is_source(&path, &text))
@@ -104,7 +129,7 @@ fn find_tests_below(folder: &Path, tests: &mut Vec<TestInput>) {
 /// Scenarios of a project: the `.toml` files below its `tests` folder.
 pub fn project_scenarios(folder: &Path) -> Vec<PathBuf> {
     let mut scenarios = files_below(&folder.join("tests"));
-    scenarios.retain(|path| path.extension().is_some_and(|suffix| suffix == "toml"));
+    scenarios.retain(|path| path.extension().is_some_and(|suffix| suffix == "toml") && path.is_file());
     scenarios
 }
 
@@ -126,9 +151,15 @@ fn content_of(path: &Path, text: &str) -> Content {
         return Content::Other("texts of a block");
     }
     match content::of(text) {
+        // Settings and scenarios, whatever else their lines look like.
+        Content::Source | Content::Prose if is_toml(path) => Content::Other("settings or a scenario in TOML"),
         Content::Prose if pipeline::language_of(&path.display().to_string()).is_some() => Content::Source,
         content => content,
     }
+}
+
+fn is_toml(path: &Path) -> bool {
+    path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("toml"))
 }
 
 /// Whether a file that holds no source is a mistake.
@@ -141,6 +172,11 @@ enum Wanted {
 }
 
 fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
+    if wanted == Wanted::No
+        && let Err(why) = regular(path)
+    {
+        return read.unread.push((path.to_path_buf(), why.to_string()));
+    }
     let text = match read_text_as(path, read.code_page) {
         Ok(text) => text,
         Err(error) => {
@@ -149,8 +185,18 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
         }
     };
     let content = content_of(path, &text);
-    if wanted == Wanted::No && matches!(content, Content::Prose | Content::Other(_)) {
-        return;
+    if wanted == Wanted::No {
+        let what = match content {
+            Content::Prose => "text that is no source",
+            Content::Other(what) => what,
+            Content::Source | Content::SourceAndTable | Content::SymbolTable => "",
+        };
+        if !what.is_empty() {
+            if !is_toml(path) {
+                read.unread.push((path.to_path_buf(), what.to_string()));
+            }
+            return;
+        }
     }
     let source = SourceFile::new(path.display().to_string(), text);
     match content {
@@ -265,20 +311,46 @@ pub fn read_text(path: &Path) -> std::io::Result<String> {
 }
 
 fn read_text_as(path: &Path, code_page: Option<CodePage>) -> std::io::Result<String> {
+    if !path.is_dir() {
+        regular(path)?;
+    }
     Ok(plcc_syntax::decode_as(&fs::read(path)?, code_page))
 }
 
-/// All files below `folder` in the order of their names; hidden ones left out, links to folders not followed.
+/// Whether `path` is a file that has an end. `Err`: it is a pipe, a device or another thing whose reading may wait for ever.
+fn regular(path: &Path) -> std::io::Result<()> {
+    let found = fs::metadata(path)?;
+    let wrong = |what: &str| Err(std::io::Error::other(what));
+    if found.is_dir() {
+        return wrong("a link to a folder, which is not followed");
+    }
+    if !found.is_file() {
+        return wrong("a pipe, a socket or a device, which is not a file");
+    }
+    // Files of the kernel look like files.
+    let real = fs::canonicalize(path)?;
+    if real.starts_with("/proc") || real.starts_with("/sys") {
+        return wrong("a file of the kernel, which is not a source");
+    }
+    Ok(())
+}
+
+/// All files below `folder` in the order of their names; hidden ones left out, links to folders not followed: they are among the files.
 fn files_below(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for path in entries(folder) {
-        if path.is_dir() {
+        if is_folder(&path) {
             files.extend(files_below(&path));
         } else {
             files.push(path);
         }
     }
     files
+}
+
+/// A folder itself, not a link to one.
+fn is_folder(path: &Path) -> bool {
+    path.is_dir() && !path.is_symlink()
 }
 
 fn entries(folder: &Path) -> Vec<PathBuf> {
@@ -288,7 +360,6 @@ fn entries(folder: &Path) -> Vec<PathBuf> {
         .flatten()
         .map(|entry| entry.path())
         .filter(|path| !path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.')))
-        .filter(|path| !(path.is_symlink() && path.is_dir()))
         .collect();
     entries.sort();
     entries
@@ -324,8 +395,12 @@ mod tests {
             ("notes.md", "# Notes\n\nThis is prose that explains the program.\n"),
         ]);
         let read = read(&[folder.path().to_path_buf()]);
-        assert_eq!((read.units.len(), read.tables.len(), read.diagnostics.len()), (2, 1, 0));
+        assert_eq!((read.units.len(), read.tables.len(), read.diagnostics.len()), (2, 1, 1));
         assert_eq!(read.name, "main");
+        // What is not read is named.
+        let message = &read.diagnostics[0];
+        assert_eq!(message.code, Code::NotRead);
+        assert!(message.help.iter().any(|help| help.contains("notes.md (text that is no source)")));
     }
 
     #[test]
@@ -346,6 +421,45 @@ mod tests {
         assert_eq!(codes("other.xml"), [Code::NotASource]);
         assert_eq!(codes("missing.stl"), [Code::Unreadable]);
         assert_eq!(codes("notes.md"), []);
+    }
+
+    #[test]
+    fn a_scenario_is_no_source() {
+        let folder =
+            folder(&[("a.stl", "A I 0.0\n"), ("a.scenario.toml", "[[at]]\ncycle = 1\nset = { \"I0.0\" = 1 }\n")]);
+        let named = read(&[folder.path().join("a.stl"), folder.path().join("a.scenario.toml")]);
+        let codes: Vec<Code> = named.diagnostics.iter().map(|message| message.code).collect();
+        assert_eq!((named.units.len(), codes), (1, vec![Code::NotASource]));
+        let all = read(&[folder.path().to_path_buf()]);
+        assert_eq!((all.units.len(), all.diagnostics.len()), (1, 0));
+    }
+
+    /// Reading a pipe would wait for ever.
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_not_read() {
+        use std::os::unix::fs::symlink;
+        let folder = folder(&[("a.stl", "A I 0.0\n")]);
+        let pipe = folder.path().join("pipe.stl");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.is_ok_and(|status| status.success()));
+        symlink(folder.path(), folder.path().join("again")).unwrap();
+        symlink("loop.stl", folder.path().join("loop.stl")).unwrap();
+        symlink("/dev/zero", folder.path().join("zero.stl")).unwrap();
+        symlink("/proc/kmsg", folder.path().join("kernel.stl")).unwrap();
+        for name in ["pipe.stl", "loop.stl", "zero.stl", "kernel.stl"] {
+            let read = read(&[folder.path().join(name)]);
+            let codes: Vec<Code> = read.diagnostics.iter().map(|message| message.code).collect();
+            assert_eq!(codes, [Code::Unreadable], "{name}");
+        }
+        let all = read(&[folder.path().to_path_buf()]);
+        let codes: Vec<Code> = all.diagnostics.iter().map(|message| message.code).collect();
+        assert_eq!((all.units.len(), codes), (1, vec![Code::NotRead]));
+        let help = all.diagnostics[0].help.clone().unwrap_or_default();
+        for name in ["pipe.stl", "loop.stl", "zero.stl", "kernel.stl", "again"] {
+            assert!(help.contains(name), "{name}: {help}");
+        }
+        assert_eq!(find_tests(&[folder.path().to_path_buf()]).len(), 1);
     }
 
     #[test]
