@@ -41,15 +41,51 @@ pub enum Source {
 /// How bits at an address are a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NumberType {
-    Int,
-    Dint,
+    /// An integer with a sign, of the width of the address.
+    Signed,
+    Unsigned,
     Real,
+    Lreal,
 }
 
-const NUMBER_TYPES: [(&str, NumberType, Width); 3] = [
-    ("INT", NumberType::Int, Width::Word),
-    ("DINT", NumberType::Dint, Width::Dword),
+impl NumberType {
+    /// The number that the bits of an address of this width are.
+    fn number(self, bits: Bits, width: Width) -> f64 {
+        let unused = 64 - width.bits();
+        match self {
+            NumberType::Signed => ((bits << unused) as i64 >> unused) as f64,
+            NumberType::Unsigned => bits as f64,
+            NumberType::Real => f64::from(f32::from_bits(bits as u32)),
+            NumberType::Lreal => f64::from_bits(bits),
+        }
+    }
+
+    /// The bits of a number, rounded and limited to what the type holds.
+    fn bits(self, number: f64, width: Width) -> Bits {
+        match self {
+            NumberType::Real => u64::from((number as f32).to_bits()),
+            NumberType::Lreal => number.to_bits(),
+            NumberType::Unsigned => match width {
+                Width::Bit(_) | Width::Byte => u64::from(number.round() as u8),
+                Width::Word => u64::from(number.round() as u16),
+                Width::Dword => u64::from(number.round() as u32),
+                Width::Lword => number.round() as u64,
+            },
+            NumberType::Signed if width == Width::Byte => u64::from(number.round() as i8 as u8),
+            NumberType::Signed => whole(number, width),
+        }
+    }
+}
+
+const NUMBER_TYPES: [(&str, NumberType, Width); 8] = [
+    ("SINT", NumberType::Signed, Width::Byte),
+    ("INT", NumberType::Signed, Width::Word),
+    ("DINT", NumberType::Signed, Width::Dword),
+    ("USINT", NumberType::Unsigned, Width::Byte),
+    ("UINT", NumberType::Unsigned, Width::Word),
+    ("UDINT", NumberType::Unsigned, Width::Dword),
     ("REAL", NumberType::Real, Width::Dword),
+    ("LREAL", NumberType::Lreal, Width::Lword),
 ];
 
 /// A source with the name that the user gave it.
@@ -110,7 +146,9 @@ impl Source {
             let ty = without_unit(ty);
             let address = address::resolve(name, image)?;
             let row = NUMBER_TYPES.iter().find(|(word, ..)| word.eq_ignore_ascii_case(ty.trim()));
-            let (_, ty, width) = row.ok_or_else(|| format!("`{}` is none of INT, DINT, REAL", ty.trim()))?;
+            let (_, ty, width) = row.ok_or_else(|| {
+                format!("`{}` is none of SINT, INT, DINT, USINT, UINT, UDINT, REAL, LREAL", ty.trim())
+            })?;
             if address.width != *width {
                 return Err(format!("{} has another width than {}", name.trim(), row.map_or("", |row| row.0)));
             }
@@ -141,20 +179,18 @@ impl Source {
         }
     }
 
+    /// True for integers: no other number stands for one of them.
+    pub fn is_exact(&self) -> bool {
+        matches!(self, Source::Number(_, NumberType::Signed | NumberType::Unsigned) | Source::PulseCount(_))
+    }
+
     pub fn read(&self, cpu: &Cpu, plant: Option<&Plant>) -> Value {
         match self {
             Source::Bits(address) => {
                 let driven = pulse_terminal(address, cpu).and_then(|number| cpu.s7200_pulse_level(number));
                 Value::Bits(driven.map_or_else(|| cpu.read(address), u64::from), address.width)
             }
-            Source::Number(address, ty) => {
-                let bits = cpu.read(address);
-                Value::Number(match ty {
-                    NumberType::Int => f64::from(bits as u16 as i16),
-                    NumberType::Dint => f64::from(bits as u32 as i32),
-                    NumberType::Real => f64::from(f32::from_bits(bits as u32)),
-                })
-            }
+            Source::Number(address, ty) => Value::Number(ty.number(cpu.read(address), address.width)),
             Source::Channel(address, scale) => {
                 let word = cpu.read(address) as u16 as i16;
                 let is_output = matches!(
@@ -191,8 +227,7 @@ impl Source {
     pub fn write_number(&self, cpu: &Cpu, number: f64) -> Result<(), String> {
         let (address, bits) = match self {
             Source::Bits(address) => (address, whole(number, address.width)),
-            Source::Number(address, NumberType::Real) => (address, u64::from((number as f32).to_bits())),
-            Source::Number(address, NumberType::Int | NumberType::Dint) => (address, whole(number, address.width)),
+            Source::Number(address, ty) => (address, ty.bits(number, address.width)),
             Source::Channel(address, scale) => (address, u64::from(scale.word(number) as u16)),
             Source::PulseDuty(_) | Source::PulsePeriod(_) | Source::PulseCount(_) => {
                 return Err("the program sets a pulse generator".to_string());

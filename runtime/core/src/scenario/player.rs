@@ -167,7 +167,8 @@ fn holds(setting: &Setting, actual: Value) -> bool {
     match (setting.value, actual) {
         // A number is what its REAL is.
         (Value::Number(wanted), Value::Number(actual)) => {
-            (actual - wanted).abs() <= setting.tolerance + wanted.abs() * f64::from(f32::EPSILON)
+            let rounding = if setting.signal.source.is_exact() { 0.0 } else { wanted.abs() * f64::from(f32::EPSILON) };
+            (actual - wanted).abs() <= setting.tolerance + rounding
         }
         (wanted, actual) => wanted == actual,
     }
