@@ -45,7 +45,7 @@ FUNCTION "F" : Int
    VAR_INPUT
       mode : Int;
    END_VAR
-   VAR_TEMP
+   VAR_IN_OUT
       recipe : "Recipe";
    END_VAR
 BEGIN
