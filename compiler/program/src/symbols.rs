@@ -75,10 +75,10 @@ pub fn is_symbol_table(text: &str) -> bool {
 fn plcopen(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
     let (tags, diagnostics) = plcc_syntax::plcopen::tags(file, text);
     let symbol = |tag: plcc_syntax::plcopen::Tag| {
-        let target = parse_address(&tag.address)?;
-        Some(Symbol { name: tag.name, target, ty: tag.ty, comment: String::new(), span: tag.span })
+        let target = SymbolTarget::Memory { area: tag.area, width: tag.width, byte: tag.byte, bit: tag.bit };
+        Symbol { name: tag.name, target, ty: tag.ty, comment: String::new(), span: tag.span }
     };
-    (SymbolTable { symbols: tags.into_iter().filter_map(symbol).collect(), ..SymbolTable::default() }, diagnostics)
+    (SymbolTable { symbols: tags.into_iter().map(symbol).collect(), ..SymbolTable::default() }, diagnostics)
 }
 
 /// Reads the table in `source`, which is file `file`.

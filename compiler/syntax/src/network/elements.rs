@@ -60,6 +60,8 @@ pub enum Kind {
     ResetTimer,
     PresetTimer,
     Calculate,
+    /// A function that the carrier gave as a formula over its inputs.
+    Formula,
     /// An operator of SCL between all numbered inputs, in the type of the template.
     Operator(&'static str),
     /// INC, DEC.
@@ -320,9 +322,9 @@ const SHIFT: &str = "?en in n ?>out ?>eno";
 
 use Kind::{
     BitField, Calculate, CallCoil, Coil, Compare, Condition, Contact, Convert, CounterCoil as CountCoil, Demux,
-    EdgeCoil, EdgeContact, EdgeTrigger, Flag as StatusFlag, FlipFlop, Function, Gate as LogicGate, Instance, Invert,
-    Jump, JumpList, Mcr as McrCoil, Move, Mux, Negate, Not, OpenDb, Operator, PresetTimer, Procedure, Range, ResetCoil,
-    ResetTimer, Return, Round, S5Counter, S5Timer, Save, SetCoil, Step, Switch, TimerCoil, Valid,
+    EdgeCoil, EdgeContact, EdgeTrigger, Flag as StatusFlag, FlipFlop, Formula, Function, Gate as LogicGate, Instance,
+    Invert, Jump, JumpList, Mcr as McrCoil, Move, Mux, Negate, Not, OpenDb, Operator, PresetTimer, Procedure, Range,
+    ResetCoil, ResetTimer, Return, Round, S5Counter, S5Timer, Save, SetCoil, Step, Switch, TimerCoil, Valid,
 };
 
 /// All elements.
@@ -377,6 +379,8 @@ pub static ELEMENTS: &[Row] = &[
     en("CTRL_HSC", &["CTRL_HSC"], &[], "?en hsc ?dir ?cv ?rv ?period ?new_dir ?new_cv ?new_rv ?new_period ?>busy ?>status ?>eno", Instance("CTRL_HSC")),
     // B.4 Math
     en("Calculate", &["Calc", "Calculate"], &[], MANY, Calculate),
+    // No file can call it by this name.
+    en("function of IEC 61131-3", &[], &[], "?en in1|in+ ?>out ?>eno", Formula),
     en("Add", &["Add"], &["ADD"], MANY, Operator("+")),
     en("Sub", &["Sub"], &["SUB"], BINARY, Operator("-")),
     en("Mul", &["Mul"], &["MUL"], MANY, Operator("*")),

@@ -7,16 +7,19 @@ use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 
+use super::functions;
 use super::objects::{Connection, Edge, Kind, Object};
 use super::{Body, Reader};
 use crate::Elementary;
 use crate::network::ast::{Element, Eno, Graph, NetId, Pin, PinValue, Storage, Target, Template, TemplateKey};
 use crate::network::elements::{self, PinDirection, Row};
-use crate::scl::ast::{Expr, ExprKind, Name, NameForm};
-use crate::scl::fragment;
+use crate::scl::ast::{Argument, Expr, ExprKind, Name, NameForm};
 
 /// Connectors lead to connectors up to this depth.
 const DEPTH_MAX: usize = 64;
+
+/// The row of standard functions that are formulas.
+const FORMULA: &str = "function of IEC 61131-3";
 
 /// Where a signal comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +42,10 @@ pub struct Build<'r, 'a, 'b> {
     nets: Vec<(Vec<Origin>, NetId)>,
     /// Variables that keep a signal for the next cycle, by the object and the pin that it comes from.
     kept: HashMap<(usize, String), Expr>,
+    /// Variables for outputs that no net carries, by object and pin.
+    carried: HashMap<(usize, String), Expr>,
+    /// The line at hand leads to a variable, which can be of any type.
+    direct: bool,
 }
 
 /// The graph of the objects `order`, which run in this order.
@@ -51,6 +58,8 @@ pub fn build(reader: &mut Reader, body: &mut Body, objects: &[Object], order: &[
         made: HashMap::new(),
         nets: Vec::new(),
         kept: HashMap::new(),
+        carried: HashMap::new(),
+        direct: false,
     };
     for at in order {
         build.object(*at);
@@ -74,15 +83,10 @@ impl Build<'_, '_, '_> {
             Kind::Contact => self.contact(at, object),
             Kind::Coil => self.coil(at, object),
             Kind::Block => self.block(at, object),
-            Kind::OutVariable => self.out_variable(at, object),
+            Kind::OutVariable | Kind::InOutVariable => self.out_variable(at, object),
             Kind::Jump | Kind::Return => self.leave(at, object),
             Kind::Condition => self.condition(at, object),
-            Kind::LeftRail
-            | Kind::InVariable
-            | Kind::InOutVariable
-            | Kind::Label
-            | Kind::Connector
-            | Kind::Continuation => {}
+            Kind::LeftRail | Kind::InVariable | Kind::Label | Kind::Connector | Kind::Continuation => {}
         }
     }
 
@@ -102,9 +106,7 @@ impl Build<'_, '_, '_> {
 
     /// The expression in a part of the file.
     fn expr(&mut self, range: Range<usize>) -> Expr {
-        let (mut value, messages) = fragment::expression(self.reader.file, &self.reader.overlay, range);
-        self.reader.messages.extend(messages);
-        self.body.scope.expr(&mut value);
+        let value = self.reader.expression(range, Some(&self.body.scope));
         value
     }
 
@@ -183,7 +185,7 @@ impl Build<'_, '_, '_> {
             (_, true) => "I_JumpCoil",
         };
         let mut pins = Vec::new();
-        if object.inputs.first().is_some_and(|input| !input.from.is_empty()) {
+        if object.inputs.first().is_some_and(|input| !input.is_open()) {
             let mut condition = pin("in", self.input(object.inputs.first(), object.span), false, object.span);
             condition.negated = object.kind == Kind::Return && object.modifiers.negated;
             pins.push(condition);
@@ -202,8 +204,11 @@ impl Build<'_, '_, '_> {
 
     /// A variable that no block writes: a coil, or a move of another variable.
     fn out_variable(&mut self, at: usize, object: &Object) {
-        let Some(input) = object.inputs.first().filter(|input| !input.from.is_empty()) else { return };
-        let origins = self.origins(&input.from, 0);
+        let Some(input) = object.inputs.first().filter(|input| !input.is_open()) else { return };
+        // The block writes the variable itself.
+        self.direct = input.from.len() == 1;
+        let origins = self.sources(input);
+        self.direct = false;
         if let [Origin::Pin(element, _)] = origins.as_slice()
             && self
                 .objects
@@ -276,12 +281,17 @@ impl Build<'_, '_, '_> {
         let instance = object.instance.clone().map(|range| self.expr(range));
         let span = object.span;
         let mut templates = Vec::new();
-        let user = self.reader.pous.contains(&object.name.to_lowercase());
-        let conversion = if user { None } else { conversion(&object.name) };
+        let editor = self.reader.editor;
+        // Blocks of the library have pins as the project calls them.
+        let block = self.reader.pous.contains(&object.name.to_lowercase())
+            || object.instance.is_some() && functions::block(editor, &object.name).is_some();
+        let open = if block { None } else { elements::find_open(&object.name) };
+        let formula = if block || open.is_some() { None } else { self.formula(object) };
+        let conversion = if block || formula.is_some() { None } else { conversion(&object.name) };
         let row = match &conversion {
             Some((_, _, row)) => elements::find_sd(row).map(|(row, _)| row),
-            None if user => None,
-            None => self.word_gate(object).or_else(|| elements::find_open(&object.name)),
+            None if formula.is_some() => elements::find_sd(FORMULA).map(|(row, _)| row),
+            None => open.map(|row| self.word_gate(object).unwrap_or(row)),
         };
         if let Some((from, to, _)) = conversion {
             let template = |key, ty: Elementary| Template { key, value: ty.name().to_string(), span };
@@ -299,7 +309,7 @@ impl Build<'_, '_, '_> {
         let compared = row.is_some_and(|row| matches!(row.kind, elements::Kind::Compare(op) if op != "<>"));
         let (mut pins, mut further) = (Vec::new(), Vec::new());
         for (number, input) in object.inputs.iter().enumerate() {
-            if input.from.is_empty() {
+            if input.is_open() {
                 continue;
             }
             if compared && further_operand(&input.formal) {
@@ -317,15 +327,39 @@ impl Build<'_, '_, '_> {
             connected.negated = input.modifiers.negated;
             pins.push(connected);
         }
+        for pin in object.inputs.iter().chain(&object.outputs).filter(|pin| pin.modifiers.storage != Storage::None) {
+            self.reader.unreadable(pin.span, "a pin that sets or resets", "connect a coil that does");
+        }
+        for pin in object.outputs.iter().filter(|pin| pin.modifiers.edge != Edge::None) {
+            self.reader.unreadable(pin.span, "an edge at an output", "connect an R_TRIG or F_TRIG behind it");
+        }
         if let (true, Some(state)) = (flip_flop, instance) {
             pins.push(pin("operand", PinValue::Operand(state), false, span));
         }
         let last = pins.iter().find(|pin| pin.name == "in2").cloned();
         let element = self.element(Some(at), target, pins, span);
         self.graph.elements[element].templates = templates;
+        self.graph.elements[element].equation = formula;
         if let (Some(last), Some(row)) = (last, row) {
             self.compare_on(at, row, last, further);
         }
+    }
+
+    /// A standard function that SCL has in other words, over the inputs `in1`, `in2` ….
+    fn formula(&mut self, object: &Object) -> Option<Expr> {
+        let inputs = object.inputs.iter().filter(|input| !input.formal.eq_ignore_ascii_case("EN") && !input.is_open());
+        let argument = |(at, input): (usize, &Connection)| {
+            let digits = input.formal.to_ascii_uppercase();
+            let number = digits.strip_prefix("IN").and_then(|digits| digits.parse().ok()).unwrap_or(at + 1);
+            let value = Some(name(format!("in{number}"), NameForm::Bare, object.span));
+            Argument { name: None, output: false, value, span: object.span }
+        };
+        let arguments: Vec<Argument> = inputs.enumerate().map(argument).collect();
+        let called = Name { text: object.name.clone(), form: NameForm::Bare, span: object.span };
+        let messages = &mut self.reader.messages;
+        let mut tell = |message| messages.push(message);
+        let kind = functions::rewritten(self.reader.editor, &called, &arguments, object.span, &mut tell)?;
+        Some(Expr { kind, span: object.span })
     }
 
     /// A comparison of more than two values: each with the next one, in a row.

@@ -45,8 +45,8 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// It does something when its turn comes.
-    pub fn runs(self) -> bool {
+    /// Each object of this kind does something when its turn comes.
+    fn runs(self) -> bool {
         matches!(
             self,
             Kind::Contact | Kind::Coil | Kind::Block | Kind::OutVariable | Kind::Jump | Kind::Return | Kind::Condition
@@ -100,8 +100,27 @@ pub struct Connection {
     pub modifiers: Modifiers,
     /// Where the signal comes from: objects, and the pins of blocks. Empty for outputs.
     pub from: Vec<(usize, String)>,
+    /// An expression in the place of lines.
+    pub text: Option<Range<usize>>,
     pub in_out: bool,
     pub span: Span,
+}
+
+impl Connection {
+    /// Nothing leads here.
+    pub fn is_open(&self) -> bool {
+        self.from.is_empty() && self.text.is_none()
+    }
+}
+
+impl Object {
+    /// It does something when its turn comes.
+    pub fn runs(&self) -> bool {
+        match self.kind {
+            Kind::InOutVariable => self.inputs.iter().any(|input| !input.is_open()),
+            kind => kind.runs(),
+        }
+    }
 }
 
 fn modifiers(node: Node) -> Modifiers {
@@ -144,6 +163,12 @@ pub fn position(node: Node) -> (i64, i64) {
 }
 
 impl Reader<'_> {
+    /// Tells of something that nobody reads.
+    pub fn unreadable(&mut self, span: Span, what: &str, help: &str) {
+        let message = Diagnostic::new(Code::ForeignContent, span, format!("plcc does not read {what}"));
+        self.messages.push(message.label("nothing is compiled in its place").help(help));
+    }
+
     /// The objects of a body, with their connections as indices into the list. Of an SFC body those of its networks; a transition that one of
     /// them leads to is a `Condition`, in the order of the file.
     pub fn objects(&mut self, body: Node) -> Vec<Object> {
@@ -170,6 +195,8 @@ impl Reader<'_> {
                 }
                 name if is_chart && CHART.contains(&name) => continue,
                 "rightPowerRail" | "comment" | "documentation" | "addData" => continue,
+                // CODESYS writes the titles of networks so.
+                "vendorElement" if node.descendants().any(|data| data.text() == Some("networktitle")) => continue,
                 name => {
                     let span = self.place(node, "name");
                     let text = format!("plcc does not read the element `{name}` of PLCopen XML");
@@ -211,13 +238,25 @@ impl Reader<'_> {
             order: attribute("executionOrderId").and_then(|text| text.parse().ok()).unwrap_or(0),
             span,
         };
+        let stored = object.modifiers.storage != Storage::None;
+        if stored && (object.modifiers.negated || object.modifiers.edge != Edge::None || kind == Kind::Contact) {
+            self.unreadable(span, "an object that stores and does something else", "draw two objects");
+        }
+        if kind == Kind::Coil && object.modifiers.negated && object.modifiers.edge != Edge::None {
+            self.unreadable(span, "a coil with an edge and a negation", "draw a contact before the coil");
+        }
         if kind == Kind::Block {
             for list in elements(node) {
                 let (output, in_out) = match list.tag_name().name() {
                     "inputVariables" => (false, false),
                     "inOutVariables" => (false, true),
                     "outputVariables" => (true, false),
-                    _ => continue,
+                    "position" | "documentation" | "addData" => continue,
+                    _ => {
+                        let span = self.place(list, "name");
+                        self.unreadable(span, "a part of a block", "draw the block again, and export the project");
+                        continue;
+                    }
                 };
                 for pin in elements(list).filter(|pin| pin.tag_name().name() == "variable") {
                     let connection = self.connection(pin, ids, in_out);
@@ -240,13 +279,17 @@ impl Reader<'_> {
             match ids.get(id.trim()) {
                 Some(at) => from.push((*at, line.attribute("formalParameter").unwrap_or("").trim().to_string())),
                 None => {
+                    // Editors drop such lines as they open the project.
                     let text = format!("a line comes from object {id}, which the network does not have");
-                    let message = Diagnostic::new(Code::NoSource, self.place(line, "refLocalId"), text);
-                    self.messages.push(message.help("connect the pin again in the editor, and export the project"));
+                    let message = Diagnostic::new(Code::Tolerated, self.place(line, "refLocalId"), text);
+                    let help = "connect the pin again in the editor if something is missing";
+                    self.messages.push(message.label("the line is left out").help(help));
                 }
             }
         }
         let formal = node.attribute("formalParameter").unwrap_or("").trim().to_string();
-        Connection { formal, modifiers: modifiers(node), from, in_out, span }
+        let points = elements(node).filter(|point| point.tag_name().name() == "connectionPointIn");
+        let text = points.filter_map(|point| child(point, "expression")).find_map(|text| self.text_range(text));
+        Connection { formal, modifiers: modifiers(node), from, text, in_out, span }
     }
 }

@@ -17,7 +17,7 @@ pub struct Group {
 
 /// The networks of a body.
 pub fn groups(objects: &[Object]) -> Vec<Group> {
-    let running = || objects.iter().filter(|object| object.kind.runs());
+    let running = || objects.iter().filter(|object| object.runs());
     let numbered = running().count() > 0 && running().all(|object| object.order > 0);
     let mut parts = components(objects);
     let first = |part: &Vec<usize>| part.iter().map(|at| objects[*at].position).min().unwrap_or_default();
@@ -130,7 +130,7 @@ fn by_number(objects: &[Object], parts: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
 }
 
 fn numbers(objects: &[Object], part: &[usize]) -> Vec<usize> {
-    let mut order: Vec<usize> = part.iter().copied().filter(|at| objects[*at].kind.runs()).collect();
+    let mut order: Vec<usize> = part.iter().copied().filter(|at| objects[*at].runs()).collect();
     order.sort_by_key(|at| (objects[*at].order, objects[*at].position));
     order
 }
@@ -175,7 +175,7 @@ fn flow(objects: &[Object], part: &[usize]) -> Vec<usize> {
             }
         }
     }
-    order.retain(|at| objects[*at].kind.runs());
+    order.retain(|at| objects[*at].runs());
     order
 }
 

@@ -11,8 +11,8 @@ pub fn overlay(text: &str, document: &Document) -> String {
     for node in document.descendants().filter(|node| node.is_element()) {
         let is_value = match node.tag_name().name() {
             // With the elements in it, which are no values of their own.
-            "ST" => true,
-            "xhtml" => !node.ancestors().skip(1).any(|parent| parent.tag_name().name() == "ST"),
+            "ST" | "IL" => true,
+            "xhtml" => !node.ancestors().skip(1).any(|parent| matches!(parent.tag_name().name(), "ST" | "IL")),
             "expression" | "variable" => node.children().all(|child| child.is_text()),
             _ => false,
         };
@@ -24,7 +24,6 @@ pub fn overlay(text: &str, document: &Document) -> String {
             decode(&mut bytes[value.range_value()]);
         }
     }
-    addresses(&mut bytes);
     String::from_utf8(bytes).unwrap_or_else(|_| text.to_string())
 }
 
@@ -176,19 +175,6 @@ fn entity(bytes: &[u8]) -> Option<(Vec<u8>, usize)> {
     (text.len() <= end + 1).then(|| (text.into_bytes(), end + 1))
 }
 
-/// `%IX0.0` becomes ` %I0.0`.
-fn addresses(bytes: &mut [u8]) {
-    for at in 0..bytes.len().saturating_sub(3) {
-        if bytes[at] == b'%'
-            && matches!(bytes[at + 1], b'I' | b'Q' | b'M' | b'i' | b'q' | b'm')
-            && matches!(bytes[at + 2], b'X' | b'x')
-            && bytes[at + 3].is_ascii_digit()
-        {
-            (bytes[at + 2], bytes[at + 1], bytes[at]) = (bytes[at + 1], b'%', b' ');
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -217,7 +203,6 @@ mod tests {
     fn markup_is_blank() {
         assert_eq!(of("<![CDATA[a < b]]>"), "         a < b   ");
         assert_eq!(of("<x:p xmlns:x=\"x\"><![CDATA[a < b]]></x:p>").trim(), "a < b");
-        assert_eq!(of("%IX0.1 := %qx1.2"), " %I0.1 :=  %q1.2");
     }
 
     #[test]

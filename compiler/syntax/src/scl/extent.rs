@@ -231,6 +231,22 @@ pub fn absolute(letters: &str, numbered: bool, rest: &str) -> usize {
     if peripheral(&rest[at..]) { at + 2 } else { at }
 }
 
+/// Bytes behind the first number of a directly represented variable of IEC 61131-3: `.0.2` of `%QX1.0.2`, `*` of `%QX*`.
+pub fn directly_represented(rest: &str) -> usize {
+    if rest.starts_with('*') {
+        return 1;
+    }
+    let mut at = 0;
+    while let Some(number) = rest[at..].strip_prefix('.') {
+        let digits = number.bytes().take_while(u8::is_ascii_digit).count();
+        if digits == 0 {
+            break;
+        }
+        at += 1 + digits;
+    }
+    at
+}
+
 /// Whether `:P` follows.
 pub fn peripheral(rest: &str) -> bool {
     let bytes = rest.as_bytes();

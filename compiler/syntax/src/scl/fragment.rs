@@ -4,21 +4,42 @@
 
 use std::ops::Range;
 
-use plcc_diag::{Diagnostic, FileId, Span};
+use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use super::ast::{Expr, ExprKind, Statement, StatementKind};
 use super::raw;
-use crate::ast::{Block, Code, Pragma};
+use crate::ast::{Block, Code as BlockCode, Pragma};
 
 /// The statements in a part of a text. `pragmas`: assertions are read.
 pub fn statements(file: FileId, text: &str, range: Range<usize>, pragmas: bool) -> (Vec<Statement>, Vec<Diagnostic>) {
-    let mut raw = raw::scan(text.get(range.clone()).unwrap_or_default());
+    let raw = raw::scan(text.get(range.clone()).unwrap_or_default());
+    scanned(file, text, range, raw, pragmas)
+}
+
+/// As [`statements`], of structured text as IEC 61131-3 has it; assertions are read.
+pub fn iec_statements(
+    file: FileId,
+    text: &str,
+    range: Range<usize>,
+    rules: raw::Iec,
+) -> (Vec<Statement>, Vec<Diagnostic>) {
+    let raw = raw::scan_iec(text.get(range.clone()).unwrap_or_default(), rules);
+    scanned(file, text, range, raw, true)
+}
+
+fn scanned(
+    file: FileId,
+    text: &str,
+    range: Range<usize>,
+    mut raw: raw::RawText,
+    pragmas: bool,
+) -> (Vec<Statement>, Vec<Diagnostic>) {
     raw.shift(range.start as u32);
     let parsed = super::parse_raw(file, text, raw, pragmas);
     let mut found = Vec::new();
     for block in parsed.blocks {
         if let Block::Code(block) = block
-            && let Code::Scl(body) = block.code
+            && let BlockCode::Scl(body) = block.code
         {
             found.extend(body.statements);
         }
@@ -43,10 +64,30 @@ pub(crate) fn blocks(
 /// The expression in a part of a text; an error node if there is none.
 pub fn expression(file: FileId, text: &str, range: Range<usize>) -> (Expr, Vec<Diagnostic>) {
     let span = Span::new(file, range.clone());
-    let (mut statements, diagnostics) = statements(file, text, range, false);
+    let (statements, diagnostics) = statements(file, text, range, false);
+    only(span, statements, diagnostics)
+}
+
+/// As [`expression`], of structured text as IEC 61131-3 has it.
+pub fn iec_expression(file: FileId, text: &str, range: Range<usize>, rules: raw::Iec) -> (Expr, Vec<Diagnostic>) {
+    let span = Span::new(file, range.clone());
+    let (statements, diagnostics) = iec_statements(file, text, range, rules);
+    only(span, statements, diagnostics)
+}
+
+/// The expression that the statements are. What is more than one is an error.
+fn only(span: Span, mut statements: Vec<Statement>, mut diagnostics: Vec<Diagnostic>) -> (Expr, Vec<Diagnostic>) {
     match (statements.pop(), statements.is_empty()) {
         (Some(Statement { kind: StatementKind::Expression(expr), .. }), true) => (expr, diagnostics),
-        _ => (Expr { kind: ExprKind::Error, span }, diagnostics),
+        _ => {
+            if !diagnostics.iter().any(Diagnostic::is_error) {
+                let message = Diagnostic::new(Code::Syntax, span, "this is not one expression");
+                diagnostics.push(
+                    message.label("an operand is expected").help("write a variable, a constant or an expression"),
+                );
+            }
+            (Expr { kind: ExprKind::Error, span }, diagnostics)
+        }
     }
 }
 

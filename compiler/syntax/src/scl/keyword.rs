@@ -109,6 +109,28 @@ impl Keyword {
         Keyword::lookup(upper)
     }
 
+    /// A word of structured text as IEC 61131-3 has it; the others are names there.
+    pub const fn is_iec(self) -> bool {
+        !matches!(
+            self,
+            Keyword::Begin
+                | Keyword::Const
+                | Keyword::DataBlock
+                | Keyword::Div
+                | Keyword::ElseIf
+                | Keyword::EndConst
+                | Keyword::EndDataBlock
+                | Keyword::EndLabel
+                | Keyword::EndOrganizationBlock
+                | Keyword::Goto
+                | Keyword::Label
+                | Keyword::Nil
+                | Keyword::Null
+                | Keyword::OrganizationBlock
+                | Keyword::Ref
+        )
+    }
+
     /// The word that ends a block.
     pub const fn ends_block(self) -> bool {
         matches!(

@@ -46,6 +46,7 @@ pub fn lay_out<'a>(file: FileId, text: &'a str, raw: RawText, obey_pragmas: bool
     let mut layout = Layout {
         file,
         text,
+        iec: raw.iec,
         out: Vec::with_capacity(raw.tokens.len() + raw.tokens.len() / 8),
         raw: raw.tokens,
         comments: raw.comments,
@@ -64,6 +65,8 @@ pub fn lay_out<'a>(file: FileId, text: &'a str, raw: RawText, obey_pragmas: bool
 struct Layout<'a> {
     file: FileId,
     text: &'a str,
+    /// Structured text of IEC 61131-3.
+    iec: bool,
     raw: Vec<RawToken>,
     comments: Vec<Comment>,
     /// Index of the next raw token.

@@ -23,10 +23,13 @@ impl From<Literal> for Read {
     }
 }
 
-/// Reads a constant: a number without sign, one with `#`, or a text in `'`.
+/// Reads a constant: a number without sign, one with `#`, a text in `'`, or a text of wide characters in `"` (IEC 61131-3).
 pub fn parse(text: &str) -> Result<Read, LiteralError> {
     if text.starts_with('\'') {
         return text::string(text, text).map(|bytes| Literal::Text { bytes, typed: false }.into());
+    }
+    if text.starts_with('"') {
+        return text::wide(text, text).map(|units| Literal::WideText(units).into());
     }
     let Some((prefix, value)) = text.split_once('#') else { return number::plain(text).map(Read::from) };
     if prefix.bytes().all(|byte| byte.is_ascii_digit() || byte == b'_') {

@@ -142,6 +142,15 @@ pub struct Past {
     head: bool,
     /// A comment was not closed when those inside it were counted: comments of this file do not nest.
     flat_comments: bool,
+    /// Structured text of IEC 61131-3.
+    iec: bool,
+}
+
+/// Structured text of IEC 61131-3, which shares the grammar of SCL and not all of its words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Iec {
+    /// A comment inside a comment is one.
+    pub nested_comments: bool,
 }
 
 /// A raw token; `start..end` are bytes of the text.
@@ -178,6 +187,8 @@ pub struct RawText {
     pub tokens: Vec<RawToken>,
     pub comments: Vec<Comment>,
     pub regions: Vec<Region>,
+    /// Structured text of IEC 61131-3: addresses have `%`, and words of SCL alone are names.
+    pub iec: bool,
 }
 
 impl RawText {
@@ -200,9 +211,32 @@ impl RawText {
 
 /// Splits `text` into raw tokens. Never fails: what is no token is `Stray`.
 pub fn scan(text: &str) -> RawText {
+    tokens(text, Past::default())
+}
+
+/// As [`scan`], of structured text as IEC 61131-3 has it.
+pub fn scan_iec(text: &str, rules: Iec) -> RawText {
+    let mut raw = tokens(text, Past { iec: true, flat_comments: !rules.nested_comments, ..Past::default() });
+    raw.iec = true;
+    // `JMP label;`
+    for at in 0..raw.tokens.len().saturating_sub(2) {
+        let is = |at: usize, kind| raw.tokens[at].kind == kind;
+        if is(at, RawKind::Word)
+            && is(at + 1, RawKind::Word)
+            && is(at + 2, RawKind::Semicolon)
+            && text[raw.tokens[at].range()].eq_ignore_ascii_case("JMP")
+        {
+            raw.tokens[at].keyword = Some(Keyword::Goto);
+        }
+    }
+    raw
+}
+
+fn tokens(text: &str, past: Past) -> RawText {
     let mut out = RawText { tokens: Vec::with_capacity(text.len() / 4), ..RawText::default() };
     let mut first_on_line = true;
-    let mut lexer = RawKind::lexer(text);
+    let iec = past.iec;
+    let mut lexer = RawKind::lexer_with_extras(text, past);
     while let Some(kind) = lexer.next() {
         let (start, end) = (lexer.span().start as u32, lexer.span().end as u32);
         let mut comment = |form| out.comments.push(Comment { start, end, own_line: first_on_line, form });
@@ -232,6 +266,7 @@ pub fn scan(text: &str) -> RawText {
             kind => {
                 let member = out.tokens.last().is_some_and(|before| before.kind == RawKind::Dot);
                 let keyword = if kind == RawKind::Word && !member { Keyword::from_word(lexer.slice()) } else { None };
+                let keyword = keyword.filter(|keyword| !iec || keyword.is_iec());
                 if let Some(keyword) = keyword {
                     let head = &mut lexer.extras.head;
                     *head = keyword.begins_block() || *head && !leaves_head(keyword);
@@ -281,7 +316,7 @@ fn block_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
     }
     let end = rest.find("*)");
     lexer.bump(end.map_or(rest.len(), |end| end + 2));
-    let nests = !std::mem::replace(&mut lexer.extras.flat_comments, true);
+    let nests = !std::mem::replace(&mut lexer.extras.flat_comments, true) && !lexer.extras.iec;
     if nests || end.is_none() { RawKind::UnterminatedComment } else { RawKind::BlockComment }
 }
 
@@ -319,6 +354,9 @@ fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
         lexer.bump(1 + length);
         return RawKind::Literal;
     }
+    if lexer.extras.iec {
+        return RawKind::Word;
+    }
     let member = byte_before(lexer) == Some(b'.');
     if let Some(length) = extent::bit_number(slice, rest, member) {
         lexer.bump(length);
@@ -353,6 +391,10 @@ fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
 fn percent(lexer: &mut Lexer<RawKind>) -> RawKind {
     let slice = &lexer.slice()[1..];
     let letters = slice.trim_end_matches(|c: char| c.is_ascii_digit());
+    if lexer.extras.iec && byte_before(lexer) != Some(b'.') {
+        lexer.bump(extent::directly_represented(lexer.remainder()));
+        return RawKind::Absolute;
+    }
     if matches!(letters, "X" | "B" | "W" | "D" | "x" | "b" | "w" | "d") && letters.len() < slice.len() {
         return RawKind::Slice;
     }

@@ -113,6 +113,7 @@ fn only_logic(element: &Element) -> bool {
         | Kind::ResetTimer
         | Kind::PresetTimer
         | Kind::Calculate
+        | Kind::Formula
         | Kind::Operator(_)
         | Kind::Step { .. }
         | Kind::Function(_)

@@ -341,6 +341,20 @@ impl Binder<'_> {
         })
     }
 
+    /// A function that the carrier gave as a formula: each input is what it is.
+    pub fn formula_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+        let element = sheet.element(at);
+        let mut formula = element.equation.clone()?;
+        self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
+            for pin in element.pins.iter().filter(|pin| !pin.output && pin.name.starts_with("in")) {
+                let node = binder.pin_node(ctx, sheet, pin)?;
+                substitute(&mut formula, &pin.name, &node);
+            }
+            let value = binder.scl_value(ctx, &formula)?;
+            binder.box_result(ctx, sheet, at, value)
+        })
+    }
+
     /// A function of SCL with a value. Inputs that have the element's type are converted to it before.
     pub fn function_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
         let element = sheet.element(at);

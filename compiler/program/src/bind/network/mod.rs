@@ -290,6 +290,7 @@ impl Binder<'_> {
             Kind::ResetTimer => self.reset_timer_coil(ctx, sheet, at),
             Kind::PresetTimer => self.preset_timer_coil(ctx, sheet, at),
             Kind::Calculate => self.calculate_box(ctx, sheet, at),
+            Kind::Formula => self.formula_box(ctx, sheet, at),
             Kind::Operator(op) => self.operator_box(ctx, sheet, at, op),
             Kind::Step { up } => self.step_box(ctx, sheet, at, up),
             Kind::Function(name) => self.function_box(ctx, sheet, at, name),

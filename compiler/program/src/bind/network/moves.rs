@@ -7,6 +7,7 @@ use super::pins::{connected, no, outputs};
 use super::sheet::Sheet;
 use crate::bind::scl::Intent;
 use crate::bind::scl::convert::{converted, explicit_expr};
+use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
 use crate::model::scl::{Arm, Conversion, Expr, Statement, StatementKind};
@@ -87,7 +88,11 @@ impl Binder<'_> {
                 Some(ty) => Some(ty),
                 None => {
                     let values: Vec<&Value> = inputs.iter().map(|(_, value)| value).chain(&otherwise).collect();
-                    let elementary = values.iter().all(|value| !matches!(value, Value::Complex { .. }));
+                    // Texts and structures go to the output as they are.
+                    let elementary = values.iter().all(|value| {
+                        let shape = Shape::of(value);
+                        !matches!(value, Value::Complex { .. }) && !matches!(shape, Shape::Letter | Shape::Other)
+                    });
                     if elementary { Some(binder.common_type(ctx, &values, span)?) } else { None }
                 }
             };

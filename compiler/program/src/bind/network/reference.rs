@@ -131,6 +131,7 @@ fn does(row: &Row) -> String {
         }
         Kind::ResetTimer => "with flow: ends an IEC timer: Q FALSE, ET 0",
         Kind::PresetTimer => "with flow: gives an IEC timer another duration",
+        Kind::Formula => "a standard function of PLCopen XML that SCL has in other words, such as MULTIME",
         Kind::Calculate => "the formula over the inputs, each of which is read once",
         Kind::Operator("MOD") => "rest of the division, with the sign of `in1`",
         Kind::Operator(op) => return format!("`in1 {op} in2`; of more inputs from left to right"),
@@ -203,7 +204,7 @@ fn eno(row: &Row) -> &'static str {
         return "";
     }
     match row.kind {
-        Kind::Calculate => "a step of the formula has an error",
+        Kind::Calculate | Kind::Formula => "a step of the formula has an error",
         Kind::Operator("/" | "MOD") => "division by 0; the result does not fit, or is no number",
         Kind::Operator("AND" | "OR" | "XOR") | Kind::Move | Kind::Invert => "never",
         Kind::Operator(_) | Kind::Step { .. } | Kind::Negate => "the result does not fit, or is no number",

@@ -93,6 +93,7 @@ fn symbol(row: &Row, element: &Element, language: Language) -> Option<String> {
         | Kind::Range { .. }
         | Kind::Instance(_)
         | Kind::Calculate
+        | Kind::Formula
         | Kind::Operator(_)
         | Kind::Step { .. }
         | Kind::Function(_)

@@ -5,11 +5,15 @@
 //! | IEC | Variable | Statements or networks |
 //! | --- | --- | --- |
 //! | N | N | N, and S0 for the last time when the step is left |
-//! | S, R | S, R | none |
-//! | D, L | D, L | none |
+//! | S, R | S, R | S, R of a hidden BOOL |
+//! | D, L | D, L | D, L of a hidden BOOL |
 //! | P, P1 | S1 with N | S1 with N |
 //! | P0 | S0 with N | S0 with N |
-//! | SD, DS, SL | none | none |
+//! | SD, SL | S of a hidden BOOL that starts a TON | the same |
+//! | DS | D of a hidden BOOL that sets the variable | the same |
+//!
+//! What hidden BOOLs stand for happens behind the sequencer, in each call: statements run while theirs is 1, and once more when it has become 0.
+//! R resets the BOOLs of its action, whichever step has set them.
 
 use std::collections::HashMap;
 
@@ -18,11 +22,13 @@ use roxmltree::Node;
 
 use super::drawing::Plan;
 use super::{Sfc, comment};
-use crate::chart::ast::{Action, ActionBody, Event, Qualifier, Step};
+use crate::chart::ast::{Action, ActionBody, Event, Permanent, PermanentKind, Qualifier, Step};
+use crate::network::ast::{Content, Language, Network};
 use crate::plcopen::interface::{child, elements};
 use crate::plcopen::objects::lines;
-use crate::scl::ast::Expr;
-use crate::scl::fragment;
+use crate::scl::ast::{
+    Argument, AssignOp, BinaryOp, Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind, UnaryOp,
+};
 
 /// What an action works on.
 enum Work {
@@ -51,6 +57,7 @@ impl<'a> Sfc<'_, 'a, '_> {
     /// Adds the rows of all action blocks to their steps.
     pub fn actions(&mut self, content: Node<'a, 'a>, plan: &Plan<'a>, steps: &mut [Step]) {
         let mut owners: HashMap<String, usize> = HashMap::new();
+        let mut resets: Vec<(usize, String, Entry)> = Vec::new();
         for block in elements(content).filter(|node| node.tag_name().name() == "actionBlock") {
             let of_line = |line: Node| plan.ids.get(line.attribute("refLocalId")?.trim()).copied();
             let Some(at) = lines(block).find_map(of_line) else {
@@ -67,11 +74,17 @@ impl<'a> Sfc<'_, 'a, '_> {
                 continue;
             }
             for node in elements(block).filter(|node| node.tag_name().name() == "action") {
-                let (rows, name) = self.action(node, &steps[at].name.text);
+                let (rows, name, reset) = self.action(node);
+                resets.extend(reset.map(|(name, entry)| (at, name, entry)));
                 steps[at].actions.extend(rows);
                 if let Some(name) = name {
                     self.owner(node, name, at, &mut owners);
                 }
+            }
+        }
+        for (at, name, entry) in resets {
+            for flag in self.stored.get(&name).cloned().unwrap_or_default() {
+                steps[at].actions.push(entry.row(None, Qualifier::R, ActionBody::Operand(flag)));
             }
         }
     }
@@ -88,35 +101,43 @@ impl<'a> Sfc<'_, 'a, '_> {
         }
     }
 
-    /// The rows of an action, and the name of the action of the POU that N executes.
-    fn action(&mut self, node: Node<'a, 'a>, step: &str) -> (Vec<Action>, Option<String>) {
+    /// The rows of an action, the name of the action of the POU that N executes, and the action that R resets.
+    fn action(&mut self, node: Node<'a, 'a>) -> (Vec<Action>, Option<String>, Option<(String, Entry)>) {
         let work = self.work(node);
         let span = match (&work, child(node, "reference")) {
             (Work::Operand(operand), _) => operand.span,
             (_, Some(reference)) => self.reader.place(reference, "name"),
             _ => self.reader.place(node, "localId"),
         };
+        let key = child(node, "reference").and_then(|reference| reference.attribute("name")).unwrap_or_default();
+        let key = key.trim().to_lowercase();
         let entry = Entry { span, qualifier_span: self.reader.place(node, "qualifier"), comment: comment(node).pop() };
         let qualifier = node.attribute("qualifier").map_or(String::new(), |text| text.trim().to_ascii_uppercase());
         let event = match qualifier.as_str() {
             "" | "N" => None,
             "P" | "P1" => Some(Event::S1),
             "P0" => Some(Event::S0),
-            "S" => return (self.stored(entry, Qualifier::S, work), None),
-            "R" => return (self.stored(entry, Qualifier::R, work), None),
-            "D" => return (self.timed(node, entry, Qualifier::D, work, step), None),
-            "L" => return (self.timed(node, entry, Qualifier::L, work, step), None),
-            _ => return (self.no_equivalent(entry, &qualifier, step), None),
+            "R" => {
+                let rows = match work {
+                    Work::Operand(operand) => vec![entry.row(None, Qualifier::R, ActionBody::Operand(operand))],
+                    Work::Code(..) | Work::Error => Vec::new(),
+                };
+                return (rows, None, Some((key, entry)));
+            }
+            "S" | "D" | "L" | "SD" | "DS" | "SL" => {
+                return (self.controlled(node, entry, &qualifier, work, key), None, None);
+            }
+            _ => return (self.no_equivalent(entry, &qualifier), None, None),
         };
         match work {
-            Work::Operand(operand) => (vec![entry.row(event, Qualifier::N, ActionBody::Operand(operand))], None),
+            Work::Operand(operand) => (vec![entry.row(event, Qualifier::N, ActionBody::Operand(operand))], None, None),
             Work::Code(bodies, name) => {
                 let last = if event.is_none() { bodies.clone() } else { Vec::new() };
                 let rows = bodies.into_iter().map(|body| entry.row(event, Qualifier::N, body));
                 let last = last.into_iter().map(|body| entry.row(Some(Event::S0), Qualifier::N, body));
-                (rows.chain(last).collect(), name.filter(|_| event.is_none()))
+                (rows.chain(last).collect(), name.filter(|_| event.is_none()), None)
             }
-            Work::Error => (vec![entry.row(event, Qualifier::N, ActionBody::Error)], None),
+            Work::Error => (vec![entry.row(event, Qualifier::N, ActionBody::Error)], None, None),
         }
     }
 
@@ -136,81 +157,179 @@ impl<'a> Sfc<'_, 'a, '_> {
         if let Some(known) = self.actions.get(&name.to_lowercase()) {
             return known.clone().map_or(Work::Error, |rows| Work::Code(rows, Some(name.to_string())));
         }
-        let (mut operand, messages) =
-            fragment::expression(self.reader.file, &self.reader.overlay, attribute.range_value());
-        self.reader.messages.extend(messages);
-        self.body.scope.expr(&mut operand);
+        let operand = self.reader.expression(attribute.range_value(), Some(&self.body.scope));
         Work::Operand(operand)
     }
 
-    fn stored(&mut self, entry: Entry, qualifier: Qualifier, work: Work) -> Vec<Action> {
-        let body = match work {
-            Work::Operand(operand) => ActionBody::Operand(operand),
-            Work::Code(..) => {
-                let text = format!("GRAPH stores no statements: `{}` works on a BOOL only", qualifier.name());
-                let help =
-                    "set a BOOL by S and reset it by R, and execute the statements outside the chart while it is 1";
-                self.report(Code::Qualifier, entry.qualifier_span, text, "stores an action", help);
-                ActionBody::Error
-            }
-            Work::Error => ActionBody::Error,
-        };
-        vec![entry.row(None, qualifier, body)]
-    }
-
-    fn timed(&mut self, node: Node<'a, 'a>, entry: Entry, qualifier: Qualifier, work: Work, step: &str) -> Vec<Action> {
-        let body = match work {
-            Work::Operand(operand) => match self.duration(node) {
-                Some(value) => ActionBody::Value { operand, value },
+    /// S, D, L, SD, DS, SL: a row of a BOOL, and what follows from it behind the sequencer.
+    fn controlled(
+        &mut self,
+        node: Node<'a, 'a>,
+        entry: Entry,
+        qualifier: &str,
+        work: Work,
+        key: String,
+    ) -> Vec<Action> {
+        let span = entry.span;
+        let error = |entry: Entry| vec![entry.row(None, Qualifier::N, ActionBody::Error)];
+        let time = match qualifier {
+            "S" => None,
+            _ => match self.duration(node) {
+                Some(value) => Some(value),
                 None => {
-                    let text = format!("`{}` without a time", qualifier.name());
+                    let text = format!("`{qualifier}` without a time");
                     let help = "give the action a duration, e.g. T#5s";
                     self.report(Code::ActionText, entry.qualifier_span, text, "needs a duration", help);
-                    ActionBody::Error
+                    return error(entry);
                 }
             },
-            Work::Code(..) => {
-                let (sign, text) = match qualifier {
-                    Qualifier::D => (">=", "GRAPH delays no statements: `D` works on a BOOL only"),
-                    _ => ("<", "GRAPH does not limit statements: `L` works on a BOOL only"),
-                };
-                let time = node.attribute("duration").map(str::trim).filter(|time| !time.is_empty()).unwrap_or("T#5s");
-                let help = format!("take N, and write `IF {step}.T {sign} {time} THEN … END_IF;`");
-                self.report(Code::Qualifier, entry.qualifier_span, text, "of statements or networks", help);
-                ActionBody::Error
-            }
-            Work::Error => ActionBody::Error,
         };
-        vec![entry.row(None, qualifier, body)]
+        let code = match &work {
+            Work::Operand(_) => None,
+            Work::Code(bodies, _) => match statements(bodies) {
+                Some(list) => Some(list),
+                None => {
+                    let text = format!("plcc reads actions with `{qualifier}` in ST and IL only");
+                    let help = "write the action in ST, or set a BOOL, and execute the networks outside the chart";
+                    self.report(Code::Qualifier, entry.qualifier_span, text, "of networks", help);
+                    return error(entry);
+                }
+            },
+            Work::Error => return error(entry),
+        };
+        // What the action works on: the variable, or a BOOL that stands for the statements.
+        let target = match work {
+            Work::Operand(operand) => operand,
+            Work::Code(..) | Work::Error => self.hidden(span, "BOOL"),
+        };
+        let (row, body) = match (qualifier, time) {
+            ("D", Some(value)) => (Qualifier::D, ActionBody::Value { operand: target.clone(), value }),
+            ("L", Some(value)) => (Qualifier::L, ActionBody::Value { operand: target.clone(), value }),
+            ("DS", Some(value)) => {
+                let due = self.hidden(span, "BOOL");
+                let set = assignment(target.clone(), truth(true, span));
+                self.behind(vec![when(due.clone(), vec![set], Vec::new())], span);
+                (Qualifier::D, ActionBody::Value { operand: due, value })
+            }
+            ("SD" | "SL", Some(value)) => {
+                let (stored, timer) = (self.hidden(span, "BOOL"), self.hidden(span, "TON_TIME"));
+                let before = self.hidden(span, "BOOL");
+                let done = member(timer.clone(), "Q");
+                let active = match qualifier {
+                    "SD" => done,
+                    _ => {
+                        let not = Expr { kind: ExprKind::Unary { op: UnaryOp::Not, operand: Box::new(done) }, span };
+                        both(stored.clone(), not)
+                    }
+                };
+                let off = when(before.clone(), vec![assignment(target.clone(), truth(false, span))], Vec::new());
+                let on = assignment(target.clone(), truth(true, span));
+                self.behind(
+                    vec![
+                        call(timer, vec![("IN", stored.clone()), ("PT", value)]),
+                        when(active.clone(), vec![on], vec![off]),
+                        assignment(before, active),
+                    ],
+                    span,
+                );
+                self.stored.entry(key.clone()).or_default().push(stored.clone());
+                (Qualifier::S, ActionBody::Operand(stored))
+            }
+            _ => (Qualifier::S, ActionBody::Operand(target.clone())),
+        };
+        if let Some(list) = code {
+            let before = self.hidden(span, "BOOL");
+            let either = Expr {
+                kind: ExprKind::Binary {
+                    op: BinaryOp::Or,
+                    op_span: span,
+                    left: Box::new(target.clone()),
+                    right: Box::new(before.clone()),
+                },
+                span,
+            };
+            self.behind(vec![when(either, list, Vec::new()), assignment(before, target.clone())], span);
+            if !matches!(qualifier, "D" | "L") {
+                self.stored.entry(key).or_default().push(target);
+            }
+        }
+        vec![entry.row(None, row, body)]
+    }
+
+    /// A variable of the instance that nothing else has.
+    fn hidden(&mut self, span: Span, ty: &str) -> Expr {
+        let text = self.body.hidden_variable("action", ty, span);
+        Expr { kind: ExprKind::Name(Name { text, form: NameForm::Local, span }), span }
+    }
+
+    /// Statements behind the sequencer, in each call.
+    fn behind(&mut self, list: Vec<Statement>, span: Span) {
+        let (title, comment, labels) = (None, Vec::new(), Vec::new());
+        let content = Content::Scl(list);
+        let network = Network { language: Language::Scl, title, comment, labels, content, span };
+        self.after.push(Permanent { kind: PermanentKind::Network(network), span });
     }
 
     fn duration(&mut self, node: Node<'a, 'a>) -> Option<Expr> {
         let attribute = node.attribute_node("duration").filter(|duration| !duration.value().trim().is_empty())?;
-        let (mut value, messages) =
-            fragment::expression(self.reader.file, &self.reader.overlay, attribute.range_value());
-        self.reader.messages.extend(messages);
-        self.body.scope.expr(&mut value);
+        let value = self.reader.expression(attribute.range_value(), Some(&self.body.scope));
         Some(value)
     }
 
-    fn no_equivalent(&mut self, entry: Entry, qualifier: &str, step: &str) -> Vec<Action> {
-        let (label, help) = match qualifier {
-            "SD" => {
-                let help = "set a BOOL by S, start a TON with it outside the chart, and take the output of the TON";
-                ("stored and delayed", help.to_string())
-            }
-            "SL" => {
-                let help = "set a BOOL by S, start a TP with it outside the chart, and take the output of the TP";
-                ("stored and limited", help.to_string())
-            }
-            "DS" => {
-                let help = format!("take N, and write `IF {step}.T >= T#5s THEN Operand := TRUE; END_IF;`");
-                ("delayed and stored", help)
-            }
-            _ => ("not known", "IEC 61131-3 has N, S, R, D, L, P, P0, P1, SD, DS and SL".to_string()),
-        };
-        let text = format!("GRAPH has no equivalent of the qualifier `{qualifier}`");
-        self.report(Code::Qualifier, entry.qualifier_span, text, label, help);
+    fn no_equivalent(&mut self, entry: Entry, qualifier: &str) -> Vec<Action> {
+        let help = "IEC 61131-3 has N, S, R, D, L, P, P0, P1, SD, DS and SL";
+        let text = format!("an action has no qualifier `{qualifier}`");
+        self.report(Code::Qualifier, entry.qualifier_span, text, "not known", help);
         vec![entry.row(None, Qualifier::N, ActionBody::Error)]
     }
+}
+
+/// The statements of an action; none if it has networks.
+fn statements(bodies: &[ActionBody]) -> Option<Vec<Statement>> {
+    let mut all = Vec::new();
+    for body in bodies {
+        let ActionBody::Statements(list) = body else { return None };
+        all.extend(list.iter().cloned());
+    }
+    Some(all)
+}
+
+fn truth(value: bool, span: Span) -> Expr {
+    let literal = Literal::Typed { ty: crate::Elementary::Bool, bits: u64::from(value) };
+    Expr { kind: ExprKind::Literal(literal), span }
+}
+
+fn member(base: Expr, name: &str) -> Expr {
+    let span = base.span;
+    let name = Name { text: name.to_string(), form: NameForm::Bare, span };
+    Expr { kind: ExprKind::Member { base: Box::new(base), name }, span }
+}
+
+fn both(left: Expr, right: Expr) -> Expr {
+    let span = left.span;
+    let kind = ExprKind::Binary { op: BinaryOp::And, op_span: span, left: Box::new(left), right: Box::new(right) };
+    Expr { kind, span }
+}
+
+fn assignment(target: Expr, value: Expr) -> Statement {
+    let span = target.span;
+    Statement { kind: StatementKind::Assign { targets: vec![(target, AssignOp::Set)], value }, span }
+}
+
+fn when(condition: Expr, body: Vec<Statement>, otherwise: Vec<Statement>) -> Statement {
+    let span = condition.span;
+    Statement { kind: StatementKind::If { branches: vec![(condition, body)], otherwise }, span }
+}
+
+fn call(callee: Expr, inputs: Vec<(&str, Expr)>) -> Statement {
+    let span = callee.span;
+    let argument = |(name, value): (&str, Expr)| Argument {
+        name: Some(Name { text: name.to_string(), form: NameForm::Bare, span }),
+        output: false,
+        value: Some(value),
+        span,
+    };
+    let arguments = inputs.into_iter().map(argument).collect();
+    let call = Expr { kind: ExprKind::Call { callee: Box::new(callee), arguments }, span };
+    Statement { kind: StatementKind::Expression(call), span }
 }

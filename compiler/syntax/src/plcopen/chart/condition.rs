@@ -12,7 +12,6 @@ use crate::plcopen::interface::{child, elements};
 use crate::plcopen::objects::{Edge, Kind, Object};
 use crate::plcopen::order;
 use crate::scl::ast::{AssignOp, Expr, ExprKind, Name, NameForm, Statement, StatementKind, UnaryOp};
-use crate::scl::fragment;
 
 impl<'a> Sfc<'_, 'a, '_> {
     /// The condition of a transition; `network`: the object that stands for it in the networks of the chart.
@@ -48,10 +47,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         let Some(attribute) = node.attribute_node("name").filter(|_| !name.is_empty()) else {
             return self.missing(span);
         };
-        let (mut value, messages) =
-            fragment::expression(self.reader.file, &self.reader.overlay, attribute.range_value());
-        self.reader.messages.extend(messages);
-        self.body.scope.expr(&mut value);
+        let value = self.reader.expression(attribute.range_value(), Some(&self.body.scope));
         Some(Condition::Expression(value))
     }
 

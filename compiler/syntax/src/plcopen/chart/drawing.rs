@@ -160,11 +160,11 @@ impl<'a> Sfc<'_, 'a, '_> {
                         let rank = (priority(item), position(item.node).1, output(items[from].node, line));
                         arms.push(Arm { from, to, output: 0, input: input as u32, rank, span });
                     }
+                    // Editors drop such lines as they open the project; what it leaves unreached is told.
                     None => {
-                        let text = format!("a line comes from object {id}, which is no step, transition or branch");
-                        let help = "connect the element again in the editor, and export the project";
-                        self.report(Code::NoSource, span, text, "", help);
-                        self.broken = true;
+                        let text = format!("a line comes from object {id}, which is not a step, transition or branch");
+                        let help = "connect the element again in the editor if something is missing";
+                        self.report(Code::Tolerated, span, text, "the line is left out", help);
                     }
                 }
             }

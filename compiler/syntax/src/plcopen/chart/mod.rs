@@ -19,10 +19,12 @@ use roxmltree::Node;
 use super::interface::{child, elements, plain_text};
 use super::objects::{Kind, Object, connected_condition};
 use super::{Body, Reader};
-use crate::chart::ast::{ActionBody, Body as Chart, Condition, Dialect, Interface, Settings, Step, Transition};
+use crate::chart::ast::{
+    ActionBody, Body as Chart, Condition, Dialect, Interface, Permanent, Settings, Step, Transition,
+};
 use crate::chart::fold::{Folded, fold};
 use crate::network::ast::Language;
-use crate::scl::ast::{Name, NameForm, Statement, StatementKind};
+use crate::scl::ast::{Expr, Name, NameForm, Statement, StatementKind};
 use drawing::Plan;
 
 #[cfg(test)]
@@ -32,7 +34,8 @@ mod tests;
 pub fn read<'a>(reader: &mut Reader<'a>, body: &mut Body, pou: Node<'a, 'a>, content: Node<'a, 'a>) -> Chart {
     let objects = reader.objects(content);
     let (transitions, actions) = (HashMap::new(), HashMap::new());
-    let mut sfc = Sfc { reader, body, objects, transitions, actions, broken: false };
+    let mut sfc =
+        Sfc { reader, body, objects, transitions, actions, stored: HashMap::new(), after: Vec::new(), broken: false };
     let plan = sfc.plan(content);
     let names = sfc.step_names(&plan.steps);
     sfc.hide(&names);
@@ -44,7 +47,8 @@ pub fn read<'a>(reader: &mut Reader<'a>, body: &mut Body, pou: Node<'a, 'a>, con
     sfc.idle_networks();
     let settings =
         Settings { interface: Some(Interface::UserDefined), acknowledge: Some(false), ..Settings::default() };
-    Chart { dialect: Dialect::Sfc, settings, steps, transitions, broken: sfc.broken, ..Chart::default() }
+    let (after, broken) = (sfc.after, sfc.broken);
+    Chart { dialect: Dialect::Sfc, settings, steps, transitions, after, broken, ..Chart::default() }
 }
 
 /// A chart that is being read.
@@ -57,6 +61,10 @@ struct Sfc<'r, 'a, 'b> {
     transitions: HashMap<String, Option<Condition>>,
     /// Actions of the POU by their names in lower case, as rows; none: could not be read.
     actions: HashMap<String, Option<Vec<ActionBody>>>,
+    /// BOOLs that keep an action going, by its name in lower case.
+    stored: HashMap<String, Vec<Expr>>,
+    /// What happens behind the sequencer, in each call.
+    after: Vec<Permanent>,
     broken: bool,
 }
 
@@ -81,7 +89,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         for name in steps {
             let key = name.text.to_lowercase();
             self.body.scope.located.remove(&key);
-            self.body.scope.globals.remove(&key);
+            self.body.scope.hidden.insert(key);
         }
     }
 
@@ -165,6 +173,11 @@ impl<'a> Sfc<'_, 'a, '_> {
                 let range = self.reader.text_range(elements(content).next().unwrap_or(content));
                 let Some(range) = range else { return Some(Vec::new()) };
                 let statements = self.reader.statements(range, self.body);
+                self.stays(&statements)?;
+                vec![ActionBody::Statements(statements)]
+            }
+            "IL" => {
+                let statements = crate::plcopen::il::read(self.reader, self.body, content);
                 self.stays(&statements)?;
                 vec![ActionBody::Statements(statements)]
             }
@@ -256,7 +269,7 @@ fn comment(node: Node) -> Vec<String> {
 }
 
 /// A statement that leaves the list it stands in.
-fn leaving(statements: &[Statement]) -> Option<Span> {
+pub fn leaving(statements: &[Statement]) -> Option<Span> {
     statements.iter().find_map(|statement| match &statement.kind {
         StatementKind::Return(_) | StatementKind::Goto(_) | StatementKind::Label(_) => Some(statement.span),
         StatementKind::If { branches, otherwise } => {

@@ -4,6 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use super::super::objects::{Connection, Edge, Kind, Object};
 use super::{Build, DEPTH_MAX, Origin, pin};
+use crate::ast::{TypeKind, TypeRef};
 use crate::network::ast::{Graph, NetId, Pin, PinValue, Source, Target};
 use crate::network::elements;
 use crate::scl::ast::{Expr, ExprKind, Name, NameForm};
@@ -11,8 +12,8 @@ use crate::scl::ast::{Expr, ExprKind, Name, NameForm};
 impl Build<'_, '_, '_> {
     /// The value of an input, with an edge before it if it has one.
     pub(super) fn input(&mut self, input: Option<&Connection>, span: Span) -> PinValue {
-        let Some(input) = input.filter(|input| !input.from.is_empty()) else { return PinValue::Open };
-        let origins = self.origins(&input.from, 0);
+        let Some(input) = input.filter(|input| !input.is_open()) else { return PinValue::Open };
+        let origins = self.sources(input);
         let value = match origins.as_slice() {
             [] => PinValue::Open,
             [Origin::Operand(value, negated)] if !*negated && (input.in_out || input.modifiers.edge == Edge::None) => {
@@ -30,6 +31,14 @@ impl Build<'_, '_, '_> {
         let pins = vec![pin("in", value, false, span), pin("bit", PinValue::Operand(bit), false, span)];
         let element = self.element(None, target, pins, span);
         PinValue::Net(self.net(vec![Origin::Pin(element, "out".to_string())], span))
+    }
+
+    /// What feeds a connection: its lines, or the expression that stands at it.
+    pub(super) fn sources(&mut self, input: &Connection) -> Vec<Origin> {
+        match input.text.clone().filter(|_| input.from.is_empty()) {
+            Some(range) => vec![Origin::Operand(self.expr(range), false)],
+            None => self.origins(&input.from, 0),
+        }
     }
 
     /// What feeds the ends of lines.
@@ -50,6 +59,11 @@ impl Build<'_, '_, '_> {
         match object.kind {
             Kind::LeftRail => vec![Origin::Rail],
             Kind::InVariable | Kind::InOutVariable => match object.text.clone() {
+                Some(_) if object.modifiers.edge != Edge::None => {
+                    let span = object.span;
+                    self.reader.unreadable(span, "an edge at a variable", "connect an R_TRIG or F_TRIG behind it");
+                    Vec::new()
+                }
                 Some(range) => vec![Origin::Operand(self.expr(range), object.modifiers.negated)],
                 None => Vec::new(),
             },
@@ -86,10 +100,13 @@ impl Build<'_, '_, '_> {
 
     /// An output of an object that ran; else the value that it had in the last cycle.
     fn made_pin(&mut self, at: usize, formal: &str) -> Vec<Origin> {
-        if let Some(element) = self.made.get(&at) {
-            return vec![Origin::Pin(*element, formal.to_string())];
-        }
         let object = &self.objects[at];
+        if let Some(element) = self.made.get(&at).copied() {
+            return match self.complex_output(at, formal).filter(|_| !self.direct) {
+                Some(ty) => vec![self.carried(at, element, formal, ty)],
+                None => vec![Origin::Pin(element, formal.to_string())],
+            };
+        }
         let flip_flop = ["SR", "RS"].iter().any(|name| object.name.eq_ignore_ascii_case(name));
         if let Some(range) = object.instance.clone() {
             let base = self.expr(range);
@@ -117,6 +134,69 @@ impl Build<'_, '_, '_> {
         let Some(hidden) = self.hidden("loop", object.span) else { return Vec::new() };
         self.kept.insert(key, hidden.clone());
         vec![Origin::Operand(hidden, false)]
+    }
+
+    /// The type of an output that no net carries: a text or a structure.
+    fn complex_output(&mut self, at: usize, formal: &str) -> Option<TypeRef> {
+        let object = &self.objects[at];
+        if object.kind != Kind::Block || formal.eq_ignore_ascii_case("ENO") {
+            return None;
+        }
+        let name = object.name.to_lowercase();
+        if self.reader.pous.contains(&name) {
+            let output = formal.to_lowercase();
+            let of_function = (name.clone(), String::new());
+            let known = self.reader.complex.get(&(name, output)).or_else(|| self.reader.complex.get(&of_function))?;
+            let known = *known;
+            return self.reader.type_of(known, 0);
+        }
+        let text = TypeRef { kind: TypeKind::String(None), span: object.span };
+        self.is_text(at, 0).then_some(text)
+    }
+
+    /// A block of the standard whose output is a text.
+    fn is_text(&self, at: usize, depth: usize) -> bool {
+        const TEXT: [&str; 7] = ["CONCAT", "LEFT", "RIGHT", "MID", "INSERT", "DELETE", "REPLACE"];
+        const ANY: [&str; 6] = ["SEL", "MUX", "MOVE", "LIMIT", "MIN", "MAX"];
+        let object = &self.objects[at];
+        let upper = object.name.to_ascii_uppercase();
+        if TEXT.contains(&upper.as_str()) || upper.ends_with("_TO_STRING") {
+            return true;
+        }
+        let is_text = |from: usize| {
+            let other = &self.objects[from];
+            match other.kind {
+                Kind::Block => depth < DEPTH_MAX && self.is_text(from, depth + 1),
+                _ => {
+                    let text = other.text.clone().and_then(|range| self.reader.overlay.get(range)).unwrap_or_default();
+                    let ty = self.body.scope.types.get(&text.trim().to_lowercase());
+                    text.trim_start().starts_with('\'') || ty.is_some_and(|ty| ty == "STRING")
+                }
+            }
+        };
+        let lines = object.inputs.iter().flat_map(|input| &input.from);
+        ANY.contains(&upper.as_str()) && lines.into_iter().any(|(from, _)| is_text(*from))
+    }
+
+    /// An output that no net carries, in temporary data; of an instance it is read there.
+    fn carried(&mut self, at: usize, element: usize, formal: &str, ty: TypeRef) -> Origin {
+        let object = &self.objects[at];
+        let span = object.span;
+        if let Some(range) = object.instance.clone() {
+            let base = Box::new(self.expr(range));
+            let member = Name { text: formal.to_string(), form: NameForm::Bare, span };
+            return Origin::Operand(Expr { kind: ExprKind::Member { base, name: member }, span }, false);
+        }
+        let key = (at, formal.to_string());
+        if let Some(known) = self.carried.get(&key) {
+            return Origin::Operand(known.clone(), false);
+        }
+        let variable = super::name(self.body.temporary_variable(ty, span), NameForm::Local, span);
+        let canonical = self.output_name(element, formal, span);
+        let output = pin(&canonical, PinValue::Operand(variable.clone()), true, span);
+        self.graph.elements[element].pins.push(output);
+        self.carried.insert(key, variable.clone());
+        Origin::Operand(variable, false)
     }
 
     /// Signals that are read before they are computed are kept for the next cycle.

@@ -199,7 +199,12 @@ impl<'a> Layout<'a> {
                 let name = unquoted(self.slice(token));
                 Tok::Local(name)
             }
+            RawKind::Quoted if self.iec => return self.literal(token),
             RawKind::Quoted => Tok::Quoted(self.quoted_name(token)),
+            // `status.3`, a bit of a variable.
+            RawKind::Number if self.iec && matches!(self.out.last(), Some((_, Tok::Dot, _))) => {
+                Tok::Slice(crate::ast::Width::Bit, self.slice(token).parse().unwrap_or(u32::MAX))
+            }
             RawKind::Number | RawKind::Real | RawKind::Literal | RawKind::Text => return self.literal(token),
             RawKind::Absolute => return self.absolute(token),
             RawKind::Slice => match address::slice(self.slice(token)) {
@@ -249,6 +254,14 @@ impl<'a> Layout<'a> {
     fn word(&mut self, run: Run, token: RawToken) {
         let word = self.slice(token);
         let formal = matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Arrow));
+        // `AND(a, b)`: the operator as a function.
+        let called = self.iec
+            && self.kind_at(self.at + 1) == Some(RawKind::LeftParen)
+            && token.keyword.is_some_and(|word| word.is_operator() && word != Keyword::Not)
+            && !self.out.last().is_some_and(|(_, token, _)| ends_operand(token));
+        if called {
+            return self.take(Tok::Name(word));
+        }
         let typed = |ty, bits| Tok::Literal(Literal::Typed { ty, bits });
         let tok = match token.keyword.filter(|_| !formal) {
             Some(Keyword::And) => Tok::And,
@@ -274,6 +287,9 @@ impl<'a> Layout<'a> {
 
     /// `FB 10` in two tokens.
     fn block_with_blank(&mut self, token: RawToken) -> Option<()> {
+        if self.iec {
+            return None;
+        }
         let prefix = address::block_prefix(self.slice(token))?;
         let number = self.raw.get(self.at + 1).copied()?;
         if number.kind != RawKind::Number || number.first_on_line {
@@ -313,6 +329,8 @@ impl<'a> Layout<'a> {
         let bare = text.strip_prefix('%').unwrap_or(text);
         let tok = match address::token(text, self.span(token)) {
             Some(operand) => Tok::Absolute(operand),
+            // The carrier knows what `%QX1.0.2` stands for, and has a tag of that name.
+            None if self.iec => Tok::Quoted(text),
             // `%MW(#i)`, `%DB10.DBW(#i)`
             None if address::area_word(bare).is_some() || address::db_area_word(bare).is_some() => Tok::Name(bare),
             None => {

@@ -80,6 +80,7 @@ fn gives_value(element: &Element, pin: &str) -> bool {
     }
     match row.kind {
         Kind::Calculate
+        | Kind::Formula
         | Kind::Operator(_)
         | Kind::Convert
         | Kind::Round(_)

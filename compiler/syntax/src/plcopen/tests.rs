@@ -1,0 +1,83 @@
+//! What projects hold that plcc does not read is told, never skipped.
+
+use plcc_diag::{Code, FileId, Severity};
+
+use super::{parse, tags};
+
+/// Codes, severities and titles of the messages of a project with a program.
+fn told(interface: &str, body: &str, more: &str) -> Vec<(Code, Severity, String)> {
+    let text = format!(
+        "<project><types><dataTypes/><pous><pou name=\"Main\" pouType=\"program\"><interface>{interface}</interface>\
+         <body>{body}</body></pou></pous></types>{more}</project>"
+    );
+    let (_, mut messages) = parse(FileId(0), &text);
+    messages.extend(tags(FileId(0), &text).1);
+    messages.into_iter().map(|message| (message.code, message.severity, message.title)).collect()
+}
+
+fn errors(interface: &str, body: &str, more: &str) -> Vec<String> {
+    let errors = told(interface, body, more).into_iter().filter(|(_, severity, _)| *severity == Severity::Error);
+    errors.map(|(_, _, title)| title).collect()
+}
+
+fn st(text: &str) -> String {
+    format!("<ST><p><![CDATA[{text}]]></p></ST>")
+}
+
+#[test]
+fn code_in_c_is_an_error() {
+    let title = vec!["plcc does not read code in C".to_string()];
+    assert_eq!(errors("", &st("{{ x = 1; }}"), ""), title);
+    assert_eq!(errors("", &st("{ x = 1; }"), ""), title);
+    assert_eq!(errors("", &st("(* { x } *)"), ""), Vec::<String>::new());
+}
+
+#[test]
+fn unknown_parts_are_errors() {
+    let list = "<accessVars><variable name=\"a\"><type><INT/></type></variable></accessVars>";
+    assert_eq!(errors(list, &st(""), ""), ["plcc does not read the list `accessVars` of an interface"]);
+    let untyped = "<localVars><variable name=\"a\"/></localVars>";
+    assert_eq!(errors(untyped, &st(""), ""), ["a variable without a name or a type"]);
+    let value = "<localVars><variable name=\"a\"><type><INT/></type><initialValue><other/></initialValue></variable></localVars>";
+    assert_eq!(errors(value, &st(""), ""), ["plcc does not read the initial value `other`"]);
+    let method = "<addData><data name=\"x\"><Method name=\"Go\"/></data></addData>";
+    assert_eq!(errors("", &st(""), method), ["plcc does not read the method `Go`"]);
+    let lost = "<externalVars><variable name=\"a\"><type><INT/></type></variable></externalVars>";
+    assert_eq!(errors(lost, &st(""), ""), ["the project has no global variable `a`"]);
+    let instance = "<instances><configurations><configuration name=\"C\"><resource name=\"R\">\
+                    <pouInstance name=\"I\" typeName=\"Gone\"/></resource></configuration></configurations></instances>";
+    assert_eq!(errors("", &st(""), instance), ["the project has no program `Gone`"]);
+    let event = instance.replace(
+        "<pouInstance name=\"I\" typeName=\"Gone\"/>",
+        "<task name=\"T\" single=\"a\"><pouInstance name=\"I\" typeName=\"Main\"/></task>",
+    );
+    assert_eq!(errors("", &st(""), &event), ["plcc does not read tasks that an event starts, here `a`"]);
+    let edge = "<FBD><inVariable localId=\"1\" edge=\"rising\"><expression>a</expression></inVariable>\
+                <outVariable localId=\"2\"><connectionPointIn><connection refLocalId=\"1\"/></connectionPointIn>\
+                <expression>b</expression></outVariable></FBD>";
+    assert_eq!(errors("", edge, ""), ["plcc does not read an edge at a variable"]);
+    let second = "<IL><p>ST a</p></IL>";
+    assert_eq!(errors("", second, ""), ["there is no current result here"]);
+}
+
+#[test]
+fn lines_from_objects_that_are_gone_are_left_out() {
+    let body = "<FBD><outVariable localId=\"2\"><connectionPointIn><connection refLocalId=\"1\"/></connectionPointIn>\
+                <expression>b</expression></outVariable></FBD>";
+    let found = told("", body, "");
+    let title = "a line comes from object 1, which the network does not have";
+    assert_eq!(found, [(Code::Tolerated, Severity::Warning, title.to_string())]);
+}
+
+#[test]
+fn programs_without_a_task_are_told() {
+    let other = "<instances><configurations><configuration name=\"C\"><resource name=\"R\"><task name=\"T\"/>\
+                 </resource></configuration></configurations></instances>";
+    assert_eq!(told("", &st(""), other), [], "the only program runs in OB 1");
+    let short = other.replace(
+        "<task name=\"T\"/>",
+        "<task name=\"T\" interval=\"T#100us\"><pouInstance name=\"I\" typeName=\"Main\"/></task>",
+    );
+    let title = "an interval of T#100us is longer here: OBs have whole milliseconds";
+    assert_eq!(told("", &st(""), &short), [(Code::Tolerated, Severity::Warning, title.to_string())]);
+}
