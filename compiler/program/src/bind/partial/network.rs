@@ -407,6 +407,7 @@ fn is_bit(row: &Row) -> bool {
         | Kind::ResetTimer
         | Kind::PresetTimer
         | Kind::Calculate
+        | Kind::Formula
         | Kind::Operator(_)
         | Kind::Step { .. }
         | Kind::Function(_)
