@@ -27,12 +27,27 @@ pub struct Diagnostic {
     pub severity: Severity,
 }
 
+/// Most bytes of a title and of a label, which may quote the source.
+const TEXT_MAX: usize = 1000;
+/// Most bytes of a help text, which may list names.
+const HELP_MAX: usize = 30_000;
+
+/// A text with `…` in place of what is too long.
+fn cut(mut text: String, most: usize) -> String {
+    if text.len() > most {
+        let end = (0..=most).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0);
+        text.truncate(end);
+        text.push('…');
+    }
+    text
+}
+
 impl Diagnostic {
     /// A message of `code` at `span`.
     pub fn new(code: Code, span: Span, title: impl Into<String>) -> Diagnostic {
         Diagnostic {
             code,
-            title: title.into(),
+            title: cut(title.into(), TEXT_MAX),
             primary: Label { span, text: String::new() },
             secondary: Vec::new(),
             help: None,
@@ -43,19 +58,19 @@ impl Diagnostic {
 
     /// What stands at the primary place.
     pub fn label(mut self, text: impl Into<String>) -> Diagnostic {
-        self.primary.text = text.into();
+        self.primary.text = cut(text.into(), TEXT_MAX);
         self
     }
 
     /// Another place that matters.
     pub fn also(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
-        self.secondary.push(Label { span, text: text.into() });
+        self.secondary.push(Label { span, text: cut(text.into(), TEXT_MAX) });
         self
     }
 
     /// What to write.
     pub fn help(mut self, text: impl Into<String>) -> Diagnostic {
-        self.help = Some(text.into());
+        self.help = Some(cut(text.into(), HELP_MAX));
         self
     }
 
@@ -67,5 +82,21 @@ impl Diagnostic {
 
     pub fn is_error(&self) -> bool {
         self.severity == Severity::Error
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FileId;
+
+    #[test]
+    fn quotations_are_cut() {
+        let span = Span::new(FileId(0), 0..1);
+        let message =
+            Diagnostic::new(Code::Syntax, span, "ä".repeat(100_000)).label("x".repeat(1000)).help("y".repeat(99_999));
+        assert_eq!((message.title.chars().count(), message.title.ends_with('…')), (501, true));
+        assert_eq!(message.primary.text.len(), 1000);
+        assert_eq!(message.help.map(|help| help.len()), Some(30_003));
     }
 }

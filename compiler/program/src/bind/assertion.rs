@@ -363,7 +363,10 @@ fn with_untyped(width: u8, literal: &Literal, op: AssertOp, span: Span) -> Resul
         (None, Some(loaded)) => Some(i128::from(loaded)),
         (None, None) => literal.constant.as_ref().and_then(|constant| pattern(constant, width)),
     };
-    let value = value.filter(|value| (0..limit).contains(value)).and_then(|value| u64::try_from(value).ok());
+    // A pattern may be wider: both are compared as numbers, and a failure shows them.
+    let is_wide = literal.constant.as_ref().is_none_or(is_pattern);
+    let value = value.filter(|value| *value >= 0 && (is_wide || *value < limit));
+    let value = value.and_then(|value| u64::try_from(value).ok());
     let value = value.ok_or_else(|| does_not_fit(&format!("{width} bits"), span))?;
     Ok((AssertKind::Bits, bits, (bits, AssertConstant::Bits(value))))
 }
