@@ -126,6 +126,23 @@ fn find_tests_below(folder: &Path, tests: &mut Vec<TestInput>) {
     }
 }
 
+/// The ending of a scenario beside its source.
+const SCENARIO_ENDING: &str = ".scenario.toml";
+
+/// Scenarios in folders of sources that lie beside none: nothing plays them.
+pub fn lone_scenarios(paths: &[PathBuf], tests: &[TestInput]) -> Vec<PathBuf> {
+    let mut scenarios: Vec<PathBuf> =
+        paths.iter().filter(|path| path.is_dir()).flat_map(|path| files_below(path)).collect();
+    scenarios.retain(|path| path.file_name().is_some_and(|name| name.to_string_lossy().ends_with(SCENARIO_ENDING)));
+    scenarios.retain(|path| {
+        !tests.iter().any(|test| match test {
+            TestInput::File(source) => source.with_extension("scenario.toml") == *path,
+            TestInput::Project(folder) => path.starts_with(folder),
+        })
+    });
+    scenarios
+}
+
 /// Scenarios of a project: the `.toml` files below its `tests` folder.
 pub fn project_scenarios(folder: &Path) -> Vec<PathBuf> {
     let mut scenarios = files_below(&folder.join("tests"));
@@ -150,9 +167,10 @@ fn content_of(path: &Path, text: &str) -> Content {
     if path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case(TEXTS_SUFFIX)) {
         return Content::Other("texts of a block");
     }
+    if is_toml(path) {
+        return Content::Other("settings or a scenario in TOML");
+    }
     match content::of(text) {
-        // Settings and scenarios, whatever else their lines look like.
-        Content::Source | Content::Prose if is_toml(path) => Content::Other("settings or a scenario in TOML"),
         Content::Prose if pipeline::language_of(&path.display().to_string()).is_some() => Content::Source,
         content => content,
     }
@@ -432,6 +450,10 @@ mod tests {
         assert_eq!((named.units.len(), codes), (1, vec![Code::NotASource]));
         let all = read(&[folder.path().to_path_buf()]);
         assert_eq!((all.units.len(), all.diagnostics.len()), (1, 0));
+        // One that nothing plays is told.
+        fs::write(folder.path().join("b.scenario.toml"), "").unwrap();
+        let paths = [folder.path().to_path_buf()];
+        assert_eq!(lone_scenarios(&paths, &find_tests(&paths)), [folder.path().join("b.scenario.toml")]);
     }
 
     /// Reading a pipe would wait for ever.

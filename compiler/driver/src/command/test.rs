@@ -3,8 +3,8 @@
 use crate::cli::{FormArg, TestArgs};
 use crate::command::exit;
 use crate::pipeline::Settings;
-use crate::report;
 use crate::testing::{self, Form, Outcome, Plan, Variant};
+use crate::{inputs, report};
 
 /// Runs all tests and prints what failed, then `N passed, M failed`.
 pub fn test(args: &TestArgs) -> u8 {
@@ -19,7 +19,11 @@ pub fn test(args: &TestArgs) -> u8 {
         variants: forms.iter().map(|&form| Variant { form, level: args.level.level }).collect(),
         linker: args.linker.clone(),
     };
-    let outcomes = testing::run(&crate::inputs::find_tests(&args.inputs), &plan);
+    let tests = inputs::find_tests(&args.inputs);
+    let outcomes = testing::run(&tests, &plan);
+    for scenario in inputs::lone_scenarios(&args.inputs, &tests) {
+        println!("no source beside the scenario: {}", scenario.display());
+    }
     if outcomes.is_empty() {
         report::say("no source in the given folders");
         return exit::USAGE;
