@@ -103,8 +103,11 @@ impl Binder<'_> {
         }
         let mut value = self.scl_value(ctx, first);
         for node in operators.into_iter().rev() {
-            let NodeKind::Binary { op, right, op_span, .. } = &node.kind else { continue };
-            let right = self.scl_value(ctx, right);
+            let NodeKind::Binary { op, left, right, op_span } = &node.kind else { continue };
+            let right = match self.compared_type_name(ctx, *op, left, right) {
+                Some(number) => Some(number),
+                None => self.scl_value(ctx, right),
+            };
             value = match (value, right) {
                 (Some(left), Some(right)) => self.binary(ctx, node, *op, *op_span, left, right),
                 _ => None,

@@ -188,7 +188,7 @@ impl Binder<'_> {
     }
 
     /// T_CONV and T_DIFF whose result is assigned: they give what the target is. `None`: any other expression; `Some(None)`: after a message.
-    pub(super) fn value_for_target(
+    pub(in crate::bind) fn value_for_target(
         &mut self,
         ctx: &mut Ctx,
         targets: &[(Node, AssignOp)],
