@@ -104,6 +104,10 @@ impl Binder<'_> {
         let mut value = self.scl_value(ctx, first);
         for node in operators.into_iter().rev() {
             let NodeKind::Binary { op, left, right, op_span } = &node.kind else { continue };
+            if let Some(compared) = self.compared_with_null(*op, value.as_ref(), right, node.span) {
+                value = Some(compared);
+                continue;
+            }
             let right = match self.compared_type_name(ctx, *op, left, right) {
                 Some(number) => Some(number),
                 None => self.scl_value(ctx, right),

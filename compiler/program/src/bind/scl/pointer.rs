@@ -72,7 +72,7 @@ impl Binder<'_> {
                 };
                 return Some(for_formal(formal, any, pointed_at_by_literal(type_code, count)));
             }
-            NodeKind::Literal(Literal::Nil) => {
+            NodeKind::Literal(Literal::Nil | Literal::Null) => {
                 return Some(for_formal(formal, Actual::PointerBytes(any_bytes(0, 0, 0, 0)), POINTS_AT_NOTHING));
             }
             NodeKind::Literal(Literal::Pointer { .. }) => {

@@ -6,7 +6,7 @@
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{TypeKind, TypeRef};
-use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, NameForm};
+use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Literal, NameForm};
 
 use super::array::variant_field;
 use super::expression::{binary_expr, constant_expr};
@@ -101,6 +101,27 @@ impl Binder<'_> {
         let asks = |row: &super::function::Row| matches!(row.kind, Kind::Type(Question::Type | Question::ElementType));
         !self.globals.contains_key(&fold(&name.text))
             && matches!(Named::find(&name.text), Some(Named::Row { row, .. }) if asks(row))
+    }
+
+    /// `v = NULL`: TRUE of a VARIANT that points at nothing.
+    pub fn compared_with_null(&self, op: Operator, left: Option<&Value>, right: &Node, span: Span) -> Option<Value> {
+        let op = match op {
+            Operator::Equal => CompareOp::Equal,
+            Operator::NotEqual => CompareOp::NotEqual,
+            _ => return None,
+        };
+        let (Some(Value::Parameter { access, .. }), NodeKind::Literal(Literal::Nil | Literal::Null)) =
+            (left, &right.kind)
+        else {
+            return None;
+        };
+        if access.ty != DataType::Parameter(ParameterType::Variant) {
+            return None;
+        }
+        let ty = variant_field(access, layout::VARIANT_TYPE, span)?;
+        let zero = constant_expr(0, Elementary::Udint, span);
+        let kind = ExprKind::Compare { op, left: Box::new(ty), right: Box::new(zero) };
+        Some(Value::Elementary(Expr { kind, ty: Elementary::Bool, span }))
     }
 
     /// The value of the right side of a comparison, where the left asks for a type.
