@@ -2,7 +2,9 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::network::ast::{Element, PinValue, TemplateKey};
-use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Literal, UnaryOp as Sign};
+use plcc_syntax::scl::ast::{
+    AssignOp, BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Literal, UnaryOp as Sign,
+};
 use plcc_syntax::{Class, Elementary};
 
 use super::bits::{argument, call_node};
@@ -386,7 +388,13 @@ impl Binder<'_> {
                 None => name.to_string(),
             };
             let call = call_node(&called, arguments, span);
-            let value = binder.scl_call(ctx, &call, false)?;
+            // T_CONV and T_DIFF give what the variable at OUT is.
+            let output = connected(element, "out").and_then(|_| binder.operand_node(element, "out"));
+            let targets: Vec<_> = output.into_iter().map(|node| (node, AssignOp::Set)).collect();
+            let value = match binder.value_for_target(ctx, &targets, &call) {
+                Some(value) => value?,
+                None => binder.scl_call(ctx, &call, false)?,
+            };
             binder.box_result(ctx, sheet, at, value)
         })
     }

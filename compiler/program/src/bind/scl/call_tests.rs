@@ -187,7 +187,7 @@ fn unknown_functions_are_told_of_once() {
     assert_eq!(errors("#r := Sqroot(1.0); #r := Sqroot(2.0);"), ["P0302"]);
     let (_, diagnostics) = bound("#r := SQRTT(1.0);");
     assert!(diagnostics[0].help.iter().any(|help| help.contains("SQRT")), "{diagnostics:?}");
-    assert_eq!(errors("#i := TypeOf(#i);"), ["P0303"]);
+    assert_eq!(errors("#i := JOIN(#i);"), ["P0303"]);
 }
 
 #[test]

@@ -18,6 +18,7 @@ impl Binder<'_> {
         arms: &[ArmTree],
         otherwise: &[Tree],
     ) -> Option<StatementKind> {
+        let of_types = self.asks_for_type(selector);
         let selector = self.selector(ctx, selector);
         let ty = selector.as_ref().map(|selector| selector.ty);
         // Ranges so far, with their places.
@@ -25,7 +26,7 @@ impl Binder<'_> {
         let mut bound = Vec::with_capacity(arms.len());
         for arm in arms {
             let ranges: Vec<(i128, i128)> =
-                arm.values.iter().filter_map(|value| self.case_range(ctx, value, ty?, &mut seen)).collect();
+                arm.values.iter().filter_map(|value| self.case_range(ctx, value, ty?, of_types, &mut seen)).collect();
             let body = self.statements(ctx, &arm.body);
             bound.push(Arm { ranges, body });
         }
@@ -58,11 +59,12 @@ impl Binder<'_> {
         ctx: &mut Ctx,
         value: &CaseValue,
         ty: Elementary,
+        of_types: bool,
         seen: &mut Vec<(i128, i128, Span)>,
     ) -> Option<(i128, i128)> {
-        let low = self.case_value(ctx, &value.low, ty);
+        let low = self.case_value(ctx, &value.low, ty, of_types);
         let high = match &value.high {
-            Some(high) => self.case_value(ctx, high, ty),
+            Some(high) => self.case_value(ctx, high, ty, of_types),
             None => low,
         };
         let (low, high) = (low?, high?);
@@ -91,7 +93,10 @@ impl Binder<'_> {
     }
 
     /// A label as a number of the selector's type.
-    fn case_value(&mut self, ctx: &mut Ctx, node: &Node, ty: Elementary) -> Option<i128> {
+    fn case_value(&mut self, ctx: &mut Ctx, node: &Node, ty: Elementary, of_types: bool) -> Option<i128> {
+        if of_types && let Some(Constant::Typed { bits, .. }) = self.named_type_number(ctx, node) {
+            return Some(i128::from(bits));
+        }
         let value = self.constant(&ctx.bound.constants, node)?;
         let (least, most) = constant::range(ty);
         match &value {

@@ -245,7 +245,7 @@ impl Binder<'_> {
 
 /// True where dates of different types become each other.
 fn converts_dates(rules: Rules) -> bool {
-    matches!(rules, Rules::Tia1200 | Rules::Tia1500)
+    rules != Rules::Classic
 }
 
 /// The predefined structure of date and time.

@@ -105,7 +105,11 @@ impl Binder<'_> {
         }
         let mut value = self.scl_value(ctx, first);
         for node in operators.into_iter().rev() {
-            let NodeKind::Binary { op, right, op_span, .. } = &node.kind else { continue };
+            let NodeKind::Binary { op, left, right, op_span } = &node.kind else { continue };
+            if let Some(compared) = self.compared_with_null(*op, value.as_ref(), right, node.span) {
+                value = Some(compared);
+                continue;
+            }
             if let NodeKind::Literal(Literal::Null) = right.kind
                 && matches!(value, Some(Value::Parameter { .. }))
                 && let Some(compared) = self.points_nowhere(ctx, node)
@@ -113,7 +117,10 @@ impl Binder<'_> {
                 value = Some(Value::Elementary(compared));
                 continue;
             }
-            let right = self.scl_value(ctx, right);
+            let right = match self.compared_type_name(ctx, *op, left, right) {
+                Some(number) => Some(number),
+                None => self.scl_value(ctx, right),
+            };
             value = match (value, right) {
                 (Some(left), Some(right)) => self.binary(ctx, node, *op, *op_span, left, right),
                 _ => None,

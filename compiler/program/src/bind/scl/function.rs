@@ -10,6 +10,7 @@ use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::Argument as Given;
 
 use super::value::Value;
+use super::variant::Question;
 use super::{convert, text};
 use crate::bind::{Binder, Ctx};
 use crate::model::scl::{BinaryOp, Function, TimerKind};
@@ -43,6 +44,8 @@ pub enum Kind {
         upper: bool,
     },
     CountOfElements,
+    /// TypeOf, TypeOfElements, IS_ARRAY.
+    Type(Question),
     Timer(TimerKind),
     /// S_CU, S_CD, S_CUD.
     Counter,
@@ -144,6 +147,9 @@ pub const ROWS: &[Row] = &[
     row("LOWER_BOUND", "ARR DIM", Kind::Bound { upper: false }),
     row("UPPER_BOUND", "ARR DIM", Kind::Bound { upper: true }),
     row("CountOfElements", "IN", Kind::CountOfElements),
+    row("TypeOf", "IN", Kind::Type(Question::Type)),
+    row("TypeOfElements", "IN", Kind::Type(Question::ElementType)),
+    row("IS_ARRAY", "IN", Kind::Type(Question::IsArray)),
     row("RESET_TIMER", "TIMER", Kind::ResetTimer),
     row("PRESET_TIMER", "PT TIMER", Kind::PresetTimer),
     row("S_PULSE", TIMER, Kind::Timer(TimerKind::Pulse)),
@@ -186,9 +192,6 @@ pub const ROWS: &[Row] = &[
 
 /// Functions that the tools of the vendor have and plcc has not, unless a block of the standard library is called so.
 pub const NOT_SUPPORTED: &[&str] = &[
-    "TypeOf",
-    "TypeOfElements",
-    "IS_ARRAY",
     "ReadFromArrayDB",
     "WriteToArrayDB",
     "ReadFromArrayDBL",
@@ -325,6 +328,7 @@ impl Binder<'_> {
             Kind::Identity => self.scl_value(ctx, pins.get("IN")?),
             Kind::Bound { upper } => self.bound_function(ctx, upper, &pins, span),
             Kind::CountOfElements => self.count_of_elements(ctx, &pins, span),
+            Kind::Type(question) => self.type_question(ctx, question, &pins, span),
             Kind::Timer(kind) => self.timer_function(ctx, kind, &pins, span),
             Kind::Counter => self.counter_function(ctx, &pins, span),
             Kind::Peek { bit } => self.peek(ctx, suffix, bit, &pins, span),

@@ -7,6 +7,7 @@
 //! - `call`: calls of blocks; `arguments`, `actual`, `pointer`: what they hand over.
 //! - `function`: the functions of the language, one table row each; `pins`: their arguments; `number`, `timer`, `memory`, `array`, `text`:
 //!   what they compute.
+//! - `variant`: what a VARIANT is asked for.
 //! - `value`: what an expression is before its context decides on its type; `message`: messages that several of these give.
 //! - `reference`: the reference page, docs/reference/scl.md.
 
@@ -45,6 +46,7 @@ mod text_number;
 mod time;
 mod timer;
 pub(in crate::bind) mod value;
+mod variant;
 
 #[cfg(test)]
 mod call_tests;

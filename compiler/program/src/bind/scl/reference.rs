@@ -7,6 +7,7 @@ use plcc_syntax::Elementary;
 use super::Rules;
 use super::convert::{Implicit, implicit, on_300};
 use super::function::{Kind, NOT_SUPPORTED, ROWS, Row};
+use super::variant::Question;
 use crate::model::scl::{BinaryOp, Function, TimerKind};
 
 /// The page without its tables.
@@ -171,7 +172,13 @@ fn described(row: &Row) -> (usize, &'static str) {
         }
         Kind::Bound { upper: false } => (3, "lower bound of dimension DIM, a DINT"),
         Kind::Bound { upper: true } => (3, "upper bound of dimension DIM, a DINT"),
-        Kind::CountOfElements => (3, "elements of an array, an UDINT"),
+        Kind::CountOfElements => (3, "elements of an array, an UDINT; of a VARIANT, those at which it points"),
+        Kind::Type(Question::Type) => (
+            3,
+            "the type of a variable, or of what a VARIANT points at, to be compared with `=`, `<>` and CASE: `TypeOf(v) = Int`",
+        ),
+        Kind::Type(Question::ElementType) => (3, "the type of the elements of an array"),
+        Kind::Type(Question::IsArray) => (3, "TRUE of an array, or of a VARIANT that points at one"),
         Kind::MoveBlock => {
             (3, "copies COUNT elements from array element IN on to OUT, as if through a buffer; too many are an error")
         }

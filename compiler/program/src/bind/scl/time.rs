@@ -58,11 +58,11 @@ fn days_of(date: Expr) -> Expr {
     convert::converted(days, Conversion::Bits { checked: false }, Dint)
 }
 
-/// True if two values compare as dates, one of them a DTL.
+/// True if two values compare as dates, one of them a DTL, or of two types.
 pub fn compare_as_dates(left: &Value, right: &Value) -> bool {
     let (a, b) = (moment(left), moment(right));
     let date = |moment| matches!(moment, Moment::Dtl | Moment::DateAndTime | Moment::Of(Ldt));
-    (a == Moment::Dtl || b == Moment::Dtl) && date(a) && date(b)
+    (a == Moment::Dtl || a != b) && date(a) && date(b)
 }
 
 impl Binder<'_> {
@@ -188,7 +188,7 @@ impl Binder<'_> {
     }
 
     /// T_CONV and T_DIFF whose result is assigned: they give what the target is. `None`: any other expression; `Some(None)`: after a message.
-    pub(super) fn value_for_target(
+    pub(in crate::bind) fn value_for_target(
         &mut self,
         ctx: &mut Ctx,
         targets: &[(Node, AssignOp)],

@@ -1,0 +1,160 @@
+//! What a VARIANT can be asked for: TypeOf, TypeOfElements, IS_ARRAY. Each is a number that stands in it, or is known of a variable.
+//!
+//! A type is a double word: [`layout::type_number`] of it, with another bit for an array of that type. Source: S7-1500 information system,
+//! comparators of VARIANT; decision 48.
+
+use plcc_diag::Span;
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{TypeKind, TypeRef};
+use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Literal, NameForm};
+
+use super::array::variant_field;
+use super::expression::{binary_expr, constant_expr};
+use super::function::{Kind, Named};
+use super::pins::Pins;
+use super::value::Value;
+use crate::bind::actual::pointed_at;
+use crate::bind::constant::Constant;
+use crate::bind::declare::Use;
+use crate::bind::names::fold;
+use crate::bind::{Binder, Ctx};
+use crate::layout;
+use crate::model::Pointed;
+use crate::model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, Function};
+use crate::types::{DataType, ParameterType};
+
+/// Tells an array of a type from the type.
+const ARRAY: u64 = 1 << 30;
+
+/// A question about a type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// TypeOf.
+    Type,
+    /// TypeOfElements; 0 of what is no array.
+    ElementType,
+    /// IS_ARRAY.
+    IsArray,
+}
+
+impl Binder<'_> {
+    pub fn type_question(&mut self, ctx: &mut Ctx, question: Question, pins: &Pins, span: Span) -> Option<Value> {
+        let value = self.scl_value(ctx, pins.get("IN")?)?;
+        if let Value::Parameter { access, .. } = &value
+            && access.ty == DataType::Parameter(ParameterType::Variant)
+        {
+            let elements = variant_field(access, layout::VARIANT_ELEMENTS, span)?;
+            let ty = variant_field(access, layout::VARIANT_TYPE, span)?;
+            return Some(Value::Elementary(answered(question, elements, ty, span)));
+        }
+        let pointed = match &value {
+            Value::Elementary(expr) => pointed_at(&DataType::Elementary(expr.ty)),
+            Value::Constant(Constant::Typed { ty, .. }, _) => pointed_at(&DataType::Elementary(*ty)),
+            Value::Complex { ty, .. } => pointed_at(ty),
+            Value::Parameter { access, .. } => match &access.ty {
+                DataType::OpenArray(array) => Pointed::Known { elements: 1, ty: layout::type_number(&array.element) },
+                _ => return self.without_type(&value),
+            },
+            other => return self.without_type(other),
+        };
+        let Pointed::Known { elements, ty } = pointed else { return None };
+        let array = if elements > 0 { ARRAY } else { 0 };
+        let (ty, bits) = match question {
+            Question::Type => (Elementary::Dword, u64::from(ty) ^ array),
+            Question::ElementType if elements == 0 => (Elementary::Dword, 0),
+            Question::ElementType => (Elementary::Dword, u64::from(ty)),
+            Question::IsArray => (Elementary::Bool, u64::from(elements > 0)),
+        };
+        Some(Value::Elementary(constant_expr(bits, ty, span)))
+    }
+
+    fn without_type<T>(&mut self, value: &Value) -> Option<T> {
+        let is = super::message::described(value);
+        self.wrong_type(value.span(), &is, "a VARIANT or a variable", None);
+        None
+    }
+
+    /// The right side of `TypeOf(x) = Int`, and a label of `CASE TypeOf(x) OF`: the number of the type; `None`: it names none.
+    pub fn named_type_number(&mut self, ctx: &Ctx, node: &Node) -> Option<Constant> {
+        let NodeKind::Name(name) = &node.kind else { return None };
+        let folded = fold(&name.text);
+        let hidden = ctx.bound.locals.contains_key(&folded) || ctx.bound.constants.contains_key(&folded);
+        if name.form == NameForm::Local || hidden {
+            return None;
+        }
+        let word = match name.form {
+            NameForm::Quoted => name.text.clone(),
+            NameForm::Bare | NameForm::Local => name.text.to_ascii_uppercase(),
+        };
+        let kind = match word.as_str() {
+            "STRING" => TypeKind::String(None),
+            _ => TypeKind::Named(word),
+        };
+        let typed = self.resolve_type(&TypeRef { kind, span: node.span }, Use::Component)?;
+        Some(Constant::Typed { ty: Elementary::Dword, bits: layout::type_number(&typed.ty).into() })
+    }
+
+    /// True of `TypeOf(…)` and `TypeOfElements(…)`.
+    pub fn asks_for_type(&self, node: &Node) -> bool {
+        let NodeKind::Call { callee, .. } = &node.kind else { return false };
+        let NodeKind::Name(name) = &callee.kind else { return false };
+        let asks = |row: &super::function::Row| matches!(row.kind, Kind::Type(Question::Type | Question::ElementType));
+        !self.globals.contains_key(&fold(&name.text))
+            && matches!(Named::find(&name.text), Some(Named::Row { row, .. }) if asks(row))
+    }
+
+    /// `v = NULL`: TRUE of a VARIANT that points at nothing.
+    pub fn compared_with_null(&self, op: Operator, left: Option<&Value>, right: &Node, span: Span) -> Option<Value> {
+        let op = match op {
+            Operator::Equal => CompareOp::Equal,
+            Operator::NotEqual => CompareOp::NotEqual,
+            _ => return None,
+        };
+        let (Some(Value::Parameter { access, .. }), NodeKind::Literal(Literal::Nil | Literal::Null)) =
+            (left, &right.kind)
+        else {
+            return None;
+        };
+        if access.ty != DataType::Parameter(ParameterType::Variant) {
+            return None;
+        }
+        let ty = variant_field(access, layout::VARIANT_TYPE, span)?;
+        let zero = constant_expr(0, Elementary::Udint, span);
+        let kind = ExprKind::Compare { op, left: Box::new(ty), right: Box::new(zero) };
+        Some(Value::Elementary(Expr { kind, ty: Elementary::Bool, span }))
+    }
+
+    /// The value of the right side of a comparison, where the left asks for a type.
+    pub fn compared_type_name(&mut self, ctx: &Ctx, op: Operator, left: &Node, right: &Node) -> Option<Value> {
+        let asks = matches!(op, Operator::Equal | Operator::NotEqual) && self.asks_for_type(left);
+        let number = asks.then(|| self.named_type_number(ctx, right)).flatten()?;
+        Some(Value::Constant(number, right.span))
+    }
+}
+
+/// The answer for a VARIANT with these fields.
+fn answered(question: Question, elements: Expr, ty: Expr, span: Span) -> Expr {
+    let is_array = Expr {
+        kind: ExprKind::Compare {
+            op: CompareOp::NotEqual,
+            left: Box::new(elements),
+            right: Box::new(constant_expr(0, Elementary::Udint, span)),
+        },
+        ty: Elementary::Bool,
+        span,
+    };
+    let bits = super::convert::converted(ty, Conversion::Bits { checked: false }, Elementary::Dword);
+    let select = |no: Expr, yes: Expr| Expr {
+        kind: ExprKind::Function { function: Function::Select, arguments: vec![is_array.clone(), no, yes] },
+        ty: Elementary::Dword,
+        span,
+    };
+    match question {
+        Question::IsArray => is_array,
+        Question::ElementType => select(constant_expr(0, Elementary::Dword, span), bits),
+        Question::Type => {
+            let mark = constant_expr(ARRAY, Elementary::Dword, span);
+            select(bits.clone(), binary_expr(BinaryOp::Xor, bits, mark, Elementary::Dword, span))
+        }
+    }
+}
