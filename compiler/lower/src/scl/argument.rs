@@ -2,7 +2,7 @@
 
 use plcc_ir::{Address, Type, Value};
 use plcc_program::layout;
-use plcc_program::model::scl::{Access, Actual, Argument, Complex, Conversion};
+use plcc_program::model::scl::{Access, Actual, Argument, Base, Complex, Conversion};
 use plcc_program::model::{Direction, Parameter, Passing, Place, Width};
 use plcc_program::types::DataType;
 
@@ -111,8 +111,13 @@ impl Context<'_, '_> {
         match actual {
             Actual::PointerBytes(bytes) => PointerSource::Bytes(bytes),
             Actual::PointerTo { access, type_code, count } => {
-                let located = self.locate(access);
-                let fields = self.located_pointer(&located);
+                let fields = match self.elementary_formal(access) {
+                    Some(width) => self.pointer_to_copy(access, width),
+                    None => {
+                        let located = self.locate(access);
+                        self.located_pointer(&located)
+                    }
+                };
                 PointerSource::Fields { head: head(*type_code, *count), fields }
             }
             Actual::PointerCopy(access) => PointerSource::Copy(self.locate(access)),
@@ -134,6 +139,43 @@ impl Context<'_, '_> {
                 PointerSource::Fields { head: head(*type_code, *count), fields }
             }
             _ => unreachable!("asked for pointers only"),
+        }
+    }
+
+    /// The width of the access if it is one of a whole elementary formal of this FC. The FC knows where the actual lies in
+    /// memory, but has no POINTER to it.
+    fn elementary_formal(&self, access: &Access) -> Option<Width> {
+        match access.base {
+            Base::Place(Place::Parameter { parameter, .. }) => match self.passing(parameter) {
+                Passing::Elementary(width) => Some(width),
+                Passing::Complex { .. }
+                | Passing::Number
+                | Passing::Pointer
+                | Passing::Any
+                | Passing::OpenArray { .. } => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// A pointer to a copy in this frame, which is brought back after the call.
+    fn pointer_to_copy(&mut self, access: &Access, width: Width) -> PointerFields {
+        let ty = access.elementary().expect("an elementary formal has an elementary type");
+        let value = self.read_access(access);
+        let value = self.untyped(value, ty);
+        let copy = self.temporary(width.bytes());
+        self.write_target(Target::at(copy, BitNumber::Known(0)), width, value);
+        self.scl.pointed_copies.push((access.clone(), copy));
+        self.pointer_fields(&Place::L { byte: copy.offset, bit: 0 })
+    }
+
+    /// Brings back the copies that pointers of a call pointed at: those that were made after the first `before`.
+    pub fn take_pointed_copies(&mut self, before: usize) {
+        for (access, copy) in self.scl.pointed_copies.split_off(before) {
+            let ty = access.elementary().expect("an elementary formal has an elementary type");
+            let value = self.read_target(Target::at(copy, BitNumber::Known(0)), layout::width(ty));
+            let value = self.typed(value, ty);
+            self.write_access(&access, value);
         }
     }
 
