@@ -3,10 +3,10 @@
 
 use std::path::PathBuf;
 
-use plcc_diag::{Diagnostic, SourceFile, SourceMap};
-use plcc_driver::cli::Level;
+use plcc_diag::{SourceFile, SourceMap};
 use plcc_driver::inputs::{self, Read};
-use plcc_driver::pipeline::{self, Settings};
+use plcc_driver::pipeline::Settings;
+use plcc_tests::robust::{self, Reach};
 use plcc_tests::{folders, projects, tests_folder};
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -118,24 +118,8 @@ fn read_changed(folder: PathBuf, file: Index, changes: &[Change]) -> Read {
     read
 }
 
-/// Compiles, and demands what the head of this file says.
-fn check(read: Read) -> Result<(), String> {
-    let bound = pipeline::front(read, &Settings { require_main: true, ..Settings::default() });
-    for message in &bound.diagnostics {
-        let span = message.primary.span;
-        let text = &bound.sources.file(span.file).text;
-        if text.get(span.range()).is_none() {
-            return Err(format!("a message without a place: {}", message.title));
-        }
-    }
-    plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false);
-    if bound.diagnostics.iter().any(Diagnostic::is_error) {
-        return Ok(());
-    }
-    let mut module = pipeline::lower(&bound, Level::O0).module;
-    plcc_ir::verify::verify(&module).map_err(|errors| format!("behind lowering: {}", errors[0]))?;
-    plcc_opt::optimize_with(&mut module, &mut |_, _| {});
-    plcc_ir::verify::verify(&module).map_err(|errors| format!("behind the passes: {}", errors[0]))
+fn settings() -> Settings {
+    Settings { require_main: true, ..Settings::default() }
 }
 
 /// How many changed programs: `PLCC_RANDOM_EXPORTS`, else as many as some seconds take.
@@ -155,7 +139,8 @@ proptest! {
         let programs = programs();
         let folder = programs[program.index(programs.len())].clone();
         let read = read_changed(folder.clone(), file, &changes);
-        let result = plcc_driver::on_large_stack(move || check(read)).and_then(|result| result);
+        let result = plcc_driver::on_large_stack(move || robust::endures(read, &settings(), Reach::Ir));
+        let result = result.and_then(|result| result);
         prop_assert!(result.is_ok(), "{}: {}", folder.display(), result.err().unwrap_or_default());
     }
 }

@@ -1,6 +1,7 @@
 //! What the tests of the project share: where files are, how expected text is compared, how programs are compiled.
 
 pub mod charts;
+pub mod robust;
 pub mod twins;
 
 use std::fs;

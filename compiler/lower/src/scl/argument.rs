@@ -131,11 +131,7 @@ impl Context<'_, '_> {
             Actual::PointerBytes(bytes) => PointerSource::Bytes(bytes),
             Actual::PointerTo { access, type_code, count } => {
                 let fields = match self.elementary_formal(access) {
-                    Some(ty) => {
-                        let copy = self.copied(access, ty);
-                        self.scl.copies.push(copy);
-                        self.pointer_fields(&Place::L { byte: copy.offset, bit: 0 })
-                    }
+                    Some(width) => self.pointer_to_copy(access, width),
                     None => {
                         let located = self.locate(access);
                         self.located_pointer(&located)
@@ -166,38 +162,41 @@ impl Context<'_, '_> {
         }
     }
 
-    /// The type of an elementary formal of this function: it has no POINTER, so what points at it gets a copy.
-    fn elementary_formal(&self, access: &Access) -> Option<Elementary> {
-        match (&access.base, access.elementary()) {
-            (Base::Place(Place::Parameter { parameter, .. }), Some(ty)) if access.indices.is_empty() => {
-                matches!(self.passing(*parameter), Passing::Elementary(_)).then_some(ty)
-            }
+    /// The width of the access if it is one of a whole elementary formal of this FC. The FC knows where the actual lies in
+    /// memory, but has no POINTER to it.
+    fn elementary_formal(&self, access: &Access) -> Option<Width> {
+        match access.base {
+            Base::Place(Place::Parameter { parameter, .. }) => match self.passing(parameter) {
+                Passing::Elementary(width) => Some(width),
+                Passing::Complex { .. }
+                | Passing::Number
+                | Passing::Pointer
+                | Passing::Any
+                | Passing::Variant
+                | Passing::OpenArray { .. } => None,
+            },
             _ => None,
         }
     }
 
-    /// The value of a variable in the frame.
-    fn copied(&mut self, access: &Access, ty: Elementary) -> Address {
+    /// A pointer to a copy in this frame, which is brought back after the call.
+    fn pointer_to_copy(&mut self, access: &Access, width: Width) -> PointerFields {
+        let ty = access.elementary().expect("an elementary formal has an elementary type");
         let value = self.read_access(access);
         let value = self.untyped(value, ty);
-        let width = layout::width(ty);
         let copy = self.temporary(width.bytes());
         self.write_target(Target::at(copy, BitNumber::Known(0)), width, value);
-        copy
+        self.scl.pointed_copies.push((access.clone(), copy));
+        self.pointer_fields(&Place::L { byte: copy.offset, bit: 0 })
     }
 
-    /// Takes over copies that [`Self::pointer_source`] made for a call, from number `first` on: the callee may have written them.
-    pub fn take_copies(&mut self, call: &Call, first: usize) {
-        let mut copies = self.scl.copies.split_off(first).into_iter();
-        for argument in &call.arguments {
-            if let Actual::PointerTo { access, .. } = argument.actual.pointer()
-                && let Some(ty) = self.elementary_formal(access)
-                && let Some(copy) = copies.next()
-            {
-                let value = self.read_target(Target::at(copy, BitNumber::Known(0)), layout::width(ty));
-                let value = self.typed(value, ty);
-                self.write_access(access, value);
-            }
+    /// Brings back the copies that pointers of a call pointed at: those that were made after the first `before`.
+    pub fn take_pointed_copies(&mut self, before: usize) {
+        for (access, copy) in self.scl.pointed_copies.split_off(before) {
+            let ty = access.elementary().expect("an elementary formal has an elementary type");
+            let value = self.read_target(Target::at(copy, BitNumber::Known(0)), layout::width(ty));
+            let value = self.typed(value, ty);
+            self.write_access(&access, value);
         }
     }
 

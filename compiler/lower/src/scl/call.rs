@@ -77,7 +77,7 @@ impl Context<'_, '_> {
         function: Option<FuncId>,
         room: Option<Address>,
     ) -> Returned {
-        let first_copy = self.scl.copies.len();
+        let copies_before = self.scl.pointed_copies.len();
         let returned = match (function, &call.instance) {
             (Some(function), Some(instance)) => {
                 self.call_block_instance(call, callee, function, instance);
@@ -86,7 +86,7 @@ impl Context<'_, '_> {
             (Some(function), None) => self.call_block_function(call, callee, function, room),
             (None, _) => self.call_runtime_function(call, callee, room),
         };
-        self.take_copies(call, first_copy);
+        self.take_pointed_copies(copies_before);
         self.after_block();
         let br = self.get(self.regs.br);
         self.note_eno(call, br);

@@ -20,7 +20,7 @@ pub mod walk;
 use plcc_abi::image::BlockKind;
 use plcc_ir::{Address, Block, Function, Region, Type, Value, Var};
 use plcc_program::layout;
-use plcc_program::model::scl::{Body, StatementKind};
+use plcc_program::model::scl::{Access, Body, StatementKind};
 use plcc_program::model::{CodeBlock, Direction, LabelId, Passing};
 use plcc_program::types::{Class, Elementary};
 use rustc_hash::FxHashMap;
@@ -44,8 +44,8 @@ pub struct SclState {
     sets_flag: bool,
     calls_set_flag: bool,
     loops: Vec<Loop>,
-    /// Copies of elementary formals to which the actuals of calls point, until the calls have been made.
-    pub copies: Vec<Address>,
+    /// Elementary formals to which pointers are handed on, and the copies in the frame at which these point.
+    pointed_copies: Vec<(Access, Address)>,
     /// The promoted result, written when the block ends.
     result: Option<(usize, Elementary, Var)>,
 }

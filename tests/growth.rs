@@ -1,0 +1,226 @@
+//! Programs that are four times as long take about four times the work: each shape of program in which something could be compared with
+//! everything. Work is processor time of this process and bytes that were allocated; both hardly depend on what else the computer does.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::fmt::Write as _;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use plcc_diag::SourceFile;
+use plcc_driver::cli::Level;
+use plcc_driver::code;
+use plcc_driver::inputs::Read;
+use plcc_driver::pipeline::{self, Settings};
+
+/// Counts bytes.
+struct Counting;
+
+static ALLOCATED: AtomicU64 = AtomicU64::new(0);
+
+// SAFETY: every call goes on to the allocator of the system.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATED.fetch_add(layout.size() as u64, Ordering::Relaxed);
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // A growing vector is copied at most as often as it doubles.
+        ALLOCATED.fetch_add(size.saturating_sub(layout.size()) as u64, Ordering::Relaxed);
+        // SAFETY: as the caller promises.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// A shape of program: its name, the ending of its file, the smaller size, and its text.
+struct Shape {
+    name: &'static str,
+    ending: &'static str,
+    size: usize,
+    text: fn(usize) -> String,
+}
+
+/// `line` for each number.
+fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
+    (0..count).map(line).collect()
+}
+
+fn scl(declarations: &str, body: &str) -> String {
+    format!("ORGANIZATION_BLOCK \"Main\"\n{declarations}BEGIN\n{body}END_ORGANIZATION_BLOCK\n")
+}
+
+fn temps(count: usize) -> String {
+    format!("VAR_TEMP\n{}END_VAR\n", lines(count, |i| format!("t{i} : Int;\n")))
+}
+
+fn stl(before: &str, body: &str) -> String {
+    format!(
+        "{before}ORGANIZATION_BLOCK OB 1\nVAR_TEMP\ninfo : ARRAY [0..19] OF BYTE;\nEND_VAR\nBEGIN\n{body}END_ORGANIZATION_BLOCK\n"
+    )
+}
+
+const SHAPES: &[Shape] = &[
+    Shape {
+        name: "variables over joins",
+        ending: "scl",
+        size: 1500,
+        text: |n| {
+            let ifs = lines(n, |i| format!("IF %M{}.0 THEN #t{i} := 1; END_IF;\n", i % 1000));
+            let uses = lines(n, |i| format!("%MW{} := #t{i};\n", i % 1000 * 2));
+            scl(&temps(n), &(ifs + &uses))
+        },
+    },
+    Shape {
+        name: "variables over arms",
+        ending: "scl",
+        size: 1000,
+        text: |n| {
+            let arms = lines(n, |i| format!("{i}: #t{i} := 1;\n"));
+            let uses = lines(n, |i| format!("%MW{} := #t{i};\n", i % 1000 * 2));
+            scl(&temps(n), &format!("CASE %MW0 OF\n{arms}END_CASE;\n{uses}"))
+        },
+    },
+    Shape {
+        name: "alternatives",
+        ending: "scl",
+        size: 1000,
+        text: |n| {
+            let arms = lines(n, |i| format!("ELSIF %MW0 = {i} THEN #t0 := {i};\n"));
+            scl(&temps(1), &format!("IF %M0.0 THEN #t0 := 1;\n{arms}END_IF;\n%MW2 := #t0;\n"))
+        },
+    },
+    Shape {
+        name: "loops",
+        ending: "scl",
+        size: 1000,
+        text: |n| {
+            let body = lines(n, |i| format!("WHILE #t{i} < %MW{} DO #t{i} := #t{i} + 1; END_WHILE;\n", i % 1000 * 2));
+            scl(&temps(n), &body)
+        },
+    },
+    Shape {
+        name: "calls of functions",
+        ending: "scl",
+        size: 1000,
+        text: |n| {
+            let function = "FUNCTION \"F\" : Int\nVAR_INPUT a : Int; END_VAR\nBEGIN\nIF #a > 3 THEN #F := #a; END_IF;\nEND_FUNCTION\n";
+            let calls = lines(n, |i| format!("%MW{} := \"F\"(a := %MW{});\n", i % 1000 * 2, i % 999 * 2));
+            function.to_string() + &scl("", &calls)
+        },
+    },
+    Shape {
+        name: "jumps back",
+        ending: "stl",
+        size: 1000,
+        text: |n| {
+            stl("", &lines(n, |i| format!("L{i:x}: L MW {0}\n+ 1\nT MW {0}\nL 5\n<I\nJC L{i:x}\n", i % 1000 * 2)))
+        },
+    },
+    Shape {
+        name: "calls of blocks with instances",
+        ending: "stl",
+        size: 1000,
+        text: |n| {
+            let block = "FUNCTION_BLOCK FB 1\nVAR_INPUT a : INT; END_VAR\nVAR c : INT; END_VAR\nBEGIN\nL #a\nL #c\n+I\nT #c\nEND_FUNCTION_BLOCK\n";
+            let data = lines(n, |i| format!("DATA_BLOCK DB {}\nFB 1\nBEGIN\nEND_DATA_BLOCK\n", i + 1));
+            stl(
+                &format!("{block}{data}"),
+                &lines(n, |i| format!("CALL FB 1, DB {} (a := MW {});\n", i + 1, i % 1000 * 2)),
+            )
+        },
+    },
+    Shape {
+        name: "networks of an S7-200",
+        ending: "awl",
+        size: 1000,
+        text: |n| {
+            let networks = lines(n, |i| {
+                format!(
+                    "Network {}\nLD I0.{}\nMOVW {}, VW{}\nAENO\n+I VW0, VW{}\n",
+                    i + 1,
+                    i % 8,
+                    i % 30000,
+                    i % 2000 * 2,
+                    i % 1999 * 2
+                )
+            });
+            format!("ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\n{networks}END_ORGANIZATION_BLOCK\n")
+        },
+    },
+    Shape {
+        name: "a word of an S7-200",
+        ending: "awl",
+        size: 20_000,
+        text: |n| {
+            format!("ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNetwork 1\nLD I0.0{}\nEND_ORGANIZATION_BLOCK\n", "x".repeat(n))
+        },
+    },
+    Shape { name: "messages", ending: "scl", size: 1000, text: |n| scl("", &lines(n, |i| format!("#x{i} := 1;\n"))) },
+];
+
+/// Processor time of this process, in nanoseconds.
+fn processor_time() -> u64 {
+    let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: `time` is a place for a result.
+    unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &raw mut time) };
+    time.tv_sec as u64 * 1_000_000_000 + time.tv_nsec as u64
+}
+
+/// Time and bytes that compiling a program takes, with messages drawn.
+fn work(shape: &Shape, size: usize, level: Level) -> (u64, u64) {
+    let text = (shape.text)(size);
+    let name = format!("growth.{}", shape.ending);
+    let run = move || {
+        let (time, bytes) = (processor_time(), ALLOCATED.load(Ordering::Relaxed));
+        let mut read = Read { name: "growth".to_string(), ..Read::default() };
+        read.units.push(read.sources.add(SourceFile::new(name, text)));
+        let bound = pipeline::front(read, &Settings { require_main: true, ..Settings::default() });
+        plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false);
+        if !bound.has_errors() {
+            let compiled = pipeline::back(&bound, level);
+            code::jit(&compiled).expect("what binds compiles");
+        }
+        (processor_time() - time, ALLOCATED.load(Ordering::Relaxed) - bytes)
+    };
+    plcc_driver::on_large_stack(run).expect("no panic")
+}
+
+/// Four times the size may take so many times the work. Proportional work gives 4, quadratic 16.
+const FACTOR_MAX: f64 = 9.0;
+
+#[test]
+fn work_follows_the_size() {
+    let mut failures = String::new();
+    for shape in SHAPES {
+        for level in [Level::O0, Level::O2] {
+            // The least of several tries is what the work itself takes.
+            let least = |size| {
+                let tries = [work(shape, size, level), work(shape, size, level)];
+                (tries[0].0.min(tries[1].0), tries[0].1.min(tries[1].1))
+            };
+            let (small, large) = (least(shape.size), least(4 * shape.size));
+            let (time, bytes) = (large.0 as f64 / small.0 as f64, large.1 as f64 / small.1 as f64);
+            println!(
+                "{} {level:?}: {time:.1} times the time ({} ms), {bytes:.1} times the memory",
+                shape.name,
+                large.0 / 1_000_000
+            );
+            if time > FACTOR_MAX || bytes > FACTOR_MAX {
+                _ = writeln!(
+                    failures,
+                    "{} {level:?}: {time:.1} times the time, {bytes:.1} times the memory",
+                    shape.name
+                );
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{failures}");
+}

@@ -1,0 +1,69 @@
+//! What any input, however damaged, must get: an end soon, no panic, messages with places; and what has no errors compiles and runs.
+
+use std::time::{Duration, Instant};
+
+use plcc_diag::Diagnostic;
+use plcc_driver::cli::Level;
+use plcc_driver::code;
+use plcc_driver::inputs::Read;
+use plcc_driver::pipeline::{self, Settings};
+use plcc_runtime::TestOptions;
+
+/// Cycles that a program without errors is run for.
+const CYCLES: u64 = 2;
+/// Host time of a cycle of a program that does not come to its end, in nanoseconds.
+const HANG_LIMIT: u64 = 300_000_000;
+
+/// How far a program goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reach {
+    /// Lowered, optimised, verified.
+    Ir,
+    /// And run as machine code at -O0 and -O2.
+    Run,
+}
+
+/// Compiles, and demands what the head of this file says. Gives true if the program had no errors.
+pub fn endures(read: Read, settings: &Settings, reach: Reach) -> Result<bool, String> {
+    let bound = pipeline::front(read, settings);
+    for message in &bound.diagnostics {
+        let span = message.primary.span;
+        let text = &bound.sources.file(span.file).text;
+        if text.get(span.range()).is_none() {
+            return Err(format!("a message without a place: {}", message.title));
+        }
+    }
+    plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false);
+    if bound.diagnostics.iter().any(Diagnostic::is_error) {
+        return Ok(false);
+    }
+    let plain = pipeline::lower(&bound, Level::O0);
+    plcc_ir::verify::verify(&plain.module).map_err(|errors| format!("after lowering: {}", errors[0]))?;
+    let optimised = pipeline::optimize(plain.clone());
+    plcc_ir::verify::verify(&optimised.module).map_err(|errors| format!("after the passes: {}", errors[0]))?;
+    if reach == Reach::Run {
+        for compiled in [&plain, &optimised] {
+            let code = code::jit(compiled).map_err(|error| error.to_string())?;
+            let options = TestOptions { cycles: Some(CYCLES), hang_limit: Some(HANG_LIMIT), ..TestOptions::default() };
+            plcc_runtime::test(compiled.image.clone(), code, &options);
+        }
+    }
+    Ok(true)
+}
+
+/// Runs `work` in a thread of its own, and demands an end within `limit`. Errors: a panic, or what took so long.
+pub fn within<T: Send + 'static>(limit: Duration, work: impl FnOnce() -> T + Send + 'static) -> Result<T, String> {
+    let begin = Instant::now();
+    let (sender, receiver) = std::sync::mpsc::channel();
+    let thread = std::thread::spawn(move || {
+        // Nobody listens any more if the limit has passed.
+        _ = sender.send(plcc_driver::on_large_stack(work));
+    });
+    match receiver.recv_timeout(limit) {
+        Ok(result) => {
+            _ = thread.join();
+            result.map_err(|panic| format!("panic: {panic}"))
+        }
+        Err(_) => Err(format!("no end after {:.1} s", begin.elapsed().as_secs_f32())),
+    }
+}
