@@ -114,6 +114,7 @@ const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
     (Code::MemoryTag, "needs a tag table"),
     (Code::ExtensionBlock, "needs an export in XML"),
     (Code::NotRead, "needs a folder"),
+    (Code::ForeignContent, "needs an export in XML"),
     (Code::MissingCondition, "needs an export in XML"),
     (Code::BranchNeighbour, "needs an export in XML"),
     (Code::BranchArms, "needs an export in XML"),

@@ -2,9 +2,9 @@
 
 use plcc_ir::{Address, Type, Value};
 use plcc_program::layout;
-use plcc_program::model::scl::{Access, Actual, Argument, Base, Call, Complex, Conversion, ExprKind};
+use plcc_program::model::scl::{Access, Actual, Argument, Base, Complex, Conversion, ExprKind};
 use plcc_program::model::{Direction, Parameter, Passing, Place, Pointed, Width};
-use plcc_program::types::{DataType, Elementary};
+use plcc_program::types::DataType;
 
 use super::access::Located;
 use super::text::{Text, text_limit};
