@@ -13,6 +13,6 @@ pub mod profile;
 pub mod symbols;
 pub mod types;
 
-pub use bind::{BindInput, bind, graph_reference, lad_fbd_reference, scl_reference, standard_library};
+pub use bind::{BindInput, bind, graph_reference, implied_family, lad_fbd_reference, scl_reference, standard_library};
 pub use model::Program;
 pub use profile::s7200::reference as s7200_reference;
