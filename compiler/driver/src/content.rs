@@ -80,6 +80,8 @@ fn of_xml(kind: XmlKind, text: &str) -> Content {
             (true, true, _) => Content::SourceAndTable,
             (true, false, _) => Content::Source,
             (false, true, _) => Content::SymbolTable,
+            // The parser says best what is missing.
+            (false, false, Some(name)) if xml::is_fragment(name) => Content::Source,
             (false, false, Some(name)) if name.starts_with("SW.WatchAndForceTables.") => {
                 Content::Other("a watch or force table")
             }
@@ -92,6 +94,8 @@ fn of_xml(kind: XmlKind, text: &str) -> Content {
             (false, false, None) => Content::Other("an empty export of the TIA Portal"),
         },
         XmlKind::PlcOpen => Content::SourceAndTable,
+        XmlKind::TagTable => Content::SymbolTable,
+        XmlKind::Other(root) if xml::is_fragment(&root) => Content::Source,
         XmlKind::Other(root) if root == "CAEXFile" => Content::Other("a hardware configuration (AML)"),
         XmlKind::Other(_) => Content::Other("XML that is no export of blocks"),
         // The parser says best what is wrong with a block that was cut off.
@@ -151,6 +155,9 @@ mod tests {
         assert_eq!(of("<?xml version=\"1.0\"?>\n<Document/>"), Content::Other("XML that is no export of blocks"));
         assert_eq!(of("<Document><SW.Blocks.FC ID=\"0\"/></Document>"), Content::Source);
         assert_eq!(of("<Document><SW.Tags.PlcTagTable ID=\"0\"/></Document>"), Content::SymbolTable);
+        assert_eq!(of("<Tagtable name='t'><Tag addr='%I0.0'>a</Tag></Tagtable>"), Content::SymbolTable);
+        assert_eq!(of("<FlgNet/>"), Content::Source);
+        assert_eq!(of("<SW.Blocks.CompileUnit ID='1'/>"), Content::Source);
         assert_eq!(of("<CAEXFile/>"), Content::Other("a hardware configuration (AML)"));
         assert_eq!(of("<project><types/></project>"), Content::SourceAndTable);
         assert_eq!(of("cycle,time_ms,I0.0\n0,0,0\n"), Content::Other("a trace"));

@@ -9,6 +9,7 @@ use plcc_syntax::{CodePage, Language};
 use crate::content::{self, Content};
 use crate::pipeline;
 use crate::project::{self, Project};
+use crate::sheets;
 
 /// A program as it was read.
 #[derive(Default)]
@@ -195,6 +196,9 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
     {
         return read.unread.push((path.to_path_buf(), why.to_string()));
     }
+    if sheets::is_workbook(path) {
+        return add_workbook(read, path, wanted);
+    }
     let text = match read_text_as(path, read.code_page) {
         Ok(text) => text,
         Err(error) => {
@@ -238,6 +242,33 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
             let title = format!("`{}` holds no PLC source but {what}", path.display());
             let help = "give a source in STL (S7-200 or S7-300/400), SCL, SIMATIC SD or GRAPH, blocks exported as XML, or a symbol table";
             read.report(Code::NotASource, path, title, help);
+        }
+    }
+}
+
+/// A workbook, if it holds tag tables.
+fn add_workbook(read: &mut Read, path: &Path, wanted: Wanted) {
+    let bytes = match fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
+            return read.report(Code::Unreadable, path, title, "check the name of the file and who may read it");
+        }
+    };
+    match sheets::text(bytes) {
+        Ok(Some(text)) => {
+            let file = read.sources.add(SourceFile::new(path.display().to_string(), text));
+            read.tables.push(file);
+        }
+        Ok(None) if wanted == Wanted::No => read.unread.push((path.to_path_buf(), "a workbook without tags".to_string())),
+        Ok(None) => {
+            let title = format!("`{}` holds no tag table", path.display());
+            let help = "a sheet of tags has the columns Name, Data Type and Logical Address; one of constants Name, Data Type and Value";
+            read.report(Code::NotASource, path, title, help);
+        }
+        Err(why) => {
+            let title = format!("the workbook `{}` cannot be read: {why}", path.display());
+            read.report(Code::NotASource, path, title, "export the tag table again");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The command line of plcc: reads, calls, prints, links.
 //!
 //! - [`cli`]: what can be written on the command line; [`command`]: what is done.
-//! - [`inputs`], [`content`], [`project`]: from arguments to files.
+//! - [`inputs`], [`content`], [`sheets`], [`project`]: from arguments to files.
 //! - [`pipeline`]: from files to code, one function an arrow; [`emit`]: its forms as text; [`link`]: executables.
 //! - [`station`]: the modules of a project; [`plot`]: pictures of traces.
 //! - [`code`]: code that runs in this process; [`testing`]: `plcc test`.
@@ -25,6 +25,7 @@ pub mod plot;
 pub mod project;
 pub mod report;
 pub mod s7200;
+pub mod sheets;
 pub mod station;
 pub mod technology;
 pub mod testing;

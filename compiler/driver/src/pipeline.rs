@@ -264,6 +264,9 @@ fn implied_profile(units: &[(plcc_diag::FileId, SourceUnit)]) -> Profile {
     if is_s7200(units) {
         return profile::generic(Family::S7200);
     }
+    if let Some(family) = plcc_program::implied_family(units) {
+        return Profile { limits_checked: false, ..profile::generic(family) };
+    }
     if plcc_program::has_free_obs(units) {
         return Profile { limits_checked: false, ..profile::generic(Family::S71500) };
     }

@@ -14,8 +14,8 @@ pub mod symbols;
 pub mod types;
 
 pub use bind::{
-    BindInput, bind, complete, graph_reference, has_free_obs, is_about_drafts, lad_fbd_reference, scl_reference,
-    standard_library,
+    BindInput, bind, complete, graph_reference, has_free_obs, implied_family, is_about_drafts, lad_fbd_reference,
+    scl_reference, standard_library,
 };
 pub use model::Program;
 pub use profile::s7200::reference as s7200_reference;

@@ -1,13 +1,15 @@
-//! Symbol tables: `.asc`, `.sdf`, `.seq`, `.dif`, `;`-separated and tag tables in XML, told apart by their content.
+//! Symbol tables: `.asc`, `.sdf`, `.seq`, `.dif`, `;`-separated, tag tables in XML and sheets of a workbook, told apart by their content.
 //!
 //! Each row gives a symbol, its address, its data type and a comment. Addresses are taken in both mnemonic sets (`E 0.0` is
 //! `I 0.0`). Tables for the S7-200 have columns of their own (`s7200`). A row that cannot be read is one message; the others are read all the same.
 //! Source: STL reference, symbol tables; exports of the newer portal tool have more columns behind the first three.
 
 mod s7200;
+mod sheets;
 mod tag_table;
 
 pub use s7200::S7200Symbol;
+pub use sheets::is_of_tags as is_workbook_of_tags;
 
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Width};
@@ -87,6 +89,9 @@ pub fn parse(file: FileId, source: &SourceFile) -> (SymbolTable, Vec<Diagnostic>
         Some(plcc_syntax::xml::XmlKind::PlcOpen) => return plcopen(file, &source.text),
         Some(_) => return tag_table::parse(file, &source.text),
         None => {}
+    }
+    if sheets::is_workbook(&source.text) {
+        return sheets::parse(file, &source.text);
     }
     let mut reader = Reader {
         file,

@@ -317,6 +317,8 @@ pub enum InitialKind {
     Literal(Literal),
     /// `1, 2, 6 (0), 3`: values of an array.
     List(Vec<InitialValue>),
+    /// Values of single elements of an array, by their indices; the others keep their default.
+    Elements(Vec<(Vec<i64>, InitialValue)>),
     /// `6 (0)`, `3 (1, 2)`.
     Repeat {
         count: Bound,

@@ -360,6 +360,11 @@ fn initial(value: &InitialValue) -> String {
     match &value.kind {
         InitialKind::Literal(value) => literal(value),
         InitialKind::List(values) => format!("[{}]", list(values)),
+        InitialKind::Elements(elements) => {
+            let index = |path: &[i64]| path.iter().map(i64::to_string).collect::<Vec<_>>().join(", ");
+            let one = |(path, value): &(Vec<i64>, InitialValue)| format!("[{}]: {}", index(path), initial(value));
+            format!("[{}]", elements.iter().map(one).collect::<Vec<_>>().join(", "))
+        }
         InitialKind::Repeat { count, values } => format!("{} ({})", bound(count), list(values)),
         InitialKind::Expr(value) => scl::text::expr(value),
         InitialKind::Fields(fields) => {

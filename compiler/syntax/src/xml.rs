@@ -12,6 +12,8 @@ pub enum XmlKind {
     SimaticMl(Contents),
     /// An export of PLCopen TC6.
     PlcOpen,
+    /// A tag table as the editor of the TIA Portal writes it.
+    TagTable,
     /// Something else: the name of its root element.
     Other(String),
     /// It cannot be read as XML.
@@ -41,6 +43,7 @@ pub fn kind(text: &str) -> Option<XmlKind> {
         _ if contents.blocks || contents.tags => XmlKind::SimaticMl(contents),
         "Document" if contents.other.is_some() || child(root, "Engineering").is_some() => XmlKind::SimaticMl(contents),
         "project" => XmlKind::PlcOpen,
+        name if is_tag_table(name) => XmlKind::TagTable,
         name => XmlKind::Other(name.to_string()),
     })
 }
@@ -64,6 +67,19 @@ fn contents(root: Node) -> Contents {
 pub fn is_block(name: &str) -> bool {
     name.starts_with("SW.Blocks.") && name != "SW.Blocks.CompileUnit" && !name.ends_with("Group")
         || name == "SW.Types.PlcStruct"
+}
+
+/// Whether an element of that name is a tag table of the editor.
+pub fn is_tag_table(name: &str) -> bool {
+    name.eq_ignore_ascii_case("Tagtable") || name.eq_ignore_ascii_case("Tagtables")
+}
+
+/// Whether an element of that name is a part of an export: what stands below a block.
+pub fn is_fragment(name: &str) -> bool {
+    let code =
+        ["FlgNet", "StructuredText", "StatementList", "Graph", "NetworkSource", "Parts", "Wires", "Access", "Part"];
+    let rest = ["Interface", "Sections", "Section", "Member", "AttributeList", "ObjectList", "SW.Blocks.CompileUnit"];
+    code.contains(&name) || rest.contains(&name)
 }
 
 /// The objects of an export, in the order of the file: elements with a point in their name that stand in no other one.

@@ -19,7 +19,7 @@ use crate::types::Elementary;
 const OPTIMIZED_ATTRIBUTES: [&str; 2] = ["S7_Optimized_Access", "S7_Optimized"];
 
 /// The block says that it has optimised access.
-fn is_optimized(header: &ast::Header) -> bool {
+pub(super) fn is_optimized(header: &ast::Header) -> bool {
     header.attributes.iter().any(|(name, value)| {
         OPTIMIZED_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name))
             && value.trim().trim_matches(['\'', '"']).eq_ignore_ascii_case("TRUE")

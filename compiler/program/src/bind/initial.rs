@@ -40,6 +40,12 @@ impl Binder<'_> {
                     _ => None,
                 }
             }
+            (InitialKind::Elements(elements), DataType::Array(_)) => {
+                for (path, value) in elements {
+                    self.encode_element(path, value, ty, image, (byte, bit));
+                }
+                Some(())
+            }
             // One value for an array is its first element.
             (InitialKind::List(values), DataType::Array(array)) => self.encode_list(values, array, image, byte),
             (_, DataType::Array(array)) => self.encode_list(std::slice::from_ref(value), array, image, byte),
@@ -61,7 +67,10 @@ impl Binder<'_> {
                     _ => self.encode_constant(&constant, value.span, ty, image, byte, bit),
                 }
             }
-            (InitialKind::List(_) | InitialKind::Repeat { .. } | InitialKind::Fields(_), _) => {
+            (
+                InitialKind::List(_) | InitialKind::Elements(_) | InitialKind::Repeat { .. } | InitialKind::Fields(_),
+                _,
+            ) => {
                 self.report.push(
                     Diagnostic::new(
                         Code::InitialValue,
@@ -161,6 +170,43 @@ impl Binder<'_> {
         Some(Some(number.to_be_bytes().to_vec()))
     }
 
+    /// The value of one element, whose indices count through arrays in arrays.
+    fn encode_element(
+        &mut self,
+        path: &[i64],
+        value: &InitialValue,
+        ty: &DataType,
+        image: &mut [u8],
+        (byte, bit): (u32, u8),
+    ) -> Option<()> {
+        if path.is_empty() {
+            return self.encode(value, ty, image, byte, bit);
+        }
+        let wrong = |binder: &mut Self| {
+            let shown = path.iter().map(i64::to_string).collect::<Vec<_>>().join(", ");
+            let title = format!("the start value of the element [{shown}] fits no element");
+            let message = Diagnostic::new(Code::InitialValue, value.span, title);
+            let help = "correct the bounds of the array, or export the block again";
+            binder.report.push(message.label(format!("the type is {}", layout::type_name(ty))).help(help));
+            None
+        };
+        let DataType::Array(array) = ty else { return wrong(self) };
+        if path.len() < array.bounds.len() {
+            return wrong(self);
+        }
+        let mut element: u64 = 0;
+        for (index, (low, high)) in path.iter().zip(&array.bounds) {
+            let (low, high) = (i64::from(*low), i64::from(*high));
+            if !(low..=high).contains(index) {
+                return wrong(self);
+            }
+            element = element * (high - low + 1) as u64 + (index - low) as u64;
+        }
+        let (at, inner) = layout::element_place(array, element);
+        let (array, path) = (array.clone(), &path[array.bounds.len()..]);
+        self.encode_element(path, value, &array.element, image, (byte + at, inner))
+    }
+
     fn encode_characters(
         &mut self,
         text: &[u8],
@@ -231,7 +277,11 @@ impl Binder<'_> {
                     );
                     return None;
                 }
-                InitialKind::Literal(_) | InitialKind::Expr(_) | InitialKind::Fields(_) | InitialKind::Operand(_) => {
+                InitialKind::Literal(_)
+                | InitialKind::Expr(_)
+                | InitialKind::Fields(_)
+                | InitialKind::Operand(_)
+                | InitialKind::Elements(_) => {
                     if *next >= count.saturating_mul(inner) {
                         self.surplus(value.span);
                         return None;

@@ -6,10 +6,10 @@
 use std::rc::Rc;
 
 use plcc_abi::image::BlockKind;
-use plcc_syntax::ast::BlockPrefix;
+use plcc_syntax::ast::{BlockPrefix, TypeRef};
 
 use super::Binder;
-use super::declare::{StructBuilder, Typed, TypedStruct, elementary_typed};
+use super::declare::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
 use super::names;
 use crate::symbols::{SymbolTarget, parse_address};
 use crate::types::{ArrayType, DTL, DataType, Elementary};
@@ -174,6 +174,9 @@ impl Binder<'_> {
         let numbers = NUMBERS.iter().find(|(_, names)| names.iter().any(|own| own.eq_ignore_ascii_case(name)));
         if let Some((ty, _)) = numbers {
             return Some(elementary_typed(*ty));
+        }
+        if let Some(kind) = super::chart::type_named(name) {
+            return self.resolve_type(&TypeRef { kind, span }, Use::Component);
         }
         let structure = STRUCTURES.iter().find(|structure| structure.name.eq_ignore_ascii_case(name))?;
         let typed = match self.predefined.get(structure.name) {

@@ -1,4 +1,5 @@
-//! Tag tables that the TIA Portal exports as XML: `SW.Tags.PlcTagTable` with its tags and user constants.
+//! Tag tables of the TIA Portal in XML: exports (`SW.Tags.PlcTagTable`) with their tags and constants, and what the editor writes
+//! (`Tagtable`).
 //!
 //! Source: LAD/FBD reference A.10.
 
@@ -16,7 +17,11 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
     match Document::parse(text) {
         Ok(document) => {
             let mut reader = Reader { file, text, table: &mut table, diagnostics: &mut diagnostics };
-            let objects = xml::objects(document.root_element());
+            let root = document.root_element();
+            if xml::is_tag_table(root.tag_name().name()) {
+                reader.editor(root);
+            }
+            let objects = xml::objects(root);
             objects
                 .into_iter()
                 .filter(|object| xml::is(*object, "SW.Tags.PlcTagTable"))
@@ -40,8 +45,59 @@ impl Reader<'_> {
             match row.tag_name().name() {
                 "SW.Tags.PlcTag" => self.tag(row),
                 "SW.Tags.PlcUserConstant" => self.constant(row),
-                // Constants of the system are numbers of hardware, which only the station knows; the rest are texts.
-                _ => {}
+                // Numbers of hardware; those of fast counters and pulse generators are the station's.
+                "SW.Tags.PlcSystemConstant" if !self.is_of_station(row) => self.constant(row),
+                "SW.Tags.PlcSystemConstant" | "MultilingualText" => {}
+                other => {
+                    let span = Span::new(self.file, head(row));
+                    self.bad(span, format!("`{other}` is neither a tag nor a constant"));
+                }
+            }
+        }
+    }
+
+    /// Whether a constant of the system is one whose number plcc.toml and the runtime give.
+    fn is_of_station(&self, row: Node) -> bool {
+        let name = self.row(row).name.to_ascii_lowercase();
+        ["local~hsc_", "local~pulse_", "ob_"].iter().any(|prefix| name.starts_with(prefix))
+    }
+
+    /// `<Tagtable><Tag type='Bool' addr='%I0.0' remark='text'>Start</Tag><Constant type='Int' value='5'>Max</Constant></Tagtable>`
+    fn editor(&mut self, table: Node) {
+        for row in elements(table) {
+            let kind = row.tag_name().name();
+            let attribute = |names: &[&str]| {
+                let mut found = names.iter().filter_map(|name| row.attribute(*name));
+                found.next().unwrap_or_default().trim().to_string()
+            };
+            let name = match text_of(row) {
+                text if text.is_empty() => attribute(&["name", "Name"]),
+                text => text,
+            };
+            let span = self.span_of(Some(row), row);
+            let ty = attribute(&["type", "Type"]).trim_matches('"').to_string();
+            if xml::is_tag_table(kind) {
+                self.editor(row);
+            } else if name.is_empty() {
+                self.bad(Span::new(self.file, head(row)), format!("`{kind}` without a name"));
+            } else if kind.eq_ignore_ascii_case("Tag") {
+                let address = attribute(&["addr", "Addr", "address"]);
+                match parse_address(address.trim_end_matches(":P")) {
+                    _ if address.is_empty() => {}
+                    Some(target) => {
+                        let comment = attribute(&["remark", "comment"]);
+                        self.table.symbols.push(Symbol { name, target, ty, comment, span });
+                    }
+                    None => self.bad(span, format!("`{address}` is no address")),
+                }
+            } else if kind.eq_ignore_ascii_case("Constant") {
+                let Some(value) = row.attribute_node("value").or_else(|| row.attribute_node("Value")) else {
+                    self.bad(span, format!("the constant `{name}` has no value"));
+                    continue;
+                };
+                self.value(name, ty, span, value.range_value(), value.value());
+            } else {
+                self.bad(span, format!("`{kind}` is neither a tag nor a constant"));
             }
         }
     }
@@ -77,17 +133,20 @@ impl Reader<'_> {
     fn constant(&mut self, row: Node) {
         let Row { name, ty, span } = self.row(row);
         let Some(text) = setting(row, "Value").and_then(|value| value.first_child()) else { return };
-        let range = text.range();
-        let value = text.text().unwrap_or_default();
+        if !name.is_empty() {
+            self.value(name, ty, span, text.range(), text.text().unwrap_or_default());
+        }
+    }
+
+    /// A constant whose value stands at a place of the file.
+    fn value(&mut self, name: String, ty: String, span: Span, range: std::ops::Range<usize>, value: &str) {
         // A value with escaped characters is shorter than what the file has.
         let own = self.text.get(range.clone()) == Some(value);
         let padded = if own { String::new() } else { " ".repeat(range.start) + value };
         let source = if own { self.text } else { &padded };
         let (expr, messages) = fragment::expression(self.file, source, range.start..range.start + value.len());
         self.diagnostics.extend(messages);
-        if !name.is_empty() {
-            self.table.constants.push(GlobalConstant { name, ty, value: expr, span });
-        }
+        self.table.constants.push(GlobalConstant { name, ty, value: expr, span });
     }
 
     fn row(&self, row: Node) -> Row {
@@ -133,6 +192,18 @@ mod tests {
 <SW.Tags.PlcUserConstant ID="6" CompositionName="UserConstants"><AttributeList><DataTypeName>Int</DataTypeName><Name>MAX</Name><Value>12</Value></AttributeList></SW.Tags.PlcUserConstant>
 <SW.Tags.PlcUserConstant ID="7" CompositionName="UserConstants"><AttributeList><DataTypeName>String</DataTypeName><Name>SIGN</Name><Value>'&lt;'</Value></AttributeList></SW.Tags.PlcUserConstant>
 </ObjectList></SW.Tags.PlcTagTable></Document>"#;
+
+    #[test]
+    fn tables_of_the_editor() {
+        let text = "<?xml version='1.0' encoding='utf-8'?>\n<Tagtable name='Tags'>\n <Tag type='Bool' hmiVisible='True' retain='False' remark='green' addr='%Q4.1'>Lamp &amp; horn</Tag>\n \
+                    <Tag type='Int' addr='%MW10'>Level</Tag>\n <Tag type='Int' addr='%X10'>Bad</Tag>\n <Constant type='Int' remark='' value='12'>MAX</Constant>\n</Tagtable>\n";
+        let (table, messages) = super::super::parse(plcc_diag::FileId(0), &SourceFile::new("tags.xml", text));
+        let lamp = &table.symbols[0];
+        assert_eq!(lamp.target, SymbolTarget::Memory { area: Area::Q, width: Width::Bit, byte: 4, bit: 1 });
+        assert_eq!((lamp.name.as_str(), lamp.comment.as_str()), ("Lamp & horn", "green"));
+        assert_eq!((table.symbols.len(), table.constants.len(), messages.len()), (2, 1, 1));
+        assert_eq!(text::expr(&table.constants[0].value), "12");
+    }
 
     #[test]
     fn tags_and_constants() {

@@ -33,13 +33,13 @@ pub fn read(reader: &mut Reader, object: Node) -> Option<Block> {
         "FC" => Block::Code(code(reader, object, name, CodeKind::Fc, span)),
         "FB" => Block::Code(code(reader, object, name, CodeKind::Fb, span)),
         "SW.Types.PlcStruct" => {
-            let members = interface::components(reader, interface::sections(object), &shown);
+            let members = interface::components(reader, interface::sections(object), false, &shown);
             Block::Type(TypeBlock { name, header: header(object), members, alias: None, span })
         }
         "InstanceDB" => Block::Data(instance(reader, object, name, span)),
         "ArrayDB" => Block::Data(array(reader, object, name, span)),
         "GlobalDB" => {
-            let members = interface::components(reader, interface::sections(object), &shown);
+            let members = interface::components(reader, interface::sections(object), false, &shown);
             let content = if members.is_empty() { DataContent::Empty } else { DataContent::Struct(members) };
             Block::Data(DataBlock { name, header: header(object), content, values: Vec::new(), span })
         }
@@ -59,7 +59,7 @@ const SETTINGS: &[&str] = &[
     "AcknowledgeErrorsRequired", "ArrayDataType", "ArrayLimitUpperBound", "AssignedProDiagFB", "AutoNumber", "CodeModifiedDate",
     "CompileDate", "CreateMinimizedDB", "CreationDate", "DBAccessibleFromOPCUA", "DBAccessibleFromWebserver",
     "DownloadWithoutReinit", "ExtensionBlockName", "ExtensionBlocks", "GraphVersion", "HandleErrorsWithinBlock", "HeaderAuthor",
-    "HeaderFamily", "HeaderName", "HeaderVersion", "InstanceOfName", "InstanceOfNumber", "InstanceOfType", "Interface",
+    "HeaderFamily", "HeaderName", "HeaderVersion", "InstanceOfName", "InstanceOfNumber", "InitialValuesAcquisition", "InstanceOfType", "Interface",
     "InterfaceModifiedDate", "IsConsistent", "IsFailsafeCompliant", "IsIECCheckEnabled", "IsKnowHowProtected",
     "IsOnlyStoredInLoadMemory", "IsPLCDB", "IsRetainMemResEnabled", "IsWriteProtected", "IsWriteProtectedInAS",
     "LanguageInNetworks", "LibraryConformanceStatus", "LockOperatingMode", "MemoryLayout", "MemoryReserve", "ModifiedDate",
@@ -247,7 +247,8 @@ fn instance(reader: &mut Reader, object: Node, name: BlockName, span: Span) -> D
     let own = !system && matches!(ty.as_str(), "" | "FB" | "UDT");
     let of = named_type(reader, object, "InstanceOfName", own)
         .or_else(|| named_type(reader, object, "OfSystemLibElement", false));
-    let members = interface::components(reader, interface::sections(object), &format!("`{}`", text_of_name(&name)));
+    let members =
+        interface::components(reader, interface::sections(object), true, &format!("`{}`", text_of_name(&name)));
     let values = super::initial::assignments(&members);
     let content = match of {
         Some(of) => DataContent::OfType(of),
@@ -270,8 +271,12 @@ fn array(reader: &mut Reader, object: Node, name: BlockName, span: Span) -> Data
             DataContent::Array(TypeRef { kind: TypeKind::Array { bounds, element }, span }, None)
         }
         _ => {
-            let members =
-                interface::components(reader, interface::sections(object), &format!("`{}`", text_of_name(&name)));
+            let members = interface::components(
+                reader,
+                interface::sections(object),
+                false,
+                &format!("`{}`", text_of_name(&name)),
+            );
             if members.is_empty() { DataContent::Empty } else { DataContent::Struct(members) }
         }
     };

@@ -97,7 +97,8 @@ pub fn read(reader: &mut Reader, sections: Option<Node>, chart: bool, whose: &st
 }
 
 /// The members of all sections as components: of a data block or data type, which `whose` names in messages.
-pub fn components(reader: &mut Reader, sections: Option<Node>, whose: &str) -> Vec<Variable> {
+/// `instance`: the block is an instance.
+pub fn components(reader: &mut Reader, sections: Option<Node>, instance: bool, whose: &str) -> Vec<Variable> {
     if let Some(sections) = sections {
         schema::check(reader, sections, schema::Place::Declaration, whose);
     }
@@ -105,7 +106,8 @@ pub fn components(reader: &mut Reader, sections: Option<Node>, whose: &str) -> V
     let sections = sections.iter().flat_map(|sections| children(*sections, "Section"));
     let sections = sections.filter(|section| section.attribute("Name") != Some("Base"));
     let members = sections.flat_map(|section| children(section, "Member"));
-    let members: Vec<Node> = members.filter(|member| !is_chart_data(*member, chart)).collect();
+    // Elsewhere a member may have the type of a step.
+    let members: Vec<Node> = members.filter(|member| !(chart || instance) || !is_chart_data(*member, chart)).collect();
     members.into_iter().map(|member| variable(reader, member, 0)).collect()
 }
 

@@ -46,8 +46,15 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ParseOptions) -
         Err(error) => return (SourceUnit::default(), vec![xml::broken(file, text, &error)]),
     };
     let root = document.root_element();
-    if let XmlKind::PlcOpen | XmlKind::Other(_) | XmlKind::Broken = kind {
+    if let XmlKind::PlcOpen | XmlKind::TagTable | XmlKind::Other(_) | XmlKind::Broken = kind {
         let span = Span::new(file, head(root));
+        if xml::is_fragment(root.tag_name().name()) {
+            let title = format!("the file is only a part of an export: `{}`", root.tag_name().name());
+            let refused = Diagnostic::new(Code::NotASource, span, title)
+                .label("the block that it belongs to is missing")
+                .help("export the whole block: the file begins with `Document`, and in it stands `SW.Blocks.FC` or its like");
+            return (SourceUnit::default(), vec![refused]);
+        }
         let title = format!("XML of this kind is no PLC source: `{}`", root.tag_name().name());
         let refused = Diagnostic::new(Code::NotASource, span, title)
             .label("neither an export of the TIA Portal nor one of PLCopen")
@@ -62,6 +69,13 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ParseOptions) -
             // The reader of symbol tables has these.
             "SW.Tags.PlcTagTable" => {}
             name if xml::is_block(name) => blocks.extend(block::read(&mut reader, object)),
+            name if xml::is_fragment(name) => {
+                let span = reader.span(head(object));
+                let refused =
+                    Diagnostic::new(Code::NotASource, span, format!("`{name}` stands here without its block"));
+                let help = "export the whole block: `SW.Blocks.FC` or its like, with its networks in it";
+                reader.diagnostics.push(refused.label("a part of an export").help(help));
+            }
             name => {
                 let span = reader.span(head(object));
                 let mut note = Diagnostic::new(Code::ForeignContent, span, format!("`{name}` is skipped"))

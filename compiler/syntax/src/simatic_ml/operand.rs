@@ -166,6 +166,17 @@ fn behind_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize
 /// A constant by its name, or its value as written.
 fn constant(node: Node, scope: &str) -> String {
     if let Some(name) = node.attribute("Name") {
+        // A number of hardware, which the export tells beside its name. Fast counters and pulse generators are those of plc.toml.
+        let lower = name.to_ascii_lowercase();
+        let is_own = ["local~hsc_", "local~pulse_"].iter().any(|prefix| lower.starts_with(prefix));
+        if let Some(value) = child(node, "ConstantValue").map(text_of)
+            && name.contains('~')
+            && !is_own
+            && !value.is_empty()
+            && value.bytes().all(|digit| digit.is_ascii_digit())
+        {
+            return value;
+        }
         return if scope.starts_with("Local") { format!("#{}", plain_or_quoted(name)) } else { quoted(name) };
     }
     let value = child(node, "ConstantValue").map(text_of).unwrap_or_default();

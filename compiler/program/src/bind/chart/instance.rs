@@ -184,6 +184,26 @@ fn step_type(dialect: Dialect, step: &plcc_syntax::chart::ast::Step) -> TypeKind
     TypeKind::Struct(members)
 }
 
+/// The type that a name of the TIA Portal means: `G7_StepPlus_V6`, `G7_TransitionPlus_V4`; `G7_RTDataPlus_V5` with what a program can name of it.
+pub fn type_named(name: &str) -> Option<TypeKind> {
+    let folded = fold(name);
+    let rest = folded.strip_prefix("g7_")?;
+    let (stem, version) = rest.rsplit_once("_v").unwrap_or((rest, ""));
+    if !version.bytes().all(|digit| digit.is_ascii_digit()) {
+        return None;
+    }
+    let members = match stem {
+        "stepplus" => variables(TIA_STEP),
+        "transitionplus" => variables(TRANSITION),
+        "rtdataplus" => {
+            let bits: String = OPERATING_BITS.iter().map(|name| format!("{name} : BOOL;")).collect();
+            variables(&format!("MOP : STRUCT {bits} END_STRUCT;"))
+        }
+        _ => return None,
+    };
+    Some(TypeKind::Struct(members))
+}
+
 fn transition_type(user_number: u32) -> TypeKind {
     let mut members = variables(TRANSITION);
     for member in members.iter_mut().filter(|member| member.name == "TNO") {

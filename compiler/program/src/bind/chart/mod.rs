@@ -31,7 +31,7 @@ mod template;
 #[cfg(test)]
 mod testing;
 
-pub use instance::expanded;
+pub use instance::{expanded, type_named};
 pub use reference::reference;
 
 use plcc_diag::{Code, Diagnostic, Span};

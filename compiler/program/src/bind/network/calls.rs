@@ -155,6 +155,12 @@ impl Binder<'_> {
                 Some(Callee::Block { key, .. }) => key,
                 Some(Callee::Function(_)) => return binder.function_call(ctx, sheet, at, &node),
                 None => {
+                    let operands = element.pins.iter().filter_map(|pin| match &pin.value {
+                        PinValue::Operand(node) => Some(named(pin, node.clone(), pin.output)),
+                        PinValue::Net(_) | PinValue::Open => None,
+                    });
+                    let operands: Vec<Argument> = operands.collect();
+                    binder.note_arguments(ctx, &operands);
                     if binder.report.diagnostics.len() == told {
                         return Some(());
                     }
@@ -183,6 +189,12 @@ impl Binder<'_> {
             {
                 let kind = NodeKind::Member { base: Box::new(callee.clone()), name: name.clone() };
                 Node { kind, span: callee.span }
+            }
+            // Neither is there: the block is what is missing.
+            (NodeKind::Name(_), NodeKind::Name(name))
+                if name.form != NameForm::Local && !self.globals.contains_key(&fold(&name.text)) =>
+            {
+                callee.clone()
             }
             _ => instance.clone(),
         }
