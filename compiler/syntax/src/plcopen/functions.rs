@@ -68,6 +68,15 @@ pub fn rewritten(
     let upper = name.text.to_ascii_uppercase();
     let values = inputs(arguments)?;
     let make = Make { name: name.span, span };
+    // CODESYS: the time since the start.
+    if upper == "TIME" && values.is_empty() && editor != Editor::Matiec {
+        let callee = Name { text: "TIME_TCK".to_string(), form: NameForm::Bare, span: name.span };
+        let callee = Box::new(Expr { kind: ExprKind::Name(callee), span: name.span });
+        return Some(ExprKind::Call { callee, arguments: Vec::new() });
+    }
+    if let Some(kind) = scaled(&make, &upper, &values) {
+        return Some(kind);
+    }
     if let Some(kind) = operator(&make, &upper, &values) {
         return Some(kind);
     }
@@ -179,6 +188,22 @@ fn operator(make: &Make, upper: &str, values: &[Expr]) -> Option<ExprKind> {
     }
 }
 
+/// `MULTIME(t, 1.5)`, `DIVTIME(t, 2.5)`: a TIME and a number with a fraction, which SCL does not combine.
+fn scaled(make: &Make, upper: &str, values: &[Expr]) -> Option<ExprKind> {
+    let op = match upper {
+        "MULTIME" | "MUL_TIME" => BinaryOp::Multiply,
+        "DIVTIME" | "DIV_TIME" => BinaryOp::Divide,
+        _ => return None,
+    };
+    let [time, factor] = values else { return None };
+    if !matches!(factor.kind, ExprKind::Literal(Literal::Real(_))) {
+        return None;
+    }
+    let milliseconds = make.call("DINT_TO_REAL", make.call("TIME_TO_DINT", time.clone()));
+    let product = make.binary(op, milliseconds, factor.clone());
+    Some(make.call("DINT_TO_TIME", make.call("REAL_TO_DINT", product)).kind)
+}
+
 /// Conversions that SCL lacks or means otherwise.
 fn conversion(
     editor: Editor,
@@ -207,6 +232,12 @@ fn conversion(
         }
         (from, "STRING") if is(&["UDINT", "LINT"], from) => {
             make.call("IEC_LINT_TO_STRING", make.convert(from, "LINT", value)).kind
+        }
+        (from, "STRING") if is(FLOATS, from) => {
+            let text = format!("`{upper}` writes the number as the TIA Portal does: +1.500000E+000");
+            let message = Diagnostic::new(Code::Tolerated, make.name, text).label("editors write it in other forms");
+            tell(message.help("convert the parts of the number as integers where the form matters"));
+            return None;
         }
         ("BOOL", "STRING") => make.call("IEC_BOOL_TO_STRING", value).kind,
         ("TIME", to) if is(INTEGERS, to) || is(FLOATS, to) || is(BIT_STRINGS, to) => {

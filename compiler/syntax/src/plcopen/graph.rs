@@ -44,6 +44,8 @@ pub struct Build<'r, 'a, 'b> {
     kept: HashMap<(usize, String), Expr>,
     /// Variables for outputs that no net carries, by object and pin.
     carried: HashMap<(usize, String), Expr>,
+    /// What connectors and in-outs pass on, while one input is followed.
+    passed: HashMap<(usize, String), Vec<Origin>>,
     /// The line at hand leads to a variable, which can be of any type.
     direct: bool,
 }
@@ -59,6 +61,7 @@ pub fn build(reader: &mut Reader, body: &mut Body, objects: &[Object], order: &[
         nets: Vec::new(),
         kept: HashMap::new(),
         carried: HashMap::new(),
+        passed: HashMap::new(),
         direct: false,
     };
     for at in order {

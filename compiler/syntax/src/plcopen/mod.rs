@@ -106,6 +106,12 @@ pub fn parse(file: FileId, text: &str) -> (SourceUnit, Vec<Diagnostic>) {
     reader.project(document.root_element());
     let Reader { overlay, blocks, mut messages, .. } = reader;
     messages.sort_by_key(|message| message.primary.span.start);
+    // A value that two pins read is read twice.
+    let mut known = HashSet::new();
+    messages.retain(|message| {
+        let span = message.primary.span;
+        known.insert((message.code, span.start, span.end, message.title.clone()))
+    });
     (SourceUnit { blocks, overlay: Some(overlay), ..SourceUnit::default() }, messages)
 }
 
@@ -389,16 +395,16 @@ impl<'a> Reader<'a> {
             hidden: Vec::new(),
             temporary: Vec::new(),
         };
-        // Not those that the POU does not mention: their values may need other blocks.
+        // Not those that the POU does not mention: their names are often words that other POUs use for variables.
+        let words = words_of(self.overlay.get(pou.range()).unwrap_or_default());
         for constant in self.constants.clone() {
-            let used = self.overlay.get(pou.range()).is_some_and(|text| mentions(text, &constant.name));
+            let used = words.contains(&constant.name.to_lowercase());
             if used && !body.scope.locals.contains(&constant.name.to_lowercase()) {
                 constants.push(constant);
             }
         }
         for (node, value_name, number) in self.enums.clone() {
-            // Only those that the POU mentions: names of values are often words that other POUs use for variables.
-            let used = self.overlay.get(pou.range()).is_some_and(|text| mentions(text, &value_name));
+            let used = words.contains(&value_name.to_lowercase());
             if used && !body.scope.locals.contains(&value_name.to_lowercase()) {
                 constants.push(self.enum_constant(node, &value_name, number));
             }
@@ -659,6 +665,12 @@ fn words(interface: Option<Node>) -> HashSet<String> {
         .filter_map(|variable| variable.attribute("name"))
         .map(str::to_lowercase)
         .collect()
+}
+
+/// The words of a text, in lower case.
+fn words_of(text: &str) -> HashSet<String> {
+    let words = text.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty());
+    words.map(str::to_lowercase).collect()
 }
 
 /// The text has the name as a word of its own.

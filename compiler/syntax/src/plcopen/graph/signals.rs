@@ -1,5 +1,7 @@
 //! What feeds the pins of elements: lines as nets, and the order of pins.
 
+use std::collections::HashSet;
+
 use plcc_diag::{Code, Diagnostic, Span};
 
 use super::super::objects::{Connection, Edge, Kind, Object};
@@ -43,6 +45,9 @@ impl Build<'_, '_, '_> {
 
     /// What feeds the ends of lines.
     pub(super) fn origins(&mut self, from: &[(usize, String)], depth: usize) -> Vec<Origin> {
+        if depth == 0 {
+            self.passed.clear();
+        }
         let mut found = Vec::new();
         for (at, formal) in from {
             for origin in self.origin(*at, formal, depth) {
@@ -68,10 +73,9 @@ impl Build<'_, '_, '_> {
                 None => Vec::new(),
             },
             Kind::Continuation => {
-                let connector = |other: &&Object| other.kind == Kind::Connector && other.name == object.name;
-                let found = self.objects.iter().find(connector).and_then(|connector| connector.inputs.first());
-                match found.filter(|_| depth < DEPTH_MAX) {
-                    Some(input) => self.origins(&input.from, depth + 1),
+                let connector = |other: &Object| other.kind == Kind::Connector && other.name == object.name;
+                match self.objects.iter().position(connector).filter(|_| depth < DEPTH_MAX) {
+                    Some(connector) => self.passed_on(connector, "", depth),
                     None => {
                         let text = format!("no connector of the network is called `{}`", object.name);
                         let message = Diagnostic::new(Code::NoSource, object.span, text);
@@ -80,10 +84,8 @@ impl Build<'_, '_, '_> {
                     }
                 }
             }
-            Kind::Connector => match object.inputs.first().filter(|_| depth < DEPTH_MAX) {
-                Some(input) => self.origins(&input.from, depth + 1),
-                None => Vec::new(),
-            },
+            Kind::Connector if depth < DEPTH_MAX => self.passed_on(at, "", depth),
+            Kind::Connector => Vec::new(),
             Kind::Contact | Kind::Coil => self.made_pin(at, "out"),
             Kind::Block => {
                 // A line from the only output needs no name.
@@ -92,10 +94,31 @@ impl Build<'_, '_, '_> {
                     ("", Some(first)) => first.formal.clone(),
                     _ => formal.to_string(),
                 };
-                self.made_pin(at, &formal)
+                // Behind an in-out stands the variable before it.
+                let passed = |input: &&Connection| input.in_out && input.formal.eq_ignore_ascii_case(&formal);
+                match object.inputs.iter().any(|input| passed(&input)) && depth < DEPTH_MAX {
+                    true => self.passed_on(at, &formal, depth),
+                    false => self.made_pin(at, &formal),
+                }
             }
             Kind::OutVariable | Kind::Label | Kind::Jump | Kind::Return | Kind::Condition => Vec::new(),
         }
+    }
+
+    /// What feeds an input that passes its signal on: of a connector, or in and out of a block. Each is followed once; one that leads back
+    /// to itself has no signal.
+    fn passed_on(&mut self, at: usize, formal: &str, depth: usize) -> Vec<Origin> {
+        let key = (at, formal.to_ascii_lowercase());
+        if let Some(known) = self.passed.get(&key) {
+            return known.clone();
+        }
+        self.passed.insert(key.clone(), Vec::new());
+        let objects = self.objects;
+        let input = objects[at].inputs.iter().find(|input| input.formal.eq_ignore_ascii_case(formal));
+        let input = input.or(objects[at].inputs.first().filter(|_| formal.is_empty()));
+        let found = input.map_or(Vec::new(), |input| self.origins(&input.from, depth + 1));
+        self.passed.insert(key, found.clone());
+        found
     }
 
     /// An output of an object that ran; else the value that it had in the last cycle.
@@ -151,11 +174,11 @@ impl Build<'_, '_, '_> {
             return self.reader.type_of(known, 0);
         }
         let text = TypeRef { kind: TypeKind::String(None), span: object.span };
-        self.is_text(at, 0).then_some(text)
+        self.is_text(at, &mut HashSet::new()).then_some(text)
     }
 
     /// A block of the standard whose output is a text.
-    fn is_text(&self, at: usize, depth: usize) -> bool {
+    fn is_text(&self, at: usize, seen: &mut HashSet<usize>) -> bool {
         const TEXT: [&str; 7] = ["CONCAT", "LEFT", "RIGHT", "MID", "INSERT", "DELETE", "REPLACE"];
         const ANY: [&str; 6] = ["SEL", "MUX", "MOVE", "LIMIT", "MIN", "MAX"];
         let object = &self.objects[at];
@@ -163,10 +186,10 @@ impl Build<'_, '_, '_> {
         if TEXT.contains(&upper.as_str()) || upper.ends_with("_TO_STRING") {
             return true;
         }
-        let is_text = |from: usize| {
+        let mut is_text = |from: usize| {
             let other = &self.objects[from];
             match other.kind {
-                Kind::Block => depth < DEPTH_MAX && self.is_text(from, depth + 1),
+                Kind::Block => seen.len() < DEPTH_MAX && seen.insert(from) && self.is_text(from, seen),
                 _ => {
                     let text = other.text.clone().and_then(|range| self.reader.overlay.get(range)).unwrap_or_default();
                     let ty = self.body.scope.types.get(&text.trim().to_lowercase());

@@ -270,7 +270,7 @@ impl<'a> Layout<'a> {
         self.take(tok);
         if self.is_at(RawKind::Semicolon) {
             self.at += 1;
-        } else if self.peek().is_some() {
+        } else if self.peek().is_some() && !self.iec {
             let text = self.slice(word);
             self.tolerate(
                 self.span(word),
