@@ -72,7 +72,7 @@ impl Binder<'_> {
                 mentions::calls_of_blocks(&code.code, &mut calls);
             }
         }
-        let mut known: FxHashMap<(BlockClass, u16), Vec<String>> = FxHashMap::default();
+        let mut known: FxHashMap<(BlockClass, u16), Vec<(String, bool)>> = FxHashMap::default();
         for call in calls {
             let block = match call.target {
                 mentions::Called::Number(prefix, number) => {
@@ -91,17 +91,22 @@ impl Binder<'_> {
                     _ => None,
                 },
             };
-            let Some(block) = block.filter(|block| matches!(block.class, BlockClass::Fc | BlockClass::Fb)) else {
+            let Some(block) = block.filter(|block| {
+                matches!(block.class, BlockClass::Fc | BlockClass::Fb) && block.form != Form::NotShipped
+            }) else {
                 continue;
             };
             let formals = known.entry((block.class, block.number)).or_insert_with(|| parameters(block));
             let fits = |name: &String| {
                 let folded = fold(name);
-                formals.contains(&folded) || matches!(folded.as_str(), "en" | "eno" | "ret_val")
+                formals.iter().any(|(known, _)| *known == folded) || matches!(folded.as_str(), "en" | "eno" | "ret_val")
             };
-            let none =
-                call.formals.is_empty() && block.class == BlockClass::Fc && !formals.is_empty() && !call.by_place;
-            if none || !call.formals.iter().all(fits) {
+            // A function needs all its inputs.
+            let given = |formal: &str| call.formals.iter().any(|name| fold(name) == formal);
+            let lacks = block.class == BlockClass::Fc
+                && !call.by_place
+                && formals.iter().any(|(formal, input)| *input && !given(formal));
+            if lacks || !call.formals.iter().all(fits) {
                 self.foreign.insert((block.class, block.number));
             }
         }
@@ -228,8 +233,8 @@ impl Binder<'_> {
     }
 }
 
-/// Folded names of the parameters of a block of the library.
-fn parameters(block: &SystemBlock) -> Vec<String> {
+/// Folded names of the parameters of a block of the library, and which of them are read.
+fn parameters(block: &SystemBlock) -> Vec<(String, bool)> {
     if block.form == Form::NotShipped {
         return Vec::new();
     }
@@ -237,8 +242,11 @@ fn parameters(block: &SystemBlock) -> Vec<String> {
     let is_parameter = |section: &&ast::Section| {
         matches!(section.kind, ast::SectionKind::Input | ast::SectionKind::Output | ast::SectionKind::InOut)
     };
-    let sections = code.sections.iter().filter(is_parameter);
-    sections.flat_map(|section| &section.variables).map(|variable| fold(&variable.name)).collect()
+    let named = |section: &ast::Section| -> Vec<(String, bool)> {
+        let input = section.kind != ast::SectionKind::Output;
+        section.variables.iter().map(|variable| (fold(&variable.name), input)).collect()
+    };
+    code.sections.iter().filter(is_parameter).flat_map(named).collect()
 }
 
 /// The syntax tree of a block of the library.

@@ -264,6 +264,7 @@ impl Evidence {
         let shape = self.added.entry((place.file, place.start)).or_default();
         if shape.name.is_empty() {
             shape.name = name.trim().to_string();
+            shape.place = Some(place);
         }
         shape
     }

@@ -340,11 +340,11 @@ pub fn finish(
 
 /// Tells which components data blocks got.
 fn added_components(evidence: &Evidence) -> Vec<(Span, String)> {
-    let line = |(&(file, start), shape): (&(FileId, u32), &evidence::Shape)| {
+    let line = |shape: &evidence::Shape| {
         let names: Vec<String> = shape.members.iter().map(|(_, member)| format!("`{}`", member.name)).collect();
-        (Span { file, start, end: start }, format!("`{}` lacks {}: added at its end", shape.name, names.join(", ")))
+        (shape.place.unwrap_or_default(), format!("{} lacks {}: added at its end", shape.name, names.join(", ")))
     };
-    evidence.added.iter().map(line).collect()
+    evidence.added.values().map(line).collect()
 }
 
 /// Lists what stands in and what is left out: in the messages, and in lines for the start of a run.

@@ -1,0 +1,70 @@
+//! Programs of which parts are missing, by the command line: what stands in is told of by the compiler and at the start of every run.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const SOURCE: &str =
+    "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n  A \"Start\";\n  = Q 4.0;\n  CALL FC 405 (x := MW 10);\nEND_FUNCTION\n";
+
+fn plcc(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_plcc")).args(arguments).current_dir(folder).output().expect("plcc starts")
+}
+
+fn errors(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn what_stands_in_is_told_at_the_start_of_every_run() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("valve.stl"), SOURCE).expect("the folder can be written");
+    let refused = plcc(folder.path(), &["build", "valve.stl"]);
+    assert_eq!(refused.status.code(), Some(3), "{}", errors(&refused));
+
+    let run = plcc(folder.path(), &["run", "--partial", "valve.stl", "--cycles", "2"]);
+    assert_eq!(run.status.code(), Some(0), "{}", errors(&run));
+    let lines = [
+        "partial: OB 1 is missing: an empty one",
+        "partial: FC 405 is missing: a stub that does nothing",
+        "partial: `Start` is missing: a variable of its own of type BOOL",
+    ];
+    for line in lines {
+        assert_eq!(errors(&run).matches(line).count(), 1, "{line} in {}", errors(&run));
+    }
+    assert!(errors(&run).contains("in its place: a stub that does nothing"), "{}", errors(&run));
+
+    let built = plcc(folder.path(), &["build", "--partial", "valve.stl", "-o", "valve"]);
+    assert_eq!(built.status.code(), Some(0), "{}", errors(&built));
+    let start =
+        |flags: &[&str]| Command::new(folder.path().join("valve")).args(flags).output().expect("the executable starts");
+    let ended = start(&["--cycles", "2"]);
+    for line in lines {
+        assert_eq!(errors(&ended).matches(line).count(), 1, "{line} in {}", errors(&ended));
+    }
+    let quiet = start(&["--cycles", "2", "--quiet"]);
+    assert_eq!(errors(&quiet), "partial: the program was built without 3 of its parts\n");
+}
+
+#[test]
+fn a_project_can_say_that_it_is_partial() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("valve.stl"), SOURCE).expect("the folder can be written");
+    fs::write(folder.path().join("plc.toml"), "name = \"valve\"\npartial = true\n").expect("the folder can be written");
+    let run = plcc(folder.path(), &["run", ".", "--cycles", "2"]);
+    assert_eq!(run.status.code(), Some(0), "{}", errors(&run));
+    let check = plcc(folder.path(), &["check", "."]);
+    assert_eq!(check.status.code(), Some(0), "{}", errors(&check));
+}
+
+#[test]
+fn which_version_of_a_block_counts_is_not_guessed() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for version in ["a", "b"] {
+        fs::create_dir(folder.path().join(version)).expect("the folder can be written");
+        fs::write(folder.path().join(version).join("valve.stl"), SOURCE).expect("the folder can be written");
+    }
+    let run = plcc(folder.path(), &["run", "--partial", ".", "--cycles", "2"]);
+    assert_eq!(run.status.code(), Some(3), "{}", errors(&run));
+    assert!(errors(&run).contains("`./a/valve.stl` and `./b/valve.stl`"), "{}", errors(&run));
+}
