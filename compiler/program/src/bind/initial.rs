@@ -105,7 +105,11 @@ impl Binder<'_> {
                 }
                 _ => None,
             },
-            InitialKind::List(_) | InitialKind::Repeat { .. } | InitialKind::Fields(_) | InitialKind::Default => None,
+            InitialKind::List(_)
+            | InitialKind::Elements(_)
+            | InitialKind::Repeat { .. }
+            | InitialKind::Fields(_)
+            | InitialKind::Default => None,
         };
         let Some(bytes) = bytes else {
             let name = layout::type_name(&DataType::Parameter(parameter));
