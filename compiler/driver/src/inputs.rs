@@ -25,7 +25,7 @@ pub struct Read {
     pub project: Option<Project>,
     pub diagnostics: Vec<Diagnostic>,
     /// Files of folders that hold nothing that plcc reads, and what they are.
-    unread: Vec<(PathBuf, String)>,
+    pub unread: Vec<(PathBuf, String)>,
     /// Code page of files that are not UTF-8; `None`: found in each.
     pub code_page: Option<CodePage>,
 }
