@@ -193,7 +193,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
     if wanted == Wanted::No
         && let Err(why) = regular(path)
     {
-        return read.unread.push((path.to_path_buf(), why.to_string()));
+        return read.unread.push((path.to_path_buf(), reason(&why)));
     }
     let text = match read_text_as(path, read.code_page) {
         Ok(text) => text,
