@@ -194,7 +194,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
     if wanted == Wanted::No
         && let Err(why) = regular(path)
     {
-        return read.unread.push((path.to_path_buf(), why.to_string()));
+        return read.unread.push((path.to_path_buf(), reason(&why)));
     }
     if sheets::is_workbook(path) {
         return add_workbook(read, path, wanted);
