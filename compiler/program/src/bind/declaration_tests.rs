@@ -150,7 +150,7 @@ fn parameters_of_open_arrays() {
     );
     let passing: Vec<Passing> =
         block(&program, BlockKind::Fc, 1).interface.parameters.iter().map(|parameter| parameter.passing).collect();
-    assert_eq!(passing, [Passing::OpenArray { dimensions: 1 }, Passing::Any]);
+    assert_eq!(passing, [Passing::OpenArray { dimensions: 1 }, Passing::Variant]);
     // A POINTER of 6 bytes, then four bounds of 4 bytes.
     let instance = &block(&program, BlockKind::Fb, 1).interface.instance;
     assert_eq!(instance[1].byte, 22);
