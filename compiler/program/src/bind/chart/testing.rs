@@ -58,6 +58,7 @@ pub fn in_block<T>(
         bound: binder.interface(key, block.name.span()).expect("the interface is good"),
         unknown_locals: FxHashSet::default(),
         local_bytes: 0,
+        fragment: false,
         fixed_span: None,
         scl: Scope::new(&input, &block.header, Dialect::Tia),
     };
