@@ -117,13 +117,13 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
                         if messages.is_empty() {
                             table.constants.push(GlobalConstant { name, ty, value, span });
                         } else {
-                            bad(*start, number, "the value is no constant".to_string());
+                            bad(*start, number, "the value is not a constant".to_string());
                         }
                     } else if let Some(target) = parse_address(value.trim().trim_end_matches(":P")) {
                         let comment = columns.comment.map_or("", |at| cell(at).1).trim().to_string();
                         table.symbols.push(Symbol { name, target, ty, comment, span });
                     } else {
-                        bad(*start, number, format!("`{}` is no address", value.trim()));
+                        bad(*start, number, format!("`{}` is not an address", value.trim()));
                     }
                 }
             }

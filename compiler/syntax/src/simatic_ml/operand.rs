@@ -109,7 +109,7 @@ pub fn path<'a, 'i>(node: Node<'a, 'i>, local: bool, notation: Notation, depth: 
                 }
                 token => return refuse(part, &format!("an operand with `{token}`")),
             },
-            // An index behind its component.
+            // An index after its component.
             "Access" if text.ends_with(['[', ',']) => text.push_str(&access_at_depth(part, notation, depth + 1)?),
             name if is_layout(name) => {}
             other => return refuse(part, &format!("an operand with `{other}`")),
@@ -152,7 +152,7 @@ fn behind_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize
     if indices > 0 && !brackets {
         text.push(']');
     }
-    // The index may also stand behind the component.
+    // The index may also stand after the component.
     let behind = node.next_sibling_element().and_then(|next| next.attribute("Text"));
     if modifier.ends_with("Array") && indices == 0 && behind != Some("[") {
         return refuse(node, "an element of an array without an index");
@@ -266,7 +266,7 @@ fn place<'a, 'i>(node: Node<'a, 'i>, letters: &str) -> Text<'a, 'i> {
     })
 }
 
-/// An address behind the name of its data block: `%DBW4`.
+/// An address after the name of its data block: `%DBW4`.
 fn address_in_block<'a, 'i>(node: Node<'a, 'i>) -> Text<'a, 'i> {
     Ok(format!("%{}", place(node, "DB")?))
 }
