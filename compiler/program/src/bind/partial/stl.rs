@@ -274,7 +274,7 @@ impl Look<'_, '_> {
             };
             // The binder makes the instance of a block that it knows.
             if of.is_some() || matches!(&instance, Start::Global(name) if self.binder.global(name).is_none()) {
-                let of = of.or_else(|| known.and_then(|key| known_block(key)));
+                let of = of.or_else(|| known.and_then(known_block));
                 self.with_shape(ctx, &instance, &[], span, &mut |shape| {
                     shape.is_db = true;
                     shape.of = shape.of.take().or(of.clone());
