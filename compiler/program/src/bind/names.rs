@@ -318,7 +318,7 @@ impl<'a> Binder<'a> {
         let mut next: FxHashMap<BlockPrefix, u32> = FxHashMap::default();
         for Unnumbered { block, prefix, name, span, class } in unnumbered {
             let class = match class {
-                None if prefix == BlockPrefix::Ob && !(lonely && !used.contains(&(BlockPrefix::Ob, 1))) => {
+                None if prefix == BlockPrefix::Ob && (!lonely || used.contains(&(BlockPrefix::Ob, 1))) => {
                     match self.unsaid_class(block, &name, span) {
                         Some(class) => Some(class),
                         None => continue,
