@@ -113,6 +113,7 @@ const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
     (Code::MemoryByName, "needs a tag table"),
     (Code::MemoryTag, "needs a tag table"),
     (Code::ExtensionBlock, "needs an export in XML"),
+    (Code::ForeignContent, "needs an export in XML"),
     (Code::MissingCondition, "needs an export in XML"),
     (Code::BranchNeighbour, "needs an export in XML"),
     (Code::BranchArms, "needs an export in XML"),

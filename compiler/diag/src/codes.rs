@@ -84,6 +84,7 @@ codes! {
     DbMissing = "P0316" Warning "a data block that the program does not define";
     NoBlockFits = "P0317" Error "an instance data block of another function block";
     RecursiveType = "P0318" Error "a data type that contains itself";
+    SafetyBlock = "P0325" Error "a block of a safety program";
     TypeMismatch = "P0401" Error "an actual parameter of another type";
     ConstantRequired = "P0402" Error "a place where a constant must stand";
     ArrayIndex = "P0403" Error "an index outside the bounds of its array";

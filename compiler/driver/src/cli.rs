@@ -54,6 +54,9 @@ pub struct CompileArgs {
     /// Code page of sources that are not UTF-8, `936` or `gbk`; found in each file if left out.
     #[arg(long, value_name = "PAGE")]
     pub code_page: Option<CodePage>,
+    /// Compile blocks of safety programs (F_LAD, F_FBD) as standard blocks, to test their logic.
+    #[arg(long)]
+    pub safety_as_standard: bool,
 }
 
 /// How much is optimised.

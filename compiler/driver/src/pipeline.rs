@@ -4,7 +4,7 @@ use std::path::Path;
 
 use plcc_abi::image::{Family, Profile, ProgramImage};
 use plcc_codegen::CodegenOptions;
-use plcc_diag::{Code, Diagnostic, SourceFile, SourceMap, Span};
+use plcc_diag::{Code, Diagnostic, Severity, SourceFile, SourceMap, Span};
 use plcc_ir::Module;
 use plcc_program::model::Program;
 use plcc_program::symbols::{self, SymbolTable};
@@ -31,12 +31,19 @@ pub struct Settings {
     pub partial: bool,
     /// A program without OB 1 is an error.
     pub require_main: bool,
+    /// Blocks of safety programs are standard blocks.
+    pub safety_as_standard: bool,
 }
 
 impl Settings {
     /// As the command line says.
     pub fn new(args: &CompileArgs) -> Settings {
-        Settings { cpu: args.cpu.clone(), mnemonics: args.mnemonics.map(Mnemonics::from), ..Settings::default() }
+        Settings {
+            cpu: args.cpu.clone(),
+            mnemonics: args.mnemonics.map(Mnemonics::from),
+            safety_as_standard: args.safety_as_standard,
+            ..Settings::default()
+        }
     }
 
     fn parse_options(&self, project: Option<&Project>) -> ParseOptions<'static> {
@@ -119,6 +126,12 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         diagnostics.extend(technology::check(&project.technology, &profile));
         diagnostics.extend(s7200::check(project.s7200, &profile));
     }
+    if settings.partial {
+        // Networks that nobody has finished, which binding leaves out.
+        let drafts = diagnostics.iter_mut().filter(|message| plcc_program::is_about_drafts(message.code));
+        let networks = drafts.filter(|message| matches!(message.code, Code::NoSource | Code::OpenBranch));
+        networks.for_each(|message| message.severity = Severity::Warning);
+    }
     let has_station = project.as_ref().is_some_and(|project| project.station.is_some());
     let (program, messages) = plcc_program::bind(&BindInput {
         name,
@@ -126,6 +139,8 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         units: &units,
         tables: &tables,
         profile,
+        safety_as_standard: settings.safety_as_standard
+            || project.as_ref().is_some_and(|project| project.safety_as_standard),
         config: project.map(|project| project.config).unwrap_or_default(),
         partial: settings.partial,
         pragmas: settings.pragmas,
@@ -215,6 +230,9 @@ fn runs(profile: &Profile, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
 fn implied_profile(units: &[(plcc_diag::FileId, SourceUnit)]) -> Profile {
     if is_s7200(units) {
         return profile::generic(Family::S7200);
+    }
+    if plcc_program::has_free_obs(units) {
+        return Profile { limits_checked: false, ..profile::generic(Family::S71500) };
     }
     let statements = units
         .iter()

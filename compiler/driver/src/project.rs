@@ -24,6 +24,8 @@ pub struct Project {
     pub name: Option<String>,
     pub cpu: Option<(String, Span)>,
     pub mnemonics: Option<Mnemonics>,
+    /// Blocks of safety programs are compiled as standard blocks.
+    pub safety_as_standard: bool,
     /// Files and folders; `None`: every source below the project's folder, `tests` left out.
     pub sources: Option<Vec<(String, Span)>>,
     pub symbols: Vec<(String, Span)>,
@@ -60,6 +62,8 @@ struct Keys {
     name: Option<Spanned<String>>,
     cpu: Option<Spanned<String>>,
     mnemonics: Option<MnemonicsKey>,
+    #[serde(default)]
+    safety_as_standard: bool,
     sources: Option<Vec<Spanned<String>>>,
     #[serde(default)]
     symbols: Vec<Spanned<String>>,
@@ -213,6 +217,7 @@ impl Context {
                 MnemonicsKey::En => Mnemonics::En,
                 MnemonicsKey::De => Mnemonics::De,
             }),
+            safety_as_standard: keys.safety_as_standard,
             sources: keys.sources.map(|sources| sources.into_iter().map(place).collect()),
             symbols: keys.symbols.into_iter().map(place).collect(),
             config,

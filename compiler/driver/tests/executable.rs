@@ -65,6 +65,7 @@ fn image() -> ProgramImage {
         asserts: Vec::new(),
         symbols: Vec::new(),
         stops_itself: false,
+        notices: Vec::new(),
         s7200: None,
     }
 }

@@ -135,6 +135,7 @@ impl<'s> Output<'s> {
             asserts: Vec::new(),
             symbols: program.symbols.clone(),
             stops_itself: facts.stops_itself,
+            notices: program.notices.clone(),
             s7200: None,
         };
         Output { module, image, sources }

@@ -13,6 +13,8 @@ pub mod profile;
 pub mod symbols;
 pub mod types;
 
-pub use bind::{BindInput, bind, graph_reference, lad_fbd_reference, scl_reference, standard_library};
+pub use bind::{
+    BindInput, bind, graph_reference, has_free_obs, is_about_drafts, lad_fbd_reference, scl_reference, standard_library,
+};
 pub use model::Program;
 pub use profile::s7200::reference as s7200_reference;

@@ -28,6 +28,8 @@ pub struct Program {
     pub symbols: Vec<SymbolEntry>,
     /// `//@ test cycles=N`, `//@ test expect=fail` and `//@ cpu`, found in the sources.
     pub test: TestSettings,
+    /// What every run of the program begins with, a line each: that it is not what its sources are.
+    pub notices: Vec<String>,
     /// Limits of the CPU, if it is an S7-200.
     pub s7200: Option<CpuRow>,
 }

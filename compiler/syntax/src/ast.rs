@@ -119,6 +119,8 @@ pub struct Header {
     pub name: Option<String>,
     /// The number of a block that is written with its name.
     pub number: Option<u32>,
+    /// The tool gave the number, and may give another.
+    pub auto_number: bool,
     pub version: Option<String>,
     pub know_how_protect: bool,
     pub standard: bool,
@@ -171,7 +173,8 @@ pub struct Constant {
     pub name_span: Span,
     /// None in a classic CONST section: the type of the value.
     pub ty: Option<TypeRef>,
-    pub value: scl::ast::Expr,
+    /// None: the value that variables of the type begin with.
+    pub value: Option<scl::ast::Expr>,
 }
 
 /// `DATA_BLOCK … END_DATA_BLOCK`.

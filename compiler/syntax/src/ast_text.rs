@@ -84,7 +84,9 @@ impl Out {
             }
             for constant in &block.constants {
                 let ty = constant.ty.as_ref().map_or(String::new(), |ty| format!(" : {}", type_text(ty)));
-                out.line(format_args!("constant {}{ty} := {}", constant.name, scl::text::expr(&constant.value)));
+                let value =
+                    constant.value.as_ref().map_or(String::new(), |value| format!(" := {}", scl::text::expr(value)));
+                out.line(format_args!("constant {}{ty}{value}", constant.name));
             }
             match &block.code {
                 Code::Stl(networks) => networks.iter().for_each(|network| out.network(network)),
@@ -153,7 +155,8 @@ impl Out {
             }
         }
         if let Some(number) = header.number {
-            self.line(format_args!("number {number}"));
+            let automatic = if header.auto_number { " by the tool" } else { "" };
+            self.line(format_args!("number {number}{automatic}"));
         }
         for comment in &header.comment {
             self.line(format_args!("comment {comment:?}"));

@@ -313,6 +313,8 @@ pub struct ProgramImage {
     pub symbols: Vec<SymbolEntry>,
     /// The program may end itself (SFC 46, STP): `plcc test` runs it until then.
     pub stops_itself: bool,
+    /// What every run says first, a line each.
+    pub notices: Vec<String>,
     /// Of an S7-200.
     pub s7200: Option<S7200Image>,
 }

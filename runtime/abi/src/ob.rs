@@ -22,6 +22,17 @@ pub enum ObClass {
     RackFailure,
     ProgramError,
     AccessError,
+    Multicomputing,
+    SynchronousCycle,
+    Motion,
+    IoRedundancy,
+    CpuRedundancy,
+    PowerSupply,
+    CpuHardware,
+    ClassError,
+    CommunicationError,
+    Processing,
+    Background,
 }
 
 /// A row of [`OB_CLASSES`].
@@ -57,8 +68,9 @@ const fn row(
 }
 
 use ObClass::{
-    AccessError, Cyclic, Diagnostic, Hardware, Profile, ProgramCycle, ProgramError, PullPlug, RackFailure, Startup,
-    Status, TimeDelay, TimeError, TimeOfDay, Update,
+    AccessError, Background, ClassError, CommunicationError, CpuHardware, CpuRedundancy, Cyclic, Diagnostic, Hardware,
+    IoRedundancy, Motion, Multicomputing, PowerSupply, Processing, Profile, ProgramCycle, ProgramError, PullPlug,
+    RackFailure, Startup, Status, SynchronousCycle, TimeDelay, TimeError, TimeOfDay, Update,
 };
 
 /// The classes, a row each. Priorities are those of the S7-1200 from V4 on; those of OB 121 and 122 do not count, as they run in the
@@ -76,13 +88,30 @@ pub const OB_CLASSES: &[ObClassRow] = &[
     row(Profile,      "profile",        &["Profile", "ProfileInterrupt"],                     (57, 57),   false, 4),
     row(TimeError,    "time error",     &["TimeErrorInterrupt", "TimeError"],                 (80, 80),   false, 22),
     row(Diagnostic,   "diagnostic",     &["DiagnosticErrorInterrupt", "DiagnosticError"],     (82, 82),   false, 5),
-    row(PullPlug,     "pull or plug",   &["PullOrPlugModules", "PullPlugOfModules"],          (83, 83),   false, 6),
+    row(PullPlug,     "pull or plug",   &["PullOrPlugOfModules", "PullOrPlugModules", "PullPlugOfModules"], (83, 83), false, 6),
     row(RackFailure,  "rack failure",   &["RackOrStationFailure", "RackFailure"],             (86, 86),   false, 6),
     row(ProgramError, "program error",  &["ProgrammingError"],                                (121, 121), false, 7),
-    row(AccessError,  "access error",   &["IOAccessError"],                                   (122, 122), false, 7),
+    row(AccessError,  "access error",   &["IOAccessError", "AccessError"],                    (122, 122), false, 7),
+    row(Multicomputing, "multicomputing", &["Multicomputing", "MulticomputingInterrupt"],     (60, 60),   false, 25),
+    row(SynchronousCycle, "synchronous cycle", &["SynchronousCycle", "SynchronousCycleInterrupt"], (61, 64), false, 21),
+    row(Motion,       "motion control", &["MC-Servo", "MC-Interpolator", "MC-PreServo", "MC-PostServo", "MC-PreInterpolator",
+                                          "MC-Transformation", "MC-LookAhead", "MCServo", "MCInterpolator"], (91, 98), false, 24),
+    row(IoRedundancy, "I/O redundancy error", &["IORedundancyError"],                         (70, 70),   false, 25),
+    row(CpuRedundancy, "CPU redundancy error", &["CPURedundancyError"],                       (72, 72),   false, 28),
+    row(PowerSupply,  "power supply error", &["PowerSupplyError"],                            (81, 81),   false, 26),
+    row(CpuHardware,  "CPU hardware error", &["CPUHardwareError", "CPUHardwareFault"],        (84, 84),   false, 26),
+    row(ClassError,   "priority class error", &["PriorityClassError", "ProgramExecutionError", "ProgramSequenceError"], (85, 85), false, 26),
+    row(CommunicationError, "communication error", &["CommunicationError"],                   (87, 87),   false, 26),
+    row(Processing,   "processing interrupt", &["ProcessingInterrupt"],                       (88, 88),   false, 28),
+    row(Background,   "background", &["BackgroundCycle", "Background", "BackgroundProcessing"], (90, 90),  false, 1),
 ];
 
 impl ObClass {
+    /// Nothing that plcc simulates starts such an OB; an event of a scenario may.
+    pub const fn is_started(self) -> bool {
+        !matches!(self, Multicomputing | SynchronousCycle | Motion | IoRedundancy | CpuRedundancy | Background)
+    }
+
     pub fn row(self) -> &'static ObClassRow {
         OB_CLASSES.iter().find(|row| row.class == self).unwrap_or(&OB_CLASSES[0])
     }
@@ -129,6 +158,18 @@ pub enum StartValue {
     /// OB that caused the time error, and its priority.
     CsgObNr,
     CsgPrio,
+    /// Of a synchronous error: number and type of the block, 1 OB, 2 FC, 3 FB.
+    BlockNr,
+    BlockType,
+    /// 0 goes on, 1 takes a substitute value, 2 skips the access.
+    Reaction,
+    /// Memory area and width of the access.
+    Area,
+    Width,
+    DbNr,
+    /// OB in which the error occurred, and its priority.
+    FailedOb,
+    FailedPrio,
 }
 
 /// An input that the CPU knows: class of the OB, name, width in bits, value.
@@ -159,7 +200,31 @@ pub const START_VALUES: &[(ObClass, &str, u32, StartValue)] = &[
     (RackFailure, "LADDR", 16, StartValue::Laddr),
     (RackFailure, "Event_Class", 8, StartValue::EventClass),
     (RackFailure, "Fault_ID", 8, StartValue::FaultId),
+    (ProgramError, "BlockNr", 16, StartValue::BlockNr),
+    (ProgramError, "Reaction", 8, StartValue::Reaction),
+    (ProgramError, "Fault_ID", 8, StartValue::FaultId),
+    (ProgramError, "BlockType", 8, StartValue::BlockType),
+    (ProgramError, "Area", 8, StartValue::Area),
+    (ProgramError, "DBNr", 16, StartValue::DbNr),
+    (ProgramError, "Csg_OBNr", 16, StartValue::FailedOb),
+    (ProgramError, "Csg_Prio", 8, StartValue::FailedPrio),
+    (ProgramError, "Width", 8, StartValue::Width),
+    (AccessError, "BlockNr", 16, StartValue::BlockNr),
+    (AccessError, "Reaction", 8, StartValue::Reaction),
+    (AccessError, "Fault_ID", 8, StartValue::FaultId),
+    (AccessError, "BlockType", 8, StartValue::BlockType),
+    (AccessError, "Area", 8, StartValue::Area),
+    (AccessError, "DBNr", 16, StartValue::DbNr),
+    (AccessError, "Csg_OBNr", 16, StartValue::FailedOb),
+    (AccessError, "Csg_Prio", 8, StartValue::FailedPrio),
+    (AccessError, "Width", 8, StartValue::Width),
 ];
+
+/// Whether two names of a start value are one: letter case and underscores differ between versions of the TIA Portal, and `DBNBR` is `DBNr`.
+pub fn same_start_value(one: &str, other: &str) -> bool {
+    let plain = |name: &str| name.trim().replace('_', "").to_ascii_lowercase().replace("nbr", "nr");
+    plain(one) == plain(other)
+}
 
 /// An input parameter of an OB and its place in the OB's local data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

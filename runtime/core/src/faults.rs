@@ -83,7 +83,11 @@ impl Cpu {
             self.stop_because(stop_event, site, 0, Some(cause));
             return 1;
         }
-        let start = self.with_block(StartInfo::new(class, code, ob).byte(5, access).word(6, info as u16), site);
+        let start = StartInfo::new(class, code, ob).byte(5, access).word(6, info as u16);
+        let mut start = self.with_block(start, site);
+        if self.image.profile.family.is_portal() {
+            start = start.word(10, self.running.ob.get());
+        }
         let read = matches!(
             code,
             sync::IO_READ
@@ -113,10 +117,10 @@ impl Cpu {
         masked
     }
 
-    /// Block type and number of the place, which an S7-400 gives in the start information.
+    /// Block type and number of the place, which an S7-400 and an S7-1500 give in the start information.
     fn with_block(&self, start: StartInfo, site: u32) -> StartInfo {
         match diagnostics::site(&self.image, site) {
-            Some(site) if self.image.profile.family == Family::S7400 => {
+            Some(site) if matches!(self.image.profile.family, Family::S7400 | Family::S71500) => {
                 let block_type = match site.block {
                     BlockKind::Ob => 0x88,
                     BlockKind::Db => 0x8A,

@@ -5,6 +5,7 @@
 //! or Channel, 11 EventType.
 //! Source: LAD/FBD reference for S7-1200, organization blocks.
 
+use plcc_abi::codes::sync;
 use plcc_abi::image::BlockEntry;
 use plcc_abi::ob::StartValue;
 
@@ -57,5 +58,26 @@ fn start_value(value: StartValue, info: &[u8; 12], first: bool) -> u16 {
         StartValue::MultiError => u16::from(info[4] != 0),
         StartValue::FaultId => u16::from(info[1]),
         StartValue::EventClass => u16::from(info[0]),
+        StartValue::BlockNr => word(8),
+        StartValue::BlockType => match info[4] {
+            0x88 => 1,
+            0x8C => 2,
+            0x8E => 3,
+            _ => 0,
+        },
+        StartValue::Reaction => match info[1] {
+            // What is read is replaced, what is written is skipped.
+            sync::IO_READ | sync::LENGTH_READ | sync::AREA_READ | sync::ALIGN_READ => 1,
+            sync::IO_WRITE | sync::LENGTH_WRITE | sync::AREA_WRITE | sync::ALIGN_WRITE => 2,
+            _ => 0,
+        },
+        StartValue::Area => u16::from(info[5] & 0x0F),
+        StartValue::Width => u16::from(info[5] >> 4),
+        StartValue::DbNr => match info[1] {
+            sync::DB_MISSING => word(6),
+            _ => 0,
+        },
+        StartValue::FailedOb => word(10),
+        StartValue::FailedPrio => u16::from(info[2]),
     }
 }

@@ -74,6 +74,10 @@ impl Binder<'_> {
             _ => return self.not_callable(span),
         };
         let bound = self.interface(key, span)?;
+        let names = call.parameters.iter().map(|parameter| parameter.name.as_str());
+        if self.is_own_of_program(key, &bound, names, span) {
+            return None;
+        }
         Some((key, multi, bound))
     }
 

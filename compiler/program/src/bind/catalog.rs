@@ -190,6 +190,7 @@ fn empty(sources: &SourceMap) -> BindInput<'_> {
         partial: false,
         pragmas: false,
         require_main: false,
+        safety_as_standard: false,
     }
 }
 

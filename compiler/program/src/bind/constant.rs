@@ -7,7 +7,7 @@ mod fold;
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Bound;
-use plcc_syntax::scl::ast::{Expr, ExprKind, Literal, Name};
+use plcc_syntax::scl::ast::{Expr, ExprKind, Literal, Name, NameForm};
 use plcc_syntax::{Elementary, literal};
 use rustc_hash::FxHashMap;
 
@@ -183,16 +183,21 @@ impl Binder<'_> {
         if let Some(constant) = constants.get(&folded).or_else(|| self.global_constants.get(&folded)) {
             return Some(constant.clone());
         }
-        self.unknown_constant(&name.text, name.span);
+        self.unknown_constant(&name.text, name.form == NameForm::Local, name.span);
         None
     }
 
-    fn unknown_constant(&mut self, name: &str, span: Span) {
-        self.report.push(
-            Diagnostic::new(Code::ConstantRequired, span, format!("`{name}` is no constant of this block"))
-                .label("a value that is known when the program is compiled must stand here")
-                .help("declare it before in VAR CONSTANT or CONST, or write the number"),
-        );
+    /// A name that is no constant. Nothing may define it (`local`: only the block itself could), or it means something else.
+    fn unknown_constant(&mut self, name: &str, local: bool, span: Span) {
+        if local || self.globals.contains_key(&names::fold(name)) {
+            self.report.push(
+                Diagnostic::new(Code::ConstantRequired, span, format!("`{name}` is no constant of this block"))
+                    .label("a value that is known when the program is compiled must stand here")
+                    .help("declare it before in VAR CONSTANT or CONST, or write the number"),
+            );
+            return;
+        }
+        self.report.missing_constant(name, span);
     }
 
     fn no_constant(&mut self, span: Span, why: &str) {
@@ -251,8 +256,8 @@ impl Binder<'_> {
                 if let Some(number) = constant.and_then(Constant::integer) {
                     return i64::try_from(number).ok();
                 }
-                if self.scope.scl {
-                    self.unknown_constant(name, *span);
+                if self.scope.scl || self.input.partial {
+                    self.unknown_constant(name, false, *span);
                     return None;
                 }
                 self.report.push(

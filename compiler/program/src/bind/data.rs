@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use plcc_abi::image::BlockKind;
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, DataContent, OperandKind, PathPart, PathRoot, TypeKind};
 
 use super::declare::{StructBuilder, Typed, TypedStruct, Use};
@@ -102,7 +102,15 @@ impl Binder<'_> {
             }
             DataContent::Empty => {
                 self.no_content(source, source.name.span());
-                None
+                if !source.values.is_empty() {
+                    return None;
+                }
+                // A block without data is complete, as the TIA Portal exports one that nobody filled.
+                if let Some(message) = self.report.diagnostics.last_mut() {
+                    message.severity = Severity::Warning;
+                }
+                let empty = StructBuilder::default();
+                Some((self.finish_structure(empty, String::new(), None, source.name.span())?, None))
             }
         }
     }

@@ -23,6 +23,7 @@ fn bind_scl(source: &str) -> (Program, Vec<Diagnostic>) {
         partial: false,
         pragmas: true,
         require_main: false,
+        safety_as_standard: false,
     });
     diagnostics.extend(bound);
     (program, diagnostics)

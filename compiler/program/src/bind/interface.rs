@@ -97,21 +97,48 @@ impl<'a> Binder<'a> {
     fn constants(&mut self, block: &ast::CodeBlock, names: &mut FxHashMap<String, Span>) {
         for constant in &block.constants {
             self.declare_name(names, &constant.name, constant.name_span);
-            let value = self.scope_constant(&constant.value);
+            let value = constant.value.as_ref().map(|value| (self.scope_constant(value), value.span));
             let value = match (&constant.ty, value) {
-                (None, value) => value,
+                (None, value) => value.and_then(|(value, _)| value),
                 (Some(ty), value) => {
                     let outer = std::mem::replace(&mut self.scope.variable, constant.name.clone());
                     let ty = self.resolve_type(ty, Use::Component);
                     self.scope.variable = outer;
                     match (ty, value) {
-                        (Some(ty), Some(value)) => self.typed_constant(value, &ty.ty, constant.value.span),
+                        (Some(ty), Some((Some(value), span))) => self.typed_constant(value, &ty.ty, span),
+                        (Some(ty), None) => self.constant_without_value(&ty, constant),
                         _ => None,
                     }
                 }
             };
             if let Some(value) = value {
                 self.scope.constants.entry(fold(&constant.name)).or_insert(value);
+            }
+        }
+    }
+
+    /// `VAR CONSTANT x : Int; END_VAR`: what a variable of the type begins with.
+    fn constant_without_value(&mut self, ty: &Typed, constant: &ast::Constant) -> Option<Constant> {
+        match &ty.ty {
+            DataType::Elementary(elementary) => {
+                let bits = ty.image.iter().fold(0, |bits, byte| bits << 8 | u64::from(*byte));
+                Some(Constant::Typed { ty: *elementary, bits })
+            }
+            DataType::String(_) => Some(Constant::Text { bytes: Vec::new(), typed: true }),
+            DataType::WideString(_) => Some(Constant::WideText(Vec::new())),
+            DataType::DateAndTime => Some(Constant::DateAndTime(super::value::DT_DEFAULT)),
+            other => {
+                let name = layout::type_name(other);
+                self.report.push(
+                    Diagnostic::new(
+                        Code::ConstantRequired,
+                        constant.name_span,
+                        format!("`{}` is a constant without a value", constant.name),
+                    )
+                    .label(format!("of type {name}"))
+                    .help("write its value: `name : type := value;`"),
+                );
+                None
             }
         }
     }
@@ -193,7 +220,7 @@ impl<'a> Binder<'a> {
                 let complex = open || typed.as_ref().is_some_and(|typed| is_complex(&typed.ty));
                 let pointer = complex && kind == SectionKind::InOut;
                 if pointer {
-                    self.no_initial(variable, "a complex IN_OUT parameter points to its actual");
+                    self.ignored_initial(variable, "a complex IN_OUT parameter points to its actual");
                 }
                 let points = matches!(&typed, Some(Typed { ty: DataType::Parameter(_), .. }));
                 let typed = if pointer || points {
@@ -257,7 +284,7 @@ impl<'a> Binder<'a> {
             }
             for variable in variables(block, kind).filter(|variable| variable.at.is_none()) {
                 self.declare_name(names, &variable.name, variable.name_span);
-                self.no_initial(variable, "a function has no memory of its own");
+                self.ignored_initial(variable, "a function has no memory of its own, so the value has no effect");
                 let ty = self.variable_type(variable, Use::Parameter(kind)).map_or(DataType::Void, |typed| typed.ty);
                 let direction = direction(kind).expect("the three sections of this loop are parameters");
                 add_parameter(bound, &mut placer, variable.name.clone(), direction, ty);
@@ -347,7 +374,10 @@ impl<'a> Binder<'a> {
                     continue;
                 };
                 self.no_initial(variable, "it lies where the other variable lies");
-                let ty = self.variable_type(variable, Use::Component).map_or(DataType::Void, |typed| typed.ty);
+                // An ANY may be the view of a structure that its parts are written to.
+                let any = matches!(&variable.ty.kind, TypeKind::Named(word) if word == "ANY");
+                let used = if any { Use::Temp } else { Use::Component };
+                let ty = self.variable_type(variable, used).map_or(DataType::Void, |typed| typed.ty);
                 self.check_view(variable, &ty, base, &under.ty);
                 add_local(&mut bound.locals, variable, ty, under.base, under.byte, under.bit);
             }
@@ -386,12 +416,16 @@ impl Binder<'_> {
 
     /// TEMP has no initial values; sources of the TIA Portal may hold some, which do nothing.
     fn no_temporary_initial(&mut self, variable: &ast::Variable) {
+        let why = "temporary data begins anew at each call";
+        if self.scope.tia { self.ignored_initial(variable, why) } else { self.no_initial(variable, why) }
+    }
+
+    /// An initial value that does nothing, and that programs which run on CPUs have all the same.
+    pub fn ignored_initial(&mut self, variable: &ast::Variable, why: &str) {
         let before = self.report.diagnostics.len();
-        self.no_initial(variable, "temporary data begins anew at each call");
-        if self.scope.tia {
-            for diagnostic in &mut self.report.diagnostics[before..] {
-                diagnostic.severity = Severity::Warning;
-            }
+        self.no_initial(variable, why);
+        for diagnostic in &mut self.report.diagnostics[before..] {
+            diagnostic.severity = Severity::Warning;
         }
     }
 }

@@ -14,6 +14,7 @@ use plcc_syntax::ast::{self, BlockPrefix};
 use plcc_syntax::{ParseOptions, scl, stl};
 use rustc_hash::FxHashSet;
 
+use super::declare::BoundInterface;
 use super::names::{fold, kind_prefix};
 use super::{Binder, CodeSource, SYSTEM_FILE, SystemUse};
 use crate::model::BlockKey;
@@ -114,6 +115,38 @@ impl Binder<'_> {
             }
             None => help,
         }
+    }
+
+    /// Whether a call of `key` cannot mean the block of the library: a part of a program (`partial`) calls a block of its own that has the name or
+    /// number of that one, and other parameters. The block is then noted as missing. `names`: those that the call gives.
+    pub fn is_own_of_program<'n>(
+        &mut self,
+        key: BlockKey,
+        bound: &BoundInterface,
+        names: impl IntoIterator<Item = &'n str>,
+        span: Span,
+    ) -> bool {
+        let system = matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb);
+        let Some(block) = self.library_block(key).filter(|_| self.input.partial && span.file != SYSTEM_FILE) else {
+            return false;
+        };
+        let parameters = &bound.interface.parameters;
+        let known = |name: &str| {
+            let folded = fold(name);
+            matches!(folded.as_str(), "en" | "eno")
+                || parameters.iter().any(|parameter| fold(&parameter.name) == folded)
+        };
+        if names.into_iter().all(known) {
+            return false;
+        }
+        let text = self.text(span);
+        let name = text.trim_matches('"').to_string();
+        match fold(&name) == fold(block.name) {
+            true => self.report.missing_own(&name, span),
+            false if system => return false,
+            false => self.report.missing_block(kind_prefix(key.kind), key.number, span),
+        }
+        true
     }
 
     /// Notes the use of a block of the library; false if it is not there, which is reported.

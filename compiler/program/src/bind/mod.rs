@@ -28,6 +28,8 @@ mod names;
 mod network;
 mod ob;
 mod operand;
+#[cfg(test)]
+mod partial_tests;
 mod path;
 mod pragma;
 mod predefined;
@@ -62,7 +64,8 @@ pub use chart::reference as graph_reference;
 use constant::Constants;
 use declare::{BoundInterface, Scope, Typed, TypedStruct};
 use names::Global;
-pub use network::reference as lad_fbd_reference;
+pub use names::has_free_obs;
+pub use network::{is_about_drafts, reference as lad_fbd_reference};
 use report::Report;
 pub use scl::reference as scl_reference;
 
@@ -87,6 +90,8 @@ pub struct BindInput<'a> {
     pub pragmas: bool,
     /// A program without OB 1 is an error.
     pub require_main: bool,
+    /// Blocks of safety programs are compiled as standard blocks.
+    pub safety_as_standard: bool,
 }
 
 /// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
@@ -119,6 +124,7 @@ pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
     let mut dbs: Vec<_> = dbs.drain().map(|(_, db)| db.block).collect();
     dbs.sort_by_key(|db| db.number);
     let symbols = binder.symbol_entries();
+    let notices = std::mem::take(&mut binder.notices);
     let mut diagnostics = binder.report.finish();
     // A message inside a block of the system has no file that could be shown.
     for diagnostic in &mut diagnostics {
@@ -134,6 +140,7 @@ pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
         blocks,
         dbs,
         symbols,
+        notices,
         test,
         s7200: None,
     };
@@ -179,6 +186,8 @@ struct Binder<'a> {
     config: Config,
     report: Report,
     globals: FxHashMap<String, Global>,
+    /// Numbers of the program's data types, by folded name.
+    type_names: FxHashMap<String, u16>,
     /// User constants of tag tables, by folded name.
     global_constants: Constants,
     block_names: FxHashMap<(BlockPrefix, u16), String>,
@@ -213,6 +222,8 @@ struct Binder<'a> {
     pointers: FxHashMap<(call::InstanceId, usize), call::PointerUse>,
     /// Data blocks that calls name as instances of blocks that are not defined: nothing is known of them.
     unknown_instances: FxHashSet<u16>,
+    /// What every run of the program begins with.
+    notices: Vec<String>,
     /// It was told that there is no REF_TO.
     references_refused: bool,
     /// Tags of the system memory of which it was told that nothing sets them, folded.
@@ -240,6 +251,7 @@ impl<'a> Binder<'a> {
             config: input.config.clone(),
             report: Report::new(input.partial),
             globals: FxHashMap::default(),
+            type_names: FxHashMap::default(),
             global_constants: Constants::default(),
             block_names: FxHashMap::default(),
             defined: FxHashMap::default(),
@@ -262,6 +274,7 @@ impl<'a> Binder<'a> {
             cells_told: FxHashSet::default(),
             pointers: FxHashMap::default(),
             unknown_instances: FxHashSet::default(),
+            notices: Vec::new(),
             references_refused: false,
             system_tags_told: FxHashSet::default(),
         }

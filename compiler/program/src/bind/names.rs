@@ -1,8 +1,10 @@
 //! Which names and numbers the program defines: symbol tables, blocks of the sources, blocks of the system.
 
 use plcc_abi::image::BlockKind;
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_abi::ob::{OB_FREE, ObClass};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
+use plcc_syntax::scl::ast::{self as scl, Dialect};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::constant::{Constant, Constants};
@@ -109,33 +111,54 @@ fn ob_number(name: &str) -> Option<u32> {
 }
 
 /// What starts an OB, if its attributes tell.
-fn block_class(block: &ast::Block) -> Option<plcc_abi::ob::ObClass> {
+fn block_class(block: &ast::Block) -> Option<ObClass> {
     match block {
         ast::Block::Code(code) if code.kind == CodeKind::Ob => super::ob::class_attribute(&code.header)?.0,
         ast::Block::Code(_) | ast::Block::Data(_) | ast::Block::Type(_) => None,
     }
 }
 
+/// A block that is written with a name and without a number.
+struct Unnumbered<'a> {
+    block: &'a ast::Block,
+    prefix: BlockPrefix,
+    name: String,
+    span: Span,
+    /// OB: what starts it.
+    class: Option<ObClass>,
+}
+
 /// Attributes that hold the number of a block which is written with a name.
 const NUMBER_ATTRIBUTES: [&str; 2] = ["S7_BlockNumber", "BlockNumber"];
 
+/// A global symbol of the block's kind. A data type may have the name of a block of another kind.
+fn own_global<'g>(globals: &'g FxHashMap<String, Global>, prefix: BlockPrefix, name: &str) -> Option<&'g Global> {
+    let global = globals.get(&fold(name))?;
+    match global.target {
+        SymbolTarget::Block { prefix: named, .. } if share_name(prefix, named) => None,
+        _ => Some(global),
+    }
+}
+
+/// Whether blocks of these kinds may have one name, as each can be told by where the name stands: a data type and what is no type.
+fn share_name(one: BlockPrefix, other: BlockPrefix) -> bool {
+    let is_type = |prefix| matches!(prefix, BlockPrefix::Udt | BlockPrefix::Fb | BlockPrefix::Sfb);
+    one != other && (one == BlockPrefix::Udt) != (other == BlockPrefix::Udt) && !(is_type(one) && is_type(other))
+}
+
 /// The name of a block with its number, where the text tells it: `FC10` in one word, a number beside the name, the attribute `S7_BlockNumber`, an OB by its usual
-/// name. A symbol table comes first.
+/// name. A symbol table comes first. Also whether the number may be another if a block has it already.
 fn numbered(
     block: &ast::Block,
     prefix: BlockPrefix,
     name: &BlockName,
     globals: &FxHashMap<String, Global>,
-) -> BlockName {
-    let BlockName::Symbol { name: text, span } = name else { return name.clone() };
-    if globals.contains_key(&fold(text)) {
-        return name.clone();
+) -> (BlockName, bool) {
+    let BlockName::Symbol { name: text, span } = name else { return (name.clone(), false) };
+    if own_global(globals, prefix, text).is_some() {
+        return (name.clone(), false);
     }
-    let header = match block {
-        ast::Block::Code(code) => &code.header,
-        ast::Block::Data(data) => &data.header,
-        ast::Block::Type(ty) => &ty.header,
-    };
+    let header = header_of(block);
     let written = match parse_address(text) {
         Some(SymbolTarget::Block { prefix: named, number }) if named == prefix => Some(number),
         _ => None,
@@ -146,9 +169,74 @@ fn numbered(
         .find(|(name, _)| NUMBER_ATTRIBUTES.iter().any(|number| number.eq_ignore_ascii_case(name)))
         .and_then(|(_, value)| value.trim().trim_matches(['\'', '"']).parse().ok());
     let usual = || if prefix == BlockPrefix::Ob { ob_number(text) } else { None };
-    match written.or(header.number).or(attribute).or_else(usual) {
-        Some(number) => BlockName::Numbered { prefix, number, span: *span },
-        None => name.clone(),
+    let said = written.or(header.number).or(attribute);
+    let movable = header.auto_number || said.is_none();
+    match said.or_else(usual) {
+        Some(number) => (BlockName::Numbered { prefix, number, span: *span }, movable),
+        None => (name.clone(), false),
+    }
+}
+
+fn header_of(block: &ast::Block) -> &ast::Header {
+    match block {
+        ast::Block::Code(code) => &code.header,
+        ast::Block::Data(data) => &data.header,
+        ast::Block::Type(ty) => &ty.header,
+    }
+}
+
+/// Whether the sources hold organization blocks that only CPUs of the TIA Portal have: from OB 123 on, by their numbers, or because there are
+/// more of a class than it has numbers.
+pub fn has_free_obs(units: &[(plcc_diag::FileId, ast::SourceUnit)]) -> bool {
+    let none = FxHashMap::default();
+    let mut classes: FxHashMap<ObClass, u16> = FxHashMap::default();
+    let blocks = units.iter().flat_map(|(_, unit)| &unit.blocks);
+    for block in blocks.filter(|block| !is_forward(block)) {
+        let ast::Block::Code(code) = block else { continue };
+        let tia = super::declare::dialect(code) == Some(Dialect::Tia) || code.header.auto_number;
+        if code.kind != CodeKind::Ob || !tia {
+            continue;
+        }
+        let class = match numbered(block, BlockPrefix::Ob, &code.name, &none).0 {
+            BlockName::Numbered { number, .. } if number >= u32::from(OB_FREE) => return true,
+            BlockName::Numbered { number, .. } => ObClass::of_number(number as u16),
+            BlockName::Symbol { .. } => block_class(block).or(Some(ObClass::ProgramCycle)),
+        };
+        if let Some(class) = class {
+            let count = classes.entry(class).or_insert(0);
+            *count += 1;
+            let (first, last) = class.row().numbers;
+            let places = if class == ObClass::Startup { 1 } else { last - first + 1 };
+            if *count > places {
+                return true;
+            }
+        }
+    }
+    false
+}
+
+/// Attributes that tell the language of a block in exports and SD documents.
+const LANGUAGE_ATTRIBUTES: [&str; 3] = ["ProgrammingLanguage", "S7_PreferredLanguage", "S7_Language"];
+
+/// The language is one of safety programs: F_LAD, F_FBD, F_DB.
+fn is_safety(header: &ast::Header) -> bool {
+    header.attributes.iter().any(|(name, value)| {
+        let value = value.trim().trim_matches(['\'', '"']);
+        let language = LANGUAGE_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name));
+        language && value.starts_with("F_")
+            || name.eq_ignore_ascii_case("S7_Safety") && value.eq_ignore_ascii_case("TRUE")
+    })
+}
+
+/// A block with code that says nothing: a declaration before its definition, as generators of sources write it.
+fn is_forward(block: &ast::Block) -> bool {
+    let ast::Block::Code(code) = block else { return false };
+    match &code.code {
+        ast::Code::Scl(body) => body.statements.iter().all(|statement| statement.kind == scl::StatementKind::Empty),
+        ast::Code::Stl(networks) => networks
+            .iter()
+            .all(|network| network.statements.iter().all(|statement| statement.kind == ast::StatementKind::Empty)),
+        ast::Code::Graphic(_) | ast::Code::Chart(_) => false,
     }
 }
 
@@ -157,7 +245,8 @@ impl<'a> Binder<'a> {
     pub fn collect(&mut self) {
         self.collect_tables();
         self.collect_constants();
-        let blocks: Vec<&'a ast::Block> = self.input.units.iter().flat_map(|(_, unit)| &unit.blocks).collect();
+        let blocks = self.without_forwards();
+        self.safety_blocks(&blocks);
         let mut used: FxHashSet<(BlockPrefix, u32)> = FxHashSet::default();
         for global in self.globals.values() {
             if let SymbolTarget::Block { prefix, number } = global.target {
@@ -165,63 +254,14 @@ impl<'a> Binder<'a> {
             }
         }
         let mut unnumbered = Vec::new();
-        for &block in &blocks {
-            let (prefix, name) = frame(block);
-            if matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb) {
-                self.report.push(
-                    Diagnostic::new(Code::BlockFrame, name.span(), "system blocks belong to the CPU")
-                        .label("a program cannot define this block")
-                        .help("make it an FC or FB"),
-                );
-                continue;
-            }
-            match &numbered(block, prefix, name, &self.globals) {
-                BlockName::Numbered { number, span, .. } => {
-                    let portal = self.input.profile.family.is_portal();
-                    let limit = match prefix {
-                        BlockPrefix::Ob if portal => u32::from(plcc_abi::ob::OB_NUMBER_MAX),
-                        BlockPrefix::Ob => 255,
-                        _ => 65_535,
-                    };
-                    if *number > limit || (prefix == BlockPrefix::Db && *number == 0) {
-                        self.report.push(
-                            Diagnostic::new(
-                                Code::AddressRange,
-                                *span,
-                                format!("{} {number} is no block number", prefix.letters()),
-                            )
-                            .label(format!("numbers go up to {limit}"))
-                            .help("take another number; DB 0 is reserved"),
-                        );
-                        continue;
-                    }
-                    used.insert((prefix, *number));
-                    self.define(block, prefix, *number as u16, *span);
-                    if let (_, BlockName::Symbol { name, .. }) = frame(block) {
-                        let target = SymbolTarget::Block { prefix, number: *number };
-                        let global =
-                            Global { name: name.trim().to_string(), target, ty: None, structure: None, span: *span };
-                        self.globals.entry(fold(name)).or_insert(global);
-                    }
+        // Blocks whose numbers can be others take what is left.
+        for movable in [false, true] {
+            for &block in &blocks {
+                let (prefix, name) = frame(block);
+                let (numbered, is_movable) = numbered(block, prefix, name, &self.globals);
+                if is_movable == movable {
+                    self.place(block, numbered, movable, &mut used, &mut unnumbered);
                 }
-                BlockName::Symbol { name, span } => match self.globals.get(&fold(name)).map(|global| global.target) {
-                    Some(SymbolTarget::Block { prefix: named, number }) if named == prefix && number <= 65_535 => {
-                        self.define(block, prefix, number as u16, *span);
-                    }
-                    Some(_) => {
-                        let global = &self.globals[&fold(name)];
-                        self.report.push(
-                            Diagnostic::new(
-                                Code::DuplicateName,
-                                *span,
-                                format!("`{name}` is no {} in the symbol table", prefix.letters()),
-                            )
-                            .label(format!("a {} by this name", prefix.letters()))
-                            .also(global.span, "the symbol"),
-                        );
-                    }
-                    None => unnumbered.push((block, prefix, name.clone(), *span)),
-                },
             }
         }
         if !unnumbered.is_empty() {
@@ -229,17 +269,17 @@ impl<'a> Binder<'a> {
         }
         let lonely = blocks.iter().filter(|block| frame(block).0 == BlockPrefix::Ob).count() == 1;
         let mut next: FxHashMap<BlockPrefix, u32> = FxHashMap::default();
-        for (block, prefix, name, span) in unnumbered {
-            let class = block_class(block);
-            if prefix == BlockPrefix::Ob && class.is_none() && (!lonely || used.contains(&(BlockPrefix::Ob, 1))) {
-                self.report.push(
-                    Diagnostic::new(Code::BlockFrame, span, format!("which OB `{name}` is cannot be known"))
-                        .label("the CPU finds an organization block by its number")
-                        .help("write `ORGANIZATION_BLOCK OB 35`, or give the name its number in the symbol table"),
-                );
-                continue;
-            }
-            if let Some(global) = self.globals.get(&fold(&name)) {
+        for Unnumbered { block, prefix, name, span, class } in unnumbered {
+            let class = match class {
+                None if prefix == BlockPrefix::Ob && (!lonely || used.contains(&(BlockPrefix::Ob, 1))) => {
+                    match self.unsaid_class(block, &name, span) {
+                        Some(class) => Some(class),
+                        None => continue,
+                    }
+                }
+                class => class,
+            };
+            if let Some(global) = own_global(&self.globals, prefix, &name) {
                 // Two blocks by one name: the second would replace the first.
                 let first = global.span;
                 self.report.push(
@@ -254,8 +294,10 @@ impl<'a> Binder<'a> {
             // An OB of which only the class is known: the usual number of the class, else a free one.
             if let Some(class) = class {
                 let (first, last) = class.row().numbers;
+                // OB 101 and 102 start otherwise.
+                let last = if class == ObClass::Startup { first } else { last };
                 let usual = (first..=last).map(u32::from).find(|number| !used.contains(&(prefix, *number)));
-                *number = usual.unwrap_or(u32::from(plcc_abi::ob::OB_FREE));
+                *number = usual.unwrap_or(u32::from(OB_FREE));
             }
             while used.contains(&(prefix, *number)) {
                 *number += 1;
@@ -265,9 +307,13 @@ impl<'a> Binder<'a> {
             }
             let number = *number;
             used.insert((prefix, number));
-            let target = SymbolTarget::Block { prefix, number };
-            self.globals
-                .insert(fold(&name), Global { name: name.trim().to_string(), target, ty: None, structure: None, span });
+            if let Some(class) = class
+                && number >= u32::from(OB_FREE)
+                && block_class(block).is_none()
+            {
+                self.config.ob_classes.push((number as u16, class));
+            }
+            self.name_block(&name, prefix, number, span);
             self.define(block, prefix, number as u16, span);
         }
         for global in self.globals.values() {
@@ -278,6 +324,185 @@ impl<'a> Binder<'a> {
             }
         }
         self.move_library(&used);
+    }
+
+    /// The blocks of the sources; a block without a body that has one elsewhere is left out.
+    fn without_forwards(&mut self) -> Vec<&'a ast::Block> {
+        let blocks: Vec<&'a ast::Block> = self.input.units.iter().flat_map(|(_, unit)| &unit.blocks).collect();
+        let key = |block: &ast::Block| {
+            let (prefix, name) = frame(block);
+            match name {
+                BlockName::Numbered { number, .. } => (prefix, Some(*number), String::new()),
+                BlockName::Symbol { name, .. } => (prefix, None, fold(name)),
+            }
+        };
+        let mut bodies: FxHashMap<_, Span> = FxHashMap::default();
+        for block in blocks.iter().filter(|block| !is_forward(block)) {
+            bodies.entry(key(block)).or_insert(frame(block).1.span());
+        }
+        let mut kept = Vec::with_capacity(blocks.len());
+        for block in blocks {
+            match bodies.get(&key(block)).filter(|_| is_forward(block)) {
+                Some(body) => {
+                    let span = frame(block).1.span();
+                    let name = self.text(span);
+                    let mut message =
+                        Diagnostic::new(Code::DuplicateBlock, span, format!("{name} stands here without a body"))
+                            .label("this one is dropped")
+                            .also(*body, "the definition that holds")
+                            .help("remove the empty one");
+                    message.severity = Severity::Warning;
+                    self.report.push(message);
+                }
+                None => kept.push(block),
+            }
+        }
+        kept
+    }
+
+    /// Blocks of a safety program: refused, or compiled as standard blocks if somebody asked for that.
+    fn safety_blocks(&mut self, blocks: &[&ast::Block]) {
+        let names = blocks.iter().filter(|block| is_safety(header_of(block))).map(|block| frame(block).1);
+        let spans: Vec<Span> = names.map(BlockName::span).collect();
+        let Some(&first) = spans.first() else { return };
+        let name = self.text(first);
+        let name = name.trim_matches('"');
+        let count = spans.len();
+        let what = match count {
+            1 => format!("`{name}` is a block of a safety program"),
+            _ => format!("{count} blocks belong to a safety program, the first is `{name}`"),
+        };
+        if !self.input.safety_as_standard {
+            self.report.push(
+                Diagnostic::new(Code::SafetyBlock, first, what)
+                    .label("plcc has none of the measures that make such a block fail-safe")
+                    .help("to test its logic as that of a standard block compile with `--safety-as-standard`, or set `safety_as_standard = true` in plc.toml"),
+            );
+            return;
+        }
+        let mut message = Diagnostic::new(Code::SafetyBlock, first, what)
+            .label("compiled as a standard block: nothing about it is fail-safe");
+        message.severity = Severity::Warning;
+        self.report.push(message);
+        let list: Vec<String> = spans.iter().map(|span| self.text(*span).trim_matches('"').to_string()).collect();
+        self.notices.push(format!("not fail-safe: compiled as standard blocks: {}", list.join(", ")));
+    }
+
+    /// Defines a block by its number, or notes that it has none.
+    fn place(
+        &mut self,
+        block: &'a ast::Block,
+        numbered: BlockName,
+        movable: bool,
+        used: &mut FxHashSet<(BlockPrefix, u32)>,
+        unnumbered: &mut Vec<Unnumbered<'a>>,
+    ) {
+        let (prefix, name) = frame(block);
+        if matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb) {
+            self.report.push(
+                Diagnostic::new(Code::BlockFrame, name.span(), "system blocks belong to the CPU")
+                    .label("a program cannot define this block")
+                    .help("make it an FC or FB"),
+            );
+            return;
+        }
+        let class = block_class(block);
+        match numbered {
+            BlockName::Numbered { number, span, .. } => {
+                let limit = match prefix {
+                    BlockPrefix::Ob if self.tia_sources => u32::from(plcc_abi::ob::OB_NUMBER_MAX),
+                    BlockPrefix::Ob => 255,
+                    _ => 65_535,
+                };
+                if number > limit || (prefix == BlockPrefix::Db && number == 0) {
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::AddressRange,
+                            span,
+                            format!("{} {number} is no block number", prefix.letters()),
+                        )
+                        .label(format!("numbers go up to {limit}"))
+                        .help("take another number; DB 0 is reserved"),
+                    );
+                    return;
+                }
+                let symbol = match name {
+                    BlockName::Symbol { name, .. } => Some(name),
+                    BlockName::Numbered { .. } => None,
+                };
+                if movable
+                    && used.contains(&(prefix, number))
+                    && let Some(name) = symbol
+                {
+                    let class =
+                        class.or_else(|| ObClass::of_number(number as u16)).filter(|_| prefix == BlockPrefix::Ob);
+                    unnumbered.push(Unnumbered { block, prefix, name: name.clone(), span, class });
+                    return;
+                }
+                used.insert((prefix, number));
+                self.define(block, prefix, number as u16, span);
+                if let Some(name) = symbol {
+                    self.name_block(name, prefix, number, span);
+                }
+            }
+            BlockName::Symbol { name, span } => match own_global(&self.globals, prefix, &name) {
+                None => unnumbered.push(Unnumbered { block, prefix, name, span, class }),
+                Some(&Global { target: SymbolTarget::Block { prefix: named, number }, .. })
+                    if named == prefix && number <= 65_535 =>
+                {
+                    if prefix == BlockPrefix::Udt {
+                        self.type_names.insert(fold(&name), number as u16);
+                    }
+                    self.define(block, prefix, number as u16, span);
+                }
+                Some(global) => {
+                    let row = global.span;
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::DuplicateName,
+                            span,
+                            format!("`{name}` is no {} in the symbol table", prefix.letters()),
+                        )
+                        .label(format!("a {} by this name", prefix.letters()))
+                        .also(row, "the symbol"),
+                    );
+                }
+            },
+        }
+    }
+
+    /// Notes the name of a block. One that a data type has means the type where types stand, and the block elsewhere.
+    fn name_block(&mut self, name: &str, prefix: BlockPrefix, number: u32, span: Span) {
+        let target = SymbolTarget::Block { prefix, number };
+        let global = Global { name: name.trim().to_string(), target, ty: None, structure: None, span };
+        if prefix == BlockPrefix::Udt {
+            self.type_names.entry(fold(name)).or_insert(number as u16);
+            self.block_names.insert((prefix, number as u16), name.trim().to_string());
+            self.globals.entry(fold(name)).or_insert(global);
+        } else if own_global(&self.globals, prefix, name).is_none() {
+            self.globals.insert(fold(name), global);
+        }
+    }
+
+    /// What starts an OB that does not say it: the TIA Portal makes it one of the program cycle. None in other sources, where the number
+    /// cannot be known; that is reported.
+    fn unsaid_class(&mut self, block: &ast::Block, name: &str, span: Span) -> Option<ObClass> {
+        let message = Diagnostic::new(Code::BlockFrame, span, format!("which OB `{name}` is cannot be known"))
+            .help("write `ORGANIZATION_BLOCK OB 35`, or give the name its number in the symbol table");
+        let tia = match block {
+            ast::Block::Code(code) => super::declare::dialect(code).map_or(self.tia_sources, |of| of == Dialect::Tia),
+            ast::Block::Data(_) | ast::Block::Type(_) => false,
+        };
+        if !tia {
+            self.report.push(message.label("the CPU finds an organization block by its number"));
+            return None;
+        }
+        let mut message = message.label("taken as an OB of the program cycle, as the TIA Portal does").help(
+            "say what starts it: `{ S7_EventClass := 'CyclicInterrupt' }`, or name its number in the symbol table",
+        );
+        message.severity = Severity::Warning;
+        self.report.push(message);
+        Some(ObClass::ProgramCycle)
     }
 
     fn collect_tables(&mut self) {

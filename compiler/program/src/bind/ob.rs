@@ -3,8 +3,8 @@
 //! Source: LAD/FBD reference for S7-1200, organization blocks.
 
 use plcc_abi::image::BlockKind;
-use plcc_abi::ob::{OB_CLASSES, OB_FREE, ObClass, START_VALUES, StartInput};
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_abi::ob::{OB_CLASSES, OB_FREE, ObClass, START_VALUES, StartInput, same_start_value};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, SectionKind};
 use rustc_hash::FxHashMap;
 
@@ -57,11 +57,28 @@ impl Binder<'_> {
                         .help(format!("one of {}", names.join(", "))),
                     );
                 }
+                Some(class) if !class.is_started() => {
+                    self.not_started(number, class, block.name.span());
+                    self.config.ob_classes.push((number, class));
+                }
                 Some(class) if number >= OB_FREE && class.row().free => self.config.ob_classes.push((number, class)),
                 Some(class) if ObClass::of_number(number) == Some(class) => {}
                 Some(class) => self.wrong_class(number, class, block.name.span()),
             }
         }
+    }
+
+    /// An OB of a class whose events plcc does not simulate.
+    fn not_started(&mut self, number: u16, class: ObClass, span: Span) {
+        let mut message = Diagnostic::new(
+            Code::BlockFrame,
+            span,
+            format!("nothing starts OB {number}: it is a {} OB", class.row().word),
+        )
+        .label("compiled, and never called")
+        .help("call its blocks in a cyclic OB if the program needs them");
+        message.severity = Severity::Warning;
+        self.report.push(message);
     }
 
     fn wrong_class(&mut self, number: u16, class: ObClass, span: Span) {
@@ -116,16 +133,20 @@ impl Binder<'_> {
         placer.reserve(OB_START_INFORMATION_BYTES);
         for variable in variables {
             self.declare_name(names, &variable.name, variable.name_span);
-            self.no_initial(variable, "the CPU sets it at each start");
+            self.ignored_initial(variable, "the CPU sets it at each start");
             let Some(typed) = self.variable_type(variable, Use::Component) else { continue };
-            let known = START_VALUES
-                .iter()
-                .find(|(of, name, ..)| Some(*of) == class && name.eq_ignore_ascii_case(variable.name.trim()));
+            let known =
+                START_VALUES.iter().find(|(of, name, ..)| Some(*of) == class && same_start_value(name, &variable.name));
             let Some(&(_, _, bits, value)) = known else {
                 self.no_start_value(number, class, variable);
                 continue;
             };
-            if !matches!(typed.ty, DataType::Elementary(ty) if ty.bits() == bits) {
+            // Versions of the TIA Portal differ in whether a small number is a byte or a word.
+            let declared = match typed.ty {
+                DataType::Elementary(ty) if ty.bits() == bits || (bits == 8 && ty.bits() == 16) => Some(ty.bits()),
+                _ => None,
+            };
+            let Some(bits) = declared else {
                 let wanted = match bits {
                     1 => Elementary::Bool,
                     8 => Elementary::Byte,
@@ -141,7 +162,7 @@ impl Binder<'_> {
                     .help(format!("declare it as {}", wanted.name())),
                 );
                 continue;
-            }
+            };
             let (byte, bit) = placer.place(&typed.ty);
             bound.interface.start_inputs.push(StartInput { value, byte, bit, bits });
             let local = Local { name: variable.name.clone(), ty: typed.ty, base: Base::L, byte, bit };

@@ -205,10 +205,8 @@ impl Binder<'_> {
     /// The structure that a tag is, whose type the tag table gives: one of the program.
     fn structure_of_tag(&mut self, name: &str, span: Span) -> Option<Rc<StructType>> {
         let ty = self.globals.get(&fold(name))?.structure.clone()?;
-        let SymbolTarget::Block { prefix: BlockPrefix::Udt, number } = self.globals.get(&fold(&ty))?.target else {
-            return None;
-        };
-        match self.udt(u16::try_from(number).ok()?, span)?.ty {
+        let (BlockPrefix::Udt, number) = self.type_block(&ty)? else { return None };
+        match self.udt(number, span)?.ty {
             DataType::Struct(structure) => Some(structure),
             _ => None,
         }

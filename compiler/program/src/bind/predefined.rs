@@ -14,6 +14,7 @@ use super::names;
 use crate::symbols::{SymbolTarget, parse_address};
 use crate::types::{ArrayType, DTL, DataType, Elementary};
 use plcc_diag::Span;
+use plcc_stdlib::BlockClass;
 
 /// `DTL#1970-01-01-00:00:00`, a Thursday.
 const DTL_DEFAULT: [u8; 12] = [0x07, 0xB2, 1, 1, 5, 0, 0, 0, 0, 0, 0, 0];
@@ -142,6 +143,9 @@ const INSTANCES: &[(&str, &[&str])] = &[
 impl Binder<'_> {
     /// The block that a data type's name means: one of the sources, `FB10`, or one of the library; without a message.
     pub fn type_block(&self, name: &str) -> Option<(BlockPrefix, u16)> {
+        if let Some(number) = self.type_names.get(&names::fold(name)) {
+            return Some((BlockPrefix::Udt, *number));
+        }
         if self.globals.contains_key(&names::fold(name)) {
             return match self.global(name) {
                 Some(SymbolTarget::Block { prefix, number }) => Some((prefix, u16::try_from(number).ok()?)),
@@ -155,8 +159,10 @@ impl Binder<'_> {
         let own = [trimmed];
         let candidates =
             INSTANCES.iter().find(|(ty, _)| ty.eq_ignore_ascii_case(trimmed)).map_or(&own[..], |row| row.1);
-        let tia = || candidates.iter().find_map(|name| plcc_stdlib::find_tia(name));
-        let classic = || candidates.iter().find_map(|name| plcc_stdlib::find_name(name));
+        // A function is no type: `RTM` is a hardware identifier where a type stands.
+        let is_type = |block: &&plcc_stdlib::SystemBlock| matches!(block.class, BlockClass::Fb | BlockClass::Sfb);
+        let tia = || candidates.iter().find_map(|name| plcc_stdlib::find_tia(name).filter(is_type));
+        let classic = || candidates.iter().find_map(|name| plcc_stdlib::find_name(name).filter(is_type));
         let block = if self.scope.tia { tia().or_else(classic) } else { classic().or_else(tia) }?;
         let key = self.library_key(block);
         Some((names::kind_prefix(key.kind), key.number))

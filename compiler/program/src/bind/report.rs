@@ -20,6 +20,8 @@ pub struct Report {
 pub enum MissingKey {
     /// A symbol or a data type, folded.
     Symbol(String),
+    /// A name where the compiler must know the value, folded.
+    Constant(String),
     /// A block to call.
     Block(BlockPrefix, u16),
     /// A block of the CPU or of a library that is not here, by number.
@@ -80,6 +82,15 @@ impl Report {
         });
     }
 
+    /// A constant by a name that nothing defines.
+    pub fn missing_constant(&mut self, name: &str, span: Span) {
+        self.missing(MissingKey::Constant(super::names::fold(name)), span, || {
+            Diagnostic::new(Code::ConstantRequired, span, format!("the constant `{name}` is not defined"))
+                .label("a value that is known when the program is compiled must stand here")
+                .help("declare it before in VAR CONSTANT or CONST, add the tag table that has it, or write the number")
+        });
+    }
+
     /// A function of SCL by a name that means nothing, or that plcc does not have.
     pub fn missing_function(&mut self, name: &str, span: Span, meant: Option<String>, known: bool) {
         self.missing(MissingKey::Symbol(super::names::fold(name)), span, || match known {
@@ -95,6 +106,15 @@ impl Report {
                     None => message.help("add the source that defines it, or the symbol table that names it"),
                 }
             }
+        });
+    }
+
+    /// A block of the program by the name of a library block, whose parameters it does not have.
+    pub fn missing_own(&mut self, name: &str, span: Span) {
+        self.missing(MissingKey::Symbol(super::names::fold(name)), span, || {
+            Diagnostic::new(Code::UnknownBlock, span, format!("the block `{name}` is not defined"))
+                .label("the block of the library by this name has other parameters, so one of the program is meant")
+                .help("add the source that defines it")
         });
     }
 

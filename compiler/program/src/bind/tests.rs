@@ -35,6 +35,7 @@ fn bind_text(source: &str, table: &str, partial: bool) -> (Program, Vec<Diagnost
         partial,
         pragmas: true,
         require_main: false,
+        safety_as_standard: false,
     });
     diagnostics.extend(bound);
     (program, diagnostics)

@@ -98,7 +98,7 @@ impl Reader<'_> {
         };
         let (value, messages) = fragment::expression(self.file, &self.overlay, value.range_value());
         self.messages.extend(messages);
-        Some(Constant { name, name_span, ty, value })
+        Some(Constant { name, name_span, ty, value: Some(value) })
     }
 
     /// A declared variable or component.

@@ -111,7 +111,7 @@ impl<'a> Reader<'a> {
             value = Expr { kind: ExprKind::Unary { op: UnaryOp::Minus, operand }, span: name_span };
         }
         let ty = TypeRef { kind: TypeKind::Named("INT".to_string()), span: name_span };
-        Constant { name: name.to_string(), name_span, ty: Some(ty), value }
+        Constant { name: name.to_string(), name_span, ty: Some(ty), value: Some(value) }
     }
 
     /// Instances of programs, and the OBs that call them. Without a configuration each program runs in OB 1.

@@ -333,7 +333,7 @@ pub fn bound(value: Expr) -> Bound {
                 Bound::Expr(Box::new(Expr { kind, span }))
             }
         },
-        ExprKind::Name(name) => Bound::Name(name.text, span),
+        ExprKind::Name(name) if name.form != NameForm::Local => Bound::Name(name.text, span),
         kind => Bound::Expr(Box::new(Expr { kind, span })),
     }
 }

@@ -1,10 +1,9 @@
 //! The syntax tree of a document: its blocks with their declarations, as SCL reads them, and their networks.
 
-use plcc_diag::{Code, Diagnostic, FileId};
+use plcc_diag::{Diagnostic, FileId};
 
 use super::frame::{Document, Frame};
 use super::network::{self, Source};
-use super::pragma::Attribute;
 use super::texts;
 use crate::ParseOptions;
 use crate::ast::{Block, Code as BlockCode, DataContent, Header, SourceUnit, TypeKind, Variable};
@@ -76,9 +75,6 @@ fn complete_header(block: &mut Block, frame: &Frame, texts: &mut texts::Lookup, 
             // Without a number the project gives one.
             () if attribute.is("S7_BlockNumber") && matches!(attribute.value.as_str(), "" | "0") => {}
             () => {
-                if attribute.is("S7_Safety") && attribute.truth() == Some(true) {
-                    diagnostics.push(safety(attribute));
-                }
                 header.attributes.push((attribute.key.clone(), attribute.value.clone()));
             }
         }
@@ -88,12 +84,6 @@ fn complete_header(block: &mut Block, frame: &Frame, texts: &mut texts::Lookup, 
 /// The lines of a text.
 pub fn lines(text: &str) -> Vec<String> {
     text.lines().map(|line| line.trim_end().to_owned()).collect()
-}
-
-fn safety(attribute: &Attribute) -> Diagnostic {
-    Diagnostic::new(Code::ForeignContent, attribute.key_span.to(attribute.value_span), "this is a fail-safe block")
-        .label("belongs to the safety program of an F-CPU")
-        .help("plcc compiles standard blocks only; take the block out of the program, or write a standard block in its place")
 }
 
 /// Calls `visit` for each variable that a block declares, members of structures included.

@@ -54,7 +54,8 @@ pub fn read(
 /// Of the network's attributes, else of the block's, else as it looks like.
 fn language(source: &Source, frame: &Frame, network: &NetworkSource) -> Language {
     let named = |attributes: &[pragma::Attribute], key: &str| {
-        let value = &pragma::find(attributes, key)?.value;
+        let value = pragma::find(attributes, key)?.value.trim();
+        let value = value.strip_prefix("F_").unwrap_or(value);
         [("LAD", Language::Lad), ("FBD", Language::Fbd), ("SCL", Language::Scl)]
             .into_iter()
             .find_map(|(name, language)| name.eq_ignore_ascii_case(value).then_some(language))

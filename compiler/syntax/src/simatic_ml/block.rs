@@ -13,6 +13,9 @@ use crate::network::ast::{Body, Content, Network};
 use crate::scl;
 use crate::xml::{child, elements, head, text_of};
 
+/// How the languages of safety programs begin: F_LAD, F_FBD, F_DB.
+pub const SAFETY: &str = "F_";
+
 /// Reads one object of the file; `None` if it has no name.
 pub fn read(reader: &mut Reader, object: Node) -> Option<Block> {
     let Some(name) = name(reader, object) else {
@@ -138,6 +141,8 @@ fn header(object: Node) -> Header {
         attributes.push(("S7_Optimized_Access".to_string(), optimized.to_string()));
     }
     attributes.extend(text("SecondaryType").map(|ty| ("SecondaryType".to_string(), ty)));
+    let language = text("ProgrammingLanguage").filter(|language| language.starts_with(SAFETY));
+    attributes.extend(language.map(|language| ("ProgrammingLanguage".to_string(), language)));
     let comment = multilingual(object, "Comment").map(|text| text.lines().map(str::to_string).collect());
     Header {
         title: multilingual(object, "Title"),
@@ -147,6 +152,7 @@ fn header(object: Node) -> Header {
         family: text("HeaderFamily"),
         name: text("HeaderName"),
         number: text("Number").and_then(|number| number.parse().ok()).filter(|number| *number > 0),
+        auto_number: text("AutoNumber").is_some_and(|value| value == "true"),
         version: text("HeaderVersion"),
         know_how_protect: text("IsKnowHowProtected").is_some_and(|value| value == "true"),
         ..Header::default()
@@ -192,10 +198,6 @@ fn refused(header: &Header, language: &str, is_chart: bool) -> Option<(String, &
         "SFC" | "CEM" | "ProDiag" | "ProDiag_OB" => Some((
             format!("is written in {language}, which plcc does not read"),
             "write the block in LAD, FBD, STL or SCL",
-        )),
-        _ if language.starts_with("F_") => Some((
-            format!("is a fail-safe block ({language}), which plcc does not compile as standard code"),
-            "copy its networks into a standard block if they shall be tested",
         )),
         _ => None,
     }

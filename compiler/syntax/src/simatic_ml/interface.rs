@@ -112,8 +112,10 @@ pub fn components(reader: &mut Reader, sections: Option<Node>, whose: &str) -> V
 fn constant(reader: &mut Reader, member: Node) -> Constant {
     let name_span = reader.name_span(member, "Name");
     let ty = type_of(reader, member, 0);
-    let value = child(member, "StartValue").and_then(|value| reader.start_value(value)).and_then(initial::expression);
-    let value = value.unwrap_or(Expr { kind: ExprKind::Error, span: name_span });
+    let value = child(member, "StartValue").map(|value| {
+        let value = reader.start_value(value).and_then(initial::expression);
+        value.unwrap_or(Expr { kind: ExprKind::Error, span: name_span })
+    });
     Constant { name: name_of(member), name_span, ty: Some(ty), value }
 }
 

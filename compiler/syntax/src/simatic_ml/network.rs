@@ -3,6 +3,7 @@
 use plcc_diag::Severity;
 use roxmltree::Node;
 
+use super::block::SAFETY;
 use super::reader::{Reader, multilingual, setting, setting_text};
 use super::{graph, parts, schema, statements, tokens};
 use crate::network::ast::{Content, Graph, Language, Network};
@@ -28,7 +29,9 @@ pub fn read(reader: &mut Reader, unit: Node, number: usize, block: &str, default
     if let Some(other) = sources.next() {
         reader.refuse(other, &whose, "code twice");
     }
-    let language = language_of(&named, source.map(|source| source.tag_name().name()));
+    // A safety network belongs into a block that says so.
+    let stray = named.starts_with(SAFETY) && !default.starts_with(SAFETY);
+    let language = language_of(&named, source.map(|source| source.tag_name().name())).filter(|_| !stray);
     let (labels, content) = content(reader, unit, source, (language, &named), &whose);
     let comment = multilingual(unit, "Comment").map(|text| text.lines().map(str::to_string).collect());
     Network {
@@ -79,7 +82,7 @@ pub fn content(
             Content::Graphic(Graph::default())
         }
         (_, Some(source)) => {
-            let what = if named.starts_with("F_") {
+            let what = if named.starts_with(SAFETY) {
                 format!("fail-safe code ({named})")
             } else {
                 format!("code in {named} (`{}`)", source.tag_name().name())
@@ -96,8 +99,8 @@ pub fn content(
 
 /// The language by its name; without a usable name by the element of the source.
 pub fn language_of(name: &str, source: Option<&str>) -> Option<Language> {
-    match (name, source) {
-        (name, _) if name.starts_with("F_") => None,
+    // What is fail-safe about a network is the code that the TIA Portal makes of it.
+    match (name.strip_prefix(SAFETY).unwrap_or(name), source) {
         (name, _) if name.starts_with("LAD") => Some(Language::Lad),
         (name, _) if name.starts_with("FBD") => Some(Language::Fbd),
         ("STL", _) => Some(Language::Stl),

@@ -70,6 +70,7 @@ pub fn image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         asserts: Vec::new(),
         symbols: Vec::new(),
         stops_itself: false,
+        notices: Vec::new(),
         s7200: None,
     }
 }

@@ -42,6 +42,7 @@ pub fn in_block<T>(
         partial: false,
         pragmas: true,
         require_main: false,
+        safety_as_standard: false,
     };
     let mut binder = Binder::new(&input);
     binder.collect();

@@ -247,12 +247,9 @@ impl Binder<'_> {
             _ => return,
         };
         let text = self.text(span);
-        let mut message = Diagnostic::new(Code::EdgeBit, span, format!("`{text}` cannot remember an edge"))
+        let message = Diagnostic::new(Code::EdgeBit, span, format!("`{text}` cannot remember an edge"))
             .label(area)
             .help("use a bit memory, a static variable or a bit of a data block");
-        if matches!(access.base, Base::Place(Place::L { .. })) {
-            message.severity = plcc_diag::Severity::Error;
-        }
         self.report.push(message);
     }
 

@@ -161,6 +161,12 @@ impl Binder<'_> {
                     return None;
                 }
             };
+            let bound = binder.interface(key, node.span)?;
+            let element = sheet.element(at);
+            let names = element.pins.iter().filter(|pin| pin.value != PinValue::Open).map(|pin| pin.name.as_str());
+            if binder.is_own_of_program(key, &bound, names, callee.span) {
+                return Some(());
+            }
             if matches!(key.kind, BlockKind::Fb | BlockKind::Sfb) {
                 let data = instance.as_ref().unwrap_or(callee);
                 return binder.function_block_call(ctx, sheet, at, node, data, key);

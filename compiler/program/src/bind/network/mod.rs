@@ -29,7 +29,7 @@ pub use pins::{and, inverted, no, yes};
 pub use reference::reference;
 pub use sheet::Hidden;
 
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast;
 use plcc_syntax::network::ast::{Body as Networks, Content, Graph, Network, Target};
@@ -194,6 +194,7 @@ impl Binder<'_> {
     }
 
     fn bind_graph(&mut self, ctx: &mut Ctx, page: &mut Page, network: &Network, graph: &Graph) -> Vec<Statement> {
+        let (first, failed) = (self.report.diagnostics.len(), page.failed);
         let mut messages = Vec::new();
         if !graph.broken {
             legality::legality(network, &mut messages);
@@ -219,7 +220,28 @@ impl Binder<'_> {
                 }
             }
         }
-        sheet.statements
+        let statements = sheet.statements;
+        if self.input.partial && self.is_unfinished(graph, first) {
+            page.failed = failed;
+            return Vec::new();
+        }
+        statements
+    }
+
+    /// Whether a network lacks something that its drawing must have, as drafts do: part of a program that has drafts can be looked at all the
+    /// same, and what was told of the network since message `first` becomes a warning. The network does nothing then.
+    fn is_unfinished(&mut self, graph: &Graph, first: usize) -> bool {
+        let mut unfinished = graph.broken;
+        for message in &mut self.report.diagnostics[first..] {
+            if message.is_error() && is_about_drafts(message.code) {
+                unfinished = true;
+                message.severity = Severity::Warning;
+                if let Some(help) = &mut message.help {
+                    help.push_str("; until then the network does nothing");
+                }
+            }
+        }
+        unfinished
     }
 
     /// An element of which something is missing that no message has told of.
@@ -306,6 +328,19 @@ fn is_about_names(code: Code) -> bool {
             | Code::UnknownMember
             | Code::UnknownLabel
             | Code::NotShipped
+    )
+}
+
+/// The message tells of something that nobody has drawn yet.
+pub const fn is_about_drafts(code: Code) -> bool {
+    matches!(
+        code,
+        Code::MissingOperand
+            | Code::MissingParameter
+            | Code::OpenBranch
+            | Code::NoSource
+            | Code::GateInputs
+            | Code::ElementPlace
     )
 }
 

@@ -65,6 +65,7 @@ pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
         blocks,
         dbs,
         symbols: binder.symbol_entries(),
+        notices: Vec::new(),
         test,
         s7200: Some(binder.row),
     };

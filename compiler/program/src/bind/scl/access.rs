@@ -146,7 +146,14 @@ impl Binder<'_> {
             return Some(Thing::Spot(Spot::fixed(variable.clone())));
         }
         let global = self.globals.contains_key(&fold(text));
-        if !(name.form == NameForm::Quoted && global && !self.is_own_name(ctx, name)) {
+        let elsewhere = global && name.form == NameForm::Quoted || self.is_unknown_global(ctx, name);
+        if elsewhere
+            && !global
+            && let Some(constant) = ctx.bound.constants.get(&fold(text))
+        {
+            return Some(Thing::Constant(constant.clone()));
+        }
+        if !elsewhere || self.is_own_name(ctx, name) {
             let own = if self.is_own_name(ctx, name) { "RET_VAL" } else { text };
             if let Some(variable) = self.local(ctx, text).or_else(|| self.local(ctx, own)) {
                 self.note_use(ctx, &variable, text, intent, name.span);

@@ -51,7 +51,7 @@ impl Binder<'_> {
         for (at, argument) in given.iter().enumerate() {
             let index = match (&positions, &argument.name) {
                 (Some(positions), _) => positions[at],
-                (None, Some(formal)) => match self.formal(key, bound, formal) {
+                (None, Some(formal)) => match self.formal(key, bound, formal, argument.output) {
                     Formal::Parameter(index) => index,
                     Formal::Enable => {
                         good &= self.enable(ctx, &mut list, argument).is_some();
@@ -115,8 +115,13 @@ impl Binder<'_> {
     }
 
     /// What the name of an argument means.
-    fn formal(&mut self, key: BlockKey, bound: &BoundInterface, name: &Name) -> Formal {
+    fn formal(&mut self, key: BlockKey, bound: &BoundInterface, name: &Name, output: bool) -> Formal {
         let folded = fold(&name.text);
+        // `RET_VAL => x`, as the TIA Portal writes some instructions whose value it shows as an output.
+        let result = bound.interface.parameters.iter().position(|parameter| is_result(key, parameter));
+        if let (true, "ret_val", Some(result)) = (output, folded.as_str(), result) {
+            return Formal::Parameter(result);
+        }
         let found = bound
             .interface
             .parameters

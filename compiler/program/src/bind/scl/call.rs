@@ -15,7 +15,7 @@ use crate::bind::names::{code_kind, fold};
 use crate::bind::path::similar;
 use crate::bind::{Binder, Ctx};
 use crate::layout;
-use crate::model::scl::{Access, Base, Call, Complex, Expr, ExprKind, Instance};
+use crate::model::scl::{Access, Argument, Base, Call, Complex, Expr, ExprKind, Instance};
 use crate::model::{BlockKey, Direction, Parameter, Place};
 use crate::symbols::SymbolTarget;
 use crate::types::{DataType, Member, StructType};
@@ -58,6 +58,11 @@ impl Binder<'_> {
             self.note_arguments(ctx, given);
             return None;
         };
+        let names = given.iter().filter_map(|argument| argument.name.as_ref()).map(|name| name.text.as_str());
+        if self.is_own_of_program(key, &bound, names, name) {
+            self.note_arguments(ctx, given);
+            return None;
+        }
         let list = self.arguments(ctx, key, &bound, given, name)?;
         if let Some(instance) = &instance
             && key.kind == BlockKind::Fb
@@ -75,6 +80,19 @@ impl Binder<'_> {
             return Some(Value::Nothing(Box::new(call)));
         }
         let (key, span) = (call.target, call.span);
+        let bound = self.interface(key, name)?;
+        let supplied = |argument: &Argument| is_result(key, &bound.interface.parameters[argument.parameter]);
+        if call.arguments.iter().any(supplied) {
+            let label = "its value goes to the variable behind `RET_VAL =>` already";
+            self.refuse(
+                Code::UnknownParameter,
+                name,
+                "the value of this call is taken twice",
+                label,
+                "leave RET_VAL out",
+            );
+            return None;
+        }
         let ty = self.interface(key, name)?.interface.parameters.iter().find(|one| is_result(key, one)).cloned();
         match ty.map(|result| result.ty) {
             Some(DataType::Elementary(ty)) => {
@@ -123,6 +141,10 @@ impl Binder<'_> {
 
     fn named_callee(&mut self, ctx: &mut Ctx, node: &Node, name: &Name) -> Option<Callee> {
         let local = self.is_local(ctx, name);
+        if local && self.is_unknown_global(ctx, name) {
+            self.unknown_function(name);
+            return None;
+        }
         if self.is_instance(ctx, name) {
             return self.variable_callee(ctx, node);
         }
@@ -140,7 +162,9 @@ impl Binder<'_> {
                 };
             }
         }
-        if let Some(named) = Named::find(&name.text) {
+        // A quoted name is that of a block of the program, which a part of it may not hold.
+        let quoted = name.form == NameForm::Quoted && self.input.partial;
+        if let Some(named) = Named::find(&name.text).filter(|_| !quoted) {
             return Some(Callee::Function(named));
         }
         match self.library_function(rules, &name.text) {
@@ -183,6 +207,11 @@ impl Binder<'_> {
                 NameForm::Bare | NameForm::Local => true,
                 NameForm::Quoted => !self.globals.contains_key(&folded),
             }
+    }
+
+    /// True if a name in quotes means something global that nothing defines: where locals are written with `#`, a local of that name is another.
+    pub(super) fn is_unknown_global(&self, ctx: &Ctx, name: &Name) -> bool {
+        name.form == NameForm::Quoted && ctx.scl.marks_locals && !self.globals.contains_key(&fold(&name.text))
     }
 
     /// The block of the library by the name of a function. The same name means one thing in STEP 7 V5 and another in the TIA Portal.

@@ -61,6 +61,7 @@ fn bound(code: &str) -> (Program, Vec<Diagnostic>) {
         partial: false,
         pragmas: false,
         require_main: false,
+        safety_as_standard: false,
     });
     diagnostics.extend(messages);
     (program, diagnostics)

@@ -1,15 +1,17 @@
 //! Operators of expressions. Both sides of each are evaluated, the left one first. Source: SCL reference, operators.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, UnaryOp as Sign};
+use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Literal, UnaryOp as Sign};
 use plcc_syntax::{Class, Elementary};
 
+use super::compare::comparison;
 use super::numeric::{self, Shape};
 use super::value::Value;
 use super::{Intent, Rules, message};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{BinaryOp, Conversion, Expr, ExprKind, UnaryOp};
+use crate::model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, UnaryOp};
+use crate::types::{DataType, ParameterType};
 
 impl Binder<'_> {
     /// Binds an expression, calls included.
@@ -104,6 +106,13 @@ impl Binder<'_> {
         let mut value = self.scl_value(ctx, first);
         for node in operators.into_iter().rev() {
             let NodeKind::Binary { op, right, op_span, .. } = &node.kind else { continue };
+            if let NodeKind::Literal(Literal::Null) = right.kind
+                && matches!(value, Some(Value::Parameter { .. }))
+                && let Some(compared) = self.points_nowhere(ctx, node)
+            {
+                value = Some(Value::Elementary(compared));
+                continue;
+            }
             let right = self.scl_value(ctx, right);
             value = match (value, right) {
                 (Some(left), Some(right)) => self.binary(ctx, node, *op, *op_span, left, right),
@@ -111,6 +120,27 @@ impl Binder<'_> {
             };
         }
         value
+    }
+
+    /// `v = NULL`, `v <> NULL` of a VARIANT or ANY: whether it points to nothing, which its type code tells. None of others.
+    fn points_nowhere(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
+        let NodeKind::Binary { op, left, .. } = &node.kind else { return None };
+        let op = match op {
+            Operator::Equal => CompareOp::Equal,
+            Operator::NotEqual => CompareOp::NotEqual,
+            _ => return None,
+        };
+        let mut spot = self.scl_spot(ctx, left, Intent::Read)?;
+        if spot.ty != DataType::Parameter(ParameterType::Any) {
+            return None;
+        }
+        // Byte 0 is the same in every ANY of an S7.
+        spot.byte += 1;
+        spot.ty = DataType::Elementary(Elementary::Byte);
+        let access = Box::new(spot.access(left.span));
+        let code = Expr { kind: ExprKind::Load(access), ty: Elementary::Byte, span: left.span };
+        let none = constant_expr(0, Elementary::Byte, node.span);
+        Some(comparison(op, code, none, node.span))
     }
 
     fn binary(

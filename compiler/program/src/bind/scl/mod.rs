@@ -52,7 +52,7 @@ mod call_tests;
 pub(in crate::bind) mod tests;
 
 use plcc_syntax::ast;
-use plcc_syntax::scl::ast::Body as Tree;
+use plcc_syntax::scl::ast::{Body as Tree, Dialect, ExprKind, NameForm};
 
 use super::{Binder, Ctx};
 use crate::model::scl::Body;
@@ -72,6 +72,7 @@ impl Binder<'_> {
     /// Binds the statements of a block.
     pub fn bind_scl(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, body: &Tree) -> Body {
         ctx.scl = Scope::new(self.input, &block.header, body.dialect);
+        ctx.scl.marks_locals = body.dialect == Dialect::Tia && marks_locals(&block.code);
         self.collect_labels(ctx, &body.statements);
         let statements = self.statements(ctx, &body.statements);
         self.unused_data(ctx, block, body.statements.is_empty());
@@ -84,4 +85,13 @@ impl Binder<'_> {
             networks: Vec::new(),
         }
     }
+}
+
+/// Whether some name of the code is written with `#`.
+fn marks_locals(code: &ast::Code) -> bool {
+    let mut found = false;
+    super::mentions::expressions(code, &mut |value| {
+        found |= matches!(&value.kind, ExprKind::Name(name) if name.form == NameForm::Local);
+    });
+    found
 }

@@ -68,7 +68,9 @@ impl Binder<'_> {
                     None => Actual::PointerBytes(bytes.to_vec()),
                 });
             }
-            NodeKind::Literal(Literal::Nil) => return Some(Actual::PointerBytes(any_bytes(0, 0, 0, 0))),
+            NodeKind::Literal(Literal::Nil | Literal::Null) => {
+                return Some(Actual::PointerBytes(any_bytes(0, 0, 0, 0)));
+            }
             NodeKind::Literal(Literal::Pointer { .. }) => {
                 return self.wrong_actual(callee, formal, "a pointer without a length", node.span);
             }

@@ -75,6 +75,8 @@ pub struct Scope {
     pub rules: Rules,
     /// Only the IEC conversions are implicit (`S7_IECCheck`).
     pub strict: bool,
+    /// The block writes its locals with `#`.
+    pub marks_locals: bool,
     /// The code sets OK/ENO by itself.
     pub sets_flag: bool,
     /// A bit string is the number of its width, too: in charts of S7-GRAPH V5.

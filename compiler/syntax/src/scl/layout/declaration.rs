@@ -79,6 +79,9 @@ impl<'a> Layout<'a> {
                 self.constants.insert(name.to_uppercase());
                 self.declared_name(token);
             }
+            while self.is_at(RawKind::LeftBrace) {
+                self.attributes();
+            }
             if self.is_at(RawKind::Colon) {
                 self.take(Tok::Colon);
                 self.type_tokens();

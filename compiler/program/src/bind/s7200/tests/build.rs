@@ -152,6 +152,7 @@ pub fn bind_files(files: Vec<(&str, Source)>, cpu: &str) -> (Program, Vec<Diagno
         partial: false,
         pragmas: true,
         require_main: true,
+        safety_as_standard: false,
     })
 }
 

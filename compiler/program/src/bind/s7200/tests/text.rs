@@ -34,6 +34,7 @@ fn bind_text(name: &str, text: &str, table: &str) -> (SourceMap, Program, Vec<Di
         partial: false,
         pragmas: true,
         require_main: false,
+        safety_as_standard: false,
     });
     diagnostics.extend(found);
     plcc_diag::sort(&mut diagnostics);

@@ -39,6 +39,7 @@ fn bind_text(source: &str, (dialect, family, named): Setting) -> (Program, Vec<D
         partial: false,
         pragmas: true,
         require_main: false,
+        safety_as_standard: false,
     });
     diagnostics.extend(bound);
     (program, diagnostics)
