@@ -151,7 +151,7 @@ fn assertions() {
         "source en\n  pragma \"cpu 224\"\n  main bare\n    network\n      Load I0.0\n      assert stack 0 == int 1\n      assert TW37 >= int 5\n      \
          assert S0.0 == int 0\n      assert eno <> int 0\n      assert AC0 == int -5\n      pragma \"sleep 100 ms\"\n"
     );
-    assert_eq!(messages("LD I0.0\n//@ assert VW0 5\n"), ["P0701 VW0 5"]);
+    assert_eq!(messages("LD I0.0\n//@ assert VW0 5\n"), ["P0701 5"]);
     assert_eq!(messages("ORGANIZATION_BLOCK OB1\nBEGIN\nEND_ORGANIZATION_BLOCK\n//@ sleep 5\n"), ["P0701 //@ sleep 5"]);
 }
 
