@@ -180,6 +180,13 @@ impl<'a> Look<'_, 'a> {
 
     /// Notes a use of a place that the binder does not know.
     pub fn note(&mut self, ctx: &Ctx, start: &Start, steps: &[Step], span: Span, hint: Option<&Hint>) {
+        // A tag may have the name of a function of the library, which has no value without a call.
+        if let Start::Global(name) = start
+            && !self.binder.globals.contains_key(&fold(name))
+            && !self.binder.global_constants.contains_key(&fold(name))
+        {
+            return descend(self.found.of(Missing::name(name), name, span), steps, &mut |shape| shape.learn(hint));
+        }
         self.with_shape(ctx, start, steps, span, &mut |shape| shape.learn(hint));
     }
 
