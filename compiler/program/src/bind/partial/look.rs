@@ -180,6 +180,13 @@ impl<'a> Look<'_, 'a> {
 
     /// Notes a use of a place that the binder does not know.
     pub fn note(&mut self, ctx: &Ctx, start: &Start, steps: &[Step], span: Span, hint: Option<&Hint>) {
+        // A tag may have the name of a function of the library, which has no value without a call.
+        if let Start::Global(name) = start
+            && !self.binder.globals.contains_key(&fold(name))
+            && !self.binder.global_constants.contains_key(&fold(name))
+        {
+            return descend(self.found.of(Missing::name(name), name, span), steps, &mut |shape| shape.learn(hint));
+        }
         self.with_shape(ctx, start, steps, span, &mut |shape| shape.learn(hint));
     }
 
@@ -458,6 +465,44 @@ impl<'a> Look<'_, 'a> {
         self.declared_as(&variable.ty);
         if let Some(initial) = &variable.initial {
             self.initial_names(initial);
+            self.initial_fields(&variable.ty, &mut Vec::new(), initial);
+        }
+    }
+
+    /// Start values of components whose type is missing.
+    fn initial_fields(&mut self, ty: &TypeRef, steps: &mut Vec<Step>, initial: &ast::InitialValue) {
+        match &initial.kind {
+            ast::InitialKind::Fields(fields) => {
+                for (name, value) in fields {
+                    let Some(name) = name else { continue };
+                    steps.push(Step::Member(name.text.clone()));
+                    self.initial_fields(ty, steps, value);
+                    steps.pop();
+                }
+            }
+            // Elements of an array have one type.
+            ast::InitialKind::List(values) | ast::InitialKind::Repeat { values, .. } => {
+                values.iter().for_each(|value| self.initial_fields(ty, steps, value));
+            }
+            ast::InitialKind::Literal(_) | ast::InitialKind::Expr(_) => {
+                let hint = self.initial_hint(initial);
+                if !steps.is_empty() {
+                    self.inside_type(ty, steps, initial.span, &mut |shape| shape.learn(hint.as_ref()), 0);
+                }
+            }
+            ast::InitialKind::Default => {}
+        }
+    }
+
+    /// What a start value is.
+    fn initial_hint(&mut self, initial: &ast::InitialValue) -> Option<Hint> {
+        match &initial.kind {
+            ast::InitialKind::Literal(literal) => Constant::of_stl(literal).map(|constant| of_constant(&constant)),
+            ast::InitialKind::Expr(node) => {
+                let none = crate::bind::constant::Constants::default();
+                self.quietly(|binder| binder.constant(&none, node)).map(|constant| of_constant(&constant))
+            }
+            _ => None,
         }
     }
 
@@ -510,14 +555,7 @@ impl<'a> Look<'_, 'a> {
         };
         let mut steps = vec![Step::Member(name.clone())];
         steps.extend(value.target.parts.iter().map(step_of_part));
-        let hint = match &value.value.kind {
-            ast::InitialKind::Literal(literal) => Constant::of_stl(literal).map(|constant| of_constant(&constant)),
-            ast::InitialKind::Expr(node) => {
-                let none = crate::bind::constant::Constants::default();
-                self.quietly(|binder| binder.constant(&none, node)).map(|constant| of_constant(&constant))
-            }
-            _ => None,
-        };
+        let hint = self.initial_hint(&value.value);
         self.inside_type(ty, &steps, value.span, &mut |shape| shape.learn(hint.as_ref()), 0);
     }
 
