@@ -109,8 +109,7 @@ impl Build<'_, '_, '_> {
 
     /// The expression in a part of the file.
     fn expr(&mut self, range: Range<usize>) -> Expr {
-        let value = self.reader.expression(range, Some(&self.body.scope));
-        value
+        self.reader.expression(range, Some(&self.body.scope))
     }
 
     /// The operand of a contact, coil or variable.

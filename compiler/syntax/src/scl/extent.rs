@@ -72,6 +72,10 @@ pub fn literal(prefix: &str, rest: &str) -> Option<usize> {
     let (_, form) = PREFIXES.iter().find(|(name, _)| name.eq_ignore_ascii_case(prefix))?;
     let length = match form {
         Form::Value if rest.starts_with('\'') => 1 + text(&rest[1..]).0,
+        // `WSTRING#"x"` of IEC 61131-3.
+        Form::Value if prefix.eq_ignore_ascii_case("WSTRING") && rest.starts_with('"') => {
+            rest[1..].find(['"', '\n']).filter(|end| rest[1 + end..].starts_with('"')).map(|end| end + 2)?
+        }
         Form::Value => value(rest),
         Form::Duration => {
             let sign = sign(rest);

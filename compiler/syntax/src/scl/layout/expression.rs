@@ -302,7 +302,13 @@ impl<'a> Layout<'a> {
     }
 
     fn literal(&mut self, token: RawToken) {
-        let tok = match literal::parse(self.slice(token)) {
+        let text = self.slice(token);
+        // `TOD#12:30` and `DT#2024-01-31-12:30`: IEC 61131-3 editors leave seconds of 0 out.
+        let read = literal::parse(text).or_else(|error| match self.iec && text.contains(':') {
+            true => literal::parse(&format!("{text}:00")).map_err(|_| error),
+            false => Err(error),
+        });
+        let tok = match read {
             Ok(read) => {
                 if let Some(number) = read.wrapped {
                     self.tolerate(
