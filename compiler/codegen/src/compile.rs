@@ -20,9 +20,9 @@ use crate::isa::{Placement, Tuning, isa};
 use crate::lower::{self, Target};
 use crate::{CodegenError, CodegenOptions, rounding};
 
-/// Functions with more instructions than this get quick register allocation: the better one takes quadratic time (about a
-/// second for this many).
-const LARGE_INSTRUCTIONS: usize = 50_000;
+/// Functions with more instructions than this get quick register allocation: the better one takes quadratic time (up to about
+/// a second for this many).
+const LARGE_INSTRUCTIONS: usize = 15_000;
 
 /// Functions with more jumps back than this are not optimised by Cranelift, whose time grows with the depth of loops.
 const JUMPS_BACK_MAX: usize = 200;

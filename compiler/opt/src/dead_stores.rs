@@ -88,24 +88,34 @@ impl Overwritten {
         if matches!(access.region, Region::L | Region::Any) {
             self.frame_ends = false;
         }
-        self.ranges.retain(|&region, bases| {
-            if region == access.region {
-                bases.retain_mut(|(base, extents)| {
-                    let same = *base == access.base;
-                    if same {
-                        extents.cut(access.start, access.end, |()| true);
-                    }
-                    same && !extents.is_empty()
-                });
-                !bases.is_empty()
-            } else {
-                !region.may_alias(access.region)
+        if let Some(bases) = self.ranges.get_mut(&access.region) {
+            bases.retain_mut(|(base, extents)| {
+                let same = *base == access.base;
+                if same {
+                    extents.cut(access.start, access.end, |()| true);
+                }
+                same && !extents.is_empty()
+            });
+            if bases.is_empty() {
+                self.ranges.remove(&access.region);
             }
-        });
+        }
+        if matches!(access.region, Region::Any | Region::AnyDb) {
+            self.ranges.retain(|&region, _| region == access.region || !region.may_alias(access.region));
+            return;
+        }
+        // A region of its own overlaps these two and itself, however many there are.
+        for wide in [Region::Any, Region::AnyDb] {
+            if wide.may_alias(access.region) {
+                self.ranges.remove(&wide);
+            }
+        }
     }
 
     fn read_all(&mut self, keep_frame: bool) {
-        self.ranges.retain(|&region, _| keep_frame && region == Region::L);
+        // A new table: one that was large once would be walked from end to end at each call.
+        let frame = self.ranges.remove(&Region::L).filter(|_| keep_frame);
+        self.ranges = frame.map(|bases| (Region::L, bases)).into_iter().collect();
         self.frame_ends &= keep_frame;
     }
 }

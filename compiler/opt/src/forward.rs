@@ -223,7 +223,9 @@ impl Memory {
 
     /// Forgets everything but, perhaps, the own frame. Frames of inlined functions behind it are overwritten.
     fn forget_all(&mut self, keep_frame: bool, function: &Function) {
-        self.regions.retain(|&region, _| keep_frame && region == Region::L);
+        // A new table: one that was large once would be walked from end to end at each call.
+        let frame = self.regions.remove(&Region::L).filter(|_| keep_frame);
+        self.regions = frame.map(|bases| (Region::L, bases)).into_iter().collect();
         self.dbs.clear();
         let Some(bases) = self.regions.get_mut(&Region::L) else { return };
         if function.inlined_bytes == 0 {

@@ -484,7 +484,10 @@ impl<'a> Look<'_, 'a> {
             ast::InitialKind::List(values) | ast::InitialKind::Repeat { values, .. } => {
                 values.iter().for_each(|value| self.initial_fields(ty, steps, value));
             }
-            ast::InitialKind::Literal(_) | ast::InitialKind::Expr(_) => {
+            ast::InitialKind::Elements(elements) => {
+                elements.iter().for_each(|(_, value)| self.initial_fields(ty, steps, value));
+            }
+            ast::InitialKind::Literal(_) | ast::InitialKind::Expr(_) | ast::InitialKind::Operand(_) => {
                 let hint = self.initial_hint(initial);
                 if !steps.is_empty() {
                     self.inside_type(ty, steps, initial.span, &mut |shape| shape.learn(hint.as_ref()), 0);
