@@ -22,6 +22,7 @@ fn messages(language: Language, source: &str) -> Vec<String> {
         profile: plcc_abi::image::Profile { limits_checked: false, ..profile::generic(Family::S7300) },
         config: Config::default(),
         partial: true,
+        stand_ins: None,
         pragmas: false,
         require_main: false,
         safety_as_standard: false,

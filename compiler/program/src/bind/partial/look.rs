@@ -518,7 +518,6 @@ impl<'a> Look<'_, 'a> {
                 values.iter().for_each(|value| self.initial_names(value));
             }
             ast::InitialKind::Elements(elements) => elements.iter().for_each(|(_, value)| self.initial_names(value)),
-            ast::InitialKind::Elements(elements) => elements.iter().for_each(|(_, value)| self.initial_names(value)),
             ast::InitialKind::Fields(fields) => fields.iter().for_each(|(_, value)| self.initial_names(value)),
             ast::InitialKind::Literal(_) | ast::InitialKind::Operand(_) | ast::InitialKind::Default => {}
         }
