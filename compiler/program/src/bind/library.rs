@@ -112,6 +112,11 @@ impl Binder<'_> {
         }
     }
 
+    /// Whether the program means a block of its own by the name and number of this one: see [`Self::find_foreign`].
+    pub fn is_foreign(&self, block: &SystemBlock) -> bool {
+        self.foreign.contains(&(block.class, block.number))
+    }
+
     /// Kind and number of a block of the library in this program.
     pub fn library_key(&self, block: &SystemBlock) -> BlockKey {
         let moved = self.moved.iter().find(|(_, other)| (other.class, other.number) == (block.class, block.number));

@@ -728,7 +728,11 @@ impl<'a> Binder<'a> {
             return Some(global.target);
         }
         let name = classic_name(name.trim());
-        let key = self.library_key(plcc_stdlib::find_name(name).or_else(|| plcc_stdlib::find_tia(name))?);
+        let block = plcc_stdlib::find_name(name).or_else(|| plcc_stdlib::find_tia(name))?;
+        if self.is_foreign(block) {
+            return None;
+        }
+        let key = self.library_key(block);
         Some(SymbolTarget::Block { prefix: kind_prefix(key.kind), number: u32::from(key.number) })
     }
 

@@ -123,7 +123,7 @@ const ROWS: &[Row] = &[
     // Declarations.
     Row("Interface", "", "Sections"),
     Row("Sections", "Datatype Version", "Section"),
-    Row("Section", "Name", "Member"),
+    Row("Section", "Name", "Member Sections"),
     Row("Member", "Name Datatype Version Remanence Accessibility",
         "AttributeList Member Sections StartValue Subelement AssignedProDiagFB"),
     Row("AssignedProDiagFB", "", ""),

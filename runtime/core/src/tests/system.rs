@@ -322,7 +322,7 @@ fn distributed_data() {
 fn a_jump_of_the_wall_clock_skips_time_of_day_interrupts() {
     let ob80: Block = Box::new(|cpu, lbase| {
         assert_eq!(cpu.memory.bytes::<2>(lbase), [0x35, 0x05]);
-        assert_eq!(cpu.memory.byte(lbase + 11), 10);
+        assert_eq!(cpu.memory.bytes::<2>(lbase + 6), [0, 1]);
         cpu.memory.set_byte(layout::M, 1);
     });
     let ob1: Block = Box::new(|cpu, lbase| {

@@ -229,7 +229,7 @@ impl Binder<'_> {
             Rules::Classic => classic().or_else(tia),
             Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500 => tia().or_else(classic),
         };
-        block.map(|block| self.library_key(block))
+        block.filter(|block| !self.is_foreign(block)).map(|block| self.library_key(block))
     }
 
     /// A block by itself: a function, or the instance that a data block is.
