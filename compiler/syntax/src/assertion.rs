@@ -25,7 +25,10 @@ enum Part {
     Close,
 }
 
-/// Reads the assertion in `range` of `source`. `side` reads an operand from its range; what it reports stays reported.
+/// Reads an operand from its range; what it reports stays reported.
+type SideReader<'s, S> = dyn FnMut(Range<usize>, &mut Vec<Diagnostic>) -> Option<S> + 's;
+
+/// Reads the assertion in `range` of `source`. `side` reads an operand.
 ///
 /// `None`: a message was given.
 pub fn parse<S>(
@@ -33,7 +36,7 @@ pub fn parse<S>(
     source: &str,
     range: Range<usize>,
     diagnostics: &mut Vec<Diagnostic>,
-    side: &mut dyn FnMut(Range<usize>, &mut Vec<Diagnostic>) -> Option<S>,
+    side: &mut SideReader<'_, S>,
 ) -> Option<Assertion<S>> {
     let parts = parts(source, range.clone());
     let mut reader = Reader {
@@ -143,7 +146,7 @@ struct Reader<'a, S> {
     depth: usize,
     comparisons: Vec<Comparison<S>>,
     diagnostics: &'a mut Vec<Diagnostic>,
-    side: &'a mut dyn FnMut(Range<usize>, &mut Vec<Diagnostic>) -> Option<S>,
+    side: &'a mut SideReader<'a, S>,
 }
 
 impl<S> Reader<'_, S> {

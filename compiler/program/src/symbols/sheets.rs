@@ -22,11 +22,14 @@ struct Columns {
     constants: bool,
 }
 
+/// A cell: the byte where it begins, and its text.
+type Cell<'a> = (usize, &'a str);
+
 /// A sheet with the number of its first line.
 struct Sheet<'a> {
     name: &'a str,
     /// Byte, number and cells of each row.
-    rows: Vec<(usize, &'a str, Vec<(usize, &'a str)>)>,
+    rows: Vec<(usize, &'a str, Vec<Cell<'a>>)>,
 }
 
 /// Whether a text is that of a workbook.

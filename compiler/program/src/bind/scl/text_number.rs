@@ -115,18 +115,16 @@ impl Binder<'_> {
         let value = self.scl_value(ctx, input);
         let wide_target = matches!(target.as_ref()?.ty, DataType::WideString(_));
         let from_wide = is_wide_text(value.as_ref()?);
-        if !wide_target && !(from_wide && matches!(target.as_ref()?.ty, DataType::String(_))) {
+        let narrowed = from_wide && matches!(target.as_ref()?.ty, DataType::String(_));
+        if !wide_target && !narrowed {
             self.report.diagnostics.truncate(told);
             ctx.scl.temp_reads.truncate(reads);
             return None;
         }
         let (target, value) = (target?, value?);
-        let text = if from_wide {
-            Some(value)
-        } else if matches!(
-            value,
-            Value::Complex { ty: DataType::String(_), .. } | Value::Constant(Constant::Text { .. }, _)
-        ) {
+        let narrow =
+            matches!(value, Value::Complex { ty: DataType::String(_), .. } | Value::Constant(Constant::Text { .. }, _));
+        let text = if from_wide || narrow {
             Some(value)
         } else {
             let number = self.number_type_of(&value, input.span).and_then(written_as);
