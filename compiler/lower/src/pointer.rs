@@ -131,7 +131,11 @@ impl Context<'_, '_> {
             Actual::Variant(pointer, pointed) => {
                 self.store_pointer(addr, pointer, any);
                 match (pointed, &**pointer) {
-                    (Pointed::Known { elements, ty }, _) => self.store_pointed(addr, *elements, *ty),
+                    (Pointed::Known { elements, ty }, _) => {
+                        let elements = self.b.i32_const(*elements);
+                        self.store_pointed(addr, elements, *ty);
+                    }
+                    (Pointed::Counted { .. }, _) => unreachable!("only SCL has ARRAY[*]"),
                     (Pointed::Copied, Actual::PointerCopy(place)) => {
                         let source = self.target(place, Width::Byte, crate::place::Direction::Read);
                         let guard = self.begin_guard(source.checks, crate::fault::Substitute::None);
@@ -148,9 +152,9 @@ impl Context<'_, '_> {
     }
 
     /// Writes what a VARIANT at `addr` says after its ANY.
-    pub fn store_pointed(&mut self, addr: Address, elements: u32, ty: u32) {
+    pub fn store_pointed(&mut self, addr: Address, elements: Value, ty: u32) {
+        let ty = self.b.i32_const(ty);
         for (at, field) in [(layout::VARIANT_ELEMENTS, elements), (layout::VARIANT_TYPE, ty)] {
-            let field = self.b.i32_const(field);
             self.store_low(moved(addr, at), Width::Dword, field);
         }
     }

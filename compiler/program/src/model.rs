@@ -410,6 +410,8 @@ impl Actual {
 pub enum Pointed {
     /// Number of elements, 0 of what is no array; [`crate::layout::type_number`] of them.
     Known { elements: u32, ty: u32 },
+    /// As many elements as the ARRAY[*] at which the ANY points has; [`crate::layout::type_number`] of them.
+    Counted { ty: u32 },
     /// What the VARIANT says of which the ANY is a copy.
     Copied,
 }

@@ -1,6 +1,6 @@
 //! Actual parameters of calls from SCL: evaluated first, from left to right, then handed over. Source: SCL reference, parameters.
 
-use plcc_ir::{Address, Type, Value};
+use plcc_ir::{Address, BinaryOp, IntCc, Type, Value};
 use plcc_program::layout;
 use plcc_program::model::scl::{Access, Actual, Argument, Base, Complex, Conversion, ExprKind};
 use plcc_program::model::{Direction, Parameter, Passing, Place, Pointed, Width};
@@ -46,7 +46,17 @@ pub enum Source<'m> {
 /// A POINTER or ANY.
 pub enum PointerSource<'m> {
     Bytes(&'m [u8]),
-    Fields { head: u32, fields: PointerFields },
+    Fields {
+        head: u32,
+        fields: PointerFields,
+    },
+    /// An ARRAY[*]: its number of elements, an i32, and how many of the type of the ANY one of them is.
+    Counted {
+        type_code: u8,
+        elements: Value,
+        each: u16,
+        fields: PointerFields,
+    },
     Copy(Located<'m>),
     Variant(Box<PointerSource<'m>>, Pointed),
 }
@@ -129,6 +139,12 @@ impl Context<'_, '_> {
         let head = |type_code: u8, count: u16| 0x10 << 24 | u32::from(type_code) << 16 | u32::from(count);
         match actual {
             Actual::PointerBytes(bytes) => PointerSource::Bytes(bytes),
+            Actual::PointerTo { access, type_code, count } if matches!(access.ty, DataType::OpenArray(_)) => {
+                let located = self.locate(access);
+                let fields = self.located_pointer(&located);
+                let elements = self.elements_of(access);
+                PointerSource::Counted { type_code: *type_code, elements, each: *count, fields }
+            }
             Actual::PointerTo { access, type_code, count } => {
                 let fields = match self.elementary_formal(access) {
                     Some(width) => self.pointer_to_copy(access, width),
@@ -209,6 +225,15 @@ impl Context<'_, '_> {
                 self.store_pointer_fields(moved(addr, ANY_HEAD_BYTES), *fields);
             }
             PointerSource::Fields { fields, .. } => self.store_pointer_fields(addr, *fields),
+            PointerSource::Counted { type_code, elements, each, fields } => {
+                let count = self.b.binary_imm(BinaryOp::Imul, *elements, i64::from(*each));
+                let most = self.b.i32_const(0xFFFF);
+                let fits = self.b.icmp(IntCc::Ult, count, most);
+                let count = self.b.select(fits, count, most);
+                let head = self.b.binary_imm(BinaryOp::Or, count, 0x10 << 24 | i64::from(*type_code) << 16);
+                self.store_low(addr, Width::Dword, head);
+                self.store_pointer_fields(moved(addr, ANY_HEAD_BYTES), *fields);
+            }
             PointerSource::Copy(located) => {
                 let (from, checks) = self.located_address(located, place::Direction::Read);
                 let guard = self.begin_guard(checks, Substitute::None);
@@ -218,7 +243,14 @@ impl Context<'_, '_> {
             PointerSource::Variant(pointer, pointed) => {
                 self.store_pointer_source(addr, pointer, any);
                 match (pointed, &**pointer) {
-                    (Pointed::Known { elements, ty }, _) => self.store_pointed(addr, *elements, *ty),
+                    (Pointed::Known { elements, ty }, _) => {
+                        let elements = self.b.i32_const(*elements);
+                        self.store_pointed(addr, elements, *ty);
+                    }
+                    (Pointed::Counted { ty }, PointerSource::Counted { elements, .. }) => {
+                        self.store_pointed(addr, *elements, *ty);
+                    }
+                    (Pointed::Counted { .. }, _) => unreachable!("the binder counts elements of ARRAY[*] only"),
                     (Pointed::Copied, PointerSource::Copy(located)) => {
                         let (from, checks) = self.located_address(located, place::Direction::Read);
                         let guard = self.begin_guard(checks, Substitute::None);
@@ -401,6 +433,19 @@ impl Context<'_, '_> {
             }
             _ => unreachable!("the binder gives ARRAY[*] arrays"),
         }
+    }
+
+    /// Number of elements of an ARRAY[*], an i32; none if it was not supplied.
+    fn elements_of(&mut self, access: &Access) -> Value {
+        let DataType::OpenArray(array) = &access.ty else { unreachable!("asked for ARRAY[*] only") };
+        let mut elements = self.b.i32_const(1);
+        for dimension in 0..array.dimensions {
+            let (low, high) = self.bounds_of(access, dimension);
+            let length = self.b.binary(BinaryOp::Isub, high, low);
+            let length = self.b.binary_imm(BinaryOp::Iadd, length, 1);
+            elements = self.b.binary(BinaryOp::Imul, elements, length);
+        }
+        elements
     }
 
     // Instances and structures of parameters: copies.

@@ -588,6 +588,16 @@ pub fn pointed_at(ty: &DataType) -> Pointed {
     }
 }
 
+/// Type code of an array of `element` in an ANY, and the number that one element counts there. Source: as [`any_of`].
+pub fn code_for_elements(element: &DataType) -> (u8, u16) {
+    let bytes_of = |elements: i32| layout::array_bytes(&[(1, elements)], element);
+    match element {
+        DataType::Elementary(ty) => (type_code(*ty), 1),
+        DataType::DateAndTime => (CODE_DATE_AND_TIME, 1),
+        _ => (CODE_BYTE, (bytes_of(2) - bytes_of(1)).min(0xFFFF) as u16),
+    }
+}
+
 /// Type code and number for `ty` in an ANY; that of a VARIANT tells texts from bytes.
 pub fn code_for(formal: &Parameter, ty: &DataType) -> (u8, u32) {
     match (&formal.ty, ty) {

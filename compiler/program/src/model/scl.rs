@@ -462,7 +462,7 @@ pub enum Actual {
     Number(Number),
     /// POINTER, ANY: the bytes are known.
     PointerBytes(Vec<u8>),
-    /// POINTER, ANY: points at the variable; for an ANY, with bytes 1 to 3.
+    /// POINTER, ANY: points at the variable; for an ANY, with bytes 1 to 3. Of an ARRAY[*], `count` is that of one element.
     PointerTo { access: Access, type_code: u8, count: u16 },
     /// POINTER, ANY: the structure lies at the place.
     PointerCopy(Access),

@@ -4,6 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::scl::ast::BinaryOp as Operator;
 use plcc_syntax::{Class, Elementary};
 
+use super::assign::value_of;
 use super::coerce::{access_has_call, assignable};
 use super::convert::{self, Implicit};
 use super::expression::{binary_expr, constant_expr, typed_constant};
@@ -17,7 +18,7 @@ use crate::model::scl::{Access, Actual, BinaryOp, CompareOp, Complex, Expr, Expr
 use crate::types::DataType;
 
 /// Elements that a comparison of structures looks at, at most.
-const ELEMENTS_MAX: u64 = 64;
+const ELEMENTS_MAX: u64 = 1024;
 
 /// Library functions: EQ, NE, LT, LE, GT, GE of STRING and of DATE_AND_TIME. Source: STL reference, IEC functions.
 const fn library(op: CompareOp) -> (u16, u16) {
@@ -202,24 +203,43 @@ impl Binder<'_> {
                 Code::TypeMismatch,
                 op_span,
                 "these structures cannot be compared as a whole",
-                &format!("only up to {ELEMENTS_MAX} single values, and no texts"),
+                &format!("only up to {ELEMENTS_MAX} single values and texts"),
                 "compare the components in a loop, or those that matter one by one",
             );
             return None;
         }
-        let join = if op == CompareOp::Equal { BinaryOp::And } else { BinaryOp::Or };
-        let load = |access: Access, ty| Expr { kind: ExprKind::Load(Box::new(access)), ty, span };
-        let each = pairs.into_iter().map(|(a, b, ty)| comparison(op, load(a, ty), load(b, ty), span));
-        each.reduce(|left, right| binary_expr(join, left, right, Elementary::Bool, span))
+        let (operator, join) = match op {
+            CompareOp::Equal => (Operator::Equal, BinaryOp::And),
+            _ => (Operator::NotEqual, BinaryOp::Or),
+        };
+        let mut results = Vec::with_capacity(pairs.len());
+        for (a, b) in pairs {
+            let (a, b) = (value_of(&a, span)?, value_of(&b, span)?);
+            results.push(self.compare(ctx, operator, op_span, a, b, span)?);
+        }
+        balanced(join, results, span)
     }
 }
 
-/// The single values of two variables of one type; false: too many, or some that are compared otherwise.
-fn elements(a: &Access, b: &Access, pairs: &mut Vec<(Access, Access, Elementary)>) -> bool {
+/// All of `results`, joined; few of them lie inside others.
+fn balanced(join: BinaryOp, mut results: Vec<Expr>, span: Span) -> Option<Expr> {
+    if results.len() > 1 {
+        let right = results.split_off(results.len() / 2);
+        let (left, right) = (balanced(join, results, span)?, balanced(join, right, span)?);
+        return Some(binary_expr(join, left, right, Elementary::Bool, span));
+    }
+    results.pop()
+}
+
+/// The single values and texts of two variables of one type; false: too many, or some that cannot be compared.
+fn elements(a: &Access, b: &Access, pairs: &mut Vec<(Access, Access)>) -> bool {
     use super::place::shifted;
     match (&a.ty, &b.ty) {
-        (DataType::Elementary(ty), DataType::Elementary(_)) => {
-            pairs.push((a.clone(), b.clone(), *ty));
+        (DataType::Elementary(_), DataType::Elementary(_))
+        | (DataType::String(_), DataType::String(_))
+        | (DataType::WideString(_), DataType::WideString(_))
+        | (DataType::DateAndTime, DataType::DateAndTime) => {
+            pairs.push((a.clone(), b.clone()));
             pairs.len() as u64 <= ELEMENTS_MAX
         }
         (DataType::Struct(x), DataType::Struct(y)) => x.members.iter().zip(&y.members).all(|(m, n)| {

@@ -4,8 +4,9 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::scl::ast::{Argument as Given, BinaryOp as NodeOp, Expr as Node};
 use plcc_syntax::{Class, Elementary};
 
-use super::coerce::is_dtl;
+use super::coerce::{has_call, is_dtl};
 use super::convert::{self, converted};
+use super::expression::constant_expr;
 use super::function::{Kind, Row};
 use super::message::described;
 use super::numeric::{self, Shape};
@@ -78,7 +79,7 @@ impl Binder<'_> {
                 arguments.insert(0, selector?);
                 Some(computed(Function::Select, arguments, ty, span))
             }
-            Kind::Mux => self.mux(ctx, suffix, pins, span),
+            Kind::Mux => return self.mux(ctx, suffix, pins, span),
             Kind::NormX => {
                 let nodes = [pins.get("MIN")?, pins.get("VALUE")?, pins.get("MAX")?];
                 let (arguments, ty) = self.alike(ctx, &nodes, None)?;
@@ -210,14 +211,52 @@ impl Binder<'_> {
         }
     }
 
-    fn mux(&mut self, ctx: &mut Ctx, suffix: Option<Elementary>, pins: &Pins, span: Span) -> Option<Expr> {
+    fn mux(&mut self, ctx: &mut Ctx, suffix: Option<Elementary>, pins: &Pins, span: Span) -> Option<Value> {
         let selector = self.count_value(ctx, pins.get("K")?);
         let mut nodes = pins.numbered("IN0");
         let otherwise = pins.get("INELSE");
         nodes.extend(otherwise);
-        let (mut arguments, ty) = self.alike(ctx, &nodes, suffix)?;
+        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+        let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
+        if let Some(kind) = values.iter().find_map(complex_kind) {
+            return self.mux_by_selection(ctx, kind, selector?, values, otherwise.is_some(), span);
+        }
+        let (mut arguments, ty) = self.alike_values(ctx, values, suffix)?;
         arguments.insert(0, selector?);
-        Some(computed(Function::Mux { has_else: otherwise.is_some() }, arguments, ty, span))
+        let function = Function::Mux { has_else: otherwise.is_some() };
+        Some(Value::Elementary(computed(function, arguments, ty, span)))
+    }
+
+    /// MUX of what is no single value: INELSE, unless K is the number of an input.
+    fn mux_by_selection(
+        &mut self,
+        ctx: &mut Ctx,
+        kind: &str,
+        selector: Expr,
+        mut values: Vec<Value>,
+        has_else: bool,
+        span: Span,
+    ) -> Option<Value> {
+        if !has_else || has_call(&selector) {
+            let (label, help) = if has_else {
+                ("K is asked for once for each input", "assign K to a variable first")
+            } else {
+                ("INELSE is missing", "add `INELSE := …`, the value for all other numbers")
+            };
+            self.refuse(Code::OperandKind, span, "this MUX of texts or dates cannot be computed", label, help);
+            return None;
+        }
+        let mut result = values.pop()?;
+        let inputs = values.len();
+        for (number, value) in values.into_iter().enumerate().rev() {
+            // A MUX of its own, so that a K that no input has is an error here as well.
+            let flags = (0..=inputs).map(|at| constant_expr(u64::from(at == number), Elementary::Bool, span));
+            let arguments = std::iter::once(selector.clone()).chain(flags).collect();
+            let meant = computed(Function::Mux { has_else: true }, arguments, Elementary::Bool, span);
+            let given = vec![Value::Elementary(meant), result, value];
+            result = self.instruction_value(ctx, &format!("SEL_{kind}"), given, span)?;
+        }
+        Some(result)
     }
 
     fn round(&mut self, ctx: &mut Ctx, row: &Row, suffix: Option<Elementary>, pins: &Pins, span: Span) -> Option<Expr> {

@@ -7,11 +7,13 @@ use super::actual::{access_type, is_variable};
 use super::message::described;
 use super::value::Value;
 use crate::bind::actual::{
-    POINTS_AT_NOTHING, code_for, for_formal, pointed_at, pointed_at_by_literal, pointer_bytes, type_code,
+    POINTS_AT_NOTHING, code_for, code_for_elements, for_formal, pointed_at, pointed_at_by_literal, pointer_bytes,
+    type_code,
 };
 use crate::bind::actual::{any_bytes, any_number_of_block, any_number_of_cell, known_pointer, local_place};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
+use crate::layout;
 use crate::model::scl::{Access, Actual, Base, Complex, Expr, ExprKind};
 use crate::model::{BlockKey, Number, Parameter, Place, Pointed};
 use crate::types::{DataType, Elementary, ParameterType};
@@ -141,6 +143,11 @@ impl Binder<'_> {
             DataType::Parameter(ParameterType::Variant) => {
                 return Some(for_formal(formal, Actual::PointerCopy(access), Pointed::Copied));
             }
+            DataType::OpenArray(array) if is_open_formal(&access) => {
+                let (type_code, count) = code_for_elements(&array.element);
+                let pointed = Pointed::Counted { ty: layout::type_number(&array.element) };
+                return Some(for_formal(formal, Actual::PointerTo { access, type_code, count }, pointed));
+            }
             DataType::Parameter(_) | DataType::OpenArray(_) | DataType::Void => {
                 return self.wrong_actual(callee, formal, &access_type(&access), node.span);
             }
@@ -172,6 +179,12 @@ fn any_of_value(formal: &Parameter, value: Expr) -> Actual {
     let pointed = pointed_at(&DataType::Elementary(value.ty));
     let type_code = type_code(value.ty);
     for_formal(formal, Actual::PointerToValue { value, type_code }, pointed)
+}
+
+/// True of a parameter that is an ARRAY[*], which knows its bounds.
+fn is_open_formal(access: &Access) -> bool {
+    matches!(access.base, Base::Place(Place::Parameter { .. } | Place::ThroughPointer { .. }))
+        && access.indices.is_empty()
 }
 
 /// A pointer to local data of this block.
