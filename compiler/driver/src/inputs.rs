@@ -477,6 +477,18 @@ mod tests {
     }
 
     #[test]
+    fn the_list_of_unread_files_is_short() {
+        let mut files: Vec<(String, &str)> = (0..20).map(|n| (format!("a{n:02}.py"), "x = 1\n")).collect();
+        files.push(("main".to_string(), "A I 0.0\n= Q 4.0\n"));
+        files.push(("z.s7p".to_string(), ""));
+        let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (name.as_str(), *text)).collect();
+        let read = read(&[folder(&files).path().to_path_buf()]);
+        let help = read.diagnostics[0].help.clone().unwrap_or_default();
+        assert_eq!((read.units.len(), help.matches("(a source in Python)").count()), (1, 7));
+        assert!(help.contains("z.s7p (a project of STEP 7") && help.ends_with("... and 13 more"), "{help}");
+    }
+
+    #[test]
     fn a_folder_of_projects_is_not_one_program() {
         let folder = folder(&[("lad/plc.toml", ""), ("lad/a.stl", "A I 0.0\n"), ("fbd/plc.toml", "")]);
         let read = read(&[folder.path().to_path_buf()]);
