@@ -1,9 +1,17 @@
-//! What a file is. Its content tells, never its name.
+//! What a file is. Its content tells; of a file that only lies in a folder, its name may tell that it is no source.
+
+use std::path::Path;
 
 use plcc_program::symbols;
 use plcc_syntax::s7200;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::xml::{self, XmlKind};
+
+use foreign::Foreign;
+use lines::Signs;
+
+pub mod foreign;
+mod lines;
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,8 +23,12 @@ pub enum Content {
     SourceAndTable,
     /// Text that does not look like any of them.
     Prose,
+    /// A program in the form of another tool; which, and what to do.
+    Program(&'static str),
     /// Not for us; what it is instead.
     Other(&'static str),
+    /// A document, a picture or an empty file, which nobody expects to be read.
+    Nothing,
 }
 
 /// Words that begin a line of a source and are no mnemonics.
@@ -47,7 +59,7 @@ const FRAME_WORDS: [&str; 22] = [
 
 /// Tells what `text` is.
 pub fn of(text: &str) -> Content {
-    if text.chars().take(4096).any(|c| c.is_control() && !matches!(c, '\t' | '\n' | '\r' | '\x0c' | '\x1a')) {
+    if is_binary(text) {
         return Content::Other("binary data");
     }
     if let Some(kind) = xml::kind(text) {
@@ -61,6 +73,10 @@ pub fn of(text: &str) -> Content {
         None => return Content::Source,
         Some(line) if line.starts_with("%PDF") => return Content::Other("a PDF document"),
         Some(line) if line.starts_with("cycle,time_ms,") => return Content::Other("a trace"),
+        Some(line) if line.starts_with("solid") && text.contains("facet normal") => {
+            return Content::Other("a model in three dimensions");
+        }
+        Some(line) if line.starts_with("FILEVERSION") => return Content::Other("a hardware configuration of STEP 7"),
         Some(_) => {}
     }
     if s7200::is_s7200(text)
@@ -71,6 +87,56 @@ pub fn of(text: &str) -> Content {
     } else {
         Content::Prose
     }
+}
+
+/// Tells what the file `path` of a folder is, which nobody named: a text that looks only a little like a source is none.
+/// `is_source`: the ending of its name is that of a source.
+pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
+    match foreign::of_name(path) {
+        Some(Foreign::Program(what)) => return Content::Program(what),
+        Some(Foreign::Other(what)) => return Content::Other(what),
+        Some(Foreign::Document) => {
+            let has_code = !is_binary(text) && xml::kind(text).is_none() && Signs::of(text).has_code();
+            return if has_code { Content::Other("a document with PLC code") } else { Content::Nothing };
+        }
+        None => {}
+    }
+    let content = of(text);
+    if xml::kind(text).is_some() {
+        return content;
+    }
+    match content {
+        Content::Source | Content::Prose if is_source => Content::Source,
+        Content::Source | Content::Prose if text.trim().is_empty() => Content::Nothing,
+        Content::Source | Content::Prose => {
+            let signs = Signs::of(text);
+            if signs.is_source() {
+                Content::Source
+            } else if signs.has_code() {
+                Content::Other("text with some PLC code")
+            } else {
+                Content::Prose
+            }
+        }
+        // Any list of texts in quotes has the form of a table.
+        Content::SymbolTable if text.trim_start().starts_with('"') && !has_addresses(text) => {
+            Content::Other("a table without addresses")
+        }
+        content => content,
+    }
+}
+
+fn has_addresses(text: &str) -> bool {
+    let fields = |line: &str| line.split(',').map(|field| field.trim().trim_matches('"').to_string()).nth(1);
+    text.lines().filter_map(fields).any(|field| {
+        symbols::parse_address(&field).is_some()
+            || s7200::parse_address(&field).is_some()
+            || s7200::parse_block(&field).is_some()
+    })
+}
+
+fn is_binary(text: &str) -> bool {
+    text.chars().take(4096).any(|c| c.is_control() && !matches!(c, '\t' | '\n' | '\r' | '\x0c' | '\x1a'))
 }
 
 /// What a file in XML is, by its objects.
@@ -96,8 +162,11 @@ fn of_xml(kind: XmlKind, text: &str) -> Content {
         XmlKind::PlcOpen => Content::SourceAndTable,
         XmlKind::TagTable => Content::SymbolTable,
         XmlKind::Other(root) if xml::is_fragment(&root) => Content::Source,
-        XmlKind::Other(root) if root == "CAEXFile" => Content::Other("a hardware configuration (AML)"),
-        XmlKind::Other(_) => Content::Other("XML that is no export of blocks"),
+        XmlKind::Other(root) => match foreign::of_root(&root) {
+            Some(Foreign::Program(what)) => Content::Program(what),
+            Some(Foreign::Other(what)) => Content::Other(what),
+            Some(Foreign::Document) | None => Content::Other("XML that is no export of blocks"),
+        },
         // The parser says best what is wrong with a block that was cut off.
         XmlKind::Broken if text.contains("<SW.") => Content::Source,
         XmlKind::Broken => Content::Prose,
@@ -165,5 +234,56 @@ mod tests {
         assert_eq!(of("A\0B"), Content::Other("binary data"));
         assert_eq!(of("If the tank is full then the valve is closed by hand.\n"), Content::Prose);
         assert_eq!(of("# Tank\n\nA program that fills a tank when the level is low.\n"), Content::Prose);
+    }
+
+    /// Files of folders, which nobody named.
+    #[test]
+    fn files_of_folders_must_look_like_sources() {
+        let of = |name: &str, text: &str| in_folder(Path::new(name), text, false);
+        for (name, text) in [
+            ("main", "A I 0.0\n= Q 4.0\n"),
+            ("main.txt", "      U     E 0.0;\n      S     M 3.1;\n"),
+            ("fc.src", "FUNCTION FC 1 : VOID\nTITLE =The tank is filled when the level is low\nBEGIN\nEND_FUNCTION\n"),
+            ("db.db", "DATA_BLOCK \"Tank data\"\nSTRUCT\n  a : INT;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n"),
+            (
+                "tank.st",
+                "FUNCTION_BLOCK Tank\nVAR_INPUT\n  level : REAL;\nEND_VAR\nlevel := 1.0;\nEND_FUNCTION_BLOCK\n",
+            ),
+            ("s7200.txt", "Network 1 // a title of several words\nLDW>=  VW2, 4\nTON    T37, +50 // some words\n"),
+        ] {
+            assert_eq!(of(name, text), Content::Source, "{name}");
+        }
+        for (name, text) in [
+            ("README.md", "A tank\n"),
+            ("README", "Set\n"),
+            ("LICENSE", "MIT\n"),
+            ("empty.txt", "\n"),
+            ("__init__", ""),
+        ] {
+            assert_eq!(of(name, text), Content::Nothing, "{name}");
+        }
+        assert_eq!(of("guide.md", "# Use\n```\nA I 0.0\n= Q 4.0\n```\n"), Content::Other("a document with PLC code"));
+        for (name, text) in [
+            ("about.txt", "Water tank\n"),
+            ("about.txt", "S7-1200\n"),
+            ("list", "Set\nA pump\nL valve\n"),
+            ("main", "int main(void) {\n  x = 1;\n  return 0;\n}\n"),
+            ("data.csv", "\"name\",\"age\",\"town\"\n\"a\",\"3\",\"b\"\n"),
+            ("data.csv", "a,b,c\n1,2,3\n"),
+            ("x.c", "int a;\n"),
+            ("x.py", "x = 1\n"),
+            ("x.json", "{}\n"),
+            ("x.yml", "a: 1\n"),
+            ("x.TcPOU", "<TcPlcObject/>"),
+            ("pom.xml", "<project><modelVersion>4</modelVersion></project>"),
+            ("x.xml", "<TcPlcObject/>"),
+        ] {
+            assert!(
+                matches!(of(name, text), Content::Prose | Content::Other(_) | Content::Program(_)),
+                "{name}: {:?}",
+                of(name, text)
+            );
+        }
+        assert!(matches!(of("t.csv", "\"Start\",\"I 0.0\",\"BOOL\",\"\"\n"), Content::SymbolTable));
     }
 }

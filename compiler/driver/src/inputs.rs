@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
 use plcc_syntax::{CodePage, Language};
 
+use crate::content::foreign::{self, Foreign};
 use crate::content::{self, Content};
 use crate::pipeline;
 use crate::project::{self, Project};
@@ -27,6 +28,8 @@ pub struct Read {
     pub diagnostics: Vec<Diagnostic>,
     /// Files of folders that hold nothing that plcc reads, and what they are.
     pub unread: Vec<(PathBuf, String)>,
+    /// Those of them that are programs in the form of other tools.
+    pub foreign: Vec<(PathBuf, String)>,
     /// Code page of files that are not UTF-8; `None`: found in each.
     pub code_page: Option<CodePage>,
 }
@@ -69,11 +72,13 @@ pub fn read_as(paths: &[PathBuf], code_page: Option<CodePage>) -> Read {
 }
 
 /// Names that a message about files that are not read has room for.
-const UNREAD_MAX: usize = 100;
+const UNREAD_MAX: usize = 8;
 
 /// One message names all files of folders that were not read.
 fn report_unread(read: &mut Read) {
-    let unread = std::mem::take(&mut read.unread);
+    // Programs of other tools are what a user may miss.
+    let mut unread = std::mem::take(&mut read.foreign);
+    unread.append(&mut read.unread);
     let texts: Vec<String> = read.texts.iter().map(|(_, texts)| read.sources.file(*texts).name.clone()).collect();
     let unread: Vec<&(PathBuf, String)> =
         unread.iter().filter(|(path, _)| !texts.contains(&path.display().to_string())).collect();
@@ -157,7 +162,7 @@ pub fn file_scenario(file: &Path) -> Option<PathBuf> {
 }
 
 fn is_source(path: &Path, text: &str) -> bool {
-    matches!(content_of(path, text), Content::Source | Content::SourceAndTable)
+    matches!(content_in_folder(path, text), Content::Source | Content::SourceAndTable)
 }
 
 /// The suffix of files with the texts of a source in SIMATIC SD.
@@ -173,8 +178,22 @@ fn content_of(path: &Path, text: &str) -> Content {
     }
     match content::of(text) {
         Content::Prose if pipeline::language_of(&path.display().to_string()).is_some() => Content::Source,
+        // Its name tells best what a binary file is.
+        Content::Other(what) => match foreign::of_name(path) {
+            Some(Foreign::Program(what)) => Content::Program(what),
+            _ => Content::Other(what),
+        },
         content => content,
     }
+}
+
+/// As [`content_of`], of a file that nobody named.
+fn content_in_folder(path: &Path, text: &str) -> Content {
+    let is_text_of_block = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case(TEXTS_SUFFIX));
+    if is_text_of_block || is_toml(path) {
+        return content_of(path, text);
+    }
+    content::in_folder(path, text, pipeline::language_of(&path.display().to_string()).is_some())
 }
 
 fn is_toml(path: &Path) -> bool {
@@ -206,24 +225,25 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
             return read.report(Code::Unreadable, path, title, "check the name of the file and who may read it");
         }
     };
-    let content = content_of(path, &text);
+    let content = match wanted {
+        Wanted::Yes => content_of(path, &text),
+        Wanted::No => content_in_folder(path, &text),
+    };
     if wanted == Wanted::No {
-        let what = match content {
-            Content::Prose => "text that is no source",
-            Content::Other(what) => what,
-            Content::Source | Content::SourceAndTable | Content::SymbolTable => "",
-        };
-        if !what.is_empty() {
-            if !is_toml(path) {
-                read.unread.push((path.to_path_buf(), what.to_string()));
-            }
-            return;
+        let named = |what: &str| (path.to_path_buf(), what.to_string());
+        match content {
+            Content::Source | Content::SourceAndTable | Content::SymbolTable => {}
+            Content::Nothing => return,
+            Content::Other(_) if is_toml(path) => return,
+            Content::Program(what) => return read.foreign.push(named(what)),
+            Content::Prose => return read.unread.push(named("text that is no source")),
+            Content::Other(what) => return read.unread.push(named(what)),
         }
     }
     let source = SourceFile::new(path.display().to_string(), text);
     match content {
         // The parser says best why a text is no source.
-        Content::Source | Content::SourceAndTable | Content::Prose => {
+        Content::Source | Content::SourceAndTable | Content::Prose | Content::Nothing => {
             if read.name.is_empty() {
                 read.name = stem(path);
             }
@@ -238,7 +258,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
             let file = read.sources.add(source);
             read.tables.push(file);
         }
-        Content::Other(what) => {
+        Content::Other(what) | Content::Program(what) => {
             let title = format!("`{}` holds no PLC source but {what}", path.display());
             let help = "give a source in STL (S7-200 or S7-300/400), SCL, SIMATIC SD or GRAPH, blocks exported as XML, or a symbol table";
             read.report(Code::NotASource, path, title, help);
@@ -443,7 +463,9 @@ mod tests {
             ("main.awl", "A I 0.0\n"),
             ("sub/valve", "FUNCTION FC 1 : VOID\nBEGIN\nEND_FUNCTION\n"),
             ("symbols.txt", "\"Start\",\"I 0.0\",\"BOOL\",\"\"\n"),
-            ("notes.md", "# Notes\n\nThis is prose that explains the program.\n"),
+            ("notes.txt", "# Notes\n\nThis is prose that explains the program.\n"),
+            ("README.md", "A tank\n"),
+            ("LICENSE", "MIT\n"),
         ]);
         let read = read(&[folder.path().to_path_buf()]);
         assert_eq!((read.units.len(), read.tables.len(), read.diagnostics.len()), (2, 1, 1));
@@ -451,7 +473,19 @@ mod tests {
         // What is not read is named.
         let message = &read.diagnostics[0];
         assert_eq!(message.code, Code::NotRead);
-        assert!(message.help.iter().any(|help| help.contains("notes.md (text that is no source)")));
+        assert!(message.help.iter().any(|help| help.contains("notes.txt (text that is no source)")));
+    }
+
+    #[test]
+    fn the_list_of_unread_files_is_short() {
+        let mut files: Vec<(String, &str)> = (0..20).map(|n| (format!("a{n:02}.py"), "x = 1\n")).collect();
+        files.push(("main".to_string(), "A I 0.0\n= Q 4.0\n"));
+        files.push(("z.s7p".to_string(), ""));
+        let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (name.as_str(), *text)).collect();
+        let read = read(&[folder(&files).path().to_path_buf()]);
+        let help = read.diagnostics[0].help.clone().unwrap_or_default();
+        assert_eq!((read.units.len(), help.matches("(a source in Python)").count()), (1, 7));
+        assert!(help.contains("z.s7p (a project of STEP 7") && help.ends_with("... and 13 more"), "{help}");
     }
 
     #[test]

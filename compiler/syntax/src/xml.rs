@@ -42,10 +42,17 @@ pub fn kind(text: &str) -> Option<XmlKind> {
     Some(match root.tag_name().name() {
         _ if contents.blocks || contents.tags => XmlKind::SimaticMl(contents),
         "Document" if contents.other.is_some() || child(root, "Engineering").is_some() => XmlKind::SimaticMl(contents),
-        "project" => XmlKind::PlcOpen,
+        "project" if is_plcopen(root) => XmlKind::PlcOpen,
         name if is_tag_table(name) => XmlKind::TagTable,
         name => XmlKind::Other(name.to_string()),
     })
+}
+
+/// Whether a project is one of PLCopen: tools that build programs for computers have projects too.
+fn is_plcopen(root: Node) -> bool {
+    let parts = ["fileHeader", "contentHeader", "types", "instances"];
+    root.tag_name().namespace().is_some_and(|namespace| namespace.contains("plcopen"))
+        || parts.iter().any(|part| child(root, part).is_some())
 }
 
 /// The objects of an export stand below its root, or one level deeper in files that hold several.
