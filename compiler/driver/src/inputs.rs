@@ -260,7 +260,9 @@ fn add_workbook(read: &mut Read, path: &Path, wanted: Wanted) {
             let file = read.sources.add(SourceFile::new(path.display().to_string(), text));
             read.tables.push(file);
         }
-        Ok(None) if wanted == Wanted::No => read.unread.push((path.to_path_buf(), "a workbook without tags".to_string())),
+        Ok(None) if wanted == Wanted::No => {
+            read.unread.push((path.to_path_buf(), "a workbook without tags".to_string()))
+        }
         Ok(None) => {
             let title = format!("`{}` holds no tag table", path.display());
             let help = "a sheet of tags has the columns Name, Data Type and Logical Address; one of constants Name, Data Type and Value";
