@@ -1,5 +1,7 @@
 //! Statements. Source: SCL reference, statements.
 
+use std::collections::BTreeMap;
+
 use plcc_ir::{BinaryOp, Block, IntCc, Type, Value};
 use plcc_program::model::scl::{Access, Arm, Base, Complex, Expr, Statement, StatementKind};
 use plcc_program::types::Elementary;
@@ -332,28 +334,30 @@ impl Context<'_, '_> {
 
 /// The ranges of all arms in order of value, without overlaps: a value belongs to the first arm that names it.
 fn disjoint(arms: &[Arm]) -> Vec<Range> {
-    let mut taken: Vec<Range> = Vec::new();
+    // By their low ends.
+    let mut taken: BTreeMap<i128, (i128, usize)> = BTreeMap::new();
     for (arm, content) in arms.iter().enumerate() {
-        for &(low, high) in &content.ranges {
+        for &(low, high) in content.ranges.iter().filter(|(low, high)| low <= high) {
+            // The range before may reach into this one.
+            let first = taken.range(..=low).next_back().map_or(low, |(from, _)| *from);
             let mut free = low;
             let mut added = Vec::new();
-            for &(from, to, _) in &taken {
-                if to < free || from > high {
+            for (&from, &(to, _)) in taken.range(first..=high) {
+                if to < free {
                     continue;
                 }
                 if from > free {
-                    added.push((free, from - 1, arm));
+                    added.push((free, from - 1));
                 }
                 free = to + 1;
             }
             if free <= high {
-                added.push((free, high, arm));
+                added.push((free, high));
             }
-            taken.extend(added);
-            taken.sort_unstable();
+            taken.extend(added.into_iter().map(|(from, to)| (from, (to, arm))));
         }
     }
-    taken
+    taken.into_iter().map(|(low, (high, arm))| (low, high, arm)).collect()
 }
 
 #[cfg(test)]

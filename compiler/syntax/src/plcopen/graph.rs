@@ -38,6 +38,8 @@ pub struct Build<'r, 'a, 'b> {
     graph: Graph,
     /// Elements by their objects.
     made: HashMap<usize, usize>,
+    /// The objects that an element was made of.
+    sources: HashMap<usize, Vec<usize>>,
     /// Nets by what feeds them.
     nets: Vec<(Vec<Origin>, NetId)>,
     /// Variables that keep a signal for the next cycle, by the object and the pin that it comes from.
@@ -58,6 +60,7 @@ pub fn build(reader: &mut Reader, body: &mut Body, objects: &[Object], order: &[
         objects,
         graph: Graph::default(),
         made: HashMap::new(),
+        sources: HashMap::new(),
         nets: Vec::new(),
         kept: HashMap::new(),
         carried: HashMap::new(),
@@ -99,6 +102,7 @@ impl Build<'_, '_, '_> {
         let index = self.graph.elements.len() - 1;
         if let Some(at) = at {
             self.made.insert(at, index);
+            self.sources.entry(index).or_default().push(at);
         }
         index
     }
@@ -254,6 +258,7 @@ impl Build<'_, '_, '_> {
         output.negated = object.modifiers.negated ^ self.negated_output(element, &formal);
         self.graph.elements[element].pins.push(output);
         self.made.insert(at, element);
+        self.sources.entry(element).or_default().push(at);
     }
 
     /// The name of an output in the syntax tree; reports one that the element does not have.
@@ -273,7 +278,7 @@ impl Build<'_, '_, '_> {
 
     /// The block has a circle at this output.
     fn negated_output(&self, element: usize, formal: &str) -> bool {
-        self.made.iter().filter(|(_, made)| **made == element).any(|(at, _)| {
+        self.sources.get(&element).into_iter().flatten().any(|at| {
             let mut outputs = self.objects[*at].outputs.iter();
             outputs.any(|output| output.formal.eq_ignore_ascii_case(formal) && output.modifiers.negated)
         })
