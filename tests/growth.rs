@@ -67,6 +67,12 @@ fn stl(before: &str, body: &str) -> String {
     )
 }
 
+fn ladder(rungs: &str) -> String {
+    format!(
+        "ORGANIZATION_BLOCK Main\n{{ S7_Language := \"LAD\" }}\nNETWORK\n{rungs}END_NETWORK\nEND_ORGANIZATION_BLOCK\n"
+    )
+}
+
 const SHAPES: &[Shape] = &[
     Shape {
         name: "variables over joins",
@@ -161,6 +167,33 @@ const SHAPES: &[Shape] = &[
         size: 20_000,
         text: |n| {
             format!("ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNetwork 1\nLD I0.0{}\nEND_ORGANIZATION_BLOCK\n", "x".repeat(n))
+        },
+    },
+    Shape {
+        name: "labels",
+        ending: "scl",
+        size: 2500,
+        text: |n| {
+            let arms = lines(n, |i| format!("{}: ;\n", i * 3));
+            scl("", &format!("CASE %MD0 OF\n{arms}END_CASE;\n"))
+        },
+    },
+    Shape {
+        name: "contacts in series",
+        ending: "s7dcl",
+        size: 1500,
+        text: |n| {
+            let contacts = lines(n, |i| format!("Contact( %M{}.0 ) ", i % 1000));
+            ladder(&format!("RUNG wire#powerrail {contacts} Coil( %M1.0 ) END_RUNG\n"))
+        },
+    },
+    Shape {
+        name: "branches",
+        ending: "s7dcl",
+        size: 1500,
+        text: |n| {
+            let branches = lines(n, |i| format!("RUNG wire#powerrail Contact( %M{}.1 ) END_RUNG wire#w1\n", i % 1000));
+            ladder(&format!("RUNG wire#powerrail Contact( %M0.0 ) wire#w1 Coil( %M1.0 ) END_RUNG\n{branches}"))
         },
     },
     Shape { name: "messages", ending: "scl", size: 1000, text: |n| scl("", &lines(n, |i| format!("#x{i} := 1;\n"))) },

@@ -17,6 +17,9 @@ use plcc_tests::{files, root, tests_folder};
 mod random;
 use random::Random;
 
+/// Processor time that no source takes.
+const LIMIT: Duration = Duration::from_secs(20);
+
 /// Endings of the sources.
 const ENDINGS: [&str; 6] = ["stl", "awl", "scl", "s7dcl", "gr7", "xml"];
 
@@ -163,7 +166,7 @@ fn damaged_sources_do_no_harm() {
         let file = SourceFile::new(name, text.clone());
         read.units.push(read.sources.add(file));
         let settings = Settings { pragmas: true, partial: seed % 4 == 0, ..Settings::default() };
-        let result = robust::within(Duration::from_secs(60), move || robust::endures(read, &settings, Reach::Run));
+        let result = robust::within(LIMIT, move || robust::endures(read, &settings, Reach::Run));
         match result.and_then(|result| result) {
             Ok(is_good) => good += u64::from(is_good),
             Err(error) => {

@@ -1,5 +1,6 @@
 //! What any input, however damaged, must get: an end soon, no panic, messages with places; and what has no errors compiles and runs.
 
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 use plcc_diag::Diagnostic;
@@ -51,19 +52,42 @@ pub fn endures(read: Read, settings: &Settings, reach: Reach) -> Result<bool, St
     Ok(true)
 }
 
-/// Runs `work` in a thread of its own, and demands an end within `limit`. Errors: a panic, or what took so long.
+/// How often the processor time of a thread is looked at.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Seconds that are waited for each second of processor time: what sleeps for ever uses none.
+const WAIT: Duration = Duration::from_secs(30);
+
+/// Runs `work` in a thread of its own, and demands an end before this process has used `limit` of processor time for it, however busy the computer is.
+/// Errors: a panic, or what took so long.
 pub fn within<T: Send + 'static>(limit: Duration, work: impl FnOnce() -> T + Send + 'static) -> Result<T, String> {
-    let begin = Instant::now();
+    let (begin, start) = (processor_time(), Instant::now());
     let (sender, receiver) = std::sync::mpsc::channel();
     let thread = std::thread::spawn(move || {
         // Nobody listens any more if the limit has passed.
         _ = sender.send(plcc_driver::on_large_stack(work));
     });
-    match receiver.recv_timeout(limit) {
-        Ok(result) => {
-            _ = thread.join();
-            result.map_err(|panic| format!("panic: {panic}"))
+    loop {
+        match receiver.recv_timeout(LOOK) {
+            Ok(result) => {
+                _ = thread.join();
+                return result.map_err(|panic| format!("panic: {panic}"));
+            }
+            Err(RecvTimeoutError::Disconnected) => return Err("the thread ended without a result".to_string()),
+            Err(RecvTimeoutError::Timeout) => {
+                let used = processor_time() - begin;
+                if used > limit || start.elapsed() > WAIT * limit.as_secs() as u32 {
+                    return Err(format!("no end after {:.1} s of processor time", used.as_secs_f32()));
+                }
+            }
         }
-        Err(_) => Err(format!("no end after {:.1} s", begin.elapsed().as_secs_f32())),
     }
+}
+
+/// Processor time of this process.
+fn processor_time() -> Duration {
+    let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: `time` is a place for a result.
+    unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &raw mut time) };
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
