@@ -12,6 +12,7 @@ use cranelift_codegen::{Context, ir};
 use cranelift_frontend::FunctionBuilderContext;
 use cranelift_module::{Module as CraneliftModule, ModuleReloc};
 use plcc_abi::RuntimeFn;
+use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::{Block, FuncId, Module};
 
@@ -183,16 +184,13 @@ impl Worker<'_, '_> {
     }
 }
 
-/// Number of jumps to a block that does not stand behind the jump.
+/// Number of jumps that close a loop: those to a block that reverse postorder does not put after the jump. Where blocks happen to stand says
+/// nothing about loops.
 fn jumps_back(function: &plcc_ir::Function) -> usize {
-    let mut position = vec![usize::MAX; function.blocks.len()];
-    for (at, block) in function.layout.iter().enumerate() {
-        position[block.index()] = at;
-    }
-    let is_back = |at: usize, target: Block| position[target.index()] <= at;
-    let targets = |&block: &Block| function.successors(block);
-    let jumps = function.layout.iter().enumerate();
-    jumps.map(|(at, block)| targets(block).into_iter().filter(|&target| is_back(at, target)).count()).sum()
+    let flow = ControlFlow::new(function);
+    let closes = |block: Block, target: &Block| flow.rpo_index(*target) <= flow.rpo_index(block);
+    let of_block = |&block: &Block| flow.successors(block).iter().filter(|target| closes(block, target)).count();
+    flow.rpo.iter().map(of_block).sum()
 }
 
 /// Linker symbol of a function of the module.
