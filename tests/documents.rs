@@ -185,9 +185,8 @@ fn decisions_are_numbered_and_name_tests_that_exist() {
     for path in &files(&root().join("docs/decisions"), "md") {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let text = fs::read_to_string(path).unwrap();
-        // A number may be reserved for a decision that is not there yet.
         let number: u32 = name.get(..4).and_then(|digits| digits.parse().ok()).unwrap_or(0);
-        assert!(number > last && name[4..].starts_with('-'), "{name}: behind {last} comes a greater number");
+        assert!(number == last + 1 && name[4..].starts_with('-'), "{name}: after {last} comes {}", last + 1);
         assert!(text.starts_with(&format!("# {number}. ")), "{name}: the heading has another number");
         last = number;
         let tests = text.split_once("**Tests.**").unwrap_or_else(|| panic!("{name} names no tests")).1;

@@ -6,7 +6,7 @@
 //! 3. The program is bound with the stand-ins. What still cannot be bound is left out, the smallest part that can go ([`leave_out`]),
 //!    and told of. Errors that the program has without stand-ins, too, stay errors.
 //!
-//! Meaning: docs/decisions/0094 and 0095.
+//! Meaning: docs/decisions/0082 and 0083.
 
 mod evidence;
 mod leave_out;

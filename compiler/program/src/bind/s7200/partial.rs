@@ -1,5 +1,5 @@
 //! Stand-ins for what is missing in a program of an S7-200: subroutines and interrupt routines that do nothing, and addresses of
-//! their own for symbols, at the end of V memory. Meaning: docs/decisions/0094 and 0095.
+//! their own for symbols, at the end of V memory. Meaning: docs/decisions/0082 and 0083.
 
 use std::collections::BTreeMap;
 

@@ -476,7 +476,7 @@ impl Binder<'_> {
         if op == NodeOp::Subtract && Self::is_dtl_value(&left) && Self::is_dtl_value(&right) {
             return self.dtl_difference(ctx, left, right, Elementary::Time, span);
         }
-        // What no variable of the type holds is 0 there. Source: S7-1200 reference, date and time; decision 70.
+        // What no variable of the type holds is 0 there. Source: S7-1200 reference, date and time; decision 67.
         let subtract = op == NodeOp::Subtract;
         let of = |value: &Value| match Shape::of(value) {
             Shape::Of(ty) => Some(ty),

@@ -48,7 +48,7 @@ pub fn read(reader: &mut Reader, object: Node, block: &str) -> Body {
 /// Settings that name blocks which the chart calls besides its steps.
 const EXTENSIONS: [&str; 2] = ["ExtensionBlockName", "ExtensionBlocks"];
 
-/// Calls of the blocks that extend the chart, which run after the permanent instructions. See docs/decisions/0086.
+/// Calls of the blocks that extend the chart, which run after the permanent instructions. See docs/decisions/0077.
 fn extensions(reader: &mut Reader, object: Node, block: &str) -> Vec<Permanent> {
     let mut calls = Vec::new();
     for node in EXTENSIONS.iter().filter_map(|name| setting(object, name)) {
