@@ -23,7 +23,7 @@ fn the_instruction_reference_is_current() {
 
 #[test]
 fn the_reference_of_the_s7_200_is_current() {
-    expect_file(&root().join("docs/reference/s7-200.md"), &plcc_program::s7200_reference()).unwrap();
+    expect_file(&root().join("docs/reference/s7-200.md"), &plcc_model::profile::s7200::reference()).unwrap();
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use plcc_abi::image::{Config, Profile};
 use plcc_abi::technology::{CountMode, EventSource, FastCounter, HardwareEvent, PulseGenerator};
 use plcc_diag::{Code, Diagnostic, FileId, Span};
-use plcc_program::profile;
+use plcc_model::profile;
 use serde::Deserialize;
 use toml::Spanned;
 

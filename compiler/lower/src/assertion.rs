@@ -3,7 +3,7 @@
 use plcc_abi::RuntimeFn;
 use plcc_abi::image::{AssertComparison, AssertSide, AssertType};
 use plcc_ir::{BinaryOp, FunctionBuilder, Type, Value};
-use plcc_program::model::{Compared, ComparedValue, Comparison};
+use plcc_model::{Compared, ComparedValue, Comparison};
 
 /// A comparison as the program image has it.
 pub fn compared<S>(comparison: &Comparison<S>) -> AssertComparison {

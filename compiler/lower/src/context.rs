@@ -4,7 +4,7 @@ use plcc_abi::Type;
 use plcc_abi::image::{BlockKind, Site};
 use plcc_abi::layout::{self, CpuRegister};
 use plcc_ir::{Address, Block, FunctionBuilder, Loc, Region, Value, Var};
-use plcc_program::model::{CodeBlock, LabelId, Passing, StlStatement};
+use plcc_model::{CodeBlock, LabelId, Passing, StlStatement};
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
 

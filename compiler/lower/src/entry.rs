@@ -5,7 +5,7 @@
 use plcc_abi::layout::{self, CpuRegister, state};
 use plcc_abi::{RuntimeFn, Type};
 use plcc_ir::{Address, FuncId, Function, FunctionBuilder, Region, Value};
-use plcc_program::model::{CodeBlock, Passing, Width};
+use plcc_model::{CodeBlock, Passing, Width};
 
 use crate::call;
 use crate::plan::{self, Plan};

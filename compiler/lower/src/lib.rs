@@ -26,8 +26,8 @@ use plcc_abi::ProgramImage;
 use plcc_abi::image::{AssertEntry, BlockEntry, BlockKind, DbEntry, ErrorSlot};
 use plcc_diag::SourceMap;
 use plcc_ir::{Module, StaticDb};
-use plcc_program::Program;
-use plcc_program::model::{Assert, Body};
+use plcc_model::Program;
+use plcc_model::{Assert, Body};
 
 use crate::plan::Plan;
 

@@ -6,7 +6,7 @@
 use plcc_abi::codes::{access, access_area, sync};
 use plcc_abi::{RuntimeFn, Type, layout};
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
-use plcc_program::model::{AddressRegister, Passing, Place, PlaceArea, Width};
+use plcc_model::{AddressRegister, Passing, Place, PlaceArea, Width};
 
 use crate::context::Context;
 use crate::fault::{Check, Substitute};

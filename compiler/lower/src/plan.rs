@@ -6,9 +6,9 @@ use plcc_abi::image::{BlockKind, ErrorSlot};
 use plcc_abi::layout::{self, CpuRegister};
 use plcc_ir::StaticDb;
 use plcc_ir::entities::{Entity, FuncId};
-use plcc_program::Program;
-use plcc_program::model::scl;
-use plcc_program::model::{
+use plcc_model::Program;
+use plcc_model::scl;
+use plcc_model::{
     Actual, AddressRegister, BlockKey, Body, Call, CodeBlock, Number, Operand, Parameter, Passing, Place, StlStatement,
     StlStatementKind,
 };
@@ -560,8 +560,8 @@ pub fn changes_ar2(insn: StlInsn, operand: &Operand) -> bool {
 pub fn local_bytes(block: &CodeBlock) -> u32 {
     let mut bytes = block.temp_bytes;
     let Body::Stl(statements) = &block.body else { return bytes.next_multiple_of(2) };
-    let mut see = |place: &plcc_program::model::Place, width: u32| {
-        if let plcc_program::model::Place::L { byte, .. } = place {
+    let mut see = |place: &plcc_model::Place, width: u32| {
+        if let plcc_model::Place::L { byte, .. } = place {
             bytes = bytes.max(byte + width);
         }
     };
@@ -571,15 +571,15 @@ pub fn local_bytes(block: &CodeBlock) -> u32 {
             StlStatementKind::Assert(assert) => {
                 for side in assert.sides() {
                     match side {
-                        plcc_program::model::AssertSide::Operand(operand) => see_operand(operand, &mut see),
-                        plcc_program::model::AssertSide::Memory(place) => see(place, 16),
-                        plcc_program::model::AssertSide::Register(_) => {}
+                        plcc_model::AssertSide::Operand(operand) => see_operand(operand, &mut see),
+                        plcc_model::AssertSide::Memory(place) => see(place, 16),
+                        plcc_model::AssertSide::Register(_) => {}
                     }
                 }
             }
             StlStatementKind::Call(call) => {
                 for argument in &call.arguments {
-                    if let plcc_program::model::Actual::Place(place) = &argument.actual {
+                    if let plcc_model::Actual::Place(place) = &argument.actual {
                         see(place, 4);
                     }
                 }
@@ -590,8 +590,8 @@ pub fn local_bytes(block: &CodeBlock) -> u32 {
     bytes.next_multiple_of(2)
 }
 
-fn see_operand(operand: &Operand, see: &mut dyn FnMut(&plcc_program::model::Place, u32)) {
-    use plcc_program::model::Place;
+fn see_operand(operand: &Operand, see: &mut dyn FnMut(&plcc_model::Place, u32)) {
+    use plcc_model::Place;
     let mut see_place = |place: &Place, width: u32| {
         see(place, width);
         if let Place::Indirect { pointer, .. } = place {

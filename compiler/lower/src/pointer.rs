@@ -3,8 +3,8 @@
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout::area;
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
-use plcc_program::layout;
-use plcc_program::model::{Actual, Passing, Place, Pointed, Width};
+use plcc_model::layout;
+use plcc_model::{Actual, Passing, Place, Pointed, Width};
 
 use crate::context::Context;
 

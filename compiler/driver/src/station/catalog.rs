@@ -295,7 +295,7 @@ mod tests {
     #[test]
     fn every_cpu_has_a_profile() {
         for row in CPUS {
-            assert_eq!(plcc_program::profile::lookup(row.name).map(|profile| profile.name), Some(row.name.to_string()));
+            assert_eq!(plcc_model::profile::lookup(row.name).map(|profile| profile.name), Some(row.name.to_string()));
         }
     }
 

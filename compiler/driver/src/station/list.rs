@@ -34,7 +34,7 @@ pub fn table(station: &Station) -> String {
 
 fn cpu_row(station: &Station) -> [String; 7] {
     let name = station.profile().map(|(name, _)| name).unwrap_or_default();
-    let name = plcc_program::profile::lookup(&name).map_or(name, |profile| profile.name);
+    let name = plcc_model::profile::lookup(&name).map_or(name, |profile| profile.name);
     let order = station.cpu_order();
     [0.to_string(), 2.to_string(), format!("CPU {name}"), order, String::new(), String::new(), bus_addresses(station)]
 }

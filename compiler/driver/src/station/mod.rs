@@ -143,7 +143,7 @@ pub fn read(keys: &StationKeys, cpu: Option<&(String, Span)>, file: FileId) -> (
 
 /// What the CPU of this name allows.
 fn cpu_row(name: &str) -> Option<&'static CpuRow> {
-    catalog::cpu_named(&plcc_program::profile::lookup(name)?.name)
+    catalog::cpu_named(&plcc_model::profile::lookup(name)?.name)
 }
 
 struct Reader {

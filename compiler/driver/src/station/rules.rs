@@ -35,7 +35,7 @@ fn wrong(span: Span, title: String, help: &str) -> Diagnostic {
 fn cpus(station: &Station, project: Option<&(String, Span)>, diagnostics: &mut Vec<Diagnostic>) {
     let profile = |name: &str| {
         let name = catalog::cpu_ordered(name).map_or(name, |row| row.name);
-        plcc_program::profile::lookup(name).map(|profile| profile.name)
+        plcc_model::profile::lookup(name).map(|profile| profile.name)
     };
     let Some((name, span)) = &station.cpu else {
         if let Some(module) = station.modules.first() {

@@ -1,6 +1,6 @@
 //! All variables that a block in SCL reads, writes or hands over.
 
-use plcc_program::model::scl::{
+use plcc_model::scl::{
     Access, Actual, Base, Body, Call, Complex, Expr, ExprKind, IndexedArea, Instance, Statement, StatementKind,
 };
 

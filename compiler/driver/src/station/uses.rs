@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 
 use plcc_abi::image::Module;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_program::model::scl::{Base, StatementKind};
-use plcc_program::model::{Actual, Body, Operand, Place, Program, StlStatement, StlStatementKind, Width};
+use plcc_model::scl::{Base, StatementKind};
+use plcc_model::{Actual, Body, Operand, Place, Program, StlStatement, StlStatementKind, Width};
 
 use super::scl_accesses;
 
@@ -74,10 +74,10 @@ fn width_bytes(width: Width) -> u32 {
     }
 }
 
-fn passing_bytes(passing: Option<plcc_program::model::Passing>) -> u32 {
+fn passing_bytes(passing: Option<plcc_model::Passing>) -> u32 {
     match passing {
-        Some(plcc_program::model::Passing::Elementary(width)) => width_bytes(width),
-        Some(plcc_program::model::Passing::Complex { bytes }) => bytes,
+        Some(plcc_model::Passing::Elementary(width)) => width_bytes(width),
+        Some(plcc_model::Passing::Complex { bytes }) => bytes,
         _ => 1,
     }
 }

@@ -3,8 +3,8 @@
 use plcc_abi::RuntimeFn;
 use plcc_diag::Span;
 use plcc_ir::{IntCc, Type, Value};
-use plcc_program::model::s7200::{Assert, AssertSide, Operand, Width};
-use plcc_program::model::{Compared, ComparedValue};
+use plcc_model::s7200::{Assert, AssertSide, Operand, Width};
+use plcc_model::{Compared, ComparedValue};
 
 use super::context::Context;
 

@@ -3,7 +3,7 @@
 use plcc_abi::RuntimeFn;
 use plcc_abi::s7200::{Operation, STACK_LEVELS, system};
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Type, Value};
-use plcc_program::model::s7200::{Area, Operand, Width};
+use plcc_model::s7200::{Area, Operand, Width};
 
 use super::context::Context;
 use super::operand::{Use, area_address};

@@ -5,7 +5,7 @@
 use plcc_abi::RuntimeFn;
 use plcc_abi::s7200::{Operation, Resolution, TimerKind, system, timer_resolution};
 use plcc_ir::{Address, BinaryOp, ConvertOp, IntCc, Region, Type, Value};
-use plcc_program::model::s7200::{Insn, Operand, Width};
+use plcc_model::s7200::{Insn, Operand, Width};
 
 use super::context::Context;
 

@@ -2,7 +2,7 @@
 
 use plcc_abi::s7200::{Operation, error, fatal};
 use plcc_ir::{BinaryOp, FloatCc, IntCc, Type, Value};
-use plcc_program::model::s7200::{Compare, CompareKind, Contact, Operand, Relation, Width};
+use plcc_model::s7200::{Compare, CompareKind, Contact, Operand, Relation, Width};
 
 use super::context::{Context, OnError};
 use super::operand::Use;

@@ -5,8 +5,8 @@ use plcc_abi::image::{BlockKind, Site};
 use plcc_abi::layout::{self, state};
 use plcc_abi::s7200::{LOCAL_BYTES, STACK_LEVELS};
 use plcc_ir::{Address, Block, FunctionBuilder, IntCc, Loc, Region, Type, Value, Var};
-use plcc_program::model::CodeBlock;
-use plcc_program::model::s7200::{self as model, Direction, Insn, Operand, Statement, StatementKind, Width};
+use plcc_model::CodeBlock;
+use plcc_model::s7200::{self as model, Direction, Insn, Operand, Statement, StatementKind, Width};
 use rustc_hash::FxHashMap;
 
 use super::plan::{self, Plan};

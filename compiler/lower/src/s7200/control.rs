@@ -2,7 +2,7 @@
 
 use plcc_abi::s7200::{Operation, error, fatal, system};
 use plcc_ir::{Address, IntCc, Region, Type, Value};
-use plcc_program::model::s7200::{Direction, Operand, Width};
+use plcc_model::s7200::{Direction, Operand, Width};
 
 use super::context::{Context, Loop};
 use super::operand::Place;
@@ -43,7 +43,7 @@ impl<'p> Context<'p, '_> {
         // The operands live as long as the body of the block; NEXT reads them again.
         let body = self.body;
         let own = body.statements.get(self.index).and_then(|statement| match &statement.kind {
-            plcc_program::model::s7200::StatementKind::Instruction { operands, .. } => Some(operands.as_slice()),
+            plcc_model::s7200::StatementKind::Instruction { operands, .. } => Some(operands.as_slice()),
             _ => None,
         });
         let ([index, initial, last], Some(own)) = (operands, own) else { return };

@@ -2,7 +2,7 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
-use plcc_program::model::s7200::{Operand, Width};
+use plcc_model::s7200::{Operand, Width};
 
 use super::context::Context;
 use super::math::{NOT_BCD, OVERFLOW};

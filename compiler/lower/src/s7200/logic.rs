@@ -1,7 +1,7 @@
 //! Logical operations. They write SM1.0 only. Source: S7-200 system manual, logical operations.
 
 use plcc_ir::{BinaryOp, IntCc, Value};
-use plcc_program::model::s7200::{Operand, Width};
+use plcc_model::s7200::{Operand, Width};
 
 use super::context::Context;
 use super::math::ZERO;

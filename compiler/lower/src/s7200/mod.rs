@@ -26,9 +26,9 @@ use plcc_abi::image::{BlockEntry, BlockKind, DbEntry};
 use plcc_abi::s7200::image::{CpuRow, S7200Image};
 use plcc_diag::SourceMap;
 use plcc_ir::{BinaryOp, FuncId, Function};
-use plcc_program::Program;
-use plcc_program::model::s7200::{self as model, Insn, StatementKind};
-use plcc_program::model::{Body, CodeBlock};
+use plcc_model::Program;
+use plcc_model::s7200::{self as model, Insn, StatementKind};
+use plcc_model::{Body, CodeBlock};
 
 use self::context::Context;
 use self::plan::Plan;

@@ -2,7 +2,7 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_ir::{Type, UnaryOp};
-use plcc_program::model::s7200::{Operand, Width};
+use plcc_model::s7200::{Operand, Width};
 
 use super::context::Context;
 

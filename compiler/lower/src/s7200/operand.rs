@@ -3,7 +3,7 @@
 use plcc_abi::RuntimeFn;
 use plcc_abi::s7200::{ANALOG_ADDRESS, V_DB, error, fatal, system};
 use plcc_ir::{Address, Region, Type, Value};
-use plcc_program::model::s7200::{Area, Operand, Width};
+use plcc_model::s7200::{Area, Operand, Width};
 
 use super::context::Context;
 use super::plan::ir_type;

@@ -3,7 +3,7 @@
 use plcc_abi::RuntimeFn;
 use plcc_abi::s7200::{Operation, result};
 use plcc_ir::{BinaryOp, IntCc, Type, Value};
-use plcc_program::model::s7200::{Insn, Operand, Width};
+use plcc_model::s7200::{Insn, Operand, Width};
 
 use super::context::Context;
 use super::operand::Use;

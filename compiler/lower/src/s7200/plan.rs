@@ -7,9 +7,9 @@ use plcc_abi::layout;
 use plcc_abi::s7200::CONSTANTS_DB;
 use plcc_ir::entities::Entity;
 use plcc_ir::{FuncId, StaticDb, Type};
-use plcc_program::Program;
-use plcc_program::model::s7200::{self as model, Direction, Insn, Operand, StatementKind, Width};
-use plcc_program::model::{BlockKey, Body, CodeBlock};
+use plcc_model::Program;
+use plcc_model::s7200::{self as model, Direction, Insn, Operand, StatementKind, Width};
+use plcc_model::{BlockKey, Body, CodeBlock};
 use rustc_hash::FxHashMap;
 
 use crate::plan::place_dbs;

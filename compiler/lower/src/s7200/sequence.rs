@@ -4,7 +4,7 @@
 //! nothing, coils drop, timers and counters see 0.
 
 use plcc_ir::Type;
-use plcc_program::model::s7200::{Operand, StatementKind, Width};
+use plcc_model::s7200::{Operand, StatementKind, Width};
 
 use super::context::{Context, Step};
 

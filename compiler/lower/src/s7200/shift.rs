@@ -3,7 +3,7 @@
 
 use plcc_abi::s7200::system;
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Type, Value};
-use plcc_program::model::s7200::{Operand, Width};
+use plcc_model::s7200::{Operand, Width};
 
 use super::context::Context;
 use super::math::OVERFLOW;

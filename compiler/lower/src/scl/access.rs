@@ -3,10 +3,10 @@
 use plcc_abi::codes::sync;
 use plcc_abi::layout::area;
 use plcc_ir::{Address, BinaryOp, IntCc, Type, Value};
-use plcc_program::layout;
-use plcc_program::model::scl::{Access, Base, Expr, Index, IndexBounds, IndexedArea, Part};
-use plcc_program::model::{Place, PlaceArea, Width};
-use plcc_program::types::{DataType, Elementary};
+use plcc_model::layout;
+use plcc_model::scl::{Access, Base, Expr, Index, IndexBounds, IndexedArea, Part};
+use plcc_model::{Place, PlaceArea, Width};
+use plcc_model::types::{DataType, Elementary};
 
 use super::promote;
 use super::value_type;

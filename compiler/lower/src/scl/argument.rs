@@ -1,10 +1,10 @@
 //! Actual parameters of calls from SCL: evaluated first, from left to right, then handed over. Source: SCL reference, parameters.
 
 use plcc_ir::{Address, BinaryOp, IntCc, Type, Value};
-use plcc_program::layout;
-use plcc_program::model::scl::{Access, Actual, Argument, Base, Complex, Conversion, ExprKind};
-use plcc_program::model::{Direction, Parameter, Passing, Place, Pointed, Width};
-use plcc_program::types::DataType;
+use plcc_model::layout;
+use plcc_model::scl::{Access, Actual, Argument, Base, Complex, Conversion, ExprKind};
+use plcc_model::{Direction, Parameter, Passing, Place, Pointed, Width};
+use plcc_model::types::DataType;
 
 use super::access::Located;
 use super::text::{Text, text_limit};
@@ -422,10 +422,10 @@ impl Context<'_, '_> {
                 let (low, high) = array.bounds[usize::from(dimension)];
                 (self.b.i32_const(low as u32), self.b.i32_const(high as u32))
             }
-            (_, plcc_program::model::scl::Base::Place(Place::Parameter { parameter, .. })) => {
+            (_, plcc_model::scl::Base::Place(Place::Parameter { parameter, .. })) => {
                 self.open_bounds(*parameter, dimension)
             }
-            (_, plcc_program::model::scl::Base::Place(Place::ThroughPointer { pointer, .. })) => {
+            (_, plcc_model::scl::Base::Place(Place::ThroughPointer { pointer, .. })) => {
                 let byte = pointer + 6 + 8 * u32::from(dimension);
                 let low = self.read(&Place::Instance { byte, bit: 0 }, Width::Dword);
                 let high = self.read(&Place::Instance { byte: byte + 4, bit: 0 }, Width::Dword);

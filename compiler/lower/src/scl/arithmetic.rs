@@ -3,8 +3,8 @@
 use plcc_abi::RuntimeFn;
 use plcc_abi::image::Family;
 use plcc_ir::{BinaryOp as Ir, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
-use plcc_program::model::scl::{BinaryOp, CompareOp};
-use plcc_program::types::Elementary;
+use plcc_model::scl::{BinaryOp, CompareOp};
+use plcc_model::types::Elementary;
 
 use super::expression::least;
 use super::value_type;

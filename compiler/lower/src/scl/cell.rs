@@ -2,8 +2,8 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_ir::{Type, Value};
-use plcc_program::model::scl::{CounterCall, Expr, TimerCall, TimerKind};
-use plcc_program::model::{CellKind, Operand};
+use plcc_model::scl::{CounterCall, Expr, TimerCall, TimerKind};
+use plcc_model::{CellKind, Operand};
 use plcc_syntax::stl::StlInsn;
 
 use crate::context::Context;

@@ -2,8 +2,8 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
-use plcc_program::model::scl::{Conversion, Overflow};
-use plcc_program::types::{Class, Elementary};
+use plcc_model::scl::{Conversion, Overflow};
+use plcc_model::types::{Class, Elementary};
 
 use super::value_type;
 use crate::context::Context;

@@ -1,9 +1,9 @@
 //! Expressions. Source: SCL reference, operators.
 
 use plcc_ir::{BinaryOp, Type, UnaryOp as IrUnary, Value};
-use plcc_program::model::CellKind;
-use plcc_program::model::scl::{Expr, ExprKind, UnaryOp};
-use plcc_program::types::Elementary;
+use plcc_model::CellKind;
+use plcc_model::scl::{Expr, ExprKind, UnaryOp};
+use plcc_model::types::Elementary;
 
 use super::value_type;
 use crate::context::Context;
@@ -97,7 +97,7 @@ impl Context<'_, '_> {
     /// `LOWER_BOUND`, `UPPER_BOUND`: a DINT; 0 for a dimension that the array does not have.
     fn array_bound(&mut self, parameter: usize, dimension: &Expr, upper: bool) -> Value {
         let number = self.value(dimension);
-        let plcc_program::model::Passing::OpenArray { dimensions } = self.passing(parameter) else {
+        let plcc_model::Passing::OpenArray { dimensions } = self.passing(parameter) else {
             unreachable!("the binder asks for bounds of ARRAY[*] only")
         };
         let mut result = self.b.i32_const(0);

@@ -2,8 +2,8 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
-use plcc_program::model::scl::{CompareOp, Conversion, Function, Overflow};
-use plcc_program::types::Elementary;
+use plcc_model::scl::{CompareOp, Conversion, Function, Overflow};
+use plcc_model::types::Elementary;
 
 use super::arithmetic::NAN;
 use super::value_type;

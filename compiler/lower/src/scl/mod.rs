@@ -19,10 +19,10 @@ pub mod walk;
 
 use plcc_abi::image::BlockKind;
 use plcc_ir::{Address, Block, Function, Region, Type, Value, Var};
-use plcc_program::layout;
-use plcc_program::model::scl::{Access, Body, StatementKind};
-use plcc_program::model::{CodeBlock, Direction, LabelId, Passing};
-use plcc_program::types::{Class, Elementary};
+use plcc_model::layout;
+use plcc_model::scl::{Access, Body, StatementKind};
+use plcc_model::{CodeBlock, Direction, LabelId, Passing};
+use plcc_model::types::{Class, Elementary};
 use rustc_hash::FxHashMap;
 
 use crate::Output;
@@ -93,7 +93,7 @@ impl Context<'_, '_> {
             let var = self.b.declare_var(value_type(ty));
             let start = match slot {
                 Slot::Parameter(index) if block.interface.parameters[index].direction == Direction::Input => {
-                    let place = plcc_program::model::Place::Parameter { parameter: index, byte: 0, bit: 0 };
+                    let place = plcc_model::Place::Parameter { parameter: index, byte: 0, bit: 0 };
                     let value = self.read(&place, layout::width(ty));
                     self.typed(value, ty)
                 }
@@ -120,13 +120,13 @@ impl Context<'_, '_> {
             if parameter.direction != Direction::Input || self.scl.promoted.contains_key(&Slot::Parameter(index)) {
                 continue;
             }
-            let place = plcc_program::model::Place::Parameter { parameter: index, byte: 0, bit: 0 };
+            let place = plcc_model::Place::Parameter { parameter: index, byte: 0, bit: 0 };
             let value = self.read(&place, width);
             let copy = self.own_local(width.bytes());
             self.write_target(Target::at(copy, BitNumber::Known(0)), width, value);
             let address = self.b.address_of(copy);
             let reference = match width {
-                plcc_program::model::Width::Bit => self.b.binary_imm(plcc_ir::BinaryOp::Shl, address, 3),
+                plcc_model::Width::Bit => self.b.binary_imm(plcc_ir::BinaryOp::Shl, address, 3),
                 _ => address,
             };
             self.parameters[index][0] = reference;
@@ -176,7 +176,7 @@ impl Context<'_, '_> {
         if let Some((index, ty, var)) = self.scl.result {
             let value = self.b.use_var(var);
             let value = self.untyped(value, ty);
-            let place = plcc_program::model::Place::Parameter { parameter: index, byte: 0, bit: 0 };
+            let place = plcc_model::Place::Parameter { parameter: index, byte: 0, bit: 0 };
             self.write(&place, layout::width(ty), value);
         }
         let flag = self.b.use_var(self.flag());
@@ -222,7 +222,7 @@ fn count_jumps(body: &Body) -> Vec<(LabelId, u32)> {
         counts: FxHashMap<LabelId, u32>,
     }
     impl walk::Visitor for Jumps {
-        fn statement(&mut self, statement: &plcc_program::model::scl::Statement) {
+        fn statement(&mut self, statement: &plcc_model::scl::Statement) {
             let jumps = match &statement.kind {
                 StatementKind::Goto(label) => vec![*label],
                 StatementKind::Stl(statement) => crate::stl::jumps_of(statement),

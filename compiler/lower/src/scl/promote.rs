@@ -6,10 +6,10 @@
 
 use std::collections::BTreeMap;
 
-use plcc_program::layout;
-use plcc_program::model::scl::{Access, Base, Statement, StatementKind};
-use plcc_program::model::{Assert, AssertSide, CodeBlock, Direction, Operand, Passing, Place};
-use plcc_program::types::{DataType, Elementary};
+use plcc_model::layout;
+use plcc_model::scl::{Access, Base, Statement, StatementKind};
+use plcc_model::{Assert, AssertSide, CodeBlock, Direction, Operand, Passing, Place};
+use plcc_model::types::{DataType, Elementary};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::walk::{self, Role, Visitor};
@@ -204,7 +204,7 @@ impl Visitor for Seen {
             match side {
                 AssertSide::Memory(place) => self.memory(place, 8 * plcc_abi::layout::L_CLASS_BYTES),
                 AssertSide::Operand(Operand::Memory { place, .. }) => self.memory(place, 64),
-                AssertSide::Operand(Operand::Cell { number: plcc_program::model::Number::Word(place), .. }) => {
+                AssertSide::Operand(Operand::Cell { number: plcc_model::Number::Word(place), .. }) => {
                     self.memory(place, 32);
                 }
                 AssertSide::Operand(_) | AssertSide::Register(_) => {}

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use plcc_ir::{BinaryOp, Block, IntCc, Type, Value};
-use plcc_program::model::scl::{Access, Arm, Base, Complex, Expr, Statement, StatementKind};
-use plcc_program::types::Elementary;
+use plcc_model::scl::{Access, Arm, Base, Complex, Expr, Statement, StatementKind};
+use plcc_model::types::Elementary;
 
 use super::Loop;
 use crate::context::Context;
@@ -137,10 +137,10 @@ impl Context<'_, '_> {
     /// What is built from now on belongs to what stands at `span`.
     fn place_statement(&mut self, span: plcc_diag::Span) {
         let network = match &self.block.body {
-            plcc_program::model::Body::Scl(body) => body.network_at(span.start),
-            plcc_program::model::Body::Stl(_)
-            | plcc_program::model::Body::S7200(_)
-            | plcc_program::model::Body::Runtime => 0,
+            plcc_model::Body::Scl(body) => body.network_at(span.start),
+            plcc_model::Body::Stl(_)
+            | plcc_model::Body::S7200(_)
+            | plcc_model::Body::Runtime => 0,
         };
         self.set_place(span, network);
     }

@@ -2,9 +2,9 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_ir::{Address, IntCc, Region, Type};
-use plcc_program::model::scl::{Access, Base, Body, Complex};
-use plcc_program::model::{Place, Width};
-use plcc_program::types::{DataType, Elementary};
+use plcc_model::scl::{Access, Base, Body, Complex};
+use plcc_model::{Place, Width};
+use plcc_model::types::{DataType, Elementary};
 
 use super::access::Located;
 use crate::context::Context;
@@ -40,7 +40,7 @@ pub fn result_bytes(ty: &DataType) -> u32 {
     match ty {
         DataType::String(_) => TEXT_MAX + 2,
         DataType::WideString(_) => 2 * TEXT_MAX + 4,
-        _ => plcc_program::layout::bytes(ty),
+        _ => plcc_model::layout::bytes(ty),
     }
 }
 

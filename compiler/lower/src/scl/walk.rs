@@ -1,11 +1,11 @@
 //! Walks over the typed tree of SCL.
 
-use plcc_program::model::Assert;
-use plcc_program::model::scl::{
+use plcc_model::Assert;
+use plcc_model::scl::{
     Access, Actual, Base, Call, Complex, CounterCall, Expr, ExprKind, IndexedArea, Instance, Statement, StatementKind,
     TimerCall,
 };
-use plcc_program::model::{Number, Place};
+use plcc_model::{Number, Place};
 
 /// How a place is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Accumulator instructions. Source: STL reference, accumulator operations.
 
 use plcc_ir::{BinaryOp, Type, UnaryOp, Value, Var};
-use plcc_program::model::Operand;
+use plcc_model::Operand;
 
 use crate::context::Context;
 

@@ -2,7 +2,7 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_ir::{BinaryOp, FloatCc, IntCc, Type, UnaryOp, Value};
-use plcc_program::model::Operand;
+use plcc_model::Operand;
 
 use crate::context::Context;
 

@@ -1,7 +1,7 @@
 //! Bit logic: scans, nesting, assignments, edges. Source: STL reference, bit logic instructions.
 
 use plcc_ir::{IntCc, Value};
-use plcc_program::model::{CellKind, Operand, Place, StatusOperand, Width};
+use plcc_model::{CellKind, Operand, Place, StatusOperand, Width};
 use plcc_syntax::stl::StlInsn;
 
 use crate::context::Context;

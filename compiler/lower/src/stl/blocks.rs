@@ -3,7 +3,7 @@
 use plcc_abi::codes::sync;
 use plcc_abi::image::BlockKind;
 use plcc_ir::{BinaryOp, IntCc};
-use plcc_program::model::{BlockKey, Call, Number, Operand, StlStatement, StlStatementKind};
+use plcc_model::{BlockKey, Call, Number, Operand, StlStatement, StlStatementKind};
 use plcc_syntax::stl::StlInsn;
 
 use crate::context::Context;

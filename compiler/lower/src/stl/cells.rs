@@ -4,7 +4,7 @@ use plcc_abi::RuntimeFn;
 use plcc_abi::codes::sync;
 use plcc_abi::functions::TimerMode;
 use plcc_ir::{BinaryOp, Block, IntCc, Type, Value};
-use plcc_program::model::{CellKind, Number, Operand, Width};
+use plcc_model::{CellKind, Number, Operand, Width};
 use plcc_syntax::stl::StlInsn;
 
 use crate::context::Context;

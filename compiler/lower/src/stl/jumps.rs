@@ -1,7 +1,7 @@
 //! Jumps. Source: STL reference, logic control instructions.
 
 use plcc_ir::{BinaryOp, IntCc, Value};
-use plcc_program::model::{LabelId, Operand, StatusOperand};
+use plcc_model::{LabelId, Operand, StatusOperand};
 
 use crate::context::Context;
 

@@ -18,7 +18,7 @@ mod shift;
 mod transfer;
 
 use plcc_ir::{BinaryOp, Function};
-use plcc_program::model::{CellKind, CodeBlock, LabelId, Operand, StlStatement, StlStatementKind};
+use plcc_model::{CellKind, CodeBlock, LabelId, Operand, StlStatement, StlStatementKind};
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
 

@@ -1,7 +1,7 @@
 //! Shifts and rotates. Source: STL reference, shift and rotate instructions; a count of 0 changes nothing.
 
 use plcc_ir::{BinaryOp, IntCc, Type, Value};
-use plcc_program::model::Operand;
+use plcc_model::Operand;
 
 use crate::context::Context;
 

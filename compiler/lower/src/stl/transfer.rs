@@ -3,7 +3,7 @@
 use plcc_abi::RuntimeFn;
 use plcc_abi::layout::area;
 use plcc_ir::{BinaryOp, Type, Value, Var};
-use plcc_program::model::{AddressRegister, CellKind, Operand, Passing, SpecialRegister, Width};
+use plcc_model::{AddressRegister, CellKind, Operand, Passing, SpecialRegister, Width};
 
 use crate::context::Context;
 

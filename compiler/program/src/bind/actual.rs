@@ -15,10 +15,10 @@ use super::path::{Base, type_of_width};
 use super::settle::Settled;
 use super::value::{self, Mismatch};
 use super::{Binder, Ctx};
-use crate::layout;
-pub use crate::layout::type_code;
-use crate::model::{Actual, BlockKey, Direction, Number, Parameter, Place, Pointed};
-use crate::types::{DataType, Elementary, ParameterType};
+use plcc_model::layout;
+pub use plcc_model::layout::type_code;
+use plcc_model::{Actual, BlockKey, Direction, Number, Parameter, Place, Pointed};
+use plcc_model::types::{DataType, Elementary, ParameterType};
 
 const CODE_BYTE: u8 = 0x02;
 const CODE_DATE_AND_TIME: u8 = 0x0E;
@@ -629,9 +629,9 @@ impl Pointer for Actual {
     }
 }
 
-impl Pointer for crate::model::scl::Actual {
+impl Pointer for plcc_model::scl::Actual {
     fn with(self, pointed: Pointed) -> Self {
-        crate::model::scl::Actual::Variant(Box::new(self), pointed)
+        plcc_model::scl::Actual::Variant(Box::new(self), pointed)
     }
 }
 

@@ -6,7 +6,7 @@ use plcc_syntax::ast;
 use plcc_syntax::{Class, Elementary};
 
 use super::constant::Constant;
-use crate::model::{Compared, ComparedValue, Comparison};
+use plcc_model::{Compared, ComparedValue, Comparison};
 
 /// A declared type that values of assertions have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

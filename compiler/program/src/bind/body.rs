@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 
 use super::names::fold;
 use super::{Binder, Ctx};
-use crate::model::{LabelId, Operand, StlStatement, StlStatementKind};
+use plcc_model::{LabelId, Operand, StlStatement, StlStatementKind};
 
 /// Entries of a jump list.
 const JUMP_LIST_MAX: usize = 255;

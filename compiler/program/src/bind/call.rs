@@ -12,8 +12,8 @@ use super::names::{code_kind, fold};
 use super::path::{Base, similar};
 use super::settle::Settled;
 use super::{Binder, Ctx};
-use crate::model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, Passing, Place};
-use crate::types::DataType;
+use plcc_model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, Passing, Place};
+use plcc_model::types::DataType;
 
 /// Instance memory, told apart over the whole program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

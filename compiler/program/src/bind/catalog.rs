@@ -7,9 +7,9 @@ use plcc_diag::{SourceFile, SourceMap, Span};
 use plcc_stdlib::{BlockClass, Form, Language, SystemBlock};
 
 use super::{BindInput, Binder};
-use crate::layout;
-use crate::model::{Direction, Interface};
-use crate::profile;
+use plcc_model::layout;
+use plcc_model::{Direction, Interface};
+use plcc_model::profile;
 
 /// Chapters of the page, and the blocks of each.
 const CHAPTERS: [(&str, BlockClass, bool); 6] = [

@@ -14,8 +14,8 @@ use rustc_hash::FxHashMap;
 use super::Binder;
 use super::names;
 use super::value::Mismatch;
-use crate::layout;
-use crate::types::DataType;
+use plcc_model::layout;
+use plcc_model::types::DataType;
 use fold::Fault;
 
 /// A constant value.

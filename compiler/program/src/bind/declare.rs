@@ -14,9 +14,9 @@ use super::names::fold;
 use super::path::Base;
 use super::predefined;
 use super::{Binder, SYSTEM_FILE, State};
-use crate::layout::{self, BYTES_MAX, Placer};
-use crate::model::{BlockKey, Interface};
-use crate::types::{ArrayType, DataType, Elementary, Member, OpenArrayType, ParameterType, StructType};
+use plcc_model::layout::{self, BYTES_MAX, Placer};
+use plcc_model::{BlockKey, Interface};
+use plcc_model::types::{ArrayType, DataType, Elementary, Member, OpenArrayType, ParameterType, StructType};
 
 /// Types inside types, at most; STEP 7 allows 8 structures.
 const DEPTH_MAX: u32 = 64;

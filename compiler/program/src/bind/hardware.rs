@@ -11,9 +11,9 @@ use plcc_syntax::ast::{self, BlockPrefix};
 use super::Binder;
 use super::constant::Constant;
 use super::names::fold;
-use crate::profile;
+use plcc_model::profile;
 use crate::symbols::SymbolTarget;
-use crate::types::Elementary;
+use plcc_model::types::Elementary;
 
 /// Attributes that say whether a block has optimised access: of sources, of SD documents.
 const OPTIMIZED_ATTRIBUTES: [&str; 2] = ["S7_Optimized_Access", "S7_Optimized"];

@@ -12,9 +12,9 @@ use super::actual::pointer_bytes;
 use super::constant::Constant;
 use super::declare::put;
 use super::value::{Mismatch, Place, elementary_bytes, literal_kind};
-use crate::layout;
+use plcc_model::layout;
 use crate::symbols::SymbolTarget;
-use crate::types::{ArrayType, DataType, Elementary, ParameterType, StructType};
+use plcc_model::types::{ArrayType, DataType, Elementary, ParameterType, StructType};
 
 impl Binder<'_> {
     /// Writes an initial value over the bytes of a variable of type `ty` at `byte`.`bit` of `image`.

@@ -13,9 +13,9 @@ use super::declare::{self, BoundInterface, Local, Scope, StructBuilder, Typed, U
 use super::names::fold;
 use super::path::Base;
 use super::{Binder, CodeSource, State};
-use crate::layout::{self, Placer};
-use crate::model::{BlockKey, Direction, Parameter, Passing};
-use crate::types::{DataType, Elementary, ParameterType};
+use plcc_model::layout::{self, Placer};
+use plcc_model::{BlockKey, Direction, Parameter, Passing};
+use plcc_model::types::{DataType, Elementary, ParameterType};
 
 impl<'a> Binder<'a> {
     /// The interface of a block of the program or the system; a block that is defined nowhere is reported at `span`.

@@ -17,7 +17,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::declare::BoundInterface;
 use super::names::{fold, kind_prefix};
 use super::{Binder, CodeSource, SYSTEM_FILE, SystemUse, mentions};
-use crate::model::BlockKey;
+use plcc_model::BlockKey;
 
 const fn class_of(kind: BlockKind) -> Option<BlockClass> {
     match kind {

@@ -60,9 +60,9 @@ use plcc_diag::{Code, Diagnostic, FileId, SourceMap, Span};
 use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, SourceUnit, Width};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::model::{BlockKey, Body, CodeBlock, Program, TestSettings};
+use plcc_model::{BlockKey, Body, CodeBlock, Program, TestSettings};
 use crate::symbols::{SymbolTable, SymbolTarget};
-use crate::types::StructType;
+use plcc_model::types::StructType;
 pub use catalog::standard_library;
 pub use chart::reference as graph_reference;
 use constant::Constants;

@@ -9,9 +9,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::constant::{Constant, Constants};
 use super::{Binder, mentions};
-use crate::model::BlockKey;
+use plcc_model::BlockKey;
 use crate::symbols::{SymbolTarget, parse_address};
-use crate::types::Elementary;
+use plcc_model::types::Elementary;
 
 /// A global name.
 #[derive(Clone, Debug)]

@@ -12,8 +12,8 @@ use super::declare::{self, BoundInterface, Local, Use};
 use super::names::fold;
 use super::path::Base;
 use super::{Binder, CodeSource, OB_START_INFORMATION_BYTES};
-use crate::layout::{self, Placer};
-use crate::types::{DataType, Elementary};
+use plcc_model::layout::{self, Placer};
+use plcc_model::types::{DataType, Elementary};
 
 /// Attributes that tell what starts an OB: of sources, of SimaticML.
 const CLASS_ATTRIBUTES: [&str; 2] = ["S7_EventClass", "SecondaryType"];

@@ -10,8 +10,8 @@ use super::names::code_kind;
 use super::settle::{OFFSET_MAX, Settled, holds_pointer};
 use super::value;
 use super::{Binder, Ctx};
-use crate::layout;
-use crate::model::{BlockKey, Number, Operand, Place};
+use plcc_model::layout;
+use plcc_model::{BlockKey, Number, Operand, Place};
 
 /// What an instruction wants, as a half sentence.
 fn wanted(class: OperandClass) -> (&'static str, &'static str) {

@@ -5,7 +5,7 @@ use plcc_diag::{SourceFile, SourceMap};
 use plcc_syntax::{Language, ParseOptions};
 
 use super::{BindInput, bind};
-use crate::profile;
+use plcc_model::profile;
 
 /// The messages about a part of a program in `language`, as code and title.
 #[track_caller]

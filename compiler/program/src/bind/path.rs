@@ -9,10 +9,10 @@ use rustc_hash::FxHashMap;
 use super::names::fold;
 use super::report::MissingKey;
 use super::{Binder, Ctx};
-use crate::layout;
-use crate::model::Place;
+use plcc_model::layout;
+use plcc_model::Place;
 use crate::symbols::SymbolTarget;
-use crate::types::{DataType, Elementary, Member, StructType};
+use plcc_model::types::{DataType, Elementary, Member, StructType};
 
 /// Largest and actual length, before the characters.
 const STRING_HEADER_BYTES: u32 = 2;

@@ -8,9 +8,9 @@ use super::constant::Constant;
 use super::report::Report;
 use super::settle::Settled;
 use super::{Binder, Ctx, value};
-use crate::model::{Assert, AssertSide, ComparedValue, Operand, Place, StlStatementKind, TestSettings};
-use crate::profile;
-use crate::types::{DTL, DataType};
+use plcc_model::{Assert, AssertSide, ComparedValue, Operand, Place, StlStatementKind, TestSettings};
+use plcc_model::profile;
+use plcc_model::types::{DTL, DataType};
 
 impl Binder<'_> {
     /// A pragma between statements.

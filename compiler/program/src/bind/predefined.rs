@@ -12,7 +12,7 @@ use super::Binder;
 use super::declare::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
 use super::names;
 use crate::symbols::{SymbolTarget, parse_address};
-use crate::types::{ArrayType, DTL, DataType, Elementary};
+use plcc_model::types::{ArrayType, DTL, DataType, Elementary};
 use plcc_diag::Span;
 use plcc_stdlib::BlockClass;
 

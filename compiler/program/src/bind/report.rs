@@ -129,7 +129,7 @@ impl Report {
 
     pub fn missing_type(&mut self, name: &str, span: Span) {
         self.missing(MissingKey::Symbol(super::names::fold(name)), span, || {
-            let types = crate::types::Elementary::ALL.into_iter().map(|ty| ty.name());
+            let types = plcc_model::types::Elementary::ALL.into_iter().map(|ty| ty.name());
             if let Some((why, help)) = plcc_syntax::network::absent::reason(name) {
                 let text = format!("plcc does not have `{name}`");
                 return Diagnostic::new(Code::UnknownType, span, text).label(why).help(help);

@@ -10,9 +10,9 @@ use plcc_syntax::literal::Literal;
 use super::declare::is_complex;
 use super::path::{Base, Resolved, Variable};
 use super::{Binder, Ctx};
-use crate::layout;
-use crate::model::{Number, Place};
-use crate::types::{DataType, Elementary, ParameterType};
+use plcc_model::layout;
+use plcc_model::{Number, Place};
+use plcc_model::types::{DataType, Elementary, ParameterType};
 
 /// Largest offset of a register-indirect address, P#4095.7, in bits.
 pub const OFFSET_MAX: u32 = 4095 * 8 + 7;

@@ -8,10 +8,10 @@ use plcc_stdlib::BlockClass;
 use plcc_syntax::ParseOptions;
 
 use super::{BindInput, bind};
-use crate::model::{Actual, BlockKey, Body, Call, Instance, Operand, Place, Program, StlStatementKind};
-use crate::profile;
+use plcc_model::{Actual, BlockKey, Body, Call, Instance, Operand, Place, Program, StlStatementKind};
+use plcc_model::profile;
 use crate::symbols;
-use crate::types::{DataType, StructType};
+use plcc_model::types::{DataType, StructType};
 
 fn bind_text(source: &str, table: &str, partial: bool) -> (Program, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
@@ -56,7 +56,7 @@ fn codes(source: &str) -> Vec<&'static str> {
     bind_text(source, "", false).1.iter().map(|diagnostic| diagnostic.code.name()).collect()
 }
 
-fn statements(program: &Program, kind: BlockKind, number: u16) -> &[crate::model::StlStatement] {
+fn statements(program: &Program, kind: BlockKind, number: u16) -> &[plcc_model::StlStatement] {
     match &program.block(BlockKey { kind, number }).expect("the test defines the block").body {
         Body::Stl(statements) => statements,
         Body::Scl(_) | Body::S7200(_) | Body::Runtime => panic!("the block has no statements"),
@@ -94,7 +94,7 @@ fn constants_and_addresses() {
     let operands = operands(&program);
     assert_eq!(operands[0], constant(0xFFFF, false));
     assert_eq!(operands[1], constant(0xFFFF_FFFF, true));
-    assert_eq!(operands[2], Operand::Memory { place: Place::M { byte: 10, bit: 0 }, width: crate::model::Width::Word });
+    assert_eq!(operands[2], Operand::Memory { place: Place::M { byte: 10, bit: 0 }, width: plcc_model::Width::Word });
 }
 
 const TANK: &str = "DATA_BLOCK DB 5\nSTRUCT\n b : BOOL := TRUE;\n c : BOOL;\n d : BOOL := TRUE;\n ch : CHAR;\n i : INT := -2;\n r : REAL := 1.0;\n s : STRING[3] := 'ab';\n a : ARRAY[1..4] OF INT := 2(7), 5;\n w : DATE;\n dt : DATE_AND_TIME;\nEND_STRUCT;\nBEGIN\n i := 3;\n a[4] := 16#0102;\nEND_DATA_BLOCK\n";
@@ -158,7 +158,7 @@ fn function_parameters_and_constants() {
     let actuals: Vec<&Actual> = call.arguments.iter().map(|argument| &argument.actual).collect();
     assert_eq!(call.arguments.iter().map(|argument| argument.parameter).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
     assert_eq!(*actuals[0], Actual::Const(vec![0xFF, 0xFE]));
-    assert_eq!(*actuals[1], Actual::Number(crate::model::Number::Known(5)));
+    assert_eq!(*actuals[1], Actual::Number(plcc_model::Number::Known(5)));
     assert_eq!(*actuals[2], Actual::PointerBytes(vec![0x10, 2, 0, 4, 0, 0, 0x83, 0, 0, 0x50]));
     assert_eq!(*actuals[3], Actual::Const(vec![1]));
     assert_eq!(*actuals[4], Actual::Place(Place::M { byte: 20, bit: 0 }));
@@ -272,7 +272,7 @@ fn instances_inside_instances() {
         operand(0),
         Operand::Memory {
             place: Place::ThroughPointer { pointer: 2, byte: 2, bit: 0 },
-            width: crate::model::Width::Word
+            width: plcc_model::Width::Word
         }
     );
     assert_eq!(operand(2), constant(0x8500_0010, true));
@@ -434,7 +434,7 @@ fn numbers_that_statements_name_stay_free() {
 fn characters_of_a_string() {
     let program = good(&format!("{TANK}ORGANIZATION_BLOCK OB 1\nBEGIN\nL DB5.s[3];\nEND_ORGANIZATION_BLOCK\n"));
     let place = Place::Db { number: 5, byte: 12, bit: 0 };
-    assert_eq!(operands(&program), [Operand::Memory { place, width: crate::model::Width::Byte }]);
+    assert_eq!(operands(&program), [Operand::Memory { place, width: plcc_model::Width::Byte }]);
     assert_eq!(
         codes(&format!("{TANK}ORGANIZATION_BLOCK OB 1\nBEGIN\nL DB5.s[4];\nEND_ORGANIZATION_BLOCK\n")),
         ["P0403"]

@@ -2,7 +2,7 @@
 
 use plcc_syntax::literal::Literal;
 
-use crate::types::Elementary;
+use plcc_model::types::Elementary;
 
 /// `DT#1990-1-1-0:0:0.0`, a Monday.
 pub const DT_DEFAULT: [u8; 8] = [0x90, 0x01, 0x01, 0, 0, 0, 0, 0x02];

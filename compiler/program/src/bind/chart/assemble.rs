@@ -12,7 +12,7 @@ use super::build::{assign, if_then, number};
 use super::engine::{Engine, all, compared, not};
 use crate::bind::path::Variable;
 use crate::bind::scl::expression::binary_expr;
-use crate::model::scl::{Arm, BinaryOp, CompareOp, Expr, Statement, StatementKind};
+use plcc_model::scl::{Arm, BinaryOp, CompareOp, Expr, Statement, StatementKind};
 
 /// Statements that must run before the value of a condition, and the value, a BOOL.
 pub type Condition = (Vec<Statement>, Expr);

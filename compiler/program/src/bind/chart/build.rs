@@ -6,9 +6,9 @@ use plcc_syntax::Elementary;
 use crate::bind::path::Variable;
 use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::place::Spot;
-use crate::layout;
-use crate::model::scl::{Access, Conversion, Expr, ExprKind, Index, IndexBounds, Overflow, Statement, StatementKind};
-use crate::types::DataType;
+use plcc_model::layout;
+use plcc_model::scl::{Access, Conversion, Expr, ExprKind, Index, IndexBounds, Overflow, Statement, StatementKind};
+use plcc_model::types::DataType;
 
 /// The value of an elementary variable.
 pub fn load(variable: &Variable, span: Span) -> Expr {

@@ -13,8 +13,8 @@ use plcc_syntax::scl::ast::{
 use crate::bind::names::fold;
 use crate::bind::scl::call::{Callee, is_result};
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::Statement;
-use crate::model::{BlockKey, Direction};
+use plcc_model::scl::Statement;
+use plcc_model::{BlockKey, Direction};
 
 impl Binder<'_> {
     /// Binds a call.

@@ -18,7 +18,7 @@ use crate::bind::network::Page;
 use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Expr, Statement};
+use plcc_model::scl::{Expr, Statement};
 
 impl Binder<'_> {
     /// Binds a condition: statements, and the BOOL that it then is, which is good until the next network or row is bound.

@@ -15,9 +15,9 @@ use crate::bind::names::fold;
 use crate::bind::network::Page;
 use crate::bind::path::{Base, Variable};
 use crate::bind::scl::expression::{binary_expr, constant_expr};
-use crate::layout;
-use crate::model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Statement, StatementKind, UnaryOp};
-use crate::types::{ArrayType, DataType, Member, StructType};
+use plcc_model::layout;
+use plcc_model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Statement, StatementKind, UnaryOp};
+use plcc_model::types::{ArrayType, DataType, Member, StructType};
 
 /// A chart while it is bound.
 pub struct Engine<'c> {

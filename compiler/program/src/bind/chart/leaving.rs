@@ -4,8 +4,8 @@ use plcc_diag::{Code, Span};
 use plcc_syntax::stl::StlInsn;
 
 use crate::bind::Binder;
-use crate::model::StlStatementKind;
-use crate::model::scl::{Statement, StatementKind};
+use plcc_model::StlStatementKind;
+use plcc_model::scl::{Statement, StatementKind};
 
 impl Binder<'_> {
     /// Tells of RETURN and the like among statements of an action, a condition or a permanent instruction.

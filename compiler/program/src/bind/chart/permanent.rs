@@ -5,7 +5,7 @@ use plcc_syntax::chart::ast::{Coil, Permanent, PermanentKind};
 use super::engine::Engine;
 use crate::bind::network::{no, yes};
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Statement, StatementKind};
+use plcc_model::scl::{Statement, StatementKind};
 
 impl Binder<'_> {
     /// Binds permanent instructions, which run in each call.

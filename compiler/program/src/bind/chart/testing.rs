@@ -8,8 +8,8 @@ use rustc_hash::FxHashSet;
 
 use crate::bind::scl::Scope;
 use crate::bind::{BindInput, Binder, Ctx};
-use crate::model::BlockKey;
-use crate::profile;
+use plcc_model::BlockKey;
+use plcc_model::profile;
 
 /// Static data of the function block, from byte 0 on.
 const DATA: &str =

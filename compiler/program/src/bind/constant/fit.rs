@@ -7,8 +7,8 @@ use plcc_syntax::{Class, Elementary};
 
 use super::Constant;
 use crate::bind::value::Mismatch;
-use crate::layout;
-use crate::types::{DTL, DataType};
+use plcc_model::layout;
+use plcc_model::types::{DTL, DataType};
 
 impl Constant {
     /// The bits as a value of `ty`, zero-extended from its width.

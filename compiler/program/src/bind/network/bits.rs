@@ -18,10 +18,10 @@ use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::place::{Thing, shifted};
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::scl::{Access, Base, BinaryOp, Expr, StatementKind};
-use crate::model::{Place, Width};
-use crate::types::{ArrayType, DataType};
+use plcc_model::layout;
+use plcc_model::scl::{Access, Base, BinaryOp, Expr, StatementKind};
+use plcc_model::{Place, Width};
+use plcc_model::types::{ArrayType, DataType};
 
 /// More bits no memory area has.
 const BIT_FIELD_MAX: i128 = 8 * 65_536;
@@ -330,7 +330,7 @@ impl Binder<'_> {
                 (_, false) => (0, Elementary::Bool),
             };
             let kind = StatementKind::Assign { target, value: constant_expr(value, ty, span) };
-            body.push(crate::model::scl::Statement { kind, span });
+            body.push(plcc_model::scl::Statement { kind, span });
             bit += i128::from(width.bits());
         }
         sheet.push(StatementKind::If { branches: vec![(condition, body)], otherwise: Vec::new() }, span);

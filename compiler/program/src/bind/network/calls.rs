@@ -16,9 +16,9 @@ use crate::bind::names::fold;
 use crate::bind::scl::call::Callee;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Instance, StatementKind};
-use crate::model::{BlockKey, Direction};
-use crate::types::DataType;
+use plcc_model::scl::{Instance, StatementKind};
+use plcc_model::{BlockKey, Direction};
+use plcc_model::types::DataType;
 use plcc_abi::image::BlockKind;
 
 /// The parameter that an FC returns its value in.

@@ -20,8 +20,8 @@ use crate::bind::scl::expression::{binary_expr, constant_expr};
 use crate::bind::scl::place::{Db, Thing};
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::Width;
-use crate::model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, Part, Statement, StatementKind};
+use plcc_model::Width;
+use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, Part, Statement, StatementKind};
 
 /// MCR zones in one another.
 const MCR_DEPTH: usize = 8;

@@ -9,7 +9,7 @@ use super::sheet::Sheet;
 use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{CompareOp, Expr, ExprKind, Function};
+use plcc_model::scl::{CompareOp, Expr, ExprKind, Function};
 
 /// The bits of the least REAL that is not denormal.
 const LEAST_NORMAL: u64 = 0x0080_0000;

@@ -13,8 +13,8 @@ use crate::bind::names::fold;
 use crate::bind::scl::rules::Label;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::LabelId;
-use crate::model::scl::{Arm, Statement, StatementKind};
+use plcc_model::LabelId;
+use plcc_model::scl::{Arm, Statement, StatementKind};
 
 impl Binder<'_> {
     /// Labels of all networks, those of SCL networks among them.

@@ -11,7 +11,7 @@ use crate::bind::scl::convert::{converted, rounding};
 use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{CompareOp, Conversion, Expr, ExprKind, Function, Overflow, StatementKind, UnaryOp};
+use plcc_model::scl::{CompareOp, Conversion, Expr, ExprKind, Function, Overflow, StatementKind, UnaryOp};
 
 /// Types of which only CONVERT knows: numbers in BCD.
 fn word(template: &str) -> Option<String> {

@@ -19,7 +19,7 @@ use crate::bind::scl::expression::{binary_expr, binary_op, constant_expr};
 use crate::bind::scl::numeric::{self, Shape};
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{BinaryOp, Conversion, Expr, ExprKind, UnaryOp};
+use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, UnaryOp};
 
 impl Binder<'_> {
     /// The type that a setting names; none if it is not there, found from the operands, or no elementary type.

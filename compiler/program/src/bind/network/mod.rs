@@ -42,7 +42,7 @@ use super::scl::expression::constant_expr;
 use super::scl::temporary;
 use super::scl::{Rules, Scope};
 use super::{Binder, Ctx};
-use crate::model::scl::{Body, Expr, ExprKind, Statement, StatementKind};
+use plcc_model::scl::{Body, Expr, ExprKind, Statement, StatementKind};
 use classic::Registers;
 use sheet::{Pool, Sheet};
 

@@ -10,7 +10,7 @@ use crate::bind::scl::convert::{converted, explicit_expr};
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Arm, Conversion, Expr, Statement, StatementKind};
+use plcc_model::scl::{Arm, Conversion, Expr, Statement, StatementKind};
 
 impl Binder<'_> {
     /// MOVE: the value to each output, in the output's width.
@@ -129,7 +129,7 @@ impl Binder<'_> {
         let known: Vec<_> = outputs(sheet.element(at), "out").map(|(index, _)| (at, index)).collect();
         let net = known.iter().find_map(|place| sheet.outputs.get(place).cloned());
         let sent = match (net, value) {
-            (Some(Expr { kind: crate::model::scl::ExprKind::Load(access), .. }), Value::Elementary(value)) => {
+            (Some(Expr { kind: plcc_model::scl::ExprKind::Load(access), .. }), Value::Elementary(value)) => {
                 let span = value.span;
                 sheet.push(StatementKind::Assign { target: *access, value }, span);
                 Some(())

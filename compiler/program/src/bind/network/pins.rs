@@ -11,7 +11,7 @@ use crate::bind::scl::expression::{binary_expr, constant_expr};
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{BinaryOp, Expr, ExprKind, StatementKind, UnaryOp};
+use plcc_model::scl::{BinaryOp, Expr, ExprKind, StatementKind, UnaryOp};
 
 /// TRUE.
 pub fn yes(span: Span) -> Expr {
@@ -267,7 +267,7 @@ impl Binder<'_> {
             sheet.push(kind, span);
             return;
         }
-        let body = vec![crate::model::scl::Statement { kind, span }];
+        let body = vec![plcc_model::scl::Statement { kind, span }];
         sheet.push(StatementKind::If { branches: vec![(condition, body)], otherwise: Vec::new() }, span);
     }
 

@@ -11,8 +11,8 @@ use super::classic::Registers;
 use crate::bind::Ctx;
 use crate::bind::path::{self, Variable};
 use crate::bind::scl::place::Spot;
-use crate::model::scl::{Access, Expr, ExprKind, Statement, StatementKind};
-use crate::types::DataType;
+use plcc_model::scl::{Access, Expr, ExprKind, Statement, StatementKind};
+use plcc_model::types::DataType;
 
 /// A variable of the frame that no source declares.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use plcc_syntax::ast::Statement as Tree;
 
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Statement, StatementKind};
+use plcc_model::scl::{Statement, StatementKind};
 
 impl Binder<'_> {
     pub fn bind_stl_network(&mut self, ctx: &mut Ctx, list: &[Tree], number: u16, statements: &mut Vec<Statement>) {

@@ -8,7 +8,7 @@ use plcc_syntax::ast::{BlockPrefix, CellKind};
 use rustc_hash::FxHashSet;
 
 use crate::bind::names::fold;
-use crate::types::DataType;
+use plcc_model::types::DataType;
 
 /// Something that is defined nowhere.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -17,9 +17,9 @@ use crate::bind::names::fold;
 use crate::bind::report::Report;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::BlockKey;
+use plcc_model::BlockKey;
 use crate::symbols::SymbolTarget;
-use crate::types::DataType;
+use plcc_model::types::DataType;
 use plcc_abi::image::BlockKind;
 
 /// Looks at one program.

@@ -24,7 +24,7 @@ use rustc_hash::FxHashSet;
 use super::declare::BoundInterface;
 use super::report::{MissingKey, Uses};
 use super::{BindInput, Binder, Bound, Ctx, scl::Scope};
-use crate::model::Program;
+use plcc_model::Program;
 use crate::symbols::SymbolTable;
 use evidence::Evidence;
 pub use evidence::Missing;

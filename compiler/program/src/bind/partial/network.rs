@@ -14,7 +14,7 @@ use super::look::{Look, Start};
 use super::scl::{surest, typed};
 use crate::bind::scl::function::Named;
 use crate::bind::{Ctx, names::fold};
-use crate::types::DataType;
+use plcc_model::types::DataType;
 
 const BOOL: Hint = typed(Elementary::Bool);
 const INT: Hint = Hint::Literal(DataType::Elementary(Elementary::Int));

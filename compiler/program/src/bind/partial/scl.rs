@@ -12,8 +12,8 @@ use super::look::{Look, Start, Step};
 use crate::bind::scl::call::Callee;
 use crate::bind::scl::function::Named;
 use crate::bind::{Ctx, names::fold};
-use crate::model::{BlockKey, Direction};
-use crate::types::DataType;
+use plcc_model::{BlockKey, Direction};
+use plcc_model::types::DataType;
 
 /// A hint of an elementary type.
 pub const fn typed(ty: Elementary) -> Hint {
@@ -422,7 +422,7 @@ fn instance_start(name: &Name) -> Start {
 
 /// The hint that a parameter's type is; a type that takes anything is none.
 pub fn parameter_hint(ty: &DataType) -> Option<Hint> {
-    use crate::types::ParameterType;
+    use plcc_model::types::ParameterType;
     match ty {
         DataType::Parameter(ParameterType::Timer) => Some(Hint::Cell(CellKind::Timer)),
         DataType::Parameter(ParameterType::Counter) => Some(Hint::Cell(CellKind::Counter)),
@@ -430,8 +430,8 @@ pub fn parameter_hint(ty: &DataType) -> Option<Hint> {
         DataType::Parameter(_) | DataType::Void => None,
         DataType::OpenArray(array) => {
             let bounds = vec![(0, 9); usize::from(array.dimensions)];
-            let bytes = u32::try_from(crate::layout::array_bytes(&bounds, &array.element)).ok()?;
-            let array = crate::types::ArrayType { bounds, element: array.element.clone(), bytes };
+            let bytes = u32::try_from(plcc_model::layout::array_bytes(&bounds, &array.element)).ok()?;
+            let array = plcc_model::types::ArrayType { bounds, element: array.element.clone(), bytes };
             Some(Hint::Type(DataType::Array(std::rc::Rc::new(array))))
         }
         ty => Some(Hint::Type(ty.clone())),

@@ -12,9 +12,9 @@ use crate::bind::Ctx;
 use crate::bind::constant::Constant;
 use crate::bind::names::fold;
 use crate::bind::settle::Settled;
-use crate::model::BlockKey;
-use crate::model::Number;
-use crate::types::{DataType, ParameterType};
+use plcc_model::BlockKey;
+use plcc_model::Number;
+use plcc_model::types::{DataType, ParameterType};
 
 /// The data blocks that statements have opened so far.
 #[derive(Default)]

@@ -11,9 +11,9 @@ use rustc_hash::FxHashSet;
 
 use super::evidence::{Evidence, Interface, Missing, Shape};
 use crate::bind::names::fold;
-use crate::layout;
+use plcc_model::layout;
 use crate::symbols::{GlobalConstant, Symbol, SymbolTable, SymbolTarget};
-use crate::types::{DataType, StructType};
+use plcc_model::types::{DataType, StructType};
 
 /// Bit memory from here on has no CPU: tags that are missing lie there.
 pub const MEMORY_START: u32 = 32_768;

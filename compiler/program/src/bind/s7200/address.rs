@@ -8,7 +8,7 @@ use plcc_syntax::ast::Width;
 use plcc_syntax::s7200::ast::{Area, Direct};
 
 use super::Binder;
-use crate::profile;
+use plcc_model::profile;
 
 /// SMB0 to SMB29 are written by the CPU alone.
 pub const SM_READ_ONLY_BYTES: u32 = 30;

@@ -10,7 +10,7 @@ use super::Binder;
 use super::interface::Locals;
 use super::stack::Stack;
 use super::structure::Structure;
-use crate::model::s7200::{Body, Operand, Statement, StatementKind};
+use plcc_model::s7200::{Body, Operand, Statement, StatementKind};
 
 impl Binder<'_> {
     /// The code of block `index`.

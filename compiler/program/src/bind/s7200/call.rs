@@ -10,7 +10,7 @@ use super::constant::{Target, whole};
 use super::interface::{Local, Locals, Type};
 use super::operand::memory;
 use super::settle::Settled;
-use crate::model::s7200::{Operand, StatementKind};
+use plcc_model::s7200::{Operand, StatementKind};
 
 impl Binder<'_> {
     /// `CALL Scale, VW0, VW2`; `None`: reported.

@@ -11,7 +11,7 @@ use super::Binder;
 use super::constant::{Target, whole};
 use super::interface::Locals;
 use super::settle::Settled;
-use crate::model::DataBlock;
+use plcc_model::DataBlock;
 
 /// Characters of a string in a data block.
 const TEXT_MAX: usize = 254;

@@ -12,7 +12,7 @@ use rustc_hash::FxHashMap;
 use super::super::path::similar;
 use super::Binder;
 use super::names::fold;
-use crate::model::s7200::{Direction, Parameter};
+use plcc_model::s7200::{Direction, Parameter};
 
 /// Parameters that a subroutine may have.
 const PARAMETERS_MAX: usize = 16;

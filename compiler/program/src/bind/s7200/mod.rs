@@ -36,8 +36,8 @@ use rustc_hash::FxHashMap;
 
 use super::BindInput;
 use super::report::Report;
-use crate::model::{Body, CodeBlock, Interface, Program, TestSettings};
-use crate::profile;
+use plcc_model::{Body, CodeBlock, Interface, Program, TestSettings};
+use plcc_model::profile;
 
 /// Binds the blocks of Micro/WIN sources.
 pub fn bind(input: &BindInput) -> super::Bound {

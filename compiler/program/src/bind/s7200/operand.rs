@@ -11,7 +11,7 @@ use super::address::{self, SM_READ_ONLY_BYTES};
 use super::constant::Target;
 use super::interface::Locals;
 use super::settle::Settled;
-use crate::model::s7200::{self as model, Operand};
+use plcc_model::s7200::{self as model, Operand};
 
 /// Characters of a string constant in an instruction.
 const TEXT_MAX: usize = 126;

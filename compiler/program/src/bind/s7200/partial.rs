@@ -14,7 +14,7 @@ use super::operand;
 use crate::bind::partial::{self, Completed, LeftOut, Missing, Parts, Told, Whole, errors};
 use crate::bind::report::MissingKey;
 use crate::bind::{BindInput, Bound};
-use crate::profile;
+use plcc_model::profile;
 use crate::symbols::{S7200Symbol, SymbolTable};
 
 /// Rounds of leaving out.

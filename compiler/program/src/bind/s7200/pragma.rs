@@ -13,9 +13,9 @@ use super::constant::whole;
 use super::interface::Locals;
 use super::operand::{memory, place};
 use super::settle::Settled;
-use crate::model::ComparedValue;
-use crate::model::s7200 as model;
-use crate::model::s7200::StatementKind;
+use plcc_model::ComparedValue;
+use plcc_model::s7200 as model;
+use plcc_model::s7200::StatementKind;
 
 impl Binder<'_> {
     pub fn statement_pragma(

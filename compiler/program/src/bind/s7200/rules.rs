@@ -11,7 +11,7 @@ use plcc_syntax::s7200::{CompareKind, Insn};
 
 use super::Binder;
 use super::body::block_name;
-use crate::model::s7200::{self as model, Operand};
+use plcc_model::s7200::{self as model, Operand};
 
 /// Bits of a shift register.
 const SHIFT_REGISTER_MAX: u32 = 64;

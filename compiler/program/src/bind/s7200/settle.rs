@@ -10,7 +10,7 @@ use super::address;
 use super::interface::{Locals, Type};
 use super::names::{block_kind, fold};
 use super::{Binder, operand};
-use crate::model::s7200::Operand;
+use plcc_model::s7200::Operand;
 
 /// An operand whose names are settled.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@ use plcc_syntax::s7200::Insn;
 use rustc_hash::FxHashMap;
 
 use super::super::report::Report;
-use crate::model::s7200::Operand;
+use plcc_model::s7200::Operand;
 
 /// FOR loops inside each other.
 const LOOPS_MAX: usize = 8;

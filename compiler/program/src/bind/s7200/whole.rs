@@ -6,7 +6,7 @@ use plcc_syntax::s7200::Insn;
 use rustc_hash::FxHashMap;
 
 use super::Binder;
-use crate::model::s7200::Operand;
+use plcc_model::s7200::Operand;
 
 /// Subroutines inside each other that the main program may call.
 const DEPTH_MAX: u32 = 8;

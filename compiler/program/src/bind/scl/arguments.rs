@@ -15,9 +15,9 @@ use super::{Intent, Rules};
 use crate::bind::declare::BoundInterface;
 use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Access, Actual, Argument, Expr, ExprKind};
-use crate::model::{BlockKey, Direction, Parameter};
-use crate::types::DataType;
+use plcc_model::scl::{Access, Actual, Argument, Expr, ExprKind};
+use plcc_model::{BlockKey, Direction, Parameter};
+use plcc_model::types::DataType;
 
 /// The bound arguments of a call.
 #[derive(Default)]
@@ -274,7 +274,7 @@ impl Binder<'_> {
         let found = access.elementary();
         let fits = found.is_some_and(|found| found.bits() == ty.bits());
         if !fits {
-            let is = found.map_or_else(|| crate::layout::type_name(&access.ty), |found| found.name().to_string());
+            let is = found.map_or_else(|| plcc_model::layout::type_name(&access.ty), |found| found.name().to_string());
             self.wrong_type(node.span, &format!("of type {is}"), ty.name(), None);
             return None;
         }

@@ -12,12 +12,12 @@ use super::message::described;
 use super::pins::Pins;
 use super::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::Place;
-use crate::model::scl::{
+use plcc_model::layout;
+use plcc_model::Place;
+use plcc_model::scl::{
     Access, Base, BinaryOp, CompareOp, Complex, Expr, ExprKind, Function, Index, IndexBounds, Statement, StatementKind,
 };
-use crate::types::{ArrayType, DataType, ParameterType};
+use plcc_model::types::{ArrayType, DataType, ParameterType};
 
 /// Elements of an array from one on.
 pub(super) struct Run {
@@ -233,7 +233,7 @@ impl Binder<'_> {
                         ty: Elementary::Udint,
                         ..super::convert::converted(
                             count,
-                            crate::model::scl::Conversion::Bits { checked: false },
+                            plcc_model::scl::Conversion::Bits { checked: false },
                             Elementary::Udint,
                         )
                     }
@@ -251,7 +251,7 @@ impl Binder<'_> {
     }
 }
 
-/// A field of a VARIANT, an UDINT. See [`crate::model::Pointed`].
+/// A field of a VARIANT, an UDINT. See [`plcc_model::Pointed`].
 pub fn variant_field(variant: &Access, at: u32, span: Span) -> Option<Expr> {
     let field = elementary_at(variant, at, 0, Elementary::Udint)?;
     Some(Expr { kind: ExprKind::Load(Box::new(field)), ty: Elementary::Udint, span })

@@ -10,9 +10,9 @@ use super::place::Thing;
 use super::value::Value;
 use super::{Intent, Rules, message};
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::scl::{Access, Complex, Expr, ExprKind, Function, Statement, StatementKind};
-use crate::types::DataType;
+use plcc_model::layout;
+use plcc_model::scl::{Access, Complex, Expr, ExprKind, Function, Statement, StatementKind};
+use plcc_model::types::DataType;
 
 impl Binder<'_> {
     /// `a := b += e`: from right to left, a statement each.

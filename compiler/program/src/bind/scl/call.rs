@@ -14,11 +14,11 @@ use super::{Intent, Rules};
 use crate::bind::names::{code_kind, fold};
 use crate::bind::path::similar;
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::scl::{Access, Argument, Base, Call, Complex, Expr, ExprKind, Instance};
-use crate::model::{BlockKey, Direction, Parameter, Place};
+use plcc_model::layout;
+use plcc_model::scl::{Access, Argument, Base, Call, Complex, Expr, ExprKind, Instance};
+use plcc_model::{BlockKey, Direction, Parameter, Place};
 use crate::symbols::SymbolTarget;
-use crate::types::{DataType, Member, StructType};
+use plcc_model::types::{DataType, Member, StructType};
 
 /// What a call calls.
 pub enum Callee {

@@ -5,11 +5,11 @@ use plcc_diag::{Diagnostic, SourceFile, SourceMap};
 use plcc_syntax::{Elementary, Language, ParseOptions};
 
 use crate::bind::{BindInput, bind};
-use crate::model::scl::{
+use plcc_model::scl::{
     Actual, BinaryOp, Call, Complex, Conversion, Expr, ExprKind, Function, Instance, StatementKind,
 };
-use crate::model::{BlockKey, Body, Program};
-use crate::profile;
+use plcc_model::{BlockKey, Body, Program};
+use plcc_model::profile;
 
 /// Local data of the block under test, and blocks that it may call.
 const BLOCKS: &str = r#"

@@ -8,7 +8,7 @@ use super::value::Value;
 use super::{constant, message};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Arm, Expr, StatementKind};
+use plcc_model::scl::{Arm, Expr, StatementKind};
 
 impl Binder<'_> {
     pub(super) fn case(

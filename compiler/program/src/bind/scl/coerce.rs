@@ -11,10 +11,10 @@ use super::value::Value;
 use super::{Rules, constant, message};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::Number;
-use crate::model::scl::{Access, Base, Complex, Expr, ExprKind, Function};
-use crate::types::{DataType, StructType};
+use plcc_model::layout;
+use plcc_model::Number;
+use plcc_model::scl::{Access, Base, Complex, Expr, ExprKind, Function};
+use plcc_model::types::{DataType, StructType};
 
 /// Longest STRING.
 const STRING_MAX: usize = 254;
@@ -323,7 +323,7 @@ pub fn has_call(expr: &Expr) -> bool {
 
 /// As [`has_call`], of a place.
 pub fn access_has_call(access: &Access) -> bool {
-    use crate::model::scl::IndexedArea;
+    use plcc_model::scl::IndexedArea;
     let base = match &access.base {
         Base::Place(_) => false,
         Base::Indexed { area, byte, bit } => {

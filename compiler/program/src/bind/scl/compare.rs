@@ -13,9 +13,9 @@ use super::value::Value;
 use super::{Rules, constant, text, time};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::scl::{Access, Actual, BinaryOp, CompareOp, Complex, Expr, ExprKind};
-use crate::types::DataType;
+use plcc_model::layout;
+use plcc_model::scl::{Access, Actual, BinaryOp, CompareOp, Complex, Expr, ExprKind};
+use plcc_model::types::DataType;
 
 /// Elements that a comparison of structures looks at, at most.
 const ELEMENTS_MAX: u64 = 1024;

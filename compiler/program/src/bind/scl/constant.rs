@@ -9,7 +9,7 @@ use super::value::Value;
 use super::{Rules, message};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Expr, ExprKind};
+use plcc_model::scl::{Expr, ExprKind};
 
 impl Binder<'_> {
     /// A literal as a value; pointers are none.

@@ -3,7 +3,7 @@
 use plcc_syntax::{Class, Elementary};
 
 use super::Rules;
-use crate::model::scl::{BinaryOp, Conversion, Expr, ExprKind, Overflow};
+use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Overflow};
 use Elementary::*;
 
 /// Days from 1990-01-01 to 2168-12-31, the last DATE.

@@ -16,8 +16,8 @@ use super::function::Named;
 use super::memory::{binary, load};
 use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::scl::{Access, BinaryOp, Expr, ExprKind, Statement, StatementKind};
+use plcc_model::layout;
+use plcc_model::scl::{Access, BinaryOp, Expr, ExprKind, Statement, StatementKind};
 
 impl Binder<'_> {
     /// Binds a statement whose function has EN or ENO; false: it is none of these.

@@ -10,8 +10,8 @@ use super::value::Value;
 use super::{Intent, Rules, message};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, UnaryOp};
-use crate::types::{DataType, ParameterType};
+use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, UnaryOp};
+use plcc_model::types::{DataType, ParameterType};
 
 impl Binder<'_> {
     /// Binds an expression, calls included.

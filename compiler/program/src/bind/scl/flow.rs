@@ -9,7 +9,7 @@ use super::rules::Label;
 use crate::bind::names::fold;
 use crate::bind::path::similar;
 use crate::bind::{Binder, Ctx};
-use crate::model::LabelId;
+use plcc_model::LabelId;
 
 impl Binder<'_> {
     /// The first walk: labels, with the lists of statements in which they stand.

@@ -13,7 +13,7 @@ use super::value::Value;
 use super::variant::Question;
 use super::{convert, text};
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{BinaryOp, Function, TimerKind};
+use plcc_model::scl::{BinaryOp, Function, TimerKind};
 
 /// What a function computes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,9 +9,9 @@ use super::expression::constant_expr;
 use super::pins::Pins;
 use super::place::shifted;
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::scl::{Access, StatementKind};
-use crate::types::DataType;
+use plcc_model::layout;
+use plcc_model::scl::{Access, StatementKind};
+use plcc_model::types::DataType;
 
 impl Binder<'_> {
     /// The time begins anew: no time has passed, Q is FALSE, and an IN that is TRUE counts as a rising edge.

@@ -17,9 +17,9 @@ use super::{Intent, constant, message};
 use crate::bind::constant::Constant;
 use crate::bind::path::{self, Variable, type_of_width};
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::scl::{Expr, Index, IndexBounds, IndexedArea};
-use crate::types::{ArrayType, DataType};
+use plcc_model::layout;
+use plcc_model::scl::{Expr, Index, IndexBounds, IndexedArea};
+use plcc_model::types::{ArrayType, DataType};
 
 /// Bytes before the characters of a STRING and a WSTRING.
 const STRING_HEADER: u32 = 2;
@@ -117,7 +117,7 @@ impl Binder<'_> {
         &mut self,
         ctx: &Ctx,
         mut spot: Spot,
-        open: &crate::types::OpenArrayType,
+        open: &plcc_model::types::OpenArrayType,
         positions: Vec<Position>,
         span: Span,
     ) -> Option<Spot> {

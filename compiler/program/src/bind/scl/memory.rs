@@ -16,10 +16,10 @@ use super::pins::Pins;
 use super::value::Value;
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::scl::{Access, Arm, Base, BinaryOp, Complex, Expr, ExprKind, IndexedArea, Statement, StatementKind};
-use crate::model::{Number, Place};
-use crate::types::DataType;
+use plcc_model::layout;
+use plcc_model::scl::{Access, Arm, Base, BinaryOp, Complex, Expr, ExprKind, IndexedArea, Statement, StatementKind};
+use plcc_model::{Number, Place};
+use plcc_model::types::DataType;
 
 /// Memory areas that PEEK and POKE reach stand in [`IndexedArea::Coded`].
 struct Coded {
@@ -364,7 +364,7 @@ pub fn minus_one(value: Expr) -> Expr {
 
 /// Bit `index` of a variable, 0 the lowest.
 pub fn bit_of(access: &Access, index: usize) -> Access {
-    let part = crate::model::scl::Part { width: crate::model::Width::Bit, index: index as u8 };
+    let part = plcc_model::scl::Part { width: plcc_model::Width::Bit, index: index as u8 };
     Access { part: Some(part), ..access.clone() }
 }
 

@@ -7,7 +7,7 @@ use super::value::Value;
 use super::{Rules, convert};
 use crate::bind::Binder;
 use crate::bind::constant::Constant;
-use crate::layout;
+use plcc_model::layout;
 
 impl Binder<'_> {
     /// Nesting of expressions and statements beyond which nobody reads them.

@@ -57,7 +57,7 @@ use plcc_syntax::ast;
 use plcc_syntax::scl::ast::{Body as Tree, Dialect, ExprKind, NameForm};
 
 use super::{Binder, Ctx};
-use crate::model::scl::Body;
+use plcc_model::scl::Body;
 pub use reference::{effect, reference};
 pub use rules::{Rules, Scope};
 

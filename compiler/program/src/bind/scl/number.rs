@@ -16,8 +16,8 @@ use super::value::Value;
 use super::{Rules, constant};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, UnaryOp};
-use crate::types::DataType;
+use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, UnaryOp};
+use plcc_model::types::DataType;
 
 impl Binder<'_> {
     pub fn number_function(

@@ -5,9 +5,9 @@ use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Width};
 
 use crate::bind::constant::Constant;
 use crate::bind::path;
-use crate::model::Number;
-use crate::model::scl::{Access, Base, Expr, Index, IndexedArea, Part};
-use crate::types::DataType;
+use plcc_model::Number;
+use plcc_model::scl::{Access, Base, Expr, Index, IndexedArea, Part};
+use plcc_model::types::DataType;
 
 /// Where a variable begins.
 #[derive(Clone, Debug)]
@@ -96,7 +96,7 @@ pub enum Thing {
 
 /// A component of a place, at `byte`.`bit` behind its start; none of one that has no fixed start.
 pub fn shifted(access: &Access, byte: u32, bit: u8, ty: &DataType) -> Option<Access> {
-    use crate::model::Place;
+    use plcc_model::Place;
     let Base::Place(place) = &access.base else { return None };
     let mut place = place.clone();
     match &mut place {

@@ -13,10 +13,10 @@ use crate::bind::actual::{
 use crate::bind::actual::{any_bytes, any_number_of_block, any_number_of_cell, known_pointer, local_place};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::scl::{Access, Actual, Base, Complex, Expr, ExprKind};
-use crate::model::{BlockKey, Number, Parameter, Place, Pointed};
-use crate::types::{DataType, Elementary, ParameterType};
+use plcc_model::layout;
+use plcc_model::scl::{Access, Actual, Base, Complex, Expr, ExprKind};
+use plcc_model::{BlockKey, Number, Parameter, Place, Pointed};
+use plcc_model::types::{DataType, Elementary, ParameterType};
 
 impl Binder<'_> {
     /// The actual of a POINTER.

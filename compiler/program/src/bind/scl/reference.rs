@@ -8,7 +8,7 @@ use super::Rules;
 use super::convert::{Implicit, implicit, on_300};
 use super::function::{Kind, NOT_SUPPORTED, ROWS, Row};
 use super::variant::Question;
-use crate::model::scl::{BinaryOp, Function, TimerKind};
+use plcc_model::scl::{BinaryOp, Function, TimerKind};
 
 /// The page without its tables.
 const TEXT: &str = include_str!("reference.md");

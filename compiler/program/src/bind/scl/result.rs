@@ -9,9 +9,9 @@ use plcc_stdlib::{BlockClass, Form};
 
 use super::call::is_result;
 use crate::bind::Binder;
-use crate::model::BlockKey;
-use crate::model::scl::{Access, Actual, Argument, Call, Complex, ExprKind, StatementKind};
-use crate::types::DataType;
+use plcc_model::BlockKey;
+use plcc_model::scl::{Access, Actual, Argument, Call, Complex, ExprKind, StatementKind};
+use plcc_model::types::DataType;
 
 use super::value::Value;
 

@@ -9,8 +9,8 @@ use rustc_hash::FxHashMap;
 use super::place::Spot;
 use crate::bind::BindInput;
 use crate::bind::path::Variable;
-use crate::model::LabelId;
-use crate::model::scl::{Expr, Statement};
+use plcc_model::LabelId;
+use plcc_model::scl::{Expr, Statement};
 
 /// The rules that a block's source and the CPU choose together. Source: SCL reference, dialects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -11,9 +11,9 @@ use super::array::{Run, shortened};
 use super::memory::{binary, bit_of, load, minus_one, number};
 use super::pins::Pins;
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::scl::{BinaryOp, Statement, StatementKind};
-use crate::types::DataType;
+use plcc_model::layout;
+use plcc_model::scl::{BinaryOp, Statement, StatementKind};
+use plcc_model::types::DataType;
 
 impl Binder<'_> {
     /// `to_bits`: SCATTER_BLK, else GATHER_BLK.

@@ -11,9 +11,9 @@ use super::constant;
 use super::expression::{constant_expr, typed_constant};
 use super::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Complex, Expr, ExprKind, Statement, StatementKind};
-use crate::model::{self, StlStatementKind};
-use crate::types::DataType;
+use plcc_model::scl::{Complex, Expr, ExprKind, Statement, StatementKind};
+use plcc_model::{self, StlStatementKind};
+use plcc_model::types::DataType;
 
 impl Binder<'_> {
     /// A list of statements.
@@ -78,7 +78,7 @@ impl Binder<'_> {
             TreeKind::Goto(name) => self.goto(ctx, name).map(StatementKind::Goto),
             TreeKind::Pragma(pragma) => match self.statement_pragma(ctx, pragma) {
                 Some(StlStatementKind::Assert(assert)) => {
-                    let register = |side: &model::AssertSide| matches!(side, model::AssertSide::Register(_));
+                    let register = |side: &plcc_model::AssertSide| matches!(side, plcc_model::AssertSide::Register(_));
                     if assert.sides().any(register) {
                         self.refuse(
                             Code::Pragma,

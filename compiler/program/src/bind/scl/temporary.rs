@@ -2,9 +2,9 @@
 
 use crate::bind::declare::BoundInterface;
 use crate::bind::path::Base;
-use crate::layout;
-use crate::model::scl::TemporaryText;
-use crate::types::DataType;
+use plcc_model::layout;
+use plcc_model::scl::TemporaryText;
+use plcc_model::types::DataType;
 
 /// More elements are not looked at: no local data holds so many texts.
 const ELEMENTS_MAX: u64 = 16_384;

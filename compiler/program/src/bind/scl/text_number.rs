@@ -15,10 +15,10 @@ use super::text::is_wide_text;
 use super::value::Value;
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::scl::{Actual, Argument, Call, StatementKind};
-use crate::model::{BlockKey, Direction, Parameter};
-use crate::types::DataType;
+use plcc_model::layout;
+use plcc_model::scl::{Actual, Argument, Call, StatementKind};
+use plcc_model::{BlockKey, Direction, Parameter};
+use plcc_model::types::DataType;
 
 /// The type whose function takes a number of type `ty`.
 const fn written_as(ty: Elementary) -> Option<&'static str> {

@@ -14,8 +14,8 @@ use super::{Intent, Rules};
 use crate::bind::constant::Constant;
 use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Actual, Argument, BinaryOp, Call, Complex, Conversion, Expr, ExprKind};
-use crate::types::DataType;
+use plcc_model::scl::{Actual, Argument, BinaryOp, Call, Complex, Conversion, Expr, ExprKind};
+use plcc_model::types::DataType;
 use Elementary::*;
 
 /// Library functions of DATE_AND_TIME. Source: STL reference, IEC functions.

@@ -13,8 +13,8 @@ use super::pins::Pins;
 use super::value::Value;
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use crate::model::Number;
-use crate::model::scl::{Access, CounterCall, Expr, ExprKind, TimerCall, TimerKind};
+use plcc_model::Number;
+use plcc_model::scl::{Access, CounterCall, Expr, ExprKind, TimerCall, TimerKind};
 
 impl Binder<'_> {
     pub fn timer_function(&mut self, ctx: &mut Ctx, kind: TimerKind, pins: &Pins, span: Span) -> Option<Value> {

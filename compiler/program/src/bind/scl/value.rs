@@ -4,9 +4,9 @@ use plcc_diag::Span;
 use plcc_syntax::ast::{BlockPrefix, CellKind};
 
 use crate::bind::constant::Constant;
-use crate::model::Number;
-use crate::model::scl::{Access, Complex, Expr};
-use crate::types::DataType;
+use plcc_model::Number;
+use plcc_model::scl::{Access, Complex, Expr};
+use plcc_model::types::DataType;
 
 /// A bound expression.
 #[derive(Clone, Debug)]
@@ -24,9 +24,9 @@ pub enum Value {
     /// A block, or a formal parameter of type BLOCK_x.
     Block { prefix: BlockPrefix, number: Number, span: Span },
     /// A call without a value, as a statement.
-    Nothing(Box<crate::model::scl::Call>),
+    Nothing(Box<plcc_model::scl::Call>),
     /// A function of the language that is a statement by itself, with its place: POKE, MOVE_BLK.
-    Statements(Vec<crate::model::scl::Statement>, Span),
+    Statements(Vec<plcc_model::scl::Statement>, Span),
 }
 
 impl Value {

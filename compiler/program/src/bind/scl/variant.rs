@@ -18,10 +18,10 @@ use crate::bind::constant::Constant;
 use crate::bind::declare::Use;
 use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::Pointed;
-use crate::model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, Function};
-use crate::types::{DataType, ParameterType};
+use plcc_model::layout;
+use plcc_model::Pointed;
+use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, Function};
+use plcc_model::types::{DataType, ParameterType};
 
 /// Tells an array of a type from the type.
 const ARRAY: u64 = 1 << 30;

@@ -16,7 +16,7 @@ use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{Conversion, Expr, ExprKind, Statement, UnaryOp};
+use plcc_model::scl::{Conversion, Expr, ExprKind, Statement, UnaryOp};
 
 /// What a function of GRAPH does that SCL does not have by this name.
 #[derive(Clone, Copy)]

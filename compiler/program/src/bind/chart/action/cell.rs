@@ -21,8 +21,8 @@ use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::place::Thing;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use crate::model::Number;
-use crate::model::scl::{CounterCall, Expr, ExprKind, Statement, StatementKind, TimerCall, TimerKind};
+use plcc_model::Number;
+use plcc_model::scl::{CounterCall, Expr, ExprKind, Statement, StatementKind, TimerCall, TimerKind};
 
 /// Greatest count.
 const COUNT_MAX: i128 = 999;

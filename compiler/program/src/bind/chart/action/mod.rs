@@ -23,7 +23,7 @@ use crate::bind::network::{Page, and, inverted, no, yes};
 use crate::bind::path::similar;
 use crate::bind::scl::place::Spot;
 use crate::bind::{Binder, Ctx};
-use crate::model::scl::{CompareOp, Expr, ExprKind, Statement, StatementKind};
+use plcc_model::scl::{CompareOp, Expr, ExprKind, Statement, StatementKind};
 
 /// What a step does, in the order of its rows.
 #[derive(Default)]

@@ -13,8 +13,8 @@ use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::place::{Spot, Thing};
 use crate::bind::{Binder, Ctx};
-use crate::layout;
-use crate::model::scl::Expr;
+use plcc_model::layout;
+use plcc_model::scl::Expr;
 
 impl Binder<'_> {
     /// A BOOL that a row writes.

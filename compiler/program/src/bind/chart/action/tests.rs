@@ -11,8 +11,8 @@ use crate::bind::network::Page;
 use crate::bind::path::{Base, Variable};
 use crate::bind::scl::place::Spot;
 use crate::bind::scl::tests::show;
-use crate::model::scl::{Expr, ExprKind};
-use crate::types::DataType;
+use plcc_model::scl::{Expr, ExprKind};
+use plcc_model::types::DataType;
 
 /// What a row becomes.
 struct Bound {

@@ -12,7 +12,7 @@ use super::logic::{Atoms, Formula};
 use super::step_title;
 use crate::bind::mentions::{expressions, stl_statements};
 use crate::bind::{Binder, Ctx};
-use crate::model::BlockKey;
+use plcc_model::BlockKey;
 
 impl Binder<'_> {
     /// Tells if a supervision fault stays for ever: it must be acknowledged, and nothing can do that.

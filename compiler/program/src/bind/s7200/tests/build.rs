@@ -7,9 +7,9 @@ use plcc_syntax::s7200::Insn;
 use plcc_syntax::s7200::ast::*;
 
 use crate::bind::BindInput;
-use crate::model::s7200::{Body, StatementKind as Bound};
-use crate::model::{BlockKey, Program};
-use crate::profile;
+use plcc_model::s7200::{Body, StatementKind as Bound};
+use plcc_model::{BlockKey, Program};
+use plcc_model::profile;
 
 /// A place of its own for each statement, so that messages can be told apart.
 fn span(at: usize) -> Span {
@@ -180,13 +180,13 @@ pub fn codes(statements: &[(Insn, &[Operand])]) -> Vec<&'static str> {
 
 pub fn body(program: &Program, kind: plcc_abi::image::BlockKind, number: u16) -> &Body {
     match &program.block(BlockKey { kind, number }).expect("the test defines the block").body {
-        crate::model::Body::S7200(body) => body,
+        plcc_model::Body::S7200(body) => body,
         _ => panic!("no block of an S7-200"),
     }
 }
 
 /// Operands of statement `index` of the main program.
-pub fn operands(program: &Program, index: usize) -> &[crate::model::s7200::Operand] {
+pub fn operands(program: &Program, index: usize) -> &[plcc_model::s7200::Operand] {
     match &body(program, plcc_abi::image::BlockKind::Ob, 1).statements[index].kind {
         Bound::Instruction { operands, .. } => operands,
         Bound::Call { arguments, .. } => arguments,

@@ -6,7 +6,7 @@ use plcc_syntax::s7200::Insn;
 use plcc_syntax::s7200::ast::{Area, Constant, Operand as Written};
 
 use super::build::*;
-use crate::model::s7200::{Area as Bound, Operand};
+use plcc_model::s7200::{Area as Bound, Operand};
 
 fn sm00() -> (Insn, Vec<Written>) {
     (Insn::Load, vec![bit(Area::Sm, 0, 0)])

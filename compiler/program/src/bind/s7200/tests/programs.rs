@@ -7,8 +7,8 @@ use plcc_syntax::s7200::Insn;
 use plcc_syntax::s7200::ast::*;
 
 use super::build::*;
-use crate::model::BlockKey;
-use crate::model::s7200::{Area as Bound, Direction, Operand as BoundOperand, StatementKind as BoundStatement};
+use plcc_model::BlockKey;
+use plcc_model::s7200::{Area as Bound, Direction, Operand as BoundOperand, StatementKind as BoundStatement};
 
 fn key(kind: Kind, number: u16) -> BlockKey {
     BlockKey { kind, number }

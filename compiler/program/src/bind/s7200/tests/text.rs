@@ -6,12 +6,12 @@ use plcc_syntax::ParseOptions;
 use plcc_syntax::ast::Width;
 
 use crate::bind::BindInput;
-use crate::model::Program;
+use plcc_model::Program;
 use plcc_abi::image::{AssertConstant, AssertKind};
 
-use crate::model::ComparedValue;
-use crate::model::s7200::{Assert, AssertSide, Operand, StatementKind};
-use crate::profile;
+use plcc_model::ComparedValue;
+use plcc_model::s7200::{Assert, AssertSide, Operand, StatementKind};
+use plcc_model::profile;
 
 /// Binds a source with a symbol table, if it is not empty.
 fn bind_text(name: &str, text: &str, table: &str) -> (SourceMap, Program, Vec<Diagnostic>) {

@@ -8,8 +8,8 @@ use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::{ParseOptions, ast};
 
 use crate::bind::{BindInput, bind};
-use crate::model::{BlockKey, Body, Program};
-use crate::profile;
+use plcc_model::{BlockKey, Body, Program};
+use plcc_model::profile;
 
 /// Dialect of the source, family of the CPU, and whether somebody named it.
 type Setting = (Dialect, Family, bool);

@@ -1,7 +1,7 @@
 //! The bound tree as short text: `(add i INT->DINT(j))`.
 
-use crate::model::scl::{Access, Base, Complex, Expr, ExprKind, IndexBounds, IndexedArea, Statement, StatementKind};
-use crate::model::{Number, Place};
+use plcc_model::scl::{Access, Base, Complex, Expr, ExprKind, IndexBounds, IndexedArea, Statement, StatementKind};
+use plcc_model::{Number, Place};
 
 pub fn statements(list: &[Statement]) -> String {
     list.iter().map(statement).collect::<Vec<_>>().join("; ")

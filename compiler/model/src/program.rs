@@ -2,8 +2,6 @@
 //!
 //! All languages bind to these blocks and interfaces; bodies differ by language until they are lowered.
 
-pub mod s7200;
-pub mod scl;
 
 use plcc_abi::image::{
     AssertCondition, AssertConstant, AssertKind, AssertOp, AssertType, BlockKind, Config, Profile, SymbolEntry,
@@ -16,6 +14,7 @@ use plcc_syntax::stl::StlInsn;
 
 use crate::layout;
 use crate::types::{DataType, Member, ParameterType};
+use crate::{s7200, scl};
 
 /// A whole program.
 #[derive(Clone, Debug)]
