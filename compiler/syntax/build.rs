@@ -1,10 +1,8 @@
-//! Builds the parser from the grammar.
+//! Builds the parsers from the grammars.
 
 fn main() {
     println!("cargo:rerun-if-changed=src/stl/stl.lalrpop");
     println!("cargo:rerun-if-changed=src/scl/scl.lalrpop");
-    println!("cargo:rerun-if-changed=src/sd/sd.lalrpop");
-    println!("cargo:rerun-if-changed=src/gr7/gr7.lalrpop");
     println!("cargo:rerun-if-changed=src/s7200/s7200.lalrpop");
     lalrpop::Configuration::new()
         .use_cargo_dir_conventions()

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use plcc_program::symbols;
+use plcc_readers::symbols;
+use plcc_readers::xml::{self, XmlKind};
 use plcc_syntax::s7200;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
-use plcc_syntax::xml::{self, XmlKind};
 
 use foreign::Foreign;
 use lines::Signs;
@@ -129,7 +129,7 @@ pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
 fn has_addresses(text: &str) -> bool {
     let fields = |line: &str| line.split(',').map(|field| field.trim().trim_matches('"').to_string()).nth(1);
     text.lines().filter_map(fields).any(|field| {
-        symbols::parse_address(&field).is_some()
+        plcc_syntax::symbols::parse_address(&field).is_some()
             || s7200::parse_address(&field).is_some()
             || s7200::parse_block(&field).is_some()
     })

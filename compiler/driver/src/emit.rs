@@ -1,6 +1,6 @@
 //! Text of the intermediate forms that are made of several files.
 
-use plcc_syntax::ParseOptions;
+use plcc_readers::ReadOptions;
 
 use crate::inputs::Read;
 use crate::pipeline::{self, Compiled, Parsed, Settings};
@@ -10,8 +10,8 @@ pub fn tokens(read: &Read, settings: &Settings) -> String {
     let texts = read.units.iter().map(|&unit| {
         let file = read.sources.file(unit);
         let language = pipeline::language_of(&file.name);
-        let options = ParseOptions { mnemonics: settings.mnemonics, pragmas: settings.pragmas, language, texts: None };
-        (file.name.as_str(), plcc_syntax::tokens_text(&file.text, &options))
+        let options = ReadOptions { mnemonics: settings.mnemonics, pragmas: settings.pragmas, language, texts: None };
+        (file.name.as_str(), plcc_readers::tokens_text(&file.text, &options))
     });
     join(texts)
 }

@@ -7,13 +7,15 @@ use plcc_codegen::CodegenOptions;
 use plcc_diag::{Code, Diagnostic, Severity, SourceFile, SourceMap, Span};
 use plcc_ir::Module;
 use plcc_model::Program;
-use plcc_program::symbols::{self, SymbolTable};
 use plcc_model::profile;
 use plcc_program::BindInput;
+use plcc_readers::ReadOptions;
+use plcc_readers::sd::Texts;
+use plcc_readers::symbols;
+use plcc_syntax::Language;
 use plcc_syntax::ast::{Block, SourceUnit, StatementKind};
-use plcc_syntax::sd::Texts;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
-use plcc_syntax::{Language, ParseOptions};
+use plcc_syntax::symbols::SymbolTable;
 
 use crate::cli::{CompileArgs, Level};
 use crate::inputs::Read;
@@ -53,9 +55,9 @@ impl Settings {
         self.partial || project.is_some_and(|project| project.partial)
     }
 
-    fn parse_options(&self, project: Option<&Project>) -> ParseOptions<'static> {
+    fn parse_options(&self, project: Option<&Project>) -> ReadOptions<'static> {
         let mnemonics = self.mnemonics.or_else(|| project.and_then(|project| project.mnemonics));
-        ParseOptions { mnemonics, pragmas: self.pragmas, language: None, texts: None }
+        ReadOptions { mnemonics, pragmas: self.pragmas, language: None, texts: None }
     }
 }
 
@@ -102,8 +104,8 @@ pub fn parse(read: Read, settings: &Settings) -> Parsed {
             diagnostics.extend(messages);
             texts
         });
-        let options = ParseOptions { language: language_of(&source.name), texts: texts.as_ref(), ..options };
-        let (unit, messages) = plcc_syntax::parse(file, &source.text, &options);
+        let options = ReadOptions { language: language_of(&source.name), texts: texts.as_ref(), ..options };
+        let (unit, messages) = plcc_readers::parse(file, &source.text, &options);
         diagnostics.extend(messages);
         (file, unit)
     };

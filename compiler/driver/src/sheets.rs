@@ -13,7 +13,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use calamine::{DataRef, Reader, Xlsx, XlsxError};
-use plcc_program::symbols;
+use plcc_readers::symbols;
 
 /// Columns and rows beyond these hold no tags.
 const COLUMNS_MAX: u32 = 64;

@@ -10,9 +10,7 @@ use plcc_abi::codes::{stop, sync};
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout::{self, CpuRegister, area, state};
 use plcc_ir::{Address, BinaryOp, FuncId, FunctionBuilder, IntCc, Region, Type, Value};
-use plcc_model::{
-    Actual, Argument, BlockKey, Call, CodeBlock, Direction, Instance, Parameter, Passing, Place, Width,
-};
+use plcc_model::{Actual, Argument, BlockKey, Call, CodeBlock, Direction, Instance, Parameter, Passing, Place, Width};
 
 use crate::context::Context;
 use crate::fault::{Check, Substitute};

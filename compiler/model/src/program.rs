@@ -2,7 +2,6 @@
 //!
 //! All languages bind to these blocks and interfaces; bodies differ by language until they are lowered.
 
-
 use plcc_abi::image::{
     AssertCondition, AssertConstant, AssertKind, AssertOp, AssertType, BlockKind, Config, Profile, SymbolEntry,
 };

@@ -6,7 +6,6 @@
 //! **Invariant**: what binds without errors lowers without errors.
 
 mod bind;
-pub mod symbols;
 
 pub use bind::{
     BindInput, bind, complete, graph_reference, has_free_obs, implied_family, is_about_drafts, lad_fbd_reference,

@@ -5,8 +5,8 @@ use plcc_abi::layout::area;
 use plcc_ir::{Address, BinaryOp, IntCc, Type, Value};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Base, Expr, Index, IndexBounds, IndexedArea, Part};
-use plcc_model::{Place, PlaceArea, Width};
 use plcc_model::types::{DataType, Elementary};
+use plcc_model::{Place, PlaceArea, Width};
 
 use super::promote;
 use super::value_type;

@@ -3,8 +3,8 @@
 use plcc_ir::{Address, BinaryOp, IntCc, Type, Value};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, Argument, Base, Complex, Conversion, ExprKind};
-use plcc_model::{Direction, Parameter, Passing, Place, Pointed, Width};
 use plcc_model::types::DataType;
+use plcc_model::{Direction, Parameter, Passing, Place, Pointed, Width};
 
 use super::access::Located;
 use super::text::{Text, text_limit};

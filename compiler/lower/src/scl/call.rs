@@ -4,8 +4,8 @@ use plcc_abi::layout::area;
 use plcc_ir::{Address, FuncId, Value};
 use plcc_model::layout;
 use plcc_model::scl::{Call, Instance};
-use plcc_model::{CodeBlock, Direction, Parameter, Passing, Place, Width};
 use plcc_model::types::DataType;
+use plcc_model::{CodeBlock, Direction, Parameter, Passing, Place, Width};
 
 use super::argument::{self, Given};
 use super::value_type;

@@ -21,8 +21,8 @@ use plcc_abi::image::BlockKind;
 use plcc_ir::{Address, Block, Function, Region, Type, Value, Var};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Body, StatementKind};
-use plcc_model::{CodeBlock, Direction, LabelId, Passing};
 use plcc_model::types::{Class, Elementary};
+use plcc_model::{CodeBlock, Direction, LabelId, Passing};
 use rustc_hash::FxHashMap;
 
 use crate::Output;

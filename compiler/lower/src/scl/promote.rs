@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use plcc_model::layout;
 use plcc_model::scl::{Access, Base, Statement, StatementKind};
-use plcc_model::{Assert, AssertSide, CodeBlock, Direction, Operand, Passing, Place};
 use plcc_model::types::{DataType, Elementary};
+use plcc_model::{Assert, AssertSide, CodeBlock, Direction, Operand, Passing, Place};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::walk::{self, Role, Visitor};

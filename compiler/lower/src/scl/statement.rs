@@ -138,9 +138,7 @@ impl Context<'_, '_> {
     fn place_statement(&mut self, span: plcc_diag::Span) {
         let network = match &self.block.body {
             plcc_model::Body::Scl(body) => body.network_at(span.start),
-            plcc_model::Body::Stl(_)
-            | plcc_model::Body::S7200(_)
-            | plcc_model::Body::Runtime => 0,
+            plcc_model::Body::Stl(_) | plcc_model::Body::S7200(_) | plcc_model::Body::Runtime => 0,
         };
         self.set_place(span, network);
     }

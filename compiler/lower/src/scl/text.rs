@@ -3,8 +3,8 @@
 use plcc_abi::RuntimeFn;
 use plcc_ir::{Address, IntCc, Region, Type};
 use plcc_model::scl::{Access, Base, Body, Complex};
-use plcc_model::{Place, Width};
 use plcc_model::types::{DataType, Elementary};
+use plcc_model::{Place, Width};
 
 use super::access::Located;
 use crate::context::Context;

@@ -3,9 +3,7 @@
 use plcc_abi::RuntimeFn;
 use plcc_diag::Span;
 use plcc_ir::{Type, Value};
-use plcc_model::{
-    Assert, AssertRegister, AssertSide, CellKind, Compared, ComparedValue, Operand, Place, Width,
-};
+use plcc_model::{Assert, AssertRegister, AssertSide, CellKind, Compared, ComparedValue, Operand, Place, Width};
 
 use crate::context::Context;
 use crate::fault::{Check, Substitute};

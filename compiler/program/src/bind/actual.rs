@@ -17,8 +17,8 @@ use super::value::{self, Mismatch};
 use super::{Binder, Ctx};
 use plcc_model::layout;
 pub use plcc_model::layout::type_code;
-use plcc_model::{Actual, BlockKey, Direction, Number, Parameter, Place, Pointed};
 use plcc_model::types::{DataType, Elementary, ParameterType};
+use plcc_model::{Actual, BlockKey, Direction, Number, Parameter, Place, Pointed};
 
 const CODE_BYTE: u8 = 0x02;
 const CODE_DATE_AND_TIME: u8 = 0x0E;

@@ -12,8 +12,8 @@ use super::names::{code_kind, fold};
 use super::path::{Base, similar};
 use super::settle::Settled;
 use super::{Binder, Ctx};
-use plcc_model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, Passing, Place};
 use plcc_model::types::DataType;
+use plcc_model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, Passing, Place};
 
 /// Instance memory, told apart over the whole program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -8,8 +8,8 @@ use plcc_stdlib::{BlockClass, Form, Language, SystemBlock};
 
 use super::{BindInput, Binder};
 use plcc_model::layout;
-use plcc_model::{Direction, Interface};
 use plcc_model::profile;
+use plcc_model::{Direction, Interface};
 
 /// Chapters of the page, and the blocks of each.
 const CHAPTERS: [(&str, BlockClass, bool); 6] = [

@@ -14,9 +14,9 @@ use rustc_hash::FxHashMap;
 use super::Binder;
 use super::names;
 use super::value::Mismatch;
+use fold::Fault;
 use plcc_model::layout;
 use plcc_model::types::DataType;
-use fold::Fault;
 
 /// A constant value.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,9 +10,9 @@ use super::declare::{StructBuilder, Typed, TypedStruct, Use};
 use super::names::fold;
 use super::path::{Base, Variable};
 use super::{Binder, mentions};
-use plcc_model::{BlockKey, DataBlock};
-use crate::symbols::SymbolTarget;
 use plcc_model::types::{DataType, StructType};
+use plcc_model::{BlockKey, DataBlock};
+use plcc_syntax::symbols::SymbolTarget;
 
 /// All data blocks together, in bytes; no CPU has as much work memory.
 const ALL_BYTES_MAX: u64 = 128 << 20;

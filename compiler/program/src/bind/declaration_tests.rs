@@ -5,9 +5,9 @@ use plcc_diag::{Diagnostic, FileId, Severity, SourceFile, SourceMap};
 use plcc_syntax::ParseOptions;
 
 use super::{BindInput, bind};
-use plcc_model::{BlockKey, CodeBlock, Passing, Program};
 use plcc_model::profile;
 use plcc_model::types::DataType;
+use plcc_model::{BlockKey, CodeBlock, Passing, Program};
 
 fn bind_scl(source: &str) -> (Program, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();

@@ -15,8 +15,8 @@ use super::path::Base;
 use super::predefined;
 use super::{Binder, SYSTEM_FILE, State};
 use plcc_model::layout::{self, BYTES_MAX, Placer};
-use plcc_model::{BlockKey, Interface};
 use plcc_model::types::{ArrayType, DataType, Elementary, Member, OpenArrayType, ParameterType, StructType};
+use plcc_model::{BlockKey, Interface};
 
 /// Types inside types, at most; STEP 7 allows 8 structures.
 const DEPTH_MAX: u32 = 64;

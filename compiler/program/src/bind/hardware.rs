@@ -12,8 +12,8 @@ use super::Binder;
 use super::constant::Constant;
 use super::names::fold;
 use plcc_model::profile;
-use crate::symbols::SymbolTarget;
 use plcc_model::types::Elementary;
+use plcc_syntax::symbols::SymbolTarget;
 
 /// Attributes that say whether a block has optimised access: of sources, of SD documents.
 const OPTIMIZED_ATTRIBUTES: [&str; 2] = ["S7_Optimized_Access", "S7_Optimized"];

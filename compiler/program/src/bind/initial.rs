@@ -13,8 +13,8 @@ use super::constant::Constant;
 use super::declare::put;
 use super::value::{Mismatch, Place, elementary_bytes, literal_kind};
 use plcc_model::layout;
-use crate::symbols::SymbolTarget;
 use plcc_model::types::{ArrayType, DataType, Elementary, ParameterType, StructType};
+use plcc_syntax::symbols::SymbolTarget;
 
 impl Binder<'_> {
     /// Writes an initial value over the bytes of a variable of type `ty` at `byte`.`bit` of `image`.

@@ -14,8 +14,8 @@ use super::names::fold;
 use super::path::Base;
 use super::{Binder, CodeSource, State};
 use plcc_model::layout::{self, Placer};
-use plcc_model::{BlockKey, Direction, Parameter, Passing};
 use plcc_model::types::{DataType, Elementary, ParameterType};
+use plcc_model::{BlockKey, Direction, Parameter, Passing};
 
 impl<'a> Binder<'a> {
     /// The interface of a block of the program or the system; a block that is defined nowhere is reported at `span`.

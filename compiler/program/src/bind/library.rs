@@ -85,9 +85,11 @@ impl Binder<'_> {
                     self.library_block(BlockKey { kind: kind_of(class), number })
                 }
                 mentions::Called::Name(name) => match self.global(&name) {
-                    Some(crate::symbols::SymbolTarget::Block { prefix, number }) => super::names::code_kind(prefix)
-                        .zip(u16::try_from(number).ok())
-                        .and_then(|(kind, number)| self.library_block(BlockKey { kind, number })),
+                    Some(plcc_syntax::symbols::SymbolTarget::Block { prefix, number }) => {
+                        super::names::code_kind(prefix)
+                            .zip(u16::try_from(number).ok())
+                            .and_then(|(kind, number)| self.library_block(BlockKey { kind, number }))
+                    }
                     _ => None,
                 },
             };

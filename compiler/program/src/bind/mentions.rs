@@ -6,7 +6,7 @@ use plcc_syntax::chart::ast as chart;
 use plcc_syntax::network::ast as network;
 use plcc_syntax::scl::ast as scl;
 
-use crate::symbols::{SymbolTarget, parse_address};
+use plcc_syntax::symbols::{SymbolTarget, parse_address};
 
 /// Block numbers that the declarations and statements of a block name.
 pub fn numbers(block: &ast::Block) -> Vec<(BlockPrefix, u32)> {

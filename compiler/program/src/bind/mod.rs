@@ -47,7 +47,7 @@ mod value;
 #[cfg(test)]
 mod declaration_tests;
 #[cfg(test)]
-#[path = "../../../syntax/tests/notation/mod.rs"]
+#[path = "../../../readers/tests/notation/mod.rs"]
 mod notation;
 #[cfg(test)]
 mod tests;
@@ -60,9 +60,6 @@ use plcc_diag::{Code, Diagnostic, FileId, SourceMap, Span};
 use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, SourceUnit, Width};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use plcc_model::{BlockKey, Body, CodeBlock, Program, TestSettings};
-use crate::symbols::{SymbolTable, SymbolTarget};
-use plcc_model::types::StructType;
 pub use catalog::standard_library;
 pub use chart::reference as graph_reference;
 use constant::Constants;
@@ -72,6 +69,9 @@ use names::Global;
 pub use names::has_free_obs;
 pub use network::{is_about_drafts, reference as lad_fbd_reference};
 pub use partial::complete;
+use plcc_model::types::StructType;
+use plcc_model::{BlockKey, Body, CodeBlock, Program, TestSettings};
+use plcc_syntax::symbols::{SymbolTable, SymbolTarget};
 use report::Report;
 pub use scl::reference as scl_reference;
 

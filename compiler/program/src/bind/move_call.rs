@@ -8,8 +8,8 @@ use super::names::fold;
 use super::settle::Settled;
 use super::{Binder, Ctx, value};
 use plcc_model::layout;
-use plcc_model::{Operand, StlStatementKind};
 use plcc_model::types::Elementary;
+use plcc_model::{Operand, StlStatementKind};
 
 /// Whether an actual names a data type for which an instruction is called: `value_type := Int`.
 pub fn names_a_type(parameter: &ast::Parameter) -> bool {

@@ -10,8 +10,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::constant::{Constant, Constants};
 use super::{Binder, mentions};
 use plcc_model::BlockKey;
-use crate::symbols::{SymbolTarget, parse_address};
 use plcc_model::types::Elementary;
+use plcc_syntax::symbols::{SymbolTarget, parse_address};
 
 /// A global name.
 #[derive(Clone, Debug)]

@@ -2,7 +2,8 @@
 
 use plcc_abi::image::{Config, Family};
 use plcc_diag::{SourceFile, SourceMap};
-use plcc_syntax::{Language, ParseOptions};
+use plcc_readers::ReadOptions;
+use plcc_syntax::Language;
 
 use super::{BindInput, bind};
 use plcc_model::profile;
@@ -12,8 +13,8 @@ use plcc_model::profile;
 fn messages(language: Language, source: &str) -> Vec<String> {
     let mut sources = SourceMap::default();
     let file = sources.add(SourceFile::new("part", source));
-    let options = ParseOptions { language: Some(language), ..ParseOptions::default() };
-    let (unit, mut diagnostics) = plcc_syntax::parse(file, source, &options);
+    let options = ReadOptions { language: Some(language), ..ReadOptions::default() };
+    let (unit, mut diagnostics) = plcc_readers::parse(file, source, &options);
     let (_, bound) = bind(&BindInput {
         name: "part".to_string(),
         sources: &sources,

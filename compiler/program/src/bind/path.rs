@@ -9,10 +9,10 @@ use rustc_hash::FxHashMap;
 use super::names::fold;
 use super::report::MissingKey;
 use super::{Binder, Ctx};
-use plcc_model::layout;
 use plcc_model::Place;
-use crate::symbols::SymbolTarget;
+use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, Member, StructType};
+use plcc_syntax::symbols::SymbolTarget;
 
 /// Largest and actual length, before the characters.
 const STRING_HEADER_BYTES: u32 = 2;

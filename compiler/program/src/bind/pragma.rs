@@ -8,9 +8,9 @@ use super::constant::Constant;
 use super::report::Report;
 use super::settle::Settled;
 use super::{Binder, Ctx, value};
-use plcc_model::{Assert, AssertSide, ComparedValue, Operand, Place, StlStatementKind, TestSettings};
 use plcc_model::profile;
 use plcc_model::types::{DTL, DataType};
+use plcc_model::{Assert, AssertSide, ComparedValue, Operand, Place, StlStatementKind, TestSettings};
 
 impl Binder<'_> {
     /// A pragma between statements.

@@ -11,10 +11,10 @@ use plcc_syntax::ast::{BlockPrefix, TypeRef};
 use super::Binder;
 use super::declare::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
 use super::names;
-use crate::symbols::{SymbolTarget, parse_address};
-use plcc_model::types::{ArrayType, DTL, DataType, Elementary};
 use plcc_diag::Span;
+use plcc_model::types::{ArrayType, DTL, DataType, Elementary};
 use plcc_stdlib::BlockClass;
+use plcc_syntax::symbols::{SymbolTarget, parse_address};
 
 /// `DTL#1970-01-01-00:00:00`, a Thursday.
 const DTL_DEFAULT: [u8; 12] = [0x07, 0xB2, 1, 1, 5, 0, 0, 0, 0, 0, 0, 0];

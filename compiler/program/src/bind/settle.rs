@@ -11,8 +11,8 @@ use super::declare::is_complex;
 use super::path::{Base, Resolved, Variable};
 use super::{Binder, Ctx};
 use plcc_model::layout;
-use plcc_model::{Number, Place};
 use plcc_model::types::{DataType, Elementary, ParameterType};
+use plcc_model::{Number, Place};
 
 /// Largest offset of a register-indirect address, P#4095.7, in bits.
 pub const OFFSET_MAX: u32 = 4095 * 8 + 7;

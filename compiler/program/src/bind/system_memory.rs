@@ -9,7 +9,7 @@ use plcc_syntax::ast::{Area, Width};
 
 use super::Binder;
 use super::names::fold;
-use crate::symbols::{Symbol, SymbolTarget};
+use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
 /// Which of the two bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]

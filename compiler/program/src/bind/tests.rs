@@ -4,20 +4,20 @@
 
 use plcc_abi::image::{AssertKind, BlockKind, Config, Family};
 use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap};
+use plcc_readers::ReadOptions;
 use plcc_stdlib::BlockClass;
-use plcc_syntax::ParseOptions;
 
 use super::{BindInput, bind};
-use plcc_model::{Actual, BlockKey, Body, Call, Instance, Operand, Place, Program, StlStatementKind};
 use plcc_model::profile;
-use crate::symbols;
 use plcc_model::types::{DataType, StructType};
+use plcc_model::{Actual, BlockKey, Body, Call, Instance, Operand, Place, Program, StlStatementKind};
+use plcc_readers::symbols;
 
 fn bind_text(source: &str, table: &str, partial: bool) -> (Program, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
     let file = sources.add(SourceFile::new("test.stl", source));
-    let options = ParseOptions { mnemonics: None, pragmas: true, ..ParseOptions::default() };
-    let (unit, mut diagnostics) = plcc_syntax::parse(file, source, &options);
+    let options = ReadOptions { mnemonics: None, pragmas: true, ..ReadOptions::default() };
+    let (unit, mut diagnostics) = plcc_readers::parse(file, source, &options);
     let mut tables = Vec::new();
     if !table.is_empty() {
         let table_file = sources.add(SourceFile::new("test.sdf", table));
@@ -180,7 +180,7 @@ fn result_of_system_functions_is_their_first_output() {
 #[test]
 fn every_system_block_binds() {
     for block in plcc_stdlib::blocks() {
-        let options = ParseOptions { mnemonics: None, pragmas: false, ..ParseOptions::default() };
+        let options = plcc_syntax::ParseOptions::default();
         let (unit, diagnostics) = match block.language {
             plcc_stdlib::Language::Stl => plcc_syntax::stl::parse(FileId(0), block.source, &options),
             plcc_stdlib::Language::Scl => plcc_syntax::scl::parse(FileId(0), block.source, &options),

@@ -3,33 +3,33 @@
 use plcc_diag::{Diagnostic, FileId};
 
 use crate::ast::SourceUnit;
-use crate::{Language, ParseOptions, ast_text};
+use crate::{ParseOptions, ast_text};
 
 fn read(text: &str) -> (SourceUnit, Vec<Diagnostic>) {
     let options = ParseOptions { pragmas: true, ..ParseOptions::default() };
-    crate::parse(FileId(0), text, &options)
+    super::parse(FileId(0), text, &options)
 }
 
 /// The tree of a source without mistakes.
 fn tree(text: &str) -> String {
     let (unit, diagnostics) = read(text);
-    assert!(unit.s7200.is_some(), "not taken for the S7-200: {text:?}");
+    assert!(super::is_s7200(text), "not taken for the S7-200: {text:?}");
     assert_eq!(diagnostics, [], "{text:?}");
     ast_text(&unit)
 }
 
 /// The statements of a source without mistakes, without their depth.
 fn statements(text: &str) -> Vec<String> {
-    let options = ParseOptions { pragmas: true, language: Some(Language::S7200), ..ParseOptions::default() };
-    let (unit, diagnostics) = crate::parse(FileId(0), text, &options);
+    let options = ParseOptions { pragmas: true, ..ParseOptions::default() };
+    let (unit, diagnostics) = super::parse(FileId(0), text, &options);
     assert_eq!(diagnostics, [], "{text:?}");
     ast_text(&unit).lines().skip(3).map(|line| line.trim().to_owned()).collect()
 }
 
 /// Code and place of each message.
 fn messages(text: &str) -> Vec<String> {
-    let options = ParseOptions { pragmas: true, language: Some(Language::S7200), ..ParseOptions::default() };
-    let (_, diagnostics) = crate::parse(FileId(0), text, &options);
+    let options = ParseOptions { pragmas: true, ..ParseOptions::default() };
+    let (_, diagnostics) = super::parse(FileId(0), text, &options);
     let place = |d: &Diagnostic| format!("{} {}", d.code.name(), &text[d.primary.span.range()]);
     diagnostics.iter().map(place).collect()
 }
@@ -175,8 +175,7 @@ fn all_mistakes_in_one_run() {
         "P0202 ADD_I",
     ];
     assert_eq!(messages(text), expected);
-    let (unit, _) =
-        crate::parse(FileId(0), text, &ParseOptions { language: Some(Language::S7200), ..ParseOptions::default() });
+    let (unit, _) = super::parse(FileId(0), text, &ParseOptions::default());
     assert!(ast_text(&unit).contains("Assign Q0.0"));
 }
 

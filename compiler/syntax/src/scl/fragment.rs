@@ -51,7 +51,7 @@ fn scanned(
 }
 
 /// Blocks and file pragmas of tokens that were taken from a text: frames and declarations of a notation that is otherwise not SCL.
-pub(crate) fn blocks(
+pub fn blocks(
     file: FileId,
     text: &str,
     raw: raw::RawText,

@@ -6,18 +6,18 @@
 //! ```
 
 mod actions;
-pub(crate) mod address;
+pub mod address;
 pub mod ast;
 mod context;
 mod dialect;
-pub(crate) mod extent;
+pub mod extent;
 pub mod fragment;
-pub(crate) mod keyword;
+pub mod keyword;
 mod layout;
-pub(crate) mod literal;
+pub mod literal;
 mod messages;
 mod outline;
-pub(crate) mod raw;
+pub mod raw;
 mod region;
 pub mod text;
 mod token;
@@ -35,9 +35,9 @@ use crate::ast::{Block, Pragma, SourceUnit};
 use crate::comment::CommentForm;
 use crate::{ParseOptions, frame};
 
-pub(crate) use outline::{Outline, outline};
+pub use outline::{Outline, outline};
 
-pub(crate) use actions::bound;
+pub use actions::bound;
 pub use address::{absolute, area_word, db_address, db_area_word};
 
 /// Parses a source. Errors are recovered; what could not be parsed is left out or is an error node.

@@ -14,7 +14,7 @@ pub mod instructions;
 mod layout;
 mod messages;
 mod mnemonics;
-pub(crate) mod pragma;
+pub mod pragma;
 mod raw;
 mod reference;
 mod suggest;

@@ -43,15 +43,15 @@ use plcc_syntax::scl;
 use super::scl::Scope;
 use super::scl::temporary;
 use super::{Binder, Ctx};
-use plcc_model::Direction;
-use plcc_model::scl::{Body, Statement, StatementKind};
-use plcc_model::types::DataType;
 use assemble::{Assembly, Condition, Features, Parts};
 use build::number;
 use engine::Engine;
 use index::Index;
 use instance::Members;
 use parameters::{Effect, PARAMETERS, Parameter};
+use plcc_model::Direction;
+use plcc_model::scl::{Body, Statement, StatementKind};
+use plcc_model::types::DataType;
 use template::{ENGINE, MONITOR, Meaning};
 
 /// Forgets what ON, OFF and the operator have asked for.

@@ -20,8 +20,8 @@ use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Base, BinaryOp, Expr, StatementKind};
-use plcc_model::{Place, Width};
 use plcc_model::types::{ArrayType, DataType};
+use plcc_model::{Place, Width};
 
 /// More bits no memory area has.
 const BIT_FIELD_MAX: i128 = 8 * 65_536;

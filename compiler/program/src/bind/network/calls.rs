@@ -16,10 +16,10 @@ use crate::bind::names::fold;
 use crate::bind::scl::call::Callee;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use plcc_model::scl::{Instance, StatementKind};
-use plcc_model::{BlockKey, Direction};
-use plcc_model::types::DataType;
 use plcc_abi::image::BlockKind;
+use plcc_model::scl::{Instance, StatementKind};
+use plcc_model::types::DataType;
+use plcc_model::{BlockKey, Direction};
 
 /// The parameter that an FC returns its value in.
 const RESULT: &str = "ret_val";

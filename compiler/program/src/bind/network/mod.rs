@@ -42,8 +42,8 @@ use super::scl::expression::constant_expr;
 use super::scl::temporary;
 use super::scl::{Rules, Scope};
 use super::{Binder, Ctx};
-use plcc_model::scl::{Body, Expr, ExprKind, Statement, StatementKind};
 use classic::Registers;
+use plcc_model::scl::{Body, Expr, ExprKind, Statement, StatementKind};
 use sheet::{Pool, Sheet};
 
 /// What the networks of a block share.

@@ -17,10 +17,10 @@ use crate::bind::names::fold;
 use crate::bind::report::Report;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
-use plcc_model::BlockKey;
-use crate::symbols::SymbolTarget;
-use plcc_model::types::DataType;
 use plcc_abi::image::BlockKind;
+use plcc_model::BlockKey;
+use plcc_model::types::DataType;
+use plcc_syntax::symbols::SymbolTarget;
 
 /// Looks at one program.
 pub struct Look<'b, 'a> {

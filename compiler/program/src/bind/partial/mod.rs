@@ -24,12 +24,12 @@ use rustc_hash::FxHashSet;
 use super::declare::BoundInterface;
 use super::report::{MissingKey, Uses};
 use super::{BindInput, Binder, Bound, Ctx, scl::Scope};
-use plcc_model::Program;
-use crate::symbols::SymbolTable;
 use evidence::Evidence;
 pub use evidence::Missing;
 pub use leave_out::LeftOut;
 use look::Look;
+use plcc_model::Program;
+use plcc_syntax::symbols::SymbolTable;
 use write::{StandIns, Writer};
 
 /// Rounds of looking; each but the last finds something new.

@@ -12,8 +12,8 @@ use super::look::{Look, Start, Step};
 use crate::bind::scl::call::Callee;
 use crate::bind::scl::function::Named;
 use crate::bind::{Ctx, names::fold};
-use plcc_model::{BlockKey, Direction};
 use plcc_model::types::DataType;
+use plcc_model::{BlockKey, Direction};
 
 /// A hint of an elementary type.
 pub const fn typed(ty: Elementary) -> Hint {

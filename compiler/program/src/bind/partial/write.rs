@@ -12,8 +12,8 @@ use rustc_hash::FxHashSet;
 use super::evidence::{Evidence, Interface, Missing, Shape};
 use crate::bind::names::fold;
 use plcc_model::layout;
-use crate::symbols::{GlobalConstant, Symbol, SymbolTable, SymbolTarget};
 use plcc_model::types::{DataType, StructType};
+use plcc_syntax::symbols::{GlobalConstant, Symbol, SymbolTable, SymbolTarget};
 
 /// Bit memory from here on has no CPU: tags that are missing lie there.
 pub const MEMORY_START: u32 = 32_768;

@@ -36,8 +36,8 @@ use rustc_hash::FxHashMap;
 
 use super::BindInput;
 use super::report::Report;
-use plcc_model::{Body, CodeBlock, Interface, Program, TestSettings};
 use plcc_model::profile;
+use plcc_model::{Body, CodeBlock, Interface, Program, TestSettings};
 
 /// Binds the blocks of Micro/WIN sources.
 pub fn bind(input: &BindInput) -> super::Bound {

@@ -13,7 +13,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::super::path::distance;
 use super::Binder;
 use super::interface::Locals;
-use crate::symbols::{Symbol, SymbolTarget};
+use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
 /// Names of files without block headers that hold the main program, folded.
 const MAIN_FILES: &[&str] = &[

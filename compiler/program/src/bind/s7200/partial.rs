@@ -15,7 +15,7 @@ use crate::bind::partial::{self, Completed, LeftOut, Missing, Parts, Told, Whole
 use crate::bind::report::MissingKey;
 use crate::bind::{BindInput, Bound};
 use plcc_model::profile;
-use crate::symbols::{S7200Symbol, SymbolTable};
+use plcc_syntax::symbols::{S7200Symbol, SymbolTable};
 
 /// Rounds of leaving out.
 const ROUNDS_MAX: u32 = 40;

@@ -15,11 +15,11 @@ use super::value::Value;
 use crate::bind::names::fold;
 use crate::bind::path::{self, Resolved, Variable, type_of_width};
 use crate::bind::{Binder, Ctx};
-use plcc_model::layout;
 use plcc_model::Number;
+use plcc_model::layout;
 use plcc_model::scl::{Access, Complex, Expr, ExprKind, IndexedArea, Part};
-use crate::symbols::SymbolTarget;
 use plcc_model::types::{DataType, ParameterType};
+use plcc_syntax::symbols::SymbolTarget;
 
 impl Binder<'_> {
     /// Binds a variable.

@@ -15,8 +15,8 @@ use crate::bind::names::code_kind;
 use crate::bind::{Binder, Ctx};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, Conversion, Expr, ExprKind};
-use plcc_model::{BlockKey, Direction, Number, Parameter};
 use plcc_model::types::{DataType, OpenArrayType, ParameterType};
+use plcc_model::{BlockKey, Direction, Number, Parameter};
 
 impl Binder<'_> {
     /// Binds the actual of parameter `formal` of block `callee`; `None` after a message or if it cannot be known.

@@ -16,8 +16,8 @@ use crate::bind::declare::BoundInterface;
 use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
 use plcc_model::scl::{Access, Actual, Argument, Expr, ExprKind};
-use plcc_model::{BlockKey, Direction, Parameter};
 use plcc_model::types::DataType;
+use plcc_model::{BlockKey, Direction, Parameter};
 
 /// The bound arguments of a call.
 #[derive(Default)]

@@ -12,8 +12,8 @@ use super::message::described;
 use super::pins::Pins;
 use super::value::Value;
 use crate::bind::{Binder, Ctx};
-use plcc_model::layout;
 use plcc_model::Place;
+use plcc_model::layout;
 use plcc_model::scl::{
     Access, Base, BinaryOp, CompareOp, Complex, Expr, ExprKind, Function, Index, IndexBounds, Statement, StatementKind,
 };

@@ -16,9 +16,9 @@ use crate::bind::path::similar;
 use crate::bind::{Binder, Ctx};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Argument, Base, Call, Complex, Expr, ExprKind, Instance};
-use plcc_model::{BlockKey, Direction, Parameter, Place};
-use crate::symbols::SymbolTarget;
 use plcc_model::types::{DataType, Member, StructType};
+use plcc_model::{BlockKey, Direction, Parameter, Place};
+use plcc_syntax::symbols::SymbolTarget;
 
 /// What a call calls.
 pub enum Callee {

@@ -2,14 +2,13 @@
 
 use plcc_abi::image::{BlockKind, Config, Family};
 use plcc_diag::{Diagnostic, SourceFile, SourceMap};
-use plcc_syntax::{Elementary, Language, ParseOptions};
+use plcc_readers::ReadOptions;
+use plcc_syntax::{Elementary, Language};
 
 use crate::bind::{BindInput, bind};
-use plcc_model::scl::{
-    Actual, BinaryOp, Call, Complex, Conversion, Expr, ExprKind, Function, Instance, StatementKind,
-};
-use plcc_model::{BlockKey, Body, Program};
 use plcc_model::profile;
+use plcc_model::scl::{Actual, BinaryOp, Call, Complex, Conversion, Expr, ExprKind, Function, Instance, StatementKind};
+use plcc_model::{BlockKey, Body, Program};
 
 /// Local data of the block under test, and blocks that it may call.
 const BLOCKS: &str = r#"
@@ -49,8 +48,8 @@ fn bound(code: &str) -> (Program, Vec<Diagnostic>) {
     );
     let mut sources = SourceMap::default();
     let file = sources.add(SourceFile::new("test.scl", text.as_str()));
-    let options = ParseOptions { language: Some(Language::Scl), ..ParseOptions::default() };
-    let (unit, mut diagnostics) = plcc_syntax::parse(file, &text, &options);
+    let options = ReadOptions { language: Some(Language::Scl), ..ReadOptions::default() };
+    let (unit, mut diagnostics) = plcc_readers::parse(file, &text, &options);
     let (program, messages) = bind(&BindInput {
         name: "test".to_string(),
         sources: &sources,

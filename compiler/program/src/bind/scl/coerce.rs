@@ -11,8 +11,8 @@ use super::value::Value;
 use super::{Rules, constant, message};
 use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
-use plcc_model::layout;
 use plcc_model::Number;
+use plcc_model::layout;
 use plcc_model::scl::{Access, Base, Complex, Expr, ExprKind, Function};
 use plcc_model::types::{DataType, StructType};
 

@@ -3,8 +3,8 @@
 use plcc_syntax::{Class, Elementary};
 
 use super::Rules;
-use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Overflow};
 use Elementary::*;
+use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Overflow};
 
 /// Days from 1990-01-01 to 2168-12-31, the last DATE.
 const DATE_MAX: u32 = 65_378;

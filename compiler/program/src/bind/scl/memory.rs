@@ -18,8 +18,8 @@ use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Arm, Base, BinaryOp, Complex, Expr, ExprKind, IndexedArea, Statement, StatementKind};
-use plcc_model::{Number, Place};
 use plcc_model::types::DataType;
+use plcc_model::{Number, Place};
 
 /// Memory areas that PEEK and POKE reach stand in [`IndexedArea::Coded`].
 struct Coded {

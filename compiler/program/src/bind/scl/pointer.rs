@@ -15,8 +15,8 @@ use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, Base, Complex, Expr, ExprKind};
-use plcc_model::{BlockKey, Number, Parameter, Place, Pointed};
 use plcc_model::types::{DataType, Elementary, ParameterType};
+use plcc_model::{BlockKey, Number, Parameter, Place, Pointed};
 
 impl Binder<'_> {
     /// The actual of a POINTER.

@@ -12,8 +12,8 @@ use super::expression::{constant_expr, typed_constant};
 use super::value::Value;
 use crate::bind::{Binder, Ctx};
 use plcc_model::scl::{Complex, Expr, ExprKind, Statement, StatementKind};
-use plcc_model::{self, StlStatementKind};
 use plcc_model::types::DataType;
+use plcc_model::{self, StlStatementKind};
 
 impl Binder<'_> {
     /// A list of statements.

@@ -14,8 +14,8 @@ use crate::bind::constant::Constant;
 use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
 use plcc_model::scl::{Actual, Argument, Call, Complex, Expr};
-use plcc_model::{BlockKey, Direction};
 use plcc_model::types::DataType;
+use plcc_model::{BlockKey, Direction};
 
 /// Types of several bytes in names of conversions.
 const WORDS: [&str; 5] = ["STRING", "WSTRING", "DT", "DATE_AND_TIME", "DTL"];

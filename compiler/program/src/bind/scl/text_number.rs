@@ -17,8 +17,8 @@ use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
 use plcc_model::layout;
 use plcc_model::scl::{Actual, Argument, Call, StatementKind};
-use plcc_model::{BlockKey, Direction, Parameter};
 use plcc_model::types::DataType;
+use plcc_model::{BlockKey, Direction, Parameter};
 
 /// The type whose function takes a number of type `ty`.
 const fn written_as(ty: Elementary) -> Option<&'static str> {

@@ -14,9 +14,9 @@ use super::{Intent, Rules};
 use crate::bind::constant::Constant;
 use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
+use Elementary::*;
 use plcc_model::scl::{Actual, Argument, BinaryOp, Call, Complex, Conversion, Expr, ExprKind};
 use plcc_model::types::DataType;
-use Elementary::*;
 
 /// Library functions of DATE_AND_TIME. Source: STL reference, IEC functions.
 const D_TOD_DT: u16 = 3;

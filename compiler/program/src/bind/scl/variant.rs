@@ -18,8 +18,8 @@ use crate::bind::constant::Constant;
 use crate::bind::declare::Use;
 use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
-use plcc_model::layout;
 use plcc_model::Pointed;
+use plcc_model::layout;
 use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, Function};
 use plcc_model::types::{DataType, ParameterType};
 

@@ -32,8 +32,8 @@ use super::index::Index;
 use crate::bind::names::fold;
 use crate::bind::path::Base;
 use crate::bind::{Binder, Ctx};
-use crate::symbols::SymbolTarget;
 use net::{Net, SET_MAX};
+use plcc_syntax::symbols::SymbolTarget;
 
 /// Transitions of a chart whose pairs are looked at. GRAPH allows 250.
 const TRANSITIONS_MAX: usize = 1000;

@@ -11,7 +11,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::net::StepSet;
 use super::{Facts, step_title};
 use crate::bind::mentions::{action_expressions, permanent_expressions};
-use crate::symbols::{SymbolTarget, parse_address};
+use plcc_syntax::symbols::{SymbolTarget, parse_address};
 
 /// What a row writes, in a form in which all names of one operand are the same.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

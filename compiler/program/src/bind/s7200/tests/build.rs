@@ -7,9 +7,9 @@ use plcc_syntax::s7200::Insn;
 use plcc_syntax::s7200::ast::*;
 
 use crate::bind::BindInput;
+use plcc_model::profile;
 use plcc_model::s7200::{Body, StatementKind as Bound};
 use plcc_model::{BlockKey, Program};
-use plcc_model::profile;
 
 /// A place of its own for each statement, so that messages can be told apart.
 fn span(at: usize) -> Span {

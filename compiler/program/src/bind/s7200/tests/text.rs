@@ -6,12 +6,12 @@ use plcc_syntax::ParseOptions;
 use plcc_syntax::ast::Width;
 
 use crate::bind::BindInput;
-use plcc_model::Program;
 use plcc_abi::image::{AssertConstant, AssertKind};
+use plcc_model::Program;
 
 use plcc_model::ComparedValue;
-use plcc_model::s7200::{Assert, AssertSide, Operand, StatementKind};
 use plcc_model::profile;
+use plcc_model::s7200::{Assert, AssertSide, Operand, StatementKind};
 
 /// Binds a source with a symbol table, if it is not empty.
 fn bind_text(name: &str, text: &str, table: &str) -> (SourceMap, Program, Vec<Diagnostic>) {
@@ -23,7 +23,7 @@ fn bind_text(name: &str, text: &str, table: &str) -> (SourceMap, Program, Vec<Di
     let mut tables = Vec::new();
     if !table.is_empty() {
         let file = sources.add(SourceFile::new("symbols.txt", table));
-        let (table, bad) = crate::symbols::parse(file, sources.file(file));
+        let (table, bad) = plcc_readers::symbols::parse(file, sources.file(file));
         diagnostics.extend(bad);
         tables.push(table);
     }

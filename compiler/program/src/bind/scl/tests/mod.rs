@@ -8,8 +8,8 @@ use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::{ParseOptions, ast};
 
 use crate::bind::{BindInput, bind};
-use plcc_model::{BlockKey, Body, Program};
 use plcc_model::profile;
+use plcc_model::{BlockKey, Body, Program};
 
 /// Dialect of the source, family of the CPU, and whether somebody named it.
 type Setting = (Dialect, Family, bool);

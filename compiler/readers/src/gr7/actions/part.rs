@@ -1,0 +1,173 @@
+//! Actions for steps, transitions and rows.
+
+use std::ops::Range;
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use crate::gr7::context::Context;
+use crate::gr7::pragma;
+use crate::gr7::token::Mark;
+use crate::gr7::tree::{Clause, Head, Item, Part};
+use plcc_syntax::chart::ast::{
+    Action, ActionBody, Coil, Condition, Permanent, PermanentKind, Qualifier, Step, Transition,
+};
+use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind};
+
+/// A step of what stands in it.
+pub fn step<'a>(
+    context: &mut Context<'a>,
+    initial: bool,
+    head: Head,
+    items: Vec<Item<'a>>,
+    range: Range<usize>,
+) -> Part<'a> {
+    let mut step = Step {
+        name: head.name,
+        number: 0,
+        initial,
+        actions: Vec::new(),
+        interlock: None,
+        supervision: None,
+        maximum: None,
+        warning: None,
+        comment: Vec::new(),
+        span: context.span(range),
+    };
+    for item in items {
+        match item {
+            Item::Comment(text) => step.comment.extend(pragma::lines(text)),
+            Item::Interlock(condition, span) => keep(context, &mut step.interlock, condition, span, "interlock"),
+            Item::Supervision(condition, span) => keep(context, &mut step.supervision, condition, span, "supervision"),
+            Item::Action(action) => step.actions.push(action),
+        }
+    }
+    Part::Step(step, head.number)
+}
+
+/// A transition of its clauses.
+pub fn transition<'a>(
+    context: &mut Context<'a>,
+    head: Head,
+    clauses: Vec<Clause<'a>>,
+    range: Range<usize>,
+) -> Part<'a> {
+    let mut transition = Transition {
+        name: head.name,
+        number: 0,
+        from: Vec::new(),
+        to: Vec::new(),
+        jump: false,
+        path: Vec::new(),
+        condition: None,
+        missing: false,
+        comment: Vec::new(),
+        span: context.span(range),
+    };
+    for clause in clauses {
+        match clause {
+            Clause::Comment(text) => transition.comment.extend(pragma::lines(text)),
+            Clause::From(names) => transition.from.extend(names),
+            Clause::To(names, jump) => {
+                transition.to.extend(names);
+                transition.jump |= jump;
+            }
+            Clause::Condition(condition, span) => {
+                keep(context, &mut transition.condition, condition, span, "condition")
+            }
+            Clause::Error => {}
+        }
+    }
+    Part::Transition(transition, head.number)
+}
+
+/// Keeps the first of several conditions.
+fn keep(context: &mut Context, place: &mut Option<Condition>, condition: Option<Condition>, span: Span, what: &str) {
+    if let Some(before) = place {
+        let before = match before {
+            Condition::Expression(Expr { span, .. }) => *span,
+            Condition::Network(network) => network.span,
+            Condition::Statements(_) => span,
+        };
+        return context.report(
+            Diagnostic::new(Code::Syntax, span, format!("a second {what}"))
+                .label("there is one already")
+                .also(before, "the first one")
+                .help("join both with AND or OR"),
+        );
+    }
+    *place = condition;
+}
+
+/// A row. One that was told of is kept as an error.
+pub fn action(
+    context: &mut Context,
+    body: Option<ActionBody>,
+    mark: Option<Mark>,
+    comment: Option<&str>,
+    start: usize,
+    qualifier: Range<usize>,
+) -> Action {
+    let end = qualifier.end;
+    let comment = match comment {
+        Some(text) => Some(pragma::lines(text).join(" ")).filter(|text| !text.is_empty()),
+        None => context.comment_behind(end),
+    };
+    let (body, mark) = match (body, mark) {
+        (Some(body), Some(mark)) if is_action(context, &body) => (body, mark),
+        _ => (ActionBody::Error, Mark { event: None, qualifier: Qualifier::N, interlock: false }),
+    };
+    Action {
+        event: mark.event,
+        qualifier: mark.qualifier,
+        interlock: mark.interlock,
+        qualifier_span: context.span(qualifier),
+        body,
+        comment,
+        span: context.span(start..end),
+    }
+}
+
+/// Whether the row works on a variable; what is none is reported.
+fn is_action(context: &mut Context, body: &ActionBody) -> bool {
+    let (ActionBody::Operand(operand) | ActionBody::Value { operand, .. }) = body else { return true };
+    is_variable(context, operand, Code::ActionText)
+}
+
+/// Whether something can be written to the expression; what is no operand is reported.
+fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
+    let help = match &operand.kind {
+        ExprKind::Name(_)
+        | ExprKind::Absolute(_)
+        | ExprKind::Member { .. }
+        | ExprKind::MemberAbsolute { .. }
+        | ExprKind::Slice { .. }
+        | ExprKind::Index { .. }
+        | ExprKind::Dereference(_) => return true,
+        // Told of where it was read.
+        ExprKind::Error => return false,
+        ExprKind::Binary { op: BinaryOp::Equal, .. } => "a value is assigned with `:=`",
+        _ => "write an address, a symbol, or a step before the qualifier, and a value behind `:=`",
+    };
+    context.report(
+        Diagnostic::new(code, operand.span, "this is no operand").label("nothing can be written to it").help(help),
+    );
+    false
+}
+
+/// A permanent instruction with a coil. One that was told of is left out.
+pub fn permanent(
+    context: &mut Context,
+    operand: Expr,
+    coil: Option<Coil>,
+    value: Expr,
+    range: Range<usize>,
+) -> Option<Permanent> {
+    let coil = coil.filter(|_| is_variable(context, &operand, Code::Syntax))?;
+    Some(Permanent { kind: PermanentKind::Coil { operand, coil, value }, span: context.span(range) })
+}
+
+/// A row that could not be read.
+pub fn no_action(context: &mut Context, range: Range<usize>) -> Action {
+    let (start, end) = (range.start, range.end);
+    action(context, None, None, None, start, end..end)
+}

@@ -1,0 +1,148 @@
+//! The syntax tree of a file: its blocks with their declarations, as SCL reads them, and their charts.
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+
+use super::context::{Context, comment_behind};
+use super::frame::{Document, Frame};
+use super::lexer::RawText;
+use super::tree::Part;
+use super::{grammar, layout, pragma, settings};
+use crate::{ReadOptions, language};
+use plcc_syntax::ast::{Block, Code as BlockCode, CodeBlock, CodeKind, SourceUnit};
+use plcc_syntax::chart::ast::Body;
+use plcc_syntax::scl::ast::StatementKind;
+use plcc_syntax::scl::{fragment, raw};
+
+/// Builds the tree.
+pub fn build(
+    file: FileId,
+    text: &str,
+    raw: &RawText,
+    document: &Document,
+    options: &ReadOptions,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> SourceUnit {
+    // Lone carriage returns end lines here, for SCL they do not.
+    let declared = language::masked(text, &document.declarations, true).replace('\r', "\n");
+    let (mut blocks, mut pragmas, messages) = fragment::blocks(file, text, raw::scan(&declared), options.pragmas);
+    diagnostics.extend(messages);
+    for block in &mut blocks {
+        let start = block.span().start;
+        if let Block::Code(block) = block
+            && let Ok(index) = document.blocks.binary_search_by_key(&start, |frame| frame.start)
+        {
+            // Assertions in the head of a block are those of the file.
+            if let BlockCode::Scl(body) = &block.code {
+                pragmas.extend(body.statements.iter().filter_map(|statement| match &statement.kind {
+                    StatementKind::Pragma(pragma) => Some(pragma.clone()),
+                    _ => None,
+                }));
+            }
+            complete(file, text, raw, block, &document.blocks[index], diagnostics);
+        }
+    }
+    pragmas.sort_by_key(|pragma| pragma.span.start);
+    SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), blocks, pragmas, overlay: None, s7200: None }
+}
+
+/// Gives a block its chart, and what its comments say.
+fn complete(
+    file: FileId,
+    text: &str,
+    raw: &RawText,
+    block: &mut CodeBlock,
+    frame: &Frame,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    if block.kind != CodeKind::Fb {
+        diagnostics.push(
+            Diagnostic::new(Code::BlockFrame, block.name.span(), "only an FB can hold a chart")
+                .label("no name of an FB")
+                .help("write `FUNCTION_BLOCK FB1` or `FUNCTION_BLOCK \"Name\"`"),
+        );
+    }
+    for section in &mut block.sections {
+        for variable in &mut section.variables {
+            if variable.comment.is_none() {
+                let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
+                variable.comment = comment_behind(text, &raw.comments, end as usize);
+            }
+        }
+    }
+    let mut messages = Vec::new();
+    let laid = layout::lay_out(file, text, &frame.chart, &mut messages);
+    let mut reported: Vec<u32> = messages.iter().map(|message| message.primary.span.start).collect();
+    reported.sort_unstable();
+    let mut context = Context { file, text, tokens: &laid, comments: &raw.comments, diagnostics: Vec::new(), reported };
+    let tokens = laid.iter().map(|(start, tok, end)| Ok::<_, ()>((*start, tok.clone(), *end)));
+    let parts = grammar::ChartParser::new().parse(&mut context, tokens).unwrap_or_default();
+    messages.append(&mut context.diagnostics);
+    let mut chart = Body::default();
+    let mut numbers = Numbers::default();
+    for part in parts {
+        match part {
+            Part::Settings(text) => settings::read(text, &mut chart.settings),
+            Part::Comment(text) => block.header.comment.extend(pragma::lines(text)),
+            Part::Permanents(false, rows) => chart.before.extend(rows),
+            Part::Permanents(true, rows) => chart.after.extend(rows),
+            Part::Step(mut step, number) => {
+                step.number = number.unwrap_or_default();
+                if step.number == 0 {
+                    numbers.steps.push((chart.steps.len(), step.name.span, number.is_none()));
+                }
+                chart.steps.push(step);
+            }
+            Part::Transition(mut transition, number) => {
+                transition.number = number.unwrap_or_default();
+                if transition.number == 0 {
+                    numbers.transitions.push((chart.transitions.len(), transition.name.span, number.is_none()));
+                }
+                chart.transitions.push(transition);
+            }
+        }
+    }
+    numbers.give(&mut chart, &mut messages);
+    // The last one listed is drawn leftmost.
+    let count = chart.transitions.len() as u32;
+    for (transition, before) in chart.transitions.iter_mut().zip(1..) {
+        transition.path = vec![count - before];
+    }
+    chart.broken = messages.iter().any(Diagnostic::is_error);
+    diagnostics.append(&mut messages);
+    block.code = BlockCode::Chart(chart);
+}
+
+/// Steps and transitions that lack their numbers: places in their lists, names, and whether that is to be told.
+#[derive(Default)]
+struct Numbers {
+    steps: Vec<(usize, Span, bool)>,
+    transitions: Vec<(usize, Span, bool)>,
+}
+
+impl Numbers {
+    /// Gives each the next number that is free.
+    fn give(self, chart: &mut Body, diagnostics: &mut Vec<Diagnostic>) {
+        let mut report = |span, what: &str, number, told: bool| {
+            if !told {
+                return;
+            }
+            diagnostics.push(
+                Diagnostic::new(Code::Tolerated, span, format!("the {what} has no number"))
+                    .label(format!("taken as number {number}"))
+                    .help(format!("write `(*$_NUM {number}*)` behind its name")),
+            );
+        };
+        let mut last = chart.steps.iter().map(|step| step.number).max().unwrap_or(0);
+        for (index, span, told) in self.steps {
+            last = last.saturating_add(1);
+            chart.steps[index].number = last;
+            report(span, "step", last, told);
+        }
+        let mut last = chart.transitions.iter().map(|transition| transition.number).max().unwrap_or(0);
+        for (index, span, told) in self.transitions {
+            last = last.saturating_add(1);
+            chart.transitions[index].number = last;
+            report(span, "transition", last, told);
+        }
+    }
+}

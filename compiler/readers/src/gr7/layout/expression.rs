@@ -1,0 +1,256 @@
+//! Layout of expressions: operands, operators, balanced brackets.
+
+use plcc_diag::{Code, Diagnostic};
+
+use super::Layout;
+use crate::gr7::lexer::{RawKind, RawToken};
+use crate::gr7::token::Tok;
+use plcc_syntax::scl::ast::BinaryOp;
+
+/// How deep brackets and signs may stand in one another.
+const NESTING_MAX: usize = 200;
+
+/// Where an expression stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    Condition,
+    /// An action: between operand and value nothing need stand.
+    Action,
+    Permanent,
+    /// Block, instance and parameters of a call: between parameters a line end is enough.
+    Call,
+}
+
+impl<'a> Layout<'a, '_> {
+    /// Takes the tokens before index `end` as operands and operators.
+    pub(super) fn expression(&mut self, end: usize, place: Place) {
+        let first = self.out.len();
+        let mut open: Vec<RawToken> = Vec::new();
+        let mut signs = 0;
+        let start = self.at;
+        while self.at < end {
+            let token = self.raw[self.at];
+            if self.at > start && self.comma_is_missing(place, open.len()) {
+                self.push_here(Tok::Comma);
+            }
+            match token.kind {
+                RawKind::LeftParen | RawKind::LeftBracket => {
+                    if open.len() >= NESTING_MAX {
+                        return self.too_deep(token, first, end);
+                    }
+                    open.push(token);
+                    let paren = token.kind == RawKind::LeftParen;
+                    self.take(if paren { Tok::LeftParen } else { Tok::LeftBracket });
+                    signs = 0;
+                }
+                RawKind::RightParen | RawKind::RightBracket => self.close_bracket(token, &mut open),
+                _ => {
+                    self.element(token);
+                    let sign = matches!(self.out.last(), Some((_, Tok::Plus | Tok::Minus | Tok::Not, _)));
+                    signs = if sign { signs + 1 } else { 0 };
+                    if signs > NESTING_MAX {
+                        return self.too_deep(token, first, end);
+                    }
+                }
+            }
+        }
+        while let Some(opening) = open.pop() {
+            self.close(opening);
+        }
+    }
+
+    /// Whether the source leaves a comma out before the token at hand.
+    fn comma_is_missing(&self, place: Place, depth: usize) -> bool {
+        let token = self.raw[self.at];
+        let operand = matches!(
+            token.kind,
+            RawKind::Word
+                | RawKind::Number
+                | RawKind::Literal
+                | RawKind::Absolute
+                | RawKind::Quoted
+                | RawKind::Local
+                | RawKind::Text
+        ) && !is_operator(token, self.slice(token));
+        let follows = operand && self.behind_operand();
+        match place {
+            Place::Condition | Place::Permanent => false,
+            Place::Action => depth == 0 && follows,
+            Place::Call => depth == 1 && follows && token.first_on_line,
+        }
+    }
+
+    fn close_bracket(&mut self, token: RawToken, open: &mut Vec<RawToken>) {
+        let paren = token.kind == RawKind::RightParen;
+        let wanted = if paren { RawKind::LeftParen } else { RawKind::LeftBracket };
+        if !open.iter().any(|opening| opening.kind == wanted) {
+            let sign = self.slice(token);
+            self.report(
+                Diagnostic::new(Code::Syntax, self.span(token), format!("`{sign}` closes nothing"))
+                    .label("no bracket is open here")
+                    .help("remove it, or write the bracket that it closes"),
+            );
+            self.at += 1;
+            return;
+        }
+        while let Some(opening) = open.pop() {
+            if opening.kind == wanted {
+                break;
+            }
+            self.close(opening);
+        }
+        self.take(if paren { Tok::RightParen } else { Tok::RightBracket });
+    }
+
+    /// Reports and closes a bracket.
+    fn close(&mut self, opening: RawToken) {
+        self.unclosed(opening);
+        let paren = opening.kind == RawKind::LeftParen;
+        self.push_here(if paren { Tok::RightParen } else { Tok::RightBracket });
+    }
+
+    pub(super) fn unclosed(&mut self, opening: RawToken) {
+        let (sign, close) = if opening.kind == RawKind::LeftParen { ("(", ")") } else { ("[", "]") };
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(opening), format!("`{sign}` is not closed"))
+                .label("opened here")
+                .help(format!("write `{close}` where it ends")),
+        );
+    }
+
+    /// Brackets that are too deep for whoever walks the tree: the expression becomes an error.
+    fn too_deep(&mut self, token: RawToken, first: usize, end: usize) {
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs stand too deep in one another")
+                .label(format!("more than {NESTING_MAX} of them"))
+                .help("keep a part of the expression in a memory bit"),
+        );
+        self.out.truncate(first);
+        self.out.push((token.start as usize, Tok::Bad, token.end as usize));
+        self.at = end;
+    }
+
+    /// Takes an operand, operator or sign that is no bracket.
+    fn element(&mut self, token: RawToken) {
+        let slice = self.slice(token);
+        let tok = match token.kind {
+            RawKind::Word => self.word(slice),
+            RawKind::Number if self.behind_point() => Tok::Word(slice),
+            RawKind::Number | RawKind::Literal | RawKind::Text => Tok::Literal(slice),
+            RawKind::Absolute => Tok::Absolute(slice),
+            RawKind::Quoted => Tok::Quoted(slice.trim_matches('"').trim()),
+            RawKind::Local => Tok::Local(slice[1..].trim_matches('"').trim()),
+            RawKind::Assign | RawKind::Arrow => Tok::Assign,
+            RawKind::Comma => Tok::Comma,
+            RawKind::Dot => Tok::Dot,
+            RawKind::Equal => Tok::Compare(BinaryOp::Equal),
+            RawKind::NotEqual => Tok::Compare(BinaryOp::NotEqual),
+            RawKind::Greater => Tok::Compare(BinaryOp::Greater),
+            RawKind::Less => Tok::Compare(BinaryOp::Less),
+            RawKind::GreaterEqual => Tok::Compare(BinaryOp::GreaterEqual),
+            RawKind::LessEqual => Tok::Compare(BinaryOp::LessEqual),
+            RawKind::Plus => Tok::Plus,
+            RawKind::Minus => Tok::Minus,
+            RawKind::Star => Tok::Star,
+            RawKind::Slash => Tok::Factor(BinaryOp::Divide),
+            RawKind::Ampersand => Tok::And,
+            _ => return self.stray(token),
+        };
+        self.take(tok);
+    }
+
+    /// Whether an operand ends with the last token.
+    fn behind_operand(&self) -> bool {
+        matches!(
+            self.out.last(),
+            Some((
+                _,
+                Tok::Word(_)
+                    | Tok::Quoted(_)
+                    | Tok::Local(_)
+                    | Tok::Absolute(_)
+                    | Tok::Literal(_)
+                    | Tok::Bad
+                    | Tok::RightParen
+                    | Tok::RightBracket,
+                _
+            ))
+        )
+    }
+
+    fn behind_point(&self) -> bool {
+        self.at > 0 && self.raw[self.at - 1].kind == RawKind::Dot
+    }
+
+    fn word(&self, slice: &'a str) -> Tok<'a> {
+        let formal = matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Arrow));
+        if self.behind_point() || formal {
+            return Tok::Word(slice);
+        }
+        let is = |word: &str| word.eq_ignore_ascii_case(slice);
+        match () {
+            () if is("AND") => Tok::And,
+            () if is("OR") => Tok::Or,
+            () if is("XOR") => Tok::Xor,
+            () if is("NOT") => Tok::Not,
+            () if is("MOD") => Tok::Factor(BinaryOp::Modulo),
+            () if is("DIV") => Tok::Factor(BinaryOp::DivideInteger),
+            () if is_shift(slice) && self.behind_operand() => Tok::Shift(slice),
+            () => Tok::Word(slice),
+        }
+    }
+
+    /// Reports the raw token at hand, which can stand nowhere, and goes on. Its place takes a `Bad`.
+    fn stray(&mut self, token: RawToken) {
+        let (span, slice) = (self.span(token), self.slice(token));
+        let diagnostic = match token.kind {
+            RawKind::UnterminatedText => {
+                Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
+                    .label("begins here")
+                    .help("close it with `'`; a quote inside is written `$'`")
+            }
+            RawKind::UnterminatedQuoted => {
+                Diagnostic::new(Code::UnterminatedText, span, "the name is not closed on its line")
+                    .label("begins here")
+                    .help("close it with `\"`")
+            }
+            RawKind::Stray => {
+                let c = slice.chars().next().unwrap_or(' ');
+                let title = format!("`{}` belongs to no chart", c.escape_debug());
+                Diagnostic::new(Code::UnexpectedCharacter, span, title)
+                    .label("not a character of GRAPH outside of comments")
+                    .help("remove it, or put it into a comment `(* … *)`")
+            }
+            _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
+                .label("not expected")
+                .help("an operand is an address, a symbol, a step or transition with its member, or a constant"),
+        };
+        self.report(diagnostic);
+        self.take(Tok::Bad);
+    }
+}
+
+fn is_shift(word: &str) -> bool {
+    ["SHL", "SHR", "ROL", "ROR"].iter().any(|known| known.eq_ignore_ascii_case(word))
+}
+
+/// Whether the token stands between two operands.
+pub(super) fn is_operator(token: RawToken, text: &str) -> bool {
+    match token.kind {
+        RawKind::Word => {
+            is_shift(text) || ["AND", "OR", "XOR", "MOD", "DIV"].iter().any(|known| known.eq_ignore_ascii_case(text))
+        }
+        RawKind::Equal
+        | RawKind::NotEqual
+        | RawKind::Greater
+        | RawKind::Less
+        | RawKind::GreaterEqual
+        | RawKind::LessEqual
+        | RawKind::Plus
+        | RawKind::Minus
+        | RawKind::Star
+        | RawKind::Slash
+        | RawKind::Ampersand => true,
+        _ => false,
+    }
+}

@@ -1,0 +1,289 @@
+//! Layout of actions and permanent instructions: where a row ends, and what stands in parentheses behind its operand.
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use super::Layout;
+use super::expression::{Place, is_operator};
+use crate::gr7::lexer::RawKind;
+use crate::gr7::pragma::{self, Tag};
+use crate::gr7::qualifier;
+use crate::gr7::token::Tok;
+use plcc_syntax::chart::ast::Coil;
+
+/// Where a row ends.
+struct Extent {
+    /// Index behind its last token.
+    end: usize,
+    /// Index of the parenthesis before the qualifier.
+    qualifier: Option<usize>,
+}
+
+impl<'a> Layout<'a, '_> {
+    /// `operand := value (qualifier)`
+    pub(super) fn action_row(&mut self) {
+        let call = self.is_call();
+        let Extent { end, qualifier } = self.action_extent(call);
+        let body = qualifier.unwrap_or(end);
+        let empty = self.at == body;
+        if call {
+            self.take(Tok::Call);
+        }
+        if body == self.at + 1 && self.is_word(self.at, "S_ALL") {
+            self.take(Tok::All);
+        } else {
+            self.expression(body, if call { Place::Call } else { Place::Action });
+        }
+        match qualifier {
+            Some(open) => self.qualifier(open, end, empty),
+            None => self.no_qualifier(),
+        }
+        self.comment_of_row();
+        self.push_here(Tok::RowEnd);
+    }
+
+    fn is_call(&self) -> bool {
+        self.is_word(self.at, "CALL")
+            && matches!(
+                self.kind_at(self.at + 1),
+                Some(RawKind::Word | RawKind::Quoted | RawKind::Local | RawKind::Number)
+            )
+    }
+
+    /// A row ends behind its qualifier, or with its line.
+    fn action_extent(&self, call: bool) -> Extent {
+        let (mut depth, mut lists) = (0usize, 0usize);
+        let mut index = self.at;
+        while let Some(token) = self.raw.get(index) {
+            if index > self.at && self.ends_row(index) {
+                break;
+            }
+            let new_line = token.first_on_line && index > self.at;
+            if depth == 0 {
+                if let Some(close) = self.qualifier_at(index, call && lists == 0) {
+                    return Extent { end: close + 1, qualifier: Some(index) };
+                }
+                let list = call && lists == 0 && token.kind == RawKind::LeftParen;
+                if new_line && !list && !self.continues(index) {
+                    break;
+                }
+            } else if new_line && (!call || self.is_word(index, "CALL")) {
+                break;
+            }
+            match token.kind {
+                RawKind::LeftParen => {
+                    depth += 1;
+                    lists += 1;
+                }
+                RawKind::RightParen => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            index += 1;
+        }
+        if depth > 0 {
+            // What is not closed goes no further than its line.
+            let line = (self.at + 1..index).find(|next| self.raw[*next].first_on_line);
+            index = line.unwrap_or(index);
+            let open = (self.at..index).rev().take(4).find(|open| self.kind_at(*open) == Some(RawKind::LeftParen));
+            if let Some(open) = open.filter(|open| *open > self.at)
+                && self.qualifier_at(open, true) == Some(index - 1)
+            {
+                return Extent { end: index, qualifier: Some(open) };
+            }
+        }
+        Extent { end: index, qualifier: None }
+    }
+
+    /// Whether nothing of a row can stand at `index`.
+    fn ends_row(&self, index: usize) -> bool {
+        matches!(self.raw[index].kind, RawKind::Semicolon | RawKind::Pragma) || self.keyword_at(index).is_some()
+    }
+
+    /// Whether a line at `index` goes on with the row of the one before.
+    fn continues(&self, index: usize) -> bool {
+        self.joins(index) || self.kind_at(index) == Some(RawKind::LeftParen)
+    }
+
+    /// Whether the token stands between two parts of a row.
+    fn joins(&self, index: usize) -> bool {
+        let token = self.raw[index];
+        matches!(token.kind, RawKind::Comma | RawKind::Assign) || is_operator(token, self.slice(token))
+    }
+
+    /// Index of the `)` of the qualifier that opens at `index`. `call`: parameters of a call may stand here.
+    fn qualifier_at(&self, index: usize, call: bool) -> Option<usize> {
+        if self.kind_at(index) != Some(RawKind::LeftParen) {
+            return None;
+        }
+        let words = self.raw[index + 1..].iter().take(4).take_while(|token| token.kind == RawKind::Word).count();
+        let close = index + 1 + words;
+        if self.kind_at(close) != Some(RawKind::RightParen) {
+            return None;
+        }
+        let last = close + 1 == self.raw.len() || self.raw[close + 1].first_on_line || self.ends_row(close + 1);
+        let text = &self.text[self.raw[index].end as usize..self.raw[close].start as usize];
+        let known = qualifier::parse(text).is_some();
+        let next = self.raw.get(close + 1);
+        let behind = next.is_none_or(|next| {
+            last || matches!(next.kind, RawKind::Word | RawKind::Quoted | RawKind::Local | RawKind::Absolute)
+                && !is_operator(*next, self.slice(*next))
+        });
+        (if known { behind } else { last && !call }).then_some(close)
+    }
+
+    /// The qualifier in the parenthesis at `open`.
+    fn qualifier(&mut self, open: usize, end: usize, alone: bool) {
+        let (first, last) = (self.raw[open], self.raw[end - 1]);
+        let span = Span { file: self.file, start: first.end, end: last.start };
+        let text = &self.text[span.range()];
+        let mark = qualifier::parse(text);
+        if mark.is_none() {
+            let title = match text.trim() {
+                "" => "the qualifier is missing".to_owned(),
+                text => format!("GRAPH has no qualifier `{text}`"),
+            };
+            let span = if text.trim().is_empty() { self.span(first).to(self.span(last)) } else { span };
+            self.report(
+                Diagnostic::new(Code::Qualifier, span, title)
+                    .label("no instruction of an action")
+                    .help(qualifier::help(text)),
+            );
+        } else if alone {
+            self.report(
+                Diagnostic::new(Code::ActionText, self.span(first).to(self.span(last)), "the action has no operand")
+                    .label("only a qualifier stands here")
+                    .help("write what it works on before it, e.g. `Q4.0 (N)`"),
+            );
+        }
+        self.out.push((first.start as usize, Tok::Qualifier(mark.filter(|_| !alone)), last.end as usize));
+        self.at = end;
+    }
+
+    fn no_qualifier(&mut self) {
+        let last = self.raw[self.at - 1];
+        // A bracket or character that was told of may have taken it.
+        if !self.reported_in_row() {
+            self.report(
+                Diagnostic::new(Code::Qualifier, self.span(last), "the action has no qualifier")
+                    .label("behind this")
+                    .help(qualifier::help("")),
+            );
+        }
+        self.push_here(Tok::Qualifier(None));
+    }
+
+    /// Whether the last message is about the line at hand.
+    fn reported_in_row(&self) -> bool {
+        let before = &self.raw[..self.at];
+        let first = before.iter().rposition(|token| token.first_on_line).map_or(0, |first| before[first].start);
+        self.diagnostics.last().is_some_and(|last| last.is_error() && last.primary.span.start >= first)
+    }
+
+    /// `(*$_COM …*)` on the line of a row belongs to it.
+    fn comment_of_row(&mut self) {
+        if self.is_at(RawKind::Semicolon) {
+            self.at += 1;
+        }
+        if let Some(token) = self.peek()
+            && token.kind == RawKind::Pragma
+            && !token.first_on_line
+            && pragma::tag(self.slice(token)) == Some(Tag::Comment)
+        {
+            self.take(Tok::Comment(pragma::body(self.slice(token))));
+        }
+    }
+
+    /// `operand (=) := value`, `CALL …`
+    pub(super) fn permanent_row(&mut self) {
+        let call = self.is_call();
+        let end = self.permanent_extent(call);
+        if call {
+            self.take(Tok::Call);
+            self.expression(end, Place::Call);
+        } else {
+            match (self.at..end).find(|index| self.is_coil(*index)) {
+                Some(open) => {
+                    self.expression(open, Place::Permanent);
+                    self.coil(open);
+                    if self.is_at(RawKind::Assign) && self.at < end {
+                        self.take(Tok::Assign);
+                    }
+                }
+                None => self.no_coil(end),
+            }
+            self.expression(end, Place::Permanent);
+        }
+        self.push_here(Tok::RowEnd);
+    }
+
+    fn permanent_extent(&self, call: bool) -> usize {
+        let (mut depth, mut lists) = (0usize, 0usize);
+        let mut index = self.at;
+        while let Some(token) = self.raw.get(index) {
+            if index > self.at && self.ends_row(index) {
+                break;
+            }
+            let new_line = token.first_on_line && index > self.at;
+            let list = call && lists == 0 && token.kind == RawKind::LeftParen;
+            let goes_on = || depth > 0 || list || self.continues(index) || self.joins(index - 1);
+            if new_line && (!goes_on() || self.begins_permanent(index)) {
+                break;
+            }
+            match token.kind {
+                RawKind::LeftParen => {
+                    depth += 1;
+                    lists += 1;
+                }
+                RawKind::RightParen => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            index += 1;
+        }
+        index
+    }
+
+    /// Whether a permanent instruction begins with the line at `index`: an unclosed bracket goes no further.
+    fn begins_permanent(&self, index: usize) -> bool {
+        let line = &self.raw[index..];
+        let length = line.iter().skip(1).take_while(|token| !token.first_on_line).count() + 1;
+        self.is_word(index, "CALL") || (index..index + length).any(|index| self.is_coil(index))
+    }
+
+    /// `(=) :=`
+    fn is_coil(&self, index: usize) -> bool {
+        self.kind_at(index) == Some(RawKind::LeftParen)
+            && self.kind_at(index + 2) == Some(RawKind::RightParen)
+            && (self.kind_at(index + 1) == Some(RawKind::Equal) || self.kind_at(index + 3) == Some(RawKind::Assign))
+    }
+
+    fn coil(&mut self, open: usize) {
+        let [first, sign, last] = [self.raw[open], self.raw[open + 1], self.raw[open + 2]];
+        let coil = match self.slice(sign) {
+            "=" => Some(Coil::Assign),
+            "S" | "s" => Some(Coil::Set),
+            "R" | "r" => Some(Coil::Reset),
+            _ => None,
+        };
+        if coil.is_none() {
+            let title = format!("a permanent instruction has no form `({})`", self.slice(sign));
+            self.report(
+                Diagnostic::new(Code::Qualifier, self.span(sign), title)
+                    .label("neither `=` nor `S` nor `R`")
+                    .help("write `operand (=) := condition`, or `(S)` or `(R)`"),
+            );
+        }
+        self.out.push((first.start as usize, Tok::Coil(coil), last.end as usize));
+        self.at = open + 3;
+    }
+
+    fn no_coil(&mut self, end: usize) {
+        let first = self.raw[self.at];
+        let last = self.raw[end - 1];
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(first).to(self.span(last)), "this is no permanent instruction")
+                .label("`(=)`, `(S)` or `(R)` and `:=` are missing")
+                .help("write `operand (=) := condition`, or `CALL FC1 ()`"),
+        );
+        self.out.push((first.start as usize, Tok::Bad, last.end as usize));
+        self.at = end;
+    }
+}

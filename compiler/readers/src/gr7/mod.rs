@@ -1,0 +1,89 @@
+//! GRAPH source text (`.gr7`): function blocks with charts, as S7-GRAPH of STEP 7 V5 exports them.
+//!
+//! ```text
+//! text ──► raw tokens ──┬─► heads and declarations ──► grammar of SCL ────────┐
+//!        lexer.rs    frame.rs                                                 ├──► syntax tree
+//!                       └─► charts ──► tokens with a meaning ──► parts ───────┘   blocks.rs
+//!                                   layout/              gr7.lalrpop
+//! ```
+//!
+//! Source: GRAPH reference, chapter A.
+
+mod actions;
+mod blocks;
+mod context;
+mod frame;
+mod layout;
+mod lexer;
+mod outline;
+mod pragma;
+mod qualifier;
+mod settings;
+mod token;
+mod tree;
+
+#[allow(clippy::all, clippy::pedantic, dead_code, unused_imports, unused_parens, missing_docs)] // Generated.
+mod grammar {
+    include!(concat!(env!("OUT_DIR"), "/gr7/gr7.rs"));
+}
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+
+use crate::ReadOptions;
+use plcc_syntax::ast::SourceUnit;
+use plcc_syntax::comment::CommentForm;
+
+pub(crate) use outline::{beside_other_blocks, has_chart};
+
+/// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
+pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
+    let mut diagnostics = Vec::new();
+    let raw = lexer::scan(text);
+    report_comments(file, &raw, &mut diagnostics);
+    let document = frame::read(file, text, &raw, &mut diagnostics);
+    if options.pragmas {
+        diagnostics.extend(document.misplaced.iter().map(|range| misplaced(file, range.clone())));
+    }
+    let unit = blocks::build(file, text, &raw, &document, options, &mut diagnostics);
+    diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    (unit, diagnostics)
+}
+
+fn report_comments(file: FileId, raw: &lexer::RawText, diagnostics: &mut Vec<Diagnostic>) {
+    for comment in raw.comments.iter().filter(|comment| comment.form == CommentForm::Unterminated) {
+        let span = Span { file, start: comment.start, end: comment.start + 2 };
+        diagnostics.push(
+            Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
+                .label("begins here, and takes the rest of the file")
+                .help("close it with `*)`"),
+        );
+    }
+}
+
+/// An assertion among steps and transitions: nothing tells when it would be looked at.
+fn misplaced(file: FileId, range: Range<usize>) -> Diagnostic {
+    Diagnostic::new(Code::Pragma, Span::new(file, range), "an assertion stands inside a chart")
+        .label("among steps and transitions")
+        .help("write it behind the call of the block, for example in OB 1: `//@ assert DB1.Run.X == 1`")
+}
+
+/// The tokens of the charts as the grammar sees them, one per line, for `--emit tokens`.
+pub fn tokens_text(text: &str) -> String {
+    let file = FileId::default();
+    let document = frame::read(file, text, &lexer::scan(text), &mut Vec::new());
+    let mut out = String::new();
+    let (mut line, mut counted) = (1usize, 0usize);
+    for block in &document.blocks {
+        for (start, token, _) in &layout::lay_out(file, text, &block.chart, &mut Vec::new()) {
+            if *start >= counted {
+                line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
+                counted = *start;
+            }
+            writeln!(out, "{line}: {token:?}").expect("a String takes all text");
+        }
+    }
+    out
+}

@@ -1,0 +1,116 @@
+//! Readers of the files that tools export, and of sources in any language: text in, syntax tree and messages out.
+//!
+//! - [`parse`] finds out what a source is and reads it.
+//! - [`gr7`]: GRAPH as source text.
+//! - [`plcopen`]: projects in PLCopen XML.
+//! - [`sd`]: SIMATIC SD, the text form of LAD and FBD.
+//! - [`simatic_ml`]: exports of the TIA Portal in XML.
+//! - [`symbols`]: symbol tables.
+//!
+//! **Invariant**: never fails; gives a tree and diagnostics. Trees are those of [`plcc_syntax`]; no reader knows symbols.
+
+pub mod gr7;
+mod language;
+pub mod plcopen;
+pub mod sd;
+pub mod simatic_ml;
+pub mod symbols;
+pub mod xml;
+
+use plcc_diag::{Diagnostic, FileId};
+use plcc_syntax::{Language, ParseOptions, ast, s7200, scl, stl};
+
+use language::Reading;
+
+/// How a source is read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ReadOptions<'a> {
+    /// The mnemonic set; `None`: found in the file.
+    pub mnemonics: Option<stl::Mnemonics>,
+    /// Assertion pragmas (`//@ …`) are read; else they are comments.
+    pub pragmas: bool,
+    /// The language, if the name of the file tells; `None`: found in the file.
+    pub language: Option<Language>,
+    /// Texts of titles and comments that the file names by id.
+    pub texts: Option<&'a sd::Texts>,
+}
+
+impl ReadOptions<'_> {
+    /// What the parsers of STL and SCL want to know.
+    fn parsing(&self) -> ParseOptions {
+        ParseOptions { mnemonics: self.mnemonics, pragmas: self.pragmas }
+    }
+}
+
+/// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
+pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (ast::SourceUnit, Vec<Diagnostic>) {
+    match xml::kind(text) {
+        Some(xml::XmlKind::PlcOpen) => return plcopen::parse(file, text),
+        Some(kind) => return simatic_ml::parse(file, text, &kind, options),
+        None => {}
+    }
+    read(file, text, options, language::detect(text, options.language))
+}
+
+fn read(file: FileId, text: &str, options: &ReadOptions, reading: Reading) -> (ast::SourceUnit, Vec<Diagnostic>) {
+    match reading {
+        Reading::Whole(Language::Stl) => stl::parse(file, text, &options.parsing()),
+        Reading::Whole(Language::Scl) => scl::parse(file, text, &options.parsing()),
+        Reading::Whole(Language::Sd) => sd::parse(file, text, options),
+        Reading::Whole(Language::Graph) => gr7::parse(file, text, options),
+        Reading::Whole(Language::S7200) => s7200::parse(file, text, &options.parsing()),
+        Reading::Mixed(scl) => joined(
+            stl::parse(file, &language::masked(text, &scl, false), &options.parsing()),
+            scl::parse(file, &language::masked(text, &scl, true), &options.parsing()),
+        ),
+        Reading::WithCharts(charts) => {
+            let others = language::masked(text, &charts, false);
+            let reading = language::detect_statements(&others, None);
+            joined(
+                read(file, &others, options, reading),
+                gr7::parse(file, &language::masked(text, &charts, true), options),
+            )
+        }
+    }
+}
+
+/// Parts of one file, which were read apart.
+fn joined(
+    (mut unit, mut diagnostics): (ast::SourceUnit, Vec<Diagnostic>),
+    (other, messages): (ast::SourceUnit, Vec<Diagnostic>),
+) -> (ast::SourceUnit, Vec<Diagnostic>) {
+    unit.blocks.extend(other.blocks);
+    unit.blocks.sort_by_key(|block| block.span().start);
+    unit.pragmas.extend(other.pragmas);
+    unit.pragmas.sort_by_key(|pragma| pragma.span.start);
+    diagnostics.extend(messages);
+    diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    (unit, diagnostics)
+}
+
+/// The tokens of a source as its grammar sees them, one per line, for `--emit tokens`.
+pub fn tokens_text(text: &str, options: &ReadOptions) -> String {
+    if xml::kind(text).is_some() {
+        return simatic_ml::tokens_text(text, options);
+    }
+    tokens_of(text, options, language::detect(text, options.language))
+}
+
+fn tokens_of(text: &str, options: &ReadOptions, reading: Reading) -> String {
+    match reading {
+        Reading::Whole(Language::Stl) => stl::tokens_text(text, &options.parsing()),
+        Reading::Whole(Language::Scl) => scl::tokens_text(text, &options.parsing()),
+        Reading::Whole(Language::Sd) => sd::tokens_text(text),
+        Reading::Whole(Language::Graph) => gr7::tokens_text(text),
+        Reading::Whole(Language::S7200) => s7200::tokens_text(text, &options.parsing()),
+        Reading::Mixed(scl) => {
+            let stl = stl::tokens_text(&language::masked(text, &scl, false), &options.parsing());
+            stl + &scl::tokens_text(&language::masked(text, &scl, true), &options.parsing())
+        }
+        Reading::WithCharts(charts) => {
+            let others = language::masked(text, &charts, false);
+            let reading = language::detect_statements(&others, None);
+            tokens_of(&others, options, reading) + &gr7::tokens_text(&language::masked(text, &charts, true))
+        }
+    }
+}

@@ -1,0 +1,446 @@
+//! Objects of a network as elements and nets.
+
+mod signals;
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use plcc_diag::{Code, Diagnostic, Severity, Span};
+
+use super::functions;
+use super::objects::{Connection, Edge, Kind, Object};
+use super::{Body, Reader};
+use plcc_syntax::Elementary;
+use plcc_syntax::network::ast::{Element, Eno, Graph, NetId, Pin, PinValue, Storage, Target, Template, TemplateKey};
+use plcc_syntax::network::elements::{self, PinDirection, Row};
+use plcc_syntax::scl::ast::{Argument, Expr, ExprKind, Name, NameForm};
+
+/// Connectors lead to connectors up to this depth.
+const DEPTH_MAX: usize = 64;
+
+/// The row of standard functions that are formulas.
+const FORMULA: &str = "function of IEC 61131-3";
+
+/// Where a signal comes from.
+#[derive(Clone, Debug, PartialEq)]
+enum Origin {
+    Rail,
+    /// A pin of an element, by its name in the file.
+    Pin(usize, String),
+    Operand(Expr, bool),
+}
+
+/// A network in the making.
+pub struct Build<'r, 'a, 'b> {
+    reader: &'r mut Reader<'a>,
+    body: &'b mut Body,
+    objects: &'r [Object],
+    graph: Graph,
+    /// Elements by their objects.
+    made: HashMap<usize, usize>,
+    /// The objects that an element was made of.
+    sources: HashMap<usize, Vec<usize>>,
+    /// Nets by what feeds them.
+    nets: Vec<(Vec<Origin>, NetId)>,
+    /// Variables that keep a signal for the next cycle, by the object and the pin that it comes from.
+    kept: HashMap<(usize, String), Expr>,
+    /// Variables for outputs that no net carries, by object and pin.
+    carried: HashMap<(usize, String), Expr>,
+    /// What connectors and in-outs pass on, while one input is followed.
+    passed: HashMap<(usize, String), Vec<Origin>>,
+    /// The line at hand leads to a variable, which can be of any type.
+    direct: bool,
+}
+
+/// The graph of the objects `order`, which run in this order.
+pub fn build(reader: &mut Reader, body: &mut Body, objects: &[Object], order: &[usize]) -> Graph {
+    let mut build = Build {
+        reader,
+        body,
+        objects,
+        graph: Graph::default(),
+        made: HashMap::new(),
+        sources: HashMap::new(),
+        nets: Vec::new(),
+        kept: HashMap::new(),
+        carried: HashMap::new(),
+        passed: HashMap::new(),
+        direct: false,
+    };
+    for at in order {
+        build.object(*at);
+    }
+    build.keep();
+    build.finish()
+}
+
+fn name(text: impl Into<String>, form: NameForm, span: Span) -> Expr {
+    Expr { kind: ExprKind::Name(Name { text: text.into(), form, span }), span }
+}
+
+fn pin(name: &str, value: PinValue, output: bool, span: Span) -> Pin {
+    Pin { name: name.to_string(), value, negated: false, output, storage: Storage::None, span }
+}
+
+impl Build<'_, '_, '_> {
+    fn object(&mut self, at: usize) {
+        let object = &self.objects[at];
+        match object.kind {
+            Kind::Contact => self.contact(at, object),
+            Kind::Coil => self.coil(at, object),
+            Kind::Block => self.block(at, object),
+            Kind::OutVariable | Kind::InOutVariable => self.out_variable(at, object),
+            Kind::Jump | Kind::Return => self.leave(at, object),
+            Kind::Condition => self.condition(at, object),
+            Kind::LeftRail | Kind::InVariable | Kind::Label | Kind::Connector | Kind::Continuation => {}
+        }
+    }
+
+    fn element(&mut self, at: Option<usize>, target: Target, pins: Vec<Pin>, span: Span) -> usize {
+        let (templates, equation, cases) = (Vec::new(), None, Vec::new());
+        self.graph.elements.push(Element { target, templates, eno: Eno::Default, pins, equation, cases, span });
+        let index = self.graph.elements.len() - 1;
+        if let Some(at) = at {
+            self.made.insert(at, index);
+            self.sources.entry(index).or_default().push(at);
+        }
+        index
+    }
+
+    fn row(&mut self, name: &str) -> Option<Target> {
+        elements::find_sd(name).map(|(row, _)| Target::Element { row, instance: None })
+    }
+
+    /// The expression in a part of the file.
+    fn expr(&mut self, range: Range<usize>) -> Expr {
+        self.reader.expression(range, Some(&self.body.scope))
+    }
+
+    /// The operand of a contact, coil or variable.
+    fn operand(&mut self, object: &Object) -> PinValue {
+        match object.text.clone() {
+            Some(range) => PinValue::Operand(self.expr(range)),
+            None => PinValue::Open,
+        }
+    }
+
+    /// A BOOL of the instance that keeps a signal from cycle to cycle.
+    fn hidden(&mut self, stem: &str, span: Span) -> Option<Expr> {
+        if self.body.is_function {
+            let text = "a function has no memory for an edge or for the signal of the last cycle";
+            let mut message = Diagnostic::new(Code::EdgeBit, span, text);
+            message.severity = Severity::Error;
+            let help = "make the POU a function block, or hand the signal of the last cycle to it as a parameter";
+            self.reader.messages.push(message.label("needs a BOOL that outlives the call").help(help));
+            return None;
+        }
+        Some(name(self.body.hidden_name(stem, span), NameForm::Local, span))
+    }
+
+    fn contact(&mut self, at: usize, object: &Object) {
+        let operand = self.operand(object);
+        let value = self.input(object.inputs.first(), object.span);
+        let negated = object.modifiers.negated;
+        let mut pins = vec![pin("in", value, false, object.span), pin("operand", operand, false, object.span)];
+        pins[1].negated = negated;
+        let (row, span) = (edge_name(object.modifiers.edge, "Contact", "P_Contact", "N_Contact"), object.span);
+        if object.modifiers.edge != Edge::None {
+            let Some(bit) = self.hidden("edge", span) else { return };
+            pins[0].name = "pre".to_string();
+            pins.push(pin("bit", PinValue::Operand(bit), false, span));
+        }
+        if let Some(target) = self.row(row) {
+            self.element(Some(at), target, pins, span);
+        }
+    }
+
+    fn coil(&mut self, at: usize, object: &Object) {
+        let operand = self.operand(object);
+        let value = self.input(object.inputs.first(), object.span);
+        let span = object.span;
+        let mut pins = vec![pin("in", value, false, span), pin("operand", operand, true, span)];
+        let row = match (object.modifiers.edge, object.modifiers.storage) {
+            (Edge::None, Storage::None) => "Coil",
+            (Edge::None, Storage::Set) => "S_Coil",
+            (Edge::None, Storage::Reset) => "R_Coil",
+            (Edge::Rising, _) => "P_Coil",
+            (Edge::Falling, _) => "N_Coil",
+        };
+        pins[1].negated = object.modifiers.negated && row == "Coil";
+        if object.modifiers.edge != Edge::None {
+            let Some(bit) = self.hidden("edge", span) else { return };
+            pins.push(pin("bit", PinValue::Operand(bit), false, span));
+        }
+        if let Some(target) = self.row(row) {
+            self.element(Some(at), target, pins, span);
+        }
+    }
+
+    fn condition(&mut self, at: usize, object: &Object) {
+        let mut pins = vec![pin("in", self.input(object.inputs.first(), object.span), false, object.span)];
+        pins[0].negated = object.modifiers.negated;
+        if let Some(target) = self.row("ConditionCoil") {
+            self.element(Some(at), target, pins, object.span);
+        }
+    }
+
+    fn leave(&mut self, at: usize, object: &Object) {
+        let row = match (object.kind, object.modifiers.negated) {
+            (Kind::Return, _) => "ReturnCoil",
+            (_, false) => "JumpCoil",
+            (_, true) => "I_JumpCoil",
+        };
+        let mut pins = Vec::new();
+        if object.inputs.first().is_some_and(|input| !input.is_open()) {
+            let mut condition = pin("in", self.input(object.inputs.first(), object.span), false, object.span);
+            condition.negated = object.kind == Kind::Return && object.modifiers.negated;
+            pins.push(condition);
+        }
+        if object.kind == Kind::Jump {
+            let label = match object.name.as_str() {
+                "" => PinValue::Open,
+                label => PinValue::Operand(name(label, NameForm::Bare, object.span)),
+            };
+            pins.push(pin("label", label, false, object.span));
+        }
+        if let Some(target) = self.row(row) {
+            self.element(Some(at), target, pins, object.span);
+        }
+    }
+
+    /// A variable that no block writes: a coil, or a move of another variable.
+    fn out_variable(&mut self, at: usize, object: &Object) {
+        let Some(input) = object.inputs.first().filter(|input| !input.is_open()) else { return };
+        // The block writes the variable itself.
+        self.direct = input.from.len() == 1;
+        let origins = self.sources(input);
+        self.direct = false;
+        if let [Origin::Pin(element, _)] = origins.as_slice()
+            && self
+                .objects
+                .iter()
+                .enumerate()
+                .any(|(block, object)| object.kind == Kind::Block && self.made.get(&block) == Some(element))
+            && object.modifiers.edge == Edge::None
+            && input.modifiers.edge == Edge::None
+        {
+            return self.write(at, object, origins);
+        }
+        let operand = self.operand(object);
+        let value = self.input(Some(input), object.span);
+        let span = object.span;
+        let is_value = matches!(&value, PinValue::Operand(_))
+            && object.modifiers.storage == Storage::None
+            && !object.modifiers.negated;
+        let (row, mut pins) = if is_value {
+            ("Move", vec![pin("in", value, false, span), pin("out1", operand, true, span)])
+        } else {
+            let row = match object.modifiers.storage {
+                Storage::None => "Coil",
+                Storage::Set => "S_Coil",
+                Storage::Reset => "R_Coil",
+            };
+            (row, vec![pin("in", value, false, span), pin("operand", operand, true, span)])
+        };
+        pins[1].negated = object.modifiers.negated;
+        if let Some(target) = self.row(row) {
+            self.element(Some(at), target, pins, span);
+        }
+    }
+
+    /// The output of a block goes to a variable: another pin of the block.
+    fn write(&mut self, at: usize, object: &Object, origins: Vec<Origin>) {
+        let Some(Origin::Pin(element, formal)) = origins.into_iter().next() else { return };
+        let operand = self.operand(object);
+        let canonical = self.output_name(element, &formal, object.span);
+        let mut output = pin(&canonical, operand, true, object.span);
+        output.storage = object.modifiers.storage;
+        output.negated = object.modifiers.negated ^ self.negated_output(element, &formal);
+        self.graph.elements[element].pins.push(output);
+        self.made.insert(at, element);
+        self.sources.entry(element).or_default().push(at);
+    }
+
+    /// The name of an output in the syntax tree; reports one that the element does not have.
+    fn output_name(&mut self, element: usize, formal: &str, span: Span) -> String {
+        let Some(target) = self.graph.elements.get(element).map(|element| &element.target) else {
+            return formal.to_string();
+        };
+        pin_name(target, formal, true, 0).unwrap_or_else(|| {
+            let text = format!("the block has no output `{formal}`");
+            let message = Diagnostic::new(Code::UnknownParameter, span, text);
+            self.reader
+                .messages
+                .push(message.label("comes from a pin that is not there").help("connect an output of the block"));
+            formal.to_string()
+        })
+    }
+
+    /// The block has a circle at this output.
+    fn negated_output(&self, element: usize, formal: &str) -> bool {
+        self.sources.get(&element).into_iter().flatten().any(|at| {
+            let mut outputs = self.objects[*at].outputs.iter();
+            outputs.any(|output| output.formal.eq_ignore_ascii_case(formal) && output.modifiers.negated)
+        })
+    }
+
+    fn block(&mut self, at: usize, object: &Object) {
+        let instance = object.instance.clone().map(|range| self.expr(range));
+        let span = object.span;
+        let mut templates = Vec::new();
+        let editor = self.reader.editor;
+        // Blocks of the library have pins as the project calls them.
+        let block = self.reader.pous.contains(&object.name.to_lowercase())
+            || object.instance.is_some() && functions::block(editor, &object.name).is_some();
+        let open = if block { None } else { elements::find_open(&object.name) };
+        let formula = if block || open.is_some() { None } else { self.formula(object) };
+        let conversion = if block || formula.is_some() { None } else { conversion(&object.name) };
+        let row = match &conversion {
+            Some((_, _, row)) => elements::find_sd(row).map(|(row, _)| row),
+            None if formula.is_some() => elements::find_sd(FORMULA).map(|(row, _)| row),
+            None => open.map(|row| self.word_gate(object).unwrap_or(row)),
+        };
+        if let Some((from, to, _)) = conversion {
+            let template = |key, ty: Elementary| Template { key, value: ty.name().to_string(), span };
+            templates.push(template(TemplateKey::Source, from));
+            templates.push(template(TemplateKey::Destination, to));
+        }
+        let flip_flop = row.is_some_and(|row| matches!(row.kind, elements::Kind::FlipFlop { .. }));
+        let target = match row {
+            Some(row) => Target::Element { row, instance: instance.clone().filter(|_| !flip_flop) },
+            None => {
+                let callee = instance.clone().unwrap_or_else(|| name(object.name.clone(), NameForm::Bare, span));
+                Target::Block { callee, instance: None }
+            }
+        };
+        let compared = row.is_some_and(|row| matches!(row.kind, elements::Kind::Compare(op) if op != "<>"));
+        let (mut pins, mut further) = (Vec::new(), Vec::new());
+        for (number, input) in object.inputs.iter().enumerate() {
+            if input.is_open() {
+                continue;
+            }
+            if compared && further_operand(&input.formal) {
+                further.push(input);
+                continue;
+            }
+            let Some(canonical) = pin_name(&target, &input.formal, false, number) else {
+                let text = format!("`{}` has no input `{}`", object.name, input.formal);
+                let message = Diagnostic::new(Code::UnknownParameter, input.span, text);
+                let help = "connect the pins that the block has";
+                self.reader.messages.push(message.label("not a pin of this block").help(help));
+                continue;
+            };
+            let mut connected = pin(&canonical, self.input(Some(input), input.span), false, input.span);
+            connected.negated = input.modifiers.negated;
+            pins.push(connected);
+        }
+        for pin in object.inputs.iter().chain(&object.outputs).filter(|pin| pin.modifiers.storage != Storage::None) {
+            self.reader.unreadable(pin.span, "a pin that sets or resets", "connect a coil that does");
+        }
+        for pin in object.outputs.iter().filter(|pin| pin.modifiers.edge != Edge::None) {
+            self.reader.unreadable(pin.span, "an edge at an output", "connect an R_TRIG or F_TRIG behind it");
+        }
+        if let (true, Some(state)) = (flip_flop, instance) {
+            pins.push(pin("operand", PinValue::Operand(state), false, span));
+        }
+        let last = pins.iter().find(|pin| pin.name == "in2").cloned();
+        let element = self.element(Some(at), target, pins, span);
+        self.graph.elements[element].templates = templates;
+        self.graph.elements[element].equation = formula;
+        if let (Some(last), Some(row)) = (last, row) {
+            self.compare_on(at, row, last, further);
+        }
+    }
+
+    /// A standard function that SCL has in other words, over the inputs `in1`, `in2` ….
+    fn formula(&mut self, object: &Object) -> Option<Expr> {
+        let inputs = object.inputs.iter().filter(|input| !input.formal.eq_ignore_ascii_case("EN") && !input.is_open());
+        let argument = |(at, input): (usize, &Connection)| {
+            let digits = input.formal.to_ascii_uppercase();
+            let number = digits.strip_prefix("IN").and_then(|digits| digits.parse().ok()).unwrap_or(at + 1);
+            let value = Some(name(format!("in{number}"), NameForm::Bare, object.span));
+            Argument { name: None, output: false, value, span: object.span }
+        };
+        let arguments: Vec<Argument> = inputs.enumerate().map(argument).collect();
+        let called = Name { text: object.name.clone(), form: NameForm::Bare, span: object.span };
+        let messages = &mut self.reader.messages;
+        let mut tell = |message| messages.push(message);
+        let kind = functions::rewritten(self.reader.editor, &called, &arguments, object.span, &mut tell)?;
+        Some(Expr { kind, span: object.span })
+    }
+
+    /// A comparison of more than two values: each with the next one, in a row.
+    fn compare_on(&mut self, at: usize, row: &'static Row, mut last: Pin, further: Vec<&Connection>) {
+        for input in further {
+            let Some(before) = self.made.get(&at).copied() else { return };
+            let flow = PinValue::Net(self.net(vec![Origin::Pin(before, "out".to_string())], input.span));
+            let mut next = pin("in2", self.input(Some(input), input.span), false, input.span);
+            next.negated = input.modifiers.negated;
+            last.name = "in1".to_string();
+            let pins = vec![pin("pre", flow, false, input.span), last, next.clone()];
+            self.element(Some(at), Target::Element { row, instance: None }, pins, input.span);
+            last = next;
+        }
+    }
+
+    /// AND, OR, XOR and NOT of words, when a declared variable at an input is one.
+    fn word_gate(&self, object: &Object) -> Option<&'static Row> {
+        let word = match object.name.to_ascii_uppercase().as_str() {
+            "AND" => "And",
+            "OR" => "Or",
+            "XOR" => "Xor",
+            "NOT" => "Inv",
+            _ => return None,
+        };
+        let is_word = |at: &usize| {
+            let text = self.objects[*at].text.clone().and_then(|range| self.reader.overlay.get(range));
+            text.is_some_and(|text| self.body.words.contains(&text.trim().to_lowercase()))
+        };
+        let mut inputs = object.inputs.iter().flat_map(|input| &input.from).map(|(at, _)| at);
+        inputs.any(is_word).then(|| elements::find_sd(word).map(|(row, _)| row))?
+    }
+}
+
+/// `IN3` and above.
+fn further_operand(formal: &str) -> bool {
+    let upper = formal.to_ascii_uppercase();
+    upper.strip_prefix("IN").and_then(|number| number.parse::<u32>().ok()).is_some_and(|number| number > 2)
+}
+
+fn edge_name(edge: Edge, none: &'static str, rising: &'static str, falling: &'static str) -> &'static str {
+    match edge {
+        Edge::None => none,
+        Edge::Rising => rising,
+        Edge::Falling => falling,
+    }
+}
+
+/// Types and element of `INT_TO_REAL`, `REAL_TRUNC_INT`.
+fn conversion(name: &str) -> Option<(Elementary, Elementary, &'static str)> {
+    let upper = name.to_ascii_uppercase();
+    for (infix, row) in [("_TO_", "Convert"), ("_TRUNC_", "Trunc")] {
+        if let Some((from, to)) = upper.split_once(infix) {
+            return Some((Elementary::from_word(from)?, Elementary::from_word(to)?, row));
+        }
+    }
+    None
+}
+
+/// The name of a pin in the syntax tree; `None`: the element has no such pin. A pin without a name is the `number`th of its side.
+fn pin_name(target: &Target, formal: &str, output: bool, number: usize) -> Option<String> {
+    let Target::Element { row, .. } = target else { return Some(formal.to_string()) };
+    let on_side = |pin: &elements::PinRow| (pin.direction == PinDirection::Output) == output;
+    if !formal.is_empty() {
+        return row.pin(formal).filter(|(pin, _)| on_side(pin)).map(|(_, canonical)| canonical);
+    }
+    let pins: Vec<elements::PinRow> =
+        row.pins().filter(|pin| on_side(pin) && pin.name() != "en" && pin.name() != "eno").collect();
+    match pins.iter().find(|pin| pin.numbered).filter(|_| !output) {
+        Some(first) => {
+            let stem = first.name().trim_end_matches(|c: char| c.is_ascii_digit());
+            let base: usize = first.name()[stem.len()..].parse().ok()?;
+            Some(format!("{stem}{}", base + number))
+        }
+        None => pins.get(number).map(|pin| pin.name().to_string()),
+    }
+}

@@ -1,0 +1,441 @@
+//! Bodies in IL (instruction list) as statements.
+//!
+//! The current result is kept as an expression until something takes it:
+//!
+//! ```text
+//! LD  a
+//! AND(
+//! LD  b          Lamp := a AND (b OR c);
+//! OR  c
+//! )
+//! ST  Lamp
+//! ```
+//!
+//! Jumps and labels become those of SCL. Behind a label and behind CAL there is no current result: IEC 61131-3 leaves it undefined.
+
+use std::ops::Range;
+
+use plcc_diag::{Code, Diagnostic, Span};
+use roxmltree::Node;
+
+use super::interface::elements;
+use super::{Body, Reader, functions};
+use plcc_syntax::scl::ast::{
+    Argument, AssignOp, BinaryOp, Expr, ExprKind, Name, NameForm, Statement, StatementKind, UnaryOp,
+};
+
+/// Open parentheses up to this depth.
+const DEPTH_MAX: usize = 100;
+
+/// A line: its label, its operator and what follows.
+#[derive(Debug)]
+struct Line {
+    label: Option<Range<usize>>,
+    operator: Option<Range<usize>>,
+    operand: Range<usize>,
+}
+
+/// Reads the IL body of a POU.
+pub fn read(reader: &mut Reader, body: &mut Body, node: Node) -> Vec<Statement> {
+    let Some(range) = reader.text_range(elements(node).next().unwrap_or(node)) else { return Vec::new() };
+    super::pragma::clear(reader.file, reader.editor, &mut reader.overlay, range.clone(), &mut reader.messages);
+    let text = without_comments(reader.overlay.get(range.clone()).unwrap_or_default());
+    let lines = lines(&text, range.start);
+    let mut list =
+        List { reader, body, text: &text, start: range.start, result: None, open: Vec::new(), statements: Vec::new() };
+    for (at, line) in lines.iter().enumerate() {
+        let kept = lines[at + 1..].iter().find(|line| line.operator.is_some() || line.label.is_some());
+        let kept = kept.is_some_and(|next| next.label.is_none() && !list.begins_anew(next));
+        list.line(line, kept);
+    }
+    if let Some((_, _, _, span)) = list.open.pop() {
+        list.refuse(span, "the parenthesis is not closed", "close it by `)` on a line of its own");
+    }
+    list.statements
+}
+
+struct List<'r, 'a, 'b> {
+    reader: &'r mut Reader<'a>,
+    body: &'b mut Body,
+    /// Without comments; it begins at byte `start` of the file.
+    text: &'r str,
+    start: usize,
+    result: Option<Expr>,
+    /// Operators before an open parenthesis: negated, with the result before it.
+    open: Vec<(BinaryOp, bool, Option<Expr>, Span)>,
+    statements: Vec<Statement>,
+}
+
+impl List<'_, '_, '_> {
+    fn slice(&self, range: &Range<usize>) -> &str {
+        self.text.get(range.start - self.start..range.end - self.start).unwrap_or_default()
+    }
+
+    /// The line does not need the result before it.
+    fn begins_anew(&self, line: &Line) -> bool {
+        let Some(operator) = &line.operator else { return true };
+        matches!(self.slice(operator).to_ascii_uppercase().as_str(), "LD" | "LDN" | "CAL" | "JMP" | "RET")
+    }
+
+    fn refuse(&mut self, span: Span, text: &str, help: &str) {
+        self.reader.messages.push(Diagnostic::new(Code::ForeignContent, span, text).help(help));
+    }
+
+    fn push(&mut self, kind: StatementKind, span: Span) {
+        self.statements.push(Statement { kind, span });
+    }
+
+    /// `kept`: the result is needed behind this line, too.
+    fn line(&mut self, line: &Line, kept: bool) {
+        if let Some(label) = &line.label {
+            let span = self.reader.span(label.clone());
+            let name = Name { text: self.slice(label).to_string(), form: NameForm::Bare, span };
+            self.push(StatementKind::Label(name), span);
+            self.result = None;
+        }
+        let Some(operator) = line.operator.clone() else { return };
+        let span = self.reader.span(operator.clone());
+        let word = self.slice(&operator).to_ascii_uppercase();
+        if word == ")" {
+            return self.close(span);
+        }
+        match word.as_str() {
+            "LD" | "LDN" => {
+                let value = self.operand(line, span);
+                self.result = value.map(|value| negated(value, word == "LDN"));
+            }
+            "ST" | "STN" => self.store(line, word == "STN", span),
+            "S" | "R" => self.set(line, word == "S", kept, span),
+            "JMP" | "JMPC" | "JMPCN" => {
+                let label = line.operand.clone();
+                let name = self.slice(&label).trim().to_string();
+                if name.is_empty() {
+                    return self.refuse(span, "a jump without a label", "write the label behind it");
+                }
+                let label = Name { text: name, form: NameForm::Bare, span: self.reader.span(label) };
+                self.conditional(&word, kept, vec![StatementKind::Goto(label)], span);
+            }
+            "RET" | "RETC" | "RETCN" => self.conditional(&word, kept, vec![StatementKind::Return(None)], span),
+            "CAL" | "CALC" | "CALCN" => self.call(line, &word, kept, span),
+            "NOT" if line.operand.is_empty() => match self.result.take() {
+                Some(value) => self.result = Some(negated(value, true)),
+                None => self.no_result(span),
+            },
+            "S1" | "R1" | "CLK" | "CU" | "CD" | "PV" | "IN" | "PT" | "LD1" if !self.body.scope.is_own(&word) => {
+                self.input(line, &word, span);
+            }
+            _ => match binary(&word) {
+                Some((op, not)) => self.operator(line, op, not, span),
+                None => self.function(line, &operator, span),
+            },
+        }
+    }
+
+    fn no_result(&mut self, span: Span) {
+        let help = "begin with LD; behind a label and behind CAL the result is undefined";
+        self.refuse(span, "there is no current result here", help);
+    }
+
+    fn taken(&mut self, span: Span) -> Option<Expr> {
+        let value = self.result.take();
+        if value.is_none() {
+            self.no_result(span);
+        }
+        value
+    }
+
+    fn operand(&mut self, line: &Line, span: Span) -> Option<Expr> {
+        if self.slice(&line.operand).trim().is_empty() {
+            self.refuse(span, "an operator without its operand", "write the operand behind it");
+            return None;
+        }
+        Some(self.reader.expression(line.operand.clone(), Some(&self.body.scope)))
+    }
+
+    /// The result in a BOOL of its own, so that it can be used twice.
+    fn kept_result(&mut self, span: Span) -> Option<Expr> {
+        let value = self.taken(span)?;
+        if matches!(value.kind, ExprKind::Literal(_)) {
+            self.result = Some(value.clone());
+            return Some(value);
+        }
+        let name = Name { text: self.body.hidden_name("result", span), form: NameForm::Local, span };
+        let hidden = Expr { kind: ExprKind::Name(name), span };
+        self.push(StatementKind::Assign { targets: vec![(hidden.clone(), AssignOp::Set)], value }, span);
+        self.result = Some(hidden.clone());
+        Some(hidden)
+    }
+
+    fn condition(&mut self, not: bool, kept: bool, span: Span) -> Option<Expr> {
+        let value = if kept { self.kept_result(span) } else { self.taken(span) };
+        value.map(|value| negated(value, not))
+    }
+
+    fn store(&mut self, line: &Line, not: bool, span: Span) {
+        let (Some(value), Some(target)) = (self.taken(span), self.operand(line, span)) else { return };
+        let value = negated(value, not);
+        self.push(StatementKind::Assign { targets: vec![(target.clone(), AssignOp::Set)], value }, span);
+        self.result = Some(negated(target, not));
+    }
+
+    fn set(&mut self, line: &Line, value: bool, kept: bool, span: Span) {
+        let (Some(condition), Some(target)) = (self.condition(false, kept, span), self.operand(line, span)) else {
+            return;
+        };
+        let literal =
+            plcc_syntax::scl::ast::Literal::Typed { ty: plcc_syntax::Elementary::Bool, bits: u64::from(value) };
+        let value = Expr { kind: ExprKind::Literal(literal), span };
+        let kind = StatementKind::Assign { targets: vec![(target, AssignOp::Set)], value };
+        self.when(condition, vec![Statement { kind, span }], span);
+    }
+
+    fn when(&mut self, condition: Expr, body: Vec<Statement>, span: Span) {
+        self.push(StatementKind::If { branches: vec![(condition, body)], otherwise: Vec::new() }, span);
+    }
+
+    /// Statements that C and CN behind the operator make depend on the result.
+    fn conditional(&mut self, word: &str, kept: bool, kinds: Vec<StatementKind>, span: Span) {
+        let body: Vec<Statement> = kinds.into_iter().map(|kind| Statement { kind, span }).collect();
+        if !word.ends_with('C') && !word.ends_with("CN") {
+            return self.statements.extend(body);
+        }
+        if let Some(condition) = self.condition(word.ends_with('N'), kept, span) {
+            self.when(condition, body, span);
+        }
+    }
+
+    /// `CAL Timer(IN := a, PT := T#1s)`, `CAL Timer`
+    fn call(&mut self, line: &Line, word: &str, kept: bool, span: Span) {
+        let body = match self.slice(&line.operand).contains('(') {
+            true => self.reader.statements(line.operand.clone(), self.body),
+            false => {
+                let Some(callee) = self.operand(line, span) else { return };
+                let kind = ExprKind::Call { callee: Box::new(callee), arguments: Vec::new() };
+                vec![Statement { kind: StatementKind::Expression(Expr { kind, span }), span }]
+            }
+        };
+        let always = !word.ends_with("C") && !word.ends_with("CN");
+        self.conditional(word, kept, body.into_iter().map(|statement| statement.kind).collect(), span);
+        if always {
+            self.result = None;
+        }
+    }
+
+    /// `IN Timer`: the result is an input of a call.
+    fn input(&mut self, line: &Line, formal: &str, span: Span) {
+        let (Some(value), Some(callee)) = (self.taken(span), self.operand(line, span)) else { return };
+        let name = Some(Name { text: formal.to_string(), form: NameForm::Bare, span });
+        let arguments = vec![Argument { name, output: false, value: Some(value), span }];
+        let call = Expr { kind: ExprKind::Call { callee: Box::new(callee), arguments }, span };
+        self.push(StatementKind::Expression(call), span);
+    }
+
+    fn operator(&mut self, line: &Line, op: BinaryOp, not: bool, span: Span) {
+        let operand = self.slice(&line.operand);
+        if let Some(inner) = operand.trim_start().strip_prefix('(')
+            && !operand.trim_end().ends_with(')')
+        {
+            let at = line.operand.start + operand.len() - operand.trim_start().len() + 1;
+            let inner = at..at + inner.len();
+            if self.open.len() >= DEPTH_MAX {
+                return self.refuse(span, "parentheses stand too deep in one another", "keep a part in a variable");
+            }
+            let before = self.taken(span);
+            self.open.push((op, not, before, span));
+            let inner = Line { label: None, operator: None, operand: inner };
+            self.result = match self.slice(&inner.operand).trim().is_empty() {
+                true => None,
+                false => self.operand(&inner, span),
+            };
+            return;
+        }
+        if let (Some(left), Some(right)) = (self.taken(span), self.operand(line, span)) {
+            self.result = Some(combined(op, left, negated(right, not), span));
+        }
+    }
+
+    fn close(&mut self, span: Span) {
+        let Some((op, not, before, opening)) = self.open.pop() else {
+            return self.refuse(span, "`)` closes nothing", "write the operator with `(` before it");
+        };
+        if let (Some(left), Some(right)) = (before, self.taken(span)) {
+            self.result = Some(combined(op, left, negated(right, not), opening));
+        }
+    }
+
+    /// A function: the result is its first argument, unless all stand in parentheses.
+    fn function(&mut self, line: &Line, operator: &Range<usize>, span: Span) {
+        if self.slice(&line.operand).trim_start().starts_with('(') {
+            let whole = operator.start..line.operand.end;
+            self.result = Some(self.reader.expression(whole, Some(&self.body.scope)));
+            return;
+        }
+        let Some(first) = self.taken(span) else { return };
+        let mut values = vec![first];
+        for range in split(self.slice(&line.operand), line.operand.start) {
+            values.push(self.reader.expression(range, Some(&self.body.scope)));
+        }
+        let argument = |value: Expr| Argument { name: None, output: false, span: value.span, value: Some(value) };
+        let arguments: Vec<Argument> = values.into_iter().map(argument).collect();
+        let name = Name { text: self.slice(operator).to_string(), form: NameForm::Bare, span };
+        let messages = &mut self.reader.messages;
+        let standard = match self.body.scope.is_own(&name.text) {
+            true => None,
+            false => {
+                functions::rewritten(self.reader.editor, &name, &arguments, span, &mut |message| messages.push(message))
+            }
+        };
+        let callee = Box::new(Expr { kind: ExprKind::Name(name), span });
+        let kind = standard.unwrap_or(ExprKind::Call { callee, arguments });
+        self.result = Some(Expr { kind, span });
+    }
+}
+
+fn negated(value: Expr, not: bool) -> Expr {
+    let span = value.span;
+    match not {
+        true => Expr { kind: ExprKind::Unary { op: UnaryOp::Not, operand: Box::new(value) }, span },
+        false => value,
+    }
+}
+
+fn combined(op: BinaryOp, left: Expr, right: Expr, span: Span) -> Expr {
+    Expr { kind: ExprKind::Binary { op, op_span: span, left: Box::new(left), right: Box::new(right) }, span }
+}
+
+/// The operator of a word, and whether it negates its operand.
+fn binary(word: &str) -> Option<(BinaryOp, bool)> {
+    Some(match word {
+        "AND" | "&" => (BinaryOp::And, false),
+        "ANDN" | "&N" => (BinaryOp::And, true),
+        "OR" => (BinaryOp::Or, false),
+        "ORN" => (BinaryOp::Or, true),
+        "XOR" => (BinaryOp::Xor, false),
+        "XORN" => (BinaryOp::Xor, true),
+        "ADD" => (BinaryOp::Add, false),
+        "SUB" => (BinaryOp::Subtract, false),
+        "MUL" => (BinaryOp::Multiply, false),
+        "DIV" => (BinaryOp::Divide, false),
+        "MOD" => (BinaryOp::Modulo, false),
+        "GT" => (BinaryOp::Greater, false),
+        "GE" => (BinaryOp::GreaterEqual, false),
+        "EQ" => (BinaryOp::Equal, false),
+        "NE" => (BinaryOp::NotEqual, false),
+        "LE" => (BinaryOp::LessEqual, false),
+        "LT" => (BinaryOp::Less, false),
+        _ => return None,
+    })
+}
+
+/// The text with blanks for comments.
+pub fn without_comments(text: &str) -> String {
+    let mut bytes = text.as_bytes().to_vec();
+    let mut at = 0;
+    while at < bytes.len() {
+        let rest = &bytes[at..];
+        let end = |close: &[u8]| {
+            rest.windows(close.len())
+                .skip(2)
+                .position(|part| part == close)
+                .map_or(rest.len(), |at| at + 2 + close.len())
+        };
+        let (length, is_comment) = if rest.starts_with(b"(*") {
+            (end(b"*)"), true)
+        } else if rest.starts_with(b"//") {
+            (rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len()), true)
+        } else if rest[0] == b'\'' {
+            (rest[1..].iter().position(|byte| matches!(byte, b'\'' | b'\n')).map_or(rest.len(), |at| at + 2), false)
+        } else {
+            (1, false)
+        };
+        if is_comment {
+            bytes[at..at + length].iter_mut().filter(|byte| **byte != b'\n').for_each(|byte| *byte = b' ');
+        }
+        at += length.max(1);
+    }
+    String::from_utf8(bytes).unwrap_or_else(|_| text.to_string())
+}
+
+/// Parts between commas outside parentheses.
+fn split(text: &str, start: usize) -> Vec<Range<usize>> {
+    let mut parts = Vec::new();
+    let (mut depth, mut begin) = (0i32, 0);
+    for (at, c) in text.char_indices().chain([(text.len(), ',')]) {
+        match c {
+            '(' | '[' => depth += 1,
+            ')' | ']' => depth -= 1,
+            ',' if depth <= 0 => {
+                if !text[begin..at].trim().is_empty() {
+                    parts.push(start + begin..start + at);
+                }
+                begin = at + 1;
+            }
+            _ => {}
+        }
+    }
+    parts
+}
+
+/// The lines of a text; a list of parameters may go over several.
+fn lines(text: &str, start: usize) -> Vec<Line> {
+    let mut found = Vec::new();
+    let mut at = 0;
+    while at < text.len() {
+        let mut end = text[at..].find('\n').map_or(text.len(), |length| at + length);
+        let mut line = read_line(&text[at..end]);
+        // `CAL Timer(` and functions with formals go on until their parenthesis is closed.
+        let joins = line.operator.clone().is_some_and(|range| {
+            let word = text[at + range.start..at + range.end].to_ascii_uppercase();
+            word.starts_with("CAL") || !is_operator(&word)
+        });
+        while joins && depth(&text[at..end]) > 0 && end < text.len() {
+            end = text[end + 1..].find('\n').map_or(text.len(), |length| end + 1 + length);
+            line = read_line(&text[at..end]);
+        }
+        let moved = |range: Range<usize>| start + at + range.start..start + at + range.end;
+        if line.label.is_some() || line.operator.is_some() {
+            found.push(Line {
+                label: line.label.map(moved),
+                operator: line.operator.map(moved),
+                operand: moved(line.operand),
+            });
+        }
+        at = end + 1;
+    }
+    found
+}
+
+fn is_operator(word: &str) -> bool {
+    binary(word).is_some() || matches!(word, "LD" | "LDN" | "ST" | "STN" | "S" | "R" | "NOT" | ")" | "RET")
+}
+
+fn depth(text: &str) -> i32 {
+    text.chars().fold(0, |depth, c| depth + i32::from(c == '(') - i32::from(c == ')'))
+}
+
+fn read_line(text: &str) -> Line {
+    let skip = |at: usize| at + text[at..].len() - text[at..].trim_start().len();
+    let word = |at: usize| at + text[at..].find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len() - at);
+    let mut at = skip(0);
+    let mut label = None;
+    let end = word(at);
+    let colon = skip(end);
+    if end > at && text[colon..].starts_with(':') && !text[colon..].starts_with(":=") {
+        label = Some(at..end);
+        at = skip(colon + 1);
+    }
+    let end = match text[at..].chars().next() {
+        Some(')') => at + 1,
+        Some('&') => at + 1 + usize::from(text[at + 1..].starts_with(['N', 'n'])),
+        _ => word(at).max(at),
+    };
+    if end == at {
+        // What is no operator is told by the reader of expressions.
+        let rest = text[at..].trim_end().len();
+        let operator = (rest > 0).then_some(at..at + rest);
+        return Line { label, operator, operand: at + rest..at + rest };
+    }
+    let from = skip(end).min(text.len());
+    let operand = from..from + text[from..].trim_end().len();
+    Line { label, operator: Some(at..end), operand }
+}

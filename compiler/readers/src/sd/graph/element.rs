@@ -1,0 +1,199 @@
+//! One element of a rung: what it is, and its pins.
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use super::pins::Pins;
+use super::settings::{self, Settings};
+use super::{Builder, Carried, Flow};
+use crate::sd::pragma::Attribute;
+use crate::sd::tree::Node;
+use plcc_syntax::network::absent;
+use plcc_syntax::network::ast::{Comparison, Element, Eno, Language, Pin, Storage, Target};
+use plcc_syntax::network::elements::{self, Gate, Kind, Row};
+
+/// What the text before the parentheses means.
+enum Meaning {
+    Row {
+        row: &'static Row,
+        /// The name says that the operand is negated.
+        negated: bool,
+        /// `#t1` of `#t1.TON`.
+        before: Option<Span>,
+    },
+    Block,
+    Unknown,
+}
+
+impl Builder<'_, '_> {
+    /// Adds the element of `node` to the graph; the flow goes through it.
+    pub(super) fn element(&mut self, carried: &mut Carried, node: Node, attributes: Vec<Attribute>) {
+        let inline = node.inline.as_deref().unwrap_or_default();
+        let before = std::mem::replace(carried, Carried { flow: Flow::Lost, inverted: false });
+        match self.meaning(node.target) {
+            Meaning::Row { row, .. } if passes_through(row, &node) => *carried = before,
+            Meaning::Row { row, negated, before: operand } => {
+                self.check_language(row, node.target);
+                let settings = self.settings(&attributes, inline);
+                let eno = settings::eno(row, settings.eno, node.inline.is_some());
+                let mut pins = Pins::of_row(row, negated);
+                let mut instance = None;
+                if let Some(span) = operand {
+                    let value = self.operand(span);
+                    match row.kind {
+                        Kind::Instance(_) => instance = Some(value),
+                        _ => pins.operand(span, value),
+                    }
+                }
+                self.pins(&mut pins, node.arguments);
+                self.flow_in(&mut pins, row.pin(row.flow.0).map(|(_, name)| name), before, node.target);
+                let ended = row.flow.1.is_empty();
+                let cases = self.cases(&settings, &pins);
+                let element = self.add(Target::Element { row, instance }, settings, eno, pins, cases, node.target);
+                carried.flow = if ended { Flow::Ended(node.target) } else { Flow::Element(element) };
+            }
+            Meaning::Block => {
+                let settings = self.settings(&attributes, inline);
+                let callee = self.operand(node.target);
+                let mut pins = Pins::of_block();
+                self.pins(&mut pins, node.arguments);
+                self.flow_in(&mut pins, Some("en".to_string()), before, node.target);
+                let eno = settings.eno.unwrap_or_default();
+                let target = Target::Block { callee, instance: None };
+                let element = self.add(target, settings, eno, pins, Vec::new(), node.target);
+                carried.flow = Flow::Element(element);
+            }
+            Meaning::Unknown => {
+                self.report_unknown(node.target);
+                // What stands behind it is not to blame.
+                *carried = before;
+            }
+        }
+    }
+
+    fn add(
+        &mut self,
+        target: Target,
+        settings: Settings,
+        eno: Eno,
+        pins: Pins,
+        cases: Vec<Comparison>,
+        span: Span,
+    ) -> usize {
+        self.graph.elements.push(Element {
+            target,
+            templates: settings.templates,
+            eno,
+            pins: pins.finish(),
+            equation: settings.equation,
+            cases,
+            span,
+        });
+        // What feeds a net from a pin that is written `out => wire#w1`.
+        self.feed_from_pins(self.graph.elements.len() - 1);
+        self.graph.elements.len() - 1
+    }
+
+    /// `Contact`, `#t1.TON`, `"DB".ctu.CTU`; the rest is a call of a block.
+    fn meaning(&self, target: Span) -> Meaning {
+        let text = self.slice(target);
+        if let Some((row, negated)) = elements::find_sd(text) {
+            return Meaning::Row { row, negated, before: None };
+        }
+        if let Some((operand, name)) = text.rsplit_once('.')
+            && let Some((row, negated)) = elements::find_sd(name.trim())
+            && matches!(row.kind, Kind::Instance(_) | Kind::FlipFlop { .. } | Kind::S5Timer(_) | Kind::S5Counter(_))
+        {
+            let span = Span { end: target.start + operand.trim_end().len() as u32, ..target };
+            return Meaning::Row { row, negated, before: Some(span) };
+        }
+        if text.starts_with(['"', '#', '%', '_']) || text.contains(['.', '[']) {
+            Meaning::Block
+        } else {
+            Meaning::Unknown
+        }
+    }
+
+    fn report_unknown(&mut self, target: Span) {
+        let name = self.slice(target);
+        if let Some((why, help)) = absent::reason(name) {
+            let diagnostic =
+                Diagnostic::new(Code::UnknownElement, target, format!("plcc does not have the element `{name}`"));
+            self.report(diagnostic.label(why).help(help));
+            return;
+        }
+        let help = match elements::nearest_sd(name) {
+            Some(known) => {
+                format!("`{known}` was meant? FCs and instance DBs are called with quotes, `\"{name}\"( … )`")
+            }
+            None => format!(
+                "FCs and instance DBs are called with quotes, `\"{name}\"( … )`; `docs/reference/lad-fbd.md` lists the elements"
+            ),
+        };
+        let diagnostic = Diagnostic::new(Code::UnknownElement, target, format!("`{name}` is no element of LAD or FBD"))
+            .label("not in the table of elements")
+            .help(help);
+        self.report(diagnostic);
+    }
+
+    /// Contacts belong to LAD, gates to FBD.
+    fn check_language(&mut self, row: &Row, target: Span) {
+        let (language, help) = match (row.kind, self.language) {
+            (Kind::Contact, Language::Fbd) => {
+                ("LAD", "begin the rung with the operand, or write it at a pin of `A( in2 := … )`")
+            }
+            (Kind::Not, Language::Fbd) => ("LAD", "write `NOT` without parentheses between the elements"),
+            (Kind::Gate(_), Language::Lad) => {
+                ("FBD", "write elements in series for AND, and rungs that end in one wire for OR")
+            }
+            _ => return,
+        };
+        let name = self.slice(target);
+        let diagnostic = Diagnostic::new(Code::ElementPlace, target, format!("`{name}` is an element of {language}"))
+            .label("the network is in the other language")
+            .help(help);
+        self.report(diagnostic);
+    }
+
+    /// Connects the flow to the pin `name`, unless an argument has done it.
+    fn flow_in(&mut self, pins: &mut Pins, name: Option<String>, carried: Carried, target: Span) {
+        let Some(name) = name else { return };
+        let given = pins.given(&name);
+        let rail = match carried.flow {
+            Flow::Net(net) => self.graph.net(net).name.eq_ignore_ascii_case("powerrail"),
+            _ => false,
+        };
+        if let Some(span) = given {
+            if !rail && !matches!(carried.flow, Flow::Nothing | Flow::Lost) {
+                self.report(
+                    Diagnostic::new(Code::DuplicateParameter, span, format!("the pin `{name}` is connected twice"))
+                        .label("a second time")
+                        .also(target, "the rung leads to this pin")
+                        .help("remove it here, or begin a rung of its own for the element"),
+                );
+            }
+            return;
+        }
+        if let Some((value, negated)) = self.taken(carried) {
+            let pin = Pin { name, value, negated, output: false, storage: Storage::None, span: target };
+            pins.first(pin);
+        }
+    }
+
+    /// The comparisons of SWITCH, one for each branch: of its attributes, or of the form `GE #x => label`.
+    fn cases(&mut self, settings: &Settings, pins: &Pins) -> Vec<Comparison> {
+        let mut cases = settings.cases.clone();
+        cases.extend(pins.cases());
+        cases.sort_by_key(|(number, _)| *number);
+        cases.dedup_by_key(|(number, _)| *number);
+        cases.into_iter().map(|(_, comparison)| comparison).collect()
+    }
+}
+
+/// `A()` without pins: the flow goes through unchanged.
+fn passes_through(row: &Row, node: &Node) -> bool {
+    matches!(row.kind, Kind::Gate(Gate::And))
+        && node
+            .arguments
+            .iter()
+            .all(|argument| argument.value.is_none() && argument.pin == crate::sd::tree::Pin::Unnamed)
+}

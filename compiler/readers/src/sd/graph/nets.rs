@@ -1,0 +1,151 @@
+//! Wires by name: which nets they are, who feeds them and who takes from them.
+
+use std::collections::HashMap;
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use super::super::tree::Wire;
+use super::Builder;
+use plcc_syntax::network::ast::{Language, NetId, Source};
+
+/// The name of the net that is TRUE.
+const RAIL: &str = "powerrail";
+
+/// The nets that have names.
+#[derive(Default)]
+pub struct Nets {
+    by_name: HashMap<String, usize>,
+    wires: Vec<Known>,
+}
+
+struct Known {
+    net: NetId,
+    /// What feeds it in the middle of a rung.
+    inline: Vec<Source>,
+    /// What feeds it at the end of a rung.
+    ends: Vec<Source>,
+    /// Where it is fed, the second place too.
+    fed: Vec<Span>,
+    used: Option<Span>,
+    /// Rungs that end in it and do nothing else.
+    idle: Vec<Span>,
+}
+
+/// Where a wire is fed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    Inline,
+    End,
+}
+
+impl Nets {
+    /// What feeds a net in the middle of a rung.
+    pub fn add_source(&mut self, net: NetId, source: Source) {
+        if let Some(known) = self.wires.iter_mut().find(|known| known.net == net) {
+            known.inline.push(source);
+        }
+    }
+
+    /// The flow goes on behind the wire.
+    pub fn note_inline_use(&mut self, net: NetId) {
+        if let Some(known) = self.wires.iter_mut().find(|known| known.net == net)
+            && known.used.is_none()
+        {
+            known.used = known.fed.first().copied();
+        }
+    }
+}
+
+impl Builder<'_, '_> {
+    /// The net of a wire that something takes from.
+    pub(super) fn consumed(&mut self, wire: Wire) -> NetId {
+        let index = self.known(wire);
+        let known = &mut self.nets.wires[index];
+        known.used.get_or_insert(wire.span);
+        known.net
+    }
+
+    /// The net of a wire that `source` feeds; without one the mistake has been reported.
+    pub(super) fn fed(&mut self, wire: Wire, source: Option<Source>, place: Place, effect: bool) -> Option<NetId> {
+        if wire.name.eq_ignore_ascii_case(RAIL) {
+            self.report(
+                Diagnostic::new(Code::ElementPlace, wire.span, "a rung leads into the power rail")
+                    .label("the power rail is always TRUE")
+                    .help("end the rung in a wire of its own, `wire#w1`, or in a coil"),
+            );
+            return None;
+        }
+        let index = self.known(wire);
+        let net = self.nets.wires[index].net;
+        if let Some(source) = &source {
+            self.connect(source, net);
+        }
+        let known = &mut self.nets.wires[index];
+        known.fed.push(wire.span);
+        if !effect && place == Place::End {
+            known.idle.push(wire.span);
+        }
+        match place {
+            Place::Inline => known.inline.extend(source),
+            Place::End => known.ends.extend(source),
+        }
+        Some(net)
+    }
+
+    fn known(&mut self, wire: Wire) -> usize {
+        let name = wire.name.to_lowercase();
+        if let Some(index) = self.nets.by_name.get(&name) {
+            return *index;
+        }
+        let net = self.graph.add_net(wire.name, wire.span);
+        let mut known =
+            Known { net, inline: Vec::new(), ends: Vec::new(), fed: Vec::new(), used: None, idle: Vec::new() };
+        if name == RAIL {
+            known.inline.push(Source::Rail);
+            known.fed.push(wire.span);
+            known.used = Some(wire.span);
+        }
+        self.nets.wires.push(known);
+        self.nets.by_name.insert(name, self.nets.wires.len() - 1);
+        self.nets.wires.len() - 1
+    }
+
+    /// Gives the nets their sources, and reports wires that lead from or to nowhere.
+    pub(super) fn finish_nets(&mut self) {
+        for known in std::mem::take(&mut self.nets.wires) {
+            let name = self.graph.net(known.net).name.clone();
+            if let (Some(used), []) = (known.used, known.fed.as_slice()) {
+                self.report(
+                    Diagnostic::new(Code::NoSource, used, format!("nothing feeds `wire#{name}`"))
+                        .label("taken from here")
+                        .help(match self.language {
+                            Language::Lad => "end a rung in this wire, or let the rung begin at `wire#powerrail`",
+                            _ => "end a rung in this wire, or write the operand at the pin",
+                        }),
+                );
+            }
+            if known.used.is_none() {
+                for idle in known.idle {
+                    self.report(
+                        Diagnostic::new(Code::OpenBranch, idle, format!("nothing takes from `wire#{name}`"))
+                            .label("the rung leads nowhere")
+                            .help("connect the wire to an element, or end the rung with a coil"),
+                    );
+                }
+            }
+            if let (Language::Fbd, [first, second, ..]) = (self.language, known.fed.as_slice())
+                && !name.eq_ignore_ascii_case(RAIL)
+            {
+                self.report(
+                    Diagnostic::new(Code::Tolerated, *second, format!("`wire#{name}` is fed twice"))
+                        .label("taken as OR")
+                        .also(*first, "fed here first")
+                        .help("FBD joins branches with `O( in2 := … )`"),
+                );
+            }
+            let sources = &mut self.graph.nets[known.net.0 as usize].sources;
+            sources.extend(known.inline);
+            sources.extend(known.ends);
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Operands, labels and formulas of a network: parts of its text, read with the grammar of SCL.
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use super::Builder;
+use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm, UnaryOp};
+use plcc_syntax::scl::fragment;
+
+impl Builder<'_, '_> {
+    pub(super) fn slice(&self, span: Span) -> &str {
+        self.text.text.get(span.range()).unwrap_or_default()
+    }
+
+    pub(super) fn expression(&mut self, span: Span) -> Expr {
+        let (expr, messages) = fragment::expression(self.text.file, self.text.text, span.range());
+        self.diagnostics.extend(messages);
+        expr
+    }
+
+    /// The expression of an operand: a variable, an address or a constant.
+    pub(super) fn operand(&mut self, span: Span) -> Expr {
+        let (expr, messages) = fragment::expression(self.text.file, self.text.text, span.range());
+        let told = messages.iter().any(|message| message.is_error() && message.code != Code::Syntax);
+        self.diagnostics.extend(messages.into_iter().filter(|message| message.code != Code::Syntax));
+        if told || is_operand(&expr) {
+            return expr;
+        }
+        self.report(
+            Diagnostic::new(Code::Syntax, span, format!("`{}` is no operand", self.slice(span)))
+                .label("neither a variable nor an address nor a constant")
+                .help(
+                    "write e.g. `#name`, `\"Tag\"`, `\"DB\".member`, `%I0.0` or a constant; CALCULATE takes a formula",
+                ),
+        );
+        Expr { kind: ExprKind::Error, span }
+    }
+
+    /// A label; it may be called like a keyword.
+    pub(super) fn label_name(&self, span: Span) -> Name {
+        let text = self.slice(span).trim_matches(['"', '#']).to_string();
+        Name { text, form: NameForm::Bare, span }
+    }
+
+    pub(super) fn label_expression(&self, span: Span) -> Expr {
+        Expr { kind: ExprKind::Name(self.label_name(span)), span }
+    }
+}
+
+/// Whether an expression can be connected to a pin.
+fn is_operand(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Literal(_)
+        | ExprKind::Name(_)
+        | ExprKind::Absolute(_)
+        | ExprKind::Member { .. }
+        | ExprKind::MemberAbsolute { .. }
+        | ExprKind::Slice { .. }
+        | ExprKind::Index { .. }
+        | ExprKind::Dereference(_) => true,
+        ExprKind::Unary { op, operand } => {
+            *op != UnaryOp::Not && matches!(operand.kind, ExprKind::Literal(_) | ExprKind::Name(_))
+        }
+        ExprKind::Call { .. } | ExprKind::Reference(_) | ExprKind::Binary { .. } | ExprKind::Error => false,
+    }
+}

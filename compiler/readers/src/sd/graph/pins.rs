@@ -1,0 +1,306 @@
+//! Pins of an element: by name or by position, in the order of the table.
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use super::{Builder, nets};
+use crate::sd::tree::{Argument, Pin as Given, Value, ValueKind};
+use plcc_syntax::network::ast::{Comparison, Pin, PinValue, Source, Storage};
+use plcc_syntax::network::elements::{Kind, PinDirection, PinRow, Row};
+use plcc_syntax::scl::ast::Expr;
+
+/// The pins of an element that is being read.
+pub struct Pins {
+    /// None: a call.
+    row: Option<&'static Row>,
+    /// The operand is negated by the name of the element.
+    negated: bool,
+    /// With its place in the table.
+    pins: Vec<(Place, Pin)>,
+    /// Comparisons of the form `GE #x => label`.
+    cases: Vec<(usize, Comparison)>,
+}
+
+/// Flow first, then by the table: index of the pin, number of a numbered one.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Place {
+    Flow,
+    Table(usize, u32),
+}
+
+impl Pins {
+    pub fn of_row(row: &'static Row, negated: bool) -> Pins {
+        Pins { row: Some(row), negated, pins: Vec::new(), cases: Vec::new() }
+    }
+
+    pub fn of_block() -> Pins {
+        Pins { row: None, negated: false, pins: Vec::new(), cases: Vec::new() }
+    }
+
+    /// The operand that stands before the element's name.
+    pub fn operand(&mut self, span: Span, value: Expr) {
+        let Some(row) = self.row else { return };
+        let wanted = match row.kind {
+            Kind::S5Timer(_) => "timer",
+            Kind::S5Counter(_) => "counter",
+            _ => "operand",
+        };
+        if let Some((known, name)) = row.pin(wanted) {
+            let output = known.direction == PinDirection::Output;
+            let value = PinValue::Operand(value);
+            self.add(Pin { name, value, negated: false, output, storage: Storage::None, span });
+        }
+    }
+
+    /// Connects the flow.
+    pub fn first(&mut self, pin: Pin) {
+        self.pins.push((Place::Flow, pin));
+    }
+
+    /// Where a pin was given.
+    pub fn given(&self, name: &str) -> Option<Span> {
+        self.pins.iter().find(|(_, pin)| pin.name.eq_ignore_ascii_case(name)).map(|(_, pin)| pin.span)
+    }
+
+    /// Comparisons by the number of their branch.
+    pub fn cases(&self) -> impl Iterator<Item = (usize, Comparison)> {
+        self.cases.iter().copied()
+    }
+
+    /// The pins in their order; open ones that may be missing are left out. Those of a call stay as written, behind the flow.
+    pub fn finish(mut self) -> Vec<Pin> {
+        let row = self.row;
+        self.pins.retain(|(_, pin)| {
+            let optional = row.and_then(|row| row.pin(&pin.name)).is_some_and(|(known, _)| known.optional);
+            !(optional && pin.value == PinValue::Open)
+        });
+        self.pins.sort_by_key(|(place, _)| *place);
+        self.pins.into_iter().map(|(_, pin)| pin).collect()
+    }
+
+    fn add(&mut self, pin: Pin) {
+        let place = match self.row {
+            Some(row) => place_of(row, &pin.name),
+            None => Place::Table(0, 0),
+        };
+        self.pins.push((place, pin));
+    }
+
+    /// The row's pin that the next of `count` arguments without a name means.
+    fn next_unnamed(&self, row: &'static Row, count: usize) -> Option<(PinRow, String)> {
+        let is = |pin: &PinRow, flow: &str| !flow.is_empty() && pin.matches(flow).is_some();
+        let mut order: Vec<PinRow> = row.pins().filter(|pin| !is(pin, row.flow.0) && !is(pin, row.flow.1)).collect();
+        if matches!(row.kind, Kind::FlipFlop { .. }) && count > 2 {
+            // `SR( operand, s, r )`: the pin of the flow is among them.
+            order.splice(1..1, row.pins().filter(|pin| is(pin, row.flow.0)));
+        }
+        order.into_iter().find(|pin| self.given(pin.name()).is_none()).map(|pin| (pin, pin.name().to_string()))
+    }
+}
+
+/// The place of a pin in the table.
+fn place_of(row: &Row, name: &str) -> Place {
+    if row.pin(row.flow.0).is_some_and(|(_, flow)| flow == name) {
+        return Place::Flow;
+    }
+    let index = row.pins().position(|pin| pin.matches(name).is_some()).unwrap_or(usize::MAX);
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    Place::Table(index, name[stem.len()..].parse().unwrap_or(0))
+}
+
+/// The pin of a row that the text calls `name`.
+fn find_pin(row: &'static Row, name: &str) -> Option<(PinRow, String)> {
+    // `r` and `s` of flip-flops in short.
+    let dominant = || match row.kind {
+        Kind::FlipFlop { .. } => row.pin(&format!("{name}1")),
+        _ => None,
+    };
+    row.pin(name).or_else(dominant)
+}
+
+/// Coils whose operand is written with `:=` as well as with `=>`.
+fn takes_both_signs(row: &Row) -> bool {
+    matches!(
+        row.kind,
+        Kind::Coil
+            | Kind::SetCoil
+            | Kind::ResetCoil
+            | Kind::EdgeCoil { .. }
+            | Kind::BitField { .. }
+            | Kind::TimerCoil(_)
+            | Kind::ResetTimer
+            | Kind::PresetTimer
+            | Kind::S5Timer(_)
+            | Kind::CounterCoil(_)
+    )
+}
+
+/// Pins that name a label.
+fn is_label(row: &Row, name: &str) -> bool {
+    match row.kind {
+        Kind::Jump { .. } => name == "label",
+        Kind::JumpList | Kind::Switch => name.starts_with("dest") || name == "else",
+        _ => false,
+    }
+}
+
+impl Builder<'_, '_> {
+    /// Reads the arguments of an element.
+    pub(super) fn pins(&mut self, pins: &mut Pins, arguments: Vec<Argument>) {
+        let count = arguments.iter().filter(|argument| argument.pin == Given::Unnamed).count();
+        let mut branch = 0;
+        for argument in arguments {
+            let Argument { pin, value, span } = argument;
+            match (pin, pins.row) {
+                (Given::Error, _) => {}
+                (Given::Unnamed, _) if value.is_none() => {}
+                (Given::Unnamed, Some(row)) => match pins.next_unnamed(row, count) {
+                    Some((known, name)) => self.row_pin(pins, row, known, name, value, span),
+                    None => self.report_surplus(row, span),
+                },
+                (Given::Unnamed, None) => self.report_unnamed(span),
+                (Given::Input(name), Some(row)) => self.named_pin(pins, row, name, false, value, span),
+                (Given::Output(name), Some(row)) => self.named_pin(pins, row, name, true, value, span),
+                (Given::Input(name), None) => self.call_pin(pins, name, false, value, span),
+                (Given::Output(name), None) => self.call_pin(pins, name, true, value, span),
+                (Given::Case(sign, label), Some(row)) if row.kind == Kind::Switch => {
+                    pins.cases.push((branch, sign));
+                    if let Some((known, name)) = row.pin(&format!("case{branch}")) {
+                        self.row_pin(pins, row, known, name, value, span);
+                    }
+                    if let Some((known, name)) = row.pin(&format!("dst{branch}")) {
+                        let label = Value { negated: false, kind: ValueKind::Operand(label) };
+                        self.row_pin(pins, row, known, name, Some(label), span);
+                    }
+                    branch += 1;
+                }
+                (Given::Case(..), _) => self.report(
+                    Diagnostic::new(Code::Syntax, span, "only SWITCH has branches with a comparison")
+                        .label("no pin")
+                        .help("write `pin := operand` or `pin => operand`"),
+                ),
+            }
+        }
+    }
+
+    /// `in2 := #b`
+    fn named_pin(
+        &mut self,
+        pins: &mut Pins,
+        row: &'static Row,
+        name: Span,
+        output: bool,
+        value: Option<Value>,
+        span: Span,
+    ) {
+        let text = self.slice(name).trim_matches(['"', '#']);
+        let Some((known, canonical)) = find_pin(row, text) else {
+            let names: Vec<&str> = row.pins().map(|pin| pin.name()).collect();
+            let diagnostic =
+                Diagnostic::new(Code::UnknownParameter, name, format!("`{}` has no pin `{text}`", row.name))
+                    .label("not a pin of this element")
+                    .help(format!("its pins are {}", names.join(", ")));
+            return self.report(diagnostic);
+        };
+        let fits = match known.direction {
+            PinDirection::Input => !output,
+            PinDirection::Output => output,
+            PinDirection::InOut => true,
+        };
+        let first_operand = matches!(canonical.as_str(), "operand" | "timer" | "counter");
+        if fits || first_operand && takes_both_signs(row) && output {
+            // As the table has it, or as the TIA Portal writes coils.
+        } else {
+            let (sign, wanted) = if output { ("=>", ":=") } else { (":=", "=>") };
+            let tolerated = first_operand && takes_both_signs(row);
+            let code = if tolerated { Code::Tolerated } else { Code::Syntax };
+            let kind = if output { "input" } else { "output" };
+            let diagnostic = Diagnostic::new(code, name, format!("`{text}` is an {kind}, but has the sign `{sign}`"))
+                .label(format!("an {kind} of `{}`", row.name))
+                .help(format!("write `{text} {wanted} …`"));
+            self.report(diagnostic);
+        }
+        self.row_pin(pins, row, known, canonical, value, span);
+    }
+
+    /// A pin of the table.
+    fn row_pin(
+        &mut self,
+        pins: &mut Pins,
+        row: &'static Row,
+        known: PinRow,
+        name: String,
+        value: Option<Value>,
+        span: Span,
+    ) {
+        if let Some(first) = pins.given(&name) {
+            self.report_twice(&name, first, span);
+            return;
+        }
+        let output = known.direction == PinDirection::Output;
+        let (value, negated) = self.value(value, output, is_label(row, &name));
+        let negated = negated ^ (pins.negated && name == "operand");
+        pins.add(Pin { name, value, negated, output, storage: Storage::None, span });
+    }
+
+    /// A pin of a call.
+    fn call_pin(&mut self, pins: &mut Pins, name: Span, output: bool, value: Option<Value>, span: Span) {
+        let text = self.slice(name).trim_matches(['"', '#']).to_string();
+        if let Some(first) = pins.given(&text) {
+            self.report_twice(&text, first, span);
+            return;
+        }
+        let (value, negated) = self.value(value, output, false);
+        let flow = !output && text.eq_ignore_ascii_case("en");
+        let name = if flow || output && text.eq_ignore_ascii_case("eno") { text.to_lowercase() } else { text };
+        let pin = Pin { name, value, negated, output, storage: Storage::None, span };
+        if flow { pins.first(pin) } else { pins.add(pin) }
+    }
+
+    /// What a pin is connected to, and whether inverted.
+    fn value(&mut self, value: Option<Value>, output: bool, label: bool) -> (PinValue, bool) {
+        let Some(Value { negated, kind }) = value else { return (PinValue::Open, false) };
+        let value = match kind {
+            ValueKind::Wire(wire) if output => {
+                self.fed(wire, None, nets::Place::Inline, true).map_or(PinValue::Open, PinValue::Net)
+            }
+            ValueKind::Wire(wire) => PinValue::Net(self.consumed(wire)),
+            ValueKind::Operand(span) if label => PinValue::Operand(self.label_expression(span)),
+            ValueKind::Operand(span) => PinValue::Operand(self.operand(span)),
+        };
+        (value, negated)
+    }
+
+    /// Nets that the pins of a new element feed: `out => wire#w1`.
+    pub(super) fn feed_from_pins(&mut self, element: usize) {
+        for (pin, given) in self.graph.elements[element].pins.iter().enumerate() {
+            if let (true, PinValue::Net(net)) = (given.output, &given.value) {
+                self.nets.add_source(*net, Source::Pin { element, pin });
+            }
+        }
+    }
+
+    fn report_twice(&mut self, name: &str, first: Span, second: Span) {
+        self.report(
+            Diagnostic::new(Code::DuplicateParameter, second, format!("the pin `{name}` is given twice"))
+                .label("a second time")
+                .also(first, "given here first")
+                .help("remove one of them"),
+        );
+    }
+
+    fn report_surplus(&mut self, row: &Row, span: Span) {
+        self.report(
+            Diagnostic::new(Code::UnknownParameter, span, format!("`{}` has no further operand", row.name))
+                .label("belongs to no pin")
+                .help("remove it, or write the pin's name before it: `pin := operand`"),
+        );
+    }
+
+    fn report_unnamed(&mut self, span: Span) {
+        self.report(
+            Diagnostic::new(Code::Syntax, span, "the pins of a call have names")
+                .label("which pin is meant?")
+                .help("write `pin := operand` for inputs and `pin => operand` for outputs"),
+        );
+    }
+}

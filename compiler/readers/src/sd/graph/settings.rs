@@ -1,0 +1,150 @@
+//! Settings of an element: types, ENO, the formula of CALCULATE, the comparisons of SWITCH.
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use super::Builder;
+use crate::sd::pragma::Attribute;
+use plcc_syntax::network::ast::{Comparison, Eno, Template, TemplateKey};
+use plcc_syntax::network::elements::{Kind, Row};
+use plcc_syntax::scl::ast::Expr;
+
+/// What the attributes of an element say.
+#[derive(Default)]
+pub struct Settings {
+    pub templates: Vec<Template>,
+    /// None: not said.
+    pub eno: Option<Eno>,
+    pub equation: Option<Expr>,
+    /// By the number of the branch.
+    pub cases: Vec<(usize, Comparison)>,
+}
+
+/// Functions whose ENO always tells of errors (LAD/FBD reference B.9); the other boxes have a switch for it.
+const ENO_ALWAYS: [&str; 17] = [
+    "T_CONV",
+    "T_ADD",
+    "T_SUB",
+    "T_DIFF",
+    "T_COMBINE",
+    "LEN",
+    "MAX_LEN",
+    "CONCAT",
+    "LEFT",
+    "RIGHT",
+    "MID",
+    "DELETE",
+    "INSERT",
+    "REPLACE",
+    "FIND",
+    "RUNTIME",
+    "GET_ERR_ID",
+];
+
+/// Boxes without a value that have the switch (LAD/FBD reference B.5).
+const ENO_SWITCHED: [&str; 4] = ["MOVE_BLK", "UMOVE_BLK", "FILL_BLK", "UFILL_BLK"];
+
+/// Whether ENO of an element tells of errors. `inline`: its settings stand behind its name, as V20 writes them.
+pub fn eno(row: &Row, said: Option<Eno>, inline: bool) -> Eno {
+    let switch = row.flow.1 == "eno"
+        && match row.kind {
+            Kind::Instance(_) => false,
+            Kind::Procedure(name) => ENO_SWITCHED.contains(&name),
+            Kind::Function(name) => !ENO_ALWAYS.contains(&name),
+            _ => true,
+        };
+    match said {
+        Some(eno) => eno,
+        None if switch && !inline => Eno::Disabled,
+        None => Eno::Default,
+    }
+}
+
+impl Builder<'_, '_> {
+    /// Reads the attributes before an element and those behind its name.
+    pub(super) fn settings(&mut self, attributes: &[Attribute], inline: &[Attribute]) -> Settings {
+        let mut settings = Settings::default();
+        for attribute in attributes {
+            match () {
+                () if attribute.is("S7_Templates") => self.templates(attribute, &mut settings.templates),
+                () => self.setting(attribute, &mut settings),
+            }
+        }
+        for attribute in inline {
+            let key = TemplateKey::of(&attribute.key);
+            match key {
+                _ if attribute.is("S7_Templates") => self.templates(attribute, &mut settings.templates),
+                TemplateKey::Other => self.setting(attribute, &mut settings),
+                // The pins tell how many there are.
+                TemplateKey::Card => {}
+                _ => settings.templates.push(Template {
+                    key,
+                    value: type_name(&attribute.value),
+                    span: attribute.key_span.to(attribute.value_span),
+                }),
+            }
+        }
+        settings
+    }
+
+    fn setting(&mut self, attribute: &Attribute, settings: &mut Settings) {
+        let truth = |yes, no| attribute.truth().map(|truth| if truth { yes } else { no });
+        let case = attribute.key.get(..4).filter(|head| head.eq_ignore_ascii_case("CASE"));
+        match () {
+            () if attribute.is("S7_GenerateENO") => settings.eno = truth(Eno::Generated, Eno::Disabled),
+            () if attribute.is("DisableENO") || attribute.is("DisabledENO") => {
+                settings.eno = truth(Eno::Disabled, Eno::Generated);
+            }
+            () if attribute.is("S7_Expression") || attribute.is("Equation") || attribute.is("Expression") => {
+                settings.equation = Some(self.expression(attribute.value_span));
+            }
+            () if case.is_some() => {
+                let number = attribute.key[4..].parse::<usize>().ok().filter(|number| *number < 1000);
+                match (number, Comparison::of(&attribute.value)) {
+                    (Some(number), Some(comparison)) => settings.cases.push((number, comparison)),
+                    _ => self.report(
+                        Diagnostic::new(
+                            Code::ElementType,
+                            attribute.key_span.to(attribute.value_span),
+                            "no comparison of SWITCH",
+                        )
+                        .label("`==`, `<>`, `<`, `<=`, `>` or `>=` is wanted")
+                        .help("write e.g. `{ CASE0 := \"==\"; CASE1 := \">\" }`"),
+                    ),
+                }
+            }
+            () => {}
+        }
+    }
+
+    /// `SrcType := Int`, `[SrcType := Int, DestType := Real]`
+    fn templates(&mut self, attribute: &Attribute, templates: &mut Vec<Template>) {
+        let text = attribute.value.as_str();
+        let bare = text.trim().trim_start_matches('[').trim_end_matches(']');
+        if bare.trim().is_empty() {
+            return;
+        }
+        for entry in bare.split([',', ';']) {
+            let offset = entry.as_ptr() as usize - text.as_ptr() as usize;
+            let start = attribute.value_span.start + offset as u32;
+            let span = Span { start, end: start + entry.len() as u32, ..attribute.value_span };
+            match entry.split_once(":=") {
+                Some((key, value)) if !key.trim().is_empty() => {
+                    let key = TemplateKey::of(key.trim());
+                    if key != TemplateKey::Card {
+                        templates.push(Template { key, value: type_name(value), span });
+                    }
+                }
+                _ => self.report(
+                    Diagnostic::new(Code::ElementType, span, "no data type of an element")
+                        .label("`key := type` is wanted")
+                        .help("write e.g. `\"SrcType := Int\"`, or `\"[SrcType := Int, DestType := Real]\"`"),
+                ),
+            }
+        }
+    }
+}
+
+/// A type name without quotes; empty where the type is found from the operands.
+fn type_name(text: &str) -> String {
+    text.trim().trim_matches(['"', '\'']).trim().to_string()
+}

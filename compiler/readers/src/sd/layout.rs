@@ -1,0 +1,285 @@
+//! Layout of a network in LAD or FBD: raw tokens to the tokens of the grammar.
+//!
+//! A word is an element, a pin, an operand or a label by the place where it stands. This pass gives each its meaning, joins the tokens of an
+//! operand into one, and closes rungs and parentheses that the source left open.
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+
+use super::pragma;
+use super::token::{Spanned, Tok};
+use plcc_syntax::network::ast::Comparison;
+use plcc_syntax::scl::raw::{RawKind, RawToken};
+
+/// What the layout of a network gives.
+pub struct Laid<'a> {
+    pub tokens: Vec<Spanned<'a>>,
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Lays out the tokens between `NETWORK` and `END_NETWORK`.
+pub fn lay_out<'a>(file: FileId, text: &'a str, raw: &[RawToken]) -> Laid<'a> {
+    let mut layout = Layout { file, text, raw, at: 0, out: Vec::with_capacity(raw.len()), diagnostics: Vec::new() };
+    layout.network();
+    Laid { tokens: layout.out, diagnostics: layout.diagnostics }
+}
+
+struct Layout<'a, 'r> {
+    file: FileId,
+    text: &'a str,
+    raw: &'r [RawToken],
+    /// Index of the next raw token.
+    at: usize,
+    out: Vec<Spanned<'a>>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl<'a> Layout<'a, '_> {
+    /// Labels and rungs.
+    fn network(&mut self) {
+        while let Some(token) = self.raw.get(self.at).copied() {
+            if self.is_word("RUNG") {
+                self.rung(token);
+            } else if self.is_word("Label") && self.kind_at(self.at + 1) == Some(RawKind::LeftParen) {
+                self.take(Tok::Label);
+                self.arguments();
+            } else {
+                self.outside_of_rungs(token);
+            }
+        }
+    }
+
+    /// Skips what stands outside of rungs.
+    fn outside_of_rungs(&mut self, token: RawToken) {
+        let diagnostic = if token.kind == RawKind::LeftBrace {
+            Diagnostic::new(Code::Syntax, self.span(token), "attributes stand between rungs")
+                .label("belongs to no element and no network")
+                .help("write attributes of a network directly before `NETWORK`, those of an element directly before it")
+        } else if token.kind == RawKind::Semicolon {
+            self.at += 1;
+            return;
+        } else {
+            let text = &self.text[token.range()];
+            let title = if self.is_word("END_RUNG") {
+                "`END_RUNG` stands without RUNG".to_owned()
+            } else {
+                format!("`{text}` stands outside of a rung")
+            };
+            Diagnostic::new(Code::Syntax, self.span(token), title)
+                .label("no rung is open here")
+                .help("a network of LAD or FBD holds rungs from `RUNG` to `END_RUNG`")
+        };
+        self.diagnostics.push(diagnostic);
+        self.at += 1;
+        while self.at < self.raw.len() && !self.is_word("RUNG") && !self.is_word("Label") {
+            self.at += 1;
+        }
+    }
+
+    /// A rung from `RUNG` to its end.
+    fn rung(&mut self, opening: RawToken) {
+        self.take(Tok::Rung);
+        while let Some(token) = self.raw.get(self.at).copied() {
+            if self.is_word("RUNG") {
+                break;
+            } else if self.is_word("END_RUNG") {
+                self.take(Tok::EndRung);
+                if let Some(name) = self.wire() {
+                    self.push_up_to(Tok::Wire(name), self.at + 2);
+                }
+                return;
+            } else if let Some(name) = self.wire() {
+                self.push_up_to(Tok::Wire(name), self.at + 2);
+            } else if token.kind == RawKind::LeftBrace {
+                let (attributes, behind) = pragma::read(self.file, self.text, self.raw, self.at, &mut self.diagnostics);
+                self.push_up_to(Tok::Pragma(attributes), behind);
+            } else if self.is_word("NOT") && self.kind_at(self.at + 1) != Some(RawKind::LeftParen) {
+                self.take(Tok::Not);
+            } else if let Some(behind) = self.operand_end() {
+                self.operand_or_element(behind);
+            } else {
+                self.take(Tok::Stray);
+            }
+        }
+        self.diagnostics.push(
+            Diagnostic::new(Code::Syntax, self.span(opening), "`END_RUNG` is missing")
+                .label("this rung is not closed")
+                .help("write `END_RUNG`, or `END_RUNG wire#w1`, behind its last element"),
+        );
+        self.push_here(Tok::EndRung);
+    }
+
+    /// The name of the wire at hand, `wire#w1`, which is two raw tokens.
+    fn wire(&self) -> Option<&'a str> {
+        let next = self.raw.get(self.at + 1).copied()?;
+        let adjacent = self.raw[self.at].end == next.start;
+        let is_wire = self.is_word("wire") && next.kind == RawKind::Local && adjacent;
+        is_wire.then(|| self.text[next.range()].trim_start_matches('#').trim_matches('"'))
+    }
+
+    /// An element with its pins, or an operand that leads a rung. The tokens of its name end before index `behind`.
+    fn operand_or_element(&mut self, behind: usize) {
+        match self.kind_at(behind) {
+            Some(RawKind::LeftParen) => self.push_up_to(Tok::Target, behind),
+            Some(RawKind::LeftBrace)
+                if pragma::end(self.raw, behind).is_some_and(|end| self.kind_at(end) == Some(RawKind::LeftParen)) =>
+            {
+                self.push_up_to(Tok::Target, behind);
+                let (attributes, end) = pragma::read(self.file, self.text, self.raw, behind, &mut self.diagnostics);
+                self.push_up_to(Tok::Inline(attributes), end);
+            }
+            _ => return self.push_up_to(Tok::Operand, behind),
+        }
+        self.arguments();
+    }
+
+    /// `( pin := value, pin => value )`
+    fn arguments(&mut self) {
+        let opening = self.raw[self.at];
+        self.take(Tok::LeftParen);
+        while let Some(token) = self.raw.get(self.at).copied() {
+            match token.kind {
+                RawKind::RightParen => return self.take(Tok::RightParen),
+                RawKind::Comma => self.take(Tok::Comma),
+                RawKind::Assign => self.take(Tok::Assign),
+                RawKind::Arrow => self.take(Tok::Arrow),
+                _ if self.is_word("RUNG") || self.is_word("END_RUNG") => break,
+                RawKind::Word | RawKind::Quoted | RawKind::Local
+                    if matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Arrow)) =>
+                {
+                    self.take(Tok::Pin);
+                }
+                _ if self.is_word("NOT") => self.take(Tok::Negated),
+                _ => self.value_of_pin(),
+            }
+        }
+        self.diagnostics.push(
+            Diagnostic::new(Code::Syntax, self.span(opening), "`(` is not closed")
+                .label("opened here")
+                .help("write `)` behind the last pin"),
+        );
+        self.push_here(Tok::RightParen);
+    }
+
+    /// A wire, an operand, or a comparison of SWITCH with its operand.
+    fn value_of_pin(&mut self) {
+        if let Some(name) = self.wire() {
+            return self.push_up_to(Tok::Connected(name), self.at + 2);
+        }
+        if let Some(sign) = self.case() {
+            self.take(Tok::Case(sign));
+        }
+        self.value();
+    }
+
+    /// The comparison at hand in `GE #limit => label`.
+    fn case(&self) -> Option<Comparison> {
+        let word = self.raw[self.at];
+        let behind = self.kind_at(self.at + 1)?;
+        let operand = matches!(
+            behind,
+            RawKind::Word | RawKind::Local | RawKind::Quoted | RawKind::Number | RawKind::Literal | RawKind::Absolute
+        );
+        if word.kind == RawKind::Word && operand {
+            Comparison::of(&self.text[word.range()].to_uppercase())
+        } else {
+            None
+        }
+    }
+
+    /// An operand up to the next `,`, `)`, `:=` or `=>` outside of brackets.
+    fn value(&mut self) {
+        let (first, mut depth) = (self.at, 0usize);
+        while let Some(token) = self.raw.get(self.at) {
+            match token.kind {
+                RawKind::LeftParen | RawKind::LeftBracket => depth += 1,
+                RawKind::RightParen | RawKind::RightBracket if depth > 0 => depth -= 1,
+                RawKind::RightParen | RawKind::Comma | RawKind::Assign | RawKind::Arrow if depth == 0 => break,
+                RawKind::Semicolon | RawKind::LeftBrace | RawKind::RightBrace => break,
+                _ if self.is_word("RUNG") || self.is_word("END_RUNG") => break,
+                _ => {}
+            }
+            self.at += 1;
+        }
+        let behind = self.at;
+        self.at = first;
+        if behind == first { self.take(Tok::Stray) } else { self.push_up_to(Tok::Value, behind) }
+    }
+
+    /// Index behind the name or constant at hand: `#a.b[1]`, `"DB".x`, `%I0.0`, `TRUE`, `Contact`.
+    fn operand_end(&self) -> Option<usize> {
+        let mut at = self.at;
+        match self.kind_at(at)? {
+            RawKind::Number | RawKind::Real | RawKind::Literal | RawKind::Text => return Some(at + 1),
+            RawKind::Word | RawKind::Quoted | RawKind::Local | RawKind::Absolute => at += 1,
+            _ => return None,
+        }
+        loop {
+            match (self.kind_at(at), self.kind_at(at + 1)) {
+                (
+                    Some(RawKind::Dot),
+                    Some(RawKind::Word | RawKind::Quoted | RawKind::Slice | RawKind::Absolute | RawKind::Number),
+                ) => at += 2,
+                (Some(RawKind::LeftBracket), _) => {
+                    let mut depth = 0usize;
+                    let length = self.raw[at..].iter().position(|token| {
+                        match token.kind {
+                            RawKind::LeftBracket => depth += 1,
+                            RawKind::RightBracket => depth -= 1,
+                            _ => {}
+                        }
+                        depth == 0
+                    });
+                    match length {
+                        Some(length) => at += length + 1,
+                        None => return Some(at),
+                    }
+                }
+                _ => return Some(at),
+            }
+        }
+    }
+
+    // Raw tokens.
+
+    fn kind_at(&self, index: usize) -> Option<RawKind> {
+        self.raw.get(index).map(|token| token.kind)
+    }
+
+    /// Whether `word` is at hand.
+    fn is_word(&self, word: &str) -> bool {
+        is_word(self.text, self.raw, self.at, word)
+    }
+
+    fn span(&self, token: RawToken) -> Span {
+        Span { file: self.file, start: token.start, end: token.end }
+    }
+
+    // Tokens of the grammar.
+
+    /// Pushes `token` for the raw token at hand and goes on.
+    fn take(&mut self, token: Tok<'a>) {
+        self.push_up_to(token, self.at + 1);
+    }
+
+    /// Pushes `token` for the raw tokens from the one at hand to before index `behind`.
+    fn push_up_to(&mut self, token: Tok<'a>, behind: usize) {
+        let (start, end) = (self.raw[self.at].start, self.raw[behind - 1].end);
+        self.out.push((start as usize, token, end as usize));
+        self.at = behind;
+    }
+
+    /// Pushes a token of no width behind what has been read.
+    fn push_here(&mut self, token: Tok<'a>) {
+        let end = self.at.checked_sub(1).map_or(0, |before| self.raw[before].end as usize);
+        self.out.push((end, token, end));
+    }
+}
+
+/// Whether `word` stands at `index`, as a word of its own.
+pub fn is_word(text: &str, tokens: &[RawToken], index: usize, word: &str) -> bool {
+    tokens.get(index).is_some_and(|token| {
+        token.kind == RawKind::Word
+            && text[token.range()].eq_ignore_ascii_case(word)
+            && index.checked_sub(1).is_none_or(|before| tokens[before].kind != RawKind::Dot)
+    })
+}

@@ -1,0 +1,65 @@
+//! SIMATIC SD (`.s7dcl`): blocks of LAD, FBD and SCL networks, data blocks and types as the TIA Portal V20 and later export them.
+//!
+//! ```text
+//! text ──► raw tokens ──┬─► heads and declarations ──► grammar of SCL ──────────────┐
+//!      scl/raw.rs    frame.rs                                                       ├──► syntax tree
+//!                       └─► networks ──► tokens ──► rungs ──► elements and nets ────┘
+//!                                   layout.rs    sd.lalrpop     graph/
+//! ```
+//!
+//! The words, names and constants are those of SCL, so that its lexer reads them. Texts of titles and comments stand in a file
+//! beside the source: [`Texts`]. Source: LAD/FBD reference, chapter A.
+
+mod blocks;
+mod context;
+mod frame;
+mod graph;
+mod layout;
+mod network;
+mod pragma;
+mod texts;
+mod token;
+mod tree;
+
+#[allow(clippy::all, clippy::pedantic, dead_code, unused_imports, unused_parens, missing_docs)] // Generated.
+mod grammar {
+    include!(concat!(env!("OUT_DIR"), "/sd/sd.rs"));
+}
+
+use std::fmt::Write as _;
+
+use plcc_diag::{Diagnostic, FileId};
+
+use crate::ReadOptions;
+use plcc_syntax::ast::SourceUnit;
+use plcc_syntax::scl::raw;
+
+pub use texts::Texts;
+
+/// Parses a document. Errors are recovered; what could not be parsed is left out or is an error node.
+pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
+    let mut diagnostics = Vec::new();
+    let document = frame::read(file, text, raw::scan(text), &mut diagnostics);
+    let unit = blocks::build(file, text, document, options, &mut diagnostics);
+    diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    (unit, diagnostics)
+}
+
+/// The tokens of the networks as the grammar sees them, one per line, for `--emit tokens`.
+pub fn tokens_text(text: &str) -> String {
+    let file = FileId::default();
+    let document = frame::read(file, text, raw::scan(text), &mut Vec::new());
+    let mut out = String::new();
+    let (mut line, mut counted) = (1usize, 0usize);
+    for network in document.blocks.iter().flat_map(|block| &block.networks) {
+        let laid = layout::lay_out(file, text, &document.tokens[network.tokens.clone()]);
+        for (start, token, _) in &laid.tokens {
+            if *start >= counted {
+                line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
+                counted = *start;
+            }
+            writeln!(out, "{line}: {token:?}").expect("a String takes all text");
+        }
+    }
+    out
+}

@@ -1,0 +1,124 @@
+//! A network of a document: its language, its texts, and what it holds.
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+
+use super::frame::{Frame, NetworkSource};
+use super::{blocks, context, grammar, graph, layout, pragma, texts};
+use plcc_syntax::comment::{self, Comment};
+use plcc_syntax::network::ast::{Content, Language, Network};
+use plcc_syntax::scl::fragment;
+use plcc_syntax::scl::raw::RawToken;
+
+/// What networks are read from.
+pub struct Source<'a> {
+    pub file: FileId,
+    pub text: &'a str,
+    /// All tokens of the text.
+    pub tokens: &'a [RawToken],
+    /// Comments inside of networks.
+    pub comments: &'a [Comment],
+    /// Assertions are read.
+    pub pragmas: bool,
+}
+
+/// Reads a network.
+pub fn read(
+    source: &Source,
+    frame: &Frame,
+    network: &NetworkSource,
+    texts: &mut texts::Lookup,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Network {
+    let language = language(source, frame, network);
+    let mut find = |key: &str| {
+        let attribute = pragma::find(&network.attributes, key)?;
+        texts.find(attribute, diagnostics)
+    };
+    let title = find("S7_NetworkTitle");
+    let comment = find("S7_NetworkComment").map(|text| blocks::lines(&text)).unwrap_or_default();
+    let (labels, content) = match language {
+        Language::Scl => {
+            let (statements, messages) =
+                fragment::statements(source.file, source.text, network.bytes.clone(), source.pragmas);
+            diagnostics.extend(messages);
+            (Vec::new(), Content::Scl(statements))
+        }
+        _ => {
+            let (labels, graph) = graphic(source, network, language, diagnostics);
+            (labels, Content::Graphic(graph))
+        }
+    };
+    Network { language, title, comment, labels, content, span: network.span }
+}
+
+/// Of the network's attributes, else of the block's, else as it looks like.
+fn language(source: &Source, frame: &Frame, network: &NetworkSource) -> Language {
+    let named = |attributes: &[pragma::Attribute], key: &str| {
+        let value = pragma::find(attributes, key)?.value.trim();
+        let value = value.strip_prefix("F_").unwrap_or(value);
+        [("LAD", Language::Lad), ("FBD", Language::Fbd), ("SCL", Language::Scl)]
+            .into_iter()
+            .find_map(|(name, language)| name.eq_ignore_ascii_case(value).then_some(language))
+    };
+    let looks = || {
+        let tokens = &source.tokens[network.tokens.clone()];
+        let word = |word: &str| layout::is_word(source.text, tokens, 0, word);
+        if tokens.is_empty() || word("RUNG") || word("Label") { Language::Lad } else { Language::Scl }
+    };
+    named(&network.attributes, "S7_Language")
+        .or_else(|| named(&frame.attributes, "S7_PreferredLanguage"))
+        .or_else(|| named(&frame.attributes, "S7_Language"))
+        .or_else(|| named(&frame.attributes, "S7_EditorMode"))
+        .unwrap_or_else(looks)
+}
+
+/// A network of rungs.
+fn graphic(
+    source: &Source,
+    network: &NetworkSource,
+    language: Language,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> (Vec<plcc_syntax::scl::ast::Name>, plcc_syntax::network::ast::Graph) {
+    report_assertions(source, network, diagnostics);
+    let laid = layout::lay_out(source.file, source.text, &source.tokens[network.tokens.clone()]);
+    let mut reported: Vec<u32> = laid.diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
+    reported.sort_unstable();
+    diagnostics.extend(laid.diagnostics);
+    let mut context = context::Context {
+        file: source.file,
+        text: source.text,
+        tokens: &laid.tokens,
+        diagnostics: Vec::new(),
+        reported,
+    };
+    let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
+    let parts = match grammar::NetworkParser::new().parse(&mut context, tokens) {
+        Ok(parts) => parts,
+        Err(error) => {
+            if context.diagnostics.is_empty() {
+                let at = plcc_syntax::frame::error_range(&error).map_or(network.bytes.end, |(start, _)| start);
+                let message = context.message(at, context::Place::Network);
+                context.diagnostics.push(message);
+            }
+            Vec::new()
+        }
+    };
+    diagnostics.append(&mut context.diagnostics);
+    graph::build(source, language, parts, diagnostics)
+}
+
+/// Assertions stand between networks: in a network nothing tells when they would be looked at.
+fn report_assertions(source: &Source, network: &NetworkSource, diagnostics: &mut Vec<Diagnostic>) {
+    let mut next = source.comments.partition_point(|comment| (comment.start as usize) < network.bytes.start);
+    while source.pragmas
+        && let Some(found) = comment::next_pragma(source.text, source.comments, &mut next, network.bytes.end as u32)
+    {
+        let span = Span { file: source.file, start: found.start, end: found.end };
+        diagnostics.push(
+            Diagnostic::new(Code::Pragma, span, "an assertion stands inside a network of LAD or FBD")
+                .label("between rungs")
+                .help("write it behind `END_NETWORK`; it is looked at when the network has run"),
+        );
+        next += 1;
+    }
+}

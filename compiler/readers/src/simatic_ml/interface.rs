@@ -1,0 +1,180 @@
+//! Interfaces: `Sections` with their members.
+
+use plcc_diag::Span;
+use roxmltree::Node;
+
+use super::data_type;
+use super::initial;
+use super::reader::Reader;
+use super::schema;
+use crate::xml::{attribute_range, child, children, elements, head, text_of};
+use plcc_syntax::ast::{Constant, Retain, Section, SectionKind, TypeKind, TypeRef, Variable};
+use plcc_syntax::scl::ast::{Expr, ExprKind};
+
+/// How deep structures may stand in one another.
+const DEPTH_MAX: usize = 64;
+
+/// The declarations of a block.
+#[derive(Default)]
+pub struct Interface {
+    pub sections: Vec<Section>,
+    pub constants: Vec<Constant>,
+    /// What the function gives; `None` for VOID.
+    pub return_type: Option<TypeRef>,
+}
+
+/// The sections of an object: in `Interface`, or right below its attributes.
+pub fn sections<'a, 'i>(object: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
+    let interface = super::reader::setting(object, "Interface")?;
+    child(interface, "Sections")
+}
+
+/// Whether the sections are those of a block in GRAPH: they have what each sequence has.
+fn is_chart(sections: Option<Node>) -> bool {
+    let is_base = |section: Node| section.attribute("Name") == Some("Base");
+    sections.is_some_and(|sections| children(sections, "Section").any(is_base))
+}
+
+/// Whether a member holds data of steps, transitions or the sequencer, which the chart itself tells of. `chart`: it is one of a block in GRAPH.
+/// Source: GRAPH reference B.1.
+fn is_chart_data(member: Node, chart: bool) -> bool {
+    let datatype = member.attribute("Datatype").unwrap_or_default().trim().trim_matches('"');
+    datatype.starts_with("G7_") || chart && member.attribute("Name") == Some("RT_DATA")
+}
+
+/// Reads the sections of a block with code. `chart`: it is written in GRAPH; `whose`: the block, in messages.
+pub fn read(reader: &mut Reader, sections: Option<Node>, chart: bool, whose: &str) -> Interface {
+    let mut interface = Interface::default();
+    if let Some(sections) = sections {
+        schema::check(reader, sections, schema::Place::Declaration, whose);
+    }
+    for section in sections.iter().flat_map(|sections| children(*sections, "Section")) {
+        let kind = match section.attribute("Name").unwrap_or_default() {
+            "Input" => SectionKind::Input,
+            "Output" => SectionKind::Output,
+            "InOut" => SectionKind::InOut,
+            "Static" => SectionKind::Static,
+            "Temp" => SectionKind::Temp,
+            "Constant" => {
+                let constants: Vec<Constant> =
+                    children(section, "Member").map(|member| constant(reader, member)).collect();
+                interface.constants.extend(constants);
+                continue;
+            }
+            "Return" => {
+                if let Some(member) = children(section, "Member").next() {
+                    let ty = type_of(reader, member, 0);
+                    interface.return_type = Some(ty).filter(|ty| ty.kind != TypeKind::Named("VOID".to_string()));
+                }
+                continue;
+            }
+            // `Base` of GRAPH belongs to the system.
+            "Base" if chart => continue,
+            _ if elements(section).next().is_none() => continue,
+            name => {
+                reader.refuse(section, whose, &format!("declarations in the section `{name}`"));
+                continue;
+            }
+        };
+        let own = |member: &Node| !(chart && kind == SectionKind::Static && is_chart_data(*member, chart));
+        for member in children(section, "Member").filter(own) {
+            let retain = match member.attribute("Remanence") {
+                Some("Retain") => Retain::Retain,
+                Some("SetInIDB") => Retain::DbSpecific,
+                _ => Retain::Unsaid,
+            };
+            let variable = variable(reader, member, 0);
+            match interface.sections.last_mut() {
+                Some(last) if last.kind == kind && last.retain == retain => last.variables.push(variable),
+                _ => {
+                    let span = reader.span(head(section));
+                    interface.sections.push(Section { kind, retain, variables: vec![variable], span });
+                }
+            }
+        }
+    }
+    interface
+}
+
+/// The members of all sections as components: of a data block or data type, which `whose` names in messages.
+/// `instance`: the block is an instance.
+pub fn components(reader: &mut Reader, sections: Option<Node>, instance: bool, whose: &str) -> Vec<Variable> {
+    if let Some(sections) = sections {
+        schema::check(reader, sections, schema::Place::Declaration, whose);
+    }
+    let chart = is_chart(sections);
+    let sections = sections.iter().flat_map(|sections| children(*sections, "Section"));
+    let sections = sections.filter(|section| section.attribute("Name") != Some("Base"));
+    let members = sections.flat_map(|section| children(section, "Member"));
+    // Elsewhere a member may have the type of a step.
+    let members: Vec<Node> = members.filter(|member| !(chart || instance) || !is_chart_data(*member, chart)).collect();
+    members.into_iter().map(|member| variable(reader, member, 0)).collect()
+}
+
+fn constant(reader: &mut Reader, member: Node) -> Constant {
+    let name_span = reader.name_span(member, "Name");
+    let ty = type_of(reader, member, 0);
+    let value = child(member, "StartValue").map(|value| {
+        let value = reader.start_value(value).and_then(initial::expression);
+        value.unwrap_or(Expr { kind: ExprKind::Error, span: name_span })
+    });
+    Constant { name: name_of(member), name_span, ty: Some(ty), value }
+}
+
+fn name_of(member: Node) -> String {
+    member.attribute("Name").unwrap_or_default().trim().to_string()
+}
+
+/// A member with its structure and its start value.
+pub fn variable(reader: &mut Reader, member: Node, depth: usize) -> Variable {
+    let name_span = reader.name_span(member, "Name");
+    let ty = type_of(reader, member, depth);
+    Variable {
+        name: name_of(member),
+        name_span,
+        attributes: Vec::new(),
+        at: overlaid(reader, member),
+        initial: initial::of_member(reader, member, &ty),
+        ty,
+        comment: child(member, "Comment").map(text_of).filter(|text| !text.is_empty()),
+    }
+}
+
+/// The type of a member; a `Struct`, or an array of them, has its members below it.
+fn type_of(reader: &mut Reader, member: Node, depth: usize) -> TypeRef {
+    let range = attribute_range(member, "Datatype");
+    let text = member.attribute("Datatype").unwrap_or("Void");
+    let Some(range) = reader.overlay.place(text, range.start, range) else {
+        return TypeRef { kind: TypeKind::Named(text.to_uppercase()), span: reader.span(head(member)) };
+    };
+    let mut ty = data_type::read(reader, range);
+    if depth < DEPTH_MAX
+        && let Some(members) = structure(&mut ty)
+    {
+        let below = children(member, "Member");
+        let nested = child(member, "Sections").into_iter().flat_map(|sections| children(sections, "Section"));
+        let nested = nested.flat_map(|section| children(section, "Member"));
+        let found: Vec<Node> = below.chain(nested).collect();
+        *members = found.into_iter().map(|member| variable(reader, member, depth + 1)).collect();
+    }
+    ty
+}
+
+/// The members of the structure that a type is or is an array of.
+fn structure(ty: &mut TypeRef) -> Option<&mut Vec<Variable>> {
+    match &mut ty.kind {
+        TypeKind::Struct(members) => Some(members),
+        TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => structure(element),
+        _ => None,
+    }
+}
+
+/// The variable that a member is a view of (AT).
+fn overlaid(reader: &mut Reader, member: Node) -> Option<(String, Span)> {
+    let list = child(member, "AttributeList")?;
+    let at = children(list, "StringAttribute").find(|attribute| attribute.attribute("Name") == Some("At"))?;
+    let name = text_of(at).trim_matches(['"', '#']).to_string();
+    let range = at.first_child().map_or_else(|| head(at), |text| text.range());
+    let placed = reader.overlay.place(&name, range.start, range.clone());
+    (!name.is_empty()).then(|| (name, reader.span(placed.unwrap_or(range))))
+}

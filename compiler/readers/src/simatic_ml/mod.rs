@@ -1,0 +1,119 @@
+//! SimaticML: exports of the TIA Portal (Openness, Version Control Interface), of the versions V14 SP1 to V21.
+//!
+//! ```text
+//! Document ─► objects ─► block.rs ─► interface.rs ─► data_type.rs, initial.rs
+//!                           │
+//!                           └► network.rs ─► parts.rs ─► graph.rs, order.rs   FlgNet: LAD, FBD
+//!                                       ├──► tokens.rs                        StructuredText: SCL
+//!                                       └──► statements.rs                    StatementList: STL
+//! ```
+//!
+//! Names, operands and tokens are written to their places in an [`overlay`], from which the parsers of SCL and STL read them. Tag tables are
+//! read by `crate::symbols`. Source: LAD/FBD reference A2.
+//!
+//! **Invariant**: what the reader does not know refuses its network or block; nothing is left out silently.
+
+mod block;
+mod chart;
+mod data_type;
+mod graph;
+mod initial;
+mod interface;
+mod network;
+mod operand;
+mod order;
+mod overlay;
+mod parts;
+mod reader;
+mod schema;
+mod statements;
+mod step_time;
+mod tokens;
+
+use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
+use roxmltree::Document;
+
+use crate::ReadOptions;
+use crate::xml::{self, XmlKind, head, objects};
+use overlay::Overlay;
+use plcc_syntax::ast::{Pragma, SourceUnit};
+use reader::Reader;
+
+/// Parses an export. What cannot be read is left out, and a message tells of it.
+pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
+    let document = match Document::parse(text) {
+        Ok(document) => document,
+        Err(error) => return (SourceUnit::default(), vec![xml::broken(file, text, &error)]),
+    };
+    let root = document.root_element();
+    if let XmlKind::PlcOpen | XmlKind::TagTable | XmlKind::Other(_) | XmlKind::Broken = kind {
+        let span = Span::new(file, head(root));
+        if xml::is_fragment(root.tag_name().name()) {
+            let title = format!("the file is only a part of an export: `{}`", root.tag_name().name());
+            let refused = Diagnostic::new(Code::NotASource, span, title)
+                .label("the block that it belongs to is missing")
+                .help("export the whole block: the file begins with `Document`, and in it stands `SW.Blocks.FC` or its like");
+            return (SourceUnit::default(), vec![refused]);
+        }
+        let title = format!("XML of this kind is no PLC source: `{}`", root.tag_name().name());
+        let refused = Diagnostic::new(Code::NotASource, span, title)
+            .label("neither an export of the TIA Portal nor one of PLCopen")
+            .help("export the blocks from the TIA Portal as XML (SimaticML)");
+        return (SourceUnit::default(), vec![refused]);
+    }
+    let mut reader =
+        Reader { file, overlay: Overlay::new(text), pragmas: options.pragmas, own_step: None, diagnostics: Vec::new() };
+    let mut blocks = Vec::new();
+    for object in objects(root) {
+        match object.tag_name().name() {
+            // The reader of symbol tables has these.
+            "SW.Tags.PlcTagTable" => {}
+            name if xml::is_block(name) => blocks.extend(block::read(&mut reader, object)),
+            name if xml::is_fragment(name) => {
+                let span = reader.span(head(object));
+                let refused =
+                    Diagnostic::new(Code::NotASource, span, format!("`{name}` stands here without its block"));
+                let help = "export the whole block: `SW.Blocks.FC` or its like, with its networks in it";
+                reader.diagnostics.push(refused.label("a part of an export").help(help));
+            }
+            name => {
+                let span = reader.span(head(object));
+                let mut note = Diagnostic::new(Code::ForeignContent, span, format!("`{name}` is skipped"))
+                    .label("no block, data type or tag table")
+                    .help("nothing need be done, unless the program depends on it");
+                note.severity = Severity::Warning;
+                reader.diagnostics.push(note);
+            }
+        }
+    }
+    let pragmas = if options.pragmas { pragmas(file, &document) } else { Vec::new() };
+    let mut diagnostics = reader.diagnostics;
+    diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    // The schema and the reader of an element see the same fault.
+    diagnostics.dedup_by_key(|diagnostic| (diagnostic.code, diagnostic.primary.span));
+    let overlay = Some(reader.overlay.into_text());
+    (SourceUnit { blocks, pragmas, overlay, ..SourceUnit::default() }, diagnostics)
+}
+
+/// `<!--@ cpu … -->`: settings of a test, as `//@ cpu …` in a source.
+fn pragmas(file: FileId, document: &Document) -> Vec<Pragma> {
+    let comments = document.root().descendants().filter(|node| node.is_comment());
+    let pragmas = comments.filter_map(|node| {
+        let text = node.text()?.trim().strip_prefix('@')?.trim().to_string();
+        Some(Pragma { text, span: Span::new(file, node.range()), assert: None })
+    });
+    pragmas.collect()
+}
+
+/// The overlay of a file without blank lines, for `--emit tokens`.
+pub fn tokens_text(text: &str, options: &ReadOptions) -> String {
+    let kind = xml::kind(text).unwrap_or(XmlKind::Broken);
+    let (unit, _) = parse(FileId::default(), text, &kind, options);
+    let overlay = unit.overlay.unwrap_or_default();
+    let mut out = String::new();
+    for word in overlay.split("  ").map(str::trim).filter(|word| !word.is_empty()) {
+        out.push_str(word);
+        out.push('\n');
+    }
+    out
+}

@@ -1,0 +1,421 @@
+//! Networks of LAD and FBD, first half: the parts, accesses and wires of a `FlgNet`, with directions of pins settled.
+
+use std::collections::HashMap;
+
+use plcc_diag::{Code, Diagnostic, Severity, Span};
+use roxmltree::Node;
+
+use super::operand;
+use super::reader::{Reader, Refused};
+use super::step_time;
+use crate::xml::{attribute_range, child, children, elements, head, text_of};
+use plcc_syntax::network::absent;
+use plcc_syntax::network::ast::{Comparison, Eno, Target, Template, TemplateKey};
+use plcc_syntax::network::elements::{self, Gate, Kind, PinDirection, Row};
+use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
+
+/// Number of a part, access or wire in its network.
+pub type UId = u64;
+
+/// A part or call.
+pub struct Part {
+    pub uid: UId,
+    pub target: Target,
+    pub templates: Vec<Template>,
+    pub eno: Eno,
+    pub equation: Option<Expr>,
+    pub cases: Vec<Comparison>,
+    /// Inverted pins, by their names in the syntax tree.
+    pub negated: Vec<String>,
+    /// Number of pins that repeat.
+    pub card: Option<u32>,
+    /// Of a call: its parameters in their order, and whether the block writes them.
+    parameters: Vec<(String, bool)>,
+    /// The file does not list the parameters: wires tell of them.
+    open_parameters: bool,
+    /// It compares the time of a step.
+    step_time: bool,
+    pub span: Span,
+}
+
+impl Part {
+    pub fn row(&self) -> Option<&'static Row> {
+        match &self.target {
+            Target::Element { row, .. } => Some(row),
+            Target::Block { .. } => None,
+        }
+    }
+
+    /// Pins that the flow enters and leaves.
+    pub fn flow(&self) -> (&'static str, &'static str) {
+        self.row().map_or(("en", "eno"), |row| row.flow)
+    }
+
+    /// The name in the syntax tree of a pin, and whether the part writes it.
+    fn pin(&self, given: &str) -> Option<(String, bool)> {
+        match self.row() {
+            Some(row) => row.pin(given).map(|(pin, name)| (name, pin.direction == PinDirection::Output)),
+            None if given.eq_ignore_ascii_case("en") => Some(("en".to_string(), false)),
+            None if given.eq_ignore_ascii_case("eno") => Some(("eno".to_string(), true)),
+            None => self.parameters.iter().find(|(name, _)| name.eq_ignore_ascii_case(given)).cloned(),
+        }
+    }
+
+    /// A parameter of a block whose file does not list them.
+    fn parameter(&mut self, name: &str, output: bool) -> Option<(String, bool)> {
+        if !self.open_parameters {
+            return None;
+        }
+        self.parameters.push((name.to_string(), output));
+        self.parameters.last().cloned()
+    }
+
+    /// Where a pin stands among the others: flow in, the pins of the table or the parameters, flow out.
+    pub fn place(&self, name: &str) -> (usize, u32) {
+        let (flow_in, flow_out) = self.flow();
+        if name == flow_in {
+            return (0, 0);
+        }
+        if name == flow_out {
+            return (usize::MAX, 0);
+        }
+        let number = name.trim_start_matches(|c: char| !c.is_ascii_digit()).parse().unwrap_or(0);
+        let place = match self.row() {
+            Some(row) => row.pins().position(|pin| pin.matches(name).is_some()),
+            None => self.parameters.iter().position(|(known, _)| known == name),
+        };
+        (place.unwrap_or(usize::MAX - 2) + 1, number)
+    }
+
+    /// Whether it is the gate by which branches of LAD join.
+    pub fn is_or(&self) -> bool {
+        self.row().is_some_and(|row| row.kind == Kind::Gate(Gate::Or))
+    }
+}
+
+/// An end of a wire.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    Rail,
+    /// A pin of the part at an index; `output`: the part writes it.
+    Pin {
+        part: usize,
+        name: String,
+        output: bool,
+        span: Span,
+    },
+    Operand(UId),
+    Open,
+}
+
+/// A wire, with its ends in the order of the file.
+pub struct Wire {
+    pub ends: Vec<End>,
+    pub span: Span,
+}
+
+/// A network as the file has it.
+pub struct Parts {
+    pub parts: Vec<Part>,
+    /// The operands, by number.
+    pub operands: HashMap<UId, Expr>,
+    pub wires: Vec<Wire>,
+    pub labels: Vec<Name>,
+}
+
+fn uid(node: Node) -> Option<UId> {
+    node.attribute("UId")?.trim().parse().ok()
+}
+
+/// Reads a `FlgNet`; `whose` names the network in messages.
+pub fn read(reader: &mut Reader, net: Node, whose: &str) -> Result<Parts, Refused> {
+    let mut found = Parts { parts: Vec::new(), operands: HashMap::new(), wires: Vec::new(), labels: Vec::new() };
+    let mut wires = Vec::new();
+    for node in elements(net) {
+        match node.tag_name().name() {
+            "Labels" => {
+                for declaration in children(node, "LabelDeclaration") {
+                    let text =
+                        child(declaration, "Label").and_then(|label| label.attribute("Name")).unwrap_or_default();
+                    if text.trim().is_empty() {
+                        return Err(reader.refuse(declaration, whose, "a label without a name"));
+                    }
+                    let label = reader.label(declaration, text.trim().to_string());
+                    found.labels.push(label);
+                }
+            }
+            "Parts" => parts(reader, node, whose, &mut found)?,
+            "Wires" => wires.extend(elements(node)),
+            "Comment" | "LineComment" => {}
+            other => return Err(reader.refuse(node, whose, &format!("`{other}`"))),
+        }
+    }
+    let index: HashMap<UId, usize> = found.parts.iter().enumerate().map(|(at, part)| (part.uid, at)).collect();
+    for node in wires {
+        let wire = wire(reader, node, whose, &mut found, &index)?;
+        found.wires.push(wire);
+    }
+    Ok(found)
+}
+
+fn parts(reader: &mut Reader, list: Node, whose: &str, found: &mut Parts) -> Result<(), Refused> {
+    for node in elements(list) {
+        match (node.tag_name().name(), uid(node)) {
+            ("Access", Some(uid)) => {
+                let operand = reader.operand(node, whose)?;
+                found.operands.insert(uid, operand);
+            }
+            ("Part", Some(uid)) => {
+                let part = part(reader, node, uid, whose)?;
+                found.parts.push(part);
+                if let Some(compared) = step_time::of(node.attribute("Name").unwrap_or_default()) {
+                    step_time::wire(reader, node, compared, whose, found)?;
+                }
+            }
+            ("Call", Some(uid)) => {
+                let part = call(reader, node, uid, whose)?;
+                found.parts.push(part);
+            }
+            ("Comment" | "LineComment", _) => {}
+            (other, _) => return Err(reader.refuse(node, whose, &format!("`{other}`"))),
+        }
+    }
+    Ok(())
+}
+
+fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, Refused> {
+    let name = node.attribute("Name").unwrap_or_default();
+    let span = reader.name_span(node, "Name");
+    let step_time = step_time::of(name);
+    let row = if step_time.is_some() { elements::find_xml("Gt") } else { elements::find_xml(name) };
+    if let (None, Some((why, help))) = (row, absent::reason(name)) {
+        let text = format!("{whose} holds the element `{name}`, which plcc does not have");
+        reader.diagnostics.push(Diagnostic::new(Code::UnknownElement, span, text).label(why).help(help));
+        return Err(Refused);
+    }
+    let target = match row {
+        Some(row) => Target::Element { row, instance: None },
+        // A block of the system's library, by its name.
+        None if is_library_call(node) => {
+            let name = Name { text: name.to_string(), form: NameForm::Bare, span };
+            Target::Block { callee: Expr { kind: ExprKind::Name(name), span }, instance: None }
+        }
+        None => {
+            let message = Diagnostic::new(
+                Code::UnknownElement,
+                span,
+                format!("{whose} holds the element `{name}`, which plcc does not know"),
+            );
+            let help = "call a block that does the same, or write the network in SCL";
+            reader.diagnostics.push(message.label("not known").help(help));
+            return Err(Refused);
+        }
+    };
+    let mut part = Part {
+        uid,
+        target,
+        templates: Vec::new(),
+        eno: if row.is_none_or(Row::is_box) { eno(node) } else { Eno::Default },
+        equation: None,
+        cases: Vec::new(),
+        negated: Vec::new(),
+        card: None,
+        parameters: Vec::new(),
+        open_parameters: row.is_none(),
+        step_time: step_time.is_some(),
+        span,
+    };
+    for setting in elements(node) {
+        match setting.tag_name().name() {
+            "Instance" => {
+                let found = reader.instance(setting, whose)?;
+                match &mut part.target {
+                    Target::Element { instance, .. } | Target::Block { instance, .. } => *instance = Some(found),
+                }
+            }
+            "TemplateValue" => template(reader, setting, &mut part, whose)?,
+            "AutomaticTyped" => {
+                let key = TemplateKey::of(setting.attribute("Name").unwrap_or_default());
+                part.templates.push(Template { key, value: String::new(), span: reader.span(head(setting)) });
+            }
+            "Equation" => {
+                let text = text_of(setting);
+                let wanted = setting.first_child().map_or(setting.range().start, |text| text.range().start);
+                part.equation = Some(reader.expression(setting, wanted, &text));
+            }
+            "Negated" => negate(reader, setting, &mut part, whose)?,
+            "Invisible" | "Comment" | "LineComment" | "StringAttribute" | "BooleanAttribute" | "IntegerAttribute" => {}
+            other => return Err(reader.refuse(setting, whose, &format!("the element `{name}` with `{other}`"))),
+        }
+    }
+    Ok(part)
+}
+
+/// Whether a part that no table has is a call of the system's library: these have a version, an instance, or ENO to choose.
+fn is_library_call(node: Node) -> bool {
+    node.attribute("Version").is_some() || node.attribute("DisabledENO").is_some() || child(node, "Instance").is_some()
+}
+
+fn eno(node: Node) -> Eno {
+    match node.attribute("DisabledENO") {
+        Some(value) if value.eq_ignore_ascii_case("true") || value == "1" => Eno::Disabled,
+        Some(_) => Eno::Generated,
+        None => Eno::Default,
+    }
+}
+
+/// Names of settings that mean nothing to the compiler: types that follow from the operands.
+const OTHER_TEMPLATES: &[&str] = &[
+    "date_type",
+    "in1_type",
+    "in2_type",
+    "in_out_type",
+    "operand_type",
+    "operation",
+    "res_type",
+    "result_type",
+    "string_type",
+    "type",
+];
+
+fn template(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Result<(), Refused> {
+    let value = text_of(node);
+    let name = node.attribute("Name").unwrap_or_default();
+    let key = TemplateKey::of(name);
+    if key == TemplateKey::Card {
+        // The pins are there to be counted; only gates must know of pins that nothing is wired to.
+        part.card = value.parse().ok();
+        return match part.card {
+            Some(_) => Ok(()),
+            None => Err(reader.refuse(node, whose, &format!("`{value}` as a number of pins"))),
+        };
+    }
+    let is_case = part.row().is_some_and(|row| row.kind == Kind::Switch);
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    if key == TemplateKey::Other && !is_case && !OTHER_TEMPLATES.iter().any(|known| known.eq_ignore_ascii_case(stem)) {
+        let span = reader.span(head(node));
+        let title = format!("{whose} holds the setting `{name}` of an element, which plcc does not know");
+        let mut message = Diagnostic::new(Code::ForeignContent, span, title).label("has no effect");
+        message.severity = Severity::Warning;
+        reader.diagnostics.push(message.help("check whether the element does without it what it shall do"));
+    }
+    if let Some(case) = Comparison::of(&value).filter(|_| is_case) {
+        part.cases.push(case);
+        return Ok(());
+    }
+    let range = node.first_child().map_or_else(|| attribute_range(node, "Name"), |text| text.range());
+    let placed = reader.overlay.place(&value, range.start, range.clone());
+    part.templates.push(Template { key, value, span: reader.span(placed.unwrap_or(range)) });
+    Ok(())
+}
+
+fn negate(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Result<(), Refused> {
+    let name = node.attribute("Name").unwrap_or_default();
+    match part.pin(name).or_else(|| part.parameter(name, false)) {
+        Some((name, _)) => part.negated.push(name),
+        None => return Err(reader.refuse(node, whose, &format!("an inversion of the pin `{name}`"))),
+    }
+    Ok(())
+}
+
+fn call(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, Refused> {
+    let Some(info) = child(node, "CallInfo") else {
+        return Err(reader.refuse(node, whose, "a call without `CallInfo`"));
+    };
+    let name = info.attribute("Name").unwrap_or_default();
+    let range = attribute_range(info, "Name");
+    let callee = reader.expression(info, range.start.saturating_sub(1), &operand::quoted(name));
+    let mut instance = None;
+    let mut parameters = Vec::new();
+    for setting in elements(info) {
+        match setting.tag_name().name() {
+            "Instance" => instance = Some(reader.instance(setting, whose)?),
+            "Parameter" => {
+                let output = matches!(setting.attribute("Section"), Some("Output" | "Return"));
+                parameters.push((setting.attribute("Name").unwrap_or_default().to_string(), output));
+            }
+            "IntegerAttribute" | "DateAttribute" | "StringAttribute" | "BooleanAttribute" | "Comment" => {}
+            other => return Err(reader.refuse(setting, whose, &format!("a call with `{other}`"))),
+        }
+    }
+    let span = callee.span;
+    let mut part = Part {
+        uid,
+        target: Target::Block { callee, instance },
+        templates: Vec::new(),
+        eno: eno(node),
+        equation: None,
+        cases: Vec::new(),
+        negated: Vec::new(),
+        card: None,
+        parameters,
+        open_parameters: false,
+        step_time: false,
+        span,
+    };
+    for setting in elements(node) {
+        match setting.tag_name().name() {
+            "CallInfo" | "Invisible" | "Comment" | "LineComment" => {}
+            "Negated" => negate(reader, setting, &mut part, whose)?,
+            other => return Err(reader.refuse(setting, whose, &format!("a call with `{other}`"))),
+        }
+    }
+    Ok(part)
+}
+
+fn wire(
+    reader: &mut Reader,
+    node: Node,
+    whose: &str,
+    found: &mut Parts,
+    index: &HashMap<UId, usize>,
+) -> Result<Wire, Refused> {
+    let mut ends: Vec<End> = Vec::new();
+    if !crate::xml::is(node, "Wire") {
+        return Err(reader.refuse(node, whose, &format!("`{}`", node.tag_name().name())));
+    }
+    for end in elements(node) {
+        let end = match end.tag_name().name() {
+            "Powerrail" => End::Rail,
+            "OpenCon" | "Openbranch" | "OpenBranch" => End::Open,
+            "Comment" | "LineComment" => continue,
+            "IdentCon" => match uid(end).filter(|uid| found.operands.contains_key(uid)) {
+                Some(uid) => End::Operand(uid),
+                None => return Err(reader.refuse(end, whose, "a wire to an operand that it does not have")),
+            },
+            "NameCon" => {
+                let name = end.attribute("Name").unwrap_or_default();
+                let Some(part) = uid(end).and_then(|uid| index.get(&uid)).copied() else {
+                    return Err(reader.refuse(end, whose, "a wire to an element that it does not have"));
+                };
+                // What a wire begins with feeds the others.
+                let feeds = ends.is_empty();
+                let from_operand = matches!(ends.first(), Some(End::Operand(_)));
+                let known = match found.parts[part].step_time {
+                    true => Some(step_time::pin(name, from_operand)),
+                    false => found.parts[part].pin(name),
+                };
+                let Some((pin, output)) = known.or_else(|| found.parts[part].parameter(name, feeds)) else {
+                    return Err(unknown_pin(reader, end, &found.parts[part], whose));
+                };
+                let span = reader.name_span(end, "Name");
+                End::Pin { part, name: pin, output, span }
+            }
+            other => return Err(reader.refuse(end, whose, &format!("a wire with `{other}`"))),
+        };
+        ends.push(end);
+    }
+    Ok(Wire { ends, span: reader.span(head(node)) })
+}
+
+fn unknown_pin(reader: &mut Reader, end: Node, part: &Part, whose: &str) -> Refused {
+    let name = end.attribute("Name").unwrap_or_default();
+    let element = match &part.target {
+        Target::Element { row, .. } => row.name.to_string(),
+        Target::Block {
+            callee: Expr { kind: ExprKind::Name(Name { text, form: NameForm::Quoted, .. }), .. }, ..
+        } => text.clone(),
+        Target::Block { .. } => "call".to_string(),
+    };
+    reader.refuse(end, whose, &format!("a wire to the pin `{name}` of `{element}`"))
+}

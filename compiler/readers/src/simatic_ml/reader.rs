@@ -1,0 +1,152 @@
+//! What the parts of the reader share: the overlay, the messages, and operands.
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+use roxmltree::Node;
+
+use super::operand::{self, Notation, Unreadable};
+use super::overlay::Overlay;
+use crate::xml::{attribute_range, child, children, head, text_of};
+use plcc_syntax::ast::{InitialKind, InitialValue};
+use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
+use plcc_syntax::scl::fragment;
+
+/// State of reading one file.
+pub struct Reader {
+    pub file: FileId,
+    pub overlay: Overlay,
+    /// Assertions in comments of SCL and STL are read.
+    pub pragmas: bool,
+    /// The step that comparisons of step times in GRAPH mean, by name: that of the network, or the only one before its transition.
+    pub own_step: Option<String>,
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// A part of the file cannot be read; the message has been given.
+pub struct Refused;
+
+impl Reader {
+    pub fn span(&self, range: std::ops::Range<usize>) -> Span {
+        Span::new(self.file, range)
+    }
+
+    /// Reports a part of the file that plcc does not read; `whose`: the network or block that is left out for it.
+    pub fn refuse(&mut self, node: Node, whose: &str, what: &str) -> Refused {
+        let message = Diagnostic::new(
+            Code::ForeignContent,
+            self.span(head(node)),
+            format!("{whose} holds {what}, which plcc does not read"),
+        );
+        self.diagnostics.push(
+            message.label("not known").help(
+                "write the network in another way, in SCL for example; no part of a network is left out silently",
+            ),
+        );
+        Refused
+    }
+
+    /// Reports what of an access cannot be read.
+    pub fn refuse_access(&mut self, unreadable: &Unreadable, whose: &str) -> Refused {
+        self.refuse(unreadable.node, whose, &unreadable.what)
+    }
+
+    /// Writes the value of an attribute to its own place, and gives the place.
+    pub fn name_span(&mut self, node: Node, attribute: &str) -> Span {
+        let range = attribute_range(node, attribute);
+        let value = node.attribute(attribute).unwrap_or_default();
+        let placed = self.overlay.place(value, range.start, range.clone());
+        self.span(placed.unwrap_or(range))
+    }
+
+    /// The expression that `text` is, which stands for `node`.
+    pub fn expression(&mut self, node: Node, wanted: usize, text: &str) -> Expr {
+        let Some(range) = self.overlay.place(text, wanted, node.range()) else {
+            return Expr { kind: ExprKind::Error, span: self.span(head(node)) };
+        };
+        let (expr, messages) = fragment::expression(self.file, self.overlay.text(), range.clone());
+        if matches!(expr.kind, ExprKind::Error) && messages.is_empty() {
+            let message = Diagnostic::new(Code::Syntax, self.span(range), format!("`{text}` is no operand"));
+            self.diagnostics
+                .push(message.label("cannot be read").help("enter it again in the editor, and export the block again"));
+        }
+        self.diagnostics.extend(messages);
+        expr
+    }
+
+    /// The operand that an `Access` is.
+    pub fn operand(&mut self, node: Node, whose: &str) -> Result<Expr, Refused> {
+        let text = operand::access(node, Notation::Scl).map_err(|unreadable| self.refuse_access(&unreadable, whose))?;
+        if node.attribute("Scope") == Some("Label") {
+            return Ok(self.label_operand(node, &text));
+        }
+        Ok(self.expression(node, operand::wanted_place(node), &text))
+    }
+
+    fn label_operand(&mut self, node: Node, text: &str) -> Expr {
+        let name = self.label(node, text.to_string());
+        Expr { span: name.span, kind: ExprKind::Name(name) }
+    }
+
+    /// The label that a node with a `Label` in it names.
+    pub fn label(&mut self, node: Node, text: String) -> Name {
+        let span = match child(node, "Label") {
+            Some(label) => self.name_span(label, "Name"),
+            None => self.span(head(node)),
+        };
+        Name { text, form: NameForm::Bare, span }
+    }
+
+    /// The instance of a part or call.
+    pub fn instance(&mut self, node: Node, whose: &str) -> Result<Expr, Refused> {
+        let local = node.attribute("Scope").is_some_and(|scope| scope.starts_with("Local"));
+        let text = operand::path(node, local, Notation::Scl, 0);
+        let text = text.map_err(|unreadable| self.refuse_access(&unreadable, whose))?;
+        if text.is_empty() {
+            return Err(self.refuse(node, whose, "an instance without a name"));
+        }
+        Ok(self.expression(node, operand::wanted_place(node), &text))
+    }
+
+    /// The value in a `StartValue`.
+    pub fn start_value(&mut self, node: Node) -> Option<InitialValue> {
+        let text = match node.attribute("ConstantName") {
+            Some(name) => operand::quoted(name),
+            None => text_of(node).replace(['\n', '\r'], " "),
+        };
+        if text.is_empty() {
+            return None;
+        }
+        let wanted = node.first_child().map_or(node.range().start, |text| text.range().start);
+        let expr = self.expression(node, wanted, &text);
+        Some(InitialValue { span: expr.span, kind: InitialKind::Expr(Box::new(expr)) })
+    }
+}
+
+/// The first text of a title or comment (`MultilingualText`) of an object.
+pub fn multilingual(object: Node, name: &str) -> Option<String> {
+    let list = child(object, "ObjectList")?;
+    let found = children(list, "MultilingualText").find(|text| text.attribute("CompositionName") == Some(name))?;
+    let texts = found.descendants().filter(|node| crate::xml::is(*node, "Text"));
+    texts.map(text_of).find(|text| !text.is_empty())
+}
+
+/// The first text of each of the given elements below a node that is no object, as lines: titles and comments in GRAPH.
+pub fn texts(node: Node, names: &[&str]) -> Vec<String> {
+    let mut found = Vec::new();
+    for name in names {
+        let texts = child(node, name).into_iter().flat_map(|text| children(text, "MultiLanguageText"));
+        if let Some(text) = texts.map(text_of).find(|text| !text.is_empty()) {
+            found.extend(text.lines().map(str::to_string));
+        }
+    }
+    found
+}
+
+/// The text of an attribute in the list of an object: `Name`, `Number`.
+pub fn setting<'a, 'i>(object: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    child(child(object, "AttributeList")?, name)
+}
+
+/// Its text; `None` if it is missing or empty.
+pub fn setting_text(object: Node, name: &str) -> Option<String> {
+    setting(object, name).map(text_of).filter(|text| !text.is_empty())
+}

@@ -1,0 +1,125 @@
+//! Rows for the S7-200: names for addresses such as `VW100`, for constants and for blocks. The binding reads the address.
+//!
+//! Micro/WIN copies rows as `symbol TAB address TAB comment`; people keep them with `,` and `;`, too.
+//! Source: S7-200 system manual, symbol table.
+
+use plcc_diag::Span;
+use plcc_syntax::{s7200, stl};
+
+use super::{Reader, S7200Symbol, lines, parse_address};
+
+/// Signs between the columns.
+const SEPARATORS: [char; 3] = ['\t', ';', ','];
+
+/// Whether `text` can stand in the address column: an address, a constant or a block.
+pub fn is_address(text: &str) -> bool {
+    let text = text.trim();
+    s7200::parse_address(text).is_some() || s7200::parse_block(text).is_some() || is_constant(text)
+}
+
+fn is_constant(text: &str) -> bool {
+    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+    let number = digits.starts_with(|c: char| c.is_ascii_digit())
+        && digits.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '#' | '.' | '_' | '+' | '-'))
+        && (digits.contains('#') || digits.parse::<f64>().is_ok());
+    let quoted = |quote: char| text.len() > 2 && text.starts_with(quote) && text.ends_with(quote);
+    number || quoted('\'')
+}
+
+/// The separator of the table that `text` is; none: it is no table.
+///
+/// A row begins with a name that is no mnemonic, and an address follows. A header may stand first, and a row here and there may be wrong.
+pub fn separator(text: &str) -> Option<char> {
+    SEPARATORS.into_iter().find(|separator| {
+        let rows =
+            || text.lines().map(|line| line.trim_matches(['\u{feff}', ' '])).filter(|line| is_row_of_table(line));
+        let is_row = |line: &&str| row(line, *separator).is_some();
+        let begins = rows().take(2).any(|line| is_row(&line));
+        let (good, all) = (rows().filter(is_row).count(), rows().count());
+        // An address without number makes no table: `Speed, 5` is a line of a data block.
+        let addressed = rows()
+            .filter_map(|line| row(line, *separator))
+            .any(|(_, address)| s7200::parse_address(address).is_some() || s7200::parse_block(address).is_some());
+        begins && addressed && good * 2 > all && !rows().any(begins_statement)
+    })
+}
+
+fn is_row_of_table(line: &str) -> bool {
+    !line.is_empty() && !line.starts_with("//")
+}
+
+/// The first word is a mnemonic or a keyword: a source, whose operands may look like a column.
+fn begins_statement(line: &str) -> bool {
+    let word = line.split(|c: char| c.is_whitespace() || matches!(c, ',' | ';')).next().unwrap_or_default();
+    // `Stop` and `End` may be symbols: their instructions have no operand, so that nothing could be taken for a column.
+    s7200::has_operands(word)
+        || word.len() <= 2 && stl::is_mnemonic(word)
+        || s7200::parse_address(word).is_some()
+        || word.starts_with('=')
+        || word.to_ascii_uppercase().ends_with("_BLOCK")
+        || word.eq_ignore_ascii_case("NETWORK")
+}
+
+/// Name and address of a line.
+fn row(line: &str, separator: char) -> Option<(&str, &str)> {
+    let mut fields = line.split(separator).map(str::trim);
+    let (name, address) = (fields.next()?, fields.next()?);
+    (is_name(name) && is_address(address)).then_some((name, address))
+}
+
+/// Names of Micro/WIN have no blanks and do not begin with a digit; quotes are taken off.
+fn is_name(name: &str) -> bool {
+    let name = name.trim_matches('"');
+    !name.is_empty()
+        && !name.starts_with(|c: char| c.is_ascii_digit())
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || !c.is_ascii())
+}
+
+impl Reader<'_> {
+    /// A table whose columns `separator` parts: name, address, comment.
+    pub(super) fn plain(&mut self, separator: char) {
+        let text = self.text;
+        let mut first = true;
+        for (start, line) in lines(text) {
+            let bare = line.trim_matches(['\u{feff}', ' ', '\t']);
+            if !is_row_of_table(bare) {
+                continue;
+            }
+            let header = std::mem::take(&mut first);
+            let mut fields = line.splitn(3, separator);
+            let (name, address) = (fields.next().unwrap_or_default(), fields.next().unwrap_or_default());
+            let comment = fields.next().unwrap_or_default().trim().trim_matches('"').to_string();
+            if header && !is_address(address) && parse_address(address).is_none() {
+                continue;
+            }
+            // What only S7-300 has is told by `row`.
+            self.row(start, line, name.trim().trim_start_matches('\u{feff}').trim_matches('"'), address, "", &comment);
+        }
+    }
+
+    /// Keeps the row for programs of the S7-200, if its address is one of theirs. The texts are parts of `line`, which begins at `start`.
+    pub(super) fn keep_s7200(&mut self, start: usize, line: &str, name: &str, address: &str, comment: &str) -> bool {
+        let compact: String = address.split_whitespace().collect();
+        let of_s7200 =
+            s7200::parse_address(&compact).is_some() || s7200::parse_block(&compact).is_some() || is_constant(address);
+        if !of_s7200 {
+            return false;
+        }
+        let place = |part: &str, from: usize| {
+            let at = line.get(from..).and_then(|rest| rest.find(part)).map(|at| from + at);
+            at.map(|at| (Span::new(self.file, start + at..start + at + part.len()), at + part.len()))
+        };
+        let row = self.span(start, line);
+        let (name_span, behind) = place(name, 0).unwrap_or((row, 0));
+        // The address may stand before the name.
+        let address_span = place(address, behind).or_else(|| place(address, 0)).map_or(row, |(span, _)| span);
+        self.table.s7200.push(S7200Symbol {
+            name: name.to_string(),
+            address: if is_constant(address) { address.to_string() } else { compact },
+            name_span,
+            address_span,
+            comment: comment.to_string(),
+        });
+        true
+    }
+}

@@ -1,0 +1,112 @@
+//! Whatever a GRAPH source text holds, reading it ends soon, without a panic, and every message has a place in the text.
+
+mod mutate;
+
+use std::time::{Duration, Instant};
+
+use plcc_diag::FileId;
+use plcc_readers::{ReadOptions, parse, tokens_text};
+use plcc_syntax::{Language, ast_text};
+use proptest::prelude::*;
+
+/// Sources with most forms of the language.
+const SOURCES: [&str; 3] = [
+    include_str!("../../../tests/parse/gr7/forms.gr7"),
+    include_str!("../../../tests/parse/gr7/door.gr7"),
+    include_str!("../../../tests/parse/gr7/mixed.gr7"),
+];
+
+/// Pieces that mutations put into sources.
+#[rustfmt::skip]
+const PIECES: &[&str] = &[
+    ";", "\n", "\r", "\r\n", "(", ")", "[", "]", "{", "}", ":", ":=", "=>", ",", ".", "#", "\"", "'", "//", "(*", "*)", "(*$_", "%",
+    "(*$_COM a@b*)", "(*$_NUM 3*)", "(*$_NUM x*)", "(*$_JUMP*)", "(*$_CMPSET\nAckReq: T\n*)", "(*$_X*)", "FUNCTION_BLOCK FB1\n",
+    "\nEND_FUNCTION_BLOCK\n", "\nSTEP S1 (*$_NUM 1*):\n", "\nINITIAL_STEP ", "\nEND_STEP\n", "\nTRANSITION T1\n", "\nEND_TRANSITION\n",
+    "\nFROM ", "\nTO ", "\nCONDITION := ", "\nINTERLOCK\n", "\nEND_INTERLOCK\n", "\nSUPERVISION ", "END_SUPERVISION",
+    "\nPERM_CONDITION_AT_BEGIN\n", "\nPERM_CONDITION_AT_END\n", "END_PERM_CONDITION\n", "SEQUENCE", "END_SEQUENCE", "VAR ", "END_VAR ",
+    "VAR_INPUT\nx : INT; ", "TITLE = ", " (N)\n", " (S1_N)", " (CDC) ", " (XY)\n", "(=) := ", "(S) := ", "()", "CALL FC1 (a := ", "CALL FB1, DB1",
+    "S_ALL", " AND ", " OR ", " NOT ", " XOR ", " SHL ", "=", "==", "<>", ">=", "-", "+", "*", "MOD ", "I0.0", "I 0.0", "MW 2", "DB1.DBX 1.0", "T 5",
+    "S001.X", "1_step", "T#5S", "16#", "1.5e+3", "TRUE", "ä", "\u{FEFF}", "\u{0}", "//@ test\n", "DATA_BLOCK DB1\n", "BEGIN\n", "NETWORK\n", "U E0.0;",
+];
+
+fn options(pragmas: bool, language: Option<Language>) -> ReadOptions<'static> {
+    ReadOptions { pragmas, language, ..ReadOptions::default() }
+}
+
+/// Reads a text, prints what comes of it, and looks at the places of all messages.
+fn check(text: &str) {
+    for language in [None, Some(Language::Graph)] {
+        for pragmas in [false, true] {
+            let (unit, diagnostics) = parse(FileId(0), text, &options(pragmas, language));
+            for diagnostic in &diagnostics {
+                let places = std::iter::once(&diagnostic.primary).chain(&diagnostic.secondary);
+                for span in places.map(|label| label.span) {
+                    assert!(text.get(span.range()).is_some(), "{}: {span:?} is no part of the text", diagnostic.title);
+                }
+            }
+            ast_text(&unit);
+        }
+        tokens_text(text, &options(true, language));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_text_is_read(text in "\\PC{0,200}") {
+        check(&text);
+    }
+
+    #[test]
+    fn pieces_in_any_order_are_read(pieces in prop::collection::vec(prop::sample::select(PIECES), 0..60)) {
+        check(&pieces.concat());
+        check(&format!("FUNCTION_BLOCK FB1\nINITIAL_STEP S1:\n{}\nEND_STEP\nEND_FUNCTION_BLOCK", pieces.concat()));
+    }
+
+    #[test]
+    fn changed_sources_are_read(
+        source in 0..SOURCES.len(),
+        edits in prop::collection::vec((any::<prop::sample::Index>(), 0..12usize, 0..PIECES.len()), 1..6),
+    ) {
+        check(&mutate::mutated(SOURCES[source], edits, PIECES));
+    }
+
+    #[test]
+    fn the_start_of_a_source_is_read(source in 0..SOURCES.len(), place in any::<prop::sample::Index>()) {
+        let (head, tail) = mutate::cut(SOURCES[source], place);
+        check(head);
+        check(tail);
+    }
+}
+
+#[test]
+fn long_sources_are_read_in_time() {
+    let block = |inner: &str| format!("FUNCTION_BLOCK FB1\nINITIAL_STEP S1:\n{inner}\nEND_STEP\nEND_FUNCTION_BLOCK\n");
+    let condition = |text: String| {
+        format!("FUNCTION_BLOCK FB1\nTRANSITION T1\nFROM S1\nCONDITION := {text}\nEND_TRANSITION\nEND_FUNCTION_BLOCK\n")
+    };
+    for text in [
+        block(&"Q4.0 (N)\n".repeat(20_000)),
+        block(&"CALL FC1 (\n".repeat(20_000)),
+        block(&"MW2 := (MW4\n".repeat(20_000)),
+        block(&"MW2 := MW4 +\n".repeat(20_000)),
+        block(&"(".repeat(50_000)),
+        format!("FUNCTION_BLOCK FB1\nPERM_CONDITION_AT_BEGIN\n{}", "M0.0 (=) := (I0.0\n".repeat(20_000)),
+        condition("I0.0 AND ".repeat(30_000)),
+        condition(format!("I0.0{}", "\nAND (I0.1 OR NOT I0.2)OR I0.3".repeat(20_000))),
+        condition("(".repeat(50_000)),
+        condition("NOT ".repeat(50_000)),
+        condition(format!("a{}", ".b".repeat(50_000))),
+        condition(format!("a{}", " + a".repeat(20_000))),
+        "STEP S1\n".repeat(20_000),
+        "FUNCTION_BLOCK FB1\n".repeat(5_000),
+        "{(*$_X*)}".repeat(20_000),
+        "(*$_COM ".repeat(20_000),
+    ] {
+        let start = Instant::now();
+        check(&text);
+        let taken = start.elapsed();
+        assert!(taken < Duration::from_secs(20), "{:?}… took {taken:?}", &text[..text.len().min(60)]);
+    }
+}

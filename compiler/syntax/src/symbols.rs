@@ -1,0 +1,146 @@
+//! What symbol tables hold: names for addresses, blocks and constants.
+
+use plcc_diag::Span;
+
+use crate::ast::{Area, BlockPrefix, CellKind, Width};
+use crate::scl::ast::Expr;
+
+/// The rows of one table.
+#[derive(Clone, Debug, Default)]
+pub struct SymbolTable {
+    pub symbols: Vec<Symbol>,
+    /// User constants of tag tables.
+    pub constants: Vec<GlobalConstant>,
+    /// Rows as a program of the S7-200 reads them. A row such as `I0.0` is in both lists.
+    pub s7200: Vec<S7200Symbol>,
+}
+
+/// A constant that every block can use by its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GlobalConstant {
+    pub name: String,
+    /// As written.
+    pub ty: String,
+    pub value: Expr,
+    pub span: Span,
+}
+
+/// A row: a name for an address.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Symbol {
+    /// As written, without outer blanks.
+    pub name: String,
+    pub target: SymbolTarget,
+    /// The data type column; empty if there is none.
+    pub ty: String,
+    pub comment: String,
+    /// The row.
+    pub span: Span,
+}
+
+/// What a symbol stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SymbolTarget {
+    Memory { area: Area, width: Width, byte: u32, bit: u8 },
+    Cell { kind: CellKind, number: u32 },
+    Block { prefix: BlockPrefix, number: u32 },
+}
+
+/// A row of a table for the S7-200.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct S7200Symbol {
+    /// As written, without outer blanks and quotes.
+    pub name: String,
+    /// As written: `VW100`, `E0.0`, `SBR3`, `16#FF`.
+    pub address: String,
+    pub name_span: Span,
+    pub address_span: Span,
+    pub comment: String,
+}
+
+/// Reads an address: letters, optional blanks, a number, for bits a point and the bit.
+pub fn parse_address(text: &str) -> Option<SymbolTarget> {
+    let text = text.trim();
+    let text = text.strip_prefix('%').unwrap_or(text);
+    let split = text.find(|letter: char| !letter.is_ascii_alphabetic())?;
+    let (letters, number) = text.split_at(split);
+    let letters = letters.to_ascii_uppercase();
+    let number: String = number.chars().filter(|letter| !letter.is_whitespace()).collect();
+    let (whole, bit) = match number.split_once('.') {
+        Some((whole, bit)) => (whole, Some(bit)),
+        None => (number.as_str(), None),
+    };
+    let digits = |text: &str| {
+        (!text.is_empty() && text.len() <= 7 && text.bytes().all(|digit| digit.is_ascii_digit()))
+            .then(|| text.parse::<u32>().ok())
+            .flatten()
+    };
+    let number = digits(whole)?;
+    if let Some(&(_, area, width)) = MEMORY.iter().find(|row| row.0 == letters) {
+        let bit = match (width, bit) {
+            (Width::Bit, Some(bit)) => digits(bit).filter(|&bit| bit < 8)? as u8,
+            (Width::Bit, None) | (_, Some(_)) => return None,
+            (_, None) => 0,
+        };
+        return Some(SymbolTarget::Memory { area, width, byte: number, bit });
+    }
+    if bit.is_some() {
+        return None;
+    }
+    match letters.as_str() {
+        "T" => Some(SymbolTarget::Cell { kind: CellKind::Timer, number }),
+        "C" | "Z" => Some(SymbolTarget::Cell { kind: CellKind::Counter, number }),
+        _ => {
+            let prefix = BLOCKS.iter().find(|row| row.0 == letters)?.1;
+            u16::try_from(number).ok()?;
+            Some(SymbolTarget::Block { prefix, number })
+        }
+    }
+}
+
+/// Area letters of both mnemonic sets.
+const MEMORY: &[(&str, Area, Width)] = &[
+    ("I", Area::I, Width::Bit),
+    ("IB", Area::I, Width::Byte),
+    ("IW", Area::I, Width::Word),
+    ("ID", Area::I, Width::Dword),
+    ("E", Area::I, Width::Bit),
+    ("EB", Area::I, Width::Byte),
+    ("EW", Area::I, Width::Word),
+    ("ED", Area::I, Width::Dword),
+    ("Q", Area::Q, Width::Bit),
+    ("QB", Area::Q, Width::Byte),
+    ("QW", Area::Q, Width::Word),
+    ("QD", Area::Q, Width::Dword),
+    ("A", Area::Q, Width::Bit),
+    ("AB", Area::Q, Width::Byte),
+    ("AW", Area::Q, Width::Word),
+    ("AD", Area::Q, Width::Dword),
+    ("M", Area::M, Width::Bit),
+    ("MB", Area::M, Width::Byte),
+    ("MW", Area::M, Width::Word),
+    ("MD", Area::M, Width::Dword),
+    ("PIB", Area::Pi, Width::Byte),
+    ("PIW", Area::Pi, Width::Word),
+    ("PID", Area::Pi, Width::Dword),
+    ("PEB", Area::Pi, Width::Byte),
+    ("PEW", Area::Pi, Width::Word),
+    ("PED", Area::Pi, Width::Dword),
+    ("PQB", Area::Pq, Width::Byte),
+    ("PQW", Area::Pq, Width::Word),
+    ("PQD", Area::Pq, Width::Dword),
+    ("PAB", Area::Pq, Width::Byte),
+    ("PAW", Area::Pq, Width::Word),
+    ("PAD", Area::Pq, Width::Dword),
+];
+
+const BLOCKS: &[(&str, BlockPrefix)] = &[
+    ("OB", BlockPrefix::Ob),
+    ("FB", BlockPrefix::Fb),
+    ("FC", BlockPrefix::Fc),
+    ("DB", BlockPrefix::Db),
+    ("SFB", BlockPrefix::Sfb),
+    ("SFC", BlockPrefix::Sfc),
+    ("UDT", BlockPrefix::Udt),
+    ("VAT", BlockPrefix::Vat),
+];
