@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use plcc_abi::image::{Family, Profile, ProgramImage};
+use plcc_binding::BindInput;
 use plcc_codegen::CodegenOptions;
 use plcc_diag::{Code, Diagnostic, Severity, SourceFile, SourceMap, Span};
 use plcc_ir::Module;
 use plcc_model::Program;
 use plcc_model::profile;
-use plcc_program::BindInput;
 use plcc_readers::ReadOptions;
 use plcc_readers::sd::Texts;
 use plcc_readers::symbols;
@@ -158,14 +158,22 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         // Without a source there is another message already.
         require_main: settings.require_main && !units.is_empty(),
     };
+    // Programs of the S7-200 share nothing with those of the other families.
+    let is_s7200 = units.iter().any(|(_, unit)| unit.s7200.is_some());
     let program = if partial {
-        let completed = plcc_program::complete(&input);
+        let completed = match is_s7200 {
+            true => plcc_program_s7200::complete(&input),
+            false => plcc_program::complete(&input),
+        };
         diagnostics.extend(completed.diagnostics);
         // Stand-ins have places like everything else.
         sources.add(SourceFile::new(STAND_INS, completed.stand_ins));
         completed.program
     } else {
-        let (program, messages) = plcc_program::bind(&input);
+        let (program, messages) = match is_s7200 {
+            true => plcc_program_s7200::bind(&input),
+            false => plcc_program::bind(&input),
+        };
         diagnostics.extend(messages);
         program
     };

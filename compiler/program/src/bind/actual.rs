@@ -8,13 +8,13 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, OperandKind, Width};
 use plcc_syntax::literal::Literal;
 
-use super::constant::Constant;
 use super::declare::is_complex;
 use super::names::code_kind;
 use super::path::{Base, type_of_width};
 use super::settle::Settled;
 use super::value::{self, Mismatch};
 use super::{Binder, Ctx};
+use plcc_binding::constant::Constant;
 use plcc_model::layout;
 pub use plcc_model::layout::type_code;
 use plcc_model::types::{DataType, Elementary, ParameterType};

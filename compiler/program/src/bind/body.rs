@@ -5,8 +5,8 @@ use plcc_syntax::ast::{self, OperandKind, Statement, StatementKind};
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
 
-use super::names::fold;
 use super::{Binder, Ctx};
+use plcc_binding::fold;
 use plcc_model::{LabelId, Operand, StlStatement, StlStatementKind};
 
 /// Entries of a jump list.
@@ -203,7 +203,7 @@ impl Binder<'_> {
             let message = Diagnostic::new(Code::UnknownLabel, span, format!("this block has no label `{name}`"))
                 .label("nowhere to jump to");
             let other = flow.labels.keys().copied().find(|other| other.eq_ignore_ascii_case(name));
-            let other = other.or_else(|| super::path::similar(name, flow.labels.keys().copied()));
+            let other = other.or_else(|| plcc_binding::similar(name, flow.labels.keys().copied()));
             self.report.push(match other {
                 Some(other) => message.help(format!("is `{other}` meant? Letter case matters in labels")),
                 None => message.help(format!("write `{name}:` before the statement to jump to")),

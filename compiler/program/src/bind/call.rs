@@ -8,10 +8,12 @@ use plcc_syntax::ast::{self, BlockPrefix, OperandKind};
 use rustc_hash::FxHashMap;
 
 use super::declare::BoundInterface;
-use super::names::{code_kind, fold};
-use super::path::{Base, similar};
+use super::names::code_kind;
+use super::path::Base;
 use super::settle::Settled;
 use super::{Binder, Ctx};
+use plcc_binding::fold;
+use plcc_binding::similar;
 use plcc_model::types::DataType;
 use plcc_model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, Passing, Place};
 

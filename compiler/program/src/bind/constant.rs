@@ -1,113 +1,16 @@
-//! Values that are known when a program is compiled: constants of blocks, array bounds, CASE labels, initial values.
-//!
-//! [`fold`] computes operators, [`fit`] gives a constant the type of its place.
+//! Constants of declarations and statements: names are looked up, and what is no constant is reported.
 
-mod fit;
-mod fold;
-
+use plcc_binding::constant::fold::{self, Fault};
+use plcc_binding::constant::{Constant, Constants, fit};
+use plcc_binding::value::{self, Mismatch};
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::Bound;
-use plcc_syntax::scl::ast::{Expr, ExprKind, Literal, Name, NameForm};
-use plcc_syntax::{Elementary, literal};
-use rustc_hash::FxHashMap;
-
-use super::Binder;
-use super::names;
-use super::value::Mismatch;
-use fold::Fault;
 use plcc_model::layout;
 use plcc_model::types::DataType;
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::Bound;
+use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
 
-/// A constant value.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Constant {
-    /// An integer without a type; `based` if it was written as bits (`16#FF`).
-    Integer {
-        value: i128,
-        based: bool,
-    },
-    /// A floating-point number without a type.
-    Real(f64),
-    /// The bits, zero-extended from the width of the type.
-    Typed {
-        ty: Elementary,
-        bits: u64,
-    },
-    /// In Windows-1252; not `typed` and one character long it may be a CHAR.
-    Text {
-        bytes: Vec<u8>,
-        typed: bool,
-    },
-    WideText(Vec<u16>),
-    DateAndTime([u8; 8]),
-    Dtl([u8; 12]),
-}
-
-/// Constants of a block by folded name, for [`Binder::constant`].
-pub type Constants = FxHashMap<String, Constant>;
-
-impl Constant {
-    /// A constant as STL writes it. Errors: pointers, which are no values of variables.
-    pub fn of_stl(value: &literal::Literal) -> Option<Constant> {
-        use literal::Literal;
-        let typed = |ty, bits| Some(Constant::Typed { ty, bits });
-        match value {
-            Literal::Bool(value) => typed(Elementary::Bool, u64::from(*value)),
-            Literal::Int(value) => Some(Constant::Integer { value: i128::from(*value), based: false }),
-            Literal::Dint(value) => typed(Elementary::Dint, u64::from(*value as u32)),
-            Literal::Byte(value) => typed(Elementary::Byte, u64::from(*value)),
-            Literal::Word(value) | Literal::Counter(value) => typed(Elementary::Word, u64::from(*value)),
-            Literal::Dword(value) => typed(Elementary::Dword, u64::from(*value)),
-            Literal::Bits { value, .. } => Some(Constant::Integer { value: i128::from(*value), based: true }),
-            Literal::Bytes2(bytes) => typed(Elementary::Word, u64::from(u16::from_be_bytes(*bytes))),
-            Literal::Bytes4(bytes) => typed(Elementary::Dword, u64::from(u32::from_be_bytes(*bytes))),
-            Literal::Real(value) => Some(Constant::Real(f64::from(*value))),
-            Literal::S5Time(value) => typed(Elementary::S5Time, u64::from(*value)),
-            Literal::Time(value) => typed(Elementary::Time, u64::from(*value as u32)),
-            Literal::Date(value) => typed(Elementary::Date, u64::from(*value)),
-            Literal::TimeOfDay(value) => typed(Elementary::TimeOfDay, u64::from(*value)),
-            Literal::DateAndTime(bytes) => Some(Constant::DateAndTime(*bytes)),
-            Literal::Text(bytes) => Some(Constant::Text { bytes: bytes.clone(), typed: false }),
-            Literal::Pointer(_) | Literal::AreaPointer { .. } | Literal::Any(_) => None,
-        }
-    }
-
-    /// The constant that a literal of SCL is; none for pointers, NIL and NULL.
-    pub fn of_literal(value: &Literal) -> Option<Constant> {
-        match value {
-            Literal::Integer { value, based } => Some(Constant::Integer { value: i128::from(*value), based: *based }),
-            Literal::Real(value) => Some(Constant::Real(*value)),
-            Literal::Typed { ty, bits } => Some(Constant::Typed { ty: *ty, bits: *bits }),
-            Literal::Text { bytes, typed } => Some(Constant::Text { bytes: bytes.clone(), typed: *typed }),
-            Literal::WideText(text) => Some(Constant::WideText(text.clone())),
-            Literal::DateAndTime(bytes) => Some(Constant::DateAndTime(*bytes)),
-            Literal::Dtl(bytes) => Some(Constant::Dtl(*bytes)),
-            Literal::Pointer { .. } | Literal::Any(_) | Literal::Nil | Literal::Null => None,
-        }
-    }
-
-    /// Its value, if it is an integer or a bit string.
-    pub fn integer(&self) -> Option<i128> {
-        match self {
-            Constant::Integer { value, .. } => Some(*value),
-            Constant::Typed { ty, bits } => fit::integer_of(*ty, *bits),
-            _ => None,
-        }
-    }
-
-    /// What it is, for messages.
-    pub fn describe(&self) -> String {
-        match self {
-            Constant::Integer { .. } => "an integer constant".to_string(),
-            Constant::Real(_) => "a REAL constant".to_string(),
-            Constant::Typed { ty, .. } => format!("a constant of type {}", ty.name()),
-            Constant::Text { .. } => "a text".to_string(),
-            Constant::WideText(_) => "a WSTRING constant".to_string(),
-            Constant::DateAndTime(_) => "a DATE_AND_TIME constant".to_string(),
-            Constant::Dtl(_) => "a DTL constant".to_string(),
-        }
-    }
-}
+use super::Binder;
 
 impl Binder<'_> {
     /// The value of a constant expression; what is no constant is reported.
@@ -161,7 +64,7 @@ impl Binder<'_> {
                     Mismatch::Type => {
                         Diagnostic::new(Code::TypeMismatch, span, format!("{} is no {name}", constant.describe()))
                             .label(format!("a value of type {name} is wanted"))
-                            .help(format!("write it as {}", super::value::example(ty)))
+                            .help(format!("write it as {}", value::example(ty)))
                     }
                     Mismatch::Range => {
                         Diagnostic::new(Code::LiteralRange, span, format!("this value does not fit type {name}"))
@@ -179,7 +82,7 @@ impl Binder<'_> {
     }
 
     fn named_constant(&mut self, constants: &Constants, name: &Name) -> Option<Constant> {
-        let folded = names::fold(&name.text);
+        let folded = plcc_binding::fold(&name.text);
         if let Some(constant) = constants.get(&folded).or_else(|| self.global_constants.get(&folded)) {
             return Some(constant.clone());
         }
@@ -189,7 +92,7 @@ impl Binder<'_> {
 
     /// A name that is no constant. Nothing may define it (`local`: only the block itself could), or it means something else.
     fn unknown_constant(&mut self, name: &str, local: bool, span: Span) {
-        if local || self.globals.contains_key(&names::fold(name)) {
+        if local || self.globals.contains_key(&plcc_binding::fold(name)) {
             self.report.push(
                 Diagnostic::new(Code::ConstantRequired, span, format!("`{name}` is no constant of this block"))
                     .label("a value that is known when the program is compiled must stand here")
@@ -251,7 +154,7 @@ impl Binder<'_> {
                 }
             }
             Bound::Name(name, span) => {
-                let folded = names::fold(name);
+                let folded = plcc_binding::fold(name);
                 let constant = self.scope.constants.get(&folded).or_else(|| self.global_constants.get(&folded));
                 if let Some(number) = constant.and_then(Constant::integer) {
                     return i64::try_from(number).ok();
@@ -291,9 +194,7 @@ impl Binder<'_> {
         };
         self.report.push(match ty {
             DataType::Elementary(_) if problem == Mismatch::Range => message,
-            DataType::Elementary(elementary) => {
-                message.help(format!("write it as {}", super::value::example(*elementary)))
-            }
+            DataType::Elementary(elementary) => message.help(format!("write it as {}", value::example(*elementary))),
             DataType::String(_) => message.help("write a text in quotes: 'text'"),
             DataType::WideString(_) => message.help("write a text in quotes: WSTRING#'text'"),
             DataType::DateAndTime => message.help("write it as DT#1993-12-25-8:12:34.567"),

@@ -7,9 +7,9 @@ use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, DataContent, OperandKind, PathPart, PathRoot, TypeKind};
 
 use super::declare::{StructBuilder, Typed, TypedStruct, Use};
-use super::names::fold;
 use super::path::{Base, Variable};
 use super::{Binder, mentions};
+use plcc_binding::fold;
 use plcc_model::types::{DataType, StructType};
 use plcc_model::{BlockKey, DataBlock};
 use plcc_syntax::symbols::SymbolTarget;

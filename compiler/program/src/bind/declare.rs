@@ -9,11 +9,11 @@ use plcc_syntax::chart::ast as chart;
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
-use super::constant::Constants;
-use super::names::fold;
 use super::path::Base;
 use super::predefined;
 use super::{Binder, SYSTEM_FILE, State};
+use plcc_binding::constant::Constants;
+use plcc_binding::fold;
 use plcc_model::layout::{self, BYTES_MAX, Placer};
 use plcc_model::types::{ArrayType, DataType, Elementary, Member, OpenArrayType, ParameterType, StructType};
 use plcc_model::{BlockKey, Interface};

@@ -9,8 +9,8 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockPrefix};
 
 use super::Binder;
-use super::constant::Constant;
-use super::names::fold;
+use plcc_binding::constant::Constant;
+use plcc_binding::fold;
 use plcc_model::profile;
 use plcc_model::types::Elementary;
 use plcc_syntax::symbols::SymbolTarget;

@@ -9,9 +9,9 @@ use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
 
 use super::Binder;
 use super::actual::pointer_bytes;
-use super::constant::Constant;
 use super::declare::put;
 use super::value::{Mismatch, Place, elementary_bytes, literal_kind};
+use plcc_binding::constant::Constant;
 use plcc_model::layout;
 use plcc_model::types::{ArrayType, DataType, Elementary, ParameterType, StructType};
 use plcc_syntax::symbols::SymbolTarget;

@@ -8,11 +8,11 @@ use plcc_syntax::ast::{self, SectionKind, TypeKind};
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
-use super::constant::Constant;
 use super::declare::{self, BoundInterface, Local, Scope, StructBuilder, Typed, Use, is_complex};
-use super::names::fold;
 use super::path::Base;
 use super::{Binder, CodeSource, State};
+use plcc_binding::constant::Constant;
+use plcc_binding::fold;
 use plcc_model::layout::{self, Placer};
 use plcc_model::types::{DataType, Elementary, ParameterType};
 use plcc_model::{BlockKey, Direction, Parameter, Passing};

@@ -15,8 +15,9 @@ use plcc_syntax::{ParseOptions, scl, stl};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::declare::BoundInterface;
-use super::names::{fold, kind_prefix};
+use super::names::kind_prefix;
 use super::{Binder, CodeSource, SYSTEM_FILE, SystemUse, mentions};
+use plcc_binding::fold;
 use plcc_model::BlockKey;
 
 const fn class_of(kind: BlockKind) -> Option<BlockClass> {

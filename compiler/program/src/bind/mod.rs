@@ -12,7 +12,6 @@
 //! undefined names.
 
 mod actual;
-mod assertion;
 mod body;
 mod call;
 mod catalog;
@@ -37,12 +36,9 @@ mod partial_tests;
 mod path;
 mod pragma;
 mod predefined;
-mod report;
-mod s7200;
 mod scl;
 mod settle;
 mod system_memory;
-mod value;
 
 #[cfg(test)]
 mod declaration_tests;
@@ -54,25 +50,26 @@ mod tests;
 
 use std::rc::Rc;
 
-use plcc_abi::image::{BlockKind, Config, Profile, SymbolEntry};
+use plcc_abi::image::{BlockKind, Config, SymbolEntry};
 use plcc_abi::ob::ObClass;
-use plcc_diag::{Code, Diagnostic, FileId, SourceMap, Span};
-use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, SourceUnit, Width};
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, Width};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 pub use catalog::standard_library;
 pub use chart::reference as graph_reference;
-use constant::Constants;
 use declare::{BoundInterface, Scope, Typed, TypedStruct};
 pub use family::implied_family;
 use names::Global;
 pub use names::has_free_obs;
 pub use network::{is_about_drafts, reference as lad_fbd_reference};
 pub use partial::complete;
+use plcc_binding::constant::Constants;
+use plcc_binding::report::{self, Report};
+use plcc_binding::{BindInput, Bound, assertion, value};
 use plcc_model::types::StructType;
 use plcc_model::{BlockKey, Body, CodeBlock, Program, TestSettings};
-use plcc_syntax::symbols::{SymbolTable, SymbolTarget};
-use report::Report;
+use plcc_syntax::symbols::SymbolTarget;
 pub use scl::reference as scl_reference;
 
 /// TEMP of an OB holds at least its start information.
@@ -81,35 +78,6 @@ const OB_START_INFORMATION_BYTES: u32 = 20;
 /// File of the sources of the system blocks; no user file has this number.
 const SYSTEM_FILE: FileId = FileId(u32::MAX);
 
-/// What is bound.
-pub struct BindInput<'a> {
-    /// Name of the program.
-    pub name: String,
-    pub sources: &'a SourceMap,
-    pub units: &'a [(FileId, SourceUnit)],
-    pub tables: &'a [SymbolTable],
-    pub profile: Profile,
-    pub config: Config,
-    /// Undefined names and blocks are warnings, and what depends on them goes unchecked.
-    pub partial: bool,
-    /// The file of declarations that stand in for what is missing, whose tags lie beyond the CPU's memory.
-    pub stand_ins: Option<FileId>,
-    /// Obey assertion pragmas.
-    pub pragmas: bool,
-    /// A program without OB 1 is an error.
-    pub require_main: bool,
-    /// Blocks of safety programs are compiled as standard blocks.
-    pub safety_as_standard: bool,
-}
-
-/// A program with its messages.
-struct Bound {
-    program: Program,
-    diagnostics: Vec<Diagnostic>,
-    /// What is named and defined nowhere; each has a message among the others.
-    missing: Vec<report::Uses>,
-}
-
 /// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
 pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
     let Bound { program, diagnostics, .. } = bind_all(input);
@@ -117,9 +85,6 @@ pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
 }
 
 fn bind_all(input: &BindInput) -> Bound {
-    if input.units.iter().any(|(_, unit)| unit.s7200.is_some()) {
-        return s7200::bind(input);
-    }
     let mut binder = Binder::new(input);
     binder.collect();
     binder.system_memory();

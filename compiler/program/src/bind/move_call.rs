@@ -4,9 +4,9 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, OperandKind, PathRoot, Width};
 use plcc_syntax::stl::StlInsn;
 
-use super::names::fold;
 use super::settle::Settled;
 use super::{Binder, Ctx, value};
+use plcc_binding::fold;
 use plcc_model::layout;
 use plcc_model::types::Elementary;
 use plcc_model::{Operand, StlStatementKind};

@@ -7,8 +7,9 @@ use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
 use plcc_syntax::scl::ast::{self as scl, Dialect};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::constant::{Constant, Constants};
 use super::{Binder, mentions};
+use plcc_binding::constant::{Constant, Constants};
+use plcc_binding::fold;
 use plcc_model::BlockKey;
 use plcc_model::types::Elementary;
 use plcc_syntax::symbols::{SymbolTarget, parse_address};
@@ -23,12 +24,6 @@ pub struct Global {
     /// Data type of a tag that is a structure, by its name.
     pub structure: Option<String>,
     pub span: Span,
-}
-
-/// Names in the form in which they are compared: letter case and outer blanks do not matter.
-pub fn fold(name: &str) -> String {
-    let name = name.trim();
-    if name.is_ascii() { name.to_ascii_lowercase() } else { name.to_lowercase() }
 }
 
 /// The block kind of code that `prefix` names.

@@ -9,9 +9,9 @@ use plcc_syntax::ast::{self, SectionKind};
 use rustc_hash::FxHashMap;
 
 use super::declare::{self, BoundInterface, Local, Use};
-use super::names::fold;
 use super::path::Base;
 use super::{Binder, CodeSource, OB_START_INFORMATION_BYTES};
+use plcc_binding::fold;
 use plcc_model::layout::{self, Placer};
 use plcc_model::types::{DataType, Elementary};
 

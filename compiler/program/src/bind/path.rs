@@ -6,9 +6,9 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Path, PathPart, PathRoot, Width};
 use rustc_hash::FxHashMap;
 
-use super::names::fold;
 use super::report::MissingKey;
 use super::{Binder, Ctx};
+use plcc_binding::{fold, similar};
 use plcc_model::Place;
 use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, Member, StructType};
@@ -400,38 +400,4 @@ fn slice(name: &str, ty: Elementary) -> Option<(u32, u8, Elementary)> {
         1 => (bytes - 1 - number / 8, (number % 8) as u8, part),
         _ => (bytes - end / 8, 0, part),
     })
-}
-
-/// The name that differs least from `name`, if it differs by a slip only.
-pub fn similar<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    const CANDIDATES: usize = 500;
-    let wanted = fold(name);
-    // Names of one letter resemble each other always.
-    let limit = match wanted.chars().count() {
-        0 | 1 => return None,
-        2 | 3 => 1,
-        _ => 2,
-    };
-    names
-        .take(CANDIDATES)
-        .map(|other| (distance(&wanted, &fold(other)), other))
-        .filter(|(distance, _)| *distance <= limit)
-        .min()
-        .map(|(_, other)| other)
-}
-
-/// Number of letters to change, add or remove (Levenshtein); names are short.
-pub fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, letter) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, other) in b.iter().enumerate() {
-            let change = diagonal + usize::from(letter != *other);
-            diagonal = row[j + 1];
-            row[j + 1] = change.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }

@@ -143,10 +143,10 @@ const INSTANCES: &[(&str, &[&str])] = &[
 impl Binder<'_> {
     /// The block that a data type's name means: one of the sources, `FB10`, or one of the library; without a message.
     pub fn type_block(&self, name: &str) -> Option<(BlockPrefix, u16)> {
-        if let Some(number) = self.type_names.get(&names::fold(name)) {
+        if let Some(number) = self.type_names.get(&plcc_binding::fold(name)) {
             return Some((BlockPrefix::Udt, *number));
         }
-        if self.globals.contains_key(&names::fold(name)) {
+        if self.globals.contains_key(&plcc_binding::fold(name)) {
             return match self.global(name) {
                 Some(SymbolTarget::Block { prefix, number }) => Some((prefix, u16::try_from(number).ok()?)),
                 Some(SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. }) | None => None,

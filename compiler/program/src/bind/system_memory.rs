@@ -8,7 +8,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{Area, Width};
 
 use super::Binder;
-use super::names::fold;
+use plcc_binding::fold;
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
 /// Which of the two bytes.

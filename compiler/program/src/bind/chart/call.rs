@@ -10,9 +10,9 @@ use plcc_syntax::scl::ast::{
     StatementKind as TreeKind,
 };
 
-use crate::bind::names::fold;
 use crate::bind::scl::call::{Callee, is_result};
 use crate::bind::{Binder, Ctx};
+use plcc_binding::fold;
 use plcc_model::scl::Statement;
 use plcc_model::{BlockKey, Direction};
 

@@ -13,11 +13,11 @@ use plcc_syntax::scl::ast::{
 };
 
 use super::engine::Engine;
-use crate::bind::names::fold;
 use crate::bind::network::Page;
 use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::fold;
 use plcc_model::scl::{Expr, Statement};
 
 impl Binder<'_> {

@@ -3,7 +3,7 @@
 use plcc_syntax::chart::ast::Body as Chart;
 use rustc_hash::FxHashMap;
 
-use crate::bind::names::fold;
+use plcc_binding::fold;
 
 /// Steps and transitions are known by their places in the lists of the chart. Of those that are there twice, the first counts.
 #[derive(Debug, Default)]

@@ -11,7 +11,7 @@ use rustc_hash::FxHashSet;
 
 use super::parameters::{self, OPERATING_BITS};
 use crate::bind::SYSTEM_FILE;
-use crate::bind::names::fold;
+use plcc_binding::fold;
 
 /// Components of a step, as S7-GRAPH of STEP 7 V5 lays them out.
 const STEP: &str = "S1, L1, V1, R1, A1, S0, L0, V0, X, LA, VA, RA, AA, SS, LS, VS : BOOL; SNO : INT; T, U : TIME;

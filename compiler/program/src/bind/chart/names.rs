@@ -9,8 +9,8 @@ use rustc_hash::FxHashSet;
 
 use super::index::Index;
 use super::instance::Members;
-use crate::bind::names::fold;
 use crate::bind::{Binder, SYSTEM_FILE};
+use plcc_binding::fold;
 
 /// Components of transitions; all others are those of steps.
 const OF_TRANSITIONS: [&str; 8] = ["TV", "TT", "TS", "CF_IV", "TNO", "CRIT", "CRIT_OLD", "CRIT_FLT"];

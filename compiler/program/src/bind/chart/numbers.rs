@@ -5,11 +5,11 @@
 
 use plcc_syntax::{Class, Elementary};
 
-use crate::bind::constant::Constant;
 use crate::bind::scl::convert::explicit_expr;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::constant::Constant;
 
 impl Binder<'_> {
     /// The two sides of a comparison or of `+ - * /`, as it takes them.

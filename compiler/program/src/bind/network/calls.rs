@@ -12,11 +12,11 @@ use plcc_syntax::scl::ast::{
 use super::bits::{argument, call_node};
 use super::pins::{connected, outputs};
 use super::sheet::Sheet;
-use crate::bind::names::fold;
 use crate::bind::scl::call::Callee;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
 use plcc_abi::image::BlockKind;
+use plcc_binding::fold;
 use plcc_model::scl::{Instance, StatementKind};
 use plcc_model::types::DataType;
 use plcc_model::{BlockKey, Direction};

@@ -9,10 +9,10 @@ use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as Node
 use super::TOP;
 use super::pins::{connected, inverted, no, yes};
 use super::sheet::Sheet;
-use crate::bind::names::fold;
 use crate::bind::scl::rules::Label;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::fold;
 use plcc_model::LabelId;
 use plcc_model::scl::{Arm, Statement, StatementKind};
 

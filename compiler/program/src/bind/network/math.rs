@@ -10,7 +10,6 @@ use plcc_syntax::{Class, Elementary};
 use super::bits::{argument, call_node};
 use super::pins::{connected, inverted};
 use super::sheet::Sheet;
-use crate::bind::constant::Constant;
 use crate::bind::scl::Intent;
 use crate::bind::scl::assign::value_of;
 use crate::bind::scl::constant;
@@ -19,6 +18,7 @@ use crate::bind::scl::expression::{binary_expr, binary_op, constant_expr};
 use crate::bind::scl::numeric::{self, Shape};
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::constant::Constant;
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, UnaryOp};
 
 impl Binder<'_> {

@@ -4,45 +4,12 @@ use std::collections::BTreeMap;
 
 use plcc_diag::{FileId, Span};
 use plcc_syntax::Elementary;
-use plcc_syntax::ast::{BlockPrefix, CellKind};
+use plcc_syntax::ast::CellKind;
 use rustc_hash::FxHashSet;
 
-use crate::bind::names::fold;
+use plcc_binding::fold;
+use plcc_binding::stand_ins::Missing;
 use plcc_model::types::DataType;
-
-/// Something that is defined nowhere.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Missing {
-    /// A name, folded.
-    Name(String),
-    /// A block by its number; UDTs too.
-    Block(u8, u16),
-}
-
-/// Order of prefixes in a list: types, functions, function blocks, data blocks.
-const PREFIXES: [BlockPrefix; 6] =
-    [BlockPrefix::Udt, BlockPrefix::Fc, BlockPrefix::Fb, BlockPrefix::Sfc, BlockPrefix::Sfb, BlockPrefix::Db];
-
-impl Missing {
-    pub fn name(name: &str) -> Missing {
-        Missing::Name(fold(name))
-    }
-
-    /// A block by its number; none for kinds that nothing can stand in for.
-    pub fn block(prefix: BlockPrefix, number: u32) -> Option<Missing> {
-        let prefix = if prefix == BlockPrefix::Di { BlockPrefix::Db } else { prefix };
-        let at = PREFIXES.iter().position(|known| *known == prefix)?;
-        Some(Missing::Block(at as u8, u16::try_from(number).ok()?))
-    }
-
-    /// Letters and number, if it is a block by its number.
-    pub fn numbered(&self) -> Option<(BlockPrefix, u16)> {
-        match self {
-            Missing::Block(at, number) => Some((PREFIXES[usize::from(*at)], *number)),
-            Missing::Name(_) => None,
-        }
-    }
-}
 
 /// What a use wants of a value, the surest first.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,19 +1,13 @@
 //! Leaves out what cannot be bound although stand-ins are there for all that is missing: the smallest part around a message that can
 //! go without changing what its neighbours mean.
 
+use plcc_binding::stand_ins::LeftOut;
 use plcc_diag::{FileId, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, Block, Code, SourceUnit, StatementKind as StlKind};
 use plcc_syntax::chart::ast as chart;
 use plcc_syntax::network::ast as network;
 use plcc_syntax::scl::ast as scl;
-
-/// A part that was left out.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LeftOut {
-    pub span: Span,
-    pub what: &'static str,
-}
 
 /// Leaves out what stands at `at`; `None` if nothing can go there.
 pub fn leave_out(units: &mut [(FileId, SourceUnit)], at: Span) -> Option<LeftOut> {

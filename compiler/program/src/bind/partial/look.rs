@@ -11,13 +11,14 @@ use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Name, NameForm};
 use plcc_syntax::scl::{absolute, db_address};
 use plcc_syntax::{Elementary, scl};
 
-use super::evidence::{Evidence, Hint, Missing, Shape};
-use crate::bind::constant::Constant;
-use crate::bind::names::fold;
-use crate::bind::report::Report;
+use super::evidence::{Evidence, Hint, Shape};
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
 use plcc_abi::image::BlockKind;
+use plcc_binding::constant::Constant;
+use plcc_binding::fold;
+use plcc_binding::report::Report;
+use plcc_binding::stand_ins::Missing;
 use plcc_model::BlockKey;
 use plcc_model::types::DataType;
 use plcc_syntax::symbols::SymbolTarget;
@@ -502,7 +503,7 @@ impl<'a> Look<'_, 'a> {
         match &initial.kind {
             ast::InitialKind::Literal(literal) => Constant::of_stl(literal).map(|constant| of_constant(&constant)),
             ast::InitialKind::Expr(node) => {
-                let none = crate::bind::constant::Constants::default();
+                let none = plcc_binding::constant::Constants::default();
                 self.quietly(|binder| binder.constant(&none, node)).map(|constant| of_constant(&constant))
             }
             _ => None,

@@ -16,20 +16,19 @@ mod scl;
 mod stl;
 mod write;
 
-use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
+use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind, SourceUnit};
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashSet;
 
 use super::declare::BoundInterface;
-use super::report::{MissingKey, Uses};
+use plcc_binding::report::MissingKey;
+use plcc_binding::stand_ins::{Completed, Missing, Parts, Told, Whole, errors, finish};
+
 use super::{BindInput, Binder, Bound, Ctx, scl::Scope};
 use evidence::Evidence;
-pub use evidence::Missing;
-pub use leave_out::LeftOut;
 use look::Look;
 use plcc_model::Program;
-use plcc_syntax::symbols::SymbolTable;
 use write::{StandIns, Writer};
 
 /// Rounds of looking; each but the last finds something new.
@@ -37,14 +36,6 @@ const LOOKS_MAX: u32 = 12;
 
 /// Rounds of leaving out; each leaves out all that the last binding complained about.
 const ROUNDS_MAX: u32 = 40;
-
-/// A partial program that was made whole.
-pub struct Completed {
-    pub program: Program,
-    pub diagnostics: Vec<Diagnostic>,
-    /// Text of the file in which the stand-ins have their places: the next one of the source map.
-    pub stand_ins: String,
-}
 
 /// Binds a program in which parts may be missing, with stand-ins for them.
 pub fn complete(input: &BindInput) -> Completed {
@@ -54,9 +45,6 @@ pub fn complete(input: &BindInput) -> Completed {
     if first.missing.is_empty() && !no_main && !has_errors {
         let Bound { program, diagnostics, .. } = first;
         return Completed { program, diagnostics, stand_ins: String::new() };
-    }
-    if input.units.iter().any(|(_, unit)| unit.s7200.is_some()) {
-        return super::s7200::partial::complete(input, first);
     }
     let file = FileId(input.sources.files().count() as u32);
     let evidence = gather(input, file);
@@ -106,39 +94,8 @@ pub fn complete(input: &BindInput) -> Completed {
     unreachable!("the loop returns at the latest after its last round")
 }
 
-pub fn errors(diagnostics: &[Diagnostic]) -> impl Iterator<Item = (Code, Span)> {
-    diagnostics
-        .iter()
-        .filter(|diagnostic| diagnostic.is_error())
-        .map(|diagnostic| (diagnostic.code, diagnostic.primary.span))
-}
-
 fn has_main(input: &BindInput, program: &Program) -> bool {
     program.blocks.iter().any(|block| super::is_main(input, &program.config, block))
-}
-
-/// Sources with stand-ins.
-pub struct Whole {
-    pub units: Vec<(FileId, SourceUnit)>,
-    pub tables: Vec<SymbolTable>,
-}
-
-impl Whole {
-    pub fn as_input<'a>(&'a self, input: &BindInput<'a>, file: FileId) -> BindInput<'a> {
-        BindInput {
-            name: input.name.clone(),
-            sources: input.sources,
-            units: &self.units,
-            tables: &self.tables,
-            profile: input.profile.clone(),
-            config: input.config.clone(),
-            partial: true,
-            stand_ins: Some(file),
-            pragmas: input.pragmas,
-            require_main: input.require_main,
-            safety_as_standard: input.safety_as_standard,
-        }
-    }
 }
 
 fn with(
@@ -274,70 +231,6 @@ fn text(stand_ins: &StandIns) -> String {
     text
 }
 
-fn missing_of(key: &MissingKey) -> Option<Missing> {
-    match key {
-        // What is local to statements without a header has no type that could be known.
-        MissingKey::Local(_) => None,
-        MissingKey::Symbol(name) | MissingKey::Constant(name) => Some(Missing::Name(name.clone())),
-        MissingKey::Block(prefix, number) | MissingKey::NotShipped(prefix, number) => {
-            Missing::block(*prefix, u32::from(*number))
-        }
-        MissingKey::Db(number) | MissingKey::DbLayout(number) => Missing::block(BlockPrefix::Db, u32::from(*number)),
-    }
-}
-
-/// What stands in for one thing, in words.
-pub struct Told {
-    pub missing: Missing,
-    /// The whole line.
-    pub line: String,
-    /// Without the name of the thing.
-    pub what: String,
-}
-
-/// What became of the parts of a program.
-pub struct Parts {
-    pub told: Vec<Told>,
-    /// Components that data blocks got: the place of the data block's name, and a line.
-    pub added: Vec<(Span, String)>,
-    pub left: Vec<LeftOut>,
-    /// An empty main program stands in for one that is missing.
-    pub no_main: bool,
-    /// Text of the file of stand-ins.
-    pub stand_ins: String,
-}
-
-/// The program with its messages: those of the first binding but for errors that only came of what was missing, what stands in and what is left
-/// out. `places`: what could not be left out, and remains an error.
-pub fn finish(
-    input: &BindInput,
-    first: Bound,
-    bound: Bound,
-    wrong: &FxHashSet<(Code, Span)>,
-    places: &[Span],
-    parts: Parts,
-) -> Completed {
-    let kept = |diagnostic: &Diagnostic| {
-        !diagnostic.is_error()
-            || diagnostic.code == Code::NoMainBlock
-            || wrong.contains(&(diagnostic.code, diagnostic.primary.span))
-    };
-    let mut diagnostics: Vec<Diagnostic> = first.diagnostics.into_iter().filter(kept).collect();
-    diagnostics.extend(
-        bound
-            .diagnostics
-            .into_iter()
-            .filter(|diagnostic| diagnostic.is_error() && !wrong.contains(&(diagnostic.code, diagnostic.primary.span))),
-    );
-    if !places.is_empty() {
-        let rest = bound.missing.into_iter().filter(|uses| !matches!(uses.key, MissingKey::Db(_)));
-        diagnostics.extend(rest.map(|uses| Diagnostic { severity: Severity::Error, ..uses.diagnostic }));
-    }
-    let mut program = bound.program;
-    program.partial = tell(input, &first.missing, &parts, &mut diagnostics);
-    Completed { program, diagnostics, stand_ins: parts.stand_ins }
-}
-
 /// Tells which components data blocks got.
 fn added_components(evidence: &Evidence) -> Vec<(Span, String)> {
     let line = |shape: &evidence::Shape| {
@@ -345,51 +238,4 @@ fn added_components(evidence: &Evidence) -> Vec<(Span, String)> {
         (shape.place.unwrap_or_default(), format!("{} lacks {}: added at its end", shape.name, names.join(", ")))
     };
     evidence.added.values().map(line).collect()
-}
-
-/// Lists what stands in and what is left out: in the messages, and in lines for the start of a run.
-fn tell(input: &BindInput, missing: &[Uses], parts: &Parts, diagnostics: &mut Vec<Diagnostic>) -> Vec<String> {
-    let mut lines = Vec::new();
-    if parts.no_main {
-        lines.push("OB 1 is missing: an empty one".to_string());
-        for diagnostic in diagnostics.iter_mut().filter(|diagnostic| diagnostic.code == Code::NoMainBlock) {
-            diagnostic.severity = Severity::Warning;
-            diagnostic.help = Some("in its place: an empty one".to_string());
-        }
-    }
-    for told in &parts.told {
-        lines.push(told.line.clone());
-        let uses = missing.iter().filter(|uses| missing_of(&uses.key).as_ref() == Some(&told.missing));
-        for uses in uses {
-            let (code, span) = (uses.diagnostic.code, uses.diagnostic.primary.span);
-            let of_it = diagnostics.iter_mut().find(|message| message.code == code && message.primary.span == span);
-            if let Some(message) = of_it {
-                message.help = Some(format!("in its place: {}", told.what));
-            }
-        }
-    }
-    for (place, line) in &parts.added {
-        lines.push(line.clone());
-        diagnostics.push(
-            Diagnostic::new(Code::Added, *place, line.clone())
-                .label("the program uses them, and this version of the data block does not declare them")
-                .help("add the source of the data block that belongs to the program"),
-        );
-    }
-    for message in diagnostics.iter().filter(|message| message.code == Code::LeftOut) {
-        let span = message.primary.span;
-        let source = input.sources.file(span.file);
-        lines.push(format!("{}:{}: {}", source.name, source.line(span.start), message.title));
-    }
-    for part in &parts.left {
-        let source = input.sources.file(part.span.file);
-        let line = source.line(part.span.start);
-        lines.push(format!("{}:{line}: {} is left out", source.name, part.what.trim_end_matches(',')));
-        diagnostics.push(
-            Diagnostic::new(Code::LeftOut, part.span, format!("{} is left out", part.what))
-                .label("it needs something that is missing, and no type fits all its uses")
-                .help("add the sources and symbol tables that define what is missing"),
-        );
-    }
-    lines
 }

@@ -9,11 +9,13 @@ use plcc_syntax::network::ast::{
 use plcc_syntax::network::elements::{Kind, Row};
 use plcc_syntax::scl::ast::{Argument, Expr as Node, ExprKind as NodeKind, Name, NameForm};
 
-use super::evidence::{Hint, Missing};
+use super::evidence::Hint;
 use super::look::{Look, Start};
 use super::scl::{surest, typed};
+use crate::bind::Ctx;
 use crate::bind::scl::function::Named;
-use crate::bind::{Ctx, names::fold};
+use plcc_binding::fold;
+use plcc_binding::stand_ins::Missing;
 use plcc_model::types::DataType;
 
 const BOOL: Hint = typed(Elementary::Bool);

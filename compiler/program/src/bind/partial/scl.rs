@@ -7,11 +7,13 @@ use plcc_syntax::scl::ast::{
     Argument, AssignOp, BinaryOp, Expr as Node, ExprKind as NodeKind, Name, NameForm, Statement, StatementKind, UnaryOp,
 };
 
-use super::evidence::{Hint, Missing};
+use super::evidence::Hint;
 use super::look::{Look, Start, Step};
+use crate::bind::Ctx;
 use crate::bind::scl::call::Callee;
 use crate::bind::scl::function::Named;
-use crate::bind::{Ctx, names::fold};
+use plcc_binding::fold;
+use plcc_binding::stand_ins::Missing;
 use plcc_model::types::DataType;
 use plcc_model::{BlockKey, Direction};
 

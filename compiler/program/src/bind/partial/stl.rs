@@ -5,13 +5,14 @@ use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, Area, BlockName, BlockPrefix, CellKind, Operand, OperandKind, PathRoot, Statement};
 use plcc_syntax::stl::{OperandClass, StlInsn};
 
-use super::evidence::{Hint, Missing};
+use super::evidence::Hint;
 use super::look::{Look, Start, Step, of_constant, of_width, step_of_part};
 use super::scl::{parameter_hint, typed};
 use crate::bind::Ctx;
-use crate::bind::constant::Constant;
-use crate::bind::names::fold;
 use crate::bind::settle::Settled;
+use plcc_binding::constant::Constant;
+use plcc_binding::fold;
+use plcc_binding::stand_ins::Missing;
 use plcc_model::BlockKey;
 use plcc_model::Number;
 use plcc_model::types::{DataType, ParameterType};

@@ -9,8 +9,9 @@ use plcc_syntax::ast::{
 use plcc_syntax::scl::ast as scl;
 use rustc_hash::FxHashSet;
 
-use super::evidence::{Evidence, Interface, Missing, Shape};
-use crate::bind::names::fold;
+use super::evidence::{Evidence, Interface, Shape};
+use plcc_binding::fold;
+use plcc_binding::stand_ins::Missing;
 use plcc_model::layout;
 use plcc_model::types::{DataType, StructType};
 use plcc_syntax::symbols::{GlobalConstant, Symbol, SymbolTable, SymbolTarget};

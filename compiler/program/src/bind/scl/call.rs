@@ -11,9 +11,10 @@ use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKin
 use super::function::Named;
 use super::value::Value;
 use super::{Intent, Rules};
-use crate::bind::names::{code_kind, fold};
-use crate::bind::path::similar;
+use crate::bind::names::code_kind;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::fold;
+use plcc_binding::similar;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Argument, Base, Call, Complex, Expr, ExprKind, Instance};
 use plcc_model::types::{DataType, Member, StructType};

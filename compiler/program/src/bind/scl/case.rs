@@ -6,8 +6,8 @@ use plcc_syntax::{Class, Elementary};
 
 use super::value::Value;
 use super::{constant, message};
-use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::constant::Constant;
 use plcc_model::scl::{Arm, Expr, StatementKind};
 
 impl Binder<'_> {

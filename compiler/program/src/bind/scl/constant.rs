@@ -7,8 +7,8 @@ use plcc_syntax::{Class, Elementary};
 use super::convert::{self, Implicit};
 use super::value::Value;
 use super::{Rules, message};
-use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::constant::Constant;
 use plcc_model::scl::{Expr, ExprKind};
 
 impl Binder<'_> {
@@ -138,7 +138,7 @@ impl Binder<'_> {
     fn unfit_constant(&mut self, constant: &Constant, span: Span, ty: Elementary) -> Option<Expr> {
         let is = message::described(&Value::Constant(constant.clone(), span));
         let text = matches!(constant, Constant::Text { .. } | Constant::WideText(_)) && ty.class() != Class::Character;
-        let help = (!text).then(|| format!("write it as {}", crate::bind::value::example(ty)));
+        let help = (!text).then(|| format!("write it as {}", plcc_binding::value::example(ty)));
         self.wrong_type(span, &is, ty.name(), help);
         None
     }

@@ -14,8 +14,8 @@ use super::arguments::names_eno;
 use super::expression::constant_expr;
 use super::function::Named;
 use super::memory::{binary, load};
-use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::fold;
 use plcc_model::layout;
 use plcc_model::scl::{Access, BinaryOp, Expr, ExprKind, Statement, StatementKind};
 

@@ -8,8 +8,8 @@ use super::compare::comparison;
 use super::numeric::{self, Shape};
 use super::value::Value;
 use super::{Intent, Rules, message};
-use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::constant::Constant;
 use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, UnaryOp};
 use plcc_model::types::{DataType, ParameterType};
 

@@ -6,9 +6,9 @@ use plcc_syntax::ast;
 use plcc_syntax::scl::ast::{Name, Statement, StatementKind};
 
 use super::rules::Label;
-use crate::bind::names::fold;
-use crate::bind::path::similar;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::fold;
+use plcc_binding::similar;
 use plcc_model::LabelId;
 
 impl Binder<'_> {

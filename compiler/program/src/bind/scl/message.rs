@@ -6,7 +6,7 @@ use plcc_syntax::Elementary;
 use super::value::Value;
 use super::{Rules, convert};
 use crate::bind::Binder;
-use crate::bind::constant::Constant;
+use plcc_binding::constant::Constant;
 use plcc_model::layout;
 
 impl Binder<'_> {

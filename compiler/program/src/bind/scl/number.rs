@@ -14,8 +14,8 @@ use super::pins::Pins;
 use super::text::is_wide_text;
 use super::value::Value;
 use super::{Rules, constant};
-use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::constant::Constant;
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, UnaryOp};
 use plcc_model::types::DataType;
 

@@ -5,7 +5,7 @@ use plcc_syntax::{Class, Elementary};
 use super::Rules;
 use super::constant;
 use super::value::Value;
-use crate::bind::constant::Constant;
+use plcc_binding::constant::Constant;
 
 /// What an operand says of its type.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,9 +5,9 @@ use plcc_syntax::scl::ast::{Argument as Given, Expr as Node};
 
 use super::arguments::names_eno;
 use super::function::{Kind, Row};
-use crate::bind::names::fold;
-use crate::bind::path::similar;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::fold;
+use plcc_binding::similar;
 
 /// A pin of a row.
 #[derive(Clone, Copy)]

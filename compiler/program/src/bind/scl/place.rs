@@ -3,8 +3,8 @@
 use plcc_diag::Span;
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Width};
 
-use crate::bind::constant::Constant;
 use crate::bind::path;
+use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::scl::{Access, Base, Expr, Index, IndexedArea, Part};
 use plcc_model::types::DataType;

@@ -11,8 +11,8 @@ use crate::bind::actual::{
     type_code,
 };
 use crate::bind::actual::{any_bytes, any_number_of_block, any_number_of_cell, known_pointer, local_place};
-use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::constant::Constant;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, Base, Complex, Expr, ExprKind};
 use plcc_model::types::{DataType, Elementary, ParameterType};

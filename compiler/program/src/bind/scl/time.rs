@@ -11,10 +11,10 @@ use super::function::Named;
 use super::numeric::Shape;
 use super::value::Value;
 use super::{Intent, Rules};
-use crate::bind::constant::Constant;
-use crate::bind::names::fold;
 use crate::bind::{Binder, Ctx};
 use Elementary::*;
+use plcc_binding::constant::Constant;
+use plcc_binding::fold;
 use plcc_model::scl::{Actual, Argument, BinaryOp, Call, Complex, Conversion, Expr, ExprKind};
 use plcc_model::types::DataType;
 

@@ -11,8 +11,8 @@ use super::message::described;
 use super::numeric::Shape;
 use super::pins::Pins;
 use super::value::Value;
-use crate::bind::constant::Constant;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::scl::{Access, CounterCall, Expr, ExprKind, TimerCall, TimerKind};
 

@@ -3,7 +3,7 @@
 use plcc_diag::Span;
 use plcc_syntax::ast::{BlockPrefix, CellKind};
 
-use crate::bind::constant::Constant;
+use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::scl::{Access, Complex, Expr};
 use plcc_model::types::DataType;

@@ -6,8 +6,6 @@ use plcc_diag::Span;
 use plcc_syntax::scl::ast::{Argument, Expr as Node, ExprKind as NodeKind, Name, NameForm};
 use plcc_syntax::{Class, Elementary};
 
-use crate::bind::constant::Constant;
-use crate::bind::names::fold;
 use crate::bind::network::Page;
 use crate::bind::scl::Intent;
 use crate::bind::scl::constant::float_bits;
@@ -16,6 +14,8 @@ use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::constant::Constant;
+use plcc_binding::fold;
 use plcc_model::scl::{Conversion, Expr, ExprKind, Statement, UnaryOp};
 
 /// What a function of GRAPH does that SCL does not have by this name.

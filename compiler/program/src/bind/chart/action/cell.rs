@@ -11,7 +11,6 @@ use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 
 use super::operand::{plain_time, thing_text};
 use super::{Moment, Rows, guarded};
-use crate::bind::constant::Constant;
 use crate::bind::network::{no, yes};
 use crate::bind::scl::Intent;
 use crate::bind::scl::convert::explicit_expr;
@@ -21,6 +20,7 @@ use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::place::Thing;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::scl::{CounterCall, Expr, ExprKind, Statement, StatementKind, TimerCall, TimerKind};
 

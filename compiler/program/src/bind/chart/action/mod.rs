@@ -20,9 +20,9 @@ use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 
 use super::engine::Engine;
 use crate::bind::network::{Page, and, inverted, no, yes};
-use crate::bind::path::similar;
 use crate::bind::scl::place::Spot;
 use crate::bind::{Binder, Ctx};
+use plcc_binding::similar;
 use plcc_model::scl::{CompareOp, Expr, ExprKind, Statement, StatementKind};
 
 /// What a step does, in the order of its rows.

@@ -9,7 +9,7 @@ use super::logic::{Atoms, Formula};
 use super::net::{Net, SET_MAX};
 use super::{Facts, TRANSITIONS_MAX, step_title, transition_title};
 use crate::bind::mentions::{condition_expressions, permanent_expressions};
-use crate::bind::names::fold;
+use plcc_binding::fold;
 
 /// Transitions behind one step whose conditions are compared. GRAPH allows 125.
 const PATHS_MAX: usize = 125;

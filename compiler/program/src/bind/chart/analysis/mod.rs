@@ -29,10 +29,10 @@ use plcc_syntax::scl::ast::{Expr, ExprKind};
 use rustc_hash::FxHashSet;
 
 use super::index::Index;
-use crate::bind::names::fold;
 use crate::bind::path::Base;
 use crate::bind::{Binder, Ctx};
 use net::{Net, SET_MAX};
+use plcc_binding::fold;
 use plcc_syntax::symbols::SymbolTarget;
 
 /// Transitions of a chart whose pairs are looked at. GRAPH allows 250.

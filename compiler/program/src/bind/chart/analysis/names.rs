@@ -9,8 +9,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::net::Net;
 use super::{step_title, transition_title};
 use crate::bind::chart::index::Index;
-use crate::bind::names::fold;
-use crate::bind::path::similar;
+use plcc_binding::fold;
+use plcc_binding::similar;
 
 const SEQUENCERS_MAX: usize = 8;
 const STEPS_MAX: usize = 250;

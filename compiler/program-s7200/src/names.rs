@@ -10,9 +10,9 @@ use plcc_syntax::s7200::ast::{self, Area, Direct, OperandKind, Section, Statemen
 use plcc_syntax::s7200::{self, Insn};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::super::path::distance;
 use super::Binder;
 use super::interface::Locals;
+use plcc_syntax::distance;
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
 /// Names of files without block headers that hold the main program, folded.
@@ -315,7 +315,7 @@ impl<'a> Binder<'a> {
         let mut look_at = |folded: &str, name: &dyn Fn() -> String| {
             // Names of another length are far away; tables are long.
             if folded.len().abs_diff(wanted.len()) <= limit * 4 {
-                let distance = distance(&wanted, folded);
+                let distance = distance::between(&wanted, folded);
                 if distance <= limit {
                     near.push((distance, name()));
                 }

@@ -9,9 +9,9 @@ use plcc_syntax::ast::Width;
 use plcc_syntax::s7200::ast::{self, Area, Direct, Section};
 use rustc_hash::FxHashMap;
 
-use super::super::path::similar;
 use super::Binder;
 use super::names::fold;
+use plcc_binding::similar;
 use plcc_model::s7200::{Direction, Parameter};
 
 /// Parameters that a subroutine may have.

@@ -9,7 +9,7 @@ use plcc_abi::s7200::STACK_LEVELS;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::s7200::{Acts, Contact, Insn};
 
-use super::super::report::Report;
+use plcc_binding::report::Report;
 
 /// What an instruction does with the stack.
 enum Effect {

@@ -6,7 +6,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::s7200::Insn;
 use rustc_hash::FxHashMap;
 
-use super::super::report::Report;
+use plcc_binding::report::Report;
 use plcc_model::s7200::Operand;
 
 /// FOR loops inside each other.

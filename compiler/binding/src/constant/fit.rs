@@ -6,7 +6,7 @@
 use plcc_syntax::{Class, Elementary};
 
 use super::Constant;
-use crate::bind::value::Mismatch;
+use crate::value::Mismatch;
 use plcc_model::layout;
 use plcc_model::types::{DTL, DataType};
 

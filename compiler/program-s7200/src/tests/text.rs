@@ -5,8 +5,8 @@ use plcc_diag::{Diagnostic, SourceFile, SourceMap};
 use plcc_syntax::ParseOptions;
 use plcc_syntax::ast::Width;
 
-use crate::bind::BindInput;
 use plcc_abi::image::{AssertConstant, AssertKind};
+use plcc_binding::BindInput;
 use plcc_model::Program;
 
 use plcc_model::ComparedValue;
@@ -27,7 +27,7 @@ fn bind_text(name: &str, text: &str, table: &str) -> (SourceMap, Program, Vec<Di
         diagnostics.extend(bad);
         tables.push(table);
     }
-    let (program, found) = crate::bind::bind(&BindInput {
+    let (program, found) = crate::bind(&BindInput {
         name: "test".to_string(),
         sources: &sources,
         units: &[(file, unit)],

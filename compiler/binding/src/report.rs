@@ -4,6 +4,8 @@ use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::BlockPrefix;
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use crate::{fold, similar};
+
 /// Up to here a block number alone is no hint at a library block.
 const LOW_NUMBERS: u16 = 40;
 
@@ -81,7 +83,7 @@ impl Report {
     }
 
     pub fn missing_symbol(&mut self, name: &str, span: Span) {
-        self.missing(MissingKey::Symbol(super::names::fold(name)), span, || {
+        self.missing(MissingKey::Symbol(fold(name)), span, || {
             let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
                 .label("no symbol table and no block has this name");
             match misread_address(name) {
@@ -93,7 +95,7 @@ impl Report {
 
     /// A constant by a name that nothing defines.
     pub fn missing_constant(&mut self, name: &str, span: Span) {
-        self.missing(MissingKey::Constant(super::names::fold(name)), span, || {
+        self.missing(MissingKey::Constant(fold(name)), span, || {
             Diagnostic::new(Code::ConstantRequired, span, format!("the constant `{name}` is not defined"))
                 .label("a value that is known when the program is compiled must stand here")
                 .help("declare it before in VAR CONSTANT or CONST, add the tag table that has it, or write the number")
@@ -102,7 +104,7 @@ impl Report {
 
     /// A function of SCL by a name that means nothing, or that plcc does not have.
     pub fn missing_function(&mut self, name: &str, span: Span, meant: Option<String>, known: bool) {
-        self.missing(MissingKey::Symbol(super::names::fold(name)), span, || match known {
+        self.missing(MissingKey::Symbol(fold(name)), span, || match known {
             true => Diagnostic::new(Code::NotShipped, span, format!("the function `{name}` is not supported"))
                 .label("plcc knows this function but does not have it")
                 .help("do without it, or write a function that does the work"),
@@ -120,7 +122,7 @@ impl Report {
 
     /// A block of the program by the name of a library block, whose parameters it does not have.
     pub fn missing_own(&mut self, name: &str, span: Span) {
-        self.missing(MissingKey::Symbol(super::names::fold(name)), span, || {
+        self.missing(MissingKey::Symbol(fold(name)), span, || {
             Diagnostic::new(Code::UnknownBlock, span, format!("the block `{name}` is not defined"))
                 .label("the block of the library by this name has other parameters, so one of the program is meant")
                 .help("add the source that defines it")
@@ -128,7 +130,7 @@ impl Report {
     }
 
     pub fn missing_type(&mut self, name: &str, span: Span) {
-        self.missing(MissingKey::Symbol(super::names::fold(name)), span, || {
+        self.missing(MissingKey::Symbol(fold(name)), span, || {
             let types = plcc_model::types::Elementary::ALL.into_iter().map(|ty| ty.name());
             if let Some((why, help)) = plcc_syntax::network::absent::reason(name) {
                 let text = format!("plcc does not have `{name}`");
@@ -136,7 +138,7 @@ impl Report {
             }
             Diagnostic::new(Code::UnknownType, span, format!("the data type `{name}` is not defined"))
                 .label("neither a type of STL nor a UDT or FB of the program")
-                .help(match super::path::similar(name, types).filter(|_| name.len() > 3) {
+                .help(match similar(name, types).filter(|_| name.len() > 3) {
                     Some(ty) => format!("is `{ty}` meant? Otherwise add the source that defines it"),
                     None => "add the source that defines it".to_owned(),
                 })

@@ -5,11 +5,11 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
 use plcc_syntax::s7200::ast::{self, Area, Constant, Direct, OperandKind, SymbolForm};
 
-use super::super::report::MissingKey;
 use super::address;
 use super::interface::{Locals, Type};
 use super::names::{block_kind, fold};
 use super::{Binder, operand};
+use plcc_binding::report::MissingKey;
 use plcc_model::s7200::Operand;
 
 /// An operand whose names are settled.

@@ -5,7 +5,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast;
 use plcc_syntax::{Class, Elementary};
 
-use super::constant::Constant;
+use crate::constant::Constant;
 use plcc_model::{Compared, ComparedValue, Comparison};
 
 /// A declared type that values of assertions have.
@@ -412,7 +412,7 @@ fn beside(
         span,
         title: format!("this constant is no {}", ty.name()),
         help: match ty {
-            Type::Elementary(own) => format!("write it as {}", super::value::example(own)),
+            Type::Elementary(own) => format!("write it as {}", crate::value::example(own)),
             Type::DateAndTime | Type::Dtl => "write it as DT#2000-6-20-5:45:00 or DTL#2000-6-20-5:45:00".to_string(),
             Type::Text | Type::WideText => "write a text in quotes: 'text'".to_string(),
         },
@@ -453,8 +453,8 @@ fn beside(
     };
     let fitted = |kind: AssertKind| match constant.bits(own) {
         Ok(value) => bits(kind, own, value),
-        Err(super::value::Mismatch::Range) => Err(does_not_fit(&format!("type {}", own.name()), span)),
-        Err(super::value::Mismatch::Type) => Err(wrong()),
+        Err(crate::value::Mismatch::Range) => Err(does_not_fit(&format!("type {}", own.name()), span)),
+        Err(crate::value::Mismatch::Type) => Err(wrong()),
     };
     match own.class() {
         Class::Float if is_pattern(constant) => raw(if is_order(op) { AssertKind::Float } else { AssertKind::Bits }),

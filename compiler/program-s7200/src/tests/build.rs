@@ -6,7 +6,7 @@ use plcc_syntax::ast::{SourceUnit, Width};
 use plcc_syntax::s7200::Insn;
 use plcc_syntax::s7200::ast::*;
 
-use crate::bind::BindInput;
+use plcc_binding::BindInput;
 use plcc_model::profile;
 use plcc_model::s7200::{Body, StatementKind as Bound};
 use plcc_model::{BlockKey, Program};
@@ -142,7 +142,7 @@ pub fn bind_files(files: Vec<(&str, Source)>, cpu: &str) -> (Program, Vec<Diagno
         let file = sources.add(SourceFile::new(name, " ".repeat(100)));
         units.push((file, SourceUnit { s7200: Some(source), ..SourceUnit::default() }));
     }
-    crate::bind::bind(&BindInput {
+    crate::bind(&BindInput {
         name: "test".to_string(),
         sources: &sources,
         units: &units,

@@ -5,14 +5,14 @@ use plcc_syntax::Elementary;
 use plcc_syntax::ast::{Pragma, Side as WrittenSide, Width};
 use plcc_syntax::s7200::ast::{Area, Assert, AssertSide, Constant as Written};
 
-use super::super::assertion::{self, Literal, Side, Type, What};
-use super::super::constant::Constant;
-use super::super::pragma::{bad_pragma, split, unknown_pragma};
 use super::Binder;
 use super::constant::whole;
 use super::interface::Locals;
 use super::operand::{memory, place};
 use super::settle::Settled;
+use plcc_binding::assertion::{self, Literal, Side, Type, What};
+use plcc_binding::constant::Constant;
+use plcc_binding::pragma::{bad_pragma, split, unknown_pragma};
 use plcc_model::ComparedValue;
 use plcc_model::s7200 as model;
 use plcc_model::s7200::StatementKind;

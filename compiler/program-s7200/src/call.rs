@@ -221,7 +221,7 @@ impl Binder<'_> {
     fn unknown_block(&mut self, locals: &Locals, name: &str, kind: BlockKind, span: Span) {
         let near = self.nearest(name, locals);
         let what = if kind == BlockKind::Int { "interrupt routine" } else { "subroutine" };
-        self.report.missing(super::super::report::MissingKey::Symbol(super::names::fold(name)), span, || {
+        self.report.missing(plcc_binding::report::MissingKey::Symbol(super::names::fold(name)), span, || {
             let message =
                 Diagnostic::new(Code::UnknownBlock, span, format!("the {what} `{name}` is not defined (0087)"))
                     .label("no source of the program has this block");

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use plcc_diag::{Code, FileId, Span};
+use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::ast::{SourceUnit, Width};
 use plcc_syntax::s7200::ast::{self, Area, BlockKind, OperandKind, StatementKind, SymbolForm};
 use plcc_syntax::s7200::{Insn, OperandClass};
@@ -11,9 +11,9 @@ use rustc_hash::FxHashSet;
 
 use super::names::fold;
 use super::operand;
-use crate::bind::partial::{self, Completed, LeftOut, Missing, Parts, Told, Whole, errors};
-use crate::bind::report::MissingKey;
-use crate::bind::{BindInput, Bound};
+use plcc_binding::report::MissingKey;
+use plcc_binding::stand_ins::{self as partial, Completed, LeftOut, Missing, Parts, Told, Whole, errors};
+use plcc_binding::{BindInput, Bound};
 use plcc_model::profile;
 use plcc_syntax::symbols::{S7200Symbol, SymbolTable};
 
@@ -40,8 +40,15 @@ struct Thing {
     used: Option<Use>,
 }
 
-/// Makes a program whole of which the first binding tells what is missing.
-pub fn complete(input: &BindInput, first: Bound) -> Completed {
+/// Binds a program in which parts may be missing, with stand-ins for them.
+pub fn complete(input: &BindInput) -> Completed {
+    let first = super::bind_all(input);
+    let no_main =
+        input.require_main && !first.program.blocks.iter().any(|block| block.kind == plcc_abi::image::BlockKind::Ob);
+    if first.missing.is_empty() && !no_main && !first.diagnostics.iter().any(Diagnostic::is_error) {
+        let Bound { program, diagnostics, .. } = first;
+        return Completed { program, diagnostics, stand_ins: String::new() };
+    }
     let file = FileId(input.sources.files().count() as u32);
     let missing: FxHashSet<String> = first
         .missing
@@ -71,8 +78,6 @@ pub fn complete(input: &BindInput, first: Bound) -> Completed {
             highest = highest.max(direct.number.saturating_add(4));
         }
     }
-    let no_main =
-        input.require_main && !first.program.blocks.iter().any(|block| block.kind == plcc_abi::image::BlockKind::Ob);
     let (table, source, lines) = stand_ins(input, &things, file, highest, no_main);
     let own: FxHashSet<(Code, Span)> = errors(&first.diagnostics).collect();
     let mut wrong: Option<FxHashSet<(Code, Span)>> = None;
@@ -83,7 +88,7 @@ pub fn complete(input: &BindInput, first: Bound) -> Completed {
             units: units.iter().cloned().chain([(file, unit)]).collect(),
             tables: input.tables.iter().cloned().chain([table.clone()]).collect(),
         };
-        let bound = super::bind(&whole.as_input(input, file));
+        let bound = super::bind_all(&whole.as_input(input, file));
         let wrong =
             wrong.get_or_insert_with(|| errors(&bound.diagnostics).filter(|error| own.contains(error)).collect());
         let mut places: Vec<Span> =

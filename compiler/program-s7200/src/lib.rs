@@ -18,7 +18,8 @@ mod data;
 mod interface;
 mod names;
 mod operand;
-pub mod partial;
+mod partial;
+pub use partial::complete;
 mod pragma;
 mod rules;
 mod settle;
@@ -34,13 +35,18 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::s7200::ast::OperandKind;
 use rustc_hash::FxHashMap;
 
-use super::BindInput;
-use super::report::Report;
+use plcc_binding::report::Report;
+use plcc_binding::{BindInput, Bound};
 use plcc_model::profile;
 use plcc_model::{Body, CodeBlock, Interface, Program, TestSettings};
 
-/// Binds the blocks of Micro/WIN sources.
-pub fn bind(input: &BindInput) -> super::Bound {
+/// Binds the blocks of Micro/WIN sources. The program is complete if no message is an error and, with `partial`, nothing is undefined.
+pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
+    let Bound { program, diagnostics, .. } = bind_all(input);
+    (program, diagnostics)
+}
+
+fn bind_all(input: &BindInput) -> Bound {
     let mut binder = Binder::new(input);
     binder.refuse_other_families();
     binder.collect();
@@ -56,7 +62,7 @@ pub fn bind(input: &BindInput) -> super::Bound {
     let mut test = TestSettings::default();
     if input.pragmas {
         for pragma in input.units.iter().flat_map(|(_, unit)| &unit.pragmas) {
-            super::pragma::file_pragma(&mut binder.report, pragma, &mut test);
+            plcc_binding::pragma::file_pragma(&mut binder.report, pragma, &mut test);
         }
     }
     let program = Program {
@@ -72,7 +78,7 @@ pub fn bind(input: &BindInput) -> super::Bound {
         partial: Vec::new(),
     };
     let (diagnostics, missing) = binder.report.finish();
-    super::Bound { program, diagnostics, missing }
+    Bound { program, diagnostics, missing }
 }
 
 struct Binder<'a> {

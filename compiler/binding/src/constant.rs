@@ -1,0 +1,101 @@
+//! Values that are known when a program is compiled: constants of blocks, array bounds, CASE labels, initial values.
+//!
+//! [`fold`] computes operators, [`fit`] gives a constant the type of its place.
+
+pub mod fit;
+pub mod fold;
+
+use plcc_syntax::scl::ast::Literal;
+use plcc_syntax::{Elementary, literal};
+use rustc_hash::FxHashMap;
+
+/// A constant value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Constant {
+    /// An integer without a type; `based` if it was written as bits (`16#FF`).
+    Integer {
+        value: i128,
+        based: bool,
+    },
+    /// A floating-point number without a type.
+    Real(f64),
+    /// The bits, zero-extended from the width of the type.
+    Typed {
+        ty: Elementary,
+        bits: u64,
+    },
+    /// In Windows-1252; not `typed` and one character long it may be a CHAR.
+    Text {
+        bytes: Vec<u8>,
+        typed: bool,
+    },
+    WideText(Vec<u16>),
+    DateAndTime([u8; 8]),
+    Dtl([u8; 12]),
+}
+
+/// Constants of a block by folded name, for the binder.
+pub type Constants = FxHashMap<String, Constant>;
+
+impl Constant {
+    /// A constant as STL writes it. Errors: pointers, which are no values of variables.
+    pub fn of_stl(value: &literal::Literal) -> Option<Constant> {
+        use literal::Literal;
+        let typed = |ty, bits| Some(Constant::Typed { ty, bits });
+        match value {
+            Literal::Bool(value) => typed(Elementary::Bool, u64::from(*value)),
+            Literal::Int(value) => Some(Constant::Integer { value: i128::from(*value), based: false }),
+            Literal::Dint(value) => typed(Elementary::Dint, u64::from(*value as u32)),
+            Literal::Byte(value) => typed(Elementary::Byte, u64::from(*value)),
+            Literal::Word(value) | Literal::Counter(value) => typed(Elementary::Word, u64::from(*value)),
+            Literal::Dword(value) => typed(Elementary::Dword, u64::from(*value)),
+            Literal::Bits { value, .. } => Some(Constant::Integer { value: i128::from(*value), based: true }),
+            Literal::Bytes2(bytes) => typed(Elementary::Word, u64::from(u16::from_be_bytes(*bytes))),
+            Literal::Bytes4(bytes) => typed(Elementary::Dword, u64::from(u32::from_be_bytes(*bytes))),
+            Literal::Real(value) => Some(Constant::Real(f64::from(*value))),
+            Literal::S5Time(value) => typed(Elementary::S5Time, u64::from(*value)),
+            Literal::Time(value) => typed(Elementary::Time, u64::from(*value as u32)),
+            Literal::Date(value) => typed(Elementary::Date, u64::from(*value)),
+            Literal::TimeOfDay(value) => typed(Elementary::TimeOfDay, u64::from(*value)),
+            Literal::DateAndTime(bytes) => Some(Constant::DateAndTime(*bytes)),
+            Literal::Text(bytes) => Some(Constant::Text { bytes: bytes.clone(), typed: false }),
+            Literal::Pointer(_) | Literal::AreaPointer { .. } | Literal::Any(_) => None,
+        }
+    }
+
+    /// The constant that a literal of SCL is; none for pointers, NIL and NULL.
+    pub fn of_literal(value: &Literal) -> Option<Constant> {
+        match value {
+            Literal::Integer { value, based } => Some(Constant::Integer { value: i128::from(*value), based: *based }),
+            Literal::Real(value) => Some(Constant::Real(*value)),
+            Literal::Typed { ty, bits } => Some(Constant::Typed { ty: *ty, bits: *bits }),
+            Literal::Text { bytes, typed } => Some(Constant::Text { bytes: bytes.clone(), typed: *typed }),
+            Literal::WideText(text) => Some(Constant::WideText(text.clone())),
+            Literal::DateAndTime(bytes) => Some(Constant::DateAndTime(*bytes)),
+            Literal::Dtl(bytes) => Some(Constant::Dtl(*bytes)),
+            Literal::Pointer { .. } | Literal::Any(_) | Literal::Nil | Literal::Null => None,
+        }
+    }
+
+    /// Its value, if it is an integer or a bit string.
+    pub fn integer(&self) -> Option<i128> {
+        match self {
+            Constant::Integer { value, .. } => Some(*value),
+            Constant::Typed { ty, bits } => fit::integer_of(*ty, *bits),
+            _ => None,
+        }
+    }
+
+    /// What it is, for messages.
+    pub fn describe(&self) -> String {
+        match self {
+            Constant::Integer { .. } => "an integer constant".to_string(),
+            Constant::Real(_) => "a REAL constant".to_string(),
+            Constant::Typed { ty, .. } => format!("a constant of type {}", ty.name()),
+            Constant::Text { .. } => "a text".to_string(),
+            Constant::WideText(_) => "a WSTRING constant".to_string(),
+            Constant::DateAndTime(_) => "a DATE_AND_TIME constant".to_string(),
+            Constant::Dtl(_) => "a DTL constant".to_string(),
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! How names compare.
+
+use plcc_syntax::distance;
+
+/// Names in the form in which they are compared: letter case and outer blanks do not matter.
+pub fn fold(name: &str) -> String {
+    let name = name.trim();
+    if name.is_ascii() { name.to_ascii_lowercase() } else { name.to_lowercase() }
+}
+
+/// The name that differs least from `name`, if it differs by a slip only.
+pub fn similar<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    const CANDIDATES: usize = 500;
+    let wanted = fold(name);
+    // Names of one letter resemble each other always.
+    let limit = match wanted.chars().count() {
+        0 | 1 => return None,
+        2 | 3 => 1,
+        _ => 2,
+    };
+    names
+        .take(CANDIDATES)
+        .map(|other| (distance::between(&wanted, &fold(other)), other))
+        .filter(|(distance, _)| *distance <= limit)
+        .min()
+        .map(|(_, other)| other)
+}

@@ -1,0 +1,74 @@
+//! Pragmas of whole files.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_model::{TestSettings, profile};
+use plcc_syntax::ast::Pragma;
+
+use crate::report::Report;
+
+/// A pragma of the whole file.
+pub fn file_pragma(report: &mut Report, pragma: &Pragma, settings: &mut TestSettings) {
+    let (word, rest) = split(&pragma.text);
+    match word {
+        "cpu" => {
+            let accumulators = rest.strip_prefix("accus=");
+            let good = match accumulators {
+                Some(count) => matches!(count, "2" | "4"),
+                None => profile::lookup(rest).is_some(),
+            };
+            if !good {
+                report.push(
+                    Diagnostic::new(Code::UnknownCpu, pragma.span, "this CPU is not known")
+                        .label(rest.to_string())
+                        .help(profile::help(rest)),
+                );
+            }
+        }
+        "test" => {
+            if rest == "expect=fail" {
+                settings.expect_fail = true;
+            } else if let Some(Ok(cycles)) = rest.strip_prefix("cycles=").map(str::parse::<u32>) {
+                settings.cycles = Some(cycles);
+            } else if rest != "partial" {
+                bad_pragma(
+                    report,
+                    pragma.span,
+                    "`test` takes `cycles=N`, `expect=fail` or `partial`",
+                    "write `//@ test cycles=10`, `//@ test expect=fail` or `//@ test partial`",
+                );
+            }
+        }
+        "assert" | "sleep" => bad_pragma(
+            report,
+            pragma.span,
+            &format!("`{word}` must stand between the statements of a block"),
+            "move it behind the statement after which it holds",
+        ),
+        _ if word.starts_with('^') => {}
+        _ => unknown_pragma(report, pragma),
+    }
+}
+
+/// A line `//@` that is none of the pragmas.
+pub fn unknown_pragma(report: &mut Report, pragma: &Pragma) {
+    bad_pragma(
+        report,
+        pragma.span,
+        &format!("`{}` is no pragma", split(&pragma.text).0),
+        "the pragmas are assert, sleep, cpu and test; a plain comment begins with `//`",
+    );
+}
+
+/// A pragma that is not built as it must be.
+pub fn bad_pragma(report: &mut Report, span: Span, title: &str, help: &str) {
+    report.push(Diagnostic::new(Code::Pragma, span, title).label("not understood").help(help));
+}
+
+/// First word, and the rest without outer blanks.
+pub fn split(text: &str) -> (&str, &str) {
+    let text = text.trim();
+    match text.split_once(char::is_whitespace) {
+        Some((word, rest)) => (word, rest.trim()),
+        None => (text, ""),
+    }
+}

@@ -1,0 +1,202 @@
+//! Programs with missing parts: what stands in for them, what is left out, and what is told about both.
+
+use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
+use plcc_model::Program;
+use plcc_syntax::ast::{BlockPrefix, SourceUnit};
+use plcc_syntax::symbols::SymbolTable;
+use rustc_hash::FxHashSet;
+
+use crate::report::{MissingKey, Uses};
+use crate::{BindInput, Bound, fold};
+
+/// A partial program that was made whole.
+pub struct Completed {
+    pub program: Program,
+    pub diagnostics: Vec<Diagnostic>,
+    /// Text of the file in which the stand-ins have their places: the next one of the source map.
+    pub stand_ins: String,
+}
+
+/// Something that is defined nowhere.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Missing {
+    /// A name, folded.
+    Name(String),
+    /// A block by its number; UDTs too.
+    Block(u8, u16),
+}
+
+/// Order of prefixes in a list: types, functions, function blocks, data blocks.
+const PREFIXES: [BlockPrefix; 6] =
+    [BlockPrefix::Udt, BlockPrefix::Fc, BlockPrefix::Fb, BlockPrefix::Sfc, BlockPrefix::Sfb, BlockPrefix::Db];
+
+impl Missing {
+    pub fn name(name: &str) -> Missing {
+        Missing::Name(fold(name))
+    }
+
+    /// A block by its number; none for kinds that nothing can stand in for.
+    pub fn block(prefix: BlockPrefix, number: u32) -> Option<Missing> {
+        let prefix = if prefix == BlockPrefix::Di { BlockPrefix::Db } else { prefix };
+        let at = PREFIXES.iter().position(|known| *known == prefix)?;
+        Some(Missing::Block(at as u8, u16::try_from(number).ok()?))
+    }
+
+    /// Letters and number, if it is a block by its number.
+    pub fn numbered(&self) -> Option<(BlockPrefix, u16)> {
+        match self {
+            Missing::Block(at, number) => Some((PREFIXES[usize::from(*at)], *number)),
+            Missing::Name(_) => None,
+        }
+    }
+}
+
+/// Sources with stand-ins.
+pub struct Whole {
+    pub units: Vec<(FileId, SourceUnit)>,
+    pub tables: Vec<SymbolTable>,
+}
+
+impl Whole {
+    pub fn as_input<'a>(&'a self, input: &BindInput<'a>, file: FileId) -> BindInput<'a> {
+        BindInput {
+            name: input.name.clone(),
+            sources: input.sources,
+            units: &self.units,
+            tables: &self.tables,
+            profile: input.profile.clone(),
+            config: input.config.clone(),
+            partial: true,
+            stand_ins: Some(file),
+            pragmas: input.pragmas,
+            require_main: input.require_main,
+            safety_as_standard: input.safety_as_standard,
+        }
+    }
+}
+
+/// A part that was left out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    pub span: Span,
+    pub what: &'static str,
+}
+
+/// Codes and places of the errors.
+pub fn errors(diagnostics: &[Diagnostic]) -> impl Iterator<Item = (Code, Span)> {
+    diagnostics
+        .iter()
+        .filter(|diagnostic| diagnostic.is_error())
+        .map(|diagnostic| (diagnostic.code, diagnostic.primary.span))
+}
+
+/// What stands in for one thing, in words.
+pub struct Told {
+    pub missing: Missing,
+    /// The whole line.
+    pub line: String,
+    /// Without the name of the thing.
+    pub what: String,
+}
+
+/// What became of the parts of a program.
+pub struct Parts {
+    pub told: Vec<Told>,
+    /// Components that data blocks got: the place of the data block's name, and a line.
+    pub added: Vec<(Span, String)>,
+    pub left: Vec<LeftOut>,
+    /// An empty main program stands in for one that is missing.
+    pub no_main: bool,
+    /// Text of the file of stand-ins.
+    pub stand_ins: String,
+}
+
+/// The program with its messages: those of the first binding but for errors that only came of what was missing, what stands in and what is left
+/// out. `places`: what could not be left out, and remains an error.
+pub fn finish(
+    input: &BindInput,
+    first: Bound,
+    bound: Bound,
+    wrong: &FxHashSet<(Code, Span)>,
+    places: &[Span],
+    parts: Parts,
+) -> Completed {
+    let kept = |diagnostic: &Diagnostic| {
+        !diagnostic.is_error()
+            || diagnostic.code == Code::NoMainBlock
+            || wrong.contains(&(diagnostic.code, diagnostic.primary.span))
+    };
+    let mut diagnostics: Vec<Diagnostic> = first.diagnostics.into_iter().filter(kept).collect();
+    diagnostics.extend(
+        bound
+            .diagnostics
+            .into_iter()
+            .filter(|diagnostic| diagnostic.is_error() && !wrong.contains(&(diagnostic.code, diagnostic.primary.span))),
+    );
+    if !places.is_empty() {
+        let rest = bound.missing.into_iter().filter(|uses| !matches!(uses.key, MissingKey::Db(_)));
+        diagnostics.extend(rest.map(|uses| Diagnostic { severity: Severity::Error, ..uses.diagnostic }));
+    }
+    let mut program = bound.program;
+    program.partial = tell(input, &first.missing, &parts, &mut diagnostics);
+    Completed { program, diagnostics, stand_ins: parts.stand_ins }
+}
+
+fn missing_of(key: &MissingKey) -> Option<Missing> {
+    match key {
+        // What is local to statements without a header has no type that could be known.
+        MissingKey::Local(_) => None,
+        MissingKey::Symbol(name) | MissingKey::Constant(name) => Some(Missing::Name(name.clone())),
+        MissingKey::Block(prefix, number) | MissingKey::NotShipped(prefix, number) => {
+            Missing::block(*prefix, u32::from(*number))
+        }
+        MissingKey::Db(number) | MissingKey::DbLayout(number) => Missing::block(BlockPrefix::Db, u32::from(*number)),
+    }
+}
+
+/// Lists what stands in and what is left out: in the messages, and in lines for the start of a run.
+fn tell(input: &BindInput, missing: &[Uses], parts: &Parts, diagnostics: &mut Vec<Diagnostic>) -> Vec<String> {
+    let mut lines = Vec::new();
+    if parts.no_main {
+        lines.push("OB 1 is missing: an empty one".to_string());
+        for diagnostic in diagnostics.iter_mut().filter(|diagnostic| diagnostic.code == Code::NoMainBlock) {
+            diagnostic.severity = Severity::Warning;
+            diagnostic.help = Some("in its place: an empty one".to_string());
+        }
+    }
+    for told in &parts.told {
+        lines.push(told.line.clone());
+        let uses = missing.iter().filter(|uses| missing_of(&uses.key).as_ref() == Some(&told.missing));
+        for uses in uses {
+            let (code, span) = (uses.diagnostic.code, uses.diagnostic.primary.span);
+            let of_it = diagnostics.iter_mut().find(|message| message.code == code && message.primary.span == span);
+            if let Some(message) = of_it {
+                message.help = Some(format!("in its place: {}", told.what));
+            }
+        }
+    }
+    for (place, line) in &parts.added {
+        lines.push(line.clone());
+        diagnostics.push(
+            Diagnostic::new(Code::Added, *place, line.clone())
+                .label("the program uses them, and this version of the data block does not declare them")
+                .help("add the source of the data block that belongs to the program"),
+        );
+    }
+    for message in diagnostics.iter().filter(|message| message.code == Code::LeftOut) {
+        let span = message.primary.span;
+        let source = input.sources.file(span.file);
+        lines.push(format!("{}:{}: {}", source.name, source.line(span.start), message.title));
+    }
+    for part in &parts.left {
+        let source = input.sources.file(part.span.file);
+        let line = source.line(part.span.start);
+        lines.push(format!("{}:{line}: {} is left out", source.name, part.what.trim_end_matches(',')));
+        diagnostics.push(
+            Diagnostic::new(Code::LeftOut, part.span, format!("{} is left out", part.what))
+                .label("it needs something that is missing, and no type fits all its uses")
+                .help("add the sources and symbol tables that define what is missing"),
+        );
+    }
+    lines
+}
