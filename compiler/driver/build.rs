@@ -12,13 +12,15 @@ use std::process::Command;
 use plcc_abi::RuntimeFn;
 
 /// What the object is built from, relative to the root of the workspace.
-const SOURCES: [&str; 6] = [
+const SOURCES: [&str; 8] = [
     "Cargo.lock",
     "Cargo.toml",
     "runtime/abi/Cargo.toml",
     "runtime/abi/src",
     "runtime/core/Cargo.toml",
     "runtime/core/src",
+    "runtime/literal/Cargo.toml",
+    "runtime/literal/src",
 ];
 
 /// Settings of the outer build that must not reach the inner one.

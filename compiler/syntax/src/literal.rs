@@ -12,7 +12,7 @@ use plcc_diag::Code;
 
 pub use pointer::ANY_TYPES;
 pub use text::{parse_text, windows_1252};
-pub(crate) use time::{Fraction, UNITS_TO_MS, UNITS_TO_NS, days_of_month, leap, nanoseconds};
+pub(crate) use time::nanoseconds;
 
 /// A constant with its type. Values are already range-checked.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,5 +1,6 @@
 //! The runtime flags, the same for an executable and for `plcc run`.
 
+use plcc_literal::duration;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -74,39 +75,10 @@ pub const CYCLE_TIME_DEFAULT: Duration = Duration(10_000_000);
 /// `--hang-limit`, if left out.
 pub const HANG_LIMIT_DEFAULT: Duration = Duration(10_000_000_000);
 
-/// Parses `10ms`, `1.5s`, `500us`, `2m`, `0`. Exact; what lies below a nanosecond is cut off. `Err`: what is wrong.
+/// Parses `10ms`, `1.5s`, `500us`, `2m`, `0`. `Err`: what is wrong.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
     let wrong = || format!("`{text}` is not a time; write 10ms, 1.5s, 500us or 2m");
-    let text_lower = text.trim().to_ascii_lowercase();
-    let split = text_lower.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text_lower.len());
-    let (number, unit) = text_lower.split_at(split);
-    let unit_ns = match unit.trim() {
-        "ns" => 1,
-        "us" | "µs" => 1_000,
-        "ms" => 1_000_000,
-        "s" => 1_000_000_000,
-        "m" | "min" => 60_000_000_000,
-        "h" => 3_600_000_000_000,
-        "" if number == "0" => 1,
-        _ => return Err(wrong()),
-    };
-    // A year is more than anyone waits.
-    let ns = scaled(number, unit_ns).filter(|ns| *ns <= 32_000_000_000_000_000).ok_or_else(wrong)?;
-    u64::try_from(ns).map(Duration).map_err(|_| wrong())
-}
-
-/// An unsigned decimal number (`2`, `1.001`, `.5`) times `unit`, cut off behind the point. Exact, as no binary number is; `None`: no
-/// number, or one that no duration has.
-pub fn scaled(number: &str, unit: u64) -> Option<i128> {
-    let (whole, part) = number.split_once('.').unwrap_or((number, ""));
-    let digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
-    if whole.is_empty() && part.is_empty() || !digits(whole) || !digits(part) || whole.len() > 18 {
-        return None;
-    }
-    let number = |text: &str| if text.is_empty() { Some(0) } else { text.parse::<i128>().ok() };
-    // Of a day nothing is left behind this many digits.
-    let part = &part[..part.len().min(15)];
-    Some(number(whole)? * i128::from(unit) + number(part)? * i128::from(unit) / 10i128.pow(part.len() as u32))
+    duration::span(text).map(Duration).ok_or_else(wrong)
 }
 
 /// Splits lists at commas, but not inside quotes or parentheses.
@@ -142,22 +114,6 @@ pub fn split_list(texts: &[String]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn durations() {
-        assert_eq!(parse_duration("10ms"), Ok(Duration(10_000_000)));
-        assert_eq!(parse_duration("1.5s"), Ok(Duration(1_500_000_000)));
-        assert_eq!(parse_duration("0"), Ok(Duration(0)));
-        assert_eq!(parse_duration("2m"), Ok(Duration(120_000_000_000)));
-        assert_eq!(parse_duration("2.5ms"), Ok(Duration(2_500_000)));
-        assert_eq!(parse_duration("0.000000001s"), Ok(Duration(1)));
-        for ms in 0..1000 {
-            assert_eq!(parse_duration(&format!("31.{ms:03}s")), Ok(Duration((31_000 + ms) * 1_000_000)));
-        }
-        for bad in ["", "10", "ms", "-1s", "1e3s", "1.2.3s", ".s", "9999999999h"] {
-            assert!(parse_duration(bad).is_err(), "{bad}");
-        }
-    }
 
     #[test]
     fn lists() {

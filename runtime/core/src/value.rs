@@ -1,12 +1,16 @@
 //! Values as a user writes them: what `--print` writes, or an STL literal.
 
+use plcc_literal::calendar::{Clock, Date};
+use plcc_literal::duration::{self, Fraction, Smallest};
+use plcc_literal::number;
+
 use crate::address::{Bits, Width};
-use crate::{bcd, datetime, options};
+use crate::bcd;
 
 /// Parses a value for an address of this width. `Err`: what is wrong, in a sentence.
 pub fn parse(text: &str, width: Width) -> Result<Bits, String> {
     let text = text.trim();
-    let (value, signed) = number(text, width).ok_or_else(|| format!("`{text}` is not a value"))?;
+    let (value, signed) = read(text, width).ok_or_else(|| format!("`{text}` is not a value"))?;
     let bits = width.bits();
     let fits = if signed && value < 0 {
         bits >= 128 || bits > 1 && value >= -(1i128 << (bits - 1))
@@ -27,7 +31,7 @@ pub fn parse(text: &str, width: Width) -> Result<Bits, String> {
 }
 
 /// The number and whether a sign is allowed.
-fn number(text: &str, width: Width) -> Option<(i128, bool)> {
+fn read(text: &str, width: Width) -> Option<(i128, bool)> {
     let upper = text.to_ascii_uppercase();
     let unsigned = |value: u64| Some((i128::from(value), false));
     match upper.as_str() {
@@ -43,16 +47,16 @@ fn number(text: &str, width: Width) -> Option<(i128, bool)> {
     }
     let Some((prefix, rest)) = upper.split_once('#') else { return plain(&upper, width) };
     match prefix {
-        "16" | "2" | "8" => radix(prefix, rest).and_then(unsigned),
+        "16" | "2" | "8" => number::based(prefix, rest).ok().and_then(|number| unsigned(number.value)),
         "B" | "W" | "DW" | "BYTE" | "WORD" | "DWORD" => {
             if let Some(list) = rest.strip_prefix('(').and_then(|list| list.strip_suffix(')')) {
                 return byte_list(list).and_then(unsigned);
             }
             let (base, digits) = rest.split_once('#')?;
-            radix(base, digits).and_then(unsigned)
+            number::based(base, digits).ok().and_then(|number| unsigned(number.value))
         }
-        "L" | "DINT" | "INT" => integer(rest).map(|value| (value, true)),
-        "C" => decimal(rest)
+        "L" | "DINT" | "INT" => number::integer(rest).map(|value| (value, true)),
+        "C" => number::decimal(rest)
             .filter(|&count| count <= 999)
             .and_then(|count| unsigned(bcd::from_int(count as u32, 3).into())),
         "S5T" | "S5TIME" => duration_ms(rest)
@@ -69,7 +73,7 @@ fn number(text: &str, width: Width) -> Option<(i128, bool)> {
 
 /// A number without prefix: an integer, or a REAL by its point or exponent.
 fn plain(text: &str, width: Width) -> Option<(i128, bool)> {
-    if let Some(value) = integer(text) {
+    if let Some(value) = number::integer(text) {
         return Some((value, true));
     }
     let real = text.contains('.') || text.contains('E');
@@ -85,85 +89,32 @@ fn plain(text: &str, width: Width) -> Option<(i128, bool)> {
     }
 }
 
-fn integer(text: &str) -> Option<i128> {
-    let (negative, rest) = match text.strip_prefix('-') {
-        Some(rest) => (true, rest),
-        None => (false, text.strip_prefix('+').unwrap_or(text)),
-    };
-    let value = i128::from(decimal(rest)?);
-    Some(if negative { -value } else { value })
-}
-
-fn decimal(text: &str) -> Option<u64> {
-    let clean = text.replace('_', "");
-    clean.bytes().all(|byte| byte.is_ascii_digit()).then(|| clean.parse().ok()).flatten()
-}
-
-fn radix(base: &str, digits: &str) -> Option<u64> {
-    let clean = digits.replace('_', "");
-    if clean.starts_with(['+', '-']) {
-        return None;
-    }
-    u64::from_str_radix(&clean, base.parse().ok().filter(|base| matches!(base, 2 | 8 | 16))?).ok()
-}
-
 /// `1,8` or `1,14,100,120`.
 fn byte_list(list: &str) -> Option<u64> {
     let bytes: Vec<u8> = list.split(',').map(|byte| byte.trim().parse().ok()).collect::<Option<_>>()?;
     matches!(bytes.len(), 2 | 4).then(|| bytes.iter().fold(0, |value, &byte| value << 8 | u64::from(byte)))
 }
 
-/// `2h_1m_0s_5ms`, `-1s100ms`, `1.001s`: milliseconds, exact; what lies below is cut off.
+/// `2h_1m_0s_5ms`, `-1s100ms`, `1.001s`: milliseconds; what lies below is cut off.
 fn duration_ms(text: &str) -> Option<i128> {
-    let clean = text.replace('_', "");
-    let (negative, mut rest) = match clean.strip_prefix('-') {
-        Some(rest) => (true, rest),
-        None => (false, clean.as_str()),
-    };
-    let mut total = 0i128;
-    let mut last_unit = u64::MAX;
-    while !rest.is_empty() {
-        let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.')?;
-        let (value, tail) = rest.split_at(end);
-        let (unit, tail) = [("MS", 1), ("D", 86_400_000), ("H", 3_600_000), ("M", 60_000), ("S", 1000)]
-            .into_iter()
-            .find_map(|(name, ms)| tail.strip_prefix(name).map(|tail| (ms, tail)))?;
-        if unit >= last_unit {
-            return None;
-        }
-        total += options::scaled(value, unit)?;
-        last_unit = unit;
-        rest = tail;
-    }
-    (last_unit != u64::MAX).then_some(if negative { -total } else { total })
+    Some(duration::nanoseconds(text, Smallest::Millisecond, Fraction::Anywhere).ok()? / 1_000_000)
 }
 
 /// `2000-6-20`: days since 1990-01-01.
 fn date(text: &str) -> Option<u64> {
-    let mut parts = text.split('-').map(|part| part.trim().parse::<i16>().ok());
-    let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);
-    let date = jiff::civil::Date::new(year, i8::try_from(month).ok()?, i8::try_from(day).ok()?).ok()?;
-    let seconds = datetime::moment(date.to_datetime(jiff::civil::Time::midnight())) / datetime::NS_PER_S;
-    u64::try_from(seconds / 86_400 - 7305).ok().filter(|_| parts.next().is_none())
+    Date::parse(text)?.days_since(1990).map(u64::from)
 }
 
 /// `5:45:00`, `1:10:3.3`: milliseconds since midnight.
 fn time_of_day(text: &str) -> Option<u64> {
-    let mut parts = text.split(':');
-    let (hours, minutes) = (decimal(parts.next()?)?, decimal(parts.next()?)?);
-    let seconds = parts.next()?;
-    let (whole, fraction) = seconds.split_once('.').unwrap_or((seconds, "0"));
-    let ms = decimal(&format!("{fraction:0<3}")[..3])?;
-    let seconds = decimal(whole)?;
-    let good = hours < 24 && minutes < 60 && seconds < 60 && parts.next().is_none() && fraction.len() <= 3;
-    good.then_some(((hours * 60 + minutes) * 60 + seconds) * 1000 + ms)
+    Clock::parse(text).filter(|clock| clock.exists()).map(|clock| clock.milliseconds().into())
 }
 
 /// `10.3`: an area-internal pointer.
 fn pointer(text: &str) -> Option<u64> {
     let (byte, bit) = text.trim().split_once('.')?;
-    let (byte, bit) = (decimal(byte)?, decimal(bit)?);
-    (byte < 65_536 && bit < 8).then_some(byte << 3 | bit)
+    let (byte, bit) = (number::decimal(byte)?, number::decimal(bit)?);
+    (byte < 65_536 && bit < 8).then_some((byte << 3 | bit) as u64)
 }
 
 /// A value as `--print` writes it.

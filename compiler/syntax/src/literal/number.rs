@@ -1,5 +1,7 @@
 //! Integers, bit strings, counters and REAL.
 
+use plcc_literal::number::{self, Fault};
+
 use super::{Literal, LiteralError};
 
 /// `930`, `-5`, `1.5`, `1e3`.
@@ -115,62 +117,33 @@ fn typed_bits(text: &str, prefix: &str, value: &str, width: u32) -> Result<u32, 
 
 /// Value and number of bits written: each digit counts, leading zeros too.
 fn base_digits(text: &str, base: &str, digits: &str) -> Result<(u32, u8), LiteralError> {
-    let bits_each = match base {
-        "2" => 1,
-        "8" => 3,
-        "16" => 4,
-        _ => {
-            return Err(LiteralError::malformed(
-                text,
-                format!("base `{base}`"),
-                "write `16#` before hexadecimal and `2#` before binary digits",
-            ));
-        }
-    };
-    let mut value = 0u64;
-    let mut written = 0u32;
-    for digit in digits.chars().filter(|c| *c != '_') {
-        let Some(number) = digit.to_digit(1 << bits_each) else {
-            return Err(LiteralError::malformed(
-                text,
-                format!("`{digit}` is no digit of base {base}"),
-                if bits_each == 1 { "binary digits are 0 and 1" } else { "hexadecimal digits are 0 to 9 and A to F" },
-            ));
-        };
-        value = (value << bits_each | u64::from(number)).min(1 << 40);
-        written += bits_each;
-    }
-    if written == 0 {
-        return Err(LiteralError::malformed(text, "no digit", "write the digits behind `#`"));
-    }
-    let value = u32::try_from(value).map_err(|_| {
-        LiteralError::range(text, "more than 32 bits", "a constant has 32 bits at most: `DW#16#FFFF_FFFF`")
+    let large = || LiteralError::range(text, "more than 32 bits", "a constant has 32 bits at most: `DW#16#FFFF_FFFF`");
+    let number = number::based(base, digits).map_err(|fault| match fault {
+        Fault::Base => LiteralError::malformed(
+            text,
+            format!("base `{base}`"),
+            "write `16#` before hexadecimal and `2#` before binary digits",
+        ),
+        Fault::Digit(digit) => LiteralError::malformed(
+            text,
+            format!("`{digit}` is no digit of base {base}"),
+            if base == "2" { "binary digits are 0 and 1" } else { "hexadecimal digits are 0 to 9 and A to F" },
+        ),
+        Fault::Empty => LiteralError::malformed(text, "no digit", "write the digits behind `#`"),
+        Fault::Large => large(),
     })?;
-    Ok((value, written.min(32) as u8))
+    let value = u32::try_from(number.value).map_err(|_| large())?;
+    Ok((value, number.digits.saturating_mul(number.radix.ilog2()).min(32) as u8))
 }
 
 /// A decimal number with sign and `_` between digits.
 fn integer(text: &str, value: &str) -> Result<i64, LiteralError> {
-    let (negative, digits) = match value.strip_prefix('-') {
-        Some(digits) => (true, digits),
-        None => (false, value.strip_prefix('+').unwrap_or(value)),
-    };
-    let digits = digits.trim_start();
-    if !digits.starts_with(|c: char| c.is_ascii_digit()) || digits.contains(|c: char| !c.is_ascii_digit() && c != '_') {
+    let Some(number) = number::integer(value) else {
         return Err(LiteralError::malformed(text, "no decimal number", "write decimal digits, e.g. `10` or `-5`"));
-    }
-    let number = digits
-        .bytes()
-        .filter(u8::is_ascii_digit)
-        .fold(0i64, |number, digit| number.saturating_mul(10).saturating_add(i64::from(digit - b'0')));
-    if number > 1 << 40 {
-        return Err(LiteralError::range(
-            text,
-            "too large for every type",
-            "an INT goes to 32767, a DINT (`L#`) to 2147483647",
-        ));
-    }
-    Ok(if negative { -number } else { number })
+    };
+    i64::try_from(number).ok().filter(|number| number.abs() <= 1 << 40).ok_or_else(|| {
+        LiteralError::range(text, "too large for every type", "an INT goes to 32767, a DINT (`L#`) to 2147483647")
+    })
 }
 
 fn real(text: &str, value: &str) -> Result<f32, LiteralError> {

@@ -2,6 +2,8 @@
 //!
 //! Source: S7-200 system manual, specifying a constant value.
 
+use plcc_literal::number::{self, Fault};
+
 use crate::ast::Width;
 use crate::literal::windows_1252;
 
@@ -24,11 +26,10 @@ fn too_large(label: impl Into<String>, help: impl Into<String>) -> ConstantError
 
 /// `100`, with `_` between digits.
 pub fn integer(text: &str) -> Result<i64, ConstantError> {
-    let digits: String = text.chars().filter(|c| *c != '_').collect();
-    match digits.parse::<i64>() {
-        Ok(value) if value <= i64::from(u32::MAX) => Ok(value),
-        _ => Err(too_large("needs more than 32 bits", "constants go from -2147483648 to 4294967295")),
-    }
+    let value = number::decimal(text).filter(|value| *value <= i128::from(u32::MAX));
+    value
+        .map(|value| value as i64)
+        .ok_or_else(|| too_large("needs more than 32 bits", "constants go from -2147483648 to 4294967295"))
 }
 
 /// `1.5`, `2.5E-3`.
@@ -84,26 +85,21 @@ pub fn based(text: &str) -> Result<(u32, Option<Width>), ConstantError> {
 }
 
 fn digits(base: &str, text: &str) -> Result<u32, ConstantError> {
-    let radix = match base {
-        "2" => 2,
-        "8" => 8,
-        "10" => 10,
-        "16" => 16,
-        _ => return Err(malformed(format!("{base} is no base of a constant"), "write `16#7FFF` or `2#0101`")),
+    let help = "write `16#7FFF` or `2#0101`";
+    let read = match base {
+        "10" => {
+            number::decimal(text).map(|value| u32::try_from(value).map_err(|_| Fault::Large)).unwrap_or_else(|| {
+                Err(text.chars().find(|c| !c.is_ascii_digit() && *c != '_').map_or(Fault::Empty, Fault::Digit))
+            })
+        }
+        _ => number::based(base, text).and_then(|number| u32::try_from(number.value).map_err(|_| Fault::Large)),
     };
-    let mut value: u32 = 0;
-    let mut seen = false;
-    for c in text.chars().filter(|c| *c != '_') {
-        let Some(digit) = c.to_digit(radix) else {
-            return Err(malformed(format!("`{c}` is no digit of base {base}"), "write `16#7FFF` or `2#0101`"));
-        };
-        seen = true;
-        value = match value.checked_mul(radix).and_then(|value| value.checked_add(digit)) {
-            Some(value) => value,
-            None => return Err(too_large("needs more than 32 bits", "a double word goes up to `16#FFFFFFFF`")),
-        };
-    }
-    if seen { Ok(value) } else { Err(malformed(format!("there is no digit behind `{base}#`"), "write e.g. `16#7FFF`")) }
+    read.map_err(|fault| match fault {
+        Fault::Base => malformed(format!("{base} is no base of a constant"), help),
+        Fault::Digit(digit) => malformed(format!("`{digit}` is no digit of base {base}"), help),
+        Fault::Empty => malformed(format!("there is no digit behind `{base}#`"), "write e.g. `16#7FFF`"),
+        Fault::Large => too_large("needs more than 32 bits", "a double word goes up to `16#FFFFFFFF`"),
+    })
 }
 
 /// Bytes of a text without its quotes, escapes expanded: `$$ $' $" $L $N $P $R $T $hh`.

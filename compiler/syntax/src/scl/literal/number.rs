@@ -1,5 +1,7 @@
 //! Integers, bit strings, BOOL and REAL.
 
+use plcc_literal::number::{self, Fault};
+
 use crate::elementary::{Class, Elementary};
 use crate::literal::LiteralError;
 use crate::scl::ast::Literal;
@@ -16,37 +18,23 @@ pub fn plain(text: &str) -> Result<Literal, LiteralError> {
 
 /// Value and base of `16#FF`, `2#1010`, `8#17`.
 pub fn based(text: &str, base: &str, digits: &str) -> Result<(u64, u32), LiteralError> {
-    let radix = match base {
-        "2" => 2,
-        "8" => 8,
-        "16" => 16,
-        _ => {
+    let number = number::based(base, digits).map_err(|fault| match fault {
+        Fault::Base => {
             let help = "write `16#` before hexadecimal, `8#` before octal and `2#` before binary digits";
-            return Err(LiteralError::malformed(text, format!("base `{base}`"), help));
+            LiteralError::malformed(text, format!("base `{base}`"), help)
         }
-    };
-    let mut value = 0u64;
-    let mut written = false;
-    for digit in digits.chars().filter(|c| *c != '_') {
-        let Some(number) = digit.to_digit(radix) else {
-            let help = match radix {
-                2 => "binary digits are 0 and 1",
-                8 => "octal digits are 0 to 7",
+        Fault::Digit(digit) => {
+            let help = match base {
+                "2" => "binary digits are 0 and 1",
+                "8" => "octal digits are 0 to 7",
                 _ => "hexadecimal digits are 0 to 9 and A to F",
             };
-            return Err(LiteralError::malformed(text, format!("`{digit}` is no digit of base {base}"), help));
-        };
-        written = true;
-        value = value
-            .checked_mul(radix.into())
-            .and_then(|value| value.checked_add(number.into()))
-            .ok_or_else(|| LiteralError::range(text, "more than 64 bits", "a constant has 64 bits at most"))?;
-    }
-    if written {
-        Ok((value, radix))
-    } else {
-        Err(LiteralError::malformed(text, "no digit", "write the digits behind `#`"))
-    }
+            LiteralError::malformed(text, format!("`{digit}` is no digit of base {base}"), help)
+        }
+        Fault::Empty => LiteralError::malformed(text, "no digit", "write the digits behind `#`"),
+        Fault::Large => LiteralError::range(text, "more than 64 bits", "a constant has 64 bits at most"),
+    })?;
+    Ok((number.value, number.radix))
 }
 
 /// The constant of type `ty` behind `INT#`, `BYTE#` and their kin.
@@ -137,18 +125,8 @@ fn real(text: &str, value: &str) -> Result<f64, LiteralError> {
 
 /// A decimal number without sign.
 fn decimal(text: &str, digits: &str) -> Result<i128, LiteralError> {
-    if !digits.starts_with(|c: char| c.is_ascii_digit()) || digits.contains(|c: char| !c.is_ascii_digit() && c != '_') {
-        return Err(LiteralError::malformed(
-            text,
-            "no whole number",
-            "write decimal digits, e.g. `10`, or a base, e.g. `16#FF`",
-        ));
-    }
-    let number = digits
-        .bytes()
-        .filter(u8::is_ascii_digit)
-        .fold(0i128, |number, digit| number.saturating_mul(10).saturating_add(i128::from(digit - b'0')));
-    Ok(number)
+    let help = "write decimal digits, e.g. `10`, or a base, e.g. `16#FF`";
+    number::decimal(digits).ok_or_else(|| LiteralError::malformed(text, "no whole number", help))
 }
 
 fn too_large(text: &str) -> LiteralError {

@@ -1,0 +1,13 @@
+//! Durations, dates, times of day and whole numbers as people write them: in sources, project files, scenarios and flags.
+//!
+//! - [`duration`]: `T#1D_2H_3M_4S_5MS` of the languages, `1.5s` of flags and files, `PT0.02S` of projects in XML.
+//! - [`calendar`]: days of months and years, `2000-6-20`, `5:45:00.5`.
+//! - [`number`]: `-5`, `1_000`, `16#FF`.
+//!
+//! Everything is computed in integers, so that `1.001s` is 1001 ms. Ranges of types and messages are the caller's.
+//!
+//! **Invariant**: depends on nothing; knows no language.
+
+pub mod calendar;
+pub mod duration;
+pub mod number;
