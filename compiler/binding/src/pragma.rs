@@ -25,16 +25,16 @@ pub fn file_pragma(report: &mut Report, pragma: &Pragma, settings: &mut TestSett
             }
         }
         "test" => {
-            if rest == "expect=fail" {
-                settings.expect_fail = true;
+            if let Some(code) = rest.strip_prefix("expect=fail").filter(|code| is_code(code)) {
+                settings.expect_fail = Some(code.trim().to_string());
             } else if let Some(Ok(cycles)) = rest.strip_prefix("cycles=").map(str::parse::<u32>) {
                 settings.cycles = Some(cycles);
             } else if rest != "partial" {
                 bad_pragma(
                     report,
                     pragma.span,
-                    "`test` takes `cycles=N`, `expect=fail` or `partial`",
-                    "write `//@ test cycles=10`, `//@ test expect=fail` or `//@ test partial`",
+                    "`test` takes `cycles=N`, `expect=fail CODE` or `partial`",
+                    "write `//@ test cycles=10`, `//@ test expect=fail 16#2521` or `//@ test partial`",
                 );
             }
         }
@@ -47,6 +47,16 @@ pub fn file_pragma(report: &mut Report, pragma: &Pragma, settings: &mut TestSett
         _ if word.starts_with('^') => {}
         _ => unknown_pragma(report, pragma),
     }
+}
+
+/// A code after `expect=fail`: of a message (`P0203`), of an event that stops the CPU (`16#2521`), of an S7-200 (`0011`); or nothing.
+fn is_code(text: &str) -> bool {
+    let code = text.trim();
+    let hex = |digits: &str| digits.len() == 4 && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let known = hex(code)
+        || code.strip_prefix("16#").is_some_and(hex)
+        || code.len() == 5 && code.starts_with('P') && hex(&code[1..]);
+    text.is_empty() || text.starts_with(char::is_whitespace) && known
 }
 
 /// A line `//@` that is none of the pragmas.

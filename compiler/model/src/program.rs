@@ -51,7 +51,8 @@ impl Program {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TestSettings {
     pub cycles: Option<u32>,
-    pub expect_fail: bool,
+    /// The program must be rejected, or go to STOP, with this code (`P0203`, `16#2521`, `0011`); empty: with any.
+    pub expect_fail: Option<String>,
 }
 
 /// Names a block with code.

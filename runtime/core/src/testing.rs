@@ -34,8 +34,8 @@ pub struct TestJob {
 pub struct TestOptions {
     /// From `//@ test cycles=N`.
     pub cycles: Option<u64>,
-    /// From `//@ test expect=fail`: the CPU must go to STOP on a fault.
-    pub expect_fail: bool,
+    /// From `//@ test expect=fail CODE`: the CPU must go to STOP on a fault with this event or error; empty: on any.
+    pub expect_fail: Option<String>,
     /// A scenario to play.
     pub scenario: Option<PathBuf>,
     /// Nanoseconds of a cycle; `None`: 10 ms.
@@ -131,24 +131,35 @@ fn judge(cpu: &Cpu, options: &TestOptions, until_stop: bool, player: &Player, re
             Some((left, right)) => report.failures.push(AssertFailure { file, line, text, left, right }),
             None if cpu.assertions.is_executed(id) || entry.trap => report.passed += 1,
             // A program that is to fail ends where it fails.
-            None if options.expect_fail => {}
+            None if options.expect_fail.is_some() => {}
             None => report.not_reached.push(NotReached { file, line, text }),
         }
     }
     report.passed += player.expectations_met();
     report.failures.extend(player.failures());
     let fault = cpu.stopped().filter(|stop| !stop.asked).map(|stop| cpu.stop_text(&stop));
-    match (&fault, options.expect_fail) {
-        (Some(text), false) => report.problems.push(format!("the CPU went to STOP: {text}")),
-        (None, true) => report.problems.push("the CPU was expected to go to STOP on a fault, and did not".to_string()),
-        (None, false) if until_stop && !cpu.is_stopped() => report
+    match (&fault, options.expect_fail.as_deref()) {
+        (Some(text), None) => report.problems.push(format!("the CPU went to STOP: {text}")),
+        (None, Some(_)) => {
+            report.problems.push("the CPU was expected to go to STOP on a fault, and did not".to_string())
+        }
+        (None, None) if until_stop && !cpu.is_stopped() => report
             .problems
             .push(format!("the program did not stop itself (SFC 46, STP) within {CYCLES_UNTIL_STOP_MAX} cycles")),
-        (None, false) | (Some(_), true) => {}
+        (Some(text), Some(code)) if !names(text, code) => {
+            report.problems.push(format!("the CPU was expected to go to STOP with {code}: {text}"));
+        }
+        (None, None) | (Some(_), Some(_)) => {}
     }
     report.stopped = fault;
     // To go to STOP as expected is what such a test asserts.
-    if options.expect_fail && report.stopped.is_some() && report.passed == 0 && report.failed() == 0 {
+    if options.expect_fail.is_some() && report.stopped.is_some() && report.passed == 0 && report.failed() == 0 {
         report.passed = 1;
     }
+}
+
+/// The text of a fault, before its place, has the event or error `code`; an empty one is any.
+fn names(fault: &str, code: &str) -> bool {
+    let event = fault.split(';').next().unwrap_or_default();
+    code.is_empty() || event.split(|c: char| !c.is_ascii_alphanumeric() && c != '#').any(|word| word == code)
 }

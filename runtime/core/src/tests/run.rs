@@ -46,7 +46,7 @@ fn assertions_are_counted() {
 
 #[test]
 fn expected_faults() {
-    let options = TestOptions { expect_fail: true, ..TestOptions::default() };
+    let options = TestOptions { expect_fail: Some("16#2521".to_string()), ..TestOptions::default() };
     let fault = || -> Vec<Block> {
         vec![Box::new(|cpu: &Cpu, _| {
             cpu.sync_error(0, 0x21, 0, 0);
