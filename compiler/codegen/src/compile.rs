@@ -147,7 +147,8 @@ impl Worker<'_, '_> {
     fn function(&mut self, id: FuncId) -> Result<CompiledFunction, CodegenError> {
         let compiler = self.compiler;
         let function = &compiler.module.functions[id];
-        let large = function.insts.len() > LARGE_INSTRUCTIONS;
+        let limit = std::env::var("PLCC_LARGE").ok().and_then(|v| v.parse().ok()).unwrap_or(LARGE_INSTRUCTIONS);
+        let large = function.insts.len() > limit;
         let isa = match (large, jumps_back(function) > JUMPS_BACK_MAX) {
             (false, false) => &*compiler.isa,
             (true, false) => &*compiler.large_isa,
