@@ -12,23 +12,18 @@ use cranelift_codegen::{Context, ir};
 use cranelift_frontend::FunctionBuilderContext;
 use cranelift_module::{Module as CraneliftModule, ModuleReloc};
 use plcc_abi::RuntimeFn;
-use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::{Entity, EntityVec};
-use plcc_ir::{Block, FuncId, Module};
+use plcc_ir::{FuncId, Module};
 
 use crate::abi::{self, FunctionAbi};
 use crate::isa::{Placement, Tuning, isa};
 use crate::lower::{self, Target};
-use crate::{CodegenError, CodegenOptions, rounding};
+use crate::{CodegenError, CodegenOptions, rounding, work};
 
 /// Functions for which register allocation is more work than this get the quick kind. Its code is 15 to 20 % slower for statement lists and takes
 /// twice the time for SCL with many local variables (docs/benchmarks.md); the better kind takes up to two seconds for this much, and time
 /// grows faster than the function.
 const ALLOCATION_WORK_MAX: usize = 100_000;
-
-/// A parameter of a block is so much more work for register allocation than an instruction: it ties values of many places together, which are
-/// then pulled apart one by one.
-const PARAMETER_WORK: usize = 10;
 
 /// Functions with more jumps back than this are not optimised by Cranelift: it walks the loops around each value, and labels that are jumped
 /// back to from everywhere nest them by the hundred.
@@ -156,10 +151,10 @@ impl Worker<'_, '_> {
     fn function(&mut self, id: FuncId) -> Result<CompiledFunction, CodegenError> {
         let compiler = self.compiler;
         let function = &compiler.module.functions[id];
-        let tangled = jumps_back(function) > JUMPS_BACK_MAX;
+        let tangled = work::jumps_back(function) > JUMPS_BACK_MAX;
         let plain = tangled || function.layout.len() > BLOCKS_MAX;
         // One pass takes quadratic time where many values live over many jumps back.
-        let quick = !tangled && allocation_work(function) > ALLOCATION_WORK_MAX;
+        let quick = !tangled && work::allocation(function) > ALLOCATION_WORK_MAX;
         let isa = match (plain, quick) {
             (false, false) => &*compiler.isa,
             (false, true) => &*compiler.quick_isa,
@@ -194,21 +189,6 @@ impl Worker<'_, '_> {
             callees: self.context.func.params.user_named_funcs().values().map(|name| name.index).collect(),
         })
     }
-}
-
-/// How much work register allocation is, in instructions.
-fn allocation_work(function: &plcc_ir::Function) -> usize {
-    let parameters: usize = function.layout.iter().map(|&block| function.blocks[block].params.len()).sum();
-    function.insts.len() + PARAMETER_WORK * parameters
-}
-
-/// Number of jumps that close a loop: those to a block that reverse postorder does not put after the jump. Where blocks happen to stand says
-/// nothing about loops.
-fn jumps_back(function: &plcc_ir::Function) -> usize {
-    let flow = ControlFlow::new(function);
-    let closes = |block: Block, target: &Block| flow.rpo_index(*target) <= flow.rpo_index(block);
-    let of_block = |&block: &Block| flow.successors(block).iter().filter(|target| closes(block, target)).count();
-    flow.rpo.iter().map(of_block).sum()
 }
 
 /// Linker symbol of a function of the module.

@@ -4,7 +4,7 @@
 //! - `abi`: how functions of a module call each other and the runtime.
 //! - `lower`: one function of the IR to CLIF, with `memory` for accesses to PLC memory, `bits` for i1 values,
 //!   `rounding` for floats and `joins` for blocks to which many jumps lead.
-//! - `compile`: all functions of a module to bytes, on several threads.
+//! - `compile`: all functions of a module to bytes, on several threads; `work` tells which are too much for the better ways.
 //! - `object`, `jit`, `text`: what is made of the bytes.
 //! - `lines`: DWARF line tables of an object file.
 //!
@@ -22,6 +22,7 @@ mod memory;
 mod object;
 mod rounding;
 mod text;
+mod work;
 
 use std::fmt;
 
