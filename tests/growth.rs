@@ -216,9 +216,8 @@ const SHAPES: &[Shape] = &[
         ending: "scl",
         size: 2500,
         text: |n| {
-            let body = lines(n, |i| {
-                format!("IF %M{0}.0 THEN EXIT; END_IF; IF %M{0}.1 THEN CONTINUE; END_IF;\n", i % 999)
-            });
+            let body =
+                lines(n, |i| format!("IF %M{0}.0 THEN EXIT; END_IF; IF %M{0}.1 THEN CONTINUE; END_IF;\n", i % 999));
             scl(&temps(1), &format!("FOR #t0 := 0 TO 9 DO\n{body}END_FOR;\n"))
         },
     },

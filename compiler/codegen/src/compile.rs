@@ -68,8 +68,7 @@ impl<'m> Compiler<'m> {
         let target = |plain, quick| isa(placement, options, Tuning { plain, quick });
         let isa = target(false, false)?;
         let abis = abi::module_abi(module, &*isa)?;
-        let (quick_isa, plain_isa, plain_quick_isa) =
-            (target(false, true)?, target(true, false)?, target(true, true)?);
+        let (quick_isa, plain_isa, plain_quick_isa) = (target(false, true)?, target(true, false)?, target(true, true)?);
         Ok(Compiler { module, abis, isa, quick_isa, plain_isa, plain_quick_isa, placement })
     }
 
