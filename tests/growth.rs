@@ -196,6 +196,93 @@ const SHAPES: &[Shape] = &[
             ladder(&format!("RUNG wire#powerrail Contact( %M0.0 ) wire#w1 Coil( %M1.0 ) END_RUNG\n{branches}"))
         },
     },
+    Shape {
+        name: "arms that write one variable",
+        ending: "scl",
+        size: 2500,
+        text: |n| {
+            let arms = lines(n, |i| format!("{i}: #t0 := %MW{} + 1;\n", i % 999 * 2));
+            scl(&temps(1), &format!("CASE %MW0 OF\n{arms}END_CASE;\n%MW2 := #t0;\n"))
+        },
+    },
+    Shape {
+        name: "counting loops",
+        ending: "scl",
+        size: 1500,
+        text: |n| scl(&temps(1), &lines(n, |i| format!("FOR #t0 := 0 TO 5 DO %MW{} := #t0; END_FOR;\n", i % 999 * 2))),
+    },
+    Shape {
+        name: "exits of one loop",
+        ending: "scl",
+        size: 2500,
+        text: |n| {
+            let body =
+                lines(n, |i| format!("IF %M{0}.0 THEN EXIT; END_IF; IF %M{0}.1 THEN CONTINUE; END_IF;\n", i % 999));
+            scl(&temps(1), &format!("FOR #t0 := 0 TO 9 DO\n{body}END_FOR;\n"))
+        },
+    },
+    Shape {
+        name: "a variable written now and then",
+        ending: "scl",
+        size: 2000,
+        text: |n| {
+            let body = lines(n, |i| format!("IF %M{}.0 THEN #t0 := #t0 + 1; END_IF;\n", i % 999));
+            scl(&temps(1), &format!("#t0 := 0;\n{body}%MW2 := #t0;\n"))
+        },
+    },
+    Shape {
+        name: "temporary data",
+        ending: "scl",
+        size: 7500,
+        text: |n| scl(&temps(n), &lines(n, |i| format!("#t{i} := %MW{0}; %MW{0} := #t{i};\n", i % 999 * 2))),
+    },
+    Shape {
+        name: "jumps to one end",
+        ending: "stl",
+        size: 4000,
+        text: |n| {
+            let rungs = lines(n, |i| format!("A M {}.0\nJC M{}\nL MW {}\nT MW 2\n", i % 999, i % 2, i % 998 * 2));
+            stl("", &(rungs + "M0: NOP 0\nM1: NOP 1\n"))
+        },
+    },
+    Shape {
+        name: "addresses that may be wrong",
+        ending: "stl",
+        size: 1500,
+        text: |n| stl("", &lines(n, |i| format!("L MW [MD {}]\nT MW {}\n", i % 499 * 4, i % 998 * 2))),
+    },
+    Shape {
+        name: "loops of an S7-200",
+        ending: "awl",
+        size: 1000,
+        text: |n| {
+            let loops = lines(n, |i| {
+                let network = 3 * i + 1;
+                format!(
+                    "Network {network}\nLD SM0.0\nFOR VW{}, 1, 5\nNetwork {}\nLD SM0.0\nINCW VW{}\nNetwork {}\nNEXT\n",
+                    i % 1000 * 2,
+                    network + 1,
+                    i % 999 * 2,
+                    network + 2
+                )
+            });
+            format!("ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\n{loops}END_ORGANIZATION_BLOCK\n")
+        },
+    },
+    Shape {
+        name: "a condition of a chart",
+        ending: "gr7",
+        size: 1000,
+        text: |n| {
+            let condition = lines(n, |i| format!("M{}.{} AND ", i % 999, i % 8));
+            format!(
+                "FUNCTION_BLOCK FB1\nINITIAL_STEP A (*$_NUM 1*):\nEND_STEP\nSTEP B (*$_NUM 2*):\nEND_STEP\nTRANSITION T1 (*$_NUM 1*)\n  FROM A\n  TO \
+                 B\nCONDITION := {condition}M0.0\nEND_TRANSITION\nTRANSITION T2 (*$_NUM 2*)\n  FROM B\n  TO A (*$_JUMP*)\nCONDITION := \
+                 M0.0\nEND_TRANSITION\nEND_FUNCTION_BLOCK\nDATA_BLOCK DB 1\nFB 1\nBEGIN\nEND_DATA_BLOCK\nORGANIZATION_BLOCK OB 1\nBEGIN\nCALL \
+                 FB 1, DB 1 (INIT_SQ := FALSE);\nEND_ORGANIZATION_BLOCK\n"
+            )
+        },
+    },
     Shape { name: "messages", ending: "scl", size: 1000, text: |n| scl("", &lines(n, |i| format!("#x{i} := 1;\n"))) },
 ];
 

@@ -12,21 +12,25 @@ use cranelift_codegen::{Context, ir};
 use cranelift_frontend::FunctionBuilderContext;
 use cranelift_module::{Module as CraneliftModule, ModuleReloc};
 use plcc_abi::RuntimeFn;
-use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::{Entity, EntityVec};
-use plcc_ir::{Block, FuncId, Module};
+use plcc_ir::{FuncId, Module};
 
 use crate::abi::{self, FunctionAbi};
 use crate::isa::{Placement, Tuning, isa};
 use crate::lower::{self, Target};
-use crate::{CodegenError, CodegenOptions, rounding};
+use crate::{CodegenError, CodegenOptions, rounding, work};
 
-/// Functions with more instructions than this get quick register allocation: the better one takes quadratic time (up to about
-/// a second for this many).
-const LARGE_INSTRUCTIONS: usize = 15_000;
+/// Functions for which register allocation is more work than this get the quick kind. Its code is 15 to 20 % slower for statement lists and takes
+/// twice the time for SCL with many local variables (docs/benchmarks.md); the better kind takes up to two seconds for this much, and time
+/// grows faster than the function.
+const ALLOCATION_WORK_MAX: usize = 100_000;
 
-/// Functions with more jumps back than this are not optimised by Cranelift, whose time grows with the depth of loops.
+/// Functions with more jumps back than this are not optimised by Cranelift: it walks the loops around each value, and labels that are jumped
+/// back to from everywhere nest them by the hundred.
 const JUMPS_BACK_MAX: usize = 200;
+
+/// Functions with more blocks than this are not optimised by Cranelift, which looks for a value in all blocks that dominate it.
+const BLOCKS_MAX: usize = 50_000;
 
 /// Stack of a compiling thread, only touched as far as needed.
 const STACK_BYTES: usize = 64 << 20;
@@ -49,9 +53,9 @@ pub struct Compiler<'m> {
     pub module: &'m Module,
     pub abis: EntityVec<FuncId, FunctionAbi>,
     pub isa: OwnedTargetIsa,
-    large_isa: OwnedTargetIsa,
-    tangled_isa: OwnedTargetIsa,
-    large_tangled_isa: OwnedTargetIsa,
+    quick_isa: OwnedTargetIsa,
+    plain_isa: OwnedTargetIsa,
+    plain_quick_isa: OwnedTargetIsa,
     placement: Placement,
 }
 
@@ -61,12 +65,11 @@ impl<'m> Compiler<'m> {
         placement: Placement,
         options: &CodegenOptions,
     ) -> Result<Compiler<'m>, CodegenError> {
-        let target = |large, tangled| isa(placement, options, Tuning { large, tangled });
+        let target = |plain, quick| isa(placement, options, Tuning { plain, quick });
         let isa = target(false, false)?;
         let abis = abi::module_abi(module, &*isa)?;
-        let (large_isa, tangled_isa, large_tangled_isa) =
-            (target(true, false)?, target(false, true)?, target(true, true)?);
-        Ok(Compiler { module, abis, isa, large_isa, tangled_isa, large_tangled_isa, placement })
+        let (quick_isa, plain_isa, plain_quick_isa) = (target(false, true)?, target(true, false)?, target(true, true)?);
+        Ok(Compiler { module, abis, isa, quick_isa, plain_isa, plain_quick_isa, placement })
     }
 
     /// Tells `output` the functions of the module and the runtime, so that their numbers there are those that lowering uses.
@@ -147,12 +150,15 @@ impl Worker<'_, '_> {
     fn function(&mut self, id: FuncId) -> Result<CompiledFunction, CodegenError> {
         let compiler = self.compiler;
         let function = &compiler.module.functions[id];
-        let large = function.insts.len() > LARGE_INSTRUCTIONS;
-        let isa = match (large, jumps_back(function) > JUMPS_BACK_MAX) {
+        let tangled = work::jumps_back(function) > JUMPS_BACK_MAX;
+        let plain = tangled || function.layout.len() > BLOCKS_MAX;
+        // One pass takes quadratic time where many values live over many jumps back.
+        let quick = !tangled && work::allocation(function) > ALLOCATION_WORK_MAX;
+        let isa = match (plain, quick) {
             (false, false) => &*compiler.isa,
-            (true, false) => &*compiler.large_isa,
-            (false, true) => &*compiler.tangled_isa,
-            (true, true) => &*compiler.large_tangled_isa,
+            (false, true) => &*compiler.quick_isa,
+            (true, false) => &*compiler.plain_isa,
+            (true, true) => &*compiler.plain_quick_isa,
         };
         self.context.clear();
         self.context.func = lower::lower(&compiler.target(isa), id, &mut self.builder)?;
@@ -182,15 +188,6 @@ impl Worker<'_, '_> {
             callees: self.context.func.params.user_named_funcs().values().map(|name| name.index).collect(),
         })
     }
-}
-
-/// Number of jumps that close a loop: those to a block that reverse postorder does not put after the jump. Where blocks happen to stand says
-/// nothing about loops.
-fn jumps_back(function: &plcc_ir::Function) -> usize {
-    let flow = ControlFlow::new(function);
-    let closes = |block: Block, target: &Block| flow.rpo_index(*target) <= flow.rpo_index(block);
-    let of_block = |&block: &Block| flow.successors(block).iter().filter(|target| closes(block, target)).count();
-    flow.rpo.iter().map(of_block).sum()
 }
 
 /// Linker symbol of a function of the module.

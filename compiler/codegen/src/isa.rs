@@ -17,19 +17,17 @@ pub enum Placement {
 /// What a function needs beside the options.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tuning {
-    /// So large that good register allocation would take too long: it is done in one pass.
-    pub large: bool,
-    /// So many jumps back that Cranelift's optimisation would take too long: it walks the loops around each value, and labels
-    /// that are jumped back to from everywhere nest them by the hundred.
-    pub tangled: bool,
+    /// Cranelift's optimisation would take too long.
+    pub plain: bool,
+    /// Good register allocation would take too long: it is done in one pass.
+    pub quick: bool,
 }
 
 /// The code generator of this computer's architecture.
 pub fn isa(placement: Placement, options: &CodegenOptions, tuning: Tuning) -> Result<OwnedTargetIsa, CodegenError> {
     let mut flags = settings::builder();
-    // One pass takes quadratic time where many values live over many jumps back.
-    let regalloc = if tuning.large && !tuning.tangled { "single_pass" } else { "backtracking" };
-    let optimize = options.optimize && !tuning.tangled;
+    let regalloc = if tuning.quick { "single_pass" } else { "backtracking" };
+    let optimize = options.optimize && !tuning.plain;
     let settings = [
         ("opt_level", if optimize { "speed" } else { "none" }),
         ("regalloc_algorithm", regalloc),

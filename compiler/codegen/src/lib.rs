@@ -2,9 +2,9 @@
 //!
 //! - `isa`: the target and its settings.
 //! - `abi`: how functions of a module call each other and the runtime.
-//! - `lower`: one function of the IR to CLIF, with `memory` for accesses to PLC memory, `bits` for i1 values and
-//!   `rounding` for floats.
-//! - `compile`: all functions of a module to bytes, on several threads.
+//! - `lower`: one function of the IR to CLIF, with `memory` for accesses to PLC memory, `bits` for i1 values,
+//!   `rounding` for floats and `joins` for blocks to which many jumps lead.
+//! - `compile`: all functions of a module to bytes, on several threads; `work` tells which are too much for the better ways.
 //! - `object`, `jit`, `text`: what is made of the bytes.
 //! - `lines`: DWARF line tables of an object file.
 //!
@@ -15,12 +15,14 @@ mod bits;
 mod compile;
 mod isa;
 mod jit;
+mod joins;
 mod lines;
 mod lower;
 mod memory;
 mod object;
 mod rounding;
 mod text;
+mod work;
 
 use std::fmt;
 

@@ -21,6 +21,7 @@ use rustc_hash::FxHashMap;
 use crate::CodegenError;
 use crate::abi::{FunctionAbi, ReturnPlace, clif_type, runtime_signature, takes_memory};
 use crate::bits::Bit;
+use crate::joins::Joins;
 use crate::memory::{Address, BitValue, Memory, constant};
 use crate::rounding::{self, Rounding};
 
@@ -65,7 +66,8 @@ pub fn lower(
         }
         Err(other) => return Err(other),
     }
-    let Lowering { mut b, .. } = lowering;
+    let Lowering { mut b, joins, blocks, .. } = lowering;
+    joins.finish(&mut b, |block| blocks[block.index()].expect("a block that is jumped to was made"));
     b.seal_all_blocks();
     b.finalize(target.isa.frontend_config());
     Ok(clif)
@@ -88,6 +90,7 @@ struct Lowering<'m, 'f> {
     slots: Vec<Slot>,
     blocks: Vec<Option<ir::Block>>,
     callees: FxHashMap<u32, FuncRef>,
+    joins: Joins,
 }
 
 impl<'m, 'f> Lowering<'m, 'f> {
@@ -119,6 +122,7 @@ impl<'m, 'f> Lowering<'m, 'f> {
             slots: vec![Slot::Missing; function.values.len()],
             blocks: vec![None; function.blocks.len()],
             callees: FxHashMap::default(),
+            joins: Joins::new(function),
         };
         let args: Vec<ClifValue> = params.collect();
         lowering.enter_first_block(entry, &args);
@@ -578,7 +582,8 @@ impl<'m, 'f> Lowering<'m, 'f> {
             return Err(invalid(format!("a jump to {} does not bring {expected} values", call.block)));
         }
         let args = self.values(&call.args)?.into_iter().map(BlockArg::Value).collect();
-        Ok((self.make_block(call.block), args))
+        let made = self.make_block(call.block);
+        Ok((self.joins.entrance(&mut self.b, call.block, made), args))
     }
 
     fn switch(&mut self, value: Value, targets: &[BlockCall], default: &BlockCall) -> Result<(), CodegenError> {

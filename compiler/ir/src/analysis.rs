@@ -1,6 +1,6 @@
 //! Control flow and dominance of a function, for the verifier and the optimiser.
 //!
-//! Both are computed in time that is near linear in the number of blocks, without recursion: a PLC block can have tens
+//! Both are computed in near-linear time, without recursion: a PLC block can have tens
 //! of thousands of basic blocks in a row.
 
 use crate::entities::{Block, Entity, EntityVec};
@@ -127,7 +127,7 @@ fn predecessor_lists(function: &Function, successors: &Lists, rpo: &[Block]) -> 
     Lists { start, items }
 }
 
-/// The dominator tree of the reachable blocks (Cooper, Harvey, Kennedy, "A simple, fast dominance algorithm").
+/// The dominator tree of the reachable blocks (Lengauer, Tarjan, "A fast algorithm for finding dominators in a flowgraph", the simple version).
 #[derive(Clone, Debug)]
 pub struct Dominators {
     idom: EntityVec<Block, Option<Block>>,
@@ -194,42 +194,99 @@ impl Dominators {
 
 /// Immediate dominators as places in the reverse postorder; the entry's is itself.
 fn immediate_dominators(cfg: &ControlFlow) -> Vec<u32> {
-    const NONE: u32 = u32::MAX;
-    let mut idom = vec![NONE; cfg.rpo.len()];
-    if let Some(first) = idom.first_mut() {
-        *first = 0;
-    }
-    let mut changed = true;
-    while changed {
-        changed = false;
-        for index in 1..cfg.rpo.len() {
-            let mut new = NONE;
-            for &pred in cfg.predecessors(cfg.rpo[index]) {
-                let pred = cfg.position[pred];
-                if idom[pred as usize] == NONE {
-                    continue;
-                }
-                new = if new == NONE { pred } else { common_dominator(&idom, new, pred) };
-            }
-            if idom[index] != new {
-                idom[index] = new;
-                changed = true;
-            }
+    let walk = Walk::new(cfg);
+    let count = walk.order.len();
+    // All in the numbers of the walk. The semidominator of a block is the first block from which a path leads to it through later blocks alone.
+    let mut semi: Vec<u32> = (0..count as u32).collect();
+    let mut idom = vec![0u32; count];
+    let mut forest = Forest { ancestor: vec![NONE; count], best: (0..count as u32).collect(), path: Vec::new() };
+    // Blocks whose semidominator is the index, as linked lists.
+    let (mut first, mut next) = (vec![NONE; count], vec![NONE; count]);
+    for block in (1..count as u32).rev() {
+        for &pred in cfg.predecessors(walk.order[block as usize]) {
+            let best = forest.best(walk.number[pred], &semi);
+            semi[block as usize] = semi[block as usize].min(semi[best as usize]);
+        }
+        let at = semi[block as usize] as usize;
+        next[block as usize] = std::mem::replace(&mut first[at], block);
+        let parent = walk.parent[block as usize];
+        forest.ancestor[block as usize] = parent;
+        let mut waiting = std::mem::replace(&mut first[parent as usize], NONE);
+        while waiting != NONE {
+            let best = forest.best(waiting, &semi);
+            idom[waiting as usize] = if semi[best as usize] < semi[waiting as usize] { best } else { parent };
+            waiting = next[waiting as usize];
         }
     }
-    idom
+    for block in 1..count {
+        if idom[block] != semi[block] {
+            idom[block] = idom[idom[block] as usize];
+        }
+    }
+    let place = |number: u32| cfg.position[walk.order[number as usize]];
+    cfg.rpo.iter().map(|&block| place(idom[walk.number[block] as usize])).collect()
 }
 
-fn common_dominator(idom: &[u32], mut a: u32, mut b: u32) -> u32 {
-    while a != b {
-        while a > b {
-            a = idom[a as usize];
+const NONE: u32 = u32::MAX;
+
+/// A walk of the reachable blocks, depth first.
+struct Walk {
+    order: Vec<Block>,
+    number: EntityVec<Block, u32>,
+    /// From which block, by number, the walk came to each.
+    parent: Vec<u32>,
+}
+
+impl Walk {
+    fn new(cfg: &ControlFlow) -> Walk {
+        let mut number = EntityVec::new();
+        for _ in cfg.position.keys() {
+            number.push(NONE);
         }
-        while b > a {
-            b = idom[b as usize];
+        let mut walk = Walk { order: Vec::with_capacity(cfg.rpo.len()), number, parent: Vec::new() };
+        let mut stack: Vec<(Block, u32)> = cfg.rpo.first().map(|&entry| (entry, 0)).into_iter().collect();
+        while let Some((block, parent)) = stack.pop() {
+            if walk.number[block] != NONE {
+                continue;
+            }
+            let number = walk.order.len() as u32;
+            walk.number[block] = number;
+            walk.order.push(block);
+            walk.parent.push(parent);
+            stack.extend(cfg.successors(block).iter().map(|&target| (target, number)));
         }
+        walk
     }
-    a
+}
+
+/// The part of the walk's tree that has been looked at, its paths to the roots shortened as they are used.
+struct Forest {
+    ancestor: Vec<u32>,
+    /// The block with the least semidominator from here to before `ancestor`.
+    best: Vec<u32>,
+    path: Vec<u32>,
+}
+
+impl Forest {
+    /// The block with the least semidominator on the path from `block` to its root, without the root.
+    fn best(&mut self, block: u32, semi: &[u32]) -> u32 {
+        if self.ancestor[block as usize] == NONE {
+            return block;
+        }
+        let mut at = block;
+        while self.ancestor[self.ancestor[at as usize] as usize] != NONE {
+            self.path.push(at);
+            at = self.ancestor[at as usize];
+        }
+        while let Some(at) = self.path.pop() {
+            let above = self.ancestor[at as usize] as usize;
+            if semi[self.best[above] as usize] < semi[self.best[at as usize] as usize] {
+                self.best[at as usize] = self.best[above];
+            }
+            self.ancestor[at as usize] = self.ancestor[above];
+        }
+        self.best[block as usize]
+    }
 }
 
 #[cfg(test)]
@@ -252,5 +309,46 @@ mod tests {
         assert!(dominators.dominates(b(3), b(3)));
         assert!(!cfg.is_reachable(b(5)));
         assert_eq!(cfg.predecessors(b(4)), [b(2), b(3)]);
+    }
+
+    /// Random graphs: a block dominates another if that cannot be reached without it.
+    #[test]
+    fn dominators_are_what_paths_cannot_avoid() {
+        let mut state = 1u64;
+        let mut below = |limit: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize % limit
+        };
+        for _ in 0..2000 {
+            let count = 3 + below(10);
+            let mut text = "func @F {\nb0:\n v0 = const.i1 0\n jump b1\n".to_string();
+            for block in 1..count {
+                text += &match below(4) {
+                    0 => format!("b{block}:\n jump b{}\n", 1 + below(count - 1)),
+                    1 => format!("b{block}:\n ret\n"),
+                    _ => format!("b{block}:\n branch v0, b{}, b{}\n", 1 + below(count - 1), 1 + below(count - 1)),
+                };
+            }
+            let module = parse_module(&(text + "}\n")).expect("text is well formed");
+            let function = module.functions.values().next().expect("one function");
+            let cfg = ControlFlow::new(function);
+            let dominators = Dominators::new(function, &cfg);
+            let reached_without = |avoided: Option<Block>| {
+                let mut seen = vec![false; function.blocks.len()];
+                let mut stack = vec![function.layout[0]];
+                while let Some(block) = stack.pop() {
+                    if Some(block) != avoided && !std::mem::replace(&mut seen[block.index()], true) {
+                        stack.extend(cfg.successors(block));
+                    }
+                }
+                seen
+            };
+            for &a in &cfg.rpo {
+                let seen = reached_without(Some(a));
+                for &b in &cfg.rpo {
+                    assert_eq!(dominators.dominates(a, b), !seen[b.index()], "{a:?} {b:?}");
+                }
+            }
+        }
     }
 }

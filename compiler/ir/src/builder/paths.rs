@@ -12,9 +12,13 @@
 //!   these times, it is not written on these paths. Blocks of other paths may be filled in between, too: then the
 //!   answer is "perhaps", and the predecessors are asked one by one.
 //! - To cross a long row of blocks in few steps, each block also has a *jump* to an ancestor further away, by the scheme
-//!   of skew-binary numbers (Myers, "An applicative random-access stack", 1983).
+//!   of skew-binary numbers (Myers, "An applicative random-access stack", 1983). Nothing jumps past a root; when the start of a
+//!   loop stops being one, the jumps from its end are made anew, or a row of loops would be crossed block by block.
 
 use crate::entities::{Block, EntityVec};
+
+/// At most so many jumps are made anew when a loop is complete. In longer loops they are few among many.
+const RENEWED_MAX: usize = 256;
 
 /// Time of what has not happened.
 const NEVER: u32 = u32::MAX;
@@ -106,6 +110,29 @@ impl Paths {
         self.nodes[block].parent = Some(step);
         self.nodes[block].depth = self.nodes[parent].depth + 1;
         self.nodes[block].jump = Some(self.further(step));
+        // A loop ends where its last jump back is.
+        let last = predecessors.iter().copied().max_by_key(|&predecessor| self.nodes[predecessor].start);
+        if let Some(last) = last.filter(|&last| self.nodes[last].start > start) {
+            self.renew(last, block);
+        }
+    }
+
+    /// Makes the jumps on the way from `first` up to `last` anew, as far as that is near.
+    fn renew(&mut self, first: Block, last: Block) {
+        let mut way = Vec::new();
+        let mut at = first;
+        while at != last {
+            let Some(step) = self.nodes[at].parent else { return };
+            if way.len() == RENEWED_MAX {
+                return;
+            }
+            way.push((at, step));
+            at = step.to;
+        }
+        for (block, step) in way.into_iter().rev() {
+            self.nodes[block].depth = self.nodes[step.to].depth + 1;
+            self.nodes[block].jump = Some(self.further(step));
+        }
     }
 
     /// The jump of a block whose step to its parent is `step`: the parent, or two jumps on if they are equally long.

@@ -4,6 +4,7 @@ use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic};
 use plcc_syntax::ast;
 use plcc_syntax::scl::ast::{Name, Statement, StatementKind};
+use rustc_hash::FxHashSet;
 
 use super::rules::Label;
 use crate::bind::{Binder, Ctx};
@@ -99,13 +100,24 @@ impl Binder<'_> {
     pub(in crate::bind) fn unused_data(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, empty: bool) {
         let reads = std::mem::take(&mut ctx.scl.temp_reads);
         let supplied = ctx.bound.interface.start_bytes;
-        let mut told: Vec<(u32, u32)> = Vec::new();
+        // In the order of their first bytes, each with the furthest end so far.
+        let mut writes = std::mem::take(&mut ctx.scl.temp_writes);
+        writes.sort_unstable();
+        let mut furthest = 0;
+        for (_, end) in &mut writes {
+            furthest = furthest.max(*end);
+            *end = furthest;
+        }
+        let is_written = |first: u32, end: u32| {
+            let before_end = writes.partition_point(|&(start, _)| start < end);
+            before_end > 0 && writes[before_end - 1].1 > first
+        };
+        let mut told = FxHashSet::default();
         for read in reads {
-            let written = ctx.scl.temp_writes.iter().any(|&(first, end)| first < read.end && read.first < end);
-            if written || read.first < supplied || told.contains(&(read.first, read.end)) {
+            let known = read.first < supplied || is_written(read.first, read.end);
+            if known || !told.insert((read.first, read.end)) {
                 continue;
             }
-            told.push((read.first, read.end));
             self.report.push(
                 Diagnostic::new(Code::NeverWritten, read.span, format!("`{}` is read and never written", read.name))
                     .label("temporary data of which the content is undefined on the CPU")

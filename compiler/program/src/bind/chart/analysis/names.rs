@@ -102,17 +102,17 @@ fn counts(chart: &Chart, messages: &mut Vec<Diagnostic>) {
     const DIVIDE: &str = "divide the chart between several function blocks";
     if let Some(step) = chart.steps.get(STEPS_MAX) {
         let title = format!("{} steps are too many for a GRAPH block", chart.steps.len());
-        messages.push(limit(step.name.span, title, format!("{STEPS_MAX} are possible"), DIVIDE));
+        messages.push(limit(step.name.span, title, format!("S7-GRAPH allows {STEPS_MAX}"), DIVIDE));
     }
     if let Some(transition) = chart.transitions.get(TRANSITIONS_MAX) {
         let title = format!("{} transitions are too many for a GRAPH block", chart.transitions.len());
-        messages.push(limit(transition.name.span, title, format!("{TRANSITIONS_MAX} are possible"), DIVIDE));
+        messages.push(limit(transition.name.span, title, format!("S7-GRAPH allows {TRANSITIONS_MAX}"), DIVIDE));
     }
     for (list, place) in [(&chart.before, "before"), (&chart.after, "behind")] {
         if let Some(permanent) = list.get(PERMANENT_MAX) {
             let title = format!("{} permanent instructions {place} the sequencers are too many", list.len());
             let help = "write them in a function, and call it as a permanent instruction";
-            messages.push(limit(permanent.span, title, format!("{PERMANENT_MAX} are possible"), help));
+            messages.push(limit(permanent.span, title, format!("S7-GRAPH allows {PERMANENT_MAX}"), help));
         }
     }
     let mut leaving: FxHashMap<String, usize> = FxHashMap::default();
@@ -120,7 +120,7 @@ fn counts(chart: &Chart, messages: &mut Vec<Diagnostic>) {
         let paths = transition.from.len().max(transition.to.len());
         if paths > SIMULTANEOUS_MAX {
             let title = format!("{} has {paths} simultaneous paths", transition_title(transition));
-            messages.push(limit(transition.name.span, title, format!("{SIMULTANEOUS_MAX} are possible"), DIVIDE));
+            messages.push(limit(transition.name.span, title, format!("S7-GRAPH allows {SIMULTANEOUS_MAX}"), DIVIDE));
         }
         for name in &transition.from {
             *leaving.entry(fold(&name.text)).or_default() += 1;
@@ -131,7 +131,7 @@ fn counts(chart: &Chart, messages: &mut Vec<Diagnostic>) {
         if paths > ALTERNATIVES_MAX {
             let title = format!("{} has {paths} alternative paths", step_title(step));
             let help = "join conditions, or lead some paths over a further step";
-            messages.push(limit(step.name.span, title, format!("{ALTERNATIVES_MAX} are possible"), help));
+            messages.push(limit(step.name.span, title, format!("S7-GRAPH allows {ALTERNATIVES_MAX}"), help));
         }
     }
 }
@@ -144,7 +144,7 @@ pub fn check_sequencers(chart: &Chart, sequencer: &[usize], net: &Net, messages:
     let firsts: Vec<usize> = (0..sequencer.len()).filter(|&step| sequencer[step] == step).collect();
     if let Some(&first) = firsts.get(SEQUENCERS_MAX) {
         let title = format!("{} sequencers are too many for a GRAPH block", firsts.len());
-        let label = format!("{SEQUENCERS_MAX} are possible; another one begins here");
+        let label = format!("S7-GRAPH allows {SEQUENCERS_MAX}; another one begins here");
         let help = "divide them between several function blocks; steps that no transition connects are sequencers of their own";
         messages.push(limit(chart.steps[first].name.span, title, label, help));
     }
@@ -163,7 +163,7 @@ pub fn check_sequencers(chart: &Chart, sequencer: &[usize], net: &Net, messages:
         if count > BRANCHES_MAX {
             let title = format!("the sequencer has {count} branches");
             let help = "divide the sequencer";
-            messages.push(limit(chart.steps[first].name.span, title, format!("{BRANCHES_MAX} are possible"), help));
+            messages.push(limit(chart.steps[first].name.span, title, format!("S7-GRAPH allows {BRANCHES_MAX}"), help));
         }
     }
 }
