@@ -353,7 +353,7 @@ fn with_untyped(width: u8, literal: &Literal, op: AssertOp, span: Span) -> Resul
         return Err(Mismatch {
             span,
             title: "bits without a type have no sign".to_string(),
-            help: "write the type behind the other side: `MW 10 as INT > -5`".to_string(),
+            help: "write the type after the other side, as in `MW 10 as INT > -5`".to_string(),
         });
     }
     let value = match (whole, literal.loaded) {

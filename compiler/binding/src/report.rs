@@ -136,6 +136,11 @@ impl Report {
                 let text = format!("plcc does not have `{name}`");
                 return Diagnostic::new(Code::UnknownType, span, text).label(why).help(help);
             }
+            if super::scl::function::not_supported(name) {
+                return Diagnostic::new(Code::UnknownType, span, format!("plcc does not have `{name}`"))
+                    .label("an instruction of the TIA Portal that plcc knows by its name only")
+                    .help("do without it, or write an FB of this name that does the work");
+            }
             Diagnostic::new(Code::UnknownType, span, format!("the data type `{name}` is not defined"))
                 .label("neither a type of STL nor a UDT or FB of the program")
                 .help(match similar(name, types).filter(|_| name.len() > 3) {

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
+use plcc_runtime::files::regular;
 use plcc_syntax::{CodePage, Language};
 
 use crate::content::foreign::{self, Foreign};
@@ -268,7 +269,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
 
 /// A workbook, if it holds tag tables.
 fn add_workbook(read: &mut Read, path: &Path, wanted: Wanted) {
-    let bytes = match fs::read(path) {
+    let bytes = match regular(path).and_then(|()| fs::read(path)) {
         Ok(bytes) => bytes,
         Err(error) => {
             let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
@@ -386,24 +387,6 @@ fn read_text_as(path: &Path, code_page: Option<CodePage>) -> std::io::Result<Str
         regular(path)?;
     }
     Ok(plcc_syntax::decode_as(&fs::read(path)?, code_page))
-}
-
-/// Whether `path` is a file that has an end. `Err`: it is a pipe, a device or another thing whose reading may wait for ever.
-fn regular(path: &Path) -> std::io::Result<()> {
-    let found = fs::metadata(path)?;
-    let wrong = |what: &str| Err(std::io::Error::other(what));
-    if found.is_dir() {
-        return wrong("a link to a folder, which is not followed");
-    }
-    if !found.is_file() {
-        return wrong("a pipe, a socket or a device, which is not a file");
-    }
-    // Files of the kernel look like files.
-    let real = fs::canonicalize(path)?;
-    if real.starts_with("/proc") || real.starts_with("/sys") {
-        return wrong("a file of the kernel, which is not a source");
-    }
-    Ok(())
 }
 
 /// All files below `folder` in the order of their names; hidden ones left out, links to folders not followed: they are among the files.

@@ -34,6 +34,9 @@ fn wrong_flags_are_usage_errors() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     build(folder, "      L     MW 0\n      +     1\n      T     MW 0\n");
+    for pipe in ["pipe.toml", "pipe.csv"] {
+        assert!(command("mkfifo", folder, &[pipe]).status.success());
+    }
     for (flags, says) in [
         (&["--no-such-flag"][..], "--no-such-flag"),
         (&["--cycles", "many"], "--cycles"),
@@ -44,6 +47,10 @@ fn wrong_flags_are_usage_errors() {
         (&["--print", "L0.0"], "`L0.0` is neither an address"),
         (&["--trace", "trace.txt"], ".vcd or .csv"),
         (&["--scenario", "missing.toml"], "missing.toml"),
+        (&["--scenario", "pipe.toml"], "pipe.toml: a pipe, a socket or a device"),
+        (&["--scenario", "/dev/zero"], "/dev/zero: a pipe, a socket or a device"),
+        (&["--scenario", "."], "a folder, or a link to one"),
+        (&["--trace", "pipe.csv"], "pipe.csv: a pipe, a socket or a device"),
     ] {
         let errors = both(folder, flags, 2);
         assert!(errors.contains(says), "{flags:?}: {errors}");
@@ -81,4 +88,35 @@ fn a_signal_ends_an_endless_startup() {
     let kill = Command::new("kill").arg(child.id().to_string()).status().expect("there is a kill command");
     assert!(kill.success());
     assert_eq!(child.wait().expect("it ends").code(), Some(0));
+}
+
+#[test]
+fn a_trace_that_is_a_pipe_is_not_drawn() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    assert!(command("mkfifo", folder.path(), &["pipe.csv"]).status.success());
+    let drawn = command(PLCC, folder.path(), &["plot", "pipe.csv"]);
+    assert_eq!(drawn.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&drawn.stderr).contains("a pipe, a socket or a device"));
+}
+
+#[test]
+fn each_run_of_safety_blocks_says_so() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION \"Guard\" : Void\n{ S7_Safety := \"TRUE\" }\nBEGIN\nEND_FUNCTION\n\
+                  ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  \"Guard\"();\n  //@ assert %MW0 == 0\nEND_ORGANIZATION_BLOCK\n";
+    std::fs::write(folder.join("guard.scl"), source).expect("the folder can be written");
+    let says = "not fail-safe: compiled as standard blocks: Guard";
+    let safety = |rest: &[&str]| command(PLCC, folder, &[rest, &["--safety-as-standard", "guard.scl"]].concat());
+    assert_eq!(safety(&["build", "-o", "program"]).status.code(), Some(0));
+    let short = ["--cycles", "1", "--clock", "virtual", "--quiet"];
+    for output in [
+        safety(&[&["run"][..], &short].concat()),
+        safety(&["test"]),
+        command(&folder.join("program").display().to_string(), folder, &short),
+    ] {
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(errors.matches(says).count(), 1, "{errors}");
+        assert_eq!(output.status.code(), Some(0), "{errors}");
+    }
 }

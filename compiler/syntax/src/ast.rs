@@ -175,6 +175,8 @@ pub struct Constant {
     pub ty: Option<TypeRef>,
     /// None: the value that variables of the type begin with.
     pub value: Option<scl::ast::Expr>,
+    /// What an array or a structure begins with.
+    pub initial: Option<InitialValue>,
 }
 
 /// `DATA_BLOCK … END_DATA_BLOCK`.

@@ -86,7 +86,8 @@ impl Out {
                 let ty = constant.ty.as_ref().map_or(String::new(), |ty| format!(" : {}", type_text(ty)));
                 let value =
                     constant.value.as_ref().map_or(String::new(), |value| format!(" := {}", scl::text::expr(value)));
-                out.line(format_args!("constant {}{ty}{value}", constant.name));
+                let list = constant.initial.as_ref().map_or(String::new(), |value| format!(" := {}", initial(value)));
+                out.line(format_args!("constant {}{ty}{value}{list}", constant.name));
             }
             match &block.code {
                 Code::Stl(networks) => networks.iter().for_each(|network| out.network(network)),

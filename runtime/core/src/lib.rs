@@ -32,6 +32,7 @@ pub mod events;
 #[cfg(all(feature = "executable", not(test)))]
 mod executable;
 pub mod faults;
+pub mod files;
 pub mod functions;
 pub mod guest;
 pub mod io;

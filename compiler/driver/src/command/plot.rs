@@ -1,5 +1,7 @@
 //! `plcc plot`.
 
+use plcc_runtime::files::{regular, writable};
+
 use super::exit;
 use crate::cli::PlotArgs;
 use crate::{plot, report};
@@ -7,7 +9,7 @@ use crate::{plot, report};
 /// Draws a trace.
 pub fn plot(args: &PlotArgs) -> u8 {
     let trace = args.trace.display();
-    let text = match std::fs::read_to_string(&args.trace) {
+    let text = match regular(&args.trace).and_then(|()| std::fs::read_to_string(&args.trace)) {
         Ok(text) => text,
         Err(error) => return fail(&format!("cannot read `{trace}`: {error}")),
     };
@@ -16,7 +18,7 @@ pub fn plot(args: &PlotArgs) -> u8 {
         Ok(picture) => picture,
         Err(message) => return fail(&format!("{trace}: {message}")),
     };
-    match std::fs::write(&output, picture) {
+    match writable(&output).and_then(|()| std::fs::write(&output, picture)) {
         Ok(()) => exit::OK,
         Err(error) => fail(&format!("cannot write `{}`: {error}", output.display())),
     }

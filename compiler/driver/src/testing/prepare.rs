@@ -51,7 +51,12 @@ pub fn prepare(input: &TestInput, plan: &Plan) -> Prepared {
     let bound = pipeline::front(read, &settings(plan));
     outcome.messages = drawing::draw(&bound.diagnostics, &bound.sources, false);
     let programs = match accept(&bound, &mut outcome) {
-        true => runs(&bound, &scenarios, plan),
+        true => {
+            for notice in &bound.program.notices {
+                outcome.messages.push_str(&format!("{}: {notice}\n", outcome.name));
+            }
+            runs(&bound, &scenarios, plan)
+        }
         false => Vec::new(),
     };
     Prepared { outcome, programs }

@@ -212,6 +212,24 @@ impl Binder<'_> {
         BoundDb { block, ty: typed.ty }
     }
 
+    /// A data block that the source does not name, for constants of a block.
+    pub fn add_constant_db(&mut self, number: u16, typed: TypedStruct, span: Span) {
+        if !self.fits_with_others(typed.ty.bytes, span) {
+            return;
+        }
+        let block = DataBlock {
+            number,
+            name: self.block_name(BlockPrefix::Db, number),
+            span,
+            data: at_least_a_word(typed.image.to_vec()),
+            members: typed.ty.members.clone(),
+            instance_of: None,
+            read_only: true,
+            unlinked: false,
+        };
+        self.dbs.insert(number, BoundDb { block, ty: typed.ty });
+    }
+
     fn check_db_size(&mut self, number: u16, bytes: u32, span: Span) {
         let profile = &self.input.profile;
         if bytes <= profile.db_bytes_max {

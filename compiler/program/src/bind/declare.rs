@@ -70,6 +70,8 @@ pub struct BoundInterface {
     pub locals: FxHashMap<String, Local>,
     /// `VAR CONSTANT` and CONST.
     pub constants: Constants,
+    /// The data block where constants of arrays and structures lie.
+    pub constant_db: Option<u16>,
     pub temp_bytes: u32,
 }
 

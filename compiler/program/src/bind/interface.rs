@@ -79,7 +79,7 @@ impl<'a> Binder<'a> {
         let mut bound = BoundInterface::default();
         bound.interface.code_version1 = block.header.code_version1;
         let mut names = FxHashMap::default();
-        self.constants(block, &mut names);
+        self.constants(block, &mut bound, &mut names);
         self.check_sections(key, block);
         match key.kind {
             BlockKind::Fb | BlockKind::Sfb => self.instance_interface(key, block, &mut bound, &mut names)?,
@@ -94,7 +94,8 @@ impl<'a> Binder<'a> {
     }
 
     /// `VAR CONSTANT` and CONST. Each can use those before it.
-    fn constants(&mut self, block: &ast::CodeBlock, names: &mut FxHashMap<String, Span>) {
+    fn constants(&mut self, block: &ast::CodeBlock, bound: &mut BoundInterface, names: &mut FxHashMap<String, Span>) {
+        let mut data = StructBuilder::default();
         for constant in &block.constants {
             self.declare_name(names, &constant.name, constant.name_span);
             let value = constant.value.as_ref().map(|value| (self.scope_constant(value), value.span));
@@ -105,6 +106,10 @@ impl<'a> Binder<'a> {
                     let ty = self.resolve_type(ty, Use::Component);
                     self.scope.variable = outer;
                     match (ty, value) {
+                        (Some(ty), None) if is_composite(&ty.ty) && self.scope.scl => {
+                            self.constant_data(constant, ty, bound, &mut data);
+                            None
+                        }
                         (Some(ty), Some((Some(value), span))) => self.typed_constant(value, &ty.ty, span),
                         (Some(ty), None) => self.constant_without_value(&ty, constant),
                         _ => None,
@@ -115,6 +120,43 @@ impl<'a> Binder<'a> {
                 self.scope.constants.entry(fold(&constant.name)).or_insert(value);
             }
         }
+        self.constant_block(block, bound, data);
+    }
+
+    /// A constant of an array or structure is a variable of a data block that nobody writes.
+    fn constant_data(
+        &mut self,
+        constant: &ast::Constant,
+        ty: Typed,
+        bound: &mut BoundInterface,
+        data: &mut StructBuilder,
+    ) {
+        let mut image = ty.image.to_vec();
+        if let Some(initial) = &constant.initial {
+            self.encode_initial(initial, &ty.ty, &mut image, 0, 0);
+        }
+        let ty = Typed { image: Rc::from(image), ..ty };
+        let (byte, bit) = data.add(constant.name.clone(), &ty);
+        let name = constant.name.clone();
+        bound.locals.entry(fold(&name)).or_insert(Local { name, ty: ty.ty, base: Base::Db(0), byte, bit });
+    }
+
+    /// The data block of the constants that lie in memory, with the highest free number.
+    fn constant_block(&mut self, block: &ast::CodeBlock, bound: &mut BoundInterface, data: StructBuilder) {
+        let span = block.name.span();
+        if bound.locals.is_empty() {
+            return;
+        }
+        let free = |number: &u16| !self.data.contains_key(number) && !self.dbs.contains_key(number);
+        let number = (1..=u16::MAX).rev().find(free);
+        let (Some(number), Some(typed)) = (number, self.finish_structure(data, String::new(), None, span)) else {
+            return;
+        };
+        for local in bound.locals.values_mut() {
+            local.base = Base::Db(number);
+        }
+        bound.constant_db = Some(number);
+        self.add_constant_db(number, typed, span);
     }
 
     /// `VAR CONSTANT x : Int; END_VAR`: what a variable of the type begins with.
@@ -487,4 +529,9 @@ fn passing(ty: &DataType) -> Option<Passing> {
         ) => Some(Passing::Number),
         DataType::Void => Some(Passing::Complex { bytes: 0 }),
     }
+}
+
+/// Of several values.
+const fn is_composite(ty: &DataType) -> bool {
+    matches!(ty, DataType::Array(_) | DataType::Struct(_))
 }

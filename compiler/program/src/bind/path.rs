@@ -115,7 +115,7 @@ impl Binder<'_> {
                 // As STEP 7 does: a `#` before a name that the block does not declare is read over.
                 None if self.globals.contains_key(&fold(name)) => self.resolve_global(ctx, name, *span)?,
                 None => {
-                    self.unknown_local(ctx, name, *span);
+                    self.undeclared(ctx, name, *span, Code::UnknownSymbol);
                     return None;
                 }
             },
@@ -160,13 +160,23 @@ impl Binder<'_> {
         Some(Variable { base, byte, bit, ty, untyped: false })
     }
 
+    /// `#name` in SCL and networks, where nothing but the block itself can declare it.
     pub fn unknown_local(&mut self, ctx: &mut Ctx, name: &str, span: Span) {
+        self.undeclared(ctx, name, span, Code::UnknownLocal);
+    }
+
+    /// `code`: in STL a `#` before a symbol is read over, so that an unknown name is an unknown symbol as well.
+    fn undeclared(&mut self, ctx: &mut Ctx, name: &str, span: Span, code: Code) {
         if !ctx.unknown_locals.insert(fold(name)) {
             return;
         }
-        let message = || {
-            Diagnostic::new(Code::UnknownLocal, span, format!("`#{name}` is not declared in this block"))
-                .label("neither a parameter nor static or temporary data")
+        let message = || match code {
+            Code::UnknownSymbol => {
+                let title = format!("`#{name}` is neither declared in this block nor a symbol of the program");
+                Diagnostic::new(code, span, title).label("no parameter, no variable and no symbol has this name")
+            }
+            _ => Diagnostic::new(code, span, format!("`#{name}` is not declared in this block"))
+                .label("neither a parameter nor static or temporary data"),
         };
         // Statements without a header are a part of a block: its declarations are missing.
         if ctx.fragment {

@@ -124,7 +124,7 @@ impl Reader<'_> {
         });
         let mut value = self.expression(range, None);
         self.known_names(&mut value);
-        Some(Constant { name, name_span, ty, value: Some(value) })
+        Some(Constant { name, name_span, ty, value: Some(value), initial: None })
     }
 
     /// Names of enumeration values and global constants become their values: for declarations, which know no names of POUs.

@@ -346,7 +346,8 @@ impl<'a> Reader<'a> {
     pub fn enum_constant(&self, node: Node, name: &str, number: i64) -> Constant {
         let name_span = self.place(node, "name");
         let ty = TypeRef { kind: TypeKind::Named("INT".to_string()), span: name_span };
-        Constant { name: name.to_string(), name_span, ty: Some(ty), value: Some(integer(number, name_span)) }
+        let value = Some(integer(number, name_span));
+        Constant { name: name.to_string(), name_span, ty: Some(ty), value, initial: None }
     }
 
     /// The name of the instance of each program, and whether a task runs it: see `configurations`.

@@ -114,11 +114,15 @@ pub fn components(reader: &mut Reader, sections: Option<Node>, instance: bool, w
 fn constant(reader: &mut Reader, member: Node) -> Constant {
     let name_span = reader.name_span(member, "Name");
     let ty = type_of(reader, member, 0);
+    if child(member, "StartValue").is_none() {
+        let initial = initial::of_member(reader, member, &ty);
+        return Constant { name: name_of(member), name_span, ty: Some(ty), value: None, initial };
+    }
     let value = child(member, "StartValue").map(|value| {
         let value = reader.start_value(value).and_then(initial::expression);
         value.unwrap_or(Expr { kind: ExprKind::Error, span: name_span })
     });
-    Constant { name: name_of(member), name_span, ty: Some(ty), value }
+    Constant { name: name_of(member), name_span, ty: Some(ty), value, initial: None }
 }
 
 fn name_of(member: Node) -> String {

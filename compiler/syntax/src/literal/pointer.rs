@@ -49,6 +49,9 @@ const AREAS: &[(&str, u8)] = &[
     ("T", 0x7C),
 ];
 
+const NAME_FORM: &str =
+    "write area, byte and bit, as in `P#DB10.DBX 20.0`; as an actual parameter give the variable itself, without `P#`";
+
 const FORM: &str = "write `P#10.3`, `P#M 10.0`, `P#DB10.DBX 20.0`, or with type and number `P#DB11.DBX 20.0 INT 10`";
 
 /// `10.3`, `M 10.0`, `DB10.DBX 20.0`, `DB11.DBX 20.0 INT 10`.
@@ -56,6 +59,12 @@ pub fn pointer(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let malformed = |label: &str| LiteralError::malformed(text, label, FORM);
     let (db, rest) = data_block(text, value)?;
     let letters = rest.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len());
+    let is_name = letters > 0
+        && (rest[letters..].starts_with('_')
+            || AREAS.iter().all(|(name, _)| !name.eq_ignore_ascii_case(&rest[..letters])));
+    if db.is_some() && is_name {
+        return Err(LiteralError::malformed(text, "a name of a variable instead of its address", NAME_FORM));
+    }
     let (area, rest) = (&rest[..letters], rest[letters..].trim_start());
     let mut words = rest.split_ascii_whitespace();
     let address = words.next().ok_or_else(|| malformed("no address"))?;

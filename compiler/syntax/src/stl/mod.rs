@@ -177,10 +177,14 @@ fn report_mixture(
     let name = messages::set_name;
     let word = &text[foreign.range()];
     let set = name(detected.set);
+    let other = match mnemonics::other(detected.set) {
+        Mnemonics::En => "an international",
+        Mnemonics::De => "a German",
+    };
     let mut diagnostic = Diagnostic::new(
         Code::MixedMnemonics,
         span(foreign),
-        format!("`{word}` is a {} mnemonic in a file with {set} ones", name(mnemonics::other(detected.set))),
+        format!("`{word}` is {other} mnemonic in a file with {set} ones"),
     )
     .label("a file keeps to one set")
     .help(if options.mnemonics.is_some() {

@@ -85,7 +85,8 @@ impl Scenario {
     /// Reads and checks a file. `Err`: message with file and line.
     pub fn read(path: &Path, image: &ProgramImage) -> Result<Scenario, String> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| format!("cannot read scenario {file}: {error}"))?;
+        let text = crate::files::regular(path).and_then(|()| std::fs::read_to_string(path));
+        let text = text.map_err(|error| format!("cannot read scenario {file}: {error}"))?;
         Scenario::parse(&file, &text, image)
     }
 

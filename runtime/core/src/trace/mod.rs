@@ -53,7 +53,8 @@ impl Recorder {
     /// Creates the file; its suffix tells the format. `step`: nanoseconds between samples, 0: each cycle. `Err`: what is wrong.
     pub fn create(path: &Path, signals: Vec<Signal>, step: u64) -> Result<Recorder, String> {
         let open = || {
-            File::create(path).map(BufWriter::new).map_err(|error| format!("cannot write {}: {error}", path.display()))
+            let file = crate::files::writable(path).and_then(|()| File::create(path));
+            file.map(BufWriter::new).map_err(|error| format!("cannot write {}: {error}", path.display()))
         };
         let suffix = path.extension().and_then(|suffix| suffix.to_str()).unwrap_or("").to_ascii_lowercase();
         let failed = |error: std::io::Error| format!("cannot write {}: {error}", path.display());

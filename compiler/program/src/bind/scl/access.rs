@@ -546,6 +546,11 @@ impl Binder<'_> {
         if intent == Intent::Read {
             return Some(());
         }
+        if ctx.bound.constant_db.is_some_and(|number| spot.lies_in_db(number)) {
+            let title = format!("`{text}` cannot be written");
+            self.refuse(Code::Protected, span, &title, "a constant", "name a variable");
+            return None;
+        }
         if area == Some(Area::Pi) {
             let title = format!("`{text}` cannot be written");
             self.refuse(Code::Protected, span, &title, "a peripheral input", "peripheral outputs are written: `PQW`");

@@ -34,6 +34,10 @@ impl Spot {
         Spot { root: Root::Fixed(base), byte, bit, indices: Vec::new(), ty, part: None }
     }
 
+    pub fn lies_in_db(&self, number: u16) -> bool {
+        matches!(self.root, Root::Fixed(path::Base::Db(own)) if own == number)
+    }
+
     pub fn access(self, span: Span) -> Access {
         let Spot { root, byte, bit, indices, ty, part } = self;
         let base = match root {

@@ -9,6 +9,7 @@ use plcc_syntax::scl::ast::Expr as Node;
 use super::Intent;
 use super::actual::is_variable;
 use super::call::is_result;
+use super::expression::constant_expr;
 use super::function::TextNumber;
 use super::pins::Pins;
 use super::text::is_wide_text;
@@ -16,7 +17,7 @@ use super::value::Value;
 use crate::bind::{Binder, Ctx};
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
-use plcc_model::scl::{Actual, Argument, Call, StatementKind};
+use plcc_model::scl::{Access, Actual, Argument, Call, StatementKind};
 use plcc_model::types::DataType;
 use plcc_model::{BlockKey, Direction, Parameter};
 
@@ -41,6 +42,9 @@ impl Binder<'_> {
     pub fn text_number(&mut self, ctx: &mut Ctx, kind: TextNumber, pins: &Pins, span: Span) -> Option<Call> {
         let (input, output) = (pins.get("IN")?, pins.get("OUT")?);
         let target = self.scl_access(ctx, output, Intent::Write)?;
+        if kind == TextNumber::Write && matches!(target.ty, DataType::WideString(_)) {
+            return self.write_wide(ctx, pins, target, span);
+        }
         let to_text = matches!(target.ty, DataType::String(_));
         let block = match (kind, target.elementary()) {
             (TextNumber::Convert | TextNumber::Write, None) if to_text => {
@@ -55,7 +59,7 @@ impl Binder<'_> {
                 let wanted = match kind {
                     TextNumber::Convert => "a number or a STRING",
                     TextNumber::Read => "a number",
-                    TextNumber::Write => "a STRING",
+                    TextNumber::Write => "a STRING or WSTRING",
                 };
                 let is = format!("of type {}", layout::type_name(&target.ty));
                 self.wrong_type(output.span, &is, wanted, None);
@@ -80,6 +84,51 @@ impl Binder<'_> {
         }
         let actual = if to_text { Actual::Reference(target) } else { Actual::Variable { access: target, back: None } };
         arguments.push(Argument { parameter: result?, actual, span: output.span });
+        let eno = match pins.eno {
+            Some(node) => Some(self.variable_of_type(ctx, node, Elementary::Bool, Intent::Write)?),
+            None => None,
+        };
+        Some(Call { target: key, instance: None, arguments, enable: None, eno, span })
+    }
+
+    /// VAL_STRG to a text of wide characters: one of narrow characters, which then takes the place of some of the wide ones.
+    fn write_wide(&mut self, ctx: &mut Ctx, pins: &Pins, target: Access, span: Span) -> Option<Call> {
+        let (input, output) = (pins.get("IN")?, pins.get("OUT")?);
+        let Some(name) = self.number_type(ctx, input).map(written_as)? else {
+            return self.wrong_pin(input.span, "a number");
+        };
+        let (narrow, wide) = (format!("VAL_STRG_{name}"), "VAL_STRG_WSTRING");
+        let (Some(writer), Some(key)) =
+            (self.library_function(ctx.scl.rules, &narrow), self.library_function(ctx.scl.rules, wide))
+        else {
+            self.report.missing_function(&narrow, pins.name, None, true);
+            return None;
+        };
+        let bound = self.interface(writer, pins.name)?;
+        let mut arguments = Vec::with_capacity(bound.interface.parameters.len());
+        for (parameter, formal) in bound.interface.parameters.iter().enumerate() {
+            if is_result(writer, formal) {
+                continue;
+            }
+            let node = pins.get(&formal.name)?;
+            let actual = match formal.direction {
+                Direction::InOut => Actual::Value(constant_expr(1, Elementary::Uint, node.span)),
+                _ => self.text_number_actual(ctx, writer, formal, node)?,
+            };
+            arguments.push(Argument { parameter, actual, span: node.span });
+        }
+        let field = Call { target: writer, instance: None, arguments, enable: None, eno: None, span };
+        let mut values = vec![self.call_value(field, false, pins.name)?, self.scl_value(ctx, output)?].into_iter();
+        let bound = self.interface(key, pins.name)?;
+        let mut arguments = Vec::with_capacity(bound.interface.parameters.len());
+        for (parameter, formal) in bound.interface.parameters.iter().enumerate() {
+            let actual = match formal.direction {
+                Direction::Input => Actual::Complex(self.scl_complex_value(ctx, values.next()?, &formal.ty)?),
+                Direction::InOut => self.text_number_actual(ctx, key, formal, pins.get("P")?)?,
+                _ => Actual::Reference(target.clone()),
+            };
+            arguments.push(Argument { parameter, actual, span: output.span });
+        }
         let eno = match pins.eno {
             Some(node) => Some(self.variable_of_type(ctx, node, Elementary::Bool, Intent::Write)?),
             None => None,

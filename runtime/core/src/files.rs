@@ -1,0 +1,31 @@
+//! Files that are read whole or written: not what waits for a partner or never ends.
+
+use std::fs;
+use std::io::{Error, Result};
+use std::path::Path;
+
+/// Whether `path` is a file that has an end. `Err`: it is not there, or is a pipe, a device or another thing whose reading may wait for ever.
+pub fn regular(path: &Path) -> Result<()> {
+    let found = fs::metadata(path)?;
+    let wrong = |what: &str| Err(Error::other(what));
+    if found.is_dir() {
+        return wrong("a folder, or a link to one, and not a file");
+    }
+    if !found.is_file() {
+        return wrong("a pipe, a socket or a device, which is not a file");
+    }
+    // Files of the kernel look like files.
+    let real = fs::canonicalize(path)?;
+    if real.starts_with("/proc") || real.starts_with("/sys") {
+        return wrong("a file of the kernel, which may have no end");
+    }
+    Ok(())
+}
+
+/// Whether a file can be written at `path`: nothing is there, or a file.
+pub fn writable(path: &Path) -> Result<()> {
+    match fs::metadata(path) {
+        Ok(_) => regular(path),
+        Err(_) => Ok(()),
+    }
+}
