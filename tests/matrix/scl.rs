@@ -1,20 +1,8 @@
-//! Each kind of variable of a block, with each type, in each use: what binds compiles, and interpreter and machine code bring a value
-//! from one end to the other.
-//!
-//! A case is a small program. Its block has a variable of a section (input, output, in-out, static, temp) in a form (whole, element, member
-//! of a structure, element of ARRAY[*], view), which holds a sample value; the use brings the sample to `"D".r`, where the main program compares it.
-//! Uses that a type does not have are refused by the binder; those of every type must bind. `PLCC_MATRIX=all` runs all cases, else every
-//! n-th of them, so that each kind, type and use has its turn.
+//! SCL.
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use plcc_diag::SourceFile;
-use plcc_driver::cli::Level;
-use plcc_driver::code;
-use plcc_driver::inputs::Read;
-use plcc_driver::pipeline::{self, Compiled, Settings};
-use plcc_runtime::TestOptions;
+use crate::{Case, Refusal, campaign};
 
 /// A type, and how a variable of it gets the sample value.
 struct Kind {
@@ -144,7 +132,7 @@ const PLACES: &[(&str, &str)] = &[("data block", "\"D\".a"), ("local data", "#a"
 
 /// One case.
 #[derive(Clone, Copy)]
-struct Case {
+struct Plan {
     function: bool,
     section: Section,
     form: &'static (&'static str, &'static str, &'static str),
@@ -153,13 +141,7 @@ struct Case {
     place: &'static (&'static str, &'static str),
 }
 
-impl Case {
-    fn name(&self) -> String {
-        let block = if self.function { "FC" } else { "FB" };
-        let Case { section, form, kind, using, place, .. } = self;
-        format!("{block} {section:?}, {}, {}, {}, {}", form.0, kind.name, using.0, place.0)
-    }
-
+impl Plan {
     /// True for combinations that the languages have.
     fn exists(&self) -> bool {
         let is_open = self.form.1.contains("[*]");
@@ -261,17 +243,17 @@ fn variable_type(form: &str, ty: &str) -> String {
     form.replace(" of T", &format!(" of {ty}")).replace(": T;", &format!(": {ty};"))
 }
 
-fn cases() -> Vec<Case> {
-    let mut cases = Vec::new();
+fn plans() -> Vec<Plan> {
+    let mut plans = Vec::new();
     for function in [true, false] {
         for section in Section::ALL {
             for form in FORMS {
                 for kind in TYPES {
                     for using in USES {
                         for place in PLACES {
-                            let case = Case { function, section, form, kind, using, place };
-                            if case.exists() {
-                                cases.push(case);
+                            let plan = Plan { function, section, form, kind, using, place };
+                            if plan.exists() {
+                                plans.push(plan);
                             }
                         }
                     }
@@ -279,90 +261,28 @@ fn cases() -> Vec<Case> {
             }
         }
     }
-    cases
+    plans
 }
 
-/// What came of a case.
-enum Outcome {
-    Refused(String),
-    Passed,
-    Failed(String),
+
+fn cases() -> Vec<Case> {
+    plans()
+        .into_iter()
+        .map(|plan| Case {
+            kind: format!("{} {:?} {}", if plan.function { "FC" } else { "FB" }, plan.section, plan.form.0),
+            ty: plan.kind.name,
+            using: plan.using.0,
+            variant: plan.place.0.to_string(),
+            ending: "scl",
+            cpu: "s7-1500",
+            source: Box::new(move || plan.source()),
+        })
+        .collect()
 }
 
-fn run(source: String) -> Outcome {
-    let mut read = Read { name: "matrix".to_string(), ..Read::default() };
-    read.units.push(read.sources.add(SourceFile::new("matrix.scl", source)));
-    let settings =
-        Settings { pragmas: true, require_main: true, cpu: Some("s7-1500".to_string()), ..Settings::default() };
-    let bound = pipeline::front(read, &settings);
-    if bound.has_errors() {
-        return Outcome::Refused(plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false));
-    }
-    let plain = pipeline::back(&bound, Level::O0);
-    if let Err(errors) = plcc_ir::verify::verify(&plain.module) {
-        return Outcome::Failed(format!("after lowering: {}", errors[0]));
-    }
-    let optimised = pipeline::optimize(plain.clone());
-    if let Err(errors) = plcc_ir::verify::verify(&optimised.module) {
-        return Outcome::Failed(format!("after the passes: {}", errors[0]));
-    }
-    let test = |compiled: &Compiled, code| {
-        plcc_runtime::test(compiled.image.clone(), code, &TestOptions { cycles: Some(1), ..TestOptions::default() })
-    };
-    let mut reports = vec![("interpreter", test(&plain, code::interpreter(&plain)))];
-    for (name, compiled) in [("-O0", &plain), ("-O2", &optimised)] {
-        match code::jit(compiled) {
-            Ok(code) => reports.push((name, test(compiled, code))),
-            Err(error) => return Outcome::Failed(error.to_string()),
-        }
-    }
-    for (name, report) in reports {
-        if report.failed() > 0 || report.stopped.is_some() {
-            return Outcome::Failed(format!("{name}: {report:?}"));
-        }
-    }
-    Outcome::Passed
-}
-
-/// Of the cases that exist, one in so many runs.
-const STRIDE: usize = 37;
+const REFUSALS: &[Refusal] = &[];
 
 #[test]
-fn what_binds_brings_values_through() {
-    let all = std::env::var("PLCC_MATRIX").is_ok_and(|value| value == "all");
-    let stride = std::env::var("PLCC_MATRIX").ok().and_then(|value| value.parse().ok());
-    let stride = if all { 1 } else { stride.unwrap_or(STRIDE) };
-    let chosen: Vec<Case> = cases().into_iter().step_by(stride).collect();
-    let mut passed: BTreeMap<&str, (u32, u32)> = BTreeMap::new();
-    let mut failures = Vec::new();
-    for case in &chosen {
-        let source = case.source();
-        let text = source.clone();
-        let outcome = plcc_driver::on_large_stack(move || run(text)).unwrap_or_else(Outcome::Failed);
-        let counts = passed.entry(case.using.0).or_default();
-        match outcome {
-            Outcome::Passed => counts.0 += 1,
-            Outcome::Refused(messages) => {
-                counts.1 += 1;
-                if case.using.2 {
-                    failures.push(format!("{}: refused\n{messages}\n{source}", case.name()));
-                }
-            }
-            Outcome::Failed(error) => failures.push(format!("{}: {error}\n{source}", case.name())),
-        }
-    }
-    println!("{} cases, passed and refused: {passed:?}", chosen.len());
-    assert!(failures.is_empty(), "{} of {} failed; the first:\n{}", failures.len(), chosen.len(), first(&failures));
-    // Each use is one of some types.
-    if let Some((name, _)) = passed.iter().find(|(_, (passed, _))| *passed == 0) {
-        panic!("no type has the use `{name}`");
-    }
-}
-
-/// The names of all, and the first with its source.
-fn first(failures: &[String]) -> String {
-    let mut text: String =
-        failures.iter().filter_map(|failure| failure.lines().next()).fold(String::new(), |all, line| all + line + "\n");
-    text.push_str(&failures[0]);
-    text
+fn scl_brings_values_through() {
+    campaign(cases(), 37, REFUSALS);
 }
