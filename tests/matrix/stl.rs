@@ -53,10 +53,10 @@ const TYPES: &[Kind] = &[
     kind("STRING [7]", Complex, 10, &[("", Complex, "'seven c'")]),
     kind("ARRAY [1..3] OF INT", Complex, 6, &[("[1]", Number, "7"), ("[2]", Number, "8"), ("[3]", Number, "-7")]),
     kind(
-        "ARRAY [0..10] OF BOOL",
+        "ARRAY [0..15] OF BOOL",
         Complex,
         2,
-        &[("[0]", Bit, "TRUE"), ("[7]", Bit, "TRUE"), ("[8]", Bit, "TRUE"), ("[10]", Bit, "TRUE")],
+        &[("[0]", Bit, "TRUE"), ("[7]", Bit, "TRUE"), ("[8]", Bit, "TRUE"), ("[15]", Bit, "TRUE")],
     ),
     kind(
         "ARRAY [-1..3] OF BYTE",
