@@ -50,6 +50,15 @@ struct Refusal {
     code: &'static str,
 }
 
+const fn refusal(
+    kinds: &'static [&'static str],
+    types: &'static [&'static str],
+    uses: &'static [&'static str],
+    code: &'static str,
+) -> Refusal {
+    Refusal { kinds, types, uses, code }
+}
+
 impl Refusal {
     fn covers(&self, case: &Case) -> bool {
         let any = |patterns: &[&str], text: &str| patterns.iter().any(|pattern| matches(pattern, text));
