@@ -18,9 +18,15 @@ use plcc_driver::testing::{Form, Variant};
 use plcc_runtime::TestOptions;
 use plcc_tests::plan;
 
+mod network;
 mod parameters;
+mod portal;
+mod s7200;
 mod scl;
 mod stl;
+
+/// Between a source and one in STL that belongs to the same program.
+const NEXT_FILE: &str = "//=== STL\n";
 
 /// One program of the matrix.
 struct Case {
@@ -86,7 +92,11 @@ enum Outcome {
 
 fn run(ending: &str, cpu: &str, source: String) -> Outcome {
     let mut read = Read { name: "matrix".to_string(), ..Read::default() };
-    read.units.push(read.sources.add(SourceFile::new(format!("matrix.{ending}"), source)));
+    let mut names = [format!("matrix.{ending}"), "matrix.stl".to_string()].into_iter();
+    for text in source.split(NEXT_FILE) {
+        let name = names.next().expect("there are two files at most");
+        read.units.push(read.sources.add(SourceFile::new(name, text)));
+    }
     let settings =
         Settings { pragmas: true, require_main: true, cpu: Some(cpu.to_string()), ..Settings::default() };
     let bound = pipeline::front(read, &settings);
@@ -180,6 +190,8 @@ fn campaign(cases: Vec<Case>, stride: usize, refusals: &[Refusal]) {
 fn executables(passed: &[(Case, String)]) {
     let folder = tempfile::tempdir().expect("there is a folder for files that stay for a while");
     let mut inputs = Vec::new();
+    // A test in one file.
+    let passed: Vec<_> = passed.iter().filter(|(_, source)| !source.contains(NEXT_FILE)).collect();
     for (index, (case, source)) in passed.iter().step_by(passed.len().div_ceil(EXECUTABLES).max(1)).enumerate() {
         let path = folder.path().join(format!("case{index}.{}", case.ending));
         std::fs::write(&path, format!("//@ cpu {}\n{source}", case.cpu)).expect("the file can be written");
