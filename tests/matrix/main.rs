@@ -6,6 +6,7 @@
 //! refused must stand in the table of its language, with the code of the message; one that stands there must be refused.
 //!
 //! `PLCC_MATRIX=all` runs all cases, `PLCC_MATRIX=N` one in N. Left out, each language runs as many as its share of time allows.
+//! `PLCC_MATRIX_FAILURES=FILE` writes all failures with their sources to a file.
 
 use std::collections::BTreeMap;
 
@@ -157,10 +158,6 @@ fn campaign(cases: Vec<Case>, stride: usize, refusals: &[Refusal]) {
         let outcome = plcc_driver::on_large_stack(move || run(ending, cpu, text)).unwrap_or_else(Outcome::Failed);
         let name = case.name();
         let counted = counts.entry(case.using).or_default();
-        if std::env::var_os("OUTC").is_some() {
-            let o = match &outcome { Outcome::Passed => "ok".to_string(), Outcome::Refused(c, _) => c.join("+"), Outcome::Failed(_) => "FAIL".to_string() };
-            println!("OUTC|{}|{}|{}|{}|{}", case.kind, case.ty, case.using, case.variant, o);
-        }
         match outcome {
             Outcome::Passed if !expected.is_empty() => {
                 failures.push(format!("{name}: is accepted, but the table says {expected:?}\n{source}"));

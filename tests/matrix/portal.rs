@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{Case, Refusal, campaign};
+use crate::{Case, campaign};
 
 /// A type with its sample, and true if `L` and `T` take it.
 const TYPES: &[(&str, &str, bool)] = &[
@@ -80,6 +80,8 @@ impl Plan {
             && (self.using.0 != "load" || self.kind.2)
             && (self.using.0 != "logic" || is_bit)
             && !(self.using.0 == "moved" && is_bit)
+            // STL gives no length to a text of TEMP.
+            && !(self.section == "VAR_TEMP" && self.kind.0.contains("String"))
             && !(self.section == "VAR_INPUT" && matches!(self.using.0, "by reference" | "to output" | "block output" | "block in-out"))
     }
 
@@ -191,9 +193,8 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-const REFUSALS: &[Refusal] = &[];
-
 #[test]
 fn stl_of_the_portal_brings_values_through() {
-    campaign(cases(), 17, REFUSALS);
+    // Nothing of this is refused.
+    campaign(cases(), 29, &[]);
 }
