@@ -260,7 +260,7 @@ const STRUCTURED: [&str; 3] = ["Array*", "Struct*", "\"U\""];
 const REFUSALS: &[Refusal] = &[
     refusal(&["*"], &STRUCTURED, &["select"], "P0401"),
     // A template names a single type.
-    refusal(&["*"], &["Array*", "Struct*"], &["select", "compare"], "P0538"),
+    refusal(&["*"], &["Struct*"], &["select", "compare"], "P0538"),
     // A wire carries single values.
     refusal(&["*"], &STRUCTURED, &["wire"], "P0204"),
     refusal(&["*"], &["String*", "WString*", "DTL", "Date_And_Time"], &["wire"], "P0204"),
