@@ -98,15 +98,11 @@ fn run(ending: &str, cpu: &str, source: String) -> Outcome {
         let name = names.next().expect("there are two files at most");
         read.units.push(read.sources.add(SourceFile::new(name, text)));
     }
-    let settings =
-        Settings { pragmas: true, require_main: true, cpu: Some(cpu.to_string()), ..Settings::default() };
+    let settings = Settings { pragmas: true, require_main: true, cpu: Some(cpu.to_string()), ..Settings::default() };
     let bound = pipeline::front(read, &settings);
     if bound.has_errors() {
         let codes = bound.diagnostics.iter().filter(|message| message.is_error()).map(|m| m.code.name().to_string());
-        return Outcome::Refused(
-            codes.collect(),
-            plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false),
-        );
+        return Outcome::Refused(codes.collect(), plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false));
     }
     let plain = pipeline::back(&bound, Level::O0);
     if let Err(errors) = plcc_ir::verify::verify(&plain.module) {

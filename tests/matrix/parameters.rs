@@ -51,11 +51,9 @@ struct Kind {
 }
 
 /// Reads the word that the POINTER at AR1 leads to.
-const READ_POINTER: &str =
-    "@ L W [AR1,P#0.0]; T #n; L D [AR1,P#2.0]; LAR1; OPN DB [#n]; L W [AR1,P#0.0]; T MW 10;";
+const READ_POINTER: &str = "@ L W [AR1,P#0.0]; T #n; L D [AR1,P#2.0]; LAR1; OPN DB [#n]; L W [AR1,P#0.0]; T MW 10;";
 /// The same for an ANY.
-const READ_ANY: &str =
-    "@ L W [AR1,P#4.0]; T #n; L D [AR1,P#6.0]; LAR1; OPN DB [#n]; L W [AR1,P#0.0]; T MW 10;";
+const READ_ANY: &str = "@ L W [AR1,P#4.0]; T #n; L D [AR1,P#6.0]; LAR1; OPN DB [#n]; L W [AR1,P#0.0]; T MW 10;";
 const WRITE_ANY: &str =
     "@ L W [AR1,P#4.0]; T #n; L D [AR1,P#6.0]; LAR1; OPN DB [#n]; L W#16#55AA; T W [AR1,P#0.0]; L W#16#1234; T MW 10;";
 const HELD: &str = "//@ assert MW 10 == W#16#1234";
@@ -68,14 +66,22 @@ const TYPES: &[Kind] = &[
             ("start", "SET; L S5T#10s; SP #p; A #p; = M 1.0;", "//@ assert T 5 == 1 AND M 1.0 == 1"),
             ("reset", "SET; L S5T#10s; SE #p; R #p; O #p; = M 1.0;", "//@ assert T 5 == 0 AND M 1.0 == 0"),
             ("load", "SET; L S5T#10s; SP #p; LC #p; T MW 10; FR #p;", "//@ assert MW 10 == S5T#10s"),
-            ("instance", "SET; L S5T#1s; SD #p; AN #p; = M 1.0; L #p; T MW 12;", "//@ assert MW 12 == 100 AND M 1.0 == 1"),
+            (
+                "instance",
+                "SET; L S5T#1s; SD #p; AN #p; = M 1.0; L #p; T MW 12;",
+                "//@ assert MW 12 == 100 AND M 1.0 == 1",
+            ),
         ],
     },
     Kind {
         name: "COUNTER",
         actuals: &["C 6"],
         uses: &[
-            ("set", "SET; L C#7; S #p; CU #p; L #p; T MW 10; A #p; = M 1.0;", "//@ assert MW 10 == 8 AND C 6 == 1 AND M 1.0 == 1"),
+            (
+                "set",
+                "SET; L C#7; S #p; CU #p; L #p; T MW 10; A #p; = M 1.0;",
+                "//@ assert MW 10 == 8 AND C 6 == 1 AND M 1.0 == 1",
+            ),
             ("reset", "SET; L C#7; S #p; R #p; LC #p; T MW 10;", "//@ assert MW 10 == 0 AND C 6 == 0"),
             ("down", "SET; L C#7; S #p; CD #p; LC #p; T MW 10;", "//@ assert MW 10 == 6"),
         ],
@@ -99,32 +105,57 @@ const TYPES: &[Kind] = &[
     Kind {
         name: "BLOCK_DB",
         actuals: &["DB 10", "\"Data\""],
-        uses: &[
-            ("open", "OPN #p; L DBW 0; T MW 10; L DBNO; T MW 12;", "//@ assert MW 10 == W#16#1234 AND MW 12 == 10"),
-        ],
+        uses: &[(
+            "open",
+            "OPN #p; L DBW 0; T MW 10; L DBNO; T MW 12;",
+            "//@ assert MW 10 == W#16#1234 AND MW 12 == 10",
+        )],
     },
     Kind { name: "BLOCK_SDB", actuals: &["SDB 1"], uses: &[("nothing", "NOP 0;", "")] },
     Kind {
         name: "POINTER",
         actuals: &[
-            "P#DB10.DBX 0.0", "P#M 50.0", "DB10.w", "MW 50", "M 50.0", "#w", "\"Data\".w", "DB10.DBW 0", "DB10.s",
+            "P#DB10.DBX 0.0",
+            "P#M 50.0",
+            "DB10.w",
+            "MW 50",
+            "M 50.0",
+            "#w",
+            "\"Data\".w",
+            "DB10.DBW 0",
+            "DB10.s",
         ],
-        uses: &[
-            ("value", READ_POINTER, HELD),
-            ("handed to a function", "CALL FC 8 (p := #p, r := #n);", HELD),
-        ],
+        uses: &[("value", READ_POINTER, HELD), ("handed to a function", "CALL FC 8 (p := #p, r := #n);", HELD)],
     },
     Kind {
         name: "ANY",
         actuals: &[
-            "P#DB10.DBX 0.0 WORD 1", "P#M 50.0 BYTE 2", "DB10.w", "MW 50", "#w", "\"Data\".w", "DB10.DBW 0", "DB10.s", "DB10.a", "#s", "#y",
+            "P#DB10.DBX 0.0 WORD 1",
+            "P#M 50.0 BYTE 2",
+            "DB10.w",
+            "MW 50",
+            "#w",
+            "\"Data\".w",
+            "DB10.DBW 0",
+            "DB10.s",
+            "DB10.a",
+            "#s",
+            "#y",
         ],
         uses: &[
             ("value", READ_ANY, HELD),
             ("written", WRITE_ANY, ""),
             ("copied", "CALL SFC 20 (SRCBLK := #p, RET_VAL := #n, DSTBLK := P#M 10.0 BYTE 2);", HELD),
-            ("copied to", "CALL SFC 20 (SRCBLK := P#DB10.DBX 0.0 BYTE 2, RET_VAL := #n, DSTBLK := #p); CALL SFC 20 (SRCBLK := #p, RET_VAL := #n, DSTBLK := P#M 10.0 BYTE 2);", HELD),
-            ("taken", "@ L D [AR1,P#0.0]; LAR2 P##y; T D [AR2,P#0.0]; L D [AR1,P#4.0]; T D [AR2,P#4.0]; L W [AR1,P#8.0]; T W [AR2,P#8.0]; CALL SFC 20 (SRCBLK := #y, RET_VAL := #n, DSTBLK := P#M 10.0 BYTE 2);", HELD),
+            (
+                "copied to",
+                "CALL SFC 20 (SRCBLK := P#DB10.DBX 0.0 BYTE 2, RET_VAL := #n, DSTBLK := #p); CALL SFC 20 (SRCBLK := #p, RET_VAL := #n, DSTBLK := P#M 10.0 BYTE 2);",
+                HELD,
+            ),
+            (
+                "taken",
+                "@ L D [AR1,P#0.0]; LAR2 P##y; T D [AR2,P#0.0]; L D [AR1,P#4.0]; T D [AR2,P#4.0]; L W [AR1,P#8.0]; T W [AR2,P#8.0]; CALL SFC 20 (SRCBLK := #y, RET_VAL := #n, DSTBLK := P#M 10.0 BYTE 2);",
+                HELD,
+            ),
         ],
     },
 ];
@@ -153,9 +184,9 @@ impl Plan {
              FUNCTION FC 3 : VOID\nBEGIN\nL MW 20; + 1; T MW 20;\nEND_FUNCTION\n\
              FUNCTION_BLOCK FB 4\nBEGIN\nL MW 20; + 10; T MW 20;\nEND_FUNCTION_BLOCK\n",
         );
-        _ = write!(
+        _ = writeln!(
             out,
-            "FUNCTION FC 8 : VOID\nVAR_INPUT p : POINTER; END_VAR\nVAR_OUTPUT r : INT; END_VAR\nVAR_TEMP n : WORD; END_VAR\nBEGIN\n{} T #r;\nEND_FUNCTION\n",
+            "FUNCTION FC 8 : VOID\nVAR_INPUT p : POINTER; END_VAR\nVAR_OUTPUT r : INT; END_VAR\nVAR_TEMP n : WORD; END_VAR\nBEGIN\n{} T #r;\nEND_FUNCTION",
             READ_POINTER.replace('@', "LAR1 P##p;")
         );
         // From the last one to the first, so that types of multi-instances are known.
@@ -178,11 +209,11 @@ impl Plan {
                 link.section()
             );
             if link.is_function() {
-                _ = write!(out, "FUNCTION FC {} : VOID\n{declared}END_FUNCTION\n", 30 + at);
+                _ = writeln!(out, "FUNCTION FC {} : VOID\n{declared}END_FUNCTION", 30 + at);
             } else {
-                _ = write!(out, "FUNCTION_BLOCK FB {}\n{declared}END_FUNCTION_BLOCK\n", 30 + at);
+                _ = writeln!(out, "FUNCTION_BLOCK FB {}\n{declared}END_FUNCTION_BLOCK", 30 + at);
                 if !link.is_own() {
-                    _ = write!(out, "DATA_BLOCK DB {0}\nFB {0}\nBEGIN\nEND_DATA_BLOCK\n", 30 + at);
+                    _ = writeln!(out, "DATA_BLOCK DB {0}\nFB {0}\nBEGIN\nEND_DATA_BLOCK", 30 + at);
                 }
             }
         }
@@ -190,7 +221,9 @@ impl Plan {
         let before = match self.actual {
             "#w" => "L W#16#1234; T #w;",
             "#s" => "L W#16#1234; T #s.a;",
-            "#y" => "LAR1 P##y; L DW#16#10040001; T D [AR1,P#0.0]; L 10; T W [AR1,P#4.0]; L P#DBX 0.0; T D [AR1,P#6.0];",
+            "#y" => {
+                "LAR1 P##y; L DW#16#10040001; T D [AR1,P#0.0]; L 10; T W [AR1,P#4.0]; L P#DBX 0.0; T D [AR1,P#6.0];"
+            }
             _ => "",
         };
         let after = match (self.using.0, self.actual) {
@@ -202,9 +235,9 @@ impl Plan {
             ("written", _) => "//@ assert DB10.w == W#16#55AA",
             _ => self.using.2,
         };
-        _ = write!(
+        _ = writeln!(
             out,
-            "ORGANIZATION_BLOCK OB 1\nVAR_TEMP info : ARRAY [1..20] OF BYTE; w : WORD; s : STRUCT a : WORD; b : REAL; END_STRUCT; y : ANY; END_VAR\nBEGIN\nL W#16#1234; T MW 50;\n{before}\n{}\n{after}\nNOP 0;\n//@ assert MW 50 == MW 50\nEND_ORGANIZATION_BLOCK\n",
+            "ORGANIZATION_BLOCK OB 1\nVAR_TEMP info : ARRAY [1..20] OF BYTE; w : WORD; s : STRUCT a : WORD; b : REAL; END_STRUCT; y : ANY; END_VAR\nBEGIN\nL W#16#1234; T MW 50;\n{before}\n{}\n{after}\nNOP 0;\n//@ assert MW 50 == MW 50\nEND_ORGANIZATION_BLOCK",
             Plan::call(self.chain[0], 0, &actual)
         );
         out

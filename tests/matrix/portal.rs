@@ -74,6 +74,7 @@ struct Plan {
 }
 
 impl Plan {
+    #[expect(clippy::nonminimal_bool, reason = "each line is a combination that does not exist")]
     fn exists(&self) -> bool {
         let is_bit = self.kind.0 == "Bool";
         !(self.function && self.section == "VAR")
@@ -100,7 +101,9 @@ impl Plan {
             format!("FUNCTION \"{name}\" : Void\n{section}\np : {ty};\nEND_VAR\nBEGIN\n{body}\nEND_FUNCTION\n")
         };
         let block = |name: &str, section: &str, body: &str| {
-            format!("FUNCTION_BLOCK \"{name}_\"\n{section}\np : {ty};\nEND_VAR\nBEGIN\n{body}\nEND_FUNCTION_BLOCK\nDATA_BLOCK \"{name}\" \"{name}_\"\nBEGIN\nEND_DATA_BLOCK\n")
+            format!(
+                "FUNCTION_BLOCK \"{name}_\"\n{section}\np : {ty};\nEND_VAR\nBEGIN\n{body}\nEND_FUNCTION_BLOCK\nDATA_BLOCK \"{name}\" \"{name}_\"\nBEGIN\nEND_DATA_BLOCK\n"
+            )
         };
         out.push_str(&function("ByValue", "VAR_INPUT", ty, "\"D\".r := #p;"));
         out.push_str(&function("ByReference", "VAR_IN_OUT", ty, "\"D\".r := #p; #p := \"D\".e; #p := \"D\".r;"));
@@ -141,13 +144,20 @@ impl Plan {
         let value = self.form.2;
         let given = matches!(self.section, "VAR_INPUT" | "VAR_IN_OUT");
         let fill = if given { String::new() } else { format!("CALL \"ToOutput\" (p := {value});\n") };
-        let body = self.using.1.replace("//@", "//&").replace('@', value).replace("//&", "//@").replace("SAMPLE", sample);
-        let mut out = format!("FUNCTION \"S\" : Void\nVAR_INPUT p : {ty}; END_VAR\nBEGIN\nCALL \"ByValue\" (p := #p);\nEND_FUNCTION\n");
-        let declared = format!("{}\nv : {variable};\nEND_VAR\nVAR_TEMP\nn : Int;\nEND_VAR\nBEGIN\n{fill}{body}\n", self.section);
+        let body =
+            self.using.1.replace("//@", "//&").replace('@', value).replace("//&", "//@").replace("SAMPLE", sample);
+        let mut out = format!(
+            "FUNCTION \"S\" : Void\nVAR_INPUT p : {ty}; END_VAR\nBEGIN\nCALL \"ByValue\" (p := #p);\nEND_FUNCTION\n"
+        );
+        let declared =
+            format!("{}\nv : {variable};\nEND_VAR\nVAR_TEMP\nn : Int;\nEND_VAR\nBEGIN\n{fill}{body}\n", self.section);
         match self.function {
-            true => _ = write!(out, "FUNCTION \"F\" : Void\n{declared}END_FUNCTION\n"),
+            true => _ = writeln!(out, "FUNCTION \"F\" : Void\n{declared}END_FUNCTION"),
             false => {
-                _ = write!(out, "FUNCTION_BLOCK \"F\"\n{declared}END_FUNCTION_BLOCK\nDATA_BLOCK \"I\" \"F\"\nBEGIN\nEND_DATA_BLOCK\n");
+                _ = writeln!(
+                    out,
+                    "FUNCTION_BLOCK \"F\"\n{declared}END_FUNCTION_BLOCK\nDATA_BLOCK \"I\" \"F\"\nBEGIN\nEND_DATA_BLOCK"
+                );
             }
         }
         let parameters = match self.section {
@@ -159,7 +169,10 @@ impl Plan {
             (_, true) => format!("CALL \"F\"{parameters};"),
             (_, false) => format!("CALL \"F\", \"I\"{parameters};"),
         };
-        _ = write!(out, "ORGANIZATION_BLOCK \"Main\"\nBEGIN\nCALL \"Begin\";\n{call}\nCALL \"End\";\nEND_ORGANIZATION_BLOCK\n");
+        _ = writeln!(
+            out,
+            "ORGANIZATION_BLOCK \"Main\"\nBEGIN\nCALL \"Begin\";\n{call}\nCALL \"End\";\nEND_ORGANIZATION_BLOCK"
+        );
         out
     }
 }
@@ -181,7 +194,9 @@ fn cases() -> Vec<Case> {
                                     variant: format!("called from {caller}"),
                                     ending: "scl",
                                     cpu: "s7-1500",
-                                    source: Box::new(move || format!("{}{}{}", plan.source(), crate::NEXT_FILE, plan.statements())),
+                                    source: Box::new(move || {
+                                        format!("{}{}{}", plan.source(), crate::NEXT_FILE, plan.statements())
+                                    }),
                                 });
                             }
                         }

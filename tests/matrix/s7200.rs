@@ -45,7 +45,16 @@ const PLACES: &[(&str, &str, &str)] = &[
 
 /// Uses; `@` is the parameter, `$` the result.
 const USES: &[&str] = &[
-    "move", "by value", "by reference", "to output", "compare", "asserted", "arithmetic", "twice", "deep", "not called",
+    "move",
+    "by value",
+    "by reference",
+    "to output",
+    "compare",
+    "asserted",
+    "arithmetic",
+    "twice",
+    "deep",
+    "not called",
 ];
 
 #[derive(Clone, Copy)]
@@ -70,6 +79,7 @@ impl Plan {
         }
     }
 
+    #[expect(clippy::nonminimal_bool, reason = "each line is a combination that does not exist")]
     fn exists(&self) -> bool {
         let bit = self.kind.name == "BOOL";
         !(bit && self.place.1.is_empty())
@@ -120,7 +130,12 @@ impl Plan {
             "by value" => "LD     SM0.0\nCALL   ByValue, #v\n".to_string(),
             "by reference" => format!("LD     SM0.0\nCALL   ByReference, #v\n{to_result}"),
             "to output" => format!("LD     SM0.0\nCALL   ToOutput, #v\n{to_result}"),
-            "compare" => format!("{} #v, {}\n{}", self.kind.equal, self.kind.value, self.copy(&self.sample(), &result).replace("LD     SM0.0\n", "")),
+            "compare" => format!(
+                "{} #v, {}\n{}",
+                self.kind.equal,
+                self.kind.value,
+                self.copy(&self.sample(), &result).replace("LD     SM0.0\n", "")
+            ),
             "asserted" => format!("{to_result}{}", assertion("#v")),
             "arithmetic" => match self.kind.width {
                 "B" => format!("LD     SM0.0\nORB    #v, {result}\n"),
@@ -146,18 +161,27 @@ impl Plan {
             }
         }
         inputs.push_str(&own_before);
-        let mut out = String::from("ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK 1\nLD     SM0.0\nMOVD   &VB400, AC2\nMOVD   &VB700, VD300\n");
+        let mut out = String::from(
+            "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK 1\nLD     SM0.0\nMOVD   &VB400, AC2\nMOVD   &VB700, VD300\n",
+        );
         let actual = self.actual();
         if given && self.place.0 != "constant" {
             out.push_str(&self.copy(&self.sample(), &actual));
         }
         let call = match self.section {
-            "VAR" => format!("CALL   F{}\n", if before_actual.is_empty() { String::new() } else { format!(", {}", before_actual.trim_end_matches(", ")) }),
+            "VAR" => format!(
+                "CALL   F{}\n",
+                if before_actual.is_empty() {
+                    String::new()
+                } else {
+                    format!(", {}", before_actual.trim_end_matches(", "))
+                }
+            ),
             _ => format!("CALL   F, {before_actual}{actual}\n"),
         };
         _ = write!(out, "LD     SM0.0\n{call}");
         if self.is_text() {
-            _ = write!(out, "LDS=   VB200, \"a text\"\n=      V2.0\n//@ assert V2.0 == 1\n");
+            _ = writeln!(out, "LDS=   VB200, \"a text\"\n=      V2.0\n//@ assert V2.0 == 1");
         } else {
             out.push_str(&assertion(&result));
         }
@@ -171,13 +195,20 @@ impl Plan {
             out.push_str(&assertion(&at));
         }
         out.push_str("END_ORGANIZATION_BLOCK\n");
-        _ = write!(out, "SUBROUTINE_BLOCK F:SBR0\n{inputs}{own}BEGIN\nNETWORK 1\n{fill}{body}END_SUBROUTINE_BLOCK\n");
+        _ = writeln!(out, "SUBROUTINE_BLOCK F:SBR0\n{inputs}{own}BEGIN\nNETWORK 1\n{fill}{body}END_SUBROUTINE_BLOCK");
         let callee = |name: &str, number: u32, section: &str, body: &str| {
-            format!("SUBROUTINE_BLOCK {name}:SBR{number}\n{section}\np:{ty};\nEND_VAR\nBEGIN\nNETWORK 1\n{body}END_SUBROUTINE_BLOCK\n")
+            format!(
+                "SUBROUTINE_BLOCK {name}:SBR{number}\n{section}\np:{ty};\nEND_VAR\nBEGIN\nNETWORK 1\n{body}END_SUBROUTINE_BLOCK\n"
+            )
         };
         out.push_str(&callee("ByValue", 1, "VAR_INPUT", &self.copy("#p", &result)));
         if self.using == "by reference" {
-            out.push_str(&callee("ByReference", 2, "VAR_IN_OUT", &format!("{}{}", self.copy("#p", &result), self.copy(&result, "#p"))));
+            out.push_str(&callee(
+                "ByReference",
+                2,
+                "VAR_IN_OUT",
+                &format!("{}{}", self.copy("#p", &result), self.copy(&result, "#p")),
+            ));
         }
         if self.using == "to output" {
             out.push_str(&callee("ToOutput", 3, "VAR_OUTPUT", &self.copy(&self.sample(), "#p")));

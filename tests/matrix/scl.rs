@@ -51,7 +51,15 @@ const TYPES: &[Kind] = &[
     plain("WString[7]", &[("", "WSTRING#'a text'")], 18),
     plain(
         "\"U\"",
-        &[(".a", "-3"), (".b", "2.5"), (".c", "TRUE"), (".t", "'uvw'"), (".l[0]", "16#89AB_CDEF"), (".l[1]", "16#0123_4567"), (".z", "'e'")],
+        &[
+            (".a", "-3"),
+            (".b", "2.5"),
+            (".c", "TRUE"),
+            (".t", "'uvw'"),
+            (".l[0]", "16#89AB_CDEF"),
+            (".l[1]", "16#0123_4567"),
+            (".z", "'e'"),
+        ],
         26,
     ),
     plain("Array[0..2] of Int", &[("[0]", "7"), ("[1]", "8"), ("[2]", "-7")], 6),
@@ -61,8 +69,16 @@ const TYPES: &[Kind] = &[
     plain("Array[1..3] of Bool", &[("[1]", "TRUE"), ("[3]", "TRUE")], 2),
     plain("Array[1..2] of String[5]", &[("[1]", "'ab'"), ("[2]", "'abcde'")], 16),
     plain("Array[1..2] of \"U\"", &[("[2].a", "9"), ("[2].t", "'xyz'"), ("[1].b", "0.125"), ("[2].z", "'q'")], 52),
-    plain("Array[0..1, 1..2] of LInt", &[("[1, 2]", "5000000000"), ("[0, 1]", "-1"), ("[0, 2]", "2"), ("[1, 1]", "3")], 32),
-    plain("Array[0..1, 1..2] of DInt", &[("[1, 2]", "500000000"), ("[0, 1]", "-1"), ("[0, 2]", "2"), ("[1, 1]", "3")], 16),
+    plain(
+        "Array[0..1, 1..2] of LInt",
+        &[("[1, 2]", "5000000000"), ("[0, 1]", "-1"), ("[0, 2]", "2"), ("[1, 1]", "3")],
+        32,
+    ),
+    plain(
+        "Array[0..1, 1..2] of DInt",
+        &[("[1, 2]", "500000000"), ("[0, 1]", "-1"), ("[0, 2]", "2"), ("[1, 1]", "3")],
+        16,
+    ),
     plain("Struct a : Bool; b : Real; c : Byte; END_STRUCT", &[(".a", "TRUE"), (".b", "0.5"), (".c", "16#77")], 8),
     plain("Struct a : Bool; b : LReal; END_STRUCT", &[(".a", "TRUE"), (".b", "0.5")], 10),
 ];
@@ -153,8 +169,7 @@ enum Target {
 }
 
 impl Target {
-    const ALL: [Target; 5] =
-        [Target::Classic, Target::S7300, Target::S71200, Target::S71200Optimized, Target::S71500];
+    const ALL: [Target; 5] = [Target::Classic, Target::S7300, Target::S71200, Target::S71200Optimized, Target::S71500];
 
     fn cpu(self) -> &'static str {
         match self {
@@ -170,11 +185,24 @@ impl Target {
 
     /// Types of bits that the CPU does not have.
     fn lacks(self, ty: &str) -> bool {
-        let words = |list: &[&str]| ty.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| list.contains(&word));
+        let words =
+            |list: &[&str]| ty.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| list.contains(&word));
         match self {
             Target::Classic | Target::S7300 => words(&[
-                "LWord", "SInt", "USInt", "UInt", "UDInt", "LInt", "ULInt", "LReal", "LTime", "LTime_Of_Day", "LDT", "DTL",
-                "WChar", "WString",
+                "LWord",
+                "SInt",
+                "USInt",
+                "UInt",
+                "UDInt",
+                "LInt",
+                "ULInt",
+                "LReal",
+                "LTime",
+                "LTime_Of_Day",
+                "LDT",
+                "DTL",
+                "WChar",
+                "WString",
             ]),
             Target::S71200 | Target::S71200Optimized => {
                 words(&["LWord", "LInt", "ULInt", "LTime", "LTime_Of_Day", "LDT", "Date_And_Time", "S5Time"])
@@ -198,6 +226,7 @@ struct Plan {
 
 impl Plan {
     /// True for combinations that the languages have.
+    #[expect(clippy::nonminimal_bool, reason = "each line is a combination that does not exist")]
     fn exists(&self) -> bool {
         let is_open = self.form.1.contains("[*]");
         let has_actual = matches!(self.section, Section::Input | Section::Output | Section::InOut);
@@ -245,12 +274,12 @@ impl Plan {
             "TYPE \"U\"\nSTRUCT\na : Int;\nb : Real;\nc : Bool;\nt : String[6];\nl : Array[0..1] of DWord;\nz : Char;\nEND_STRUCT\nEND_TYPE\n",
         );
         let closed = variable.replace("[*]", "[-1..2]");
-        _ = write!(
+        _ = writeln!(
             out,
-            "DATA_BLOCK \"D\"\n{{ S7_Optimized_Access := 'ACCESS' }}\nSTRUCT\npad : Bool;\nx : {ty};\nr : {ty};\ne : {ty};\na : {closed};\nn : Int;\nok : Bool;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n"
+            "DATA_BLOCK \"D\"\n{{ S7_Optimized_Access := 'ACCESS' }}\nSTRUCT\npad : Bool;\nx : {ty};\nr : {ty};\ne : {ty};\na : {closed};\nn : Int;\nok : Bool;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK"
         );
         let function = |out: &mut String, name: &str, section: &str, ty: &str, body: &str| {
-            _ = write!(out, "FUNCTION \"{name}\" : Void\n{section}\np : {ty};\nEND_VAR\nBEGIN\n{body}\nEND_FUNCTION\n");
+            _ = writeln!(out, "FUNCTION \"{name}\" : Void\n{section}\np : {ty};\nEND_VAR\nBEGIN\n{body}\nEND_FUNCTION");
         };
         function(&mut out, "ByValue", "VAR_INPUT", ty, "\"D\".r := #p;");
         function(&mut out, "ByReference", "VAR_IN_OUT", ty, "\"D\".r := #p; #p := \"D\".e; #p := \"D\".r;");
@@ -263,12 +292,12 @@ impl Plan {
             function(&mut out, "ByPointer", "VAR_INPUT", "Pointer", ";");
         }
         if !ty.starts_with("Array") && !ty.starts_with("Struct") {
-            _ = write!(out, "FUNCTION \"Result\" : {ty}\nBEGIN\n#Result := \"D\".x;\nEND_FUNCTION\n");
+            _ = writeln!(out, "FUNCTION \"Result\" : {ty}\nBEGIN\n#Result := \"D\".x;\nEND_FUNCTION");
         }
         let block = |out: &mut String, name: &str, section: &str, ty: &str, body: &str| {
-            _ = write!(
+            _ = writeln!(
                 out,
-                "FUNCTION_BLOCK \"{name}_\"\n{section}\np : {ty};\nEND_VAR\nBEGIN\n{body}\nEND_FUNCTION_BLOCK\nDATA_BLOCK \"{name}\" \"{name}_\"\nBEGIN\nEND_DATA_BLOCK\n"
+                "FUNCTION_BLOCK \"{name}_\"\n{section}\np : {ty};\nEND_VAR\nBEGIN\n{body}\nEND_FUNCTION_BLOCK\nDATA_BLOCK \"{name}\" \"{name}_\"\nBEGIN\nEND_DATA_BLOCK"
             );
         };
         block(&mut out, "BI", "VAR_INPUT", ty, "\"D\".r := #p;");
@@ -288,16 +317,18 @@ impl Plan {
         let assertion: Vec<String> =
             self.kind.parts.iter().map(|(part, literal)| format!("{value}{part} == {literal}")).collect();
         let body = self.using.1.replace("//@", "//&").replace('@', value).replace("//&", "//@");
-        let body = body.replace("ASSERTION", &assertion.join(" AND ").replace("#i", "1")).replace("#last", &(self.kind.bytes.max(1) - 1).to_string());
+        let body = body
+            .replace("ASSERTION", &assertion.join(" AND ").replace("#i", "1"))
+            .replace("#last", &(self.kind.bytes.max(1) - 1).to_string());
         let is_view = self.using.0.ends_with("view");
         let bytes = format!("Array[0..{}] of Byte", self.kind.bytes.max(1) - 1);
         let (view, copy) = match is_view {
             true => (format!("vw AT v : {bytes};\n"), format!("t : {ty};\ntw AT t : {bytes};\nk : Int;\n")),
             false => Default::default(),
         };
-        _ = write!(
+        _ = writeln!(
             out,
-            "{open}\nATTRIBUTE{}\nv : {variable};\n{view}END_VAR\nVAR_TEMP\ni : Int;\n{copy}END_VAR\nBEGIN\n#i := 1;\n{fill}{body}\n{close}\n",
+            "{open}\nATTRIBUTE{}\nv : {variable};\n{view}END_VAR\nVAR_TEMP\ni : Int;\n{copy}END_VAR\nBEGIN\n#i := 1;\n{fill}{body}\n{close}",
             self.section.keyword()
         );
         if !self.function {
@@ -415,7 +446,6 @@ fn plans(target: Target) -> Vec<Plan> {
     plans
 }
 
-
 fn cases(target: Target) -> Vec<Case> {
     plans(target)
         .into_iter()
@@ -438,8 +468,31 @@ const REFUSALS: &[Refusal] = &[
     refusal(
         &["*"],
         &[
-            "Bool", "Byte", "Word", "DWord", "LWord", "SInt", "USInt", "Int", "UInt", "DInt", "UDInt", "LInt", "ULInt", "Real",
-            "LReal", "S5Time", "Time", "LTime", "Date*", "Time_Of_Day", "LTime_Of_Day", "LDT", "DTL", "Char", "WChar",
+            "Bool",
+            "Byte",
+            "Word",
+            "DWord",
+            "LWord",
+            "SInt",
+            "USInt",
+            "Int",
+            "UInt",
+            "DInt",
+            "UDInt",
+            "LInt",
+            "ULInt",
+            "Real",
+            "LReal",
+            "S5Time",
+            "Time",
+            "LTime",
+            "Date*",
+            "Time_Of_Day",
+            "LTime_Of_Day",
+            "LDT",
+            "DTL",
+            "Char",
+            "WChar",
         ],
         &["text", "replace"],
         "P0401",
@@ -452,8 +505,21 @@ const REFUSALS: &[Refusal] = &[
     refusal(
         &["*"],
         &[
-            "Bool", "Real", "LReal", "S5Time", "Time", "LTime", "Date*", "Time_Of_Day", "LTime_Of_Day", "LDT", "DTL", "Char",
-            "WChar", "String*", "WString*",
+            "Bool",
+            "Real",
+            "LReal",
+            "S5Time",
+            "Time",
+            "LTime",
+            "Date*",
+            "Time_Of_Day",
+            "LTime_Of_Day",
+            "LDT",
+            "DTL",
+            "Char",
+            "WChar",
+            "String*",
+            "WString*",
         ],
         &["slice", "byte slice"],
         "P0203",

@@ -153,9 +153,32 @@ const FORMS: &[(&str, &str, &str)] = &[
 ];
 
 const USES: &[&str] = &[
-    "read", "copy", "write", "by value", "by reference", "to output", "block input", "block output", "block in-out",
-    "own input", "own output", "own in-out", "pointer", "any", "block pointer", "block any", "address", "loaded address",
-    "indirect", "compare", "asserted", "flank", "set", "text", "date", "any handed on",
+    "read",
+    "copy",
+    "write",
+    "by value",
+    "by reference",
+    "to output",
+    "block input",
+    "block output",
+    "block in-out",
+    "own input",
+    "own output",
+    "own in-out",
+    "pointer",
+    "any",
+    "block pointer",
+    "block any",
+    "address",
+    "loaded address",
+    "indirect",
+    "compare",
+    "asserted",
+    "flank",
+    "set",
+    "text",
+    "date",
+    "any handed on",
 ];
 
 /// Where the actual parameter lies.
@@ -172,6 +195,7 @@ struct Plan {
 }
 
 impl Plan {
+    #[expect(clippy::nonminimal_bool, reason = "each line is a combination that does not exist")]
     fn exists(&self) -> bool {
         let (section, class) = (self.section.0, self.kind.class);
         let passes = matches!(section, Section::Input | Section::Output | Section::InOut);
@@ -206,7 +230,11 @@ impl Plan {
     fn variable(&self) -> String {
         match self.form.0 {
             "whole" => self.kind.name.to_string(),
-            _ => self.form.1.replace("OF T", &format!("OF {}", self.kind.name)).replace(": T;", &format!(": {};", self.kind.name)),
+            _ => self
+                .form
+                .1
+                .replace("OF T", &format!("OF {}", self.kind.name))
+                .replace(": T;", &format!(": {};", self.kind.name)),
         }
     }
 
@@ -246,7 +274,9 @@ impl Plan {
                 .map(|(leaf, class, _)| match class {
                     Bit => format!("A {value}{leaf}; = DB11.r{leaf};\n"),
                     Number => format!("L {value}{leaf}; T DB11.r{leaf};\n"),
-                    Complex => format!("CALL SFC 20 (SRCBLK := {value}{leaf}, RET_VAL := #n, DSTBLK := DB11.r{leaf});\n"),
+                    Complex => {
+                        format!("CALL SFC 20 (SRCBLK := {value}{leaf}, RET_VAL := #n, DSTBLK := DB11.r{leaf});\n")
+                    }
                 })
                 .collect(),
             "copy" => to_result,
@@ -293,8 +323,13 @@ impl Plan {
                 format!("\n{lines}{to_result}")
             }
             "flank" => format!("A {value}; FP M 30.0; = DB11.r;\n"),
-            "set" => format!("CLR; O {value}; S DB11.r; AN {value}; R DB11.r; X {value}; X M 30.0; JCN no; S DB11.r;\nno: NOP 0;\n"),
-            "text" => format!("CALL FC 21 (S := {value}, RET_VAL := #n);\n//@ assert #n == {}\n{to_result}", self.kind.leaves[0].2.len() - 2),
+            "set" => format!(
+                "CLR; O {value}; S DB11.r; AN {value}; R DB11.r; X {value}; X M 30.0; JCN no; S DB11.r;\nno: NOP 0;\n"
+            ),
+            "text" => format!(
+                "CALL FC 21 (S := {value}, RET_VAL := #n);\n//@ assert #n == {}\n{to_result}",
+                self.kind.leaves[0].2.len() - 2
+            ),
             "date" => format!("CALL FC 6 (IN := {value}, RET_VAL := #d);\n//@ assert #d == D#2024-2-29\n{to_result}"),
             other => unreachable!("{other}"),
         }
@@ -316,13 +351,13 @@ impl Plan {
         if through_pointer {
             // Six bytes: number of the data block, area pointer. In an instance they lie behind AR2.
             let base = if in_function { "" } else { "TAR2; +AR1; " };
-            _ = write!(out, "LAR1 P##v; {base}L W [AR1,P#0.0]; T #n; L D [AR1,P#2.0]; LAR1;\n");
+            _ = writeln!(out, "LAR1 P##v; {base}L W [AR1,P#0.0]; T #n; L D [AR1,P#2.0]; LAR1;");
         } else if in_function {
             // The area pointer of the actual.
-            _ = write!(out, "L P##v; LAR1;\n");
+            _ = writeln!(out, "L P##v; LAR1;");
         } else {
             let base = if self.section.0 == Section::Temp { "" } else { "TAR2; +AR1; " };
-            _ = write!(out, "LAR1 P##v; {base}\n");
+            _ = writeln!(out, "LAR1 P##v; {base}");
         }
         if through_pointer {
             out.push_str("OPN DB [#n];\n");
@@ -334,12 +369,12 @@ impl Plan {
             return out;
         }
         for byte in 0..self.kind.bytes {
-            _ = write!(out, "L B [AR1,P#{byte}.0]; T MB {};\n", 100 + byte % 100);
+            _ = writeln!(out, "L B [AR1,P#{byte}.0]; T MB {};", 100 + byte % 100);
             if byte % 100 == 99 || byte + 1 == self.kind.bytes {
                 let (from, count) = (byte / 100 * 100, byte % 100 + 1);
-                _ = write!(
+                _ = writeln!(
                     out,
-                    "TAR1 MD 20;\nCALL SFC 20 (SRCBLK := P#M 100.0 BYTE {count}, RET_VAL := #k, DSTBLK := P#DB11.DBX {}.0 BYTE {count});\nLAR1 MD 20;\n",
+                    "TAR1 MD 20;\nCALL SFC 20 (SRCBLK := P#M 100.0 BYTE {count}, RET_VAL := #k, DSTBLK := P#DB11.DBX {}.0 BYTE {count});\nLAR1 MD 20;",
                     2 + from
                 );
                 if through_pointer {
@@ -356,23 +391,26 @@ impl Plan {
     fn callees(&self, out: &mut String) {
         let ty = self.kind.name;
         let back = |name: &str| self.copy(name, &self.result());
-        let there_and_back = |name: &str| format!("{}{}{}", back(name), self.copy("DB12.e", name), self.copy(&self.result(), name));
+        let there_and_back =
+            |name: &str| format!("{}{}{}", back(name), self.copy("DB12.e", name), self.copy(&self.result(), name));
         let from_sample = |name: &str| self.copy(&self.sample(), name);
         let function = |out: &mut String, number: u32, section: &str, ty: &str, body: &str| {
-            _ = write!(
+            _ = writeln!(
                 out,
-                "FUNCTION FC {number} : VOID\n{section}\np : {ty};\nEND_VAR\nVAR_TEMP n : INT; w : WORD; y : ANY; END_VAR\nBEGIN\n{body}END_FUNCTION\n"
+                "FUNCTION FC {number} : VOID\n{section}\np : {ty};\nEND_VAR\nVAR_TEMP n : INT; w : WORD; y : ANY; END_VAR\nBEGIN\n{body}END_FUNCTION"
             );
         };
         let block = |out: &mut String, number: u32, section: &str, ty: &str, body: &str| {
-            _ = write!(
+            _ = writeln!(
                 out,
-                "FUNCTION_BLOCK FB {number}\n{section}\np : {ty};\nEND_VAR\nVAR_TEMP n : INT; w : WORD; y : ANY; END_VAR\nBEGIN\n{body}END_FUNCTION_BLOCK\nDATA_BLOCK DB {number}\nFB {number}\nBEGIN\nEND_DATA_BLOCK\n"
+                "FUNCTION_BLOCK FB {number}\n{section}\np : {ty};\nEND_VAR\nVAR_TEMP n : INT; w : WORD; y : ANY; END_VAR\nBEGIN\n{body}END_FUNCTION_BLOCK\nDATA_BLOCK DB {number}\nFB {number}\nBEGIN\nEND_DATA_BLOCK"
             );
         };
         let bytes = self.kind.bytes;
         let by_pointer = match self.kind.class {
-            Bit => "T #w; L D [AR1,P#2.0]; LAR1; OPN DB [#w]; A [AR1,P#0.0]; = M 100.0; A M 100.0; = DB11.r;\n".to_string(),
+            Bit => {
+                "T #w; L D [AR1,P#2.0]; LAR1; OPN DB [#w]; A [AR1,P#0.0]; = M 100.0; A M 100.0; = DB11.r;\n".to_string()
+            }
             _ => format!(
                 "T #w; L D [AR1,P#2.0]; LAR2 P##y; T D [AR2,P#6.0]; L #w; T W [AR2,P#4.0]; L W#16#1002; T W [AR2,P#0.0]; L {bytes}; T W [AR2,P#2.0];\nCALL SFC 20 (SRCBLK := #y, RET_VAL := #n, DSTBLK := P#DB11.DBX 2.0 BYTE {bytes});\n"
             ),
@@ -382,7 +420,9 @@ impl Plan {
             "by value" => function(out, 11, "VAR_INPUT", ty, &back("#p")),
             "by reference" => function(out, 12, "VAR_IN_OUT", ty, &there_and_back("#p")),
             "to output" => function(out, 13, "VAR_OUTPUT", ty, &from_sample("#p")),
-            "pointer" => function(out, 14, "VAR_INPUT", "POINTER", &format!("LAR1 P##p; L W [AR1,P#0.0]; {by_pointer}")),
+            "pointer" => {
+                function(out, 14, "VAR_INPUT", "POINTER", &format!("LAR1 P##p; L W [AR1,P#0.0]; {by_pointer}"))
+            }
             "any" => function(out, 15, "VAR_INPUT", "ANY", &by_any),
             "any handed on" => {
                 function(out, 15, "VAR_INPUT", "ANY", &by_any);
@@ -435,11 +475,12 @@ impl Plan {
             _ => "",
         }
         .to_string();
-        let declared = format!("{} v : {variable}; END_VAR\n{own}VAR_TEMP n : INT; k : INT; d : DATE; END_VAR\n", self.section.1);
+        let declared =
+            format!("{} v : {variable}; END_VAR\n{own}VAR_TEMP n : INT; k : INT; d : DATE; END_VAR\n", self.section.1);
         match self.block {
-            Block::Function => _ = write!(out, "FUNCTION FC 1 : VOID\n{declared}BEGIN\n{fill}{body}END_FUNCTION\n"),
+            Block::Function => _ = writeln!(out, "FUNCTION FC 1 : VOID\n{declared}BEGIN\n{fill}{body}END_FUNCTION"),
             Block::FunctionBlock | Block::MultiInstance => {
-                _ = write!(out, "FUNCTION_BLOCK FB 1\n{declared}BEGIN\n{fill}{body}END_FUNCTION_BLOCK\n");
+                _ = writeln!(out, "FUNCTION_BLOCK FB 1\n{declared}BEGIN\n{fill}{body}END_FUNCTION_BLOCK");
             }
         }
         let actual = match self.place {
@@ -461,12 +502,20 @@ impl Plan {
             Block::FunctionBlock => out.push_str("DATA_BLOCK DB 1\nFB 1\nBEGIN\nEND_DATA_BLOCK\n"),
             Block::MultiInstance => {
                 // Behind other data; the call goes through a formal of its own where one is wanted.
-                let section = if self.place == "formal of a block" { format!("{} w : {variable}; END_VAR\n", self.section.1) } else { String::new() };
+                let section = if self.place == "formal of a block" {
+                    format!("{} w : {variable}; END_VAR\n", self.section.1)
+                } else {
+                    String::new()
+                };
                 let given = if self.place == "formal of a block" { "#w" } else { &actual };
-                let local = if self.place == "local data" { format!("VAR_TEMP a : {variable}; n : INT; END_VAR\n") } else { String::new() };
-                _ = write!(
+                let local = if self.place == "local data" {
+                    format!("VAR_TEMP a : {variable}; n : INT; END_VAR\n")
+                } else {
+                    String::new()
+                };
+                _ = writeln!(
                     out,
-                    "FUNCTION_BLOCK FB 2\n{section}VAR pad : ARRAY [0..4] OF INT; h : FB 1; END_VAR\n{local}BEGIN\n{}{}{}END_FUNCTION_BLOCK\nDATA_BLOCK DB 2\nFB 2\nBEGIN\nEND_DATA_BLOCK\n",
+                    "FUNCTION_BLOCK FB 2\n{section}VAR pad : ARRAY [0..4] OF INT; h : FB 1; END_VAR\n{local}BEGIN\n{}{}{}END_FUNCTION_BLOCK\nDATA_BLOCK DB 2\nFB 2\nBEGIN\nEND_DATA_BLOCK",
                     if self.place == "local data" { self.before(&actual) } else { String::new() },
                     call("#h", given),
                     if self.place == "local data" { self.after(&actual) } else { String::new() },
@@ -485,14 +534,19 @@ impl Plan {
                 if self.block == Block::MultiInstance {
                     out.push_str("DATA_BLOCK DB 1\nFB 1\nBEGIN\nEND_DATA_BLOCK\n");
                 }
-                _ = write!(out, "FUNCTION FC 3 : VOID\n{} w : {variable}; END_VAR\nBEGIN\n{}END_FUNCTION\n", self.section.1, call(inner, "#w"));
+                _ = writeln!(
+                    out,
+                    "FUNCTION FC 3 : VOID\n{} w : {variable}; END_VAR\nBEGIN\n{}END_FUNCTION",
+                    self.section.1,
+                    call(inner, "#w")
+                );
                 "CALL FC 3 (w := DB13.a);\n".to_string()
             }
             ("formal of a block", Block::MultiInstance) => "CALL FB 2, DB 2 (w := DB13.a);\n".to_string(),
             ("formal of a block", _) => {
-                _ = write!(
+                _ = writeln!(
                     out,
-                    "FUNCTION_BLOCK FB 3\n{} w : {variable}; END_VAR\nBEGIN\n{}END_FUNCTION_BLOCK\nDATA_BLOCK DB 3\nFB 3\nBEGIN\nEND_DATA_BLOCK\n",
+                    "FUNCTION_BLOCK FB 3\n{} w : {variable}; END_VAR\nBEGIN\n{}END_FUNCTION_BLOCK\nDATA_BLOCK DB 3\nFB 3\nBEGIN\nEND_DATA_BLOCK",
                     self.section.1,
                     call(target, "#w")
                 );
@@ -513,18 +567,18 @@ impl Plan {
         // All bytes of the result, and the words around it.
         for byte in 0..self.kind.bytes {
             if byte % 2 == 0 && byte + 1 < self.kind.bytes {
-                _ = write!(main, "//@ assert DB11.DBW {0} == DB10.DBW {0}\n", 2 + byte);
+                _ = writeln!(main, "//@ assert DB11.DBW {0} == DB10.DBW {0}", 2 + byte);
             } else if byte % 2 == 0 {
-                _ = write!(main, "//@ assert DB11.DBB {0} == DB10.DBB {0}\n", 2 + byte);
+                _ = writeln!(main, "//@ assert DB11.DBB {0} == DB10.DBB {0}", 2 + byte);
             }
         }
         for (leaf, _, literal) in self.kind.leaves {
-            _ = write!(main, "//@ assert DB11.r{leaf} == {literal}\n");
+            _ = writeln!(main, "//@ assert DB11.r{leaf} == {literal}");
         }
         main.push_str("//@ assert DB11.g == W#16#AAAA AND DB11.h == W#16#5555\n//@ assert DB13.g == W#16#AAAA AND DB13.h == W#16#5555\n");
-        _ = write!(
+        _ = writeln!(
             out,
-            "ORGANIZATION_BLOCK OB 1\nVAR_TEMP info : ARRAY [1..20] OF BYTE; n : INT; b : BOOL; a : {variable}; c : BOOL; END_VAR\nBEGIN\n{main}END_ORGANIZATION_BLOCK\n"
+            "ORGANIZATION_BLOCK OB 1\nVAR_TEMP info : ARRAY [1..20] OF BYTE; n : INT; b : BOOL; a : {variable}; c : BOOL; END_VAR\nBEGIN\n{main}END_ORGANIZATION_BLOCK"
         );
         out
     }
@@ -549,7 +603,7 @@ impl Plan {
                 "memory" if self.kind.class == Number => format!(" as {}", self.kind.name),
                 _ => String::new(),
             };
-            _ = write!(out, "//@ assert {actual}{}{leaf}{kind} == {literal}\n", self.form.2);
+            _ = writeln!(out, "//@ assert {actual}{}{leaf}{kind} == {literal}", self.form.2);
         }
         out
     }

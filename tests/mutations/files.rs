@@ -31,7 +31,10 @@ const TABLES: &[(&str, &str)] = &[
         "dif",
         "TABLE\r\n0,1\r\n\"EXCEL\"\r\nVECTORS\r\n0,2\r\n\"\"\r\nTUPLES\r\n0,4\r\n\"\"\r\nDATA\r\n0,0\r\n\"\"\r\n-1,0\r\nBOT\r\n1,0\r\n\"Start\"\r\n1,0\r\n\"I 0.0\"\r\n1,0\r\n\"BOOL\"\r\n1,0\r\n\"button\"\r\n-1,0\r\nEOD\r\n",
     ),
-    ("sdf", "\"Start\",\"I 0.0\",\"BOOL\",\"the button\"\r\n\"Speed\",\"MW 10\",\"INT\",\"\"\r\n\"Wait\",\"T 5\",\"TIMER\",\"\"\r\n"),
+    (
+        "sdf",
+        "\"Start\",\"I 0.0\",\"BOOL\",\"the button\"\r\n\"Speed\",\"MW 10\",\"INT\",\"\"\r\n\"Wait\",\"T 5\",\"TIMER\",\"\"\r\n",
+    ),
     ("txt", "Start\tI0.0\tthe button\r\nSpeed\tVW10\t\r\nLimit\t16#7F\tconstant\r\n"),
     (
         "xml",
@@ -40,7 +43,8 @@ const TABLES: &[(&str, &str)] = &[
 ];
 
 /// A program that uses a table.
-const PROGRAM: &str = "ORGANIZATION_BLOCK OB 1\nBEGIN\nA \"Start\"; = M 0.0; L \"Speed\"; T MW 20;\nEND_ORGANIZATION_BLOCK\n";
+const PROGRAM: &str =
+    "ORGANIZATION_BLOCK OB 1\nBEGIN\nA \"Start\"; = M 0.0; L \"Speed\"; T MW 20;\nEND_ORGANIZATION_BLOCK\n";
 
 /// Files beside sources in a project.
 fn companions(project: &Path) -> Vec<PathBuf> {

@@ -13,10 +13,10 @@ use plcc_driver::pipeline::Settings;
 use plcc_tests::robust::{self, Reach};
 use plcc_tests::{files, root, tests_folder};
 
-#[path = "../s7200/random.rs"]
-mod random;
 mod damage;
 mod files;
+#[path = "../s7200/random.rs"]
+mod random;
 use random::Random;
 
 /// Processor time that no source takes.
