@@ -32,6 +32,7 @@ impl Context<'_, '_> {
             (Some(function), None) => self.call_fc(callee, function, &call.arguments),
             (None, _) => self.call_system_function(callee, &call.arguments),
         }
+        self.bring_back();
         self.after_block();
     }
 
@@ -91,7 +92,7 @@ impl Context<'_, '_> {
                         copy = Some(temporary);
                         if parameter.direction != Direction::Output {
                             let value = self.read(place, width);
-                            self.store_low(temporary, width, value);
+                            self.write_target(Target::at(temporary, BitNumber::Known(0)), width, value);
                         }
                         if parameter.direction != Direction::Input {
                             copies_back.push((place.clone(), width, temporary));

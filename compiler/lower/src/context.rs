@@ -4,7 +4,7 @@ use plcc_abi::Type;
 use plcc_abi::image::{BlockKind, Site};
 use plcc_abi::layout::{self, CpuRegister};
 use plcc_ir::{Address, Block, FunctionBuilder, Loc, Region, Value, Var};
-use plcc_model::{CodeBlock, LabelId, Passing, StlStatement};
+use plcc_model::{CodeBlock, LabelId, Passing, Place, StlStatement, Width};
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
 
@@ -124,6 +124,8 @@ pub struct Context<'p, 'o> {
     pub parameters: Vec<Vec<Value>>,
     /// Elementary parameters of a function whose area pointers are handed over, too.
     area_pointers: Vec<(usize, Value)>,
+    /// Copies of elementary parameters that pointers of the current call point at.
+    pub pointed_copies: Vec<(Place, Width, Address)>,
     /// Offset of the instance from the memory base, if the block is an FB that leaves AR2 and DI alone.
     pub instance: Option<Value>,
     /// Local data that code can address, in bytes.
@@ -171,6 +173,7 @@ impl<'p, 'o> Context<'p, 'o> {
             spare_nesting: Vec::new(),
             parameters: Vec::new(),
             area_pointers: Vec::new(),
+            pointed_copies: Vec::new(),
             instance: None,
             local_bytes,
             temporaries: local_bytes,

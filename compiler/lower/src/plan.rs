@@ -9,8 +9,8 @@ use plcc_ir::entities::{Entity, FuncId};
 use plcc_model::Program;
 use plcc_model::scl;
 use plcc_model::{
-    Actual, AddressRegister, BlockKey, Body, Call, CodeBlock, Number, Operand, Parameter, Passing, Place, StlStatement,
-    StlStatementKind,
+    Actual, AddressRegister, Argument, BlockKey, Body, Call, CodeBlock, Number, Operand, Parameter, Passing, Place,
+    StlStatement, StlStatementKind,
 };
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
@@ -492,14 +492,27 @@ fn scl_temporary_bytes(callee: &CodeBlock) -> u32 {
     result + structure + callee.interface.parameters.iter().map(of_parameter).sum::<u32>()
 }
 
+/// Bytes of the copy of an elementary parameter that a pointer points at.
+pub const POINTED_COPY_BYTES: u32 = 8;
+
 /// Most that a call puts into the frame of the calling block, in bytes: pointers, constants and copies for an FC, the structure
-/// of parameters for a system function, nothing for an FB.
+/// of parameters for a system function, copies that pointers point at for all.
 fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
+    let points_at_copy = |argument: &Argument| match argument.actual.pointer() {
+        Actual::PointerTo { place, .. } => matches!(place, Place::Parameter { .. }),
+        Actual::Const(_)
+        | Actual::Place(_)
+        | Actual::Number(_)
+        | Actual::PointerBytes(_)
+        | Actual::PointerCopy(_)
+        | Actual::Variant(..) => false,
+    };
+    let copies = call.arguments.iter().filter(|argument| points_at_copy(argument)).count() as u32 * POINTED_COPY_BYTES;
     if matches!(callee.body, Body::Runtime) {
-        return callee.interface.bytes.max(2);
+        return copies + callee.interface.bytes.max(2).next_multiple_of(2);
     }
     if call.instance.is_some() {
-        return 0;
+        return copies;
     }
     let of_parameter = |(index, parameter): (usize, &Parameter)| {
         let argument = call.arguments.iter().find(|argument| argument.parameter == index);
@@ -518,7 +531,7 @@ fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
             Passing::Pointer | Passing::Any | Passing::Variant => parameter.passing.pointer_bytes(),
         }
     };
-    callee.interface.parameters.iter().enumerate().map(of_parameter).sum()
+    copies + callee.interface.parameters.iter().enumerate().map(of_parameter).sum::<u32>()
 }
 
 /// True for actuals of functions that may be handed over as a copy in the caller's frame: peripheral ones, and those without an area

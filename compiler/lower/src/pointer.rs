@@ -4,9 +4,11 @@ use plcc_abi::image::BlockKind;
 use plcc_abi::layout::area;
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
 use plcc_model::layout;
-use plcc_model::{Actual, Passing, Place, Pointed, Width};
+use plcc_model::{Actual, Direction, Passing, Place, Pointed, Width};
 
 use crate::context::Context;
+use crate::place::{BitNumber, Target};
+use crate::plan;
 
 /// Syntax id of an ANY for S7.
 const ANY_S7: u32 = 0x10;
@@ -63,7 +65,8 @@ impl Context<'_, '_> {
         PointerFields { db, pointer }
     }
 
-    /// What a formal parameter of this FC refers to: its own POINTER, moved on. An elementary one has no POINTER.
+    /// What a formal parameter of this FC refers to: its own POINTER, moved on. An elementary one has none: the pointer leads to a
+    /// copy in this frame, which [`bring_back`](Context::bring_back) takes after the call.
     fn parameter_pointer(&mut self, parameter: usize, byte: u32, bit: u8) -> PointerFields {
         match self.passing(parameter) {
             Passing::Complex { .. } | Passing::OpenArray { .. } => {
@@ -73,9 +76,28 @@ impl Context<'_, '_> {
                 let pointer = self.handed_on(pointer);
                 PointerFields { db, pointer }
             }
-            Passing::Elementary(_) | Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant => {
-                unreachable!("the binder lets pointers to complex formals through only")
+            Passing::Elementary(width) => {
+                let place = Place::Parameter { parameter, byte, bit };
+                let copy = self.temporary(plan::POINTED_COPY_BYTES);
+                let value = self.read(&place, width);
+                self.write_target(Target::at(copy, BitNumber::Known(0)), width, value);
+                // What a function does to its input stays in it.
+                if self.block.interface.parameters[parameter].direction != Direction::Input {
+                    self.pointed_copies.push((place, width, copy));
+                }
+                self.pointer_fields(&Place::L { byte: copy.offset, bit: 0 })
             }
+            Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant => {
+                unreachable!("the binder copies pointers, and numbers have no address")
+            }
+        }
+    }
+
+    /// Brings back the copies that pointers of a call pointed at.
+    pub fn bring_back(&mut self) {
+        for (place, width, copy) in std::mem::take(&mut self.pointed_copies) {
+            let value = self.read_target(Target::at(copy, BitNumber::Known(0)), width);
+            self.write(&place, width, value);
         }
     }
 

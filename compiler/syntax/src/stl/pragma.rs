@@ -59,7 +59,16 @@ fn parse_assert(
 fn side(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<Diagnostic>) -> Option<AssertSide> {
     let text = &source[range.clone()];
     let mut found = Vec::new();
-    let operand = operand(file, source, range.clone(), &mut found);
+    let mut operand = operand(file, source, text, range.clone(), &mut found);
+    // SCL of STEP 7 has no sign before names of local variables: `a[1]` is what `#a[1]` is.
+    if operand.is_none() && is_element(text) && range.start > 0 {
+        let mut other = Vec::new();
+        let signed = format!("#{text}");
+        let local = self::operand(file, source, &signed, range.start - 1..range.end, &mut other);
+        if local.is_some() && other.is_empty() {
+            (operand, found) = (local, other);
+        }
+    }
     match operand {
         Some(AssertSide::Operand(Operand { kind: OperandKind::Literal(loaded), .. })) => {
             let (negative, exact) = exact(text);
@@ -94,8 +103,20 @@ fn exact(text: &str) -> (bool, Option<scl::ast::Literal>) {
     (negative, scl::literal::parse(unsigned).ok().map(|read| read.value))
 }
 
-fn operand(file: FileId, source: &str, range: Range<usize>, found: &mut Vec<Diagnostic>) -> Option<AssertSide> {
-    let text = &source[range.clone()];
+/// True for a name with an index.
+fn is_element(text: &str) -> bool {
+    let name = text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
+    text.starts_with(|c: char| c.is_alphabetic() || c == '_') && text[name..].starts_with('[')
+}
+
+/// The operand that is written as `text`, at `range` of the source.
+fn operand(
+    file: FileId,
+    source: &str,
+    text: &str,
+    range: Range<usize>,
+    found: &mut Vec<Diagnostic>,
+) -> Option<AssertSide> {
     let (tokens, messages) = lay_out_operand(file, text, raw::scan(text), range.start);
     found.extend(messages);
     if !found.is_empty() {

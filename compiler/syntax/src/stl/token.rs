@@ -59,6 +59,7 @@ pub enum Tok<'a> {
     Of,
     /// The type `STRING`.
     StringType,
+    WideStringType,
     At,
     /// A value in an attribute list, without quotes.
     AttributeValue(&'a str),

@@ -294,6 +294,7 @@ impl<'a> Layout<'a> {
             RawKind::Word => match self.upper(self.at).as_str() {
                 "ARRAY" => self.take(Tok::Array),
                 "STRING" => self.take(Tok::StringType),
+                "WSTRING" => self.take(Tok::WideStringType),
                 "STRUCT" => self.take(Tok::Struct),
                 _ => {
                     if !self.numbered_block() {
