@@ -6,7 +6,7 @@
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::scl::fragment;
 use plcc_syntax::xml::{self, child, elements, head, text_of};
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::{GlobalConstant, Symbol, SymbolTable, parse_address};
 
@@ -14,7 +14,7 @@ use super::{GlobalConstant, Symbol, SymbolTable, parse_address};
 pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
     let mut table = SymbolTable::default();
     let mut diagnostics = Vec::new();
-    match Document::parse(text) {
+    match xml::parse(text) {
         Ok(document) => {
             let mut reader = Reader { file, text, table: &mut table, diagnostics: &mut diagnostics };
             let root = document.root_element();

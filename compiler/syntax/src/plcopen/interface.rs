@@ -91,6 +91,7 @@ impl Reader<'_> {
                     None => true,
                 });
             }
+            self.retentive(list);
             let is = |attribute: &str| is_true(list, attribute);
             let types = self.types.clone();
             let has_place = |reader: &Self, node: &Node| {
@@ -108,6 +109,24 @@ impl Reader<'_> {
             }
         }
         (sections, constants)
+    }
+
+    /// Tells of variables that the editor keeps over a power loss: here each run begins with start values.
+    pub fn retentive(&mut self, list: Node) {
+        let Some(attribute) = ["retain", "persistent"].into_iter().find(|attribute| is_true(list, attribute)) else {
+            return;
+        };
+        let names: Vec<&str> = elements(list).filter_map(|node| node.attribute("name")).collect();
+        if names.is_empty() {
+            return;
+        }
+        let more = if names.len() > 4 { format!(" and {} others", names.len() - 3) } else { String::new() };
+        let shown = if names.len() > 4 { &names[..3] } else { &names[..] };
+        let named = format!("`{}`{more}", shown.join("`, `"));
+        let text = format!("retentive variables begin each run with their start values: {named}");
+        let message = Diagnostic::new(Code::Tolerated, self.place(list, attribute), text);
+        let help = "a run is one power cycle: assign what the plant remembers in a scenario or by `--set`";
+        self.messages.push(message.label("kept by the PLC when its power fails").help(help));
     }
 
     /// The constant that a variable declares; none if its value is a structure or an array, or missing.

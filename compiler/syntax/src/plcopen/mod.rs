@@ -38,7 +38,7 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use crate::ast::{
     Block, BlockName, Code as BlockCode, CodeBlock, CodeKind, Constant, Header, Retain, Section, SectionKind,
@@ -64,7 +64,7 @@ pub fn is_project(text: &str) -> bool {
     if !text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
         return false;
     }
-    Document::parse(text).is_ok_and(|document| is_root(document.root_element()))
+    crate::xml::parse(text).is_ok_and(|document| is_root(document.root_element()))
 }
 
 fn is_root(root: Node) -> bool {
@@ -73,15 +73,9 @@ fn is_root(root: Node) -> bool {
 
 /// Reads a project. Never fails: what is wrong is in the messages.
 pub fn parse(file: FileId, text: &str) -> (SourceUnit, Vec<Diagnostic>) {
-    let document = match Document::parse(text) {
+    let document = match crate::xml::parse(text) {
         Ok(document) => document,
-        Err(error) => {
-            let message = Diagnostic::new(Code::NotASource, Span::new(file, 0..text.len().min(1)), error.to_string());
-            return (
-                SourceUnit::default(),
-                vec![message.help("export the project again; the file is no complete XML")],
-            );
-        }
+        Err(fault) => return (SourceUnit::default(), vec![crate::xml::broken(file, text, &fault)]),
     };
     let editor = Editor::of(&document);
     let mut reader = Reader {

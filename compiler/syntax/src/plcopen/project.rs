@@ -137,7 +137,7 @@ pub fn global_variables<'a, 'i>(root: Node<'a, 'i>) -> Vec<GlobalVariable<'a, 'i
 /// The variables with an address in a project, and messages about addresses that the CPU does not have.
 pub fn tags(file: FileId, text: &str) -> (Vec<Tag>, Vec<Diagnostic>) {
     let (mut tags, mut messages) = (Vec::new(), Vec::new());
-    let Ok(document) = Document::parse(text) else { return (tags, messages) };
+    let Ok(document) = crate::xml::parse(text) else { return (tags, messages) };
     let addresses = addresses(Editor::of(&document), text);
     let types = data_types(&document);
     let mut tag = |name: String, place: Place, ty: String, span: Span| {
@@ -279,6 +279,7 @@ impl<'a> Reader<'a> {
         }
         for list in global_lists(root) {
             self.unread(list, &["variable", "documentation", "addData"]);
+            self.retentive(list);
             if let Some(name) = list.attribute("name").map(str::trim).filter(|name| !name.is_empty()) {
                 self.lists.entry(name.to_lowercase()).or_default();
             }
@@ -598,19 +599,30 @@ fn microseconds(text: &str) -> Option<u64> {
     let prefixes = ["lt#", "ltime#", "t#", "time#"];
     let rest = prefixes.iter().find_map(|prefix| lower.strip_prefix(prefix));
     let mut rest: &str = iso.as_deref().or(rest).unwrap_or(&lower);
-    let mut total = 0.0_f64;
+    const UNITS: [(&str, u128); 8] = [
+        ("ms", 1_000_000),
+        ("us", 1_000),
+        ("µs", 1_000),
+        ("ns", 1),
+        ("s", 1_000_000_000),
+        ("m", 60_000_000_000),
+        ("h", 3_600_000_000_000),
+        ("d", 86_400_000_000_000),
+    ];
+    // In nanoseconds.
+    let mut total: u128 = 0;
     while !rest.is_empty() {
         let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.')?;
-        let number: f64 = rest[..digits].parse().ok()?;
+        let (whole, fraction) = rest[..digits].split_once('.').unwrap_or((&rest[..digits], ""));
         rest = &rest[digits..];
-        let units =
-            [("ms", 1e3), ("us", 1.0), ("µs", 1.0), ("ns", 1e-3), ("s", 1e6), ("m", 6e7), ("h", 3.6e9), ("d", 8.64e10)];
-        let (unit, factor) = units.iter().find(|(unit, _)| rest.starts_with(unit))?;
-        total += number * factor;
+        let (unit, factor) = UNITS.iter().find(|(unit, _)| rest.starts_with(unit))?;
+        let known = fraction.len() <= 18 && whole.len() <= 18 && whole.len() + fraction.len() > 0;
+        let number: u128 = format!("{whole}{fraction}").parse().ok().filter(|_| known)?;
+        total += (number * factor).div_ceil(10_u128.pow(fraction.len() as u32));
         rest = rest[unit.len()..].trim_start_matches('_');
     }
-    let whole = (total - 1e-6).ceil();
-    (1.0..1e15).contains(&whole).then_some(whole as u64)
+    let whole = total.div_ceil(1000);
+    (1..1_000_000_000_000_000).contains(&whole).then_some(whole as u64)
 }
 
 #[cfg(test)]
@@ -627,6 +639,13 @@ mod tests {
             ("T#100us", Some(100)),
             ("PT0.0005S", Some(500)),
             ("T#1.5ms", Some(1_500)),
+            ("T#0.1ms", Some(100)),
+            ("T#1.001s", Some(1_001_000)),
+            ("PT4.035S", Some(4_035_000)),
+            ("T#1ns", Some(1)),
+            ("T#.s", None),
+            ("T#1.2.3s", None),
+            ("T#99999999999999999999s", None),
             ("T#0s", None),
             ("soon", None),
         ];

@@ -41,7 +41,7 @@ use reader::Reader;
 
 /// Parses an export. What cannot be read is left out, and a message tells of it.
 pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
-    let document = match Document::parse(text) {
+    let document = match xml::parse(text) {
         Ok(document) => document,
         Err(error) => return (SourceUnit::default(), vec![xml::broken(file, text, &error)]),
     };
