@@ -220,6 +220,10 @@ impl Reader<'_> {
         let name = name.to_string();
         let ty = self.type_of(holder, depth)?;
         let initial = child(node, "initialValue").and_then(|value| self.initial(value, depth));
+        let ranged = super::types::Ty::of(holder).map(|ty| self.kinds.resolved(ty));
+        if let (Some(ty), Some(InitialValue { kind: InitialKind::Expr(value), .. })) = (&ranged, &initial) {
+            self.messages.extend(super::types::out_of_range(ty, value));
+        }
         let initial = initial.or_else(|| self.type_value(holder, name_span));
         // A flip-flop is its state: see `Scope::flip_flops`.
         let initial = if flip_flop(node).is_some() { None } else { initial };
@@ -294,6 +298,8 @@ impl Reader<'_> {
             name @ ("pointer" | "reference" | "union") => {
                 return refused(self, format!("plcc has no data type for `{name}` of PLCopen XML"));
             }
+            // Dates begin at 1970 in these editors.
+            "DATE" | "DT" | "DATE_AND_TIME" | "date" | "dt" => TypeKind::Named("LDT".to_string()),
             name => TypeKind::Named(name.to_ascii_uppercase()),
         };
         Some(TypeRef { kind, span })

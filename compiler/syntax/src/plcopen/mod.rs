@@ -30,6 +30,7 @@ mod overlay;
 mod pragma;
 mod project;
 mod scope;
+mod types;
 #[cfg(test)]
 mod tests;
 
@@ -53,6 +54,7 @@ use editor::Editor;
 use interface::{child, elements, flip_flop, plain_text};
 use objects::Kind;
 use scope::{Global, Scope, Shared};
+use types::{Ty, Types};
 
 /// Actions call each other up to this depth.
 const DEPTH_MAX: usize = 64;
@@ -84,6 +86,7 @@ pub fn parse(file: FileId, text: &str) -> (SourceUnit, Vec<Diagnostic>) {
         editor,
         addresses: project::addresses(editor, text),
         types: project::data_types(&document),
+        kinds: Rc::new(Types::of(document.root_element())),
         pous: HashSet::new(),
         complex: HashMap::new(),
         enums: Vec::new(),
@@ -117,6 +120,8 @@ struct Reader<'a> {
     addresses: Addresses,
     /// Data types of the file by their names in lower case.
     types: HashMap<String, Node<'a, 'a>>,
+    /// Types of all variables of the file.
+    kinds: Rc<Types>,
     /// Names of the file's POUs, in lower case.
     pous: HashSet<String>,
     /// Outputs of POUs that no net carries, texts and structures: by POU and output in lower case; of a function the output is empty.
@@ -206,6 +211,7 @@ impl<'a> Reader<'a> {
             self.enum_values(*node, &mut values);
         }
         overlay::typed_values(&mut self.overlay, &values);
+        self.global_constants(root);
         for node in data_types {
             self.data_type(node);
         }
@@ -225,6 +231,7 @@ impl<'a> Reader<'a> {
             programs: self.program_instances.clone(),
             enums,
             pous: self.pous.clone(),
+            types: Rc::clone(&self.kinds),
         }));
         for pou in &pous {
             self.pou(*pou);
@@ -489,6 +496,9 @@ impl<'a> Reader<'a> {
                 if let Some(ty) = child(variable, "type").and_then(|ty| elements(ty).next()) {
                     scope.types.insert(key.clone(), ty.tag_name().name().to_ascii_uppercase());
                 }
+                if let Some(kind) = child(variable, "type").and_then(Ty::of) {
+                    scope.kinds.insert(key.clone(), kind);
+                }
                 if self.located_variable(variable) {
                     let tag = project::tag_name(Some(pou), name);
                     let target = Name { text: tag.clone(), form: NameForm::Quoted, span: self.place(variable, "name") };
@@ -621,6 +631,14 @@ impl<'a> Reader<'a> {
             self.messages.append(&mut scope.messages.borrow_mut());
         }
         value
+    }
+
+    /// As `expression`, with its type as far as it is known.
+    fn typed_expression(&mut self, range: Range<usize>, scope: &Scope) -> (Expr, Option<Ty>) {
+        let mut value = self.expression(range, None);
+        let kind = scope.typed(&mut value);
+        self.messages.append(&mut scope.messages.borrow_mut());
+        (value, kind)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Global variables, configurations and tasks.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use roxmltree::{Document, Node};
@@ -79,6 +79,9 @@ pub fn elementary(types: &HashMap<String, Node>, variable: Node) -> Option<Strin
             "subrangeSigned" | "subrangeUnsigned" => child(ty, "baseType").and_then(|base| elements(base).next())?,
             _ => {
                 let upper = name.to_ascii_uppercase();
+                if matches!(upper.as_str(), "DATE" | "DT" | "DATE_AND_TIME") {
+                    return Some("LDT".to_string());
+                }
                 return Elementary::from_word(&upper).map(|_| upper);
             }
         };
@@ -244,15 +247,29 @@ pub struct Instance {
 }
 
 impl<'a> Reader<'a> {
+    /// Constants, which bounds of data types may name.
+    pub fn global_constants(&mut self, root: Node<'a, 'a>) {
+        for list in global_lists(root).filter(|list| is_true(*list, "constant")) {
+            if let Some(name) = list.attribute("name").map(str::trim).filter(|name| !name.is_empty()) {
+                self.lists.entry(name.to_lowercase()).or_default();
+            }
+            for node in elements(list).filter(|node| node.tag_name().name() == "variable") {
+                if let Some(value) = self.constant_value(node) {
+                    self.constants.push(value);
+                }
+            }
+        }
+    }
+
     /// Global variables: those with an address are tags, constants belong to each POU that uses them, the others are components of a data
     /// block.
     pub fn global_variables(&mut self, root: Node<'a, 'a>) {
         let mut variables: Vec<Variable> = Vec::new();
         let mut first = None;
+        let constants: HashSet<u32> = self.constants.iter().map(|constant| constant.name_span.start).collect();
         for GlobalVariable { node, list, name, unique } in global_variables(root) {
             let constant = node.parent().is_some_and(|list| is_true(list, "constant"));
-            if constant && let Some(value) = self.constant_value(node) {
-                self.constants.push(value);
+            if constant && constants.contains(&self.place(node, "name").start) {
                 continue;
             }
             let place = self.located_variable(node);
