@@ -124,6 +124,10 @@ pub fn parse(text: &str) -> Result<Document<'_>, Fault> {
         return Err(Fault { at, text });
     }
     Document::parse(text).map_err(|error| {
+        if matches!(error, roxmltree::Error::UnexpectedEndOfStream) {
+            let at = text.char_indices().next_back().map_or(0, |(at, _)| at);
+            return Fault { at, text: error.to_string() };
+        }
         let place = error.pos();
         let line = text.split_inclusive('\n').take(place.row.saturating_sub(1) as usize).map(str::len).sum::<usize>();
         let rest = text.get(line..).unwrap_or_default();

@@ -22,6 +22,7 @@ mod interface;
 mod network;
 mod operand;
 mod order;
+mod outline;
 mod overlay;
 mod parts;
 mod reader;
@@ -87,12 +88,13 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ParseOptions) -
         }
     }
     let pragmas = if options.pragmas { pragmas(file, &document) } else { Vec::new() };
+    let outlines = outline::read(&mut reader, &document);
     let mut diagnostics = reader.diagnostics;
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     // The schema and the reader of an element see the same fault.
     diagnostics.dedup_by_key(|diagnostic| (diagnostic.code, diagnostic.primary.span));
     let overlay = Some(reader.overlay.into_text());
-    (SourceUnit { blocks, pragmas, overlay, ..SourceUnit::default() }, diagnostics)
+    (SourceUnit { blocks, pragmas, overlay, outlines, ..SourceUnit::default() }, diagnostics)
 }
 
 /// `<!--@ cpu … -->`: settings of a test, as `//@ cpu …` in a source.
