@@ -235,12 +235,26 @@ mod tests {
         assert!(parse(&element(ATTRIBUTES_MAX)).is_ok());
         let text = element(ATTRIBUTES_MAX + 1);
         let fault = parse(&text).expect_err("too many");
-        assert_eq!((Some(fault.at), fault.text.as_str()), (text.find("<x"), "an element with more than 1000 attributes"));
+        assert_eq!(
+            (Some(fault.at), fault.text.as_str()),
+            (text.find("<x"), "an element with more than 1000 attributes")
+        );
     }
 
     #[test]
     fn faults_have_a_place() {
-        for text in ["<a", "<a b='", "<!--", "<![CDATA[", "<?x", "<é", "<a>\r\n<b></a>", "<", "<a></a><", "<a x=\"1\" x=\"2\"/>"] {
+        for text in [
+            "<a",
+            "<a b='",
+            "<!--",
+            "<![CDATA[",
+            "<?x",
+            "<é",
+            "<a>\r\n<b></a>",
+            "<",
+            "<a></a><",
+            "<a x=\"1\" x=\"2\"/>",
+        ] {
             let fault = parse(text).expect_err(text);
             assert!(text.is_char_boundary(fault.at), "{text}");
         }

@@ -52,7 +52,13 @@ struct Missing {
 
 impl Report {
     pub fn new(partial: bool) -> Report {
-        Report { diagnostics: Vec::new(), missing: Vec::new(), index: FxHashMap::default(), partial, unnumbered_dbs: Vec::new() }
+        Report {
+            diagnostics: Vec::new(),
+            missing: Vec::new(),
+            index: FxHashMap::default(),
+            partial,
+            unnumbered_dbs: Vec::new(),
+        }
     }
 
     /// No error was told of, and nothing is undefined.
@@ -191,8 +197,12 @@ impl Report {
     pub fn missing_db_layout(&mut self, number: u16, span: Span) {
         let help = match self.unnumbered_dbs.as_slice() {
             [] => "add the source that defines it".to_string(),
-            [name] => format!("if it is `{name}`, write the number into that source, or name `{name}` here; else add its source"),
-            [name, ..] => format!("if it is one without a number, such as `{name}`, write the number into that source; else add its source"),
+            [name] => format!(
+                "if it is `{name}`, write the number into that source, or name `{name}` here; else add its source"
+            ),
+            [name, ..] => format!(
+                "if it is one without a number, such as `{name}`, write the number into that source; else add its source"
+            ),
         };
         self.missing(MissingKey::DbLayout(number), span, || {
             Diagnostic::new(

@@ -187,7 +187,9 @@ mod damage {
 
     /// What is told of a table with such rows.
     fn told(rows: &str) -> Vec<String> {
-        let text = format!("\u{feff}<Document><SW.Tags.PlcTagTable><ObjectList>{rows}</ObjectList></SW.Tags.PlcTagTable></Document>");
+        let text = format!(
+            "\u{feff}<Document><SW.Tags.PlcTagTable><ObjectList>{rows}</ObjectList></SW.Tags.PlcTagTable></Document>"
+        );
         let (_, messages) = parse(FileId(0), &text);
         messages.into_iter().map(|message| message.primary.text).collect()
     }

@@ -79,7 +79,8 @@ pub fn rewritten(
         let callee = Box::new(Expr { kind: ExprKind::Name(callee), span: name.span });
         return Some(ExprKind::Call { callee, arguments: Vec::new() });
     }
-    if let Some(kind) = scaled(&make, &upper, &values, &kinds).or_else(|| dates::function(&make, &upper, &values, tell)) {
+    if let Some(kind) = scaled(&make, &upper, &values, &kinds).or_else(|| dates::function(&make, &upper, &values, tell))
+    {
         return Some(kind);
     }
     if let Some(kind) = operator(&make, &upper, &values) {
@@ -200,7 +201,8 @@ fn scaled(make: &Make, upper: &str, values: &[Expr], kinds: &[Option<Ty>]) -> Op
     };
     let [time, factor] = values else { return None };
     let kind = kinds.get(1).cloned().flatten();
-    let is_float = kind.as_ref().is_some_and(Ty::is_float) || matches!(factor.kind, ExprKind::Literal(Literal::Real(_)));
+    let is_float =
+        kind.as_ref().is_some_and(Ty::is_float) || matches!(factor.kind, ExprKind::Literal(Literal::Real(_)));
     is_float.then(|| scaled_time(make, op, time, factor, kind.as_ref()))
 }
 

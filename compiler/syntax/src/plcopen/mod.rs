@@ -30,9 +30,9 @@ mod overlay;
 mod pragma;
 mod project;
 mod scope;
-mod types;
 #[cfg(test)]
 mod tests;
+mod types;
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;

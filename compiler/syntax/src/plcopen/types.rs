@@ -182,9 +182,9 @@ impl Types {
             "LEN" | "FIND" => Some(Ty::Of(Elementary::Int)),
             "CONCAT" | "LEFT" | "RIGHT" | "MID" | "INSERT" | "DELETE" | "REPLACE" => Some(Ty::Text),
             "SEL" | "MUX" => arguments.iter().skip(1).flatten().next().cloned(),
-            "ADD" | "SUB" | "MUL" | "DIV" | "MOD" | "EXPT" | "MIN" | "MAX" | "LIMIT" | "ABS" | "SQRT" | "SIN" | "COS"
-            | "TAN" | "ASIN" | "ACOS" | "ATAN" | "EXP" | "LN" | "LOG" | "MOVE" | "AND" | "OR" | "XOR" | "NOT" | "SHL"
-            | "SHR" | "ROL" | "ROR" => known(),
+            "ADD" | "SUB" | "MUL" | "DIV" | "MOD" | "EXPT" | "MIN" | "MAX" | "LIMIT" | "ABS" | "SQRT" | "SIN"
+            | "COS" | "TAN" | "ASIN" | "ACOS" | "ATAN" | "EXP" | "LN" | "LOG" | "MOVE" | "AND" | "OR" | "XOR"
+            | "NOT" | "SHL" | "SHR" | "ROL" | "ROR" => known(),
             _ => None,
         }
     }

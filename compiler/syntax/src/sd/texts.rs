@@ -222,7 +222,8 @@ mod tests {
 
     #[test]
     fn an_id_that_is_there_twice_is_told() {
-        let (texts, warnings) = read("M:\n  - id: A\n    en-US: one\n  - id: A\n    en-US: two\n  - id: A\n    en-US: three\n");
+        let (texts, warnings) =
+            read("M:\n  - id: A\n    en-US: one\n  - id: A\n    en-US: two\n  - id: A\n    en-US: three\n");
         assert_eq!((warnings, texts.get("A")), (1, Some("three")));
         assert_eq!(read("M:\n  - id: A\n    en-US: one\n  - id: A\n    en-US: one\n").1, 0);
     }
