@@ -123,5 +123,8 @@ fn the_result_of_il_has_a_type_at_a_label() {
         errors(variables, &il("LD a\nJMPC one\nLD 2\nJMP end\none: LD 1\nend: ST i"), ""),
         ["the type of the result at this label is not known"]
     );
-    assert_eq!(errors(variables, &il("LD i\nCAL f()\nend: ST i"), ""), ["there is no current result here"]);
+    assert_eq!(
+        errors(variables, &il("LD i\nCAL f()\nend: ST i"), ""),
+        ["there is no current result here", "the type of the result at this label is not known"]
+    );
 }
