@@ -283,6 +283,28 @@ const SHAPES: &[Shape] = &[
             )
         },
     },
+    Shape {
+        name: "attributes of an element",
+        ending: "xml",
+        size: 4000,
+        text: |n| {
+            let attributes = lines(n, |i| format!(" a{i}=\"{i}\""));
+            format!("<project{attributes}><types/><instances/></project>\n")
+        },
+    },
+    Shape {
+        name: "rows of instruction list",
+        ending: "xml",
+        size: 500,
+        text: |n| {
+            let rows = lines(n, |i| format!("LD a\nJMPC L{i}\nLD i\nADD 1\nJMP M{i}\nL{i}:\nLD 2\nM{i}:\nST i\n"));
+            format!(
+                "<project><types><dataTypes/><pous><pou name=\"Main\" pouType=\"program\"><interface><localVars>\
+                 <variable name=\"a\"><type><BOOL/></type></variable><variable name=\"i\"><type><INT/></type></variable>\
+                 </localVars></interface><body><IL><p>{rows}</p></IL></body></pou></pous></types></project>\n"
+            )
+        },
+    },
     Shape { name: "messages", ending: "scl", size: 1000, text: |n| scl("", &lines(n, |i| format!("#x{i} := 1;\n"))) },
 ];
 

@@ -7,10 +7,12 @@
 //! - FC, FB: blocks of the libraries of STEP 7 V5, by number and name. A block of the program by the same number replaces one.
 //! - SFC, SFB from [`TIA_NUMBERS`] on: instructions of the TIA Portal, which have a name and no number; see [`find_tia`].
 
+mod absent;
 mod library;
 
 use std::sync::OnceLock;
 
+pub use absent::{NOT_SUPPORTED, not_supported};
 pub use library::{LIBRARY, LibraryBlock};
 
 /// Language of a source.

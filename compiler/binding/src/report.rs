@@ -15,6 +15,8 @@ pub struct Report {
     missing: Vec<Missing>,
     index: FxHashMap<MissingKey, usize>,
     partial: bool,
+    /// Data blocks of which no source tells the number.
+    pub unnumbered_dbs: Vec<String>,
 }
 
 /// Something that is used and defined nowhere.
@@ -52,7 +54,13 @@ struct Missing {
 
 impl Report {
     pub fn new(partial: bool) -> Report {
-        Report { diagnostics: Vec::new(), missing: Vec::new(), index: FxHashMap::default(), partial }
+        Report {
+            diagnostics: Vec::new(),
+            missing: Vec::new(),
+            index: FxHashMap::default(),
+            partial,
+            unnumbered_dbs: Vec::new(),
+        }
     }
 
     /// No error was told of, and nothing is undefined.
@@ -136,7 +144,7 @@ impl Report {
                 let text = format!("plcc does not have `{name}`");
                 return Diagnostic::new(Code::UnknownType, span, text).label(why).help(help);
             }
-            if super::scl::function::not_supported(name) {
+            if plcc_stdlib::not_supported(name) {
                 return Diagnostic::new(Code::UnknownType, span, format!("plcc does not have `{name}`"))
                     .label("an instruction of the TIA Portal that plcc knows by its name only")
                     .help("do without it, or write an FB of this name that does the work");
@@ -194,6 +202,15 @@ impl Report {
 
     /// A DB whose components cannot be known.
     pub fn missing_db_layout(&mut self, number: u16, span: Span) {
+        let help = match self.unnumbered_dbs.as_slice() {
+            [] => "add the source that defines it".to_string(),
+            [name] => format!(
+                "if it is `{name}`, write the number into that source, or name `{name}` here; else add its source"
+            ),
+            [name, ..] => format!(
+                "if it is one without a number, such as `{name}`, write the number into that source; else add its source"
+            ),
+        };
         self.missing(MissingKey::DbLayout(number), span, || {
             Diagnostic::new(
                 Code::UnknownBlock,
@@ -201,13 +218,13 @@ impl Report {
                 format!("DB {number} is not defined, so its components are unknown"),
             )
             .label("a component of a data block that no source defines")
-            .help("add the source that defines it")
+            .help(help)
         });
     }
 
     /// All messages, with what is defined nowhere last, in one list; that list comes by itself, too.
     pub fn finish(self) -> (Vec<Diagnostic>, Vec<Uses>) {
-        let Report { mut diagnostics, missing, index, partial } = self;
+        let Report { mut diagnostics, missing, index, partial, unnumbered_dbs: _ } = self;
         let mut list = Vec::with_capacity(missing.len());
         for Missing { key, mut diagnostic, places } in missing {
             let uses = places.len();

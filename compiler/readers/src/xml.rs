@@ -36,7 +36,7 @@ pub fn kind(text: &str) -> Option<XmlKind> {
     if !text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
         return None;
     }
-    let Ok(document) = Document::parse(text) else { return Some(XmlKind::Broken) };
+    let Ok(document) = parse(text) else { return Some(XmlKind::Broken) };
     let root = document.root_element();
     let contents = contents(root);
     Some(match root.tag_name().name() {
@@ -106,16 +106,76 @@ pub fn objects<'a, 'i>(root: Node<'a, 'i>) -> Vec<Node<'a, 'i>> {
     found
 }
 
+/// Why a text cannot be read as XML.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// Byte of the text.
+    pub at: usize,
+    pub text: String,
+}
+
+/// An element may have so many attributes. The parser compares each with all before it; no editor writes more than a few dozen.
+const ATTRIBUTES_MAX: usize = 1000;
+
+/// Reads a text as XML, in time that follows its length.
+pub fn parse(text: &str) -> Result<Document<'_>, Fault> {
+    if let Some(at) = crowded(text) {
+        let text = format!("an element with more than {ATTRIBUTES_MAX} attributes");
+        return Err(Fault { at, text });
+    }
+    Document::parse(text).map_err(|error| {
+        if matches!(error, roxmltree::Error::UnexpectedEndOfStream) {
+            let at = text.char_indices().next_back().map_or(0, |(at, _)| at);
+            return Fault { at, text: error.to_string() };
+        }
+        let place = error.pos();
+        let line = text.split_inclusive('\n').take(place.row.saturating_sub(1) as usize).map(str::len).sum::<usize>();
+        let rest = text.get(line..).unwrap_or_default();
+        let column = rest.char_indices().nth(place.col.saturating_sub(1) as usize);
+        let at = (line + column.map_or(rest.len(), |(column, _)| column)).min(text.len());
+        Fault { at, text: error.to_string() }
+    })
+}
+
+/// Where a tag with too many attributes begins.
+fn crowded(text: &str) -> Option<usize> {
+    let behind = |at: usize, end: &str| text[at..].find(end).map(|found| at + found + end.len());
+    let mut at = 0;
+    while let Some(start) = text[at..].find('<').map(|found| at + found) {
+        let rest = &text[start..];
+        let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+        if let Some((begin, end)) = skipped.iter().find(|(begin, _)| rest.starts_with(begin)) {
+            at = behind(start + begin.len(), end)?;
+            continue;
+        }
+        let (mut quote, mut count) = (None, 0);
+        at = text.len();
+        for (offset, byte) in rest.bytes().enumerate() {
+            match (quote, byte) {
+                (Some(open), _) if byte == open => quote = None,
+                (Some(_), _) => {}
+                (None, b'"' | b'\'') => quote = Some(byte),
+                (None, b'=') => count += 1,
+                (None, b'>') => {
+                    at = start + offset + 1;
+                    break;
+                }
+                (None, _) => {}
+            }
+        }
+        if count > ATTRIBUTES_MAX {
+            return Some(start);
+        }
+    }
+    None
+}
+
 /// The message for a text that is no well-formed XML.
-pub fn broken(file: FileId, text: &str, error: &roxmltree::Error) -> Diagnostic {
-    let at = error.pos();
-    let line = text.split_inclusive('\n').take(at.row.saturating_sub(1) as usize).map(str::len).sum::<usize>();
-    let rest = text.get(line..).unwrap_or_default();
-    let column = rest.char_indices().nth(at.col.saturating_sub(1) as usize).map_or(rest.len(), |(column, _)| column);
-    let start = (line + column).min(text.len());
+pub fn broken(file: FileId, text: &str, fault: &Fault) -> Diagnostic {
+    let start = fault.at;
     let end = text.get(start..).and_then(|rest| rest.chars().next()).map_or(start, |c| start + c.len_utf8());
     Diagnostic::new(Code::NotASource, Span::new(file, start..end), "the file is no well-formed XML")
-        .label(error.to_string())
+        .label(fault.text.clone())
         .help("export it again, and copy it whole")
 }
 
@@ -159,4 +219,44 @@ pub fn head(node: Node) -> std::ops::Range<usize> {
     let range = node.range();
     let length = 1 + node.tag_name().name().len();
     range.start..(range.start + length).min(range.end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn element(count: usize) -> String {
+        let attributes: String = (0..count).map(|number| format!(" a{number}=\"=>\"")).collect();
+        format!("<?xml version=\"1.0\"?><!-- < --><r><![CDATA[ <a ]]><x{attributes}/></r>")
+    }
+
+    #[test]
+    fn elements_have_few_attributes() {
+        assert!(parse(&element(ATTRIBUTES_MAX)).is_ok());
+        let text = element(ATTRIBUTES_MAX + 1);
+        let fault = parse(&text).expect_err("too many");
+        assert_eq!(
+            (Some(fault.at), fault.text.as_str()),
+            (text.find("<x"), "an element with more than 1000 attributes")
+        );
+    }
+
+    #[test]
+    fn faults_have_a_place() {
+        for text in [
+            "<a",
+            "<a b='",
+            "<!--",
+            "<![CDATA[",
+            "<?x",
+            "<é",
+            "<a>\r\n<b></a>",
+            "<",
+            "<a></a><",
+            "<a x=\"1\" x=\"2\"/>",
+        ] {
+            let fault = parse(text).expect_err(text);
+            assert!(text.is_char_boundary(fault.at), "{text}");
+        }
+    }
 }

@@ -23,6 +23,8 @@ pub struct SourceUnit {
     /// Of files that hold names and operands in a notation of their own (XML): text as long as the file, which has at each span what the
     /// span means, `#motor.speed`.
     pub overlay: Option<String>,
+    /// Interfaces of other blocks as calls in the file describe them, without code: they count only where no source defines the block.
+    pub outlines: Vec<CodeBlock>,
     /// Of sources for the S7-200, which have blocks of their own; `blocks` is empty then.
     pub s7200: Option<s7200::ast::Source>,
 }

@@ -312,6 +312,9 @@ impl<'a> Binder<'a> {
         let lonely = blocks.iter().filter(|block| frame(block).0 == BlockPrefix::Ob).count() == 1;
         let mut next: FxHashMap<BlockPrefix, u32> = FxHashMap::default();
         for Unnumbered { block, prefix, name, span, class } in unnumbered {
+            if prefix == BlockPrefix::Db {
+                self.report.unnumbered_dbs.push(name.clone());
+            }
             let class = match class {
                 None if prefix == BlockPrefix::Ob && (!lonely || used.contains(&(BlockPrefix::Ob, 1))) => {
                     match self.unsaid_class(block, &name, span) {

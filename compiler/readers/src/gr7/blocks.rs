@@ -42,7 +42,7 @@ pub fn build(
         }
     }
     pragmas.sort_by_key(|pragma| pragma.span.start);
-    SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), blocks, pragmas, overlay: None, s7200: None }
+    SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), blocks, pragmas, ..SourceUnit::default() }
 }
 
 /// Gives a block its chart, and what its comments say.

@@ -8,12 +8,16 @@
 //! | `INT_TO_STRING(i)` | without sign and blanks, by a function of the library |
 //! | `BCD_TO_INT(w)`, `WORD_BCD_TO_UINT(w)` | all digits count, by a function of the library |
 //! | `TIME_TO_INT(t)` | milliseconds; in editors that compile with MATIEC seconds |
+//! | `DATE_TO_DINT(d)`, `SUB_DT_DT(a, b)` | seconds since 1970, differences as TIME: see `dates` |
 //!
 //! What has the same name and meaning in SCL is left as it is. Source: IEC 61131-3, standard functions and function blocks.
+
+mod dates;
 
 use plcc_diag::{Code, Diagnostic, Span};
 
 use super::editor::Editor;
+use super::types::Ty;
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{Argument, BinaryOp, Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
 
@@ -62,11 +66,12 @@ pub fn rewritten(
     editor: Editor,
     name: &Name,
     arguments: &[Argument],
+    kinds: &[Option<Ty>],
     span: Span,
     tell: &mut dyn FnMut(Diagnostic),
 ) -> Option<ExprKind> {
     let upper = name.text.to_ascii_uppercase();
-    let values = inputs(arguments)?;
+    let (values, kinds): (Vec<Expr>, Vec<Option<Ty>>) = inputs(arguments, kinds)?.into_iter().unzip();
     let make = Make { name: name.span, span };
     // CODESYS: the time since the start.
     if upper == "TIME" && values.is_empty() && editor != Editor::Matiec {
@@ -74,7 +79,8 @@ pub fn rewritten(
         let callee = Box::new(Expr { kind: ExprKind::Name(callee), span: name.span });
         return Some(ExprKind::Call { callee, arguments: Vec::new() });
     }
-    if let Some(kind) = scaled(&make, &upper, &values) {
+    if let Some(kind) = scaled(&make, &upper, &values, &kinds).or_else(|| dates::function(&make, &upper, &values, tell))
+    {
         return Some(kind);
     }
     if let Some(kind) = operator(&make, &upper, &values) {
@@ -86,8 +92,8 @@ pub fn rewritten(
 }
 
 /// The values of IN1, IN2 … or IN in their order; `None`: there are other formals.
-fn inputs(arguments: &[Argument]) -> Option<Vec<Expr>> {
-    let mut numbered: Vec<(u32, Expr)> = Vec::with_capacity(arguments.len());
+fn inputs(arguments: &[Argument], kinds: &[Option<Ty>]) -> Option<Vec<(Expr, Option<Ty>)>> {
+    let mut numbered: Vec<(u32, (Expr, Option<Ty>))> = Vec::with_capacity(arguments.len());
     for (at, argument) in arguments.iter().enumerate() {
         let number = match &argument.name {
             None => at as u32,
@@ -98,7 +104,7 @@ fn inputs(arguments: &[Argument]) -> Option<Vec<Expr>> {
                 if digits.is_empty() { 1 } else { digits.parse().ok()? }
             }
         };
-        numbered.push((number, argument.value.clone()?));
+        numbered.push((number, (argument.value.clone()?, kinds.get(at).cloned().flatten())));
     }
     numbered.sort_by_key(|(number, _)| *number);
     Some(numbered.into_iter().map(|(_, value)| value).collect())
@@ -179,9 +185,7 @@ fn operator(make: &Make, upper: &str, values: &[Expr]) -> Option<ExprKind> {
             }
         }
         "ADD_TIME" | "ADD_TOD_TIME" | "ADD_DT_TIME" => pair(BinaryOp::Add),
-        "SUB_TIME" | "SUB_TOD_TIME" | "SUB_TOD_TOD" | "SUB_DATE_DATE" | "SUB_DT_TIME" | "SUB_DT_DT" => {
-            pair(BinaryOp::Subtract)
-        }
+        "SUB_TIME" | "SUB_TOD_TIME" | "SUB_TOD_TOD" | "SUB_DT_TIME" => pair(BinaryOp::Subtract),
         "MULTIME" | "MUL_TIME" => pair(BinaryOp::Multiply),
         "DIVTIME" | "DIV_TIME" => pair(BinaryOp::Divide),
         _ => None,
@@ -189,19 +193,52 @@ fn operator(make: &Make, upper: &str, values: &[Expr]) -> Option<ExprKind> {
 }
 
 /// `MULTIME(t, 1.5)`, `DIVTIME(t, 2.5)`: a TIME and a number with a fraction, which SCL does not combine.
-fn scaled(make: &Make, upper: &str, values: &[Expr]) -> Option<ExprKind> {
+fn scaled(make: &Make, upper: &str, values: &[Expr], kinds: &[Option<Ty>]) -> Option<ExprKind> {
     let op = match upper {
         "MULTIME" | "MUL_TIME" => BinaryOp::Multiply,
         "DIVTIME" | "DIV_TIME" => BinaryOp::Divide,
         _ => return None,
     };
     let [time, factor] = values else { return None };
-    if !matches!(factor.kind, ExprKind::Literal(Literal::Real(_))) {
-        return None;
+    let kind = kinds.get(1).cloned().flatten();
+    let is_float =
+        kind.as_ref().is_some_and(Ty::is_float) || matches!(factor.kind, ExprKind::Literal(Literal::Real(_)));
+    is_float.then(|| scaled_time(make, op, time, factor, kind.as_ref()))
+}
+
+/// A TIME multiplied or divided by a number with a fraction, to whole milliseconds; in LREAL, where no millisecond is lost.
+fn scaled_time(make: &Make, op: BinaryOp, time: &Expr, factor: &Expr, kind: Option<&Ty>) -> ExprKind {
+    let milliseconds = make.call("DINT_TO_LREAL", make.call("TIME_TO_DINT", time.clone()));
+    let literal = matches!(factor.kind, ExprKind::Literal(_));
+    let factor = match kind {
+        Some(Ty::Of(Elementary::Real)) if !literal => make.call("REAL_TO_LREAL", factor.clone()),
+        _ => factor.clone(),
+    };
+    let product = make.binary(op, milliseconds, factor);
+    make.call("DINT_TO_TIME", make.call("LREAL_TO_DINT", product)).kind
+}
+
+/// An operator that SCL has in other words: `T#1s * r`, `r * T#1s`, `T#10s / r`, and the difference of dates.
+pub fn operation(
+    op: BinaryOp,
+    op_span: Span,
+    (left, a): (&Expr, &Option<Ty>),
+    (right, b): (&Expr, &Option<Ty>),
+    span: Span,
+    tell: &mut dyn FnMut(Diagnostic),
+) -> Option<ExprKind> {
+    let make = Make { name: op_span, span };
+    let is_time = |kind: &Option<Ty>| matches!(kind, Some(Ty::Of(Elementary::Time)));
+    let is_float = |kind: &Option<Ty>| kind.as_ref().is_some_and(Ty::is_float);
+    let is_date = |kind: &Option<Ty>| kind.as_ref().is_some_and(Ty::is_date);
+    match op {
+        BinaryOp::Multiply | BinaryOp::Divide if is_time(a) && is_float(b) => {
+            Some(scaled_time(&make, op, left, right, b.as_ref()))
+        }
+        BinaryOp::Multiply if is_float(a) && is_time(b) => Some(scaled_time(&make, op, right, left, a.as_ref())),
+        BinaryOp::Subtract if is_date(a) && is_date(b) => Some(dates::difference(&make, left, right, tell)),
+        _ => None,
     }
-    let milliseconds = make.call("DINT_TO_REAL", make.call("TIME_TO_DINT", time.clone()));
-    let product = make.binary(op, milliseconds, factor.clone());
-    Some(make.call("DINT_TO_TIME", make.call("REAL_TO_DINT", product)).kind)
 }
 
 /// Conversions that SCL lacks or means otherwise.
@@ -220,6 +257,11 @@ fn conversion(
         return Some(kind);
     }
     let (from, to) = upper.split_once("_TO_")?;
+    if editor == Editor::Matiec && matches!(from, "TOD" | "TIME_OF_DAY") && (is(INTEGERS, to) || is(FLOATS, to)) {
+        tell(seconds(make, upper));
+        let seconds = make.binary(BinaryOp::Divide, make.call("TOD_TO_DINT", value), make.number(1000));
+        return Some(make.convert("DINT", to, seconds).kind);
+    }
     let time_literal = || make.expr(ExprKind::Literal(Literal::Typed { ty: Elementary::Time, bits: 0 }));
     let kind = match (from, to) {
         (from, "BOOL") if is(INTEGERS, from) || is(BIT_STRINGS, from) => {

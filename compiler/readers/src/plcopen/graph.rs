@@ -9,11 +9,13 @@ use plcc_diag::{Code, Diagnostic, Severity, Span};
 
 use super::functions;
 use super::objects::{Connection, Edge, Kind, Object};
+use super::types::Ty;
 use super::{Body, Reader};
 use plcc_syntax::Elementary;
 use plcc_syntax::network::ast::{Element, Eno, Graph, NetId, Pin, PinValue, Storage, Target, Template, TemplateKey};
 use plcc_syntax::network::elements::{self, PinDirection, Row};
 use plcc_syntax::scl::ast::{Argument, Expr, ExprKind, Name, NameForm};
+use plcc_syntax::scl::fragment;
 
 /// Connectors lead to connectors up to this depth.
 const DEPTH_MAX: usize = 64;
@@ -361,12 +363,38 @@ impl Build<'_, '_, '_> {
             let value = Some(name(format!("in{number}"), NameForm::Bare, object.span));
             Argument { name: None, output: false, value, span: object.span }
         };
-        let arguments: Vec<Argument> = inputs.enumerate().map(argument).collect();
+        let arguments: Vec<Argument> = inputs.clone().enumerate().map(argument).collect();
+        let kinds: Vec<Option<Ty>> = inputs.map(|input| self.kind(input)).collect();
         let called = Name { text: object.name.clone(), form: NameForm::Bare, span: object.span };
         let messages = &mut self.reader.messages;
         let mut tell = |message| messages.push(message);
-        let kind = functions::rewritten(self.reader.editor, &called, &arguments, object.span, &mut tell)?;
+        let kind = functions::rewritten(self.reader.editor, &called, &arguments, &kinds, object.span, &mut tell)?;
         Some(Expr { kind, span: object.span })
+    }
+
+    /// The type of what a line brings to an input, if a variable or a function of a known result feeds it.
+    fn kind(&self, input: &Connection) -> Option<Ty> {
+        let text = match (input.from.as_slice(), input.text.clone()) {
+            ([], text) => text,
+            ([(from, formal)], _) => {
+                let object = &self.objects[*from];
+                if object.kind == Kind::Block {
+                    let types = &self.body.scope.shared.types;
+                    let upper = object.name.to_ascii_uppercase();
+                    let named = Ty::Named(object.name.to_lowercase());
+                    return types.member(&named, &formal.to_lowercase()).or_else(|| types.result(&upper, &[]));
+                }
+                object.text.clone()
+            }
+            _ => None,
+        }?;
+        let (mut value, _) = fragment::iec_expression(self.reader.file, &self.reader.overlay, text, self.reader.iec());
+        let scope = &self.body.scope;
+        // What is wrong with it is told where it is read.
+        let told = std::mem::take(&mut *scope.messages.borrow_mut());
+        let kind = scope.typed(&mut value);
+        *scope.messages.borrow_mut() = told;
+        kind
     }
 
     /// A comparison of more than two values: each with the next one, in a row.
@@ -430,8 +458,11 @@ fn conversion(name: &str) -> Option<(Elementary, Elementary, &'static str)> {
 fn pin_name(target: &Target, formal: &str, output: bool, number: usize) -> Option<String> {
     let Target::Element { row, .. } = target else { return Some(formal.to_string()) };
     let on_side = |pin: &elements::PinRow| (pin.direction == PinDirection::Output) == output;
-    if !formal.is_empty() {
-        return row.pin(formal).filter(|(pin, _)| on_side(pin)).map(|(_, canonical)| canonical);
+    let known = row.pin(formal).filter(|(pin, _)| on_side(pin)).map(|(_, canonical)| canonical);
+    // Of an element with one input or output CODESYS calls the pin as the first of several.
+    let numbered = if output { "Out1" } else { "In1" };
+    if !formal.is_empty() && (known.is_some() || !formal.eq_ignore_ascii_case(numbered)) {
+        return known;
     }
     let pins: Vec<elements::PinRow> =
         row.pins().filter(|pin| on_side(pin) && pin.name() != "en" && pin.name() != "eno").collect();

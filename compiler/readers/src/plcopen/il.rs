@@ -11,15 +11,19 @@
 //! ST  Lamp
 //! ```
 //!
-//! Jumps and labels become those of SCL. Behind a label and behind CAL there is no current result: IEC 61131-3 leaves it undefined.
+//! Jumps and labels become those of SCL. Where the result is used after a label, each way that leads there puts it into a variable of the
+//! label. After CAL there is no current result: IEC 61131-3 leaves it undefined.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, Span};
 use roxmltree::Node;
 
 use super::interface::elements;
+use super::types::{self, Ty};
 use super::{Body, Reader, functions};
+use plcc_syntax::ast::{TypeKind, TypeRef};
 use plcc_syntax::scl::ast::{
     Argument, AssignOp, BinaryOp, Expr, ExprKind, Name, NameForm, Statement, StatementKind, UnaryOp,
 };
@@ -41,16 +45,28 @@ pub fn read(reader: &mut Reader, body: &mut Body, node: Node) -> Vec<Statement> 
     super::pragma::clear(reader.file, reader.editor, &mut reader.overlay, range.clone(), &mut reader.messages);
     let text = without_comments(reader.overlay.get(range.clone()).unwrap_or_default());
     let lines = lines(&text, range.start);
-    let mut list =
-        List { reader, body, text: &text, start: range.start, result: None, open: Vec::new(), statements: Vec::new() };
+    let mut list = List {
+        reader,
+        body,
+        text: &text,
+        start: range.start,
+        result: None,
+        kind: None,
+        reached: true,
+        merged: HashMap::new(),
+        open: Vec::new(),
+        statements: Vec::new(),
+    };
+    list.merge_at_labels(&lines);
     for (at, line) in lines.iter().enumerate() {
         let kept = lines[at + 1..].iter().find(|line| line.operator.is_some() || line.label.is_some());
         let kept = kept.is_some_and(|next| next.label.is_none() && !list.begins_anew(next));
         list.line(line, kept);
     }
-    if let Some((_, _, _, span)) = list.open.pop() {
-        list.refuse(span, "the parenthesis is not closed", "close it by `)` on a line of its own");
+    if let Some(open) = list.open.pop() {
+        list.refuse(open.span, "the parenthesis is not closed", "close it by `)` on a line of its own");
     }
+    list.declare_merged();
     list.statements
 }
 
@@ -61,9 +77,30 @@ struct List<'r, 'a, 'b> {
     text: &'r str,
     start: usize,
     result: Option<Expr>,
-    /// Operators before an open parenthesis: negated, with the result before it.
-    open: Vec<(BinaryOp, bool, Option<Expr>, Span)>,
+    /// The type of the result, as far as it is known.
+    kind: Option<Ty>,
+    /// The line before leads to this one.
+    reached: bool,
+    /// Labels after which the result is used, in lower case.
+    merged: HashMap<String, Merged>,
+    open: Vec<Open>,
     statements: Vec<Statement>,
+}
+
+/// An operator before an open parenthesis, with the result before it.
+struct Open {
+    op: BinaryOp,
+    not: bool,
+    before: Option<Expr>,
+    kind: Option<Ty>,
+    span: Span,
+}
+
+/// The result at a label: its variable, and the type that the ways to the label bring.
+struct Merged {
+    name: String,
+    kind: Option<Ty>,
+    span: Span,
 }
 
 impl List<'_, '_, '_> {
@@ -85,13 +122,104 @@ impl List<'_, '_, '_> {
         self.statements.push(Statement { kind, span });
     }
 
+    /// Declares a variable for each label after which the result is used.
+    fn merge_at_labels(&mut self, lines: &[Line]) {
+        let mut needed = false;
+        for line in lines.iter().rev() {
+            if line.operator.is_some() {
+                needed = !self.begins_anew(line);
+            }
+            let Some(label) = line.label.clone().filter(|_| needed) else { continue };
+            let (key, span) = (self.slice(&label).to_lowercase(), self.reader.span(label));
+            let ty = TypeRef { kind: TypeKind::Named("BOOL".to_string()), span };
+            let name = self.body.temporary_variable(ty, span);
+            self.merged.insert(key, Merged { name, kind: None, span });
+        }
+    }
+
+    /// The variables of labels have the types of what leads there.
+    fn declare_merged(&mut self) {
+        let mut merged: Vec<Merged> = std::mem::take(&mut self.merged).into_values().collect();
+        merged.sort_by_key(|merged| merged.span.start);
+        for Merged { name, kind, span } in merged {
+            let Some(word) = kind.as_ref().and_then(Ty::word) else {
+                let help = "store the result in a variable before each jump, and load it after the label";
+                self.refuse(span, "the type of the result at this label is not known", help);
+                continue;
+            };
+            let declared = self.body.temporary.iter_mut().find(|variable| variable.name == name);
+            if let Some(variable) = declared {
+                variable.ty.kind = TypeKind::Named(word);
+            }
+        }
+    }
+
+    /// The result goes to the variable of a label, if the label has one.
+    fn hand_over(&mut self, label: &str, value: Expr, span: Span) -> Option<Statement> {
+        let kind = self.kind.clone();
+        let merged = self.merged.get_mut(&label.to_lowercase())?;
+        // The wider of two types has room for both.
+        merged.kind = types::operation(BinaryOp::Add, merged.kind.as_ref(), kind.as_ref());
+        let name = Name { text: merged.name.clone(), form: NameForm::Local, span };
+        let target = Expr { kind: ExprKind::Name(name), span };
+        Some(Statement { kind: StatementKind::Assign { targets: vec![(target, AssignOp::Set)], value }, span })
+    }
+
+    fn label(&mut self, label: &Range<usize>) {
+        let span = self.reader.span(label.clone());
+        let text = self.slice(label).to_string();
+        let merged = self.merged.get(&text.to_lowercase()).map(|merged| merged.name.clone());
+        if merged.is_some() && self.reached {
+            match self.result.take() {
+                Some(value) => {
+                    let statement = self.hand_over(&text, value, span);
+                    self.statements.extend(statement);
+                }
+                None => self.no_result(span),
+            }
+        }
+        self.push(StatementKind::Label(Name { text: text.clone(), form: NameForm::Bare, span }), span);
+        self.reached = true;
+        self.kind = self.merged.get(&text.to_lowercase()).and_then(|merged| merged.kind.clone());
+        self.result = merged.map(|text| {
+            let name = Name { text, form: NameForm::Local, span };
+            Expr { kind: ExprKind::Name(name), span }
+        });
+    }
+
+    /// `JMP L`, `JMPC L`, `JMPCN L`
+    fn jump(&mut self, line: &Line, word: &str, kept: bool, span: Span) {
+        let label = line.operand.clone();
+        let text = self.slice(&label).trim().to_string();
+        if text.is_empty() {
+            return self.refuse(span, "a jump without a label", "write the label behind it");
+        }
+        let needed = self.merged.contains_key(&text.to_lowercase());
+        let name = Name { text: text.clone(), form: NameForm::Bare, span: self.reader.span(label) };
+        let goto = StatementKind::Goto(name);
+        if word == "JMP" {
+            if needed && let Some(value) = self.taken(span) {
+                let statement = self.hand_over(&text, value, span);
+                self.statements.extend(statement);
+            }
+            self.push(goto, span);
+            self.result = None;
+            self.reached = false;
+            return;
+        }
+        let Some(condition) = self.condition(false, kept || needed, span) else { return };
+        let mut body = Vec::new();
+        if needed {
+            body.extend(self.hand_over(&text, condition.clone(), span));
+        }
+        body.push(Statement { kind: goto, span });
+        self.when(negated(condition, word == "JMPCN"), body, span);
+    }
+
     /// `kept`: the result is needed behind this line, too.
     fn line(&mut self, line: &Line, kept: bool) {
         if let Some(label) = &line.label {
-            let span = self.reader.span(label.clone());
-            let name = Name { text: self.slice(label).to_string(), form: NameForm::Bare, span };
-            self.push(StatementKind::Label(name), span);
-            self.result = None;
+            self.label(label);
         }
         let Some(operator) = line.operator.clone() else { return };
         let span = self.reader.span(operator.clone());
@@ -102,20 +230,16 @@ impl List<'_, '_, '_> {
         match word.as_str() {
             "LD" | "LDN" => {
                 let value = self.operand(line, span);
-                self.result = value.map(|value| negated(value, word == "LDN"));
+                self.kind = value.as_ref().and_then(|(_, kind)| kind.clone());
+                self.result = value.map(|(value, _)| negated(value, word == "LDN"));
             }
             "ST" | "STN" => self.store(line, word == "STN", span),
             "S" | "R" => self.set(line, word == "S", kept, span),
-            "JMP" | "JMPC" | "JMPCN" => {
-                let label = line.operand.clone();
-                let name = self.slice(&label).trim().to_string();
-                if name.is_empty() {
-                    return self.refuse(span, "a jump without a label", "write the label behind it");
-                }
-                let label = Name { text: name, form: NameForm::Bare, span: self.reader.span(label) };
-                self.conditional(&word, kept, vec![StatementKind::Goto(label)], span);
+            "JMP" | "JMPC" | "JMPCN" => self.jump(line, &word, kept, span),
+            "RET" | "RETC" | "RETCN" => {
+                self.conditional(&word, kept, vec![StatementKind::Return(None)], span);
+                self.reached &= word != "RET";
             }
-            "RET" | "RETC" | "RETCN" => self.conditional(&word, kept, vec![StatementKind::Return(None)], span),
             "CAL" | "CALC" | "CALCN" => self.call(line, &word, kept, span),
             "NOT" if line.operand.is_empty() => match self.result.take() {
                 Some(value) => self.result = Some(negated(value, true)),
@@ -144,12 +268,12 @@ impl List<'_, '_, '_> {
         value
     }
 
-    fn operand(&mut self, line: &Line, span: Span) -> Option<Expr> {
+    fn operand(&mut self, line: &Line, span: Span) -> Option<(Expr, Option<Ty>)> {
         if self.slice(&line.operand).trim().is_empty() {
             self.refuse(span, "an operator without its operand", "write the operand behind it");
             return None;
         }
-        Some(self.reader.expression(line.operand.clone(), Some(&self.body.scope)))
+        Some(self.reader.typed_expression(line.operand.clone(), &self.body.scope))
     }
 
     /// The result in a BOOL of its own, so that it can be used twice.
@@ -172,14 +296,15 @@ impl List<'_, '_, '_> {
     }
 
     fn store(&mut self, line: &Line, not: bool, span: Span) {
-        let (Some(value), Some(target)) = (self.taken(span), self.operand(line, span)) else { return };
+        let (Some(value), Some((target, kind))) = (self.taken(span), self.operand(line, span)) else { return };
         let value = negated(value, not);
+        self.kind = kind.or(self.kind.take());
         self.push(StatementKind::Assign { targets: vec![(target.clone(), AssignOp::Set)], value }, span);
         self.result = Some(negated(target, not));
     }
 
     fn set(&mut self, line: &Line, value: bool, kept: bool, span: Span) {
-        let (Some(condition), Some(target)) = (self.condition(false, kept, span), self.operand(line, span)) else {
+        let (Some(condition), Some((target, _))) = (self.condition(false, kept, span), self.operand(line, span)) else {
             return;
         };
         let literal =
@@ -209,7 +334,7 @@ impl List<'_, '_, '_> {
         let body = match self.slice(&line.operand).contains('(') {
             true => self.reader.statements(line.operand.clone(), self.body),
             false => {
-                let Some(callee) = self.operand(line, span) else { return };
+                let Some((callee, _)) = self.operand(line, span) else { return };
                 let kind = ExprKind::Call { callee: Box::new(callee), arguments: Vec::new() };
                 vec![Statement { kind: StatementKind::Expression(Expr { kind, span }), span }]
             }
@@ -223,7 +348,7 @@ impl List<'_, '_, '_> {
 
     /// `IN Timer`: the result is an input of a call.
     fn input(&mut self, line: &Line, formal: &str, span: Span) {
-        let (Some(value), Some(callee)) = (self.taken(span), self.operand(line, span)) else { return };
+        let (Some(value), Some((callee, _))) = (self.taken(span), self.operand(line, span)) else { return };
         let name = Some(Name { text: formal.to_string(), form: NameForm::Bare, span });
         let arguments = vec![Argument { name, output: false, value: Some(value), span }];
         let call = Expr { kind: ExprKind::Call { callee: Box::new(callee), arguments }, span };
@@ -241,49 +366,68 @@ impl List<'_, '_, '_> {
                 return self.refuse(span, "parentheses stand too deep in one another", "keep a part in a variable");
             }
             let before = self.taken(span);
-            self.open.push((op, not, before, span));
+            let kind = self.kind.take();
+            self.open.push(Open { op, not, before, kind, span });
             let inner = Line { label: None, operator: None, operand: inner };
-            self.result = match self.slice(&inner.operand).trim().is_empty() {
-                true => None,
-                false => self.operand(&inner, span),
-            };
+            if !self.slice(&inner.operand).trim().is_empty()
+                && let Some((value, kind)) = self.operand(&inner, span)
+            {
+                (self.result, self.kind) = (Some(value), kind);
+            }
             return;
         }
-        if let (Some(left), Some(right)) = (self.taken(span), self.operand(line, span)) {
-            self.result = Some(combined(op, left, negated(right, not), span));
+        if let (Some(left), Some((right, kind))) = (self.taken(span), self.operand(line, span)) {
+            self.combine(op, (left, self.kind.clone()), (negated(right, not), kind), span);
         }
     }
 
     fn close(&mut self, span: Span) {
-        let Some((op, not, before, opening)) = self.open.pop() else {
+        let Some(open) = self.open.pop() else {
             return self.refuse(span, "`)` closes nothing", "write the operator with `(` before it");
         };
-        if let (Some(left), Some(right)) = (before, self.taken(span)) {
-            self.result = Some(combined(op, left, negated(right, not), opening));
+        if let (Some(left), Some(right)) = (open.before, self.taken(span)) {
+            let kind = self.kind.take();
+            self.combine(open.op, (left, open.kind), (negated(right, open.not), kind), open.span);
         }
+    }
+
+    /// The result is `left op right`.
+    fn combine(&mut self, op: BinaryOp, (left, a): (Expr, Option<Ty>), (right, b): (Expr, Option<Ty>), span: Span) {
+        let mut told = Vec::new();
+        let rewritten =
+            functions::operation(op, span, (&left, &a), (&right, &b), span, &mut |message| told.push(message));
+        self.reader.messages.append(&mut told);
+        self.kind = types::operation(op, a.as_ref(), b.as_ref());
+        self.result = Some(match rewritten {
+            Some(kind) => Expr { kind, span },
+            None => combined(op, left, right, span),
+        });
     }
 
     /// A function: the result is its first argument, unless all stand in parentheses.
     fn function(&mut self, line: &Line, operator: &Range<usize>, span: Span) {
         if self.slice(&line.operand).trim_start().starts_with('(') {
             let whole = operator.start..line.operand.end;
-            self.result = Some(self.reader.expression(whole, Some(&self.body.scope)));
+            let (value, kind) = self.reader.typed_expression(whole, &self.body.scope);
+            (self.result, self.kind) = (Some(value), kind);
             return;
         }
         let Some(first) = self.taken(span) else { return };
-        let mut values = vec![first];
+        let (mut values, mut kinds) = (vec![first], vec![self.kind.take()]);
         for range in split(self.slice(&line.operand), line.operand.start) {
-            values.push(self.reader.expression(range, Some(&self.body.scope)));
+            let (value, kind) = self.reader.typed_expression(range, &self.body.scope);
+            values.push(value);
+            kinds.push(kind);
         }
         let argument = |value: Expr| Argument { name: None, output: false, span: value.span, value: Some(value) };
         let arguments: Vec<Argument> = values.into_iter().map(argument).collect();
         let name = Name { text: self.slice(operator).to_string(), form: NameForm::Bare, span };
-        let messages = &mut self.reader.messages;
+        self.kind = self.body.scope.shared.types.result(&name.text.to_ascii_uppercase(), &kinds);
+        let (editor, messages) = (self.reader.editor, &mut self.reader.messages);
+        let mut tell = |message| messages.push(message);
         let standard = match self.body.scope.is_own(&name.text) {
             true => None,
-            false => {
-                functions::rewritten(self.reader.editor, &name, &arguments, span, &mut |message| messages.push(message))
-            }
+            false => functions::rewritten(editor, &name, &arguments, &kinds, span, &mut tell),
         };
         let callee = Box::new(Expr { kind: ExprKind::Name(name), span });
         let kind = standard.unwrap_or(ExprKind::Call { callee, arguments });

@@ -91,6 +91,7 @@ impl Reader<'_> {
                     None => true,
                 });
             }
+            self.retentive(list);
             let is = |attribute: &str| is_true(list, attribute);
             let types = self.types.clone();
             let has_place = |reader: &Self, node: &Node| {
@@ -108,6 +109,24 @@ impl Reader<'_> {
             }
         }
         (sections, constants)
+    }
+
+    /// Tells of variables that the editor keeps over a power loss: here each run begins with start values.
+    pub fn retentive(&mut self, list: Node) {
+        let Some(attribute) = ["retain", "persistent"].into_iter().find(|attribute| is_true(list, attribute)) else {
+            return;
+        };
+        let names: Vec<&str> = elements(list).filter_map(|node| node.attribute("name")).collect();
+        if names.is_empty() {
+            return;
+        }
+        let more = if names.len() > 4 { format!(" and {} others", names.len() - 3) } else { String::new() };
+        let shown = if names.len() > 4 { &names[..3] } else { &names[..] };
+        let named = format!("`{}`{more}", shown.join("`, `"));
+        let text = format!("retentive variables begin each run with their start values: {named}");
+        let message = Diagnostic::new(Code::Tolerated, self.place(list, attribute), text);
+        let help = "a run is one power cycle: assign what the plant remembers in a scenario or by `--set`";
+        self.messages.push(message.label("kept by the PLC when its power fails").help(help));
     }
 
     /// The constant that a variable declares; none if its value is a structure or an array, or missing.
@@ -201,6 +220,10 @@ impl Reader<'_> {
         let name = name.to_string();
         let ty = self.type_of(holder, depth)?;
         let initial = child(node, "initialValue").and_then(|value| self.initial(value, depth));
+        let ranged = super::types::Ty::of(holder).map(|ty| self.kinds.resolved(ty));
+        if let (Some(ty), Some(InitialValue { kind: InitialKind::Expr(value), .. })) = (&ranged, &initial) {
+            self.messages.extend(super::types::out_of_range(ty, value));
+        }
         let initial = initial.or_else(|| self.type_value(holder, name_span));
         // A flip-flop is its state: see `Scope::flip_flops`.
         let initial = if flip_flop(node).is_some() { None } else { initial };
@@ -275,6 +298,8 @@ impl Reader<'_> {
             name @ ("pointer" | "reference" | "union") => {
                 return refused(self, format!("plcc has no data type for `{name}` of PLCopen XML"));
             }
+            // Dates begin at 1970 in these editors.
+            "DATE" | "DT" | "DATE_AND_TIME" | "date" | "dt" => TypeKind::Named("LDT".to_string()),
             name => TypeKind::Named(name.to_ascii_uppercase()),
         };
         Some(TypeRef { kind, span })

@@ -32,13 +32,14 @@ mod project;
 mod scope;
 #[cfg(test)]
 mod tests;
+mod types;
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::rc::Rc;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use address::Addresses;
 use editor::Editor;
@@ -53,6 +54,7 @@ use plcc_syntax::scl::ast::{Body as SclBody, Dialect, Expr, Name, NameForm, Stat
 use plcc_syntax::scl::fragment;
 use plcc_syntax::scl::raw::Iec;
 use scope::{Global, Scope, Shared};
+use types::{Ty, Types};
 
 /// Actions call each other up to this depth.
 const DEPTH_MAX: usize = 64;
@@ -64,7 +66,7 @@ pub fn is_project(text: &str) -> bool {
     if !text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
         return false;
     }
-    Document::parse(text).is_ok_and(|document| is_root(document.root_element()))
+    crate::xml::parse(text).is_ok_and(|document| is_root(document.root_element()))
 }
 
 fn is_root(root: Node) -> bool {
@@ -73,15 +75,9 @@ fn is_root(root: Node) -> bool {
 
 /// Reads a project. Never fails: what is wrong is in the messages.
 pub fn parse(file: FileId, text: &str) -> (SourceUnit, Vec<Diagnostic>) {
-    let document = match Document::parse(text) {
+    let document = match crate::xml::parse(text) {
         Ok(document) => document,
-        Err(error) => {
-            let message = Diagnostic::new(Code::NotASource, Span::new(file, 0..text.len().min(1)), error.to_string());
-            return (
-                SourceUnit::default(),
-                vec![message.help("export the project again; the file is no complete XML")],
-            );
-        }
+        Err(fault) => return (SourceUnit::default(), vec![crate::xml::broken(file, text, &fault)]),
     };
     let editor = Editor::of(&document);
     let mut reader = Reader {
@@ -90,6 +86,7 @@ pub fn parse(file: FileId, text: &str) -> (SourceUnit, Vec<Diagnostic>) {
         editor,
         addresses: project::addresses(editor, text),
         types: project::data_types(&document),
+        kinds: Rc::new(Types::of(document.root_element())),
         pous: HashSet::new(),
         complex: HashMap::new(),
         enums: Vec::new(),
@@ -123,6 +120,8 @@ struct Reader<'a> {
     addresses: Addresses,
     /// Data types of the file by their names in lower case.
     types: HashMap<String, Node<'a, 'a>>,
+    /// Types of all variables of the file.
+    kinds: Rc<Types>,
     /// Names of the file's POUs, in lower case.
     pous: HashSet<String>,
     /// Outputs of POUs that no net carries, texts and structures: by POU and output in lower case; of a function the output is empty.
@@ -212,6 +211,7 @@ impl<'a> Reader<'a> {
             self.enum_values(*node, &mut values);
         }
         overlay::typed_values(&mut self.overlay, &values);
+        self.global_constants(root);
         for node in data_types {
             self.data_type(node);
         }
@@ -231,6 +231,7 @@ impl<'a> Reader<'a> {
             programs: self.program_instances.clone(),
             enums,
             pous: self.pous.clone(),
+            types: Rc::clone(&self.kinds),
         }));
         for pou in &pous {
             self.pou(*pou);
@@ -495,6 +496,9 @@ impl<'a> Reader<'a> {
                 if let Some(ty) = child(variable, "type").and_then(|ty| elements(ty).next()) {
                     scope.types.insert(key.clone(), ty.tag_name().name().to_ascii_uppercase());
                 }
+                if let Some(kind) = child(variable, "type").and_then(Ty::of) {
+                    scope.kinds.insert(key.clone(), kind);
+                }
                 if self.located_variable(variable) {
                     let tag = project::tag_name(Some(pou), name);
                     let target = Name { text: tag.clone(), form: NameForm::Quoted, span: self.place(variable, "name") };
@@ -627,6 +631,14 @@ impl<'a> Reader<'a> {
             self.messages.append(&mut scope.messages.borrow_mut());
         }
         value
+    }
+
+    /// As `expression`, with its type as far as it is known.
+    fn typed_expression(&mut self, range: Range<usize>, scope: &Scope) -> (Expr, Option<Ty>) {
+        let mut value = self.expression(range, None);
+        let kind = scope.typed(&mut value);
+        self.messages.append(&mut scope.messages.borrow_mut());
+        (value, kind)
     }
 }
 

@@ -1,7 +1,8 @@
 //! Objects of a body as networks, in the order of evaluation.
 //!
-//! Objects that lines connect are a network. Networks run from top to bottom; in a network, an object runs behind those that feed it, and
-//! else from top to bottom and from left to right. If every object has a number of execution, the numbers decide alone.
+//! Objects that lines connect are a network; the rail and a variable with several readers connect nothing. Networks run from top to bottom;
+//! in a network, an object runs behind those that feed it, and else from top to bottom and from left to right. If every object has a number
+//! of execution, the numbers decide alone.
 //! Source: LAD/FBD reference, chapter A3.
 
 use std::collections::{HashMap, HashSet};
@@ -75,10 +76,14 @@ fn components(objects: &[Object]) -> Vec<Vec<usize>> {
         let (a, b) = (root(&mut parent, a), root(&mut parent, b));
         parent[a.max(b)] = a.min(b);
     };
+    let mut uses = vec![0; objects.len()];
+    objects.iter().flat_map(|object| &object.inputs).flat_map(|input| &input.from).for_each(|(at, _)| uses[*at] += 1);
+    // A variable that is drawn once and read in several networks makes them no single one.
+    let shared = |at: usize| objects[at].kind == Kind::InVariable && uses[at] > 1;
     let mut connectors: HashMap<&str, usize> = HashMap::new();
     for (at, object) in objects.iter().enumerate() {
         for (from, _) in object.inputs.iter().flat_map(|input| &input.from) {
-            if objects[*from].kind != Kind::LeftRail {
+            if objects[*from].kind != Kind::LeftRail && !shared(*from) {
                 join(at, *from);
             }
         }

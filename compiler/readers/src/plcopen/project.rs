@@ -1,6 +1,6 @@
 //! Global variables, configurations and tasks.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use roxmltree::{Document, Node};
@@ -79,6 +79,9 @@ pub fn elementary(types: &HashMap<String, Node>, variable: Node) -> Option<Strin
             "subrangeSigned" | "subrangeUnsigned" => child(ty, "baseType").and_then(|base| elements(base).next())?,
             _ => {
                 let upper = name.to_ascii_uppercase();
+                if matches!(upper.as_str(), "DATE" | "DT" | "DATE_AND_TIME") {
+                    return Some("LDT".to_string());
+                }
                 return Elementary::from_word(&upper).map(|_| upper);
             }
         };
@@ -137,7 +140,7 @@ pub fn global_variables<'a, 'i>(root: Node<'a, 'i>) -> Vec<GlobalVariable<'a, 'i
 /// The variables with an address in a project, and messages about addresses that the CPU does not have.
 pub fn tags(file: FileId, text: &str) -> (Vec<Tag>, Vec<Diagnostic>) {
     let (mut tags, mut messages) = (Vec::new(), Vec::new());
-    let Ok(document) = Document::parse(text) else { return (tags, messages) };
+    let Ok(document) = crate::xml::parse(text) else { return (tags, messages) };
     let addresses = addresses(Editor::of(&document), text);
     let types = data_types(&document);
     let mut tag = |name: String, place: Place, ty: String, span: Span| {
@@ -244,15 +247,29 @@ pub struct Instance {
 }
 
 impl<'a> Reader<'a> {
+    /// Constants, which bounds of data types may name.
+    pub fn global_constants(&mut self, root: Node<'a, 'a>) {
+        for list in global_lists(root).filter(|list| is_true(*list, "constant")) {
+            if let Some(name) = list.attribute("name").map(str::trim).filter(|name| !name.is_empty()) {
+                self.lists.entry(name.to_lowercase()).or_default();
+            }
+            for node in elements(list).filter(|node| node.tag_name().name() == "variable") {
+                if let Some(value) = self.constant_value(node) {
+                    self.constants.push(value);
+                }
+            }
+        }
+    }
+
     /// Global variables: those with an address are tags, constants belong to each POU that uses them, the others are components of a data
     /// block.
     pub fn global_variables(&mut self, root: Node<'a, 'a>) {
         let mut variables: Vec<Variable> = Vec::new();
         let mut first = None;
+        let constants: HashSet<u32> = self.constants.iter().map(|constant| constant.name_span.start).collect();
         for GlobalVariable { node, list, name, unique } in global_variables(root) {
             let constant = node.parent().is_some_and(|list| is_true(list, "constant"));
-            if constant && let Some(value) = self.constant_value(node) {
-                self.constants.push(value);
+            if constant && constants.contains(&self.place(node, "name").start) {
                 continue;
             }
             let place = self.located_variable(node);
@@ -279,6 +296,7 @@ impl<'a> Reader<'a> {
         }
         for list in global_lists(root) {
             self.unread(list, &["variable", "documentation", "addData"]);
+            self.retentive(list);
             if let Some(name) = list.attribute("name").map(str::trim).filter(|name| !name.is_empty()) {
                 self.lists.entry(name.to_lowercase()).or_default();
             }
@@ -592,26 +610,10 @@ pub fn integer(number: i64, span: Span) -> Expr {
     }
 }
 
-/// `T#1s500ms`, `PT0.02S`, `P0DT0H0M0.01S`, `20ms` in microseconds, parts of which are rounded up; `None`: no time, or 0.
+/// The interval of a task in microseconds, parts of which are rounded up; `None`: no time, or 0.
 fn microseconds(text: &str) -> Option<u64> {
-    let lower = text.trim().to_ascii_lowercase();
-    let iso = lower.strip_prefix('p').map(|rest| rest.replacen('t', "", 1));
-    let prefixes = ["lt#", "ltime#", "t#", "time#"];
-    let rest = prefixes.iter().find_map(|prefix| lower.strip_prefix(prefix));
-    let mut rest: &str = iso.as_deref().or(rest).unwrap_or(&lower);
-    let mut total = 0.0_f64;
-    while !rest.is_empty() {
-        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.')?;
-        let number: f64 = rest[..digits].parse().ok()?;
-        rest = &rest[digits..];
-        let units =
-            [("ms", 1e3), ("us", 1.0), ("µs", 1.0), ("ns", 1e-3), ("s", 1e6), ("m", 6e7), ("h", 3.6e9), ("d", 8.64e10)];
-        let (unit, factor) = units.iter().find(|(unit, _)| rest.starts_with(unit))?;
-        total += number * factor;
-        rest = rest[unit.len()..].trim_start_matches('_');
-    }
-    let whole = (total - 1e-6).ceil();
-    (1.0..1e15).contains(&whole).then_some(whole as u64)
+    let whole = plcc_literal::duration::interval(text)?.div_ceil(1000);
+    (1..1_000_000_000_000_000).contains(&whole).then_some(whole)
 }
 
 #[cfg(test)]
@@ -628,6 +630,13 @@ mod tests {
             ("T#100us", Some(100)),
             ("PT0.0005S", Some(500)),
             ("T#1.5ms", Some(1_500)),
+            ("T#0.1ms", Some(100)),
+            ("T#1.001s", Some(1_001_000)),
+            ("PT4.035S", Some(4_035_000)),
+            ("T#1ns", Some(1)),
+            ("T#.s", None),
+            ("T#1.2.3s", None),
+            ("T#99999999999999999999s", None),
             ("T#0s", None),
             ("soon", None),
         ];

@@ -10,8 +10,10 @@ use super::address::{Addresses, Location};
 use super::editor::Editor;
 use super::functions;
 use super::project::{GLOBALS, integer};
+use super::types::{self, Ty, Types};
+use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{
-    AssignOp, BinaryOp, CaseValue, Expr, ExprKind, Name, NameForm, Statement, StatementKind, UnaryOp,
+    Argument, AssignOp, BinaryOp, CaseValue, Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind, UnaryOp,
 };
 use plcc_syntax::scl::{absolute, area_word};
 
@@ -45,6 +47,7 @@ pub struct Shared {
     pub enums: HashMap<String, HashMap<String, i64>>,
     /// Names of the POUs.
     pub pous: HashSet<String>,
+    pub types: Rc<Types>,
 }
 
 /// The names that a POU knows, in lower case.
@@ -55,6 +58,8 @@ pub struct Scope {
     pub locals: HashSet<String>,
     /// Elementary types of variables, in upper case.
     pub types: HashMap<String, String>,
+    /// Types of variables.
+    pub kinds: HashMap<String, Ty>,
     /// Variables with an address, and the tag that stands for each.
     pub located: HashMap<String, String>,
     /// Global names that mean something else in this POU.
@@ -72,6 +77,7 @@ impl Scope {
             shared,
             locals: HashSet::new(),
             types: HashMap::new(),
+            kinds: HashMap::new(),
             located: HashMap::new(),
             hidden: HashSet::new(),
             flip_flops: HashMap::new(),
@@ -131,8 +137,9 @@ impl Scope {
                 if let [(target, AssignOp::Set)] = targets.as_slice() {
                     self.truncated(target, value);
                 }
-                targets.iter_mut().for_each(|(target, _)| self.expr(target));
+                let kinds: Vec<Option<Ty>> = targets.iter_mut().map(|(target, _)| self.typed(target)).collect();
                 self.expr(value);
+                kinds.iter().flatten().for_each(|kind| self.in_range(kind, value));
             }
             StatementKind::If { branches, otherwise } => {
                 for (condition, body) in branches {
@@ -178,11 +185,18 @@ impl Scope {
 
     /// Settles the names of an expression.
     pub fn expr(&self, value: &mut Expr) {
+        self.typed(value);
+    }
+
+    /// Settles the names of an expression, and tells its type as far as it is known.
+    pub fn typed(&self, value: &mut Expr) -> Option<Ty> {
         match &mut value.kind {
             ExprKind::Name(name) if name.form == NameForm::Bare => {
+                let kind = self.variable_type(&name.text);
                 if let Some(kind) = self.name(name) {
                     value.kind = kind;
                 }
+                return kind;
             }
             ExprKind::Absolute(operand) => {
                 let place = Location::of_operand(operand).and_then(|location| self.shared.addresses.place(&location));
@@ -191,27 +205,41 @@ impl Scope {
                 }
             }
             ExprKind::Member { base, name } => {
+                let list = match &base.kind {
+                    ExprKind::Name(list) => self.shared.lists.contains_key(&list.text.to_lowercase()),
+                    _ => false,
+                };
+                let known = if list { self.shared.types.global(&name.text.to_lowercase()) } else { None };
                 if let Some(kind) = self.qualified(base, name) {
                     value.kind = kind;
-                    return;
+                    return known;
                 }
                 // The output of a flip-flop is its state.
                 let is_state = matches!(&base.kind, ExprKind::Name(base) if self.flip_flops.contains_key(&base.text.to_lowercase()))
                     && (name.text.eq_ignore_ascii_case("Q1") || name.text.eq_ignore_ascii_case("Q"));
-                self.expr(base);
+                let kind = self.typed(base);
+                let kind = kind.and_then(|kind| self.shared.types.member(&kind, &name.text.to_lowercase()));
                 if is_state {
                     value.kind = base.kind.clone();
                 }
+                return kind;
             }
             ExprKind::MemberAbsolute { base, .. } | ExprKind::Slice { base, .. } => self.expr(base),
             ExprKind::Index { base, indices } => {
-                self.expr(base);
+                let kind = self.typed(base);
                 indices.iter_mut().for_each(|index| self.expr(index));
+                return match kind {
+                    Some(Ty::Array(element)) => Some(self.shared.types.resolved(*element)),
+                    _ => None,
+                };
             }
             ExprKind::Call { callee, arguments } => {
-                for argument in arguments.iter_mut() {
-                    argument.value.iter_mut().for_each(|value| self.expr(value));
-                }
+                let typed = |argument: &mut Argument| argument.value.as_mut().and_then(|value| self.typed(value));
+                let kinds: Vec<Option<Ty>> = arguments.iter_mut().map(typed).collect();
+                let result = match &callee.kind {
+                    ExprKind::Name(name) => self.shared.types.result(&name.text.to_ascii_uppercase(), &kinds),
+                    _ => None,
+                };
                 let standard = match &callee.kind {
                     ExprKind::Name(name) if name.form == NameForm::Bare && !self.is_own(&name.text) => {
                         Some(name.clone())
@@ -221,21 +249,50 @@ impl Scope {
                 if let Some(name) = standard {
                     let mut tell = |message: Diagnostic| self.messages.borrow_mut().push(message);
                     if let Some(kind) =
-                        functions::rewritten(self.shared.editor, &name, arguments, value.span, &mut tell)
+                        functions::rewritten(self.shared.editor, &name, arguments, &kinds, value.span, &mut tell)
                     {
                         value.kind = kind;
-                        return;
+                        return result;
                     }
                 }
                 self.expr(callee);
+                return result;
             }
             ExprKind::Dereference(base) | ExprKind::Reference(base) => self.expr(base),
-            ExprKind::Unary { operand, .. } => self.expr(operand),
-            ExprKind::Binary { left, right, .. } => {
-                self.expr(left);
-                self.expr(right);
+            ExprKind::Unary { operand, .. } => return self.typed(operand),
+            ExprKind::Binary { op, op_span, left, right } => {
+                let (a, b) = (self.typed(left), self.typed(right));
+                let (op, op_span) = (*op, *op_span);
+                let kind = types::operation(op, a.as_ref(), b.as_ref());
+                let mut tell = |message: Diagnostic| self.messages.borrow_mut().push(message);
+                let (left, right) = ((&**left, &a), (&**right, &b));
+                if let Some(rewritten) = functions::operation(op, op_span, left, right, value.span, &mut tell) {
+                    value.kind = rewritten;
+                }
+                return kind;
             }
+            ExprKind::Literal(Literal::Typed { ty: Elementary::Ldt, .. }) => return Some(Ty::DateAndTime),
+            ExprKind::Literal(Literal::Typed { ty, .. }) => return Some(Ty::Of(*ty)),
+            ExprKind::Literal(Literal::Real(_)) => return Some(Ty::Of(Elementary::Real)),
+            ExprKind::Literal(Literal::Text { .. }) => return Some(Ty::Text),
             ExprKind::Literal(_) | ExprKind::Name(_) | ExprKind::Error => {}
+        }
+        None
+    }
+
+    /// The type of a variable of the POU, or of a global one.
+    fn variable_type(&self, name: &str) -> Option<Ty> {
+        let key = name.to_lowercase();
+        if let Some(kind) = self.kinds.get(&key) {
+            return Some(self.shared.types.resolved(kind.clone()));
+        }
+        if self.hidden.contains(&key) { None } else { self.shared.types.global(&key) }
+    }
+
+    /// Tells of a constant that a variable of a subrange type cannot have.
+    fn in_range(&self, kind: &Ty, value: &Expr) {
+        if let Some(message) = types::out_of_range(kind, value) {
+            self.messages.borrow_mut().push(message);
         }
     }
 

@@ -81,3 +81,50 @@ fn programs_without_a_task_are_told() {
     let title = "an interval of T#100us is longer here: OBs have whole milliseconds";
     assert_eq!(told("", &st(""), &short), [(Code::Tolerated, Severity::Warning, title.to_string())]);
 }
+
+#[test]
+fn constants_outside_a_subrange_are_errors() {
+    let list = |value: &str| {
+        format!(
+            "<localVars><variable name=\"p\"><type><subrangeSigned><range lower=\"-5\" upper=\"100\"/><baseType><INT/></baseType>\
+             </subrangeSigned></type><initialValue><simpleValue value=\"{value}\"/></initialValue></variable>\
+             <variable name=\"i\"><type><INT/></type></variable></localVars>"
+        )
+    };
+    let none: [&str; 0] = [];
+    assert_eq!(errors(&list("-5"), &st("p := 100; p := -5; i := 101; p := i;"), ""), none);
+    assert_eq!(errors(&list("101"), &st(""), ""), ["101 is outside the range of its type"]);
+    assert_eq!(errors(&list("0"), &st("p := -6;"), ""), ["-6 is outside the range of its type"]);
+}
+
+#[test]
+fn retentive_variables_are_told() {
+    let list = "<localVars retain=\"true\"><variable name=\"a\"><type><INT/></type></variable></localVars>";
+    let title = "retentive variables begin each run with their start values: `a`".to_string();
+    assert_eq!(told(list, &st(""), ""), [(Code::Tolerated, Severity::Warning, title)]);
+    let variables: String = ["a", "b", "c", "d", "e"]
+        .map(|name| format!("<variable name=\"{name}\"><type><INT/></type></variable>"))
+        .concat();
+    let globals = format!(
+        "<instances><configurations><configuration name=\"C\"><globalVars name=\"G\" persistent=\"true\">{variables}</globalVars>\
+         </configuration></configurations></instances>"
+    );
+    let title = "retentive variables begin each run with their start values: `a`, `b`, `c` and 2 others".to_string();
+    assert_eq!(told("", &st(""), &globals), [(Code::Tolerated, Severity::Warning, title)]);
+}
+
+#[test]
+fn the_result_of_il_has_a_type_at_a_label() {
+    let variables = "<localVars><variable name=\"a\"><type><BOOL/></type></variable><variable name=\"i\"><type><INT/></type></variable></localVars>";
+    let il = |text: &str| format!("<IL><p><![CDATA[{text}]]></p></IL>");
+    let none: [&str; 0] = [];
+    assert_eq!(errors(variables, &il("LD a\nJMPC one\nLD i\nJMP end\none: LD 1\nend: ST i"), ""), none);
+    assert_eq!(
+        errors(variables, &il("LD a\nJMPC one\nLD 2\nJMP end\none: LD 1\nend: ST i"), ""),
+        ["the type of the result at this label is not known"]
+    );
+    assert_eq!(
+        errors(variables, &il("LD i\nCAL f()\nend: ST i"), ""),
+        ["there is no current result here", "the type of the result at this label is not known"]
+    );
+}

@@ -52,7 +52,7 @@ pub fn build(
             block.code = BlockCode::Graphic(Body { networks });
         }
     }
-    SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), blocks, pragmas, overlay: None, s7200: None }
+    SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), blocks, pragmas, ..SourceUnit::default() }
 }
 
 /// Attributes, title and comment of a block.

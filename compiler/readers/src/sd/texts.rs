@@ -32,9 +32,17 @@ impl Texts {
         let mut diagnostics = Vec::new();
         let yaml = with_quotes(file, text.trim_start_matches('\u{FEFF}'), &mut diagnostics);
         let mut reader = Reader::default();
+        let mut twice = false;
         for event in Parser::new_from_str(&yaml) {
             match event {
-                Ok((event, _)) => reader.event(event),
+                Ok((event, place)) => {
+                    if let Some(id) = reader.event(event).filter(|_| !std::mem::replace(&mut twice, true)) {
+                        let span = line_span(file, text, place.start.line());
+                        let title = format!("the text `{id}` is there twice");
+                        let message = Diagnostic::new(Code::TextResource, span, title).label("the second one counts");
+                        diagnostics.push(message.help("give each text an id of its own"));
+                    }
+                }
                 Err(error) => {
                     let span = line_span(file, text, error.marker().line());
                     diagnostics.push(
@@ -74,7 +82,8 @@ struct Reader {
 }
 
 impl Reader {
-    fn event(&mut self, event: Event) {
+    /// The id of a text that was there before with other words.
+    fn event(&mut self, event: Event) -> Option<String> {
         match event {
             Event::SequenceStart(..) => self.open.push(Open::List),
             Event::MappingStart(..) => {
@@ -89,15 +98,17 @@ impl Reader {
             }
             Event::MappingEnd => {
                 self.open.pop();
-                if let (Some(id), Some((_, text))) = (self.id.take(), self.text.take()) {
-                    self.texts.by_id.insert(id, text);
-                }
                 self.value_ends();
+                if let (Some(id), Some((_, text))) = (self.id.take(), self.text.take()) {
+                    let other = self.texts.by_id.insert(id.clone(), text.clone()).filter(|other| *other != text);
+                    return other.map(|_| id);
+                }
             }
             Event::Scalar(text, ..) => self.scalar(&text),
             Event::Alias(_) => self.scalar(""),
             Event::Nothing | Event::StreamStart | Event::StreamEnd | Event::DocumentStart(_) | Event::DocumentEnd => {}
         }
+        None
     }
 
     fn scalar(&mut self, text: &str) {
@@ -207,6 +218,14 @@ mod tests {
     fn read(text: &str) -> (Texts, usize) {
         let (texts, diagnostics) = Texts::parse(FileId::default(), text);
         (texts, diagnostics.len())
+    }
+
+    #[test]
+    fn an_id_that_is_there_twice_is_told() {
+        let (texts, warnings) =
+            read("M:\n  - id: A\n    en-US: one\n  - id: A\n    en-US: two\n  - id: A\n    en-US: three\n");
+        assert_eq!((warnings, texts.get("A")), (1, Some("three")));
+        assert_eq!(read("M:\n  - id: A\n    en-US: one\n  - id: A\n    en-US: one\n").1, 0);
     }
 
     #[test]

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Names, operands and tokens are written to their places in an [`overlay`], from which the parsers of SCL and STL read them. Tag tables are
-//! read by `crate::symbols`. Source: LAD/FBD reference A2.
+//! read by `plcc_syntax::symbols`. Source: LAD/FBD reference A2.
 //!
 //! **Invariant**: what the reader does not know refuses its network or block; nothing is left out silently.
 
@@ -22,6 +22,7 @@ mod interface;
 mod network;
 mod operand;
 mod order;
+mod outline;
 mod overlay;
 mod parts;
 mod reader;
@@ -41,7 +42,7 @@ use reader::Reader;
 
 /// Parses an export. What cannot be read is left out, and a message tells of it.
 pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
-    let document = match Document::parse(text) {
+    let document = match xml::parse(text) {
         Ok(document) => document,
         Err(error) => return (SourceUnit::default(), vec![xml::broken(file, text, &error)]),
     };
@@ -87,12 +88,13 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
         }
     }
     let pragmas = if options.pragmas { pragmas(file, &document) } else { Vec::new() };
+    let outlines = outline::read(&mut reader, &document);
     let mut diagnostics = reader.diagnostics;
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     // The schema and the reader of an element see the same fault.
     diagnostics.dedup_by_key(|diagnostic| (diagnostic.code, diagnostic.primary.span));
     let overlay = Some(reader.overlay.into_text());
-    (SourceUnit { blocks, pragmas, overlay, ..SourceUnit::default() }, diagnostics)
+    (SourceUnit { blocks, pragmas, overlay, outlines, ..SourceUnit::default() }, diagnostics)
 }
 
 /// `<!--@ cpu … -->`: settings of a test, as `//@ cpu …` in a source.

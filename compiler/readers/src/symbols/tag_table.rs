@@ -6,7 +6,7 @@
 use crate::xml::{self, child, elements, head, text_of};
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::scl::fragment;
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::{GlobalConstant, Symbol, SymbolTable, parse_address};
 
@@ -14,7 +14,7 @@ use super::{GlobalConstant, Symbol, SymbolTable, parse_address};
 pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
     let mut table = SymbolTable::default();
     let mut diagnostics = Vec::new();
-    match Document::parse(text) {
+    match xml::parse(text) {
         Ok(document) => {
             let mut reader = Reader { file, text, table: &mut table, diagnostics: &mut diagnostics };
             let root = document.root_element();
@@ -116,8 +116,11 @@ impl Reader<'_> {
         let Row { name, ty, span } = self.row(row);
         let address_node = setting(row, "LogicalAddress");
         let address = address_node.map(text_of).unwrap_or_default();
+        if name.is_empty() {
+            return self.bad(Span::new(self.file, head(row)), "a tag without a name".to_string());
+        }
         // A tag whose address was never typed in.
-        if name.is_empty() || address.is_empty() {
+        if address.is_empty() {
             return;
         }
         // `%IW64:P` of hardware: the tag is the process image, its access says `:P` itself.
@@ -132,9 +135,12 @@ impl Reader<'_> {
 
     fn constant(&mut self, row: Node) {
         let Row { name, ty, span } = self.row(row);
-        let Some(text) = setting(row, "Value").and_then(|value| value.first_child()) else { return };
-        if !name.is_empty() {
-            self.value(name, ty, span, text.range(), text.text().unwrap_or_default());
+        if name.is_empty() {
+            return self.bad(Span::new(self.file, head(row)), "a constant without a name".to_string());
+        }
+        match setting(row, "Value").and_then(|value| value.first_child()) {
+            Some(text) => self.value(name, ty, span, text.range(), text.text().unwrap_or_default()),
+            None => self.bad(span, format!("the constant `{name}` has no value")),
         }
     }
 
@@ -173,6 +179,36 @@ fn setting<'a, 'i>(row: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
     }
     let link = child(row, "LinkList").and_then(|list| child(list, name.trim_end_matches("Name")))?;
     child(link, "Name")
+}
+
+#[cfg(test)]
+mod damage {
+    use super::*;
+
+    /// What is told of a table with such rows.
+    fn told(rows: &str) -> Vec<String> {
+        let text = format!(
+            "\u{feff}<Document><SW.Tags.PlcTagTable><ObjectList>{rows}</ObjectList></SW.Tags.PlcTagTable></Document>"
+        );
+        let (_, messages) = parse(FileId(0), &text);
+        messages.into_iter().map(|message| message.primary.text).collect()
+    }
+
+    #[test]
+    fn rows_without_a_name_or_a_value_are_told() {
+        let none: [&str; 0] = [];
+        let tag = "<SW.Tags.PlcTag><AttributeList><DataTypeName>Bool</DataTypeName><LogicalAddress>%I0.0</LogicalAddress><Name>A</Name></AttributeList></SW.Tags.PlcTag>";
+        assert_eq!(told(tag), none);
+        assert_eq!(told(&tag.replace("<Name>A</Name>", "<Name />")), ["a tag without a name"]);
+        assert_eq!(told(&tag.replace("<Name>A</Name>", "")), ["a tag without a name"]);
+        assert_eq!(told("<SW.Tags.PlcTag/>"), ["a tag without a name"]);
+        assert_eq!(told(&tag.replace("<LogicalAddress>%I0.0</LogicalAddress>", "")), none, "never typed in");
+        assert_eq!(told(&tag.replace("%I0.0", "%I0.9")), ["`%I0.9` is no address"]);
+        let constant = "<SW.Tags.PlcUserConstant><AttributeList><DataTypeName>Int</DataTypeName><Name>K</Name><Value>1</Value></AttributeList></SW.Tags.PlcUserConstant>";
+        assert_eq!(told(constant), none);
+        assert_eq!(told(&constant.replace("<Value>1</Value>", "<Value/>")), ["the constant `K` has no value"]);
+        assert_eq!(told(&constant.replace("<Name>K</Name>", "")), ["a constant without a name"]);
+    }
 }
 
 #[cfg(test)]

@@ -66,6 +66,16 @@ pub fn parse(text: &str) -> Result<Read, LiteralError> {
     }
 }
 
+/// A date of IEC 61131-3, whose editors begin at 1970: an LDT. `None`: another constant.
+pub fn iec_date(text: &str) -> Option<Result<Read, LiteralError>> {
+    let (prefix, value) = text.split_once('#')?;
+    match prefix.to_ascii_uppercase().as_str() {
+        "D" | "DATE" => Some(time::date_from_1970(text, value).map(Read::from)),
+        "DT" | "DATE_AND_TIME" => Some(time::long_date_and_time(text, value).map(Read::from)),
+        _ => None,
+    }
+}
+
 /// A constant that is written as in the other languages.
 fn shared(text: &str, form: &str) -> Result<Read, LiteralError> {
     let typed = |ty, bits: u64| Ok(Literal::Typed { ty, bits }.into());

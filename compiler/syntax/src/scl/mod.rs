@@ -51,9 +51,9 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
         let refused = Diagnostic::new(Code::NotASource, span, "this file holds no SCL source")
             .label("no statement of SCL, and no block begins before it")
             .help("pass a source as STEP 7 or the TIA Portal exports it: blocks from FUNCTION, DATA_BLOCK, TYPE … to their END");
-        return (SourceUnit { mnemonics, blocks: Vec::new(), pragmas, overlay: None, s7200: None }, vec![refused]);
+        return (SourceUnit { mnemonics, blocks: Vec::new(), pragmas, ..SourceUnit::default() }, vec![refused]);
     }
-    (SourceUnit { mnemonics, blocks, pragmas, overlay: None, s7200: None }, diagnostics)
+    (SourceUnit { mnemonics, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
 }
 
 /// What the tokens of a text hold.

@@ -57,7 +57,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     report_comments(file, &raw, &mut diagnostics);
     report_mixture(file, text, &detected, options, &mut diagnostics);
     let Parsed { blocks, pragmas, diagnostics } = parse_raw(file, text, raw, &detected, options.pragmas, diagnostics);
-    (SourceUnit { mnemonics: detected.set, blocks, pragmas, overlay: None, s7200: None }, diagnostics)
+    (SourceUnit { mnemonics: detected.set, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
 }
 
 /// What the tokens of a text hold.

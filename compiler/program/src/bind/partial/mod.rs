@@ -19,7 +19,7 @@ mod write;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind, SourceUnit};
 use plcc_syntax::scl::ast::Dialect;
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::declare::BoundInterface;
 use plcc_binding::report::MissingKey;
@@ -142,7 +142,8 @@ fn stand_ins(
     let limit = |cells: u32| cells.min(plcc_abi::layout::TIMERS_MAX);
     let used_cells = &evidence.cells;
     let cells = [limit(profile.timers), limit(profile.counters)];
-    let mut stand_ins = Writer { evidence, file, vague, refused, cells, used_cells }.write();
+    let outlines = outlines(input);
+    let mut stand_ins = Writer { evidence, file, vague, refused, cells, used_cells, outlines: &outlines }.write();
     if no_main {
         let at = stand_ins.lines.len() as u32;
         let span = Span { file, start: at, end: at };
@@ -158,6 +159,17 @@ fn stand_ins(
         }));
     }
     stand_ins
+}
+
+/// Interfaces that calls describe, by folded names; the first call of a block counts.
+fn outlines<'a>(input: &BindInput<'a>) -> FxHashMap<String, &'a ast::CodeBlock> {
+    let mut found = FxHashMap::default();
+    for outline in input.units.iter().flat_map(|(_, unit)| &unit.outlines) {
+        if let BlockName::Symbol { name, .. } = &outline.name {
+            found.entry(plcc_binding::fold(name)).or_insert(outline);
+        }
+    }
+    found
 }
 
 /// Looks until nothing new is found.
@@ -190,6 +202,13 @@ fn look_at(binder: &mut Binder, evidence: &mut Evidence, file: FileId) {
     for (unit_file, unit) in input.units {
         if *unit_file == file {
             continue;
+        }
+        for outline in &unit.outlines {
+            if let BlockName::Symbol { name, .. } = &outline.name
+                && look.found.things.contains_key(&Missing::name(name))
+            {
+                look.declarations(&ast::Block::Code(outline.clone()));
+            }
         }
         for block in &unit.blocks {
             look.declarations(block);

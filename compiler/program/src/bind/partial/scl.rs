@@ -230,7 +230,7 @@ impl Look<'_, '_> {
         // A block that is known, with an instance that may be missing.
         if let NodeKind::Member { base, name } = &callee.kind
             && let Some((prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number)) = self.binder.quiet_block(ctx, base)
-            && let Some(of) = Missing::block(prefix, u32::from(number))
+            && let Some(of) = block_named(base).or_else(|| Missing::block(prefix, u32::from(number)))
             && !self.found.things.contains_key(&of)
             && self.is_block(prefix, u32::from(number))
         {
@@ -415,6 +415,12 @@ impl Look<'_, '_> {
 }
 
 /// The data block behind a function block.
+/// A block that is called by its name. Its number may become another one, as long as no source tells it.
+fn block_named(node: &Node) -> Option<Missing> {
+    let NodeKind::Name(name) = &node.kind else { return None };
+    plcc_syntax::scl::absolute(&name.text).is_none().then(|| Missing::name(&name.text))
+}
+
 fn instance_start(name: &Name) -> Start {
     match plcc_syntax::scl::absolute(&name.text) {
         Some(OperandKind::Block(BlockName::Numbered { prefix, number, .. })) => Start::Block(prefix, number),

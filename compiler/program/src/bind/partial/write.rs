@@ -7,7 +7,7 @@ use plcc_syntax::ast::{
     SectionKind, TypeKind, TypeRef, Variable, Width,
 };
 use plcc_syntax::scl::ast as scl;
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::evidence::{Evidence, Interface, Shape};
 use plcc_binding::fold;
@@ -72,6 +72,8 @@ pub struct Writer<'e> {
     /// Timers and counters of the CPU, and those that the program uses.
     pub cells: [u32; 2],
     pub used_cells: &'e FxHashSet<(CellKind, u32)>,
+    /// Interfaces that calls describe, by folded names.
+    pub outlines: &'e FxHashMap<String, &'e ast::CodeBlock>,
 }
 
 impl Writer<'_> {
@@ -85,7 +87,16 @@ impl Writer<'_> {
             }
             let span = self.span(stand_ins.lines.len());
             let name = name_of(missing, shape, span);
-            let what = match kind_of(missing, shape) {
+            let outline = match missing {
+                Missing::Name(name) => self.outlines.get(name).copied(),
+                Missing::Block(..) => None,
+            };
+            let kind = match outline {
+                Some(outline) if outline.kind == CodeKind::Fb => Kind::FunctionBlock,
+                Some(_) => Kind::Function,
+                None => kind_of(missing, shape),
+            };
+            let what = match kind {
                 Kind::Constant => {
                     let value = FIRST_CONSTANT + stand_ins.table.constants.len() as i64;
                     let (constant, text) = constant(shape, value, span);
@@ -104,9 +115,15 @@ impl Writer<'_> {
                     format!("a structure of {}", components(shape.members.len()))
                 }
                 Kind::Function | Kind::FunctionBlock => {
-                    let fb = matches!(kind_of(missing, shape), Kind::FunctionBlock);
-                    stand_ins.blocks.push(Block::Code(code_block(name, shape, fb, span)));
-                    "a stub that does nothing".to_string()
+                    let fb = matches!(kind, Kind::FunctionBlock);
+                    let mut block = code_block(name, shape, fb, span);
+                    let mut what = "a stub that does nothing".to_string();
+                    if let Some(outline) = outline {
+                        described(&mut block, outline);
+                        what = "a stub that does nothing, with the interface of its calls".to_string();
+                    }
+                    stand_ins.blocks.push(Block::Code(block));
+                    what
                 }
                 Kind::Instance => {
                     let of = match &shape.of {
@@ -352,6 +369,18 @@ fn code_block(name: BlockName, shape: &Shape, fb: bool, span: Span) -> ast::Code
         code: ast::Code::Scl(scl::Body::default()),
         span,
     }
+}
+
+/// Gives a stub the parameters that its calls describe. Other data that the program uses stay.
+fn described(block: &mut ast::CodeBlock, outline: &ast::CodeBlock) {
+    let known: FxHashSet<String> =
+        outline.sections.iter().flat_map(|section| &section.variables).map(|variable| fold(&variable.name)).collect();
+    let mut others: Vec<Section> =
+        block.sections.drain(..).filter(|section| section.kind == SectionKind::Static).collect();
+    others.iter_mut().for_each(|section| section.variables.retain(|variable| !known.contains(&fold(&variable.name))));
+    others.retain(|section| !section.variables.is_empty());
+    block.sections = outline.sections.iter().cloned().chain(others).collect();
+    block.return_type.clone_from(&outline.return_type);
 }
 
 /// The type of a parameter; one that takes anything where no other can be.

@@ -445,7 +445,7 @@ impl Binder<'_> {
 
     /// Reports a function that neither the program nor the language has.
     fn unknown_function(&mut self, name: &Name) {
-        if super::function::not_supported(&name.text) {
+        if plcc_stdlib::not_supported(&name.text) {
             self.report.missing_function(&name.text, name.span, None, true);
             return;
         }

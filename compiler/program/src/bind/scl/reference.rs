@@ -6,7 +6,9 @@ use plcc_syntax::Elementary;
 
 use super::Rules;
 use super::convert::{Implicit, implicit, on_300};
-use super::function::{Kind, NOT_SUPPORTED, ROWS, Row};
+use plcc_stdlib::NOT_SUPPORTED;
+
+use super::function::{Kind, ROWS, Row};
 use super::variant::Question;
 use plcc_model::scl::{BinaryOp, Function, TimerKind};
 

@@ -117,7 +117,10 @@ impl<'a> Sfc<'_, 'a, '_> {
                 }
                 (name @ ("step" | "macroStep"), None) => {
                     if name == "macroStep" {
-                        let text = "plcc does not read macro steps";
+                        let text = match node.attribute("name").map(str::trim).filter(|name| !name.is_empty()) {
+                            Some(name) => format!("plcc does not read macro steps, here `{name}`"),
+                            None => "plcc does not read macro steps".to_string(),
+                        };
                         let help = "draw the steps of the macro step in the chart itself";
                         self.report(Code::ForeignContent, span, text, "what is inside is not executed", help);
                         self.broken = true;

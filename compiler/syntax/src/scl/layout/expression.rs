@@ -304,8 +304,10 @@ impl<'a> Layout<'a> {
     fn literal(&mut self, token: RawToken) {
         let text = self.slice(token);
         // `TOD#12:30` and `DT#2024-01-31-12:30`: IEC 61131-3 editors leave seconds of 0 out.
-        let read = literal::parse(text).or_else(|error| match self.iec && text.contains(':') {
-            true => literal::parse(&format!("{text}:00")).map_err(|_| error),
+        let date = |text: &str| if self.iec { literal::iec_date(text) } else { None };
+        let parse = |text: &str| date(text).unwrap_or_else(|| literal::parse(text));
+        let read = parse(text).or_else(|error| match self.iec && text.contains(':') {
+            true => parse(&format!("{text}:00")).map_err(|_| error),
             false => Err(error),
         });
         let tok = match read {

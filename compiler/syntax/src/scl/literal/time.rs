@@ -46,6 +46,16 @@ pub fn long_date_and_time(text: &str, value: &str) -> Result<Literal, LiteralErr
     Ok(Literal::Typed { ty: Elementary::Ldt, bits: ns })
 }
 
+/// `D#1970-01-01` of IEC 61131-3: the LDT at midnight.
+pub fn date_from_1970(text: &str, value: &str) -> Result<Literal, LiteralError> {
+    const FORM: &str = "write year, month and day: `D#2000-6-20`";
+    let (date, _) = date_and_clock(text, &format!("{value}-0:0:0"), FORM)?;
+    let ns = date.days_since(1970).and_then(|days| u64::from(days).checked_mul(NS_PER_DAY));
+    let ns = ns.filter(|ns| i64::try_from(*ns).is_ok());
+    let ns = ns.ok_or_else(|| LiteralError::range(text, "no DATE", "a DATE lies between 1970-1-1 and 2262-4-11"))?;
+    Ok(Literal::Typed { ty: Elementary::Ldt, bits: ns })
+}
+
 /// `DTL#2024-5-6-07:08:09.123456789`: year, month, day, weekday from 1 = Sunday, hour, minute, second, nanoseconds.
 ///
 /// Source: TIA Portal help, format of DTL.
