@@ -9,7 +9,7 @@ use rustc_hash::FxHashSet;
 
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
-use plcc_model::types::DataType;
+use plcc_model::types::{DataType, ParameterType};
 
 /// What a use wants of a value, the surest first.
 #[derive(Clone, Debug, PartialEq)]
@@ -198,6 +198,8 @@ fn joined(known: Option<DataType>, other: &DataType) -> DataType {
             let wider = number(known) && number(*other) && rank(*other) > rank(known);
             DataType::Elementary(if wider { *other } else { known })
         }
+        // NULL goes to a VARIANT only, which takes everything else as well.
+        (_, variant @ DataType::Parameter(ParameterType::Variant)) => variant.clone(),
         (Some(known), _) => known,
     }
 }

@@ -102,9 +102,16 @@ fn code_block(code: &mut ast::CodeBlock, at: Span) -> Option<LeftOut> {
             return Some(left);
         }
     }
+    let mut initials = code.constants.iter_mut().map(|constant| &mut constant.initial);
+    if let Some(initial) = initials.find(|initial| initial.as_ref().is_some_and(|initial| holds(initial.span, at))) {
+        *initial = None;
+        return Some(LeftOut { span: at, what: "this start value" });
+    }
     let before = code.constants.len();
     code.constants.retain(|constant| {
-        !holds(constant.name_span, at) && !constant.value.as_ref().is_some_and(|value| holds(value.span, at))
+        !holds(constant.name_span, at)
+            && !constant.ty.as_ref().is_some_and(|ty| holds(ty.span, at))
+            && !constant.value.as_ref().is_some_and(|value| holds(value.span, at))
     });
     if code.constants.len() < before {
         return Some(LeftOut { span: at, what: "this constant" });

@@ -7,7 +7,7 @@ use plcc_diag::Span;
 use plcc_syntax::ast::{
     self, BlockName, BlockPrefix, Bound, OperandKind, PathPart, PathRoot, TypeKind, TypeRef, Width,
 };
-use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Name, NameForm};
+use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
 use plcc_syntax::scl::{absolute, db_address};
 use plcc_syntax::{Elementary, scl};
 
@@ -20,7 +20,7 @@ use plcc_binding::fold;
 use plcc_binding::report::Report;
 use plcc_binding::stand_ins::Missing;
 use plcc_model::BlockKey;
-use plcc_model::types::DataType;
+use plcc_model::types::{DataType, ParameterType};
 use plcc_syntax::symbols::SymbolTarget;
 
 /// Looks at one program.
@@ -68,6 +68,9 @@ impl<'a> Look<'_, 'a> {
             && let Some(OperandKind::Cell { kind, number }) = absolute(&name.text)
         {
             self.found.cells.insert((kind, number));
+        }
+        if matches!(node.kind, NodeKind::Literal(Literal::Null)) {
+            return Some(Hint::Type(DataType::Parameter(ParameterType::Variant)));
         }
         let (value, clean) = self.quietly(|binder| {
             let value = binder.scl_value(ctx, node);
@@ -437,6 +440,13 @@ impl<'a> Look<'_, 'a> {
                     self.declared_as(ty);
                 }
                 for constant in &code.constants {
+                    if let Some(ty) = &constant.ty {
+                        self.declared_as(ty);
+                    }
+                    if let (Some(ty), Some(initial)) = (&constant.ty, &constant.initial) {
+                        self.initial_names(initial);
+                        self.initial_fields(ty, &mut Vec::new(), initial);
+                    }
                     constant.value.iter().for_each(|value| self.constant_names(value, None));
                 }
             }

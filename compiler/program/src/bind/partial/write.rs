@@ -13,7 +13,7 @@ use super::evidence::{Evidence, Interface, Shape};
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
 use plcc_model::layout;
-use plcc_model::types::{DataType, StructType};
+use plcc_model::types::{DataType, ParameterType, StructType};
 use plcc_syntax::symbols::{GlobalConstant, Symbol, SymbolTable, SymbolTarget};
 
 /// Bit memory from here on has no CPU: tags that are missing lie there.
@@ -479,6 +479,7 @@ fn written(ty: &DataType, span: Span) -> TypeRef {
             let bounds = vec![(number(0), number(9)); usize::from(array.dimensions)];
             TypeKind::Array { bounds, element: Box::new(written(&array.element, span)) }
         }
+        DataType::Parameter(ParameterType::Variant) => TypeKind::Named("VARIANT".to_string()),
         DataType::Parameter(_) | DataType::Void => TypeKind::Named("DWORD".to_string()),
     };
     TypeRef { kind, span }

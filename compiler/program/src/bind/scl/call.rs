@@ -6,7 +6,7 @@ use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{BlockName, BlockPrefix, OperandKind};
 use plcc_syntax::scl;
-use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKind, Name, NameForm};
+use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
 
 use super::function::Named;
 use super::value::Value;
@@ -118,7 +118,9 @@ impl Binder<'_> {
     /// Arguments of a call that cannot be checked are bound all the same, so that all undefined names are told of.
     pub fn note_arguments(&mut self, ctx: &mut Ctx, given: &[Given]) {
         let known = ctx.scl.temp_reads.len();
-        for value in given.iter().filter_map(|argument| argument.value.as_ref()) {
+        let values = given.iter().filter_map(|argument| argument.value.as_ref());
+        // NULL may be handed to a parameter of type VARIANT, which this one may be.
+        for value in values.filter(|value| !matches!(value.kind, NodeKind::Literal(Literal::Null))) {
             self.scl_value(ctx, value);
         }
         // Which of them the call writes is not known.
