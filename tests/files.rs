@@ -2,7 +2,7 @@
 //!
 //! | Folder | A test | Beside it |
 //! | --- | --- | --- |
-//! | `run/` | STL or SCL with assertions, in all forms at -O0 and -O2; the verifier passes the IR behind each pass | `x.scenario.toml` |
+//! | `run/` | STL or SCL with assertions, in all forms at -O0 and -O2; the verifier passes the IR after each pass | `x.scenario.toml` |
 //! | `run/*/` | a project: a folder with a `plc.toml` | its scenarios below `tests` |
 //! | `twins/*/` | one program in folders `sd`, `xml`, `open`: the IR is the same | |
 //! | `check/` | STL or SCL with caret lines | |
@@ -16,6 +16,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::{Arc, OnceLock};
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use plcc_driver::cli::Level;
@@ -31,19 +32,27 @@ use plcc_tests::{
 /// Endings of the sources that are tests.
 const LANGUAGES: [&str; 6] = ["stl", "awl", "scl", "s7dcl", "gr7", "xml"];
 
-/// Run tests in one trial: their executables share links.
+/// Run tests that share links: so many executables are one.
 const RUN_GROUP: usize = 40;
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    libtest_mimic::run(&arguments, trials()).exit_code()
+    let trials = trials(&|name| is_selected(&arguments, name));
+    libtest_mimic::run(&arguments, trials).exit_code()
 }
 
-fn trials() -> Vec<Trial> {
+/// True if the command line selects the trial `name`, by the rules of `cargo test`.
+fn is_selected(arguments: &Arguments, name: &str) -> bool {
+    let matches = |pattern: &String| if arguments.exact { name == pattern } else { name.contains(pattern.as_str()) };
+    arguments.filter.as_ref().is_none_or(matches) && !arguments.skip.iter().any(matches)
+}
+
+fn trials(is_selected: &dyn Fn(&str) -> bool) -> Vec<Trial> {
     let tests = tests_folder();
     let mut trials = Vec::new();
+    let sources: Vec<PathBuf> = LANGUAGES.iter().flat_map(|language| files(&tests.join("run"), language)).collect();
+    run_trials(sources, is_selected, &mut trials);
     for language in LANGUAGES {
-        run_trials(&files(&tests.join("run"), language), &mut trials);
         file_trials("check", language, check_carets, &mut trials);
         file_trials("parse", language, check_parse, &mut trials);
         file_trials("clif", language, check_clif, &mut trials);
@@ -63,7 +72,7 @@ fn trials() -> Vec<Trial> {
     trials
 }
 
-/// One trial a file of `tests/FOLDER`.
+/// One trial per file of `tests/FOLDER`.
 fn file_trials(folder: &str, suffix: &str, check: fn(&Path) -> Result<(), String>, trials: &mut Vec<Trial>) {
     for path in files(&tests_folder().join(folder), suffix) {
         trials.push(trial(shown(&path), move || check(&path)));
@@ -75,28 +84,47 @@ fn trial(name: String, work: impl FnOnce() -> Result<(), String> + Send + 'stati
     Trial::test(name, move || plcc_driver::on_large_stack(work).and_then(|result| result).map_err(Failed::from))
 }
 
-/// Files of one folder are run together, so that executables share links.
-fn run_trials(paths: &[PathBuf], trials: &mut Vec<Trial>) {
-    for folder in paths.chunk_by(|a, b| a.parent() == b.parent()) {
-        for (index, group) in folder.chunks(RUN_GROUP).enumerate() {
-            let group = group.to_vec();
-            let name = format!("{} {}", shown(group[0].parent().unwrap_or(&group[0])), index + 1);
-            trials.push(trial(name, move || run_group(&group)));
+/// Run tests whose executables share links. The first trial that asks runs them all.
+struct Group {
+    paths: Vec<PathBuf>,
+    outcomes: OnceLock<Vec<Outcome>>,
+}
+
+/// One trial per file. Those that are selected share links in groups; the first files of all groups come first, so that trials that run
+/// at the same time rarely wait for the same group.
+fn run_trials(paths: Vec<PathBuf>, is_selected: &dyn Fn(&str) -> bool, trials: &mut Vec<Trial>) {
+    let (selected, others): (Vec<PathBuf>, Vec<PathBuf>) =
+        paths.into_iter().partition(|path| is_selected(&shown(path)));
+    let groups: Vec<Arc<Group>> = [selected, others]
+        .iter()
+        .flat_map(|paths| paths.chunks(RUN_GROUP))
+        .map(|paths| Arc::new(Group { paths: paths.to_vec(), outcomes: OnceLock::new() }))
+        .collect();
+    for index in 0..RUN_GROUP {
+        for group in &groups {
+            let Some(path) = group.paths.get(index) else { continue };
+            let group = Arc::clone(group);
+            trials.push(trial(shown(path), move || group.check(index)));
         }
     }
 }
 
-fn run_group(paths: &[PathBuf]) -> Result<(), String> {
-    paths.iter().try_for_each(|path| verify_passes(path))?;
-    let inputs: Vec<TestInput> = paths.iter().cloned().map(TestInput::File).collect();
-    let outcomes = testing::run(&inputs, &plan(all_variants()));
-    all_passed(&outcomes)?;
-    // What runs and asserts nothing is no test.
-    let untested: Vec<&str> = outcomes.iter().flat_map(|outcome| &outcome.untested).map(String::as_str).collect();
-    if untested.is_empty() { Ok(()) } else { Err(format!("no assertions: {}\n", untested.join(", "))) }
+impl Group {
+    fn check(&self, index: usize) -> Result<(), String> {
+        verify_passes(&self.paths[index])?;
+        let run = || {
+            let inputs: Vec<TestInput> = self.paths.iter().cloned().map(TestInput::File).collect();
+            testing::run(&inputs, &plan(all_variants()))
+        };
+        let outcome = &self.outcomes.get_or_init(run)[index];
+        all_passed(std::slice::from_ref(outcome))?;
+        // What runs and asserts nothing is not a test.
+        let untested = outcome.untested.join(", ");
+        if untested.is_empty() { Ok(()) } else { Err(format!("no assertions: {untested}\n")) }
+    }
 }
 
-/// The verifier passes the IR of the program behind lowering and behind each pass.
+/// The verifier passes the IR of the program behind lowering and after each pass.
 fn verify_passes(path: &Path) -> Result<(), String> {
     let settings = Settings { pragmas: true, require_main: true, ..Settings::default() };
     let bound = pipeline::front(inputs::read(&[path.to_path_buf()]), &settings);
@@ -111,7 +139,7 @@ fn verify_passes(path: &Path) -> Result<(), String> {
         }
     });
     match failure {
-        Some((stage, error)) => Err(format!("{}: behind {stage}: {error}\n", shown(path))),
+        Some((stage, error)) => Err(format!("{}: after {stage}: {error}\n", shown(path))),
         None => Ok(()),
     }
 }
@@ -190,7 +218,7 @@ fn read_module(path: &Path) -> Result<plcc_ir::Module, String> {
     Ok(module)
 }
 
-/// Runs the passes that the first line names, and compares the IR behind them.
+/// Runs the passes that the first line names, and compares the IR after them.
 fn check_opt(path: &Path) -> Result<(), String> {
     let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
     expect_file(&path.with_extension("expect"), &plcc_opt::run_listed_passes(&text)?)
