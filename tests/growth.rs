@@ -1,6 +1,8 @@
 //! Programs that are four times as long take about four times the work: each shape of program in which something could be compared with
 //! everything. Work is processor time of this process and bytes that were allocated; both hardly depend on what else the computer does.
 
+#![allow(unsafe_code, reason = "an allocator that counts, and the clock of the process")]
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -21,8 +21,8 @@ fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let folder = root().join("../shared/vectors/stl300");
     if !folder.is_dir() {
-        println!("skipped: the recorded vectors are not at {}", folder.display());
-        return ExitCode::SUCCESS;
+        let missing = Trial::test(format!("stl300: no vectors at {}", folder.display()), || Ok(()));
+        return libtest_mimic::run(&arguments, vec![missing.with_ignored_flag(true)]).exit_code();
     }
     let mut programs = batch_programs(&folder.join("batches.jsonl"));
     programs.extend(error_programs(&folder.join("errors.jsonl")));

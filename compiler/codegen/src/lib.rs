@@ -10,6 +10,8 @@
 //!
 //! **Invariant**: one lowering serves all outputs, and it knows no source language.
 
+#![allow(unsafe_code, reason = "machine code is called")]
+
 mod abi;
 mod bits;
 mod compile;

@@ -29,59 +29,46 @@ pub struct Pass {
     pub run: fn(&mut Module),
 }
 
-/// Every pass once, in the order of the files.
-const FOLD: Pass = Pass { name: "fold", run: fold::fold };
-const CONTROL_FLOW: Pass = Pass { name: "control-flow", run: control_flow::simplify_control_flow };
-const ADDRESSES: Pass = Pass { name: "addresses", run: addresses::resolve_addresses };
-const BITS: Pass = Pass { name: "bits", run: bits::find_bits };
-const VALUES: Pass = Pass { name: "values", run: values::share_values };
-const FORWARD: Pass = Pass { name: "forward", run: forward::forward_memory };
-const INTERFACES: Pass = Pass { name: "interfaces", run: interfaces::simplify_interfaces };
-const INLINE: Pass = Pass { name: "inline", run: inline::inline_calls };
-const DEAD_STORES: Pass = Pass { name: "dead-stores", run: dead_stores::eliminate_dead_stores };
-const DEAD_CODE: Pass = Pass { name: "dead-code", run: dead_code::eliminate_dead_code };
-const COMPACT: Pass = Pass { name: "compact", run: compact };
+const fn pass(name: &'static str, run: fn(&mut Module)) -> Pass {
+    Pass { name, run }
+}
 
-/// What `-O2` does, in order.
+/// What `-O2` does, in order. A new pass is its module above and a row here.
 pub const PIPELINE: &[Pass] = &[
-    FOLD,
-    CONTROL_FLOW,
-    ADDRESSES,
-    VALUES,
-    FORWARD,
-    FOLD,
-    CONTROL_FLOW,
-    INTERFACES,
-    DEAD_CODE,
-    COMPACT,
-    INLINE,
-    FOLD,
-    CONTROL_FLOW,
-    ADDRESSES,
-    BITS,
-    VALUES,
-    FORWARD,
-    FOLD,
-    DEAD_STORES,
-    DEAD_CODE,
-    CONTROL_FLOW,
-    COMPACT,
+    pass("fold", fold::fold),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("addresses", addresses::resolve_addresses),
+    pass("values", values::share_values),
+    pass("forward", forward::forward_memory),
+    pass("fold", fold::fold),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("interfaces", interfaces::simplify_interfaces),
+    pass("dead-code", dead_code::eliminate_dead_code),
+    pass("compact", compact),
+    pass("inline", inline::inline_calls),
+    pass("fold", fold::fold),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("addresses", addresses::resolve_addresses),
+    pass("bits", bits::find_bits),
+    pass("values", values::share_values),
+    pass("forward", forward::forward_memory),
+    pass("fold", fold::fold),
+    pass("dead-stores", dead_stores::eliminate_dead_stores),
+    pass("dead-code", dead_code::eliminate_dead_code),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("compact", compact),
 ];
 
-/// Names of the passes.
-pub const PASSES: &[&str] = &[
-    FOLD.name,
-    CONTROL_FLOW.name,
-    ADDRESSES.name,
-    BITS.name,
-    VALUES.name,
-    FORWARD.name,
-    INTERFACES.name,
-    INLINE.name,
-    DEAD_STORES.name,
-    DEAD_CODE.name,
-    COMPACT.name,
-];
+/// Names of the passes, each once, in the order in which they first run.
+pub fn passes() -> Vec<&'static str> {
+    let mut names: Vec<&str> = Vec::new();
+    for pass in PIPELINE {
+        if !names.contains(&pass.name) {
+            names.push(pass.name);
+        }
+    }
+    names
+}
 
 /// Optimises a module that the verifier passes.
 pub fn optimize(module: &mut Module) {

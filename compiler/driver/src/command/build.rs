@@ -22,8 +22,8 @@ pub fn build(args: &BuildArgs) -> u8 {
 }
 
 fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
-    if let Some(pass) = args.print_after.as_deref().filter(|pass| !plcc_opt::PASSES.contains(pass)) {
-        report::say(&format!("there is no pass `{pass}`; the passes are {}", plcc_opt::PASSES.join(", ")));
+    if let Some(pass) = args.print_after.as_deref().filter(|pass| !plcc_opt::passes().contains(pass)) {
+        report::say(&format!("there is no pass `{pass}`; the passes are {}", plcc_opt::passes().join(", ")));
         return Err(exit::USAGE);
     }
     let unreadable = read.is_unreadable();
