@@ -1,5 +1,7 @@
 //! Machine code against the meaning of the IR.
 
+#![allow(unsafe_code, reason = "machine code is called")]
+
 mod calls;
 mod harness;
 mod memory;
