@@ -338,3 +338,51 @@ fn fences(text: &str) -> Vec<(&str, String)> {
     }
     fences
 }
+
+/// The crates of docs/ARCHITECTURE.md, in its order: each uses only those above it, and none is left out.
+#[test]
+fn crates_use_only_what_the_architecture_lists_above_them() {
+    let text = fs::read_to_string(root().join("docs/ARCHITECTURE.md")).unwrap();
+    let mut above: Vec<String> = Vec::new();
+    let listed = text.lines().filter_map(|line| line.strip_prefix("**")?.split_once("**: ")).map(|(name, _)| name);
+    for folder in listed.filter(|folder| root().join(folder).join("Cargo.toml").is_file()) {
+        let manifest = fs::read_to_string(root().join(folder).join("Cargo.toml")).unwrap();
+        let (_, dependencies) = manifest.split_once("[dependencies]").unwrap_or_default();
+        let dependencies = dependencies.split("\n[").next().unwrap_or_default();
+        for used in dependencies.lines().filter_map(|line| line.strip_suffix(".workspace = true")) {
+            let known = !used.starts_with("plcc-") || above.iter().any(|name| name == used);
+            assert!(known, "{folder} uses {used}, which docs/ARCHITECTURE.md does not list above it");
+        }
+        above.extend(
+            manifest.lines().find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"')).map(String::from),
+        );
+    }
+    let members = fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let members = members.split("members = [").nth(1).and_then(|rest| rest.split(']').next()).unwrap();
+    assert_eq!(above.len(), members.lines().filter(|line| line.contains('"')).count(), "{above:?}");
+}
+
+#[test]
+fn the_architecture_is_short() {
+    let text = fs::read_to_string(root().join("docs/ARCHITECTURE.md")).unwrap();
+    assert!(text.lines().count() <= 250, "{} lines", text.lines().count());
+    for line in text.lines() {
+        assert!(line.chars().count() <= 110, "longer than 110 columns: {line}");
+    }
+}
+
+/// Files that docs/ARCHITECTURE.md and CONTRIBUTING.md name by a path from the root exist.
+#[test]
+fn files_that_contributors_are_sent_to_exist() {
+    for document in ["docs/ARCHITECTURE.md", "CONTRIBUTING.md"] {
+        let text = fs::read_to_string(root().join(document)).unwrap();
+        let words = text.split('`').skip(1).step_by(2);
+        let paths = words.filter(|word| {
+            let begins = ["compiler/", "runtime/", "stdlib/", "tests/", "docs/", "samples/"];
+            begins.iter().any(|begin| word.starts_with(begin)) && !word.contains(['*', ' ', '<'])
+        });
+        for path in paths.filter(|path| !path.contains("ROW")) {
+            assert!(root().join(path).exists(), "{document} names {path}");
+        }
+    }
+}
