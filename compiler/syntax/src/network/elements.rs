@@ -19,6 +19,53 @@ pub struct Row {
     /// Pins that the flow enters and leaves; empty: none.
     pub flow: (&'static str, &'static str),
     pub kind: Kind,
+    pub typing: Typing,
+    /// Errors that ENO reports; `None`: those of all elements of the kind.
+    pub eno: Option<EnoRule>,
+}
+
+/// How the inputs and the result of a function get their types.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Typing {
+    /// No input is converted to the type of the element.
+    pub own_types: bool,
+    /// Inputs that are not converted to it, while the others are.
+    pub own_pins: &'static [&'static str],
+    /// Inputs that have the type of the output.
+    pub output_pins: &'static [&'static str],
+    /// With constants at all inputs, and no type set, the output decides.
+    pub follows_output: bool,
+    /// The function is called with the type of its output: `NORM_X_REAL`.
+    pub named_by_output: bool,
+}
+
+impl Default for Typing {
+    fn default() -> Typing {
+        Typing::NONE
+    }
+}
+
+impl Typing {
+    /// All inputs are converted.
+    const NONE: Typing =
+        Typing { own_types: false, own_pins: &[], output_pins: &[], follows_output: false, named_by_output: false };
+
+    /// True of an input that is converted to the type of the element.
+    pub fn converts(&self, pin: &str) -> bool {
+        !self.own_types && !self.own_pins.contains(&pin)
+    }
+}
+
+/// When ENO is 0 though EN is 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EnoRule {
+    Never,
+    /// The result is too large for its type.
+    Overflow,
+    /// Division by 0, and as for [`EnoRule::Overflow`].
+    Division,
+    /// The result is infinite or not a number.
+    Infinite,
 }
 
 /// What an element does.
@@ -288,7 +335,7 @@ const fn row(
     flow: (&'static str, &'static str),
     kind: Kind,
 ) -> Row {
-    Row { name, sd: &[], xml, open, pins, flow, kind }
+    Row { name, sd: &[], xml, open, pins, flow, kind, typing: Typing::NONE, eno: None }
 }
 
 /// A box with EN and ENO; both are added to its pins.
@@ -299,12 +346,42 @@ const fn en(
     pins: &'static str,
     kind: Kind,
 ) -> Row {
-    Row { name, sd: &[], xml, open, pins, flow: ("en", "eno"), kind }
+    Row { name, sd: &[], xml, open, pins, flow: ("en", "eno"), kind, typing: Typing::NONE, eno: None }
 }
 
 impl Row {
     const fn sd(mut self, names: &'static [&'static str]) -> Row {
         self.sd = names;
+        self
+    }
+
+    const fn own_types(mut self) -> Row {
+        self.typing.own_types = true;
+        self
+    }
+
+    const fn own_pins(mut self, pins: &'static [&'static str]) -> Row {
+        self.typing.own_pins = pins;
+        self
+    }
+
+    const fn output_pins(mut self, pins: &'static [&'static str]) -> Row {
+        self.typing.output_pins = pins;
+        self
+    }
+
+    const fn follows_output(mut self) -> Row {
+        self.typing.follows_output = true;
+        self
+    }
+
+    const fn named_by_output(mut self) -> Row {
+        self.typing.named_by_output = true;
+        self
+    }
+
+    const fn eno(mut self, rule: EnoRule) -> Row {
+        self.eno = Some(rule);
         self
     }
 }
@@ -384,27 +461,27 @@ pub static ELEMENTS: &[Row] = &[
     en("Add", &["Add"], &["ADD"], MANY, Operator("+")),
     en("Sub", &["Sub"], &["SUB"], BINARY, Operator("-")),
     en("Mul", &["Mul"], &["MUL"], MANY, Operator("*")),
-    en("Div", &["Div"], &["DIV"], BINARY, Operator("/")),
-    en("Mod", &["Mod"], &["MOD"], BINARY, Operator("MOD")),
+    en("Div", &["Div"], &["DIV"], BINARY, Operator("/")).eno(EnoRule::Division),
+    en("Mod", &["Mod"], &["MOD"], BINARY, Operator("MOD")).eno(EnoRule::Division),
     en("Neg", &["Neg"], &[], UNARY, Negate),
-    en("Abs", &["Abs"], &["ABS"], UNARY, Function("ABS")),
+    en("Abs", &["Abs"], &["ABS"], UNARY, Function("ABS")).follows_output().eno(EnoRule::Overflow),
     en("Inc", &["Inc", "INC"], &[], "?en =operand ?>eno", Step { up: true }),
     en("Dec", &["Dec"], &[], "?en =operand ?>eno", Step { up: false }),
-    en("MIN", &["Min"], &["MIN"], MANY, Function("MIN")),
-    en("MAX", &["Max"], &["MAX"], MANY, Function("MAX")),
-    en("Limit", &["Limit"], &["LIMIT"], "?en mn|min in mx|max ?>out ?>eno", Function("LIMIT")),
-    en("Sqr", &["Sqr"], &[], UNARY, Function("SQR")),
-    en("Sqrt", &["Sqrt"], &["SQRT"], UNARY, Function("SQRT")),
-    en("Ln", &["Ln"], &["LN"], UNARY, Function("LN")),
-    en("Log", &["Log"], &["LOG"], UNARY, Function("LOG")),
-    en("Exp", &["Exp"], &["EXP"], UNARY, Function("EXP")),
-    en("Sin", &["Sin"], &["SIN"], UNARY, Function("SIN")),
-    en("Cos", &["Cos"], &["COS"], UNARY, Function("COS")),
-    en("Tan", &["Tan"], &["TAN"], UNARY, Function("TAN")),
-    en("Asin", &["Asin"], &["ASIN"], UNARY, Function("ASIN")),
-    en("Acos", &["Acos"], &["ACOS"], UNARY, Function("ACOS")),
-    en("Atan", &["Atan"], &["ATAN"], UNARY, Function("ATAN")),
-    en("Frac", &["Frac"], &[], UNARY, Function("FRAC")),
+    en("MIN", &["Min"], &["MIN"], MANY, Function("MIN")).follows_output(),
+    en("MAX", &["Max"], &["MAX"], MANY, Function("MAX")).follows_output(),
+    en("Limit", &["Limit"], &["LIMIT"], "?en mn|min in mx|max ?>out ?>eno", Function("LIMIT")).follows_output(),
+    en("Sqr", &["Sqr"], &[], UNARY, Function("SQR")).eno(EnoRule::Infinite),
+    en("Sqrt", &["Sqrt"], &["SQRT"], UNARY, Function("SQRT")).eno(EnoRule::Infinite),
+    en("Ln", &["Ln"], &["LN"], UNARY, Function("LN")).eno(EnoRule::Infinite),
+    en("Log", &["Log"], &["LOG"], UNARY, Function("LOG")).eno(EnoRule::Infinite),
+    en("Exp", &["Exp"], &["EXP"], UNARY, Function("EXP")).eno(EnoRule::Infinite),
+    en("Sin", &["Sin"], &["SIN"], UNARY, Function("SIN")).eno(EnoRule::Infinite),
+    en("Cos", &["Cos"], &["COS"], UNARY, Function("COS")).eno(EnoRule::Infinite),
+    en("Tan", &["Tan"], &["TAN"], UNARY, Function("TAN")).eno(EnoRule::Infinite),
+    en("Asin", &["Asin"], &["ASIN"], UNARY, Function("ASIN")).eno(EnoRule::Infinite),
+    en("Acos", &["Acos"], &["ACOS"], UNARY, Function("ACOS")).eno(EnoRule::Infinite),
+    en("Atan", &["Atan"], &["ATAN"], UNARY, Function("ATAN")).eno(EnoRule::Infinite),
+    en("Frac", &["Frac"], &[], UNARY, Function("FRAC")).eno(EnoRule::Infinite),
     en("Expt", &["Expt"], &["EXPT"], BINARY, Operator("**")),
     // B.5 Move
     en("Move", &["Move"], &["MOVE"], "?en in ?>out1|out+ ?>eno", Move),
@@ -412,7 +489,7 @@ pub static ELEMENTS: &[Row] = &[
     en("MoveBlockU", &["MoveBlockU", "UMOVE_BLK", "UMoveBlk"], &[], "?en in count >out ?>eno", Procedure("UMOVE_BLK")).sd(&["UMOVE_BLK"]),
     en("FillBlockI", &["FillBlockI", "FILL_BLK", "FillBlk"], &[], "?en in count >out ?>eno", Procedure("FILL_BLK")).sd(&["FILL_BLK"]),
     en("FillBlockU", &["FillBlockU", "UFILL_BLK", "UFillBlk"], &[], "?en in count >out ?>eno", Procedure("UFILL_BLK")).sd(&["UFILL_BLK"]),
-    en("Swap", &["Swap"], &[], UNARY, Function("SWAP")),
+    en("Swap", &["Swap"], &[], UNARY, Function("SWAP")).follows_output().eno(EnoRule::Never),
     en("MoveBlockVariant", &["MOVE_BLK_VARIANT", "MoveBlockVariant"], &[], "?en src count src_index|srcIndex dest_index|dstIndex ?>ret_val >dest|dst ?>eno", Procedure("MOVE_BLK_VARIANT")),
     en("S_Move", &["S_MOVE"], &[], "?en in >out ?>eno", Procedure("S_MOVE")),
     en("Serialize", &["Serialize"], &[], "?en src_variable|srcVariable =pos ?>ret_val >dest_array|dstArray ?>eno", Procedure("Serialize")),
@@ -423,17 +500,17 @@ pub static ELEMENTS: &[Row] = &[
     en("ScatterBlock", &["SCATTER_BLK", "ScatterBlock"], &[], "?en in count_in|countIn >out ?>eno", Procedure("SCATTER_BLK")),
     en("VariantGet", &["VariantGet"], &[], "?en src >dst ?>eno", Procedure("VariantGet")),
     en("VariantPut", &["VariantPut"], &[], "?en src dst ?>eno", Procedure("VariantPut")),
-    en("CountOfElements", &["CountOfElements"], &[], "?en in ?>out|ret_val ?>eno", Function("CountOfElements")),
-    en("Lower_Bound", &["LOWER_BOUND"], &[], "?en arr dim ?>out ?>eno", Function("LOWER_BOUND")),
-    en("Upper_Bound", &["UPPER_BOUND"], &[], "?en arr dim ?>out ?>eno", Function("UPPER_BOUND")),
+    en("CountOfElements", &["CountOfElements"], &[], "?en in ?>out|ret_val ?>eno", Function("CountOfElements")).own_types(),
+    en("Lower_Bound", &["LOWER_BOUND"], &[], "?en arr dim ?>out ?>eno", Function("LOWER_BOUND")).own_types(),
+    en("Upper_Bound", &["UPPER_BOUND"], &[], "?en arr dim ?>out ?>eno", Function("UPPER_BOUND")).own_types(),
     // B.6 Conversion
     en("Convert", &["Convert", "CONV"], &[], UNARY, Convert),
     en("Round", &["Round"], &[], UNARY, Round("ROUND")),
     en("Trunc", &["Trunc"], &["TRUNC"], UNARY, Round("TRUNC")),
     en("Ceil", &["Ceil"], &[], UNARY, Round("CEIL")),
     en("Floor", &["Floor"], &[], UNARY, Round("FLOOR")),
-    en("Scale", &["Scale_X", "ScaleX", "SCALE_X"], &[], "?en min value max ?>out ?>eno", Function("SCALE_X")).sd(&["Scale_X"]),
-    en("Normalize", &["Normalize", "Norm_X", "NORM_X", "Norm"], &[], "?en min value max ?>out ?>eno", Function("NORM_X")).sd(&["Norm_X"]),
+    en("Scale", &["Scale_X", "ScaleX", "SCALE_X"], &[], "?en min value max ?>out ?>eno", Function("SCALE_X")).sd(&["Scale_X"]).output_pins(&["min", "max"]).named_by_output(),
+    en("Normalize", &["Normalize", "Norm_X", "NORM_X", "Norm"], &[], "?en min value max ?>out ?>eno", Function("NORM_X")).sd(&["Norm_X"]).named_by_output(),
     // B.7 Program control
     row("JumpCoil", &["Jump", "JMP", "JumpCoil", "JumpTrue"], &[], "?in label", ("in", ""), Jump { negated: false }),
     row("I_JumpCoil", &["JumpNot", "JumpN", "JMPN", "JumpNotCoil", "I_JumpCoil", "JumpFalse"], &[], "?in label", ("in", ""), Jump { negated: true }),
@@ -446,29 +523,29 @@ pub static ELEMENTS: &[Row] = &[
     en("STP", &["STP"], &[], "?en ?>eno", Procedure("STP")),
     en("WAIT", &["WAIT"], &[], "?en wt ?>eno", Procedure("WAIT")),
     en("GetError", &["GetError", "GET_ERROR"], &[], "?en >error|out ?>eno", Procedure("GET_ERROR")),
-    en("GetErrorID", &["GetErrorID", "GET_ERR_ID"], &[], "?en ?>out|id|error ?>eno", Function("GET_ERR_ID")),
-    en("Runtime", &["RUNTIME"], &[], "?en =mem ?>out|ret_val ?>eno", Function("RUNTIME")),
+    en("GetErrorID", &["GetErrorID", "GET_ERR_ID"], &[], "?en ?>out|id|error ?>eno", Function("GET_ERR_ID")).own_types(),
+    en("Runtime", &["RUNTIME"], &[], "?en =mem ?>out|ret_val ?>eno", Function("RUNTIME")).own_types(),
     // B.8 Word logic, selection, shift
-    en("And", &["And"], &[], MANY, Operator("AND")),
-    en("Or", &["Or"], &[], MANY, Operator("OR")),
-    en("Xor", &["Xor"], &[], MANY, Operator("XOR")),
+    en("And", &["And"], &[], MANY, Operator("AND")).eno(EnoRule::Never),
+    en("Or", &["Or"], &[], MANY, Operator("OR")).eno(EnoRule::Never),
+    en("Xor", &["Xor"], &[], MANY, Operator("XOR")).eno(EnoRule::Never),
     en("Inv", &["Inv", "Invert"], &[], UNARY, Invert),
     en("BITSUM", &["BITSUM", "BitSum"], &[], UNARY, Function("BITSUM")),
     en("ENCO", &["ENCO", "Encode"], &[], UNARY, Function("ENCO")),
-    en("DECO", &["DECO", "Decode"], &[], UNARY, Function("DECO")),
-    en("SEL", &["Sel", "Select"], &["SEL"], "?en g in0 in1 ?>out ?>eno", Function("SEL")),
+    en("DECO", &["DECO", "Decode"], &[], UNARY, Function("DECO")).named_by_output().eno(EnoRule::Never),
+    en("SEL", &["Sel", "Select"], &["SEL"], "?en g in0 in1 ?>out ?>eno", Function("SEL")).own_pins(&["g"]).follows_output().eno(EnoRule::Never),
     en("Mux", &["Mux", "Multiplex"], &["MUX"], "?en k in0+ ?else|inelse ?>out ?>eno", Mux),
     en("Demux", &["Demux", "Demultiplex"], &[], "?en k in ?>out0+ ?>else|outelse ?>eno", Demux),
-    en("Shr", &["Shr"], &["SHR"], SHIFT, Function("SHR")),
-    en("Shl", &["Shl"], &["SHL"], SHIFT, Function("SHL")),
-    en("Ror", &["Ror"], &["ROR"], SHIFT, Function("ROR")),
-    en("Rol", &["Rol"], &["ROL"], SHIFT, Function("ROL")),
+    en("Shr", &["Shr"], &["SHR"], SHIFT, Function("SHR")).own_pins(&["n"]).follows_output().eno(EnoRule::Never),
+    en("Shl", &["Shl"], &["SHL"], SHIFT, Function("SHL")).own_pins(&["n"]).follows_output().eno(EnoRule::Never),
+    en("Ror", &["Ror"], &["ROR"], SHIFT, Function("ROR")).own_pins(&["n"]).follows_output().eno(EnoRule::Never),
+    en("Rol", &["Rol"], &["ROL"], SHIFT, Function("ROL")).own_pins(&["n"]).follows_output().eno(EnoRule::Never),
     // B.9 Extended instructions
-    en("T_CONV", &["T_CONV"], &[], UNARY, Function("T_CONV")),
-    en("T_ADD", &["T_ADD"], &[], BINARY, Function("T_ADD")),
-    en("T_SUB", &["T_SUB"], &[], BINARY, Function("T_SUB")),
-    en("T_DIFF", &["T_DIFF"], &[], BINARY, Function("T_DIFF")),
-    en("T_COMBINE", &["T_COMBINE"], &[], BINARY, Function("T_COMBINE")),
+    en("T_CONV", &["T_CONV"], &[], UNARY, Function("T_CONV")).own_types(),
+    en("T_ADD", &["T_ADD"], &[], BINARY, Function("T_ADD")).own_types(),
+    en("T_SUB", &["T_SUB"], &[], BINARY, Function("T_SUB")).own_types(),
+    en("T_DIFF", &["T_DIFF"], &[], BINARY, Function("T_DIFF")).own_types(),
+    en("T_COMBINE", &["T_COMBINE"], &[], BINARY, Function("T_COMBINE")).own_types(),
     en("WR_SYS_T", &["WR_SYS_T"], &[], "?en in ?>ret_val ?>eno", Procedure("WR_SYS_T")),
     en("RD_SYS_T", &["RD_SYS_T"], &[], "?en ?>ret_val >out ?>eno", Procedure("RD_SYS_T")),
     en("RD_LOC_T", &["RD_LOC_T"], &[], "?en ?>ret_val >out ?>eno", Procedure("RD_LOC_T")),
@@ -480,16 +557,16 @@ pub static ELEMENTS: &[Row] = &[
     en("Chars_TO_Strg", &["Chars_TO_Strg"], &[], "?en chars pchars cnt >strg ?>eno", Procedure("Chars_TO_Strg")),
     en("AsciiToHex", &["ATH", "AsciiToHex"], &[], "?en in n ?>ret_val >out ?>eno", Procedure("ATH")).sd(&["ATH"]),
     en("HexToAscii", &["HTA", "HexToAscii"], &[], "?en in n ?>ret_val >out ?>eno", Procedure("HTA")).sd(&["HTA"]),
-    en("LEN", &["LEN"], &["LEN"], UNARY, Function("LEN")),
-    en("MaxLen", &["MAX_LEN", "MaxLen"], &[], UNARY, Function("MAX_LEN")).sd(&["MAX_LEN"]),
-    en("CONCAT", &["CONCAT"], &["CONCAT"], MANY, Function("CONCAT")),
-    en("LEFT", &["LEFT"], &["LEFT"], "?en in l ?>out ?>eno", Function("LEFT")),
-    en("RIGHT", &["RIGHT"], &["RIGHT"], "?en in l ?>out ?>eno", Function("RIGHT")),
-    en("MID", &["MID"], &["MID"], "?en in l p ?>out ?>eno", Function("MID")),
-    en("DELETE", &["DELETE"], &["DELETE"], "?en in l p ?>out ?>eno", Function("DELETE")),
-    en("INSERT", &["INSERT"], &["INSERT"], "?en in1 in2 p ?>out ?>eno", Function("INSERT")),
-    en("REPLACE", &["REPLACE"], &["REPLACE"], "?en in1 in2 l p ?>out ?>eno", Function("REPLACE")),
-    en("FIND", &["FIND"], &["FIND"], BINARY, Function("FIND")),
+    en("LEN", &["LEN"], &["LEN"], UNARY, Function("LEN")).own_types(),
+    en("MaxLen", &["MAX_LEN", "MaxLen"], &[], UNARY, Function("MAX_LEN")).sd(&["MAX_LEN"]).own_types(),
+    en("CONCAT", &["CONCAT"], &["CONCAT"], MANY, Function("CONCAT")).own_types(),
+    en("LEFT", &["LEFT"], &["LEFT"], "?en in l ?>out ?>eno", Function("LEFT")).own_types(),
+    en("RIGHT", &["RIGHT"], &["RIGHT"], "?en in l ?>out ?>eno", Function("RIGHT")).own_types(),
+    en("MID", &["MID"], &["MID"], "?en in l p ?>out ?>eno", Function("MID")).own_types(),
+    en("DELETE", &["DELETE"], &["DELETE"], "?en in l p ?>out ?>eno", Function("DELETE")).own_types(),
+    en("INSERT", &["INSERT"], &["INSERT"], "?en in1 in2 p ?>out ?>eno", Function("INSERT")).own_types(),
+    en("REPLACE", &["REPLACE"], &["REPLACE"], "?en in1 in2 l p ?>out ?>eno", Function("REPLACE")).own_types(),
+    en("FIND", &["FIND"], &["FIND"], BINARY, Function("FIND")).own_types(),
     en("ATTACH", &["ATTACH"], &[], "?en ob_nr event ?add ?>ret_val ?>eno", Procedure("ATTACH")),
     en("DETACH", &["DETACH"], &[], "?en ob_nr ?event ?>ret_val ?>eno", Procedure("DETACH")),
     en("SET_CINT", &["SET_CINT"], &[], "?en ob_nr cycle phase ?>ret_val ?>eno", Procedure("SET_CINT")),

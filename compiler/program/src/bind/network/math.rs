@@ -1,7 +1,8 @@
 //! Boxes that compute: operators, CALCULATE, INC and DEC, functions of SCL. Source: LAD/FBD reference C.8, C.9, C.13, C.14.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::network::ast::{Element, PinValue, TemplateKey};
+use plcc_syntax::network::ast::{Element, PinValue, Target, TemplateKey};
+use plcc_syntax::network::elements::Typing;
 use plcc_syntax::scl::ast::{
     AssignOp, BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Literal, UnaryOp as Sign,
 };
@@ -296,11 +297,13 @@ impl Binder<'_> {
     }
 
     /// The type of a function whose inputs are constants, where none is set: that of its output.
-    fn type_of_constants(&mut self, ctx: &mut Ctx, element: &Element, name: &str) -> Option<Elementary> {
-        if !FOLLOW_OUTPUT.contains(&name) {
+    fn type_of_constants(&mut self, ctx: &mut Ctx, element: &Element) -> Option<Elementary> {
+        let typing = typing(element);
+        if !typing.follows_output {
             return None;
         }
-        let mut inputs = element.pins.iter().filter(|pin| !pin.output && pin.name != "en" && has_type(name, &pin.name));
+        let mut inputs =
+            element.pins.iter().filter(|pin| !pin.output && pin.name != "en" && typing.converts(&pin.name));
         inputs
             .all(|pin| matches!(&pin.value, PinValue::Operand(node) if is_untyped_number(node)))
             .then(|| self.output_type(ctx, element, "out"))?
@@ -364,11 +367,15 @@ impl Binder<'_> {
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
             let source = binder.template_type(element, &[TemplateKey::Source, TemplateKey::Value]);
             let target = binder.template_type(element, &[TemplateKey::Destination]);
-            let source = source.or_else(|| binder.type_of_constants(ctx, element, name));
+            let source = source.or_else(|| binder.type_of_constants(ctx, element));
+            let typing = typing(element);
             let mut arguments = Vec::new();
             for pin in element.pins.iter().filter(|pin| !pin.output && pin.value != PinValue::Open && pin.name != "en")
             {
-                let ty = pin_type(name, &pin.name, source, target);
+                let ty = match pin.name.as_str() {
+                    name if typing.output_pins.contains(&name) => target,
+                    name => source.filter(|_| typing.converts(name)),
+                };
                 let node = match ty {
                     Some(ty) => {
                         let value = binder.pin_value(ctx, sheet, pin)?;
@@ -379,11 +386,11 @@ impl Binder<'_> {
                 };
                 arguments.push(argument(&pin.name, node, false));
             }
-            let ty = match name {
-                "NORM_X" | "SCALE_X" | "DECO" => target.or_else(|| binder.output_type(ctx, element, "out")),
-                _ => None,
+            let of_output = match typing.named_by_output {
+                true => target.or_else(|| binder.output_type(ctx, element, "out")),
+                false => None,
             };
-            let called = match ty {
+            let called = match of_output {
                 Some(ty) => format!("{name}_{}", ty.name()),
                 None => name.to_string(),
             };
@@ -400,14 +407,6 @@ impl Binder<'_> {
     }
 }
 
-/// Functions with one type for inputs and output.
-const FOLLOW_OUTPUT: [&str; 10] = ["ABS", "MIN", "MAX", "LIMIT", "SEL", "SHL", "SHR", "ROL", "ROR", "SWAP"];
-
-/// False of the pins of shifts and SEL that have a type of their own.
-fn has_type(name: &str, pin: &str) -> bool {
-    !matches!((name, pin), ("SHL" | "SHR" | "ROL" | "ROR", "n") | ("SEL", "g"))
-}
-
 /// A number of no type: `5`, `-5`, `16#FF`.
 fn is_untyped_number(node: &Node) -> bool {
     match &node.kind {
@@ -417,15 +416,11 @@ fn is_untyped_number(node: &Node) -> bool {
     }
 }
 
-/// The type of a pin of a function box; none for pins that have their own.
-fn pin_type(name: &str, pin: &str, source: Option<Elementary>, target: Option<Elementary>) -> Option<Elementary> {
-    match (name, pin) {
-        _ if !has_type(name, pin) => None,
-        ("SCALE_X", "min" | "max") => target,
-        ("T_CONV" | "T_ADD" | "T_SUB" | "T_DIFF" | "T_COMBINE", _) => None,
-        ("LEN" | "MAX_LEN" | "LEFT" | "RIGHT" | "MID" | "DELETE" | "INSERT" | "REPLACE" | "FIND" | "CONCAT", _) => None,
-        ("CountOfElements" | "LOWER_BOUND" | "UPPER_BOUND" | "RUNTIME" | "GET_ERR_ID", _) => None,
-        _ => source,
+/// How a row types the pins of its function.
+fn typing(element: &Element) -> Typing {
+    match &element.target {
+        Target::Element { row, .. } => row.typing,
+        Target::Block { .. } => Typing::default(),
     }
 }
 

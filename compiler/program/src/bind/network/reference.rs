@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use plcc_syntax::network::elements::{
-    CounterCoil, ELEMENTS, Flag, Gate, Kind, Mcr, PinDirection, PinRow, ReturnValue, Row,
+    CounterCoil, ELEMENTS, EnoRule, Flag, Gate, Kind, Mcr, PinDirection, PinRow, ReturnValue, Row,
 };
 
 use crate::bind::scl;
@@ -203,18 +203,20 @@ fn eno(row: &Row) -> &'static str {
     if row.pin("eno").is_none() {
         return "";
     }
+    if let Some(rule) = row.eno {
+        return match rule {
+            EnoRule::Never => "never",
+            EnoRule::Overflow => "the result does not fit",
+            EnoRule::Division => "division by 0; the result does not fit, or is no number",
+            EnoRule::Infinite => "the result is no number, or infinite",
+        };
+    }
     match row.kind {
         Kind::Calculate | Kind::Formula => "a step of the formula has an error",
-        Kind::Operator("/" | "MOD") => "division by 0; the result does not fit, or is no number",
-        Kind::Operator("AND" | "OR" | "XOR") | Kind::Move | Kind::Invert => "never",
+        Kind::Move | Kind::Invert => "never",
         Kind::Operator(_) | Kind::Step { .. } | Kind::Negate => "the result does not fit, or is no number",
         Kind::Convert | Kind::Round(_) => "the value does not fit the destination type, or is no number",
         Kind::Mux | Kind::Demux => "`k` is the number of no pin",
-        Kind::Function("SHL" | "SHR" | "ROL" | "ROR" | "SEL" | "SWAP" | "DECO") => "never",
-        Kind::Function("ABS") => "the result does not fit",
-        Kind::Function(
-            "SQR" | "SQRT" | "LN" | "LOG" | "EXP" | "SIN" | "COS" | "TAN" | "ASIN" | "ACOS" | "ATAN" | "FRAC",
-        ) => "the result is no number, or infinite",
         Kind::Function(name) | Kind::Procedure(name) | Kind::Instance(name) if scl::effect(name).is_none() => {
             "the block says so"
         }
