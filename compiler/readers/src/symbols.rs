@@ -2,7 +2,7 @@
 //!
 //! Each row gives a symbol, its address, its data type and a comment. Addresses are taken in both mnemonic sets (`E 0.0` is
 //! `I 0.0`). Tables for the S7-200 have columns of their own (`s7200`). A row that cannot be read is one message; the others are read all the same.
-//! Source: STL reference, symbol tables; exports of the newer portal tool have more columns behind the first three.
+//! Source: STL reference, symbol tables; exports of the newer portal tool have more columns after the first three.
 
 mod s7200;
 mod sheets;
@@ -67,7 +67,7 @@ pub fn parse(file: FileId, source: &SourceFile) -> (SymbolTable, Vec<Diagnostic>
         Some(Format::Plain(separator)) => reader.plain(separator),
         None => {
             let line = lines(&source.text).find(|(_, line)| !line.trim().is_empty()).unwrap_or((0, ""));
-            reader.bad(line.0, line.1, "this is none of the formats .asc, .sdf, .seq, .dif or `;`-separated text");
+            reader.bad(line.0, line.1, "this is not one of the formats .asc, .sdf, .seq, .dif or `;`-separated text");
         }
     }
     // Rows of the S7-200 in a table of S7-300/400 are mistakes.
@@ -133,7 +133,7 @@ impl Reader<'_> {
     fn message(&self, start: usize, line: &str, why: &str) -> Diagnostic {
         Diagnostic::new(Code::SymbolTable, self.span(start, line), "this line of the symbol table cannot be read")
             .label(why)
-            .help("a row gives a symbol, its address such as `I 0.0` or `FC 105`, its data type and a comment")
+            .help("a row contains a symbol, its address such as `I 0.0` or `FC 105`, its data type and a comment")
     }
 
     fn row(&mut self, start: usize, line: &str, name: &str, address: &str, ty: &str, comment: &str) {
@@ -150,7 +150,7 @@ impl Reader<'_> {
         }
         let of_s7200 = self.keep_s7200(start, line, name, address, comment.trim());
         let Some(target) = parse_address(address) else {
-            let why = format!("`{address}` is no address");
+            let why = format!("`{address}` is not an address");
             if of_s7200 {
                 let message = self.message(start, line, &why);
                 return self.only_s7200.push(message);

@@ -31,7 +31,7 @@ pub struct Contents {
     pub other: Option<String>,
 }
 
-/// Tells what `text` holds; `None` if it is no XML.
+/// Tells what `text` holds; `None` if it is not XML.
 pub fn kind(text: &str) -> Option<XmlKind> {
     if !text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
         return None;
@@ -139,13 +139,13 @@ pub fn parse(text: &str) -> Result<Document<'_>, Fault> {
 
 /// Where a tag with too many attributes begins.
 fn crowded(text: &str) -> Option<usize> {
-    let behind = |at: usize, end: &str| text[at..].find(end).map(|found| at + found + end.len());
+    let after = |at: usize, end: &str| text[at..].find(end).map(|found| at + found + end.len());
     let mut at = 0;
     while let Some(start) = text[at..].find('<').map(|found| at + found) {
         let rest = &text[start..];
         let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
         if let Some((begin, end)) = skipped.iter().find(|(begin, _)| rest.starts_with(begin)) {
-            at = behind(start + begin.len(), end)?;
+            at = after(start + begin.len(), end)?;
             continue;
         }
         let (mut quote, mut count) = (None, 0);
@@ -170,13 +170,13 @@ fn crowded(text: &str) -> Option<usize> {
     None
 }
 
-/// The message for a text that is no well-formed XML.
+/// The message for a text that is not well-formed XML.
 pub fn broken(file: FileId, text: &str, fault: &Fault) -> Diagnostic {
     let start = fault.at;
     let end = text.get(start..).and_then(|rest| rest.chars().next()).map_or(start, |c| start + c.len_utf8());
-    Diagnostic::new(Code::NotASource, Span::new(file, start..end), "the file is no well-formed XML")
+    Diagnostic::new(Code::NotASource, Span::new(file, start..end), "the file is not well-formed XML")
         .label(fault.text.clone())
-        .help("export it again, and copy it whole")
+        .help("export it again, and copy the whole file")
 }
 
 /// The elements below a node.

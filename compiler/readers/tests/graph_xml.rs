@@ -36,7 +36,7 @@ fn chart_and_messages(text: &str) -> (Body, Vec<Diagnostic>) {
     }
 }
 
-/// `T1: Off -> StarCW @0`, the path behind `@`.
+/// `T1: Off -> StarCW @0`, the path after `@`.
 fn transitions(chart: &Body) -> Vec<String> {
     let names = |list: &[Name]| list.iter().map(|name| name.text.as_str()).collect::<Vec<_>>().join(" ");
     let shown = chart.transitions.iter().map(|transition| {

@@ -124,9 +124,9 @@ proptest! {
 
     #[test]
     fn cut_sources(place in any::<prop::sample::Index>()) {
-        let (before, behind) = mutate::cut(FORMS, place);
+        let (before, after) = mutate::cut(FORMS, place);
         read(before);
-        read(behind);
+        read(after);
     }
 }
 

@@ -59,7 +59,7 @@ pub fn parse<S>(
     Some(Assertion { condition, comparisons })
 }
 
-/// The parts of an assertion with their places. Signs and words in quotes, behind `.` and `#`, and parentheses of `B#(1,8)` belong to sides.
+/// The parts of an assertion with their places. Signs and words in quotes, after `.` and `#`, and parentheses of `B#(1,8)` belong to sides.
 fn parts(source: &str, range: Range<usize>) -> Vec<(Part, Range<usize>)> {
     let bytes = source.as_bytes();
     let mut parts: Vec<(Part, Range<usize>)> = Vec::new();
@@ -161,7 +161,7 @@ impl<S> Reader<'_, S> {
     fn refuse<T>(&mut self, place: Range<usize>) -> Option<T> {
         let place = if place.is_empty() { self.parts.last().map_or(place, |(_, last)| last.clone()) } else { place };
         self.diagnostics.push(
-            Diagnostic::new(Code::Pragma, Span::new(self.file, place), "this assertion cannot be understood")
+            Diagnostic::new(Code::Pragma, Span::new(self.file, place), "plcc cannot read this assertion")
                 .label("an assertion is: operand, comparison, operand")
                 .help(HELP),
         );
@@ -227,7 +227,7 @@ impl<S> Reader<'_, S> {
                     Span::new(self.file, place),
                     "an assertion compares with `==`, not with `=`",
                 )
-                .label("no comparison")
+                .label("not a comparison")
                 .help("comparisons are `== <> >= <= > <`"),
             );
             return None;
@@ -239,7 +239,7 @@ impl<S> Reader<'_, S> {
         Some(Condition::Compare(self.comparisons.len() as u32 - 1))
     }
 
-    /// A side, with `as TYPE` behind it if there is one.
+    /// A side, with `as TYPE` after it if there is one.
     fn operand(&mut self) -> Option<Side<S>> {
         let Some((Part::Side, place)) = self.parts.get(self.at).cloned() else {
             let place = self.place();

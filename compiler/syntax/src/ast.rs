@@ -112,7 +112,7 @@ impl BlockPrefix {
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Header {
     pub title: Option<String>,
-    /// Comment lines behind the header, without `//`.
+    /// Comment lines after the header, without `//`.
     pub comment: Vec<String>,
     /// `{ name := 'value' }`.
     pub attributes: Vec<(String, String)>,
@@ -218,7 +218,7 @@ pub struct TypeBlock {
     pub name: BlockName,
     pub header: Header,
     pub members: Vec<Variable>,
-    /// `TYPE "x" : ARRAY[1..3] OF INT`: the type itself, when it is no STRUCT; `members` is empty then.
+    /// `TYPE "x" : ARRAY[1..3] OF INT`: the type itself, when it is not a STRUCT; `members` is empty then.
     pub alias: Option<TypeRef>,
     pub span: Span,
 }
@@ -308,7 +308,7 @@ pub enum Bound {
     Expr(Box<scl::ast::Expr>),
 }
 
-/// A value behind `:=` in a declaration or behind `BEGIN`.
+/// A value after `:=` in a declaration or after `BEGIN`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InitialValue {
     pub kind: InitialKind,
@@ -393,7 +393,7 @@ pub struct Parameter {
     pub actual: Option<Operand>,
 }
 
-/// What stands behind a mnemonic, or as actual parameter.
+/// What stands after a mnemonic, or as actual parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Operand {
     pub kind: OperandKind,

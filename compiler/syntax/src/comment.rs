@@ -47,7 +47,7 @@ pub fn lines(source: &str, comments: &[Comment], range: Range<usize>) -> Vec<Str
 }
 
 /// The comment on the line that byte `end` is on, if only blanks stand between.
-pub fn behind(source: &str, comments: &[Comment], end: usize) -> Option<String> {
+pub fn after(source: &str, comments: &[Comment], end: usize) -> Option<String> {
     let first = comments.partition_point(|comment| (comment.start as usize) < end);
     let comment = comments.get(first)?;
     let between = &source[end..comment.start as usize];

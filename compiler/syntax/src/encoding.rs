@@ -44,7 +44,7 @@ impl FromStr for CodePage {
             _ => name.as_str(),
         };
         let found = Encoding::for_label(label.as_bytes()).map(CodePage);
-        found.ok_or_else(|| format!("`{text}` is no code page; write a number as 936 or 1252, or a name as gbk"))
+        found.ok_or_else(|| format!("`{text}` is not a code page; write a number as 936 or 1252, or a name as gbk"))
     }
 }
 

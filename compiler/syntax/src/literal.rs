@@ -63,7 +63,7 @@ pub enum Literal {
     Any([u8; 10]),
 }
 
-/// Why a text is no constant.
+/// Why a text is not a constant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LiteralError {
     pub code: Code,

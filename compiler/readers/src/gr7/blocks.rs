@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use super::context::{Context, comment_behind};
+use super::context::{Context, comment_after};
 use super::frame::{Document, Frame};
 use super::lexer::RawText;
 use super::tree::Part;
@@ -57,7 +57,7 @@ fn complete(
     if block.kind != CodeKind::Fb {
         diagnostics.push(
             Diagnostic::new(Code::BlockFrame, block.name.span(), "only an FB can hold a chart")
-                .label("no name of an FB")
+                .label("not the name of an FB")
                 .help("write `FUNCTION_BLOCK FB1` or `FUNCTION_BLOCK \"Name\"`"),
         );
     }
@@ -65,7 +65,7 @@ fn complete(
         for variable in &mut section.variables {
             if variable.comment.is_none() {
                 let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
-                variable.comment = comment_behind(text, &raw.comments, end as usize);
+                variable.comment = comment_after(text, &raw.comments, end as usize);
             }
         }
     }
@@ -129,7 +129,7 @@ impl Numbers {
             diagnostics.push(
                 Diagnostic::new(Code::Tolerated, span, format!("the {what} has no number"))
                     .label(format!("taken as number {number}"))
-                    .help(format!("write `(*$_NUM {number}*)` behind its name")),
+                    .help(format!("write `(*$_NUM {number}*)` after its name")),
             );
         };
         let mut last = chart.steps.iter().map(|step| step.number).max().unwrap_or(0);

@@ -88,7 +88,7 @@ impl<'a> Context<'a> {
                 let text = &self.text[*start..*end];
                 let title = match before {
                     Some((start, tok, end)) if follows(tok) => {
-                        format!("`{text}` cannot stand behind `{}` in this {what}", &self.text[*start..*end])
+                        format!("`{text}` cannot stand after `{}` in this {what}", &self.text[*start..*end])
                     }
                     _ => format!("`{text}` cannot begin this {what}"),
                 };
@@ -97,20 +97,20 @@ impl<'a> Context<'a> {
             None => {
                 let (start, end) = before.map_or((0, 0), |(start, _, end)| (*start, *end));
                 Diagnostic::new(code, self.span(start..end), format!("this {what} is not complete"))
-                    .label("something is missing behind this")
+                    .label("something is missing after this")
                     .help(help)
             }
         }
     }
 
-    /// The comment behind byte `end`, on the same line.
-    pub fn comment_behind(&self, end: usize) -> Option<String> {
-        comment_behind(self.text, self.comments, end)
+    /// The comment after byte `end`, on the same line.
+    pub fn comment_after(&self, end: usize) -> Option<String> {
+        comment_after(self.text, self.comments, end)
     }
 }
 
-/// The comment of either form behind byte `end`, if only blanks and `;` stand between. Its lines are joined.
-pub fn comment_behind(text: &str, comments: &[Comment], end: usize) -> Option<String> {
+/// The comment of either form after byte `end`, if only blanks and `;` stand between. Its lines are joined.
+pub fn comment_after(text: &str, comments: &[Comment], end: usize) -> Option<String> {
     let comment = comments.get(comments.partition_point(|comment| (comment.start as usize) < end))?;
     let between = &text[end..comment.start as usize];
     let inside = &text[comment.start as usize + 2..comment.end as usize];
@@ -126,7 +126,7 @@ pub fn comment_behind(text: &str, comments: &[Comment], end: usize) -> Option<St
     (!words.is_empty()).then(|| words.join(" "))
 }
 
-/// Whether what stands behind the token belongs to the same row.
+/// Whether what stands after the token belongs to the same row.
 fn follows(tok: &Tok) -> bool {
     !matches!(
         tok,

@@ -84,9 +84,9 @@ impl Reader<'_, '_> {
     fn outside_of_blocks(&mut self, token: RawToken) {
         let word = &self.text[token.range()];
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` stands outside of a block"))
+            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside a block"))
                 .label("no block is open here")
-                .help("a chart stands between `FUNCTION_BLOCK FB1` and `END_FUNCTION_BLOCK`"),
+                .help("write a chart between `FUNCTION_BLOCK FB1` and `END_FUNCTION_BLOCK`"),
         );
         while self.token().is_some() && self.keyword() != Some(Keyword::FunctionBlock) {
             self.at += 1;
@@ -180,8 +180,8 @@ impl Reader<'_, '_> {
         let start = token.start + 2;
         let span = Span { file: self.file, start, end: start + 2 + name.len() as u32 };
         self.report(
-            Diagnostic::new(Code::Tolerated, span, format!("the tag `$_{name}` is not known"))
-                .label("taken as a comment")
+            Diagnostic::new(Code::Tolerated, span, format!("plcc does not know the tag `$_{name}`"))
+                .label("read as a comment")
                 .help("tags are `$_COM`, `$_CMPSET`, `$_SETTINGS`, `$_NUM` and `$_JUMP`"),
         );
     }

@@ -90,9 +90,9 @@ impl<'a> Layout<'a, '_> {
             Some(keyword) if keyword.is_end() => {
                 Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` ends nothing"))
                     .label("no part of the chart is open here")
-                    .help("remove it, or write the head of what it ends")
+                    .help("remove it, or write the beginning of the part that it ends")
             }
-            _ => Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` stands outside of the chart"))
+            _ => Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside the chart"))
                 .label("neither a step nor a transition is open here")
                 .help("a GRAPH block holds permanent instructions, steps from `STEP` to `END_STEP`, then transitions"),
         };
@@ -113,8 +113,8 @@ impl<'a> Layout<'a, '_> {
 
     // Parts.
 
-    fn permanents(&mut self, opening: RawToken, behind: bool) {
-        self.take(Tok::Permanents(behind));
+    fn permanents(&mut self, opening: RawToken, after: bool) {
+        self.take(Tok::Permanents(after));
         while let Some(token) = self.peek() {
             match self.keyword_at(self.at) {
                 _ if matches!(token.kind, RawKind::Semicolon | RawKind::Pragma) => self.at += 1,
@@ -165,7 +165,7 @@ impl<'a> Layout<'a, '_> {
             _ => {
                 let word = self.slice(opening);
                 self.report(
-                    Diagnostic::new(Code::Syntax, self.span(opening), format!("`{word}` names no {what}"))
+                    Diagnostic::new(Code::Syntax, self.span(opening), format!("no name of a {what} follows `{word}`"))
                         .label("the name is missing")
                         .help(format!("write `{word} Name (*$_NUM 1*)`")),
                 );
@@ -184,9 +184,9 @@ impl<'a> Layout<'a, '_> {
                         Diagnostic::new(
                             Code::BadLiteral,
                             self.span(token),
-                            format!("`{body}` is no number of a {what}"),
+                            format!("`{body}` is not a number of a {what}"),
                         )
-                        .label("a whole number from 1 to 999 is wanted here")
+                        .label("a whole number from 1 to 999 is expected here")
                         .help("write e.g. `(*$_NUM 3*)`"),
                     );
                     self.take(Tok::Number(0));
@@ -234,7 +234,7 @@ impl<'a> Layout<'a, '_> {
                             self.span(token),
                             format!("`{word}` begins without `CONDITION :=`"),
                         )
-                        .label("`CONDITION :=` is wanted here")
+                        .label("`CONDITION :=` is expected here")
                         .help(format!("write `{word}`, then `CONDITION := …`, then `{}`", end.word())),
                     );
                     self.skip_to_keyword();
@@ -253,7 +253,7 @@ impl<'a> Layout<'a, '_> {
         } else if self.is_at(RawKind::Equal) {
             let span = self.span(self.raw[self.at]);
             self.report(
-                Diagnostic::new(Code::AssignSign, span, "a condition is given with `:=`")
+                Diagnostic::new(Code::AssignSign, span, "a condition is written with `:=`")
                     .label("`=` compares")
                     .help("write `CONDITION := …`"),
             );
@@ -262,7 +262,7 @@ impl<'a> Layout<'a, '_> {
             && self.keyword_at(self.at).is_none()
         {
             self.report(
-                Diagnostic::new(Code::Syntax, self.span(word), "`:=` is missing behind `CONDITION`")
+                Diagnostic::new(Code::Syntax, self.span(word), "`:=` is missing after `CONDITION`")
                     .label("the condition follows without `:=`")
                     .help("write `CONDITION := …`"),
             );
@@ -275,7 +275,7 @@ impl<'a> Layout<'a, '_> {
         self.push_here(Tok::RowEnd);
     }
 
-    /// `FROM x`, `FROM ( x, y)`, `TO (x, y) :`, `TO x (*$_JUMP*)`, with the colon before or behind the mark.
+    /// `FROM x`, `FROM ( x, y)`, `TO (x, y) :`, `TO x (*$_JUMP*)`, with the colon before or after the mark.
     fn steps(&mut self, tok: Tok<'a>) {
         self.take(tok);
         let open = self.peek().filter(|token| token.kind == RawKind::LeftParen);
@@ -305,7 +305,7 @@ impl<'a> Layout<'a, '_> {
                     self.take(Tok::Comma);
                 }
                 kind if is_name(kind) => {
-                    // `TO` behind a list on the same line begins the next one.
+                    // `TO` after a list on the same line begins the next one.
                     if named && closed {
                         break;
                     }
@@ -367,7 +367,7 @@ impl<'a> Layout<'a, '_> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), format!("`{}` is missing", end.word()))
                 .label(format!("this `{open}` is not closed"))
-                .help(format!("write `{}` behind it", end.word())),
+                .help(format!("write `{}` after it", end.word())),
         );
         self.push_here(Tok::End);
     }
@@ -422,7 +422,7 @@ impl<'a> Layout<'a, '_> {
         self.at += 1;
     }
 
-    /// Pushes a token of no width behind what has been read.
+    /// Pushes a token of no width after what has been read.
     fn push_here(&mut self, tok: Tok<'a>) {
         let end = match self.at.checked_sub(1) {
             Some(before) => self.raw[before].end as usize,

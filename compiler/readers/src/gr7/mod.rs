@@ -57,7 +57,7 @@ fn report_comments(file: FileId, raw: &lexer::RawText, diagnostics: &mut Vec<Dia
         let span = Span { file, start: comment.start, end: comment.start + 2 };
         diagnostics.push(
             Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
-                .label("begins here, and takes the rest of the file")
+                .label("begins here, and includes the rest of the file")
                 .help("close it with `*)`"),
         );
     }
@@ -65,9 +65,9 @@ fn report_comments(file: FileId, raw: &lexer::RawText, diagnostics: &mut Vec<Dia
 
 /// An assertion among steps and transitions: nothing tells when it would be looked at.
 fn misplaced(file: FileId, range: Range<usize>) -> Diagnostic {
-    Diagnostic::new(Code::Pragma, Span::new(file, range), "an assertion stands inside a chart")
+    Diagnostic::new(Code::Pragma, Span::new(file, range), "an assertion cannot stand inside a chart")
         .label("among steps and transitions")
-        .help("write it behind the call of the block, for example in OB 1: `//@ assert DB1.Run.X == 1`")
+        .help("write it after the call of the block, for example in OB 1: `//@ assert DB1.Run.X == 1`")
 }
 
 /// The tokens of the charts as the grammar sees them, one per line, for `--emit tokens`.

@@ -70,13 +70,13 @@ impl Scan<'_> {
         token.kind == RawKind::Word && token.first_on_line && words.iter().any(|word| word.eq_ignore_ascii_case(text))
     }
 
-    /// Whether a block that is no FB begins at `index`.
+    /// Whether a block that is not an FB begins at `index`.
     fn begins_other(&self, index: usize) -> bool {
         let next = self.tokens.get(index + 1).map(|next| next.kind);
         self.is_word(index, &OTHER_BLOCKS) && matches!(next, Some(RawKind::Word | RawKind::Quoted))
     }
 
-    /// Index behind the FB at `index`.
+    /// Index after the FB at `index`.
     fn block_end(&self, index: usize) -> usize {
         let mut end = index + 1;
         while end < self.tokens.len() {

@@ -7,9 +7,9 @@ use plcc_syntax::scl::ast::BinaryOp;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tok<'a> {
     // Parts.
-    /// `(*$_CMPSET …*)`, `(*$_SETTINGS …*)`: the text behind the tag.
+    /// `(*$_CMPSET …*)`, `(*$_SETTINGS …*)`: the text after the tag.
     Settings(&'a str),
-    /// `(*$_COM …*)`: the text behind the tag.
+    /// `(*$_COM …*)`: the text after the tag.
     Comment(&'a str),
     /// `PERM_CONDITION_AT_END` if true, else `PERM_CONDITION_AT_BEGIN`.
     Permanents(bool),
@@ -30,7 +30,7 @@ pub enum Tok<'a> {
     Number(u32),
     /// `(*$_JUMP*)`
     Jump,
-    /// What stands in parentheses behind an action; none: reported.
+    /// What stands in parentheses after an action; none: reported.
     Qualifier(Option<Mark>),
     /// `(=)`, `(S)`, `(R)`; none: reported.
     Coil(Option<Coil>),

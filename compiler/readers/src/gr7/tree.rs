@@ -13,7 +13,7 @@ pub enum Part<'a> {
     Settings(&'a str),
     /// Comment of the block.
     Comment(&'a str),
-    /// Whether they stand behind the sequencers.
+    /// Whether they stand after the sequencers.
     Permanents(bool, Vec<Permanent>),
     /// Its number, if it has one.
     Step(Step, Option<u32>),

@@ -4,7 +4,7 @@
 //!   from MB 8.
 //! - Beremiz and OpenPLC have a variable of its own for each address. Bits lie where they are called; the other widths too, unless they would
 //!   share bytes: then the whole width moves up, by the least multiple of [`STEP`] bytes that fits.
-//! - Addresses with more numbers than the CPU has, `%QX1.0.2`, lie behind all others, one after the other.
+//! - Addresses with more numbers than the CPU has, `%QX1.0.2`, lie after all others, one after the other.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -26,7 +26,7 @@ pub struct Location {
     pub path: Vec<u32>,
 }
 
-/// What stands behind `AT`.
+/// What stands after `AT`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Read {
     At(Location),
@@ -151,7 +151,7 @@ pub struct Addresses {
     places: HashMap<Location, Place>,
     /// Widths that do not lie where their numbers say: area, width, bytes.
     pub moved: Vec<(char, char, u32)>,
-    /// Addresses that lie behind the others.
+    /// Addresses that lie after the others.
     pub loose: Vec<(Location, Place)>,
 }
 
@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn longer_addresses_lie_behind_the_others() {
+    fn longer_addresses_lie_after_the_others() {
         let texts = ["%QX0.0", "%QX1.0.2", "%QX1.0.3", "%QW2.1"];
         assert_eq!(places(Editor::Codesys, &texts), ["0.0", "8.0", "8.1", "10+2"]);
     }

@@ -277,7 +277,7 @@ fn conversion(
         }
         (from, "STRING") if is(FLOATS, from) => {
             let text = format!("`{upper}` writes the number as the TIA Portal does: +1.500000E+000");
-            let message = Diagnostic::new(Code::Tolerated, make.name, text).label("editors write it in other forms");
+            let message = Diagnostic::new(Code::Tolerated, make.name, text).label("other editors write it in other forms");
             tell(message.help("convert the parts of the number as integers where the form matters"));
             return None;
         }
@@ -319,7 +319,7 @@ fn conversion(
 
 fn seconds(make: &Make, name: &str) -> Diagnostic {
     let text = format!("`{name}` counts seconds in this editor, and milliseconds in others");
-    let message = Diagnostic::new(Code::Tolerated, make.name, text).label("taken as seconds");
+    let message = Diagnostic::new(Code::Tolerated, make.name, text).label("read as seconds");
     message.help("divide the TIME by a TIME, or multiply a TIME by the number: that means the same everywhere")
 }
 

@@ -132,7 +132,7 @@ impl Build<'_, '_, '_> {
             let text = "a function has no memory for an edge or for the signal of the last cycle";
             let mut message = Diagnostic::new(Code::EdgeBit, span, text);
             message.severity = Severity::Error;
-            let help = "make the POU a function block, or hand the signal of the last cycle to it as a parameter";
+            let help = "make the POU a function block, or pass it the signal of the last cycle as a parameter";
             self.reader.messages.push(message.label("needs a BOOL that outlives the call").help(help));
             return None;
         }
@@ -273,7 +273,7 @@ impl Build<'_, '_, '_> {
             let message = Diagnostic::new(Code::UnknownParameter, span, text);
             self.reader
                 .messages
-                .push(message.label("comes from a pin that is not there").help("connect an output of the block"));
+                .push(message.label("comes from a pin that does not exist").help("connect an output of the block"));
             formal.to_string()
         })
     }
@@ -337,10 +337,10 @@ impl Build<'_, '_, '_> {
             pins.push(connected);
         }
         for pin in object.inputs.iter().chain(&object.outputs).filter(|pin| pin.modifiers.storage != Storage::None) {
-            self.reader.unreadable(pin.span, "a pin that sets or resets", "connect a coil that does");
+            self.reader.unreadable(pin.span, "a pin that sets or resets", "connect a coil that sets or resets");
         }
         for pin in object.outputs.iter().filter(|pin| pin.modifiers.edge != Edge::None) {
-            self.reader.unreadable(pin.span, "an edge at an output", "connect an R_TRIG or F_TRIG behind it");
+            self.reader.unreadable(pin.span, "an edge at an output", "connect an R_TRIG or F_TRIG after it");
         }
         if let (true, Some(state)) = (flip_flop, instance) {
             pins.push(pin("operand", PinValue::Operand(state), false, span));

@@ -64,7 +64,7 @@ pub fn read(reader: &mut Reader, body: &mut Body, node: Node) -> Vec<Statement> 
         list.line(line, kept);
     }
     if let Some(open) = list.open.pop() {
-        list.refuse(open.span, "the parenthesis is not closed", "close it by `)` on a line of its own");
+        list.refuse(open.span, "the parenthesis is not closed", "close it with `)` on a separate line");
     }
     list.declare_merged();
     list.statements
@@ -192,7 +192,7 @@ impl List<'_, '_, '_> {
         let label = line.operand.clone();
         let text = self.slice(&label).trim().to_string();
         if text.is_empty() {
-            return self.refuse(span, "a jump without a label", "write the label behind it");
+            return self.refuse(span, "a jump without a label", "write the label after it");
         }
         let needed = self.merged.contains_key(&text.to_lowercase());
         let name = Name { text: text.clone(), form: NameForm::Bare, span: self.reader.span(label) };
@@ -216,7 +216,7 @@ impl List<'_, '_, '_> {
         self.when(negated(condition, word == "JMPCN"), body, span);
     }
 
-    /// `kept`: the result is needed behind this line, too.
+    /// `kept`: the result is needed after this line, too.
     fn line(&mut self, line: &Line, kept: bool) {
         if let Some(label) = &line.label {
             self.label(label);
@@ -256,7 +256,7 @@ impl List<'_, '_, '_> {
     }
 
     fn no_result(&mut self, span: Span) {
-        let help = "begin with LD; behind a label and behind CAL the result is undefined";
+        let help = "begin with LD; the result is undefined after a label or CAL";
         self.refuse(span, "there is no current result here", help);
     }
 
@@ -270,7 +270,7 @@ impl List<'_, '_, '_> {
 
     fn operand(&mut self, line: &Line, span: Span) -> Option<(Expr, Option<Ty>)> {
         if self.slice(&line.operand).trim().is_empty() {
-            self.refuse(span, "an operator without its operand", "write the operand behind it");
+            self.refuse(span, "an operator without its operand", "write the operand after it");
             return None;
         }
         Some(self.reader.typed_expression(line.operand.clone(), &self.body.scope))
@@ -318,7 +318,7 @@ impl List<'_, '_, '_> {
         self.push(StatementKind::If { branches: vec![(condition, body)], otherwise: Vec::new() }, span);
     }
 
-    /// Statements that C and CN behind the operator make depend on the result.
+    /// Statements that C and CN after the operator make depend on the result.
     fn conditional(&mut self, word: &str, kept: bool, kinds: Vec<StatementKind>, span: Span) {
         let body: Vec<Statement> = kinds.into_iter().map(|kind| Statement { kind, span }).collect();
         if !word.ends_with('C') && !word.ends_with("CN") {
@@ -363,7 +363,7 @@ impl List<'_, '_, '_> {
             let at = line.operand.start + operand.len() - operand.trim_start().len() + 1;
             let inner = at..at + inner.len();
             if self.open.len() >= DEPTH_MAX {
-                return self.refuse(span, "parentheses stand too deep in one another", "keep a part in a variable");
+                return self.refuse(span, "parentheses are nested too deeply", "store a part in a variable");
             }
             let before = self.taken(span);
             let kind = self.kind.take();
@@ -574,7 +574,7 @@ fn read_line(text: &str) -> Line {
         _ => word(at).max(at),
     };
     if end == at {
-        // What is no operator is told by the reader of expressions.
+        // What is not an operator is told by the reader of expressions.
         let rest = text[at..].trim_end().len();
         let operator = (rest > 0).then_some(at..at + rest);
         return Line { label, operator, operand: at + rest..at + rest };

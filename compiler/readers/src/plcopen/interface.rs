@@ -126,7 +126,7 @@ impl Reader<'_> {
         let text = format!("retentive variables begin each run with their start values: {named}");
         let message = Diagnostic::new(Code::Tolerated, self.place(list, attribute), text);
         let help = "a run is one power cycle: assign what the plant remembers in a scenario or by `--set`";
-        self.messages.push(message.label("kept by the PLC when its power fails").help(help));
+        self.messages.push(message.label("a PLC keeps it when its power fails").help(help));
     }
 
     /// The constant that a variable declares; none if its value is a structure or an array, or missing.

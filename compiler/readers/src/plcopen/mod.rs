@@ -276,7 +276,7 @@ impl<'a> Reader<'a> {
         for other in elements(node).filter(|other| !known.contains(&other.tag_name().name())) {
             let text = format!("plcc does not read the element `{}` of PLCopen XML", other.tag_name().name());
             let message = Diagnostic::new(Code::ForeignContent, self.place(other, "name"), text);
-            let help = "take it out of the project, and export again";
+            let help = "remove it from the project, and export again";
             self.messages.push(message.label("nothing is compiled in its place").help(help));
         }
     }
@@ -553,7 +553,7 @@ impl<'a> Reader<'a> {
             other => {
                 let text = format!("plcc does not read POUs in {other}");
                 let message = Diagnostic::new(Code::ForeignContent, span, text);
-                let help = "write the POU in LD, FBD, ST, IL or SFC; other blocks of the file are read all the same";
+                let help = "write the POU in LD, FBD, ST, IL or SFC; plcc reads the other blocks of the file";
                 self.messages.push(message.label("this POU is compiled as if it were empty").help(help));
                 return BlockCode::Graphic(Networks::default());
             }
@@ -595,7 +595,7 @@ impl<'a> Reader<'a> {
             if !known.insert(&object.name) {
                 let text = format!("two connectors are called `{}`", object.name);
                 let message = Diagnostic::new(Code::DuplicateName, object.span, text);
-                self.messages.push(message.help("give each connector a name of its own"));
+                self.messages.push(message.help("give each connector its own name"));
             }
         }
     }

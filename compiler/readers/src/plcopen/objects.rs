@@ -240,7 +240,7 @@ impl Reader<'_> {
         };
         let stored = object.modifiers.storage != Storage::None;
         if stored && (object.modifiers.negated || object.modifiers.edge != Edge::None || kind == Kind::Contact) {
-            self.unreadable(span, "an object that stores and does something else", "draw two objects");
+            self.unreadable(span, "an object that stores and also does something else", "draw two objects");
         }
         if kind == Kind::Coil && object.modifiers.negated && object.modifiers.edge != Edge::None {
             self.unreadable(span, "a coil with an edge and a negation", "draw a contact before the coil");
@@ -265,7 +265,7 @@ impl Reader<'_> {
             }
         } else if child(node, "connectionPointIn").is_some() || kind == Kind::Condition {
             let connection = self.connection(node, ids, false);
-            // What stands at the object is no property of its line.
+            // What stands at the object is not a property of its line.
             object.inputs.push(Connection { formal: String::new(), modifiers: Modifiers::NONE, ..connection });
         }
         object
@@ -280,7 +280,7 @@ impl Reader<'_> {
                 Some(at) => from.push((*at, line.attribute("formalParameter").unwrap_or("").trim().to_string())),
                 None => {
                     // Editors drop such lines as they open the project.
-                    let text = format!("a line comes from object {id}, which the network does not have");
+                    let text = format!("a line comes from object {id}, which is not in the network");
                     let message = Diagnostic::new(Code::Tolerated, self.place(line, "refLocalId"), text);
                     let help = "connect the pin again in the editor if something is missing";
                     self.messages.push(message.label("the line is left out").help(help));

@@ -1,7 +1,7 @@
 //! Objects of a body as networks, in the order of evaluation.
 //!
 //! Objects that lines connect are a network; the rail and a variable with several readers connect nothing. Networks run from top to bottom;
-//! in a network, an object runs behind those that feed it, and else from top to bottom and from left to right. If every object has a number
+//! in a network, an object runs after those that feed it, and else from top to bottom and from left to right. If every object has a number
 //! of execution, the numbers decide alone.
 //! Source: LAD/FBD reference, chapter A3.
 

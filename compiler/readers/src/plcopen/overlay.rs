@@ -43,7 +43,7 @@ pub fn typed_values(text: &mut String, values: &HashMap<String, i64>) {
 
 /// What stands between the tags of an element.
 pub fn content(node: Node) -> Option<Range<usize>> {
-    // Not the ranges of its children: a text and the CDATA behind it are one child, with the range of the first.
+    // Not the ranges of its children: a text and the CDATA after it are one child, with the range of the first.
     node.first_child()?;
     let range = node.range();
     let text = node.document().input_text().get(range.clone())?;
@@ -96,7 +96,7 @@ fn blank_markup(bytes: &mut [u8], range: Range<usize>) {
 }
 
 /// `&lt;` becomes `   <`. Entities that follow each other stay together, and so do the two characters of an operator; in a text in quotes
-/// nothing is inserted, blanks come behind it.
+/// nothing is inserted, blanks come after it.
 fn decode(bytes: &mut [u8]) {
     let mut out: Vec<u8> = Vec::with_capacity(bytes.len());
     let mut quote = None;
@@ -139,10 +139,10 @@ fn decode(bytes: &mut [u8]) {
                     at += length;
                     text.extend(more);
                 }
-                let behind = out.last() == Some(&b'=');
-                out.resize(out.len() + if behind { 0 } else { free }, b' ');
+                let after = out.last() == Some(&b'=');
+                out.resize(out.len() + if after { 0 } else { free }, b' ');
                 out.extend(text);
-                out.resize(out.len() + if behind { free } else { 0 }, b' ');
+                out.resize(out.len() + if after { free } else { 0 }, b' ');
             }
         }
     }

@@ -39,11 +39,11 @@ pub fn clear(file: FileId, editor: Editor, text: &mut String, range: Range<usize
                 true => Diagnostic::new(Code::ForeignContent, span, "plcc does not read code in C")
                     .label("nothing is compiled in its place")
                     .help(
-                        "write it in ST; the compiler of the editor hands what stands between braces to its C compiler",
+                        "write it in ST; the compiler of the editor passes the text between braces to its C compiler",
                     ),
                 false => Diagnostic::new(Code::ForeignContent, span, format!("plcc does not know the pragma `{word}`"))
                     .label("may change what is compiled")
-                    .help("take it out if it has no effect on the program"),
+                    .help("remove it if it has no effect on the program"),
             };
             messages.push(message);
         }

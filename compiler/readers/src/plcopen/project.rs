@@ -200,7 +200,7 @@ fn report_places(file: FileId, text: &str, addresses: &Addresses, messages: &mut
         let Read::At(location) = Location::read(written) else { continue };
         let Some(place) = addresses.place(&location) else { continue };
         let text =
-            format!("addresses %{area}{width} have memory of their own in this editor, {bytes} bytes further up here");
+            format!("in this editor addresses %{area}{width} have separate memory; here they are {bytes} bytes higher");
         let message = Diagnostic::new(Code::Tolerated, Span::new(file, at..at + written.len()), text);
         let help = "name variables rather than addresses in scenarios and on the command line, or use the address here";
         messages.push(message.label(format!("{} here", place_text(place))).help(help));
@@ -210,7 +210,7 @@ fn report_places(file: FileId, text: &str, addresses: &Addresses, messages: &mut
     {
         let others = match addresses.loose.len() - 1 {
             0 => String::new(),
-            count => format!(", and {count} others behind it"),
+            count => format!(", and {count} others after it"),
         };
         let text = "the CPU has no address of this form: it is given the next free place";
         let message = Diagnostic::new(Code::Tolerated, Span::new(file, at..at + written.len()), text);
@@ -319,21 +319,21 @@ impl<'a> Reader<'a> {
                 if located(&self.types, &self.addresses, node).is_some() {
                     return true;
                 }
-                let text = format!("`{name}` is not of an elementary type, so it cannot lie at an address");
+                let text = format!("`{name}` is not of an elementary type, so it cannot have an address");
                 let mut message = Diagnostic::new(Code::ForeignContent, span, text);
                 if location.area == 'M' {
                     message.severity = Severity::Warning;
-                    message = message.label("gets memory of its own").help("let nothing else use the address");
+                    message = message.label("gets separate memory").help("use the address for nothing else");
                 } else {
                     message = message.label("inputs and outputs are read and written one by one");
-                    message = message.help("declare each input or output as a variable of its own");
+                    message = message.help("declare each input or output as a separate variable");
                 }
                 self.messages.push(message);
                 false
             }
             Read::Open => {
                 let text = format!("`{name}` has no address yet");
-                let message = Diagnostic::new(Code::Tolerated, span, text).label("gets memory of its own");
+                let message = Diagnostic::new(Code::Tolerated, span, text).label("gets separate memory");
                 self.messages.push(message.help("write the address that the variable is to have, e.g. %QX0.0"));
                 false
             }
@@ -383,7 +383,7 @@ impl<'a> Reader<'a> {
             let Some((program, _)) = programs.iter().find(|(known, _)| known.eq_ignore_ascii_case(program)) else {
                 let text = format!("the project has no program `{program}`");
                 let message = Diagnostic::new(Code::ForeignContent, span, text).label("this instance is not executed");
-                self.messages.push(message.help("export the program too, or take the instance out of its task"));
+                self.messages.push(message.help("export the program too, or remove the instance from its task"));
                 continue;
             };
             let task = node.parent().filter(|task| task.tag_name().name() == "task");
@@ -422,7 +422,7 @@ impl<'a> Reader<'a> {
         let running: Vec<&Instance> = self.instances.iter().filter(|instance| instance.runs).collect();
         if let (false, Some(second)) = (configured, running.get(1)) {
             let text = "the project has no task, so its programs run one after the other in each cycle";
-            let message = Diagnostic::new(Code::Tolerated, second.span, text).label("runs behind the one before it");
+            let message = Diagnostic::new(Code::Tolerated, second.span, text).label("runs after the previous program");
             self.messages.push(message.help("give the programs to tasks in the configuration of the project"));
         }
         for (program, _) in programs {
@@ -456,9 +456,9 @@ impl<'a> Reader<'a> {
         let Some(interval) = task.attribute_node("interval").filter(|interval| !interval.value().trim().is_empty())
         else {
             if let Some(single) = task.attribute_node("single").filter(|single| !single.value().trim().is_empty()) {
-                let text = format!("plcc does not read tasks that an event starts, here `{}`", single.value());
+                let text = format!("plcc does not read tasks that an event starts, such as `{}`", single.value());
                 let message = Diagnostic::new(Code::ForeignContent, self.span(single.range_value()), text);
-                let help = "call the program in a cyclic one behind an R_TRIG of the variable";
+                let help = "call the program from a cyclic one, after an R_TRIG of the variable";
                 self.messages.push(message.label("its programs run in each cycle").help(help));
             }
             return None;
@@ -472,8 +472,8 @@ impl<'a> Reader<'a> {
         };
         let milliseconds = microseconds.div_ceil(1000);
         if milliseconds * 1000 != microseconds {
-            let title = format!("an interval of {text} is longer here: OBs have whole milliseconds");
-            let message = Diagnostic::new(Code::Tolerated, span, title).label(format!("taken as {milliseconds} ms"));
+            let title = format!("an interval of {text} is longer here: OBs run at whole milliseconds");
+            let message = Diagnostic::new(Code::Tolerated, span, title).label(format!("read as {milliseconds} ms"));
             self.messages.push(message.help("give the task an interval of whole milliseconds"));
         }
         Some(milliseconds)
@@ -550,7 +550,7 @@ impl<'a> Reader<'a> {
         }
         let free = CYCLIC.iter().find(|(number, _)| !periods.iter().any(|(_, used)| used == number));
         let Some((number, _)) = free else {
-            let text = "more tasks with different intervals than the CPU has cyclic OBs";
+            let text = "there are more different intervals of tasks than the CPU has cyclic OBs";
             let message = Diagnostic::new(Code::ForeignContent, span, text).label("no OB is left for this program");
             self.messages.push(message.help("let programs share a task"));
             return None;
@@ -558,7 +558,7 @@ impl<'a> Reader<'a> {
         periods.push((period, *number));
         if period > PERIOD_MAX_MS {
             let text = format!("an interval of {period} ms is longer than a cyclic OB can have");
-            let message = Diagnostic::new(Code::ForeignContent, span, text).label("at most a minute");
+            let message = Diagnostic::new(Code::ForeignContent, span, text).label("more than one minute");
             self.messages.push(message.help("count shorter intervals in the program"));
             return None;
         }
@@ -593,10 +593,10 @@ fn calls(text: &str, program: &str) -> bool {
     let is_word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.');
     text.contains(&format!("typename=\"{name}\""))
         || text.match_indices(&name).any(|(at, _)| {
-            let (before, behind) = (&text[..at], &text[at + name.len()..]);
-            let whole = !before.ends_with(is_word) && !behind.starts_with(is_word);
+            let (before, after) = (&text[..at], &text[at + name.len()..]);
+            let whole = !before.ends_with(is_word) && !after.starts_with(is_word);
             let cal = before.trim_end().rsplit(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
-            whole && (behind.trim_start().starts_with('(') || matches!(cal, "cal" | "calc" | "calcn"))
+            whole && (after.trim_start().starts_with('(') || matches!(cal, "cal" | "calc" | "calcn"))
         })
 }
 

@@ -78,7 +78,7 @@ fn programs_without_a_task_are_told() {
         "<task name=\"T\"/>",
         "<task name=\"T\" interval=\"T#100us\"><pouInstance name=\"I\" typeName=\"Main\"/></task>",
     );
-    let title = "an interval of T#100us is longer here: OBs have whole milliseconds";
+    let title = "an interval of T#100us is longer here: OBs run at whole milliseconds";
     assert_eq!(told("", &st(""), &short), [(Code::Tolerated, Severity::Warning, title.to_string())]);
 }
 

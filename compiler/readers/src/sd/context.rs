@@ -46,10 +46,10 @@ impl<'a> Context<'a, '_> {
     pub fn message(&self, found: usize, place: Place) -> Diagnostic {
         let (what, help) = match place {
             Place::Network => {
-                ("network", "a network holds rungs: `RUNG wire#powerrail Contact( #a ) Coil( #q ) END_RUNG`")
+                ("network", "a network contains rungs: `RUNG wire#powerrail Contact( #a ) Coil( #q ) END_RUNG`")
             }
             Place::Rung => {
-                ("rung", "a rung holds elements with their pins in parentheses, wires `wire#w1`, and in FBD `NOT`")
+                ("rung", "a rung contains elements with their pins in parentheses, wires `wire#w1`, and in FBD `NOT`")
             }
             Place::Argument => {
                 ("pin", "write `pin := operand` for inputs and `pin => operand` for outputs, separated by `,`")

@@ -116,12 +116,12 @@ impl Reader<'_, '_> {
         let word = &self.text[token.range()];
         let ends = token.keyword.is_some_and(Keyword::ends_block);
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` stands outside of a block"))
+            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside a block"))
                 .label("no block is open here")
                 .help(if ends {
-                    "remove it, or write the head of its block before it"
+                    "remove it, or write the beginning of its block before it"
                 } else {
-                    "a document holds a block: `FUNCTION_BLOCK Name … END_FUNCTION_BLOCK`, a data block or types"
+                    "a document contains a block: `FUNCTION_BLOCK Name … END_FUNCTION_BLOCK`, a data block or types"
                 }),
         );
         self.pending.clear();
@@ -138,7 +138,7 @@ impl Reader<'_, '_> {
     /// Attributes of a block are at hand.
     fn before_block(&self) -> bool {
         self.is_at(RawKind::LeftBrace)
-            && pragma::end(self.tokens, self.at).is_some_and(|behind| self.begins_block_at(behind))
+            && pragma::end(self.tokens, self.at).is_some_and(|after| self.begins_block_at(after))
     }
 
     fn block(&mut self, token: RawToken, keyword: Keyword) {
@@ -190,7 +190,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Behind the name of a block the attributes are its own, unless a network follows.
+    /// After the name of a block the attributes are its own, unless a network follows.
     fn attributes_of_block_or_network(&mut self, head: bool) {
         self.attributes();
         let network = self.network_begins(self.at) || self.is_at(RawKind::LeftBrace);
@@ -209,7 +209,7 @@ impl Reader<'_, '_> {
         }
         let word = &self.text[token.range()];
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` stands outside of a network"))
+            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside a network"))
                 .label("no network is open here")
                 .help("write statements and rungs between `NETWORK` and `END_NETWORK`"),
         );
@@ -251,7 +251,7 @@ impl Reader<'_, '_> {
             self.report(
                 Diagnostic::new(Code::BlockFrame, self.span(opening), "`END_NETWORK` is missing")
                     .label("this network is not closed")
-                    .help("write `END_NETWORK` behind its last rung or statement"),
+                    .help("write `END_NETWORK` after its last rung or statement"),
             );
             end = self.without_last_attributes(first, end);
             self.at = end;
@@ -281,16 +281,16 @@ impl Reader<'_, '_> {
     /// Takes the braces at hand.
     fn attributes(&mut self) {
         let opening = self.tokens[self.at];
-        let (attributes, behind) = pragma::read(self.file, self.text, self.tokens, self.at, self.diagnostics);
+        let (attributes, after) = pragma::read(self.file, self.text, self.tokens, self.at, self.diagnostics);
         self.pending.push(Pending { attributes, span: self.span(opening) });
-        self.at = behind;
+        self.at = after;
     }
 
     /// The attributes before what is at hand. Several braces in a row are an error.
     fn taken_attributes(&mut self) -> Vec<Attribute> {
         if let [first, .., last] = self.pending.as_slice() {
             let diagnostic = Diagnostic::new(Code::Syntax, last.span, "a second list of attributes")
-                .label("stands behind another one")
+                .label("follows another list")
                 .also(first.span, "the first list")
                 .help("write all attributes into one list");
             self.report(diagnostic);
@@ -302,9 +302,9 @@ impl Reader<'_, '_> {
     fn misplaced_attributes(&mut self) {
         for pending in std::mem::take(&mut self.pending) {
             self.report(
-                Diagnostic::new(Code::Syntax, pending.span, "attributes that belong to nothing")
-                    .label("neither a block nor a network nor a name follows")
-                    .help("write attributes directly before `NETWORK`, or before what they are about"),
+                Diagnostic::new(Code::Syntax, pending.span, "these attributes belong to nothing")
+                    .label("no block, network or name follows")
+                    .help("write attributes directly before `NETWORK`, or before the name that they describe"),
             );
         }
     }

@@ -115,9 +115,9 @@ fn report_assertions(source: &Source, network: &NetworkSource, diagnostics: &mut
     {
         let span = Span { file: source.file, start: found.start, end: found.end };
         diagnostics.push(
-            Diagnostic::new(Code::Pragma, span, "an assertion stands inside a network of LAD or FBD")
+            Diagnostic::new(Code::Pragma, span, "an assertion cannot stand inside a network of LAD or FBD")
                 .label("between rungs")
-                .help("write it behind `END_NETWORK`; it is looked at when the network has run"),
+                .help("write it after `END_NETWORK`; it is checked when the network has run"),
         );
         next += 1;
     }

@@ -38,9 +38,9 @@ impl Texts {
                 Ok((event, place)) => {
                     if let Some(id) = reader.event(event).filter(|_| !std::mem::replace(&mut twice, true)) {
                         let span = line_span(file, text, place.start.line());
-                        let title = format!("the text `{id}` is there twice");
+                        let title = format!("the text `{id}` appears twice");
                         let message = Diagnostic::new(Code::TextResource, span, title).label("the second one counts");
-                        diagnostics.push(message.help("give each text an id of its own"));
+                        diagnostics.push(message.help("give each text its own id"));
                     }
                 }
                 Err(error) => {
@@ -158,7 +158,7 @@ fn with_quotes(file: FileId, text: &str, diagnostics: &mut Vec<Diagnostic>) -> S
                 Diagnostic::new(
                     Code::TextResource,
                     line_span(file, text, number + 1),
-                    "a text with `: ` stands without quotes",
+                    "a text with `: ` needs quotes",
                 )
                 .label("the TIA Portal refuses the whole file")
                 .help("put the text into single quotes"),

@@ -20,7 +20,7 @@ pub enum Tok<'a> {
     Operand,
     /// What stands before the parentheses of an element.
     Target,
-    /// `{ SrcType := Int }` behind the name of an element.
+    /// `{ SrcType := Int }` after the name of an element.
     Inline(Vec<Attribute>),
     /// The name of a pin before `:=` or `=>`.
     Pin,

@@ -47,7 +47,7 @@ pub struct Wire<'a> {
 #[derive(Debug)]
 pub struct Node<'a> {
     pub target: Span,
-    /// The settings behind its name (V20).
+    /// The settings after its name (V20).
     pub inline: Option<Vec<Attribute>>,
     pub arguments: Vec<Argument<'a>>,
 }

@@ -81,8 +81,8 @@ fn settings(reader: &mut Reader, object: Node, shown: &str) {
     let unknown: Vec<Node> = list.into_iter().flat_map(elements).filter(|node| told(node.tag_name().name())).collect();
     for node in unknown.into_iter().filter(is_set) {
         let name = node.tag_name().name();
-        let title = format!("the setting `{name}` of {shown} is not read");
-        let help = "priorities and times of organization blocks stand in plc.toml; else nothing need be done";
+        let title = format!("plcc does not read the setting `{name}` of {shown}");
+        let help = "set priorities and times of organization blocks in plc.toml; other settings need no action";
         warn(reader, node, title, "plcc does not know it", help);
     }
     for node in child(object, "ObjectList").into_iter().flat_map(elements) {
@@ -91,9 +91,9 @@ fn settings(reader: &mut Reader, object: Node, shown: &str) {
             warn(
                 reader,
                 node,
-                format!("`{name}` of {shown} is skipped"),
-                "no network",
-                "nothing need be done, unless the program depends on it",
+                format!("plcc skips `{name}` of {shown}"),
+                "not a network",
+                "no action is needed, unless the program depends on it",
             );
         }
     }
@@ -168,7 +168,7 @@ fn code(reader: &mut Reader, object: Node, name: BlockName, kind: CodeKind, span
     let code = match refused(&header, &language, is_chart) {
         Some((what, help)) => {
             let message = Diagnostic::new(Code::ForeignContent, name.span(), format!("`{shown}` {what}"));
-            reader.diagnostics.push(message.label("only its interface is read").help(help));
+            reader.diagnostics.push(message.label("plcc reads only its interface").help(help));
             BlockCode::Graphic(Body::default())
         }
         None if is_chart => BlockCode::Chart(chart::read(reader, object, &shown)),
@@ -187,12 +187,12 @@ fn code(reader: &mut Reader, object: Node, name: BlockName, kind: CodeKind, span
 fn refused(header: &Header, language: &str, is_chart: bool) -> Option<(String, &'static str)> {
     match language {
         _ if header.know_how_protect => Some((
-            "is know-how protected: its code is not in the file".to_string(),
+            "is know-how protected: the file does not contain its code".to_string(),
             "remove the protection in the TIA Portal and export it again",
         )),
         "GRAPH" if is_chart => None,
         "GRAPH" => Some((
-            "is written in GRAPH, in which only function blocks can be written".to_string(),
+            "is written in GRAPH, but only function blocks can be written in GRAPH".to_string(),
             "write the block in LAD, FBD, STL or SCL",
         )),
         "SFC" | "CEM" | "ProDiag" | "ProDiag_OB" => Some((

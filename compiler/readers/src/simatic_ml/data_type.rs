@@ -64,7 +64,7 @@ fn at_depth(reader: &mut Reader, range: Range<usize>, depth: usize) -> TypeRef {
     TypeRef { kind, span }
 }
 
-/// The bytes between the brackets behind `word`, with which the text begins.
+/// The bytes between the brackets after `word`, with which the text begins.
 fn bracketed(text: &str, word: &str) -> Option<Range<usize>> {
     let rest = text.strip_prefix(word)?;
     let open = word.len() + (rest.len() - rest.trim_start().len());

@@ -72,7 +72,7 @@ fn values(reader: &mut Reader, member: Node, dimensions: usize, depth: usize) ->
     let parts = components(member);
     if elements.is_empty() && whole.is_empty() && !parts.is_empty() {
         if depth >= DEPTH_MAX {
-            reader.refuse(member, "a declaration", "components that stand too deep in one another");
+            reader.refuse(member, "a declaration", "components that are nested too deeply");
             return whole;
         }
         elements = fields(reader, parts, dimensions + own, depth + 1);
@@ -150,10 +150,10 @@ fn dimensions_of(text: &str) -> usize {
     let mut rest = lower.trim();
     let mut count = 0;
     while let Some(inner) = rest.strip_prefix("array")
-        && let Some((bounds, behind)) = inner.trim_start().strip_prefix('[').and_then(|inner| inner.split_once(']'))
+        && let Some((bounds, after)) = inner.trim_start().strip_prefix('[').and_then(|inner| inner.split_once(']'))
     {
         count += bounds.split(',').count();
-        rest = behind.trim_start().strip_prefix("of").unwrap_or_default().trim_start();
+        rest = after.trim_start().strip_prefix("of").unwrap_or_default().trim_start();
     }
     count
 }

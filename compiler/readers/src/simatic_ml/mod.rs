@@ -53,12 +53,12 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
             let title = format!("the file is only a part of an export: `{}`", root.tag_name().name());
             let refused = Diagnostic::new(Code::NotASource, span, title)
                 .label("the block that it belongs to is missing")
-                .help("export the whole block: the file begins with `Document`, and in it stands `SW.Blocks.FC` or its like");
+                .help("export the whole block: the file begins with `Document`, which contains `SW.Blocks.FC` or a similar element");
             return (SourceUnit::default(), vec![refused]);
         }
-        let title = format!("XML of this kind is no PLC source: `{}`", root.tag_name().name());
+        let title = format!("XML of this kind is not a PLC source: `{}`", root.tag_name().name());
         let refused = Diagnostic::new(Code::NotASource, span, title)
-            .label("neither an export of the TIA Portal nor one of PLCopen")
+            .label("not an export of the TIA Portal or of PLCopen")
             .help("export the blocks from the TIA Portal as XML (SimaticML)");
         return (SourceUnit::default(), vec![refused]);
     }
@@ -73,15 +73,15 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
             name if xml::is_fragment(name) => {
                 let span = reader.span(head(object));
                 let refused =
-                    Diagnostic::new(Code::NotASource, span, format!("`{name}` stands here without its block"));
-                let help = "export the whole block: `SW.Blocks.FC` or its like, with its networks in it";
+                    Diagnostic::new(Code::NotASource, span, format!("`{name}` is here without its block"));
+                let help = "export the whole block: `SW.Blocks.FC` or a similar element, with its networks in it";
                 reader.diagnostics.push(refused.label("a part of an export").help(help));
             }
             name => {
                 let span = reader.span(head(object));
-                let mut note = Diagnostic::new(Code::ForeignContent, span, format!("`{name}` is skipped"))
-                    .label("no block, data type or tag table")
-                    .help("nothing need be done, unless the program depends on it");
+                let mut note = Diagnostic::new(Code::ForeignContent, span, format!("plcc skips `{name}`"))
+                    .label("not a block, data type or tag table")
+                    .help("no action is needed, unless the program depends on it");
                 note.severity = Severity::Warning;
                 reader.diagnostics.push(note);
             }

@@ -29,7 +29,7 @@ pub fn access<'a, 'i>(node: Node<'a, 'i>, notation: Notation) -> Text<'a, 'i> {
 
 fn access_at_depth<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize) -> Text<'a, 'i> {
     if depth > DEPTH_MAX {
-        return refuse(node, "indices that stand too deep in one another");
+        return refuse(node, "indices that are nested too deeply");
     }
     let scope = node.attribute("Scope").unwrap_or_default();
     let mut found: Option<String> = None;
@@ -84,7 +84,7 @@ pub fn path<'a, 'i>(node: Node<'a, 'i>, local: bool, notation: Notation, depth: 
                     (_, _) => text.push_str(&format!(".{}", plain_or_quoted(name))),
                 }
                 components += 1;
-                text.push_str(&behind_component(part, notation, depth)?);
+                text.push_str(&after_component(part, notation, depth)?);
                 match part.attribute("SimpleAccessModifier").unwrap_or("None") {
                     "None" => {}
                     "Periphery" => suffix = ":P",
@@ -120,7 +120,7 @@ pub fn path<'a, 'i>(node: Node<'a, 'i>, local: bool, notation: Notation, depth: 
 }
 
 /// What follows the name of a component: indices, `^`, a slice.
-fn behind_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize) -> Text<'a, 'i> {
+fn after_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize) -> Text<'a, 'i> {
     let mut text = String::new();
     let modifier = node.attribute("AccessModifier").unwrap_or("None");
     match modifier {
@@ -153,8 +153,8 @@ fn behind_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize
         text.push(']');
     }
     // The index may also stand after the component.
-    let behind = node.next_sibling_element().and_then(|next| next.attribute("Text"));
-    if modifier.ends_with("Array") && indices == 0 && behind != Some("[") {
+    let after = node.next_sibling_element().and_then(|next| next.attribute("Text"));
+    if modifier.ends_with("Array") && indices == 0 && after != Some("[") {
         return refuse(node, "an element of an array without an index");
     }
     if let Some(slice) = node.attribute("SliceAccessModifier").filter(|slice| *slice != "undef" && !slice.is_empty()) {

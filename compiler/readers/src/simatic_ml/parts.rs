@@ -297,7 +297,7 @@ fn template(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Re
         let title = format!("{whose} holds the setting `{name}` of an element, which plcc does not know");
         let mut message = Diagnostic::new(Code::ForeignContent, span, title).label("has no effect");
         message.severity = Severity::Warning;
-        reader.diagnostics.push(message.help("check whether the element does without it what it shall do"));
+        reader.diagnostics.push(message.help("check whether the element works as intended without it"));
     }
     if let Some(case) = Comparison::of(&value).filter(|_| is_case) {
         part.cases.push(case);

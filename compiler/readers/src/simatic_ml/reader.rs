@@ -64,7 +64,7 @@ impl Reader {
         };
         let (expr, messages) = fragment::expression(self.file, self.overlay.text(), range.clone());
         if matches!(expr.kind, ExprKind::Error) && messages.is_empty() {
-            let message = Diagnostic::new(Code::Syntax, self.span(range), format!("`{text}` is no operand"));
+            let message = Diagnostic::new(Code::Syntax, self.span(range), format!("`{text}` is not an operand"));
             self.diagnostics
                 .push(message.label("cannot be read").help("enter it again in the editor, and export the block again"));
         }
@@ -129,7 +129,7 @@ pub fn multilingual(object: Node, name: &str) -> Option<String> {
     texts.map(text_of).find(|text| !text.is_empty())
 }
 
-/// The first text of each of the given elements below a node that is no object, as lines: titles and comments in GRAPH.
+/// The first text of each of the given elements below a node that is not an object, as lines: titles and comments in GRAPH.
 pub fn texts(node: Node, names: &[&str]) -> Vec<String> {
     let mut found = Vec::new();
     for name in names {

@@ -188,7 +188,7 @@ fn report(reader: &mut Reader, range: std::ops::Range<usize>, place: Place, whos
             .help("write the network in another way, in SCL for example; no part of a network is left out silently"),
         Place::Declaration => {
             message.severity = Severity::Warning;
-            message.help("the declaration is read without it; nothing need be done, unless the program depends on it")
+            message.help("the declaration is read without it; no action is needed, unless the program depends on it")
         }
     };
     reader.diagnostics.push(message);
@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn every_child_has_a_row_of_its_own() {
         for (at, Row(name, _, children)) in ROWS.iter().enumerate() {
-            assert!(ROWS[at + 1..].iter().all(|row| row.0 != *name), "{name} is there twice");
+            assert!(ROWS[at + 1..].iter().all(|row| row.0 != *name), "{name} appears twice");
             for child in children.split(' ').filter(|child| !child.is_empty() && *child != "AttributeList") {
                 let has_row = ROWS.iter().any(|row| row.0 == child);
                 assert!(has_row, "{name}: {child}");

@@ -53,11 +53,11 @@ pub fn wire(
     found: &mut Parts,
 ) -> Result<(), Refused> {
     let Some(step) = reader.own_step.clone() else {
-        let title = format!("{whose} compares the time of a step, but belongs to none");
+        let title = format!("{whose} compares the time of a step, but belongs to no step");
         let span = reader.name_span(node, "Name");
         let message = Diagnostic::new(Code::UnknownElement, span, title).label("whose time?");
         let help =
-            "use it in an interlock, in a supervision, or in a transition behind one step; elsewhere compare `step.T`";
+            "use it in an interlock, a supervision, or a transition after one step; elsewhere compare `step.T`";
         reader.diagnostics.push(message.help(help));
         return Err(Refused);
     };

@@ -23,7 +23,7 @@ pub fn read(reader: &mut Reader, source: Node, whose: &str) -> Result<Vec<Statem
 /// Writes the tokens below a node, in the order of the file.
 fn tokens(reader: &mut Reader, list: Node, whose: &str, depth: usize) -> Result<(), Refused> {
     if depth > DEPTH_MAX {
-        return Err(reader.refuse(list, whose, "calls that stand too deep in one another"));
+        return Err(reader.refuse(list, whose, "calls that are nested too deeply"));
     }
     for node in elements(list) {
         token(reader, node, whose, depth)?;

@@ -26,9 +26,9 @@ fn is_constant(text: &str) -> bool {
     number || quoted('\'')
 }
 
-/// The separator of the table that `text` is; none: it is no table.
+/// The separator of the table that `text` is; none: it is not a table.
 ///
-/// A row begins with a name that is no mnemonic, and an address follows. A header may stand first, and a row here and there may be wrong.
+/// A row begins with a name that is not a mnemonic, and an address follows. A header may stand first, and a row here and there may be wrong.
 pub fn separator(text: &str) -> Option<char> {
     SEPARATORS.into_iter().find(|separator| {
         let rows =
@@ -110,9 +110,9 @@ impl Reader<'_> {
             at.map(|at| (Span::new(self.file, start + at..start + at + part.len()), at + part.len()))
         };
         let row = self.span(start, line);
-        let (name_span, behind) = place(name, 0).unwrap_or((row, 0));
+        let (name_span, after) = place(name, 0).unwrap_or((row, 0));
         // The address may stand before the name.
-        let address_span = place(address, behind).or_else(|| place(address, 0)).map_or(row, |(span, _)| span);
+        let address_span = place(address, after).or_else(|| place(address, 0)).map_or(row, |(span, _)| span);
         self.table.s7200.push(S7200Symbol {
             name: name.to_string(),
             address: if is_constant(address) { address.to_string() } else { compact },

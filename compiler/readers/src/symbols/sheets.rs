@@ -86,7 +86,7 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
             let mut message = Diagnostic::new(Code::SymbolTable, Span::new(file, start..end), title).label(why);
             message.severity = Severity::Error;
             diagnostics
-                .push(message.help("a row gives a name, a data type, and an address such as `%I0.0` or a value"));
+                .push(message.help("a row contains a name, a data type, and an address such as `%I0.0` or a value"));
         };
         let Some(columns) = columns(&sheet) else {
             // Paths of the tables, and sheets without anything.

@@ -88,7 +88,7 @@ impl Reader<'_> {
                         let comment = attribute(&["remark", "comment"]);
                         self.table.symbols.push(Symbol { name, target, ty, comment, span });
                     }
-                    None => self.bad(span, format!("`{address}` is no address")),
+                    None => self.bad(span, format!("`{address}` is not an address")),
                 }
             } else if kind.eq_ignore_ascii_case("Constant") {
                 let Some(value) = row.attribute_node("value").or_else(|| row.attribute_node("Value")) else {
@@ -127,7 +127,7 @@ impl Reader<'_> {
         let bare = address.trim_end_matches(":P");
         let Some(target) = parse_address(bare) else {
             let span = self.span_of(address_node, row);
-            return self.bad(span, format!("`{address}` is no address"));
+            return self.bad(span, format!("`{address}` is not an address"));
         };
         let comment = row.descendants().find(|node| xml::is(*node, "Text")).map(text_of).unwrap_or_default();
         self.table.symbols.push(Symbol { name, target, ty, comment, span });
@@ -203,7 +203,7 @@ mod damage {
         assert_eq!(told(&tag.replace("<Name>A</Name>", "")), ["a tag without a name"]);
         assert_eq!(told("<SW.Tags.PlcTag/>"), ["a tag without a name"]);
         assert_eq!(told(&tag.replace("<LogicalAddress>%I0.0</LogicalAddress>", "")), none, "never typed in");
-        assert_eq!(told(&tag.replace("%I0.0", "%I0.9")), ["`%I0.9` is no address"]);
+        assert_eq!(told(&tag.replace("%I0.0", "%I0.9")), ["`%I0.9` is not an address"]);
         let constant = "<SW.Tags.PlcUserConstant><AttributeList><DataTypeName>Int</DataTypeName><Name>K</Name><Value>1</Value></AttributeList></SW.Tags.PlcUserConstant>";
         assert_eq!(told(constant), none);
         assert_eq!(told(&constant.replace("<Value>1</Value>", "<Value/>")), ["the constant `K` has no value"]);

@@ -19,7 +19,7 @@ pub fn mutated(text: &str, edits: Vec<(Index, usize, usize)>, pieces: &[&str]) -
     text
 }
 
-/// The two parts of `text` before and behind a place.
+/// The two parts of `text` before and after a place.
 pub fn cut(text: &str, place: Index) -> (&str, &str) {
     let mut end = place.index(text.len());
     while !text.is_char_boundary(end) {

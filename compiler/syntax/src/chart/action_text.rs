@@ -60,11 +60,11 @@ const STATEMENTS: [&str; 9] = ["IF", "CASE", "FOR", "WHILE", "REPEAT", "RETURN",
 impl Reader<'_> {
     /// What the row at `code` holds, which is not empty.
     fn body(&mut self, code: Range<usize>) -> ActionBody {
-        let (word, behind) = self.source.word(code.clone());
+        let (word, after) = self.source.word(code.clone());
         if word.eq_ignore_ascii_case("CALL") {
-            return self.call(code, behind);
+            return self.call(code, after);
         }
-        if word.eq_ignore_ascii_case("S_ALL") && behind == code.end {
+        if word.eq_ignore_ascii_case("S_ALL") && after == code.end {
             return ActionBody::All { span: self.span(code) };
         }
         if STATEMENTS.iter().any(|known| known.eq_ignore_ascii_case(word)) {
@@ -81,7 +81,7 @@ impl Reader<'_> {
                 if left.is_empty() || right.is_empty() {
                     let what = if left.is_empty() { "the operand" } else { "what belongs to the operand" };
                     let help = "write the operand, `:=` or a comma, and its value";
-                    return self.refuse(separator.clone(), format!("{what} is missing"), "nothing beside it", help);
+                    return self.refuse(separator.clone(), format!("{what} is missing"), "nothing next to it", help);
                 }
                 match (self.expression(left), self.expression(right)) {
                     (Some(operand), Some(value)) => ActionBody::Value { operand, value },
@@ -89,8 +89,8 @@ impl Reader<'_> {
                 }
             }
             [_, second, ..] => {
-                let help = "write each assignment in a row of its own";
-                self.refuse(second.clone(), "an action with more than one value".to_string(), "one too many", help)
+                let help = "write each assignment in a separate row";
+                self.refuse(second.clone(), "an action with more than one value".to_string(), "one value too many", help)
             }
         }
     }
@@ -109,7 +109,7 @@ impl Reader<'_> {
         let (expr, messages) = fragment::expression(self.file, self.text, code.clone());
         let is_error = matches!(expr.kind, ExprKind::Error);
         if is_error && !messages.iter().any(Diagnostic::is_error) {
-            let title = format!("`{}` is no operand", &self.text[code.clone()]);
+            let title = format!("`{}` is not an operand", &self.text[code.clone()]);
             self.refuse(code, title, "cannot be read", "write an operand, an assignment or a CALL");
         }
         self.diagnostics.extend(messages);

@@ -19,9 +19,9 @@ pub struct Body {
     pub steps: Vec<Step>,
     /// In the order of the file.
     pub transitions: Vec<Transition>,
-    /// Permanent instructions behind the sequencers.
+    /// Permanent instructions after the sequencers.
     pub after: Vec<Permanent>,
-    /// Some of it could not be read, which was told: what the chart lacks is no mistake of its own.
+    /// Some of it could not be read, which was told: what the chart lacks is not a mistake of its own.
     pub broken: bool,
 }
 

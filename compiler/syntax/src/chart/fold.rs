@@ -1,7 +1,7 @@
 //! Drawn charts: steps, transitions and branches with lines between them become transitions with FROM and TO.
 //!
-//! A line stands either behind steps or behind transitions. Alternative branches open and simultaneous ones close behind steps; the two other
-//! kinds stand behind transitions. So a transition finds its steps by following branches of one sort back, and of the other sort forward.
+//! A line stands either after steps or after transitions. Alternative branches open and simultaneous ones close after steps; the two other
+//! kinds stand after transitions. So a transition finds its steps by following branches of one sort back, and of the other sort forward.
 //! Source: GRAPH reference B.3.
 
 mod legality;
@@ -119,7 +119,7 @@ fn backwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut F
 /// The steps that a transition enters, the leftmost first.
 fn forwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Folded) {
     let mut seen = HashSet::new();
-    let mut pending: Vec<usize> = lines.behind_transition(transition).iter().rev().copied().collect();
+    let mut pending: Vec<usize> = lines.after_transition(transition).iter().rev().copied().collect();
     while let Some(line) = pending.pop() {
         let line = &drawing.lines[line];
         if !legality::is_legal(drawing, line) {
@@ -134,7 +134,7 @@ fn forwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Fo
             }
             Node::Branch(branch, _) => {
                 if seen.insert(Node::Branch(branch, 0)) {
-                    pending.extend(lines.behind_branch(branch).iter().rev());
+                    pending.extend(lines.after_branch(branch).iter().rev());
                 }
             }
             Node::Transition(_) | Node::End => {}
@@ -143,11 +143,11 @@ fn forwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Fo
 }
 
 impl BranchKind {
-    /// What its lines stand behind.
+    /// What its lines stand after.
     fn side(self) -> Side {
         match self {
-            BranchKind::AlternativeBegin | BranchKind::SimultaneousEnd => Side::BehindStep,
-            BranchKind::AlternativeEnd | BranchKind::SimultaneousBegin => Side::BehindTransition,
+            BranchKind::AlternativeBegin | BranchKind::SimultaneousEnd => Side::AfterStep,
+            BranchKind::AlternativeEnd | BranchKind::SimultaneousBegin => Side::AfterTransition,
         }
     }
 

@@ -50,7 +50,7 @@ pub struct Graph {
     /// In the order of evaluation: an element runs at its place here, or before, when another one needs what it gives.
     pub elements: Vec<Element>,
     pub nets: Vec<Net>,
-    /// Some of it could not be read, which was told: what it lacks is no mistake of its own.
+    /// Some of it could not be read, which was told: what it lacks is not a mistake of its own.
     pub broken: bool,
 }
 

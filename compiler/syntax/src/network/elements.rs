@@ -1,7 +1,7 @@
 //! The elements of LAD and FBD: one row each, for all files that carry them.
 //!
 //! Pins are a list of words: `?` before one that may be missing, `>` before an output, `=` before one that is read and written, `|` between
-//! spellings (the first one is the pin's name in the syntax tree), `+` behind the first of numbered ones (`in1+` is in1, in2, …).
+//! spellings (the first one is the pin's name in the syntax tree), `+` after the first of numbered ones (`in1+` is in1, in2, …).
 //! Letter case does not matter. Source: LAD/FBD reference, chapter B; what each kind does: chapter C.
 
 /// An element.

@@ -144,7 +144,7 @@ pub fn are_letters(word: &str) -> bool {
     letters_of(word, true).is_some() || letters_of(word, false).is_some()
 }
 
-/// The set that the letters of the address `word` (upper case) belong to; none if both have them or it is no address.
+/// The set that the letters of the address `word` (upper case) belong to; none if both have them or it is not an address.
 pub fn set_of(word: &str) -> Option<Mnemonics> {
     let direct = parse(word)?.ok()?;
     let letters = word.split(|c: char| c.is_ascii_digit()).next()?;

@@ -34,7 +34,7 @@ pub struct Block {
     /// It has no header of its own: a file of statements, or a section of a flat list.
     pub is_bare: bool,
     pub title: String,
-    /// Comment lines behind the header, without `//`.
+    /// Comment lines after the header, without `//`.
     pub comment: Vec<String>,
     pub declarations: Vec<Declaration>,
     pub networks: Vec<Network>,
@@ -234,7 +234,7 @@ pub enum Constant {
 /// A line of a data block: `VW10 -5, 300`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataLine {
-    /// `None`: behind the line before.
+    /// `None`: after the line before.
     pub address: Option<Operand>,
     pub values: Vec<Operand>,
     pub span: Span,

@@ -125,7 +125,7 @@ impl<'a> Context<'a> {
                 let text = slice(*start, *end);
                 let title = match before.filter(|(_, token, _)| *token != Tok::End) {
                     Some((from, _, to)) if !slice(*to, *start).contains(['\n', '\r']) => {
-                        format!("`{text}` cannot stand behind `{}` in this {what}", slice(*from, *to))
+                        format!("`{text}` cannot stand after `{}` in this {what}", slice(*from, *to))
                     }
                     _ => format!("`{text}` cannot begin this {what}"),
                 };
@@ -134,7 +134,7 @@ impl<'a> Context<'a> {
             None => {
                 let (start, end) = before.map_or((found, found), |(start, _, end)| (*start, *end));
                 Diagnostic::new(code, self.span(start..end), format!("this {what} is not complete"))
-                    .label("something is missing behind this")
+                    .label("something is missing after this")
                     .help(help)
             }
         }

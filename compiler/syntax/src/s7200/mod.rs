@@ -133,9 +133,9 @@ fn report_mixture(
     let word = text.get(start..end).unwrap_or_default();
     let title = format!("`{word}` is a mnemonic of the {other} set in a file with the {set} one");
     let mut diagnostic = Diagnostic::new(Code::MixedMnemonics, Span::new(file, start..end), title)
-        .label("a file keeps to one set")
+        .label("a file uses one set only")
         .help(if options.mnemonics.is_some() {
-            format!("the {set} set was asked for; leave `--mnemonics` out to have it found")
+            format!("the {set} set was requested; without `--mnemonics` plcc finds the set itself")
         } else {
             format!("write the whole file with the mnemonics of the {set} set")
         });

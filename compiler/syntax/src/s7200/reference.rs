@@ -97,7 +97,7 @@ fn write_comparisons(page: &mut String) {
     page.push_str(
         "\n## Compare contacts\n\nSource: S7-200 system manual, Compare Instructions.\n\n\
          `LD…` pushes the result, `A…` (German `U…`) and `O…` combine it with S0. They act always and have no ENO. A bad pointer stops the CPU\n\
-         (0011), a string that leaves its memory too (0014); a REAL that is no number compares as false (000F), or stops the CPU (0012) where\n\
+         (0011), a string that leaves its memory too (0014); a REAL that is not a number compares as false (000F), or stops the CPU (0012) where\n\
          plc.toml has `strict_compare`. Older texts write `LDDW=` for `LDD=`; that is taken too.\n\n\
          | operands | international | German | relations |\n| --- | --- | --- | --- |\n",
     );

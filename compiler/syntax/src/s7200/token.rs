@@ -14,7 +14,7 @@ pub enum Tok<'a> {
     EndData,
     /// The name of a block, without quotes.
     Name(&'a str),
-    /// Text behind `TITLE=`.
+    /// Text after `TITLE=`.
     Title(&'a str),
     Section(Section),
     EndVar,
@@ -22,7 +22,7 @@ pub enum Tok<'a> {
     Network,
     /// `SBR 3`, `INT 0` of a flat list.
     Marker(BlockKind),
-    /// Text behind `//`.
+    /// Text after `//`.
     Comment(&'a str),
     /// The end of a line.
     End,

@@ -126,8 +126,8 @@ fn without_static(context: &mut Context, sections: &mut [Section]) {
             let span = Span { end: section.span.start + "VAR".len() as u32, ..section.span };
             context.report(
                 Diagnostic::new(Code::Tolerated, span, "this block has no static variables")
-                    .label("taken as VAR_TEMP")
-                    .help("write `VAR_TEMP`; values that stay between calls belong to a function block"),
+                    .label("read as VAR_TEMP")
+                    .help("write `VAR_TEMP`; only a function block keeps values between calls"),
             );
         }
     }
@@ -186,8 +186,8 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
         Some((ty, value)) => {
             if let Some(value) = value {
                 context.report(
-                    Diagnostic::new(Code::InitialValue, value.span, "a type that is no structure has no initial value")
-                        .label("cannot be kept with the type")
+                    Diagnostic::new(Code::InitialValue, value.span, "a type that is not a structure has no initial value")
+                        .label("the type cannot keep this value")
                         .help("write the value at each variable of this type"),
                 );
             }
@@ -201,8 +201,8 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
             {
                 context.report(
                     Diagnostic::new(Code::DeclarationSyntax, name.span(), "the data type has no structure")
-                        .label("nothing is declared in it")
-                        .help("write `STRUCT … END_STRUCT;` between header and `END_TYPE`"),
+                        .label("it declares nothing")
+                        .help("write `STRUCT … END_STRUCT;` between the header and `END_TYPE`"),
                 );
             }
             (Vec::new(), None)
@@ -224,8 +224,8 @@ fn spread(context: &mut Context, members: &mut [Variable], value: Option<Initial
     let Some(value) = value else { return };
     let InitialKind::Fields(fields) = value.kind else {
         context.report(
-            Diagnostic::new(Code::InitialValue, value.span, "a structure takes no single value")
-                .label("no list of components")
+            Diagnostic::new(Code::InitialValue, value.span, "a structure cannot have a single value")
+                .label("not a list of components")
                 .help("write `(name := value, …)`"),
         );
         return;
@@ -244,7 +244,7 @@ fn spread(context: &mut Context, members: &mut [Variable], value: Option<Initial
                     "the structure has no such component",
                 )
                 .label("not declared above")
-                .help("name a component of the structure, or leave the value out"),
+                .help("name a component of the structure, or omit the value"),
             ),
         }
     }
@@ -254,7 +254,7 @@ fn header(context: &Context, parts: Vec<HeaderPart>, range: Range<usize>) -> Hea
     frame::header(context.comment_lines(range), parts)
 }
 
-/// The variables of one declaration; the comment behind it belongs to each.
+/// The variables of one declaration; the comment after it belongs to each.
 pub fn variables(
     context: &Context,
     names: Vec<DeclaredName>,
@@ -263,7 +263,7 @@ pub fn variables(
     initial: Option<InitialValue>,
     end: usize,
 ) -> Vec<Variable> {
-    let comment = context.comment_behind(end);
+    let comment = context.comment_after(end);
     let at = at.map(|name| (name.text, name.span));
     names
         .into_iter()
@@ -343,9 +343,9 @@ pub fn initial_list(context: &mut Context, mut values: Vec<InitialValue>, range:
     if matches!(values.as_slice(), [InitialValue { kind: InitialKind::Default, .. }]) {
         let span = context.span(range.start, range.end);
         context.report(
-            Diagnostic::new(Code::DeclarationSyntax, span, "the value is missing behind `:=`")
-                .label("a constant must stand here")
-                .help("write a constant, or leave `:=` out"),
+            Diagnostic::new(Code::DeclarationSyntax, span, "the value is missing after `:=`")
+                .label("a constant is expected here")
+                .help("write a constant, or omit `:=`"),
         );
     }
     match values.pop() {
@@ -365,8 +365,8 @@ pub fn repeated(context: &mut Context, count: Literal, values: Vec<InitialValue>
         Literal::Typed { ty, bits: bits @ 1..=65_536 } if ty.is_integer() => bits as i64,
         _ => {
             context.report(
-                Diagnostic::new(Code::DeclarationSyntax, span, "the repetition factor is no number of elements")
-                    .label("before `(` stands how often the values are repeated")
+                Diagnostic::new(Code::DeclarationSyntax, span, "the repetition factor is not a number of elements")
+                    .label("the number before `(` is how often the values are repeated")
                     .help("write e.g. `6 (0)`: a whole number from 1 to 65536 before the parenthesis"),
             );
             1
@@ -375,7 +375,7 @@ pub fn repeated(context: &mut Context, count: Literal, values: Vec<InitialValue>
     InitialKind::Repeat { count: Bound::Number(count, span), values }
 }
 
-/// `a.b[3] := 5` behind BEGIN of a data block.
+/// `a.b[3] := 5` after BEGIN of a data block.
 pub fn value_assignment(
     context: &mut Context,
     target: Expr,
@@ -400,8 +400,8 @@ pub fn value_assignment(
             ExprKind::Error => return None,
             _ => {
                 context.report(
-                    Diagnostic::new(Code::Syntax, node.span, "only a component of the data block takes a value here")
-                        .label("no component")
+                    Diagnostic::new(Code::Syntax, node.span, "only a component of the data block can have a value here")
+                        .label("not a component")
                         .help("write e.g. `a.b[3] := 5;`"),
                 );
                 return None;

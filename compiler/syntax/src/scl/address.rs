@@ -64,7 +64,7 @@ pub fn area_word(word: &str) -> Option<(Area, Width)> {
     Some((area, width))
 }
 
-/// Width and byte of a word behind `DB10.`: `DW4`, `DBW4`, `DB7` (a byte), `DD0`; no bits, which are one token with their point.
+/// Width and byte of a word after `DB10.`: `DW4`, `DBW4`, `DB7` (a byte), `DD0`; no bits, which are one token with their point.
 pub fn db_address(word: &str) -> Option<(Width, u32)> {
     let (letters, byte) = letters_and_number(word)?;
     match db_area_word(letters)? {
@@ -73,7 +73,7 @@ pub fn db_address(word: &str) -> Option<(Width, u32)> {
     }
 }
 
-/// Width that a word without number behind `DB10.` names, as in `DB10.DW[i]`, `DB10.DX[b, i]`, `DB10.D[b, i]`, `DB10.DB[i]`.
+/// Width that a word without number after `DB10.` names, as in `DB10.DW[i]`, `DB10.DX[b, i]`, `DB10.D[b, i]`, `DB10.DB[i]`.
 pub fn db_area_word(word: &str) -> Option<Width> {
     const WORDS: [(&str, Width); 9] = [
         ("D", Width::Bit),
@@ -100,7 +100,7 @@ pub fn numbered_block(word: &str) -> Option<(BlockPrefix, u32)> {
     Some((block_prefix(letters)?, number))
 }
 
-/// The operand of an address token: `I0.0`, `%MW10`, `%DB1.DBX1.0`, `%IW4:P`, `DX0.7` behind a point.
+/// The operand of an address token: `I0.0`, `%MW10`, `%DB1.DBX1.0`, `%IW4:P`, `DX0.7` after a point.
 pub fn token(text: &str, span: Span) -> Option<OperandKind> {
     let text = text.strip_prefix('%').unwrap_or(text);
     let (text, peripheral) = match text.strip_suffix(['P', 'p']).and_then(|text| text.strip_suffix(':')) {

@@ -63,7 +63,7 @@ pub enum StatementKind {
     Label(Name),
     /// A call, or an expression whose value goes nowhere.
     Expression(Expr),
-    /// `a := b += e`: targets from left to right, each with the operator behind it.
+    /// `a := b += e`: targets from left to right, each with the operator after it.
     Assign {
         targets: Vec<(Expr, AssignOp)>,
         value: Expr,

@@ -69,8 +69,8 @@ impl<'a> Context<'a> {
         comment::lines(self.text, self.comments, range)
     }
 
-    /// The comment behind byte `end`, on the same line.
-    pub fn comment_behind(&self, end: usize) -> Option<String> {
-        comment::behind(self.text, self.comments, end)
+    /// The comment after byte `end`, on the same line.
+    pub fn comment_after(&self, end: usize) -> Option<String> {
+        comment::after(self.text, self.comments, end)
     }
 }

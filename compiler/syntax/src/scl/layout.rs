@@ -183,7 +183,7 @@ impl<'a> Layout<'a> {
         self.at += 1;
     }
 
-    /// Pushes a token of no width behind what has been read.
+    /// Pushes a token of no width after what has been read.
     fn push_here(&mut self, token: Tok<'a>) {
         let end = self.last_end();
         self.push(end, token, end);

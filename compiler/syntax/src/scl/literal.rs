@@ -59,7 +59,7 @@ pub fn parse(text: &str) -> Result<Read, LiteralError> {
             Some(ty) => number::typed(text, ty, value),
             None => Err(LiteralError::malformed(
                 text,
-                format!("`{prefix}` is no type of constants"),
+                format!("`{prefix}` is not a type of constants"),
                 "write e.g. `INT#5` or `T#1s`",
             )),
         },

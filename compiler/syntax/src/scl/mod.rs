@@ -48,8 +48,8 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     let mnemonics = options.mnemonics.unwrap_or_default();
     if !looks && let Some(wrong) = diagnostics.iter().find(|diagnostic| diagnostic.code == Code::Syntax) {
         let span = wrong.primary.span;
-        let refused = Diagnostic::new(Code::NotASource, span, "this file holds no SCL source")
-            .label("no statement of SCL, and no block begins before it")
+        let refused = Diagnostic::new(Code::NotASource, span, "this file does not contain an SCL source")
+            .label("not a statement of SCL, and no block begins before it")
             .help("pass a source as STEP 7 or the TIA Portal exports it: blocks from FUNCTION, DATA_BLOCK, TYPE … to their END");
         return (SourceUnit { mnemonics, blocks: Vec::new(), pragmas, ..SourceUnit::default() }, vec![refused]);
     }
@@ -117,14 +117,14 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
             CommentForm::Slash => {
                 let span = Span { file, start: comment.start, end: comment.end };
                 Diagnostic::new(Code::Tolerated, span, "SCL has no comments in `/* */`")
-                    .label("taken as a comment")
+                    .label("read as a comment")
                     .help("write `(* … *)`, or begin each line of it with `//`")
             }
             CommentForm::Unterminated => {
                 let span = Span { file, start: comment.start, end: comment.start + 2 };
                 Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
                     .label("begins here")
-                    .help("close it with `*)`; each `(*` inside needs a `*)` of its own")
+                    .help("close it with `*)`; each `(*` inside needs its own `*)`")
             }
         };
         diagnostics.push(diagnostic);

@@ -161,7 +161,7 @@ pub struct RawToken {
     pub end: u32,
     /// A line end stands between this token and the one before, or it is the first one.
     pub first_on_line: bool,
-    /// Of a word that does not stand behind a point.
+    /// Of a word that does not stand after a point.
     pub keyword: Option<Keyword>,
 }
 
@@ -209,7 +209,7 @@ impl RawText {
     }
 }
 
-/// Splits `text` into raw tokens. Never fails: what is no token is `Stray`.
+/// Splits `text` into raw tokens. Never fails: what is not a token is `Stray`.
 pub fn scan(text: &str) -> RawText {
     tokens(text, Past::default())
 }

@@ -29,7 +29,7 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
                 open.push(span);
                 if open.len() == NESTING_DEPTH_MAX + 1 {
                     diagnostics.push(
-                        Diagnostic::new(Code::Nesting, span, "parentheses are nested too deep")
+                        Diagnostic::new(Code::Nesting, span, "parentheses are nested too deeply")
                             .label("the eighth level")
                             .also(open[0], "the first level begins here")
                             .help("the nesting stack has 7 entries; keep an intermediate result in a bit"),
@@ -47,7 +47,7 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
                 if let Some(opening) = open.last() {
                     let word = &text[span.range()];
                     diagnostics.push(
-                        Diagnostic::new(Code::Nesting, span, format!("`{word}` stands inside a parenthesis"))
+                        Diagnostic::new(Code::Nesting, span, format!("`{word}` cannot stand inside a parenthesis"))
                             .label("the block cannot end here")
                             .also(*opening, "opened here")
                             .help("close the parenthesis with `)` before it"),
@@ -62,7 +62,7 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
         diagnostics.push(
             Diagnostic::new(Code::Nesting, *opening, "the parenthesis is not closed in its block")
                 .label("opened here")
-                .help("write `)` behind the last instruction of the parenthesis"),
+                .help("write `)` after the last instruction of the parenthesis"),
         );
     }
 }

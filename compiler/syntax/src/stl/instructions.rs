@@ -427,7 +427,7 @@ stl_instructions! {
     JumpNotPositive { en: "JMZ", de: "SPMZ", operand: Label, status: "- - - - - - - - -" }
     /// Jumps if the last result was invalid.
     JumpUnordered { en: "JUO", de: "SPU", operand: Label, status: "- - - - - - - - -" }
-    /// Jump distributor: executes the JU in the list behind it that ACCU1-LL numbers.
+    /// Jump distributor: executes the JU in the list after it that ACCU1-LL numbers.
     JumpList { en: "JL", de: "SPL", operand: Label, status: "- - - - - - - - -" }
     /// Decrements ACCU1-L; jumps if it is not 0.
     Loop { en: "LOOP", de: "LOOP", operand: Label, status: "- - - - - - - - -" }

@@ -162,7 +162,7 @@ pub fn register(word: &str) -> Option<AddressRegister> {
     }
 }
 
-/// Letters and the digits behind them: `MW10` is `MW`, `10`. `None` if the word is not built so.
+/// Letters and the digits after them: `MW10` is `MW`, `10`. `None` if the word is not built so.
 pub fn letters_and_digits(word: &str) -> (&str, &str) {
     let letters = word.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(word.len());
     let (letters, digits) = word.split_at(letters);
@@ -207,7 +207,7 @@ pub fn detect(text: &str, raw: &RawText, wanted: Option<Mnemonics>) -> Detected 
 }
 
 /// The one set that has the mnemonic, if what follows can follow a mnemonic.
-fn set_of_mnemonic(word: &str, next: Option<&RawToken>, behind: Option<&RawToken>) -> Option<Mnemonics> {
+fn set_of_mnemonic(word: &str, next: Option<&RawToken>, after: Option<&RawToken>) -> Option<Mnemonics> {
     let set = match (instruction(word, Mnemonics::En), instruction(word, Mnemonics::De)) {
         (Some(_), None) => Mnemonics::En,
         (None, Some(_)) => Mnemonics::De,
@@ -225,14 +225,14 @@ fn set_of_mnemonic(word: &str, next: Option<&RawToken>, behind: Option<&RawToken
         | RawKind::Number
         | RawKind::Real => !continues,
         // `A [AR1,P#0.0]` is an instruction, `U[1] := 5` is not.
-        RawKind::LeftBracket => !continues || behind.is_some_and(|behind| behind.kind == RawKind::Word),
+        RawKind::LeftBracket => !continues || after.is_some_and(|after| after.kind == RawKind::Word),
         RawKind::Equal => !continues,
         _ => true,
     };
     fits.then_some(set)
 }
 
-/// The one set that has these area letters, with a number behind them.
+/// The one set that has these area letters, with a number after them.
 fn set_of_operand(word: &str, next: Option<&RawToken>) -> Option<Mnemonics> {
     let (letters, digits) = letters_and_digits(word);
     let numbered = !digits.is_empty()

@@ -150,7 +150,7 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
             let span = Span { file, start: comment.start, end: comment.start + 2 };
             diagnostics.push(
                 Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
-                    .label("begins here, and takes the rest of the file")
+                    .label("begins here, and includes the rest of the file")
                     .help("close it with `*)`, or begin each line of it with `//`"),
             );
             continue;
@@ -158,7 +158,7 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
         let span = Span { file, start: comment.start, end: comment.end };
         diagnostics.push(
             Diagnostic::new(Code::BlockComment, span, "STL has no comments in `(* *)`")
-                .label("taken as a comment")
+                .label("read as a comment")
                 .help("begin each line of the comment with `//`"),
         );
     }
@@ -186,9 +186,9 @@ fn report_mixture(
         span(foreign),
         format!("`{word}` is {other} mnemonic in a file with {set} ones"),
     )
-    .label("a file keeps to one set")
+    .label("a file uses one set only")
     .help(if options.mnemonics.is_some() {
-        format!("the {set} set was asked for; leave `--mnemonics` out to have it found")
+        format!("the {set} set was requested; without `--mnemonics` plcc finds the set itself")
     } else {
         format!("write the whole file with {set} mnemonics, operands too")
     });

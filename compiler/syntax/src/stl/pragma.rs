@@ -46,7 +46,7 @@ fn parse_assert(
 ) -> Option<Assertion> {
     if source[range.clone()].trim().is_empty() {
         diagnostics.push(
-            Diagnostic::new(Code::Pragma, span, "this assertion cannot be understood")
+            Diagnostic::new(Code::Pragma, span, "plcc cannot read this assertion")
                 .label("an assertion is: operand, comparison, operand")
                 .help(assertion::HELP),
         );
@@ -85,7 +85,7 @@ fn side(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<D
                 Some(first) => Diagnostic::new(Code::Pragma, first.primary.span, first.title)
                     .label(first.primary.text)
                     .help(first.help.unwrap_or_else(|| assertion::HELP.to_owned())),
-                None => Diagnostic::new(Code::Pragma, place, "this assertion cannot be understood")
+                None => Diagnostic::new(Code::Pragma, place, "plcc cannot read this assertion")
                     .label("no operand, register or constant")
                     .help(assertion::HELP),
             });
@@ -131,7 +131,7 @@ fn operand(
             let (start, stop) = crate::frame::error_range(&error).unwrap_or((range.start, range.end));
             let place = if start < stop { start..stop } else { range };
             found.push(
-                Diagnostic::new(Code::Pragma, Span::new(file, place), "this assertion cannot be understood")
+                Diagnostic::new(Code::Pragma, Span::new(file, place), "plcc cannot read this assertion")
                     .label("an assertion is: operand, comparison, operand")
                     .help(assertion::HELP),
             );

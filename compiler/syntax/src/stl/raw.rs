@@ -141,7 +141,7 @@ impl RawText {
     }
 }
 
-/// Splits `text` into raw tokens. Never fails: what is no token is `Stray`.
+/// Splits `text` into raw tokens. Never fails: what is not a token is `Stray`.
 pub fn scan(text: &str) -> RawText {
     let mut tokens: Vec<RawToken> = Vec::with_capacity(text.len() / 4);
     let mut comments = Vec::new();
@@ -223,7 +223,7 @@ fn number(lexer: &mut Lexer<RawKind>) -> RawKind {
     RawKind::Number
 }
 
-/// How the text behind the `#` of a constant is built.
+/// How the text after the `#` of a constant is built.
 #[derive(Clone, Copy)]
 enum LiteralForm {
     /// `W#16#3A2F`, `C#20`, `L#-7`, `INT#5`, `REAL#1.5`.
@@ -272,7 +272,7 @@ fn literal_form(prefix: &str) -> Option<LiteralForm> {
     FORMS.iter().find(|(name, _)| name.eq_ignore_ascii_case(prefix)).map(|(_, form)| *form)
 }
 
-/// Bytes of the constant behind `#`; `None` if the `#` does not make a constant (`P##name`).
+/// Bytes of the constant after `#`; `None` if the `#` does not make a constant (`P##name`).
 fn literal_length(form: LiteralForm, rest: &str) -> Option<usize> {
     match form {
         LiteralForm::Number => Some(number_length(rest)),

@@ -45,7 +45,7 @@ pub enum Tok<'a> {
     EndBlock,
     Begin,
     Network,
-    /// Text behind `TITLE =`.
+    /// Text after `TITLE =`.
     Title(&'a str),
     HeaderText(HeaderField, &'a str),
     HeaderFlag(HeaderFlag),
@@ -91,9 +91,9 @@ pub enum Tok<'a> {
     Width(Width),
     /// `T`, `C`.
     Cell(CellKind),
-    /// `0.0` behind area letters.
+    /// `0.0` after area letters.
     BitAddress(u32, u8),
-    /// `10` behind area letters, `T` and `C`.
+    /// `10` after area letters, `T` and `C`.
     Address(u32),
     /// `FC 7`.
     Block(BlockPrefix, u32),

@@ -41,7 +41,7 @@ fn build(context: &mut Context, depth: usize, span: Span, node: impl FnOnce() ->
             Diagnostic::new(Code::Syntax, Span { end: span.start + 1, ..span }, "this expression has too many parts")
                 .label("begins here")
                 .help(format!(
-                    "at most {DEPTH_MAX} operators may follow one another; keep a part of it in a memory bit"
+                    "at most {DEPTH_MAX} operators may follow one another; store a part of it in a memory bit"
                 )),
         );
         return Sub::leaf(ExprKind::Error, span);
@@ -141,7 +141,7 @@ fn address_of(context: &mut Context, text: &str, span: Span) -> Option<OperandKi
     let operand = address::token(&text.replace(' ', ""), span);
     if operand.is_none() {
         context.report(
-            Diagnostic::new(Code::AddressRange, span, format!("`{text}` is no address"))
+            Diagnostic::new(Code::AddressRange, span, format!("`{text}` is not an address"))
                 .label("no area has this address")
                 .help("write e.g. `MW10`, `I0.7`, `DB1.DBX2.0`; bits go from 0 to 7"),
         );
@@ -156,7 +156,7 @@ pub fn literal(context: &mut Context, text: &str, range: Range<usize>) -> Sub {
             if let Some(number) = read.wrapped {
                 context.report(
                     Diagnostic::new(Code::Tolerated, span, format!("`{text}` is outside the range of its type"))
-                        .label(format!("taken as {number}"))
+                        .label(format!("read as {number}"))
                         .help("write the negative number, or a bit string such as `16#FFFF`"),
                 );
             }
@@ -186,7 +186,7 @@ pub fn member_absolute(context: &mut Context, base: Sub, text: &str, range: Rang
         }),
         Some(_) => {
             context.report(
-                Diagnostic::new(Code::Syntax, part, "only an address in a data block can stand behind a point")
+                Diagnostic::new(Code::Syntax, part, "only an address in a data block can follow a point")
                     .label("an address of another area")
                     .help("write e.g. `DB10.DBX0.0`"),
             );

@@ -90,7 +90,7 @@ fn keep(context: &mut Context, place: &mut Option<Condition>, condition: Option<
         };
         return context.report(
             Diagnostic::new(Code::Syntax, span, format!("a second {what}"))
-                .label("there is one already")
+                .label("there is already one")
                 .also(before, "the first one")
                 .help("join both with AND or OR"),
         );
@@ -110,7 +110,7 @@ pub fn action(
     let end = qualifier.end;
     let comment = match comment {
         Some(text) => Some(pragma::lines(text).join(" ")).filter(|text| !text.is_empty()),
-        None => context.comment_behind(end),
+        None => context.comment_after(end),
     };
     let (body, mark) = match (body, mark) {
         (Some(body), Some(mark)) if is_action(context, &body) => (body, mark),
@@ -133,7 +133,7 @@ fn is_action(context: &mut Context, body: &ActionBody) -> bool {
     is_variable(context, operand, Code::ActionText)
 }
 
-/// Whether something can be written to the expression; what is no operand is reported.
+/// Whether something can be written to the expression; what is not an operand is reported.
 fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
     let help = match &operand.kind {
         ExprKind::Name(_)
@@ -146,10 +146,10 @@ fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
         // Told of where it was read.
         ExprKind::Error => return false,
         ExprKind::Binary { op: BinaryOp::Equal, .. } => "a value is assigned with `:=`",
-        _ => "write an address, a symbol, or a step before the qualifier, and a value behind `:=`",
+        _ => "write an address, a symbol, or a step before the qualifier, and a value after `:=`",
     };
     context.report(
-        Diagnostic::new(code, operand.span, "this is no operand").label("nothing can be written to it").help(help),
+        Diagnostic::new(code, operand.span, "this is not an operand").label("nothing can be written to it").help(help),
     );
     false
 }

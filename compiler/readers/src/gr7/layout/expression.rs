@@ -72,7 +72,7 @@ impl<'a> Layout<'a, '_> {
                 | RawKind::Local
                 | RawKind::Text
         ) && !is_operator(token, self.slice(token));
-        let follows = operand && self.behind_operand();
+        let follows = operand && self.after_operand();
         match place {
             Place::Condition | Place::Permanent => false,
             Place::Action => depth == 0 && follows,
@@ -121,21 +121,21 @@ impl<'a> Layout<'a, '_> {
     /// Brackets that are too deep for whoever walks the tree: the expression becomes an error.
     fn too_deep(&mut self, token: RawToken, first: usize, end: usize) {
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs stand too deep in one another")
+            Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs are nested too deeply")
                 .label(format!("more than {NESTING_MAX} of them"))
-                .help("keep a part of the expression in a memory bit"),
+                .help("store a part of the expression in a memory bit"),
         );
         self.out.truncate(first);
         self.out.push((token.start as usize, Tok::Bad, token.end as usize));
         self.at = end;
     }
 
-    /// Takes an operand, operator or sign that is no bracket.
+    /// Takes an operand, operator or sign that is not a bracket.
     fn element(&mut self, token: RawToken) {
         let slice = self.slice(token);
         let tok = match token.kind {
             RawKind::Word => self.word(slice),
-            RawKind::Number if self.behind_point() => Tok::Word(slice),
+            RawKind::Number if self.after_point() => Tok::Word(slice),
             RawKind::Number | RawKind::Literal | RawKind::Text => Tok::Literal(slice),
             RawKind::Absolute => Tok::Absolute(slice),
             RawKind::Quoted => Tok::Quoted(slice.trim_matches('"').trim()),
@@ -160,7 +160,7 @@ impl<'a> Layout<'a, '_> {
     }
 
     /// Whether an operand ends with the last token.
-    fn behind_operand(&self) -> bool {
+    fn after_operand(&self) -> bool {
         matches!(
             self.out.last(),
             Some((
@@ -178,13 +178,13 @@ impl<'a> Layout<'a, '_> {
         )
     }
 
-    fn behind_point(&self) -> bool {
+    fn after_point(&self) -> bool {
         self.at > 0 && self.raw[self.at - 1].kind == RawKind::Dot
     }
 
     fn word(&self, slice: &'a str) -> Tok<'a> {
         let formal = matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Arrow));
-        if self.behind_point() || formal {
+        if self.after_point() || formal {
             return Tok::Word(slice);
         }
         let is = |word: &str| word.eq_ignore_ascii_case(slice);
@@ -195,7 +195,7 @@ impl<'a> Layout<'a, '_> {
             () if is("NOT") => Tok::Not,
             () if is("MOD") => Tok::Factor(BinaryOp::Modulo),
             () if is("DIV") => Tok::Factor(BinaryOp::DivideInteger),
-            () if is_shift(slice) && self.behind_operand() => Tok::Shift(slice),
+            () if is_shift(slice) && self.after_operand() => Tok::Shift(slice),
             () => Tok::Word(slice),
         }
     }
@@ -207,7 +207,7 @@ impl<'a> Layout<'a, '_> {
             RawKind::UnterminatedText => {
                 Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
                     .label("begins here")
-                    .help("close it with `'`; a quote inside is written `$'`")
+                    .help("close it with `'`; write a quote inside as `$'`")
             }
             RawKind::UnterminatedQuoted => {
                 Diagnostic::new(Code::UnterminatedText, span, "the name is not closed on its line")
@@ -216,9 +216,9 @@ impl<'a> Layout<'a, '_> {
             }
             RawKind::Stray => {
                 let c = slice.chars().next().unwrap_or(' ');
-                let title = format!("`{}` belongs to no chart", c.escape_debug());
+                let title = format!("`{}` cannot be part of a chart", c.escape_debug());
                 Diagnostic::new(Code::UnexpectedCharacter, span, title)
-                    .label("not a character of GRAPH outside of comments")
+                    .label("not a character of GRAPH outside comments")
                     .help("remove it, or put it into a comment `(* … *)`")
             }
             _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))

@@ -1,4 +1,4 @@
-//! Layout of actions and permanent instructions: where a row ends, and what stands in parentheses behind its operand.
+//! Layout of actions and permanent instructions: where a row ends, and what stands in parentheses after its operand.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
@@ -12,7 +12,7 @@ use plcc_syntax::chart::ast::Coil;
 
 /// Where a row ends.
 struct Extent {
-    /// Index behind its last token.
+    /// Index after its last token.
     end: usize,
     /// Index of the parenthesis before the qualifier.
     qualifier: Option<usize>,
@@ -49,7 +49,7 @@ impl<'a> Layout<'a, '_> {
             )
     }
 
-    /// A row ends behind its qualifier, or with its line.
+    /// A row ends after its qualifier, or with its line.
     fn action_extent(&self, call: bool) -> Extent {
         let (mut depth, mut lists) = (0usize, 0usize);
         let mut index = self.at;
@@ -123,11 +123,11 @@ impl<'a> Layout<'a, '_> {
         let text = &self.text[self.raw[index].end as usize..self.raw[close].start as usize];
         let known = qualifier::parse(text).is_some();
         let next = self.raw.get(close + 1);
-        let behind = next.is_none_or(|next| {
+        let after = next.is_none_or(|next| {
             last || matches!(next.kind, RawKind::Word | RawKind::Quoted | RawKind::Local | RawKind::Absolute)
                 && !is_operator(*next, self.slice(*next))
         });
-        (if known { behind } else { last && !call }).then_some(close)
+        (if known { after } else { last && !call }).then_some(close)
     }
 
     /// The qualifier in the parenthesis at `open`.
@@ -144,14 +144,14 @@ impl<'a> Layout<'a, '_> {
             let span = if text.trim().is_empty() { self.span(first).to(self.span(last)) } else { span };
             self.report(
                 Diagnostic::new(Code::Qualifier, span, title)
-                    .label("no instruction of an action")
+                    .label("not an instruction of an action")
                     .help(qualifier::help(text)),
             );
         } else if alone {
             self.report(
                 Diagnostic::new(Code::ActionText, self.span(first).to(self.span(last)), "the action has no operand")
-                    .label("only a qualifier stands here")
-                    .help("write what it works on before it, e.g. `Q4.0 (N)`"),
+                    .label("there is only a qualifier here")
+                    .help("write its operand before it, e.g. `Q4.0 (N)`"),
             );
         }
         self.out.push((first.start as usize, Tok::Qualifier(mark.filter(|_| !alone)), last.end as usize));
@@ -164,7 +164,7 @@ impl<'a> Layout<'a, '_> {
         if !self.reported_in_row() {
             self.report(
                 Diagnostic::new(Code::Qualifier, self.span(last), "the action has no qualifier")
-                    .label("behind this")
+                    .label("after this")
                     .help(qualifier::help("")),
             );
         }
@@ -264,10 +264,10 @@ impl<'a> Layout<'a, '_> {
             _ => None,
         };
         if coil.is_none() {
-            let title = format!("a permanent instruction has no form `({})`", self.slice(sign));
+            let title = format!("a permanent instruction cannot have the form `({})`", self.slice(sign));
             self.report(
                 Diagnostic::new(Code::Qualifier, self.span(sign), title)
-                    .label("neither `=` nor `S` nor `R`")
+                    .label("not `=`, `S` or `R`")
                     .help("write `operand (=) := condition`, or `(S)` or `(R)`"),
             );
         }
@@ -279,7 +279,7 @@ impl<'a> Layout<'a, '_> {
         let first = self.raw[self.at];
         let last = self.raw[end - 1];
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(first).to(self.span(last)), "this is no permanent instruction")
+            Diagnostic::new(Code::Syntax, self.span(first).to(self.span(last)), "this is not a permanent instruction")
                 .label("`(=)`, `(S)` or `(R)` and `:=` are missing")
                 .help("write `operand (=) := condition`, or `CALL FC1 ()`"),
         );

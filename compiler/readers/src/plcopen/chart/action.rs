@@ -12,7 +12,7 @@
 //! | SD, SL | S of a hidden BOOL that starts a TON | the same |
 //! | DS | D of a hidden BOOL that sets the variable | the same |
 //!
-//! What hidden BOOLs stand for happens behind the sequencer, in each call: statements run while theirs is 1, and once more when it has become 0.
+//! What hidden BOOLs stand for happens after the sequencer, in each call: statements run while theirs is 1, and once more when it has become 0.
 //! R resets the BOOLs of its action, whichever step has set them.
 
 use std::collections::HashMap;
@@ -62,13 +62,13 @@ impl<'a> Sfc<'_, 'a, '_> {
             let of_line = |line: Node| plan.ids.get(line.attribute("refLocalId")?.trim()).copied();
             let Some(at) = lines(block).find_map(of_line) else {
                 let span = self.reader.place(block, "name");
-                let help = "connect it to the step whose actions it holds";
+                let help = "connect it to the step that executes its actions";
                 self.report(Code::NoSource, span, "an action block that belongs to no step", "is not executed", help);
                 continue;
             };
             if matches!(block.attribute("negated").map(str::trim), Some("true" | "1")) {
                 let span = self.reader.place(block, "negated");
-                let help = "write the actions into the steps in which they are to be executed";
+                let help = "write the actions into the steps that are to execute them";
                 let text = "plcc does not read actions that are executed while their step is not active";
                 self.report(Code::ForeignContent, span, text, "a negated action block", help);
                 continue;
@@ -96,7 +96,7 @@ impl<'a> Sfc<'_, 'a, '_> {
             let span = child(node, "reference")
                 .map_or(self.reader.place(node, "qualifier"), |reference| self.reader.place(reference, "name"));
             let text = format!("the action `{name}` belongs to several steps");
-            let help = "a cycle in which one of the steps follows the other executes it for both; let it not count such cycles";
+            let help = "in the cycle where one of these steps follows the other, it is executed for both; do not count cycles in it";
             self.report(Code::Tolerated, span, text, "is executed for each of them", help);
         }
     }
@@ -150,7 +150,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         let Some(attribute) = reference.filter(|attribute| !attribute.value().trim().is_empty()) else {
             let span = self.reader.place(node, "qualifier");
             let help = "name a BOOL variable or an action of the POU, or write statements";
-            self.report(Code::ActionText, span, "an action that works on nothing", "", help);
+            self.report(Code::ActionText, span, "an action without an operand", "", help);
             return Work::Error;
         };
         let name = attribute.value().trim();
@@ -161,7 +161,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         Work::Operand(operand)
     }
 
-    /// S, D, L, SD, DS, SL: a row of a BOOL, and what follows from it behind the sequencer.
+    /// S, D, L, SD, DS, SL: a row of a BOOL, and what follows from it after the sequencer.
     fn controlled(
         &mut self,
         node: Node<'a, 'a>,
@@ -208,7 +208,7 @@ impl<'a> Sfc<'_, 'a, '_> {
             ("DS", Some(value)) => {
                 let due = self.hidden(span, "BOOL");
                 let set = assignment(target.clone(), truth(true, span));
-                self.behind(vec![when(due.clone(), vec![set], Vec::new())], span);
+                self.push_after(vec![when(due.clone(), vec![set], Vec::new())], span);
                 (Qualifier::D, ActionBody::Value { operand: due, value })
             }
             ("SD" | "SL", Some(value)) => {
@@ -224,7 +224,7 @@ impl<'a> Sfc<'_, 'a, '_> {
                 };
                 let off = when(before.clone(), vec![assignment(target.clone(), truth(false, span))], Vec::new());
                 let on = assignment(target.clone(), truth(true, span));
-                self.behind(
+                self.push_after(
                     vec![
                         call(timer, vec![("IN", stored.clone()), ("PT", value)]),
                         when(active.clone(), vec![on], vec![off]),
@@ -248,7 +248,7 @@ impl<'a> Sfc<'_, 'a, '_> {
                 },
                 span,
             };
-            self.behind(vec![when(either, list, Vec::new()), assignment(before, target.clone())], span);
+            self.push_after(vec![when(either, list, Vec::new()), assignment(before, target.clone())], span);
             if !matches!(qualifier, "D" | "L") {
                 self.stored.entry(key).or_default().push(target);
             }
@@ -262,8 +262,8 @@ impl<'a> Sfc<'_, 'a, '_> {
         Expr { kind: ExprKind::Name(Name { text, form: NameForm::Local, span }), span }
     }
 
-    /// Statements behind the sequencer, in each call.
-    fn behind(&mut self, list: Vec<Statement>, span: Span) {
+    /// Statements after the sequencer, in each call.
+    fn push_after(&mut self, list: Vec<Statement>, span: Span) {
         let (title, comment, labels) = (None, Vec::new(), Vec::new());
         let content = Content::Scl(list);
         let network = Network { language: Language::Scl, title, comment, labels, content, span };

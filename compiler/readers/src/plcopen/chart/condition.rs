@@ -84,7 +84,7 @@ impl<'a> Sfc<'_, 'a, '_> {
             StatementKind::Error => Expr { kind: ExprKind::Error, span: last.span },
             _ => {
                 let text = "the statements of the transition do not end in a condition";
-                let help = "write the BOOL expression that counts as the last statement";
+                let help = "write the BOOL expression of the condition as the last statement";
                 self.report(Code::ConditionType, last.span, text, "not an expression", help);
                 Expr { kind: ExprKind::Error, span: place }
             }
@@ -121,7 +121,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         };
         let end = &mut objects[at];
         if end.modifiers.edge != Edge::None || end.modifiers.storage != Storage::None {
-            let text = "a transition takes the signal as it is: no edge, no set, no reset";
+            let text = "a transition reads the signal itself: no edge, no set, no reset";
             let help = "make it a plain coil";
             let span = end.span;
             self.report(Code::ConditionType, span, text, "", help);

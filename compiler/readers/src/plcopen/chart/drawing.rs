@@ -76,7 +76,7 @@ impl<'a> Sfc<'_, 'a, '_> {
     }
 
     /// Several lines from a step, or from the end of a simultaneous branch, begin an alternative branch that is not drawn: the branches by
-    /// what they stand behind.
+    /// what they stand after.
     fn hidden_branches(&self, items: &[Item<'a>], arms: &[Arm], plan: &mut Plan<'a>) -> HashMap<usize, usize> {
         let drawing = &mut plan.drawing;
         let mut counts = vec![0; items.len()];
@@ -122,7 +122,7 @@ impl<'a> Sfc<'_, 'a, '_> {
                             None => "plcc does not read macro steps".to_string(),
                         };
                         let help = "draw the steps of the macro step in the chart itself";
-                        self.report(Code::ForeignContent, span, text, "what is inside is not executed", help);
+                        self.report(Code::ForeignContent, span, text, "its steps are not executed", help);
                         self.broken = true;
                     }
                     if let Some(id) = node.attribute("localId") {
@@ -201,7 +201,7 @@ impl<'a> Sfc<'_, 'a, '_> {
             Code::UnknownStep,
             span,
             format!("no step of the chart is called `{name}`"),
-            "a jump to here",
+            "the target of a jump",
             help,
         );
         self.broken = true;

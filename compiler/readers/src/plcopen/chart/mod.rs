@@ -63,7 +63,7 @@ struct Sfc<'r, 'a, 'b> {
     actions: HashMap<String, Option<Vec<ActionBody>>>,
     /// BOOLs that keep an action going, by its name in lower case.
     stored: HashMap<String, Vec<Expr>>,
-    /// What happens behind the sequencer, in each call.
+    /// What happens after the sequencer, in each call.
     after: Vec<Permanent>,
     broken: bool,
 }

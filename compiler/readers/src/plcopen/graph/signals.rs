@@ -66,7 +66,7 @@ impl Build<'_, '_, '_> {
             Kind::InVariable | Kind::InOutVariable => match object.text.clone() {
                 Some(_) if object.modifiers.edge != Edge::None => {
                     let span = object.span;
-                    self.reader.unreadable(span, "an edge at a variable", "connect an R_TRIG or F_TRIG behind it");
+                    self.reader.unreadable(span, "an edge at a variable", "connect an R_TRIG or F_TRIG after it");
                     Vec::new()
                 }
                 Some(range) => vec![Origin::Operand(self.expr(range), object.modifiers.negated)],
@@ -94,7 +94,7 @@ impl Build<'_, '_, '_> {
                     ("", Some(first)) => first.formal.clone(),
                     _ => formal.to_string(),
                 };
-                // Behind an in-out stands the variable before it.
+                // After an in-out stands the variable before it.
                 let passed = |input: &&Connection| input.in_out && input.formal.eq_ignore_ascii_case(&formal);
                 match object.inputs.iter().any(|input| passed(&input)) && depth < DEPTH_MAX {
                     true => self.passed_on(at, &formal, depth),
@@ -148,7 +148,7 @@ impl Build<'_, '_, '_> {
                 matches!(row.kind, elements::Kind::Gate(_) | elements::Kind::Not | elements::Kind::Compare(_))
             });
         if !boolean {
-            let text = format!("the output of `{}` leads back to its own inputs", object.name);
+            let text = format!("the output of `{}` is connected to its own inputs", object.name);
             let message = Diagnostic::new(Code::ReverseFlow, object.span, text);
             let help = "write the output to a variable and read that one: it has the value of the last cycle";
             self.reader.messages.push(message.label("its value of the last cycle is not known").help(help));

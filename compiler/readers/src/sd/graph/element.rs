@@ -64,7 +64,7 @@ impl Builder<'_, '_> {
             }
             Meaning::Unknown => {
                 self.report_unknown(node.target);
-                // What stands behind it is not to blame.
+                // What stands after it is not to blame.
                 *carried = before;
             }
         }
@@ -123,13 +123,13 @@ impl Builder<'_, '_> {
         }
         let help = match elements::nearest_sd(name) {
             Some(known) => {
-                format!("`{known}` was meant? FCs and instance DBs are called with quotes, `\"{name}\"( … )`")
+                format!("did you mean `{known}`? FCs and instance DBs are called with quotes, `\"{name}\"( … )`")
             }
             None => format!(
                 "FCs and instance DBs are called with quotes, `\"{name}\"( … )`; `docs/reference/lad-fbd.md` lists the elements"
             ),
         };
-        let diagnostic = Diagnostic::new(Code::UnknownElement, target, format!("`{name}` is no element of LAD or FBD"))
+        let diagnostic = Diagnostic::new(Code::UnknownElement, target, format!("`{name}` is not an element of LAD or FBD"))
             .label("not in the table of elements")
             .help(help);
         self.report(diagnostic);
@@ -168,7 +168,7 @@ impl Builder<'_, '_> {
                     Diagnostic::new(Code::DuplicateParameter, span, format!("the pin `{name}` is connected twice"))
                         .label("a second time")
                         .also(target, "the rung leads to this pin")
-                        .help("remove it here, or begin a rung of its own for the element"),
+                        .help("remove it here, or begin a separate rung for the element"),
                 );
             }
             return;

@@ -54,7 +54,7 @@ enum Flow {
     Operand(Expr),
     /// What the element of that index gives.
     Element(usize),
-    /// The element behind which nothing can stand, by its name.
+    /// The element after which nothing can stand, by its name.
     Ended(Span),
     /// An error was reported.
     Lost,
@@ -80,9 +80,9 @@ impl Builder<'_, '_> {
     fn label(&mut self, arguments: Vec<Argument>, span: Span, late: bool, labels: &mut Vec<Name>) {
         if late {
             self.report(
-                Diagnostic::new(Code::ElementPlace, span, "a label stands behind a rung")
-                    .label("not the first in its network")
-                    .help("write `Label( name )` directly behind `NETWORK`; a jump goes to the start of a network"),
+                Diagnostic::new(Code::ElementPlace, span, "a label must come before the first rung")
+                    .label("not first in its network")
+                    .help("write `Label( name )` directly after `NETWORK`; a jump goes to the start of a network"),
             );
         }
         for argument in arguments {
@@ -129,7 +129,7 @@ impl Builder<'_, '_> {
                             format!("`{}` cannot stand here in a rung", self.slice(span)),
                         )
                         .label("an operand without an element")
-                        .help("operands stand in the parentheses of an element; only a rung of FBD begins with one"),
+                        .help("write operands in the parentheses of an element; only a rung of FBD can begin with one"),
                     );
                     carried.flow = Flow::Lost;
                 }
@@ -142,7 +142,7 @@ impl Builder<'_, '_> {
                         carried.flow = Flow::Lost;
                     } else if self.language == Language::Lad {
                         self.report(
-                            Diagnostic::new(Code::ElementPlace, span, "LAD inverts the flow with an element")
+                            Diagnostic::new(Code::ElementPlace, span, "in LAD an element inverts the flow")
                                 .label("this form belongs to FBD")
                                 .help("write `Not()`"),
                         );
@@ -169,17 +169,17 @@ impl Builder<'_, '_> {
         }
         if let Some(span) = settings_span {
             self.report(
-                Diagnostic::new(Code::Syntax, span, "attributes that belong to no element")
+                Diagnostic::new(Code::Syntax, span, "these attributes belong to no element")
                     .label("no element follows")
-                    .help("write them directly before the element that they are about"),
+                    .help("write them directly before the element that they describe"),
             );
         }
         match rung.end {
             Some(wire) => self.end_in_wire(carried, wire, first_element),
             None if carried.inverted && !matches!(carried.flow, Flow::Lost) => self.report(
                 Diagnostic::new(Code::Syntax, rung.span, "the rung ends with `NOT`")
-                    .label("nothing takes the inverted flow")
-                    .help("write the element behind `NOT`, or remove it"),
+                    .label("nothing uses the inverted flow")
+                    .help("write the element after `NOT`, or remove it"),
             ),
             None => {}
         }
@@ -196,10 +196,10 @@ impl Builder<'_, '_> {
                 Diagnostic::new(
                     Code::Tolerated,
                     span,
-                    format!("the operand leads directly into the box `{}`", self.slice(node.target)),
+                    format!("the operand is connected directly to the box `{}`", self.slice(node.target)),
                 )
-                .label("taken as EN")
-                .help("write `A()` between them, as the TIA Portal wants it"),
+                .label("read as EN")
+                .help("write `A()` between them, as the TIA Portal requires"),
             );
         }
     }
@@ -207,8 +207,8 @@ impl Builder<'_, '_> {
     fn report_rung_start(&mut self, span: Span) {
         self.report(
             Diagnostic::new(Code::Syntax, span, "a rung of LAD begins with a wire")
-                .label("stands where the wire is wanted")
-                .help("write `RUNG wire#powerrail`, or the wire of the branch that this one begins at"),
+                .label("a wire is expected here")
+                .help("write `RUNG wire#powerrail`, or the wire where this branch begins"),
         );
     }
 
@@ -310,9 +310,9 @@ impl Builder<'_, '_> {
 
     fn report_ended(&mut self, name: Span) {
         self.report(
-            Diagnostic::new(Code::ElementPlace, name, format!("nothing can stand behind `{}`", self.slice(name)))
+            Diagnostic::new(Code::ElementPlace, name, format!("nothing can follow `{}`", self.slice(name)))
                 .label("ends its rung")
-                .help("write it last, and begin a rung of its own for what follows"),
+                .help("write it last, and begin a separate rung for the rest"),
         );
     }
 
@@ -326,7 +326,7 @@ impl Builder<'_, '_> {
                     wire.span,
                     format!("nothing feeds `{}` here", self.slice(wire.span)),
                 )
-                .label("no element stands before it")
+                .label("no element comes before it")
                 .help("write an operand, a wire or an element before it"),
             );
         }

@@ -46,7 +46,7 @@ impl Nets {
         }
     }
 
-    /// The flow goes on behind the wire.
+    /// The flow goes on after the wire.
     pub fn note_inline_use(&mut self, net: NetId) {
         if let Some(known) = self.wires.iter_mut().find(|known| known.net == net)
             && known.used.is_none()
@@ -69,9 +69,9 @@ impl Builder<'_, '_> {
     pub(super) fn fed(&mut self, wire: Wire, source: Option<Source>, place: Place, effect: bool) -> Option<NetId> {
         if wire.name.eq_ignore_ascii_case(RAIL) {
             self.report(
-                Diagnostic::new(Code::ElementPlace, wire.span, "a rung leads into the power rail")
+                Diagnostic::new(Code::ElementPlace, wire.span, "a rung cannot end in the power rail")
                     .label("the power rail is always TRUE")
-                    .help("end the rung in a wire of its own, `wire#w1`, or in a coil"),
+                    .help("end the rung in its own wire, `wire#w1`, or in a coil"),
             );
             return None;
         }
@@ -117,7 +117,7 @@ impl Builder<'_, '_> {
             if let (Some(used), []) = (known.used, known.fed.as_slice()) {
                 self.report(
                     Diagnostic::new(Code::NoSource, used, format!("nothing feeds `wire#{name}`"))
-                        .label("taken from here")
+                        .label("used here")
                         .help(match self.language {
                             Language::Lad => "end a rung in this wire, or let the rung begin at `wire#powerrail`",
                             _ => "end a rung in this wire, or write the operand at the pin",
@@ -127,8 +127,8 @@ impl Builder<'_, '_> {
             if known.used.is_none() {
                 for idle in known.idle {
                     self.report(
-                        Diagnostic::new(Code::OpenBranch, idle, format!("nothing takes from `wire#{name}`"))
-                            .label("the rung leads nowhere")
+                        Diagnostic::new(Code::OpenBranch, idle, format!("nothing uses `wire#{name}`"))
+                            .label("the rung is connected to nothing")
                             .help("connect the wire to an element, or end the rung with a coil"),
                     );
                 }
@@ -137,8 +137,8 @@ impl Builder<'_, '_> {
                 && !name.eq_ignore_ascii_case(RAIL)
             {
                 self.report(
-                    Diagnostic::new(Code::Tolerated, *second, format!("`wire#{name}` is fed twice"))
-                        .label("taken as OR")
+                    Diagnostic::new(Code::Tolerated, *second, format!("two rungs feed `wire#{name}`"))
+                        .label("read as OR")
                         .also(*first, "fed here first")
                         .help("FBD joins branches with `O( in2 := … )`"),
                 );

@@ -26,7 +26,7 @@ impl Builder<'_, '_> {
             return expr;
         }
         self.report(
-            Diagnostic::new(Code::Syntax, span, format!("`{}` is no operand", self.slice(span)))
+            Diagnostic::new(Code::Syntax, span, format!("`{}` is not an operand", self.slice(span)))
                 .label("neither a variable nor an address nor a constant")
                 .help(
                     "write e.g. `#name`, `\"Tag\"`, `\"DB\".member`, `%I0.0` or a constant; CALCULATE takes a formula",

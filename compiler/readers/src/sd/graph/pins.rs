@@ -66,7 +66,7 @@ impl Pins {
         self.cases.iter().copied()
     }
 
-    /// The pins in their order; open ones that may be missing are left out. Those of a call stay as written, behind the flow.
+    /// The pins in their order; open ones that may be missing are left out. Those of a call stay as written, after the flow.
     pub fn finish(mut self) -> Vec<Pin> {
         let row = self.row;
         self.pins.retain(|(_, pin)| {
@@ -175,7 +175,7 @@ impl Builder<'_, '_> {
                 }
                 (Given::Case(..), _) => self.report(
                     Diagnostic::new(Code::Syntax, span, "only SWITCH has branches with a comparison")
-                        .label("no pin")
+                        .label("not a pin")
                         .help("write `pin := operand` or `pin => operand`"),
                 ),
             }
@@ -214,7 +214,7 @@ impl Builder<'_, '_> {
             let tolerated = first_operand && takes_both_signs(row);
             let code = if tolerated { Code::Tolerated } else { Code::Syntax };
             let kind = if output { "input" } else { "output" };
-            let diagnostic = Diagnostic::new(code, name, format!("`{text}` is an {kind}, but has the sign `{sign}`"))
+            let diagnostic = Diagnostic::new(code, name, format!("`{text}` is an {kind}, but is connected with `{sign}`"))
                 .label(format!("an {kind} of `{}`", row.name))
                 .help(format!("write `{text} {wanted} …`"));
             self.report(diagnostic);
@@ -281,9 +281,9 @@ impl Builder<'_, '_> {
 
     fn report_twice(&mut self, name: &str, first: Span, second: Span) {
         self.report(
-            Diagnostic::new(Code::DuplicateParameter, second, format!("the pin `{name}` is given twice"))
+            Diagnostic::new(Code::DuplicateParameter, second, format!("the pin `{name}` appears twice"))
                 .label("a second time")
-                .also(first, "given here first")
+                .also(first, "first given here")
                 .help("remove one of them"),
         );
     }

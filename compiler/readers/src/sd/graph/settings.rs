@@ -43,7 +43,7 @@ const ENO_ALWAYS: [&str; 17] = [
 /// Boxes without a value that have the switch (LAD/FBD reference B.5).
 const ENO_SWITCHED: [&str; 4] = ["MOVE_BLK", "UMOVE_BLK", "FILL_BLK", "UFILL_BLK"];
 
-/// Whether ENO of an element tells of errors. `inline`: its settings stand behind its name, as V20 writes them.
+/// Whether ENO of an element tells of errors. `inline`: its settings stand after its name, as V20 writes them.
 pub fn eno(row: &Row, said: Option<Eno>, inline: bool) -> Eno {
     let switch = row.flow.1 == "eno"
         && match row.kind {
@@ -60,7 +60,7 @@ pub fn eno(row: &Row, said: Option<Eno>, inline: bool) -> Eno {
 }
 
 impl Builder<'_, '_> {
-    /// Reads the attributes before an element and those behind its name.
+    /// Reads the attributes before an element and those after its name.
     pub(super) fn settings(&mut self, attributes: &[Attribute], inline: &[Attribute]) -> Settings {
         let mut settings = Settings::default();
         for attribute in attributes {
@@ -105,9 +105,9 @@ impl Builder<'_, '_> {
                         Diagnostic::new(
                             Code::ElementType,
                             attribute.key_span.to(attribute.value_span),
-                            "no comparison of SWITCH",
+                            "not a comparison of SWITCH",
                         )
-                        .label("`==`, `<>`, `<`, `<=`, `>` or `>=` is wanted")
+                        .label("`==`, `<>`, `<`, `<=`, `>` or `>=` is expected")
                         .help("write e.g. `{ CASE0 := \"==\"; CASE1 := \">\" }`"),
                     ),
                 }
@@ -135,8 +135,8 @@ impl Builder<'_, '_> {
                     }
                 }
                 _ => self.report(
-                    Diagnostic::new(Code::ElementType, span, "no data type of an element")
-                        .label("`key := type` is wanted")
+                    Diagnostic::new(Code::ElementType, span, "not a data type of an element")
+                        .label("`key := type` is expected")
                         .help("write e.g. `\"SrcType := Int\"`, or `\"[SrcType := Int, DestType := Real]\"`"),
                 ),
             }

@@ -46,7 +46,7 @@ fn event(reader: &mut Reader, node: Node) -> Option<Option<Event>> {
     let event = Event::of(text);
     if event.is_none() {
         let span = attribute_span(reader, node, "Event");
-        let title = format!("`{text}` is no event of GRAPH");
+        let title = format!("`{text}` is not an event of GRAPH");
         let message = Diagnostic::new(Code::ActionEvent, span, title).label("not known");
         reader.diagnostics.push(message.help("the events are S1, S0, V1, V0, L1, L0, A1 and R1"));
     }
@@ -62,9 +62,9 @@ fn qualifier(reader: &mut Reader, node: Node) -> Option<Qualifier> {
     let qualifier = Qualifier::of(text);
     if qualifier.is_none() {
         let span = attribute_span(reader, node, "Qualifier");
-        let title = format!("`{text}` is no qualifier of GRAPH");
+        let title = format!("`{text}` is not a qualifier of GRAPH");
         let message = Diagnostic::new(Code::Qualifier, span, title).label("not known");
-        let help = "the qualifiers are N, S, R, D, L, ON, OFF, CS, CU, CD, CR, TL, TD, TR and TF; calls stand under N";
+        let help = "the qualifiers are N, S, R, D, L, ON, OFF, CS, CU, CD, CR, TL, TD, TR and TF; calls have the qualifier N";
         reader.diagnostics.push(message.help(help));
     }
     qualifier
@@ -124,9 +124,9 @@ impl Word {
 const OPERATORS: [&str; 7] = ["AND", "CALL", "DIV", "MOD", "NOT", "OR", "XOR"];
 
 /// Whether two tokens make one word: `#` and a name, `%` and an address, `T` and `#2S`.
-fn is_one_word(before: &str, behind: &str) -> bool {
-    let ends_open = before.ends_with(['#', '%', '.', ':']) && !behind.starts_with(char::is_whitespace);
+fn is_one_word(before: &str, after: &str) -> bool {
+    let ends_open = before.ends_with(['#', '%', '.', ':']) && !after.starts_with(char::is_whitespace);
     let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or_default();
     let is_prefix = !last.is_empty() && !OPERATORS.iter().any(|operator| operator.eq_ignore_ascii_case(last));
-    ends_open || behind.starts_with('.') || behind.starts_with('#') && is_prefix
+    ends_open || after.starts_with('.') || after.starts_with('#') && is_prefix
 }

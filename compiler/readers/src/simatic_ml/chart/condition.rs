@@ -36,7 +36,7 @@ pub fn read(reader: &mut Reader, node: Node, language: &str, whose: &str) -> Fou
             1 if is_empty(graph) => Found::Rail,
             1 => Found::Network(Condition::Network(network)),
             0 => {
-                reader.refuse(node, whose, "a network without the coil that a condition ends in");
+                reader.refuse(node, whose, "a network without the coil of a condition");
                 Found::Refused
             }
             _ => {

@@ -1,4 +1,4 @@
-//! Permanent instructions: networks before and behind the sequencers.
+//! Permanent instructions: networks before and after the sequencers.
 
 use plcc_diag::Diagnostic;
 use roxmltree::Node;

@@ -9,14 +9,14 @@ use crate::chart::ast::{ActionBody, Call, Parameter};
 use crate::scl::ast::{Argument, Expr, ExprKind, Name, NameForm};
 
 impl Reader<'_> {
-    /// The call at `code`; `behind`: where what is behind the word CALL begins.
-    pub fn call(&mut self, code: Range<usize>, behind: usize) -> ActionBody {
-        let parentheses = self.source.parentheses(behind..code.end);
-        let head = behind..parentheses.map_or(code.end, |(open, _)| open);
+    /// The call at `code`; `after`: where what is after the word CALL begins.
+    pub fn call(&mut self, code: Range<usize>, after: usize) -> ActionBody {
+        let parentheses = self.source.parentheses(after..code.end);
+        let head = after..parentheses.map_or(code.end, |(open, _)| open);
         let parameters = match parentheses {
             None => None,
             Some((open, None)) => {
-                let help = "close it behind the last parameter";
+                let help = "close it after the last parameter";
                 return self.refuse(
                     open..open + 1,
                     "the parameters of a call are not closed".to_string(),
@@ -38,7 +38,7 @@ impl Reader<'_> {
             [] => (head, None),
             [comma] => (head.start..comma.start, Some(comma.end..head.end)),
             [_, second, ..] => {
-                let help = "write the block, and behind a comma its instance data block";
+                let help = "write the block, a comma, and its instance data block";
                 let title = "a call names a block and its instance".to_string();
                 return self.refuse(second.clone(), title, "one name too many", help);
             }
@@ -61,7 +61,7 @@ impl Reader<'_> {
     fn block(&mut self, range: Range<usize>, call: Range<usize>) -> Option<Expr> {
         let range = self.source.trimmed(range);
         if range.is_empty() {
-            let help = "write the name of the block behind CALL";
+            let help = "write the name of the block after CALL";
             self.refuse(call, "a call without a block".to_string(), "no name", help);
             return None;
         }

@@ -103,12 +103,12 @@ impl Code {
         found.map(|(_, text)| text.clone())
     }
 
-    /// The word that a range begins with, and where what is behind it begins. It may be empty.
+    /// The word that a range begins with, and where what is after it begins. It may be empty.
     pub fn word(&self, range: Range<usize>) -> (&str, usize) {
         let text = self.text(range.clone());
         let length = text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
-        let behind = text[length..].len() - text[length..].trim_start().len();
-        (&text[..length], range.start + length + behind)
+        let after = text[length..].len() - text[length..].trim_start().len();
+        (&text[..length], range.start + length + after)
     }
 
     /// Commas and `:=` outside of parentheses.

@@ -7,7 +7,7 @@ use super::operand::operand;
 use super::shape::{Shape, flow, net_name};
 use crate::network::ast::{Element, Graph, NetId, PinValue, Source};
 
-/// Columns between a net and the element behind it, the net's own column included.
+/// Columns between a net and the element after it, the net's own column included.
 const LEAD: usize = 4;
 
 /// The elements to draw: the marked one and those nearest to it along the nets, at most `most`, in the order of the graph.
@@ -188,10 +188,10 @@ impl Plan {
             (low + 1..high).for_each(|x| canvas.fill(x, row, '-'));
         }
         if let Some(end) = line.end {
-            let behind = line.shapes.last().map_or(0, |last| self.columns[*last] + shapes[*last].width);
-            if self.column(end) < behind {
+            let after = line.shapes.last().map_or(0, |last| self.columns[*last] + shapes[*last].width);
+            if self.column(end) < after {
                 // It leads back to the left.
-                return canvas.write(behind, row, &format!("---> {}", net_name(graph, end)));
+                return canvas.write(after, row, &format!("---> {}", net_name(graph, end)));
             }
             self.meet(end, row);
             if self.nets.get(&end).is_some_and(|net| net.named) {
@@ -253,7 +253,7 @@ impl Plan {
     }
 }
 
-/// Lines: an element goes on behind the one that feeds it first, if no other did.
+/// Lines: an element goes on after the one that feeds it first, if no other did.
 fn lines(graph: &Graph, chosen: &[usize], nets: &HashMap<NetId, NetPlan>, columns: &[usize]) -> Vec<Line> {
     let mut lines = Vec::new();
     let mut placed = vec![false; chosen.len()];
@@ -300,7 +300,7 @@ fn lines(graph: &Graph, chosen: &[usize], nets: &HashMap<NetId, NetPlan>, column
     lines
 }
 
-/// Columns of nets and elements: each behind everything that feeds it.
+/// Columns of nets and elements: each after everything that feeds it.
 struct Columns<'a> {
     graph: &'a Graph,
     chosen: &'a [usize],

@@ -239,7 +239,7 @@ impl<'a> Layout<'a, '_> {
         self.report(Diagnostic::new(Code::ForeignLanguage, span, title).label("not of the S7-200").help(help));
     }
 
-    /// `name:SBR3`, `SBR3` or a name behind the keyword of a block.
+    /// `name:SBR3`, `SBR3` or a name after the keyword of a block.
     fn header(&mut self, token: Tok<'a>, code: &[RawToken]) -> bool {
         self.mode = if token == Tok::DataHeader { Mode::Data } else { Mode::Code };
         let (Some(first), Some(last)) = (code.first(), code.last()) else { return false };
@@ -292,16 +292,16 @@ impl<'a> Layout<'a, '_> {
         self.mode = Mode::Code;
         self.push(first.range(), Tok::Network);
         let mut rest = code.get(1..).unwrap_or_default();
-        if let [number, behind @ ..] = rest
+        if let [number, after @ ..] = rest
             && number.kind == RawKind::Integer
         {
             self.operands(&rest[..1]);
-            rest = behind;
+            rest = after;
         }
-        if let [colon, behind @ ..] = rest
+        if let [colon, after @ ..] = rest
             && colon.kind == RawKind::Colon
         {
-            rest = behind;
+            rest = after;
         }
         // A title without `//`.
         if let (Some(from), Some(to)) = (rest.first(), rest.last()) {

@@ -56,7 +56,7 @@ fn too_deep(context: &mut Context, span: Span) {
     context.report(
         Diagnostic::new(Code::Syntax, Span { end: span.start + 1, ..span }, "this expression has too many parts")
             .label("begins here")
-            .help(format!("at most {DEPTH_MAX} operators may follow one another; keep a part of it in a variable")),
+            .help(format!("at most {DEPTH_MAX} operators may follow one another; store a part of it in a variable")),
     );
 }
 
@@ -120,7 +120,7 @@ pub fn member_absolute(context: &mut Context, base: Sub, operand: OperandKind, r
         _ => {
             let span = context.span(range.start, range.end);
             context.report(
-                Diagnostic::new(Code::Syntax, span, "only an address in a data block can stand behind a point")
+                Diagnostic::new(Code::Syntax, span, "only an address in a data block can follow a point")
                     .label("an address of another area")
                     .help("write e.g. `DB10.DX0.0` or `\"Data\".%DBW4`"),
             );
@@ -147,9 +147,9 @@ pub fn before_arms(context: &mut Context, statements: &[Statement]) {
         return;
     };
     context.report(
-        Diagnostic::new(Code::Syntax, first.span, "a statement stands before the first value of CASE")
+        Diagnostic::new(Code::Syntax, first.span, "this statement comes before the first value of CASE")
             .label("no value and `:` before it")
-            .help("write the value for which it is done before it, e.g. `1: a := b;`"),
+            .help("write the value that selects it before it, e.g. `1: a := b;`"),
     );
 }
 
@@ -187,8 +187,8 @@ pub fn check_target(context: &mut Context, target: &Expr) {
         };
         context.report(
             Diagnostic::new(Code::Syntax, target.span, title)
-                .label("no variable")
-                .help("left of the assignment stands a variable, an element of an array, a component or an address"),
+                .label("not a variable")
+                .help("write a variable, an element of an array, a component or an address to the left of the assignment"),
         );
     }
 }

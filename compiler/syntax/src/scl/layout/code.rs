@@ -20,7 +20,7 @@ struct Open {
     otherwise: bool,
     /// CASE: a value has been seen.
     arm: bool,
-    /// IF directly behind the ELSE of this one: ELSIF may have been meant.
+    /// IF directly after the ELSE of this one: ELSIF may have been meant.
     else_if: Option<Span>,
     /// REPEAT: UNTIL has been seen.
     until: bool,
@@ -158,14 +158,14 @@ impl<'a> Layout<'a> {
             return self.take(tok);
         }
         let word = wanted.word();
-        let behind = self.last_token().unwrap_or(statement);
+        let after = self.last_token().unwrap_or(statement);
         self.report(
             Diagnostic::new(
                 Code::Syntax,
-                self.span(behind),
-                format!("`{word}` is missing behind the head of {}", self.slice(statement).to_uppercase()),
+                self.span(after),
+                format!("`{word}` is missing after the head of {}", self.slice(statement).to_uppercase()),
             )
-            .label(format!("`{word}` expected behind this"))
+            .label(format!("`{word}` expected after this"))
             .help(match wanted {
                 Keyword::Then => "write `IF condition THEN statements END_IF;`",
                 Keyword::Of => "write `CASE number OF 1: statements END_CASE;`",
@@ -208,9 +208,9 @@ impl<'a> Layout<'a> {
                         Diagnostic::new(
                             Code::Syntax,
                             self.span(token),
-                            format!("`{}` is no word of SCL", self.slice(token)),
+                            format!("SCL does not have the word `{}`", self.slice(token)),
                         )
-                        .label("taken as ELSIF")
+                        .label("read as ELSIF")
                         .help("write `ELSIF`"),
                     );
                 }
@@ -274,8 +274,8 @@ impl<'a> Layout<'a> {
             let text = self.slice(word);
             self.tolerate(
                 self.span(word),
-                &format!("`;` is missing behind `{text}`"),
-                "STEP 7 wants `;` here",
+                &format!("`;` is missing after `{text}`"),
+                "STEP 7 requires `;` here",
                 &format!("write `{text};`"),
             );
         }
@@ -292,8 +292,8 @@ impl<'a> Layout<'a> {
             _ => "IF",
         };
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), format!("`{text}` stands without {opener}"))
-                .label("nothing is open that it could belong to")
+            Diagnostic::new(Code::Syntax, self.span(token), format!("`{text}` has no matching {opener}"))
+                .label("it belongs to nothing that is open")
                 .help("remove it, or write the beginning of its statement"),
         );
         self.at += 1;
@@ -345,17 +345,17 @@ impl<'a> Layout<'a> {
         diagnostic = match else_if {
             Some(span) => diagnostic
                 .also(span, "`ELSE IF` opens a second IF")
-                .help("write `ELSIF` for another condition; `ELSE IF` needs an `END_IF` of its own"),
-            None => diagnostic.help(format!("write `{end};` behind its last statement")),
+                .help("write `ELSIF` for another condition; `ELSE IF` needs a separate `END_IF`"),
+            None => diagnostic.help(format!("write `{end};` after its last statement")),
         };
         self.report(diagnostic);
     }
 
     fn too_deep_statement(&mut self, token: RawToken) {
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), "statements stand too deep in one another")
+            Diagnostic::new(Code::Syntax, self.span(token), "statements are nested too deeply")
                 .label(format!("inside {NESTING_MAX} others"))
-                .help("move a part of them to a function of its own"),
+                .help("move a part of them to a separate function"),
         );
         // The rest of the block is not worth reading.
         while let Some(token) = self.peek() {
@@ -369,7 +369,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// `VAR` behind BEGIN; false: an ordinary word.
+    /// `VAR` after BEGIN; false: an ordinary word.
     fn section_in_code(&mut self, token: RawToken) -> bool {
         if token.keyword == Some(Keyword::Label)
             && !matches!(self.kind_at(self.at + 1), Some(RawKind::Word | RawKind::Quoted))
@@ -380,9 +380,9 @@ impl<'a> Layout<'a> {
             Diagnostic::new(
                 Code::BlockFrame,
                 self.span(token),
-                format!("`{}` stands among the statements", self.slice(token)),
+                format!("`{}` cannot stand among the statements", self.slice(token)),
             )
-            .label("declarations end before BEGIN")
+            .label("declarations must come before BEGIN")
             .help("move the section to the other declarations of the block"),
         );
         while let Some(token) = self.peek() {
@@ -488,7 +488,7 @@ impl<'a> Layout<'a> {
             let last = self.last_token().expect("a statement has been read");
             let text = self.slice(last);
             self.report(
-                Diagnostic::new(Code::Syntax, self.span(last), format!("`;` is missing behind `{text}`"))
+                Diagnostic::new(Code::Syntax, self.span(last), format!("`;` is missing after `{text}`"))
                     .label("the statement ends here")
                     .help("end each statement with `;`"),
             );

@@ -19,7 +19,7 @@ impl<'a> Layout<'a> {
             Some(keyword) => self.variable_section(opening, keyword),
             None => self.at += 1,
         }
-        // A `;` behind the end has no meaning.
+        // A `;` after the end has no meaning.
         if self.is_at(RawKind::Semicolon) {
             self.at += 1;
         }
@@ -133,7 +133,7 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), format!("`{text}` is not closed with `{end}`"))
                 .label("the section begins here")
-                .help(format!("write `{end}` behind its last declaration")),
+                .help(format!("write `{end}` after its last declaration")),
         );
         self.push_here(Tok::EndVar);
     }
@@ -167,7 +167,7 @@ impl<'a> Layout<'a> {
                         return;
                     }
                     self.report(
-                        Diagnostic::new(Code::BlockFrame, self.span(token), "`END_STRUCT` stands without STRUCT")
+                        Diagnostic::new(Code::BlockFrame, self.span(token), "`END_STRUCT` has no matching STRUCT")
                             .label("no structure is open here")
                             .help("remove it"),
                     );
@@ -249,7 +249,7 @@ impl<'a> Layout<'a> {
                     Diagnostic::new(
                         Code::DeclarationSyntax,
                         self.span(last),
-                        format!("`;` is missing behind `{text}`"),
+                        format!("`;` is missing after `{text}`"),
                     )
                     .label("the declaration ends here")
                     .help("end each declaration with `;`"),
@@ -337,7 +337,7 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::DeclarationSyntax, self.span(opening), "`[` is not closed")
                 .label("opened here")
-                .help("write `]` behind the bounds"),
+                .help("write `]` after the bounds"),
         );
         self.push_here(Tok::RightBracket);
     }
@@ -354,7 +354,7 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), "`STRUCT` is not closed with `END_STRUCT`")
                 .label("the structure begins here")
-                .help("write `END_STRUCT;` behind its last component"),
+                .help("write `END_STRUCT;` after its last component"),
         );
         self.push_here(Tok::EndStruct);
     }
@@ -362,9 +362,9 @@ impl<'a> Layout<'a> {
     /// The rest of the section is not worth reading.
     fn too_deep_type(&mut self, token: RawToken) {
         self.report(
-            Diagnostic::new(Code::DeclarationSyntax, self.span(token), "types stand too deep in one another")
+            Diagnostic::new(Code::DeclarationSyntax, self.span(token), "types are nested too deeply")
                 .label(format!("inside {NESTING_MAX} others"))
-                .help("declare a data type (UDT) of its own for a part of it"),
+                .help("declare a separate data type (UDT) for a part of it"),
         );
         while let Some(token) = self.peek() {
             if token.keyword.is_some_and(|word| word.ends_section() || word.ends_block() || word == Keyword::Begin) {
@@ -374,7 +374,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// `a.b[3] := 5;` behind BEGIN of a data block.
+    /// `a.b[3] := 5;` after BEGIN of a data block.
     pub(super) fn values(&mut self) {
         while let Some(token) = self.peek() {
             self.file_pragmas(token.start);

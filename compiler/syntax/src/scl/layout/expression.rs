@@ -176,9 +176,9 @@ impl<'a> Layout<'a> {
     /// Brackets that are too deep for whoever walks the tree: the run becomes an error.
     fn too_deep(&mut self, run: Run, token: RawToken, first: usize) {
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs stand too deep in one another")
+            Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs are nested too deeply")
                 .label(format!("more than {NESTING_MAX} of them"))
-                .help("keep a part of the expression in a variable"),
+                .help("store a part of the expression in a variable"),
         );
         self.out.truncate(first);
         self.push(token.start as usize, Tok::Bad, token.end as usize);
@@ -190,7 +190,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Takes an operand, operator or sign that is no bracket.
+    /// Takes an operand, operator or sign that is not a bracket.
     pub(super) fn element(&mut self, run: Run) {
         let token = self.raw[self.at];
         let tok = match token.kind {
@@ -223,7 +223,7 @@ impl<'a> Layout<'a> {
             RawKind::Dot => Tok::Dot,
             RawKind::DotDot => Tok::DotDot,
             RawKind::Ellipsis => {
-                self.tolerate(self.span(token), "three points between bounds", "taken as two", "write `..`");
+                self.tolerate(self.span(token), "there are three points between the bounds", "read as two", "write `..`");
                 Tok::DotDot
             }
             RawKind::Equal => Tok::Equality(BinaryOp::Equal),
@@ -316,7 +316,7 @@ impl<'a> Layout<'a> {
                     self.tolerate(
                         self.span(token),
                         &format!("`{}` is outside the range of its type", self.slice(token)),
-                        &format!("taken as {number}"),
+                        &format!("read as {number}"),
                         "write the negative number, or a bit string such as `16#FFFF`",
                     );
                 }
@@ -343,7 +343,7 @@ impl<'a> Layout<'a> {
             None if address::area_word(bare).is_some() || address::db_area_word(bare).is_some() => Tok::Name(bare),
             None => {
                 self.report(
-                    Diagnostic::new(Code::AddressRange, self.span(token), format!("`{text}` is no address"))
+                    Diagnostic::new(Code::AddressRange, self.span(token), format!("`{text}` is not an address"))
                         .label("no area has this address")
                         .help("write e.g. `%MW10`, `%I0.7`, `%DB1.DBX2.0`; bits go from 0 to 7"),
                 );
@@ -366,7 +366,7 @@ impl<'a> Layout<'a> {
             }
         }
         let span = self.span(opening);
-        self.tolerate(span, "an attribute list among statements", "skipped", "remove it; it has no meaning here");
+        self.tolerate(span, "an attribute list cannot stand among statements", "skipped", "remove it; it has no meaning here");
     }
 
     /// Reports the raw token at hand, which can stand nowhere, and goes on. Its place takes a `Bad`.
@@ -377,22 +377,22 @@ impl<'a> Layout<'a> {
             RawKind::UnterminatedText => {
                 Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
                     .label("begins here")
-                    .help("close it with `'`; a quote inside is written `$'`")
+                    .help("close it with `'`; write a quote inside as `$'`")
             }
             RawKind::UnterminatedQuoted => {
                 Diagnostic::new(Code::UnterminatedText, span, "the name is not closed on its line")
                     .label("begins here")
                     .help("close it with `\"`")
             }
-            RawKind::Hash => Diagnostic::new(Code::Syntax, span, "`#` stands before no name")
-                .label("a name must follow at once")
+            RawKind::Hash => Diagnostic::new(Code::Syntax, span, "no name follows `#`")
+                .label("a name must follow immediately")
                 .help("write `#name` without a blank, or `#\"name\"`"),
             RawKind::Stray => {
                 let c = slice.chars().next().unwrap_or(' ');
                 Diagnostic::new(
                     Code::UnexpectedCharacter,
                     span,
-                    format!("`{}` belongs to no statement", c.escape_debug()),
+                    format!("`{}` cannot be part of a statement", c.escape_debug()),
                 )
                 .label("not a character of SCL outside texts and comments")
                 .help(stray_help(c))
@@ -430,6 +430,6 @@ fn stray_help(c: char) -> &'static str {
         '“' | '”' | '„' => "write names in straight quotes: `\"name\"`",
         '–' | '—' | '−' => "write the sign as `-`",
         '\\' => "comments begin with `//`",
-        _ => "remove it, or put it behind `//`",
+        _ => "remove it, or put it into a comment after `//`",
     }
 }

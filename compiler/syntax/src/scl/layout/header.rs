@@ -9,7 +9,7 @@ use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::{CodeKeyword, HeaderField, HeaderFlag, Tok};
 
-/// What stands behind a block's header.
+/// What stands after a block's header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Frame {
     Code,
@@ -102,7 +102,7 @@ impl<'a> Layout<'a> {
                 Diagnostic::new(
                     Code::LiteralRange,
                     self.span_of(token.start as usize, end as usize),
-                    "no block has such a number",
+                    "no block can have this number",
                 )
                 .label("too large")
                 .help("blocks are numbered 0 to 65535"),
@@ -123,7 +123,7 @@ impl<'a> Layout<'a> {
             || header_flag(word).is_some() && self.flag_stands_alone(index)
     }
 
-    /// The word at `index` is no operand of a statement.
+    /// The word at `index` is not an operand of a statement.
     fn flag_stands_alone(&self, index: usize) -> bool {
         !matches!(
             self.kind_at(index + 1),
@@ -139,7 +139,7 @@ impl<'a> Layout<'a> {
         )
     }
 
-    /// Everything behind the name: header, declarations, then statements or values.
+    /// Everything after the name: header, declarations, then statements or values.
     fn header(&mut self, frame: Frame) {
         let mut has_content = false;
         while let Some(token) = self.peek() {
@@ -234,11 +234,11 @@ impl<'a> Layout<'a> {
                 self.span(token),
                 format!("`{}` cannot stand in a {what}", self.slice(token)),
             )
-            .label("not a part of the header, and no declaration")
+            .label("neither a part of the header nor a declaration")
             .help(if frame == Frame::Data {
-                "a data block holds `STRUCT … END_STRUCT`, VAR sections, an ARRAY, or the name of a UDT or FB, then `BEGIN` and values"
+                "a data block consists of `STRUCT … END_STRUCT`, VAR sections, an ARRAY, or the name of a UDT or FB, then `BEGIN` and values"
             } else {
-                "a data type holds `STRUCT … END_STRUCT;`"
+                "a data type consists of `STRUCT … END_STRUCT;`"
             }),
         );
         self.at += 1;
@@ -311,7 +311,7 @@ impl<'a> Layout<'a> {
                             self.span(token),
                             format!("`{}` cannot stand in a list of attributes", self.slice(token)),
                         )
-                        .label("no name of an attribute")
+                        .label("not the name of an attribute")
                         .help("write attributes as `{ name := 'value'; name := 'value' }`"),
                     );
                     self.skip_attribute();
@@ -395,7 +395,7 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), format!("the block is not closed with `{end}`"))
                 .label("begins here")
-                .help(format!("write `{end}` behind the last line of the block")),
+                .help(format!("write `{end}` after the last line of the block")),
         );
         self.push_here(Tok::EndBlock);
     }
@@ -406,7 +406,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// Text behind `TITLE` and `=`, without quotes.
+/// Text after `TITLE` and `=`, without quotes.
 fn title_text(token: &str) -> &str {
     let text = token.get("TITLE".len()..).unwrap_or("").trim();
     let text = text.strip_prefix('=').unwrap_or(text).trim();

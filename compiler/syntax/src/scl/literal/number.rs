@@ -29,15 +29,15 @@ pub fn based(text: &str, base: &str, digits: &str) -> Result<(u64, u32), Literal
                 "8" => "octal digits are 0 to 7",
                 _ => "hexadecimal digits are 0 to 9 and A to F",
             };
-            LiteralError::malformed(text, format!("`{digit}` is no digit of base {base}"), help)
+            LiteralError::malformed(text, format!("`{digit}` is not a digit of base {base}"), help)
         }
-        Fault::Empty => LiteralError::malformed(text, "no digit", "write the digits behind `#`"),
+        Fault::Empty => LiteralError::malformed(text, "no digit", "write the digits after `#`"),
         Fault::Large => LiteralError::range(text, "more than 64 bits", "a constant has 64 bits at most"),
     })?;
     Ok((number.value, number.radix))
 }
 
-/// The constant of type `ty` behind `INT#`, `BYTE#` and their kin.
+/// The constant of type `ty` after `INT#`, `BYTE#` and their kin.
 pub fn typed(text: &str, ty: Elementary, value: &str) -> Result<Read, LiteralError> {
     match ty.class() {
         Class::Float => float(text, ty, value).map(Read::from),
@@ -85,7 +85,7 @@ fn boolean(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let bits = match value.to_ascii_uppercase().as_str() {
         "TRUE" | "1" | "2#1" | "8#1" | "16#1" => 1,
         "FALSE" | "0" | "2#0" | "8#0" | "16#0" => 0,
-        _ => return Err(LiteralError::malformed(text, "no BOOL", "write `TRUE` or `FALSE`")),
+        _ => return Err(LiteralError::malformed(text, "not a BOOL", "write `TRUE` or `FALSE`")),
     };
     Ok(Literal::Typed { ty: Elementary::Bool, bits })
 }
@@ -94,7 +94,7 @@ fn float(text: &str, ty: Elementary, value: &str) -> Result<Literal, LiteralErro
     let bits = if ty == Elementary::Real {
         let number = real(text, value)? as f32;
         if !number.is_finite() {
-            return Err(LiteralError::range(text, "no REAL", "a REAL lies between -3.402823e+38 and 3.402823e+38"));
+            return Err(LiteralError::range(text, "not a REAL", "a REAL is a number from -3.402823e+38 to 3.402823e+38"));
         }
         // Of the digits, not of the LREAL nearest to them.
         digits_of(value).parse::<f32>().unwrap_or(number).to_bits().into()
@@ -116,9 +116,9 @@ fn real(text: &str, value: &str) -> Result<f64, LiteralError> {
     let number: f64 = Some(&digits)
         .filter(|digits| well_formed && digits.contains(|c: char| c.is_ascii_digit()))
         .and_then(|digits| digits.parse().ok())
-        .ok_or_else(|| LiteralError::malformed(text, "no REAL", "write a REAL as `1.5` or `1.5e+3`"))?;
+        .ok_or_else(|| LiteralError::malformed(text, "not a REAL", "write a REAL as `1.5` or `1.5e+3`"))?;
     if !number.is_finite() {
-        return Err(LiteralError::range(text, "no REAL", "an LREAL lies between -1.797693e+308 and 1.797693e+308"));
+        return Err(LiteralError::range(text, "not a REAL", "an LREAL is a number from -1.797693e+308 to 1.797693e+308"));
     }
     Ok(number)
 }
@@ -126,7 +126,7 @@ fn real(text: &str, value: &str) -> Result<f64, LiteralError> {
 /// A decimal number without sign.
 fn decimal(text: &str, digits: &str) -> Result<i128, LiteralError> {
     let help = "write decimal digits, e.g. `10`, or a base, e.g. `16#FF`";
-    number::decimal(digits).ok_or_else(|| LiteralError::malformed(text, "no whole number", help))
+    number::decimal(digits).ok_or_else(|| LiteralError::malformed(text, "not a whole number", help))
 }
 
 fn too_large(text: &str) -> LiteralError {

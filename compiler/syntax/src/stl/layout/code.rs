@@ -104,7 +104,7 @@ impl<'a> Layout<'a> {
         self.at += 2;
     }
 
-    /// `TITLE =` behind NETWORK or BEGIN; elsewhere it is reported.
+    /// `TITLE =` after NETWORK or BEGIN; elsewhere it is reported.
     fn code_title(&mut self) {
         let token = self.raw[self.at];
         if matches!(self.last(), Some(Tok::Network | Tok::Begin | Tok::ImpliedOb)) {
@@ -112,7 +112,7 @@ impl<'a> Layout<'a> {
             return self.take(Tok::Title(text));
         }
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), "a title belongs behind `NETWORK`, before its statements")
+            Diagnostic::new(Code::Syntax, self.span(token), "a title must follow `NETWORK`, before its statements")
                 .label("no network begins here")
                 .help("write `NETWORK` on a line before it"),
         );
@@ -231,7 +231,7 @@ impl<'a> Layout<'a> {
         let first = self.out.len();
         let mut open_brackets = 0usize;
         while let Some(token) = self.peek() {
-            let behind_operand =
+            let after_operand =
                 self.out.len() > first && !matches!(self.last(), Some(Tok::Dot | Tok::LeftBracket | Tok::Comma));
             let continues = open_brackets > 0 || required && self.out.len() == first;
             if token.kind == RawKind::Semicolon
@@ -242,14 +242,14 @@ impl<'a> Layout<'a> {
             }
             match token.kind {
                 RawKind::LeftBrace
-                    if behind_operand && self.out[first - 1].1 == Tok::Insn(StlInsn::CallUnconditional) =>
+                    if after_operand && self.out[first - 1].1 == Tok::Insn(StlInsn::CallUnconditional) =>
                 {
                     return self.pointer_list(first - 1);
                 }
                 RawKind::LeftBracket => open_brackets += 1,
                 RawKind::RightBracket => open_brackets = open_brackets.saturating_sub(1),
                 RawKind::Word | RawKind::Equal | RawKind::RightParen
-                    if (behind_operand || class == OperandClass::None) && self.begins_statement(self.at) =>
+                    if (after_operand || class == OperandClass::None) && self.begins_statement(self.at) =>
                 {
                     return self.second_statement(token);
                 }
@@ -363,23 +363,23 @@ impl<'a> Layout<'a> {
     fn call(&mut self) {
         self.take(Tok::Call);
         while let Some(token) = self.peek() {
-            let behind_operand = !matches!(self.last(), Some(Tok::Call | Tok::Comma | Tok::Dot | Tok::LeftBracket));
+            let after_operand = !matches!(self.last(), Some(Tok::Call | Tok::Comma | Tok::Dot | Tok::LeftBracket));
             match token.kind {
                 RawKind::Semicolon => break,
                 RawKind::LeftParen => {
                     self.parameters();
-                    self.behind_call();
+                    self.after_call();
                     break;
                 }
-                RawKind::LeftBrace if behind_operand => self.call_template(),
+                RawKind::LeftBrace if after_operand => self.call_template(),
                 RawKind::Comma => self.take(Tok::Comma),
                 _ if self.ends_code(self.at) => break,
-                _ if behind_operand && self.is_parameter(self.at) => {
+                _ if after_operand && self.is_parameter(self.at) => {
                     self.parameter_lines();
                     break;
                 }
-                _ if token.first_on_line && (behind_operand || self.begins_statement(self.at)) => break,
-                RawKind::Word if behind_operand && self.begins_statement(self.at) => {
+                _ if token.first_on_line && (after_operand || self.begins_statement(self.at)) => break,
+                RawKind::Word if after_operand && self.begins_statement(self.at) => {
                     self.second_statement(token);
                     break;
                 }
@@ -417,8 +417,8 @@ impl<'a> Layout<'a> {
             .any(|token| token.kind == RawKind::RightBrace)
     }
 
-    /// What stands on the line behind the `)` of a call.
-    fn behind_call(&mut self) {
+    /// What stands on the line after the `)` of a call.
+    fn after_call(&mut self) {
         if let Some(token) = self.peek()
             && !token.first_on_line
             && token.kind != RawKind::Semicolon
@@ -487,13 +487,13 @@ impl<'a> Layout<'a> {
         self.take(Tok::LeftParen);
         while let Some(token) = self.peek() {
             self.pragmas_in_call(token.start);
-            let behind_operand = !matches!(self.last(), Some(Tok::LeftParen | Tok::Comma | Tok::Assign));
+            let after_operand = !matches!(self.last(), Some(Tok::LeftParen | Tok::Comma | Tok::Assign));
             match token.kind {
                 RawKind::RightParen => return self.take(Tok::RightParen),
                 RawKind::Semicolon => break,
                 _ if self.ends_code(self.at) => break,
                 _ if self.is_parameter(self.at) => {
-                    if behind_operand {
+                    if after_operand {
                         let end = self.last_end();
                         if !token.first_on_line {
                             self.report(
@@ -510,14 +510,14 @@ impl<'a> Layout<'a> {
                     }
                     self.parameter_name();
                 }
-                RawKind::Word if behind_operand && token.first_on_line && self.begins_statement(self.at) => break,
+                RawKind::Word if after_operand && token.first_on_line && self.begins_statement(self.at) => break,
                 _ => self.operand_token(),
             }
         }
         self.report(
             Diagnostic::new(Code::Syntax, self.span(opening), "the parameter list is not closed with `)`")
                 .label("begins here")
-                .help("write `)` behind the last parameter"),
+                .help("write `)` after the last parameter"),
         );
         let end = self.last_end();
         self.push(end, Tok::RightParen, end);
@@ -531,12 +531,12 @@ impl<'a> Layout<'a> {
             self.report(
                 Diagnostic::new(Code::Pragma, span, "a pragma cannot stand inside a statement")
                     .label("the call is not ended yet")
-                    .help("write it behind the call"),
+                    .help("write it after the call"),
             );
         }
     }
 
-    // What is no STL.
+    // What is not STL.
 
     /// Whether `name.part[1] :=` stands at hand.
     fn assigns_path(&self) -> bool {
@@ -577,7 +577,7 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::ForeignLanguage, span, format!("`{word}` begins a statement of SCL, not of STL"))
                 .label("the rest of this block is not checked")
-                .help("write the block in one language: in STL `A`, `JC` and labels take the place of IF, `L` and `T` that of `:=`"),
+                .help("write the block in one language: in STL, `A`, `JC` and labels replace IF, and `L` and `T` replace `:=`"),
         );
         let start = token.start as usize;
         self.end_of_label();
@@ -607,7 +607,7 @@ impl<'a> Layout<'a> {
         match token.kind {
             RawKind::Word if is_section(upper.as_str()) || upper.as_str() == "END_VAR" => {
                 self.report(
-                    Diagnostic::new(Code::BlockFrame, span, "declarations stand before the statements")
+                    Diagnostic::new(Code::BlockFrame, span, "declarations must come before the statements")
                         .label("the code has begun already")
                         .help("move the declarations between the header and `BEGIN`"),
                 );
@@ -615,9 +615,9 @@ impl<'a> Layout<'a> {
             }
             RawKind::Word if upper.as_str() == "BEGIN" => {
                 self.report(
-                    Diagnostic::new(Code::BlockFrame, span, "`BEGIN` stands where the code has begun already")
+                    Diagnostic::new(Code::BlockFrame, span, "`BEGIN` must come before the code")
                         .label("no header before it")
-                        .help("write `BEGIN` once in a block, behind its declarations"),
+                        .help("write `BEGIN` once in a block, after its declarations"),
                 );
                 self.at += 1;
             }
@@ -645,7 +645,7 @@ impl<'a> Layout<'a> {
             }
             _ => {
                 self.report(
-                    Diagnostic::new(Code::Syntax, span, format!("`{slice}` begins no statement"))
+                    Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot begin a statement"))
                         .label("an instruction is expected here")
                         .help("a statement is a mnemonic and its operand, e.g. `L MW 10`"),
                 );

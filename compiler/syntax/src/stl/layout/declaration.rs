@@ -49,7 +49,7 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), format!("`{keyword}` is not closed with `END_VAR`"))
                 .label("the declarations begin here")
-                .help("write `END_VAR` behind the last declaration"),
+                .help("write `END_VAR` after the last declaration"),
         );
         let end = self.last_end();
         self.push(end, Tok::EndVar, end);
@@ -72,7 +72,7 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), "`STRUCT` is not closed with `END_STRUCT`")
                 .label("begins here")
-                .help("write `END_STRUCT;` behind its last component"),
+                .help("write `END_STRUCT;` after its last component"),
         );
         let end = self.last_end();
         self.push(end, Tok::EndStruct, end);
@@ -80,7 +80,7 @@ impl<'a> Layout<'a> {
 
     /// Declarations up to `END_VAR`, or with `depth` 1 to the `END_STRUCT` that closes it, or to what cannot be inside.
     ///
-    /// Leaves balanced STRUCTs and a `;` behind each declaration.
+    /// Leaves balanced STRUCTs and a `;` after each declaration.
     fn declarations(&mut self, depth: usize) {
         let base = depth;
         let mut open: Vec<RawToken> = Vec::new();
@@ -194,7 +194,7 @@ impl<'a> Layout<'a> {
                 self.span_of(start, end),
                 format!("the {what} does not end with `;`"),
             )
-            .label("`;` is missing behind this")
+            .label("`;` is missing after this")
             .help(format!("end each {what} with `;`")),
         );
         self.push(end, Tok::Semicolon, end);
@@ -203,9 +203,9 @@ impl<'a> Layout<'a> {
     fn too_deep(&mut self, what: &str) {
         let token = self.raw[self.at];
         self.report(
-            Diagnostic::new(Code::DeclarationSyntax, self.span(token), format!("{what} are nested too deep"))
+            Diagnostic::new(Code::DeclarationSyntax, self.span(token), format!("{what} are nested too deeply"))
                 .label("too many levels")
-                .help("STEP 7 takes 8 levels; put inner ones into data types of their own"),
+                .help("STEP 7 allows 8 levels; put inner ones into separate data types"),
         );
         // What follows belongs to no frame that can be known.
         while let Some(token) = self.peek() {
@@ -259,7 +259,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// A word of a declaration: a type behind `:` and `OF`, a value behind `:=`, else a name.
+    /// A word of a declaration: a type after `:` and `OF`, a value after `:=`, else a name.
     fn declaration_word(&mut self) {
         let token = self.raw[self.at];
         if matches!(self.last(), Some(Tok::Colon | Tok::Of)) {
@@ -307,14 +307,14 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Assignments behind BEGIN.
+    /// Assignments after BEGIN.
     pub(super) fn values(&mut self) {
         let mut brackets = 0usize;
         while let Some(token) = self.peek() {
             self.file_pragmas(token.start);
             let upper = self.upper(self.at);
             let at_start = matches!(self.last(), Some(Tok::Semicolon | Tok::Begin));
-            let behind_value = matches!(
+            let after_value = matches!(
                 self.last(),
                 Some(
                     Tok::Literal(_)
@@ -344,7 +344,7 @@ impl<'a> Layout<'a> {
                     let tok = self.literal_token(self.slice(token), self.span(token));
                     self.take(tok);
                 }
-                RawKind::Word | RawKind::Quoted if behind_value && token.first_on_line && brackets == 0 => {
+                RawKind::Word | RawKind::Quoted if after_value && token.first_on_line && brackets == 0 => {
                     self.missing_semicolon("assignment");
                 }
                 RawKind::Word if matches!(self.last(), Some(Tok::Assign)) && self.value_operand(token) => {}

@@ -76,7 +76,7 @@ pub fn lay_out_operand<'a>(
     (layout.out, layout.diagnostics)
 }
 
-/// What stands behind a block's header.
+/// What stands after a block's header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Frame {
     Code,
@@ -171,7 +171,7 @@ impl<'a> Layout<'a> {
             let span = self.span_of(*start, *end);
             self.out.truncate(first_token);
             self.diagnostics.truncate(first_message);
-            return self.report(not_a_source(span, "no statement of STL and no block begins here"));
+            return self.report(not_a_source(span, "neither a statement of STL nor a block begins here"));
         }
         let end = self.last_end();
         self.push(end, Tok::EndBlock, end);
@@ -338,14 +338,14 @@ impl<'a> Layout<'a> {
         if matches!(value, Literal::Date(_) | Literal::DateAndTime(_)) && text.contains([' ', '\t']) {
             let compact: String = text.chars().filter(|c| !c.is_whitespace()).collect();
             self.report(
-                Diagnostic::new(Code::BlanksInLiteral, span, "STEP 7 takes no blanks inside a constant")
-                    .label("taken as one constant")
+                Diagnostic::new(Code::BlanksInLiteral, span, "STEP 7 allows no blanks inside a constant")
+                    .label("read as one constant")
                     .help(format!("write `{compact}`")),
             );
         }
     }
 
-    /// Whether a constant begins at `index`: a value, or a sign with a number behind it.
+    /// Whether a constant begins at `index`: a value, or a sign with a number after it.
     fn is_literal(&self, index: usize) -> bool {
         match self.kind_at(index) {
             Some(RawKind::Number | RawKind::Real | RawKind::Text | RawKind::Literal) => true,
@@ -365,7 +365,7 @@ impl<'a> Layout<'a> {
             RawKind::UnterminatedText => {
                 Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
                     .label("begins here")
-                    .help("close it with `'`; a quote inside is written `$'`")
+                    .help("close it with `'`; write a quote inside as `$'`")
             }
             RawKind::UnterminatedQuoted => {
                 Diagnostic::new(Code::UnterminatedText, span, "the symbol is not closed on its line")
@@ -377,7 +377,7 @@ impl<'a> Layout<'a> {
                 Diagnostic::new(
                     Code::UnexpectedCharacter,
                     span,
-                    format!("`{}` belongs to no statement", c.escape_debug()),
+                    format!("`{}` cannot be part of a statement", c.escape_debug()),
                 )
                 .label("not a character of STL outside texts and comments")
                 .help(stray_help(c))
@@ -405,9 +405,9 @@ impl<'a> Layout<'a> {
 
 /// The text at `span` belongs to no PLC source.
 pub fn not_a_source(span: Span, label: &str) -> Diagnostic {
-    Diagnostic::new(Code::NotASource, span, "this file holds no PLC source")
+    Diagnostic::new(Code::NotASource, span, "this file does not contain a PLC source")
         .label(label)
-        .help("give a source in STL or SCL as STEP 7 or the TIA Portal exports it: blocks, or statements such as `A I 0.0`; a printout is none")
+        .help("pass a source in STL or SCL as STEP 7 or the TIA Portal exports it: blocks, or statements such as `A I 0.0`, but not a printout")
 }
 
 fn stray_help(c: char) -> &'static str {
@@ -416,7 +416,7 @@ fn stray_help(c: char) -> &'static str {
         '“' | '”' | '„' => "write symbols in straight quotes: `\"symbol\"`",
         '–' | '—' | '−' => "write the sign as `-`",
         '\\' => "comments begin with `//`",
-        _ => "remove it, or put it behind `//`",
+        _ => "remove it, or put it into a comment after `//`",
     }
 }
 

@@ -66,7 +66,7 @@ impl<'a> Layout<'a> {
             RawKind::Number | RawKind::Real if matches!(self.last(), Some(Tok::Area(..) | Tok::Cell(_))) => {
                 self.address(token);
             }
-            RawKind::Number | RawKind::Real if matches!(self.last(), Some(Tok::Dot)) => self.number_behind_dot(token),
+            RawKind::Number | RawKind::Real if matches!(self.last(), Some(Tok::Dot)) => self.number_after_dot(token),
             _ if self.is_literal(self.at) => self.literal(),
             RawKind::Word => self.operand_word(token),
             RawKind::Quoted => {
@@ -115,8 +115,8 @@ impl<'a> Layout<'a> {
             _ => {
                 let span = self.span(self.raw[self.at]);
                 self.report(
-                    Diagnostic::new(Code::Syntax, span, "`#` stands before no name")
-                        .label("a local name is expected behind it")
+                    Diagnostic::new(Code::Syntax, span, "no name follows `#`")
+                        .label("a local name is expected after it")
                         .help("write `#` and the name without a blank, e.g. `#speed`"),
                 );
                 self.take(Tok::BadOperand);
@@ -246,7 +246,7 @@ impl<'a> Layout<'a> {
         self.push(start, Tok::BadOperand, end);
     }
 
-    /// A word behind a dot: a component, or `DBW 2` behind a data block.
+    /// A word after a dot: a component, or `DBW 2` after a data block.
     fn member(&mut self, token: RawToken) {
         let text = self.slice(token);
         let root = self.out.len().checked_sub(2).map(|root| &self.out[root].1);
@@ -268,7 +268,7 @@ impl<'a> Layout<'a> {
         self.take(Tok::Name(text));
     }
 
-    /// `MW10`, `I0.0`, `T5`: letters and number in one word, the bit number behind it.
+    /// `MW10`, `I0.0`, `T5`: letters and number in one word, the bit number after it.
     fn glued(&mut self, token: RawToken, letters: Tok<'a>, letter_count: usize, digits: &str) {
         let start = token.start as usize;
         let cell = matches!(letters, Tok::Cell(_));
@@ -291,7 +291,7 @@ impl<'a> Layout<'a> {
         self.push_address(start + letter_count, digits, bit_text, end);
     }
 
-    /// `10`, `0.0` behind area letters.
+    /// `10`, `0.0` after area letters.
     fn address(&mut self, token: RawToken) {
         let text = self.slice(token);
         self.at += 1;
@@ -325,10 +325,10 @@ impl<'a> Layout<'a> {
         let end = bit.end as usize;
         let letters = &self.text[begin..letters_end];
         let meant = format!("{letters} {byte}.{}", self.slice(bit));
-        let title = format!("`{}` is no address", &self.text[begin..end]);
+        let title = format!("`{}` is not an address", &self.text[begin..end]);
         self.report(
             Diagnostic::new(Code::Syntax, self.span_of(begin, end), title)
-                .label("byte and bit stand on both sides of a point")
+                .label("a point separates byte and bit")
                 .help(format!("write `{meant}`")),
         );
         self.at += 2;
@@ -362,7 +362,7 @@ impl<'a> Layout<'a> {
         matches!(letters, "X" | "B" | "W" | "D") && !digits.is_empty() && self.adjacent(self.at)
     }
 
-    /// Whether `:P` stands at hand, no label behind it.
+    /// Whether `:P` stands at hand, no label after it.
     fn is_peripheral_mark(&self) -> bool {
         self.kind_at(self.at) == Some(RawKind::Colon)
             && self.adjacent(self.at)
@@ -379,12 +379,12 @@ impl<'a> Layout<'a> {
             (byte, _) => {
                 let letters = self.out.pop();
                 let begin = letters.map_or(start, |(begin, ..)| begin);
-                let title = format!("`{}` is no address", &self.text[begin..end]);
+                let title = format!("`{}` is not an address", &self.text[begin..end]);
                 let diagnostic = Diagnostic::new(Code::AddressRange, self.span_of(begin, end), title);
                 self.report(if byte.is_some() {
-                    diagnostic.label("a byte has the bits 0 to 7").help("write the bit number behind the dot, 0 to 7")
+                    diagnostic.label("a byte has the bits 0 to 7").help("write the bit number after the dot, 0 to 7")
                 } else {
-                    diagnostic.label("the number is too large").help("no area has so many bytes")
+                    diagnostic.label("the number is too large").help("no area has that many bytes")
                 });
                 self.push(begin, Tok::BadOperand, end);
             }
@@ -392,7 +392,7 @@ impl<'a> Layout<'a> {
     }
 
     /// `MO.0`: a number where a component's name should stand.
-    fn number_behind_dot(&mut self, token: RawToken) {
+    fn number_after_dot(&mut self, token: RawToken) {
         self.at += 1;
         self.out.pop();
         let (begin, end) = (self.out.pop().map_or(token.start as usize, |(begin, ..)| begin), token.end as usize);
@@ -403,11 +403,11 @@ impl<'a> Layout<'a> {
             }
             _ => match self.own_letters(text) {
                 Some(address) => format!("write `{address}`: the file has {} mnemonics", messages::set_name(self.set)),
-                None => "components have names; an address is written as `M 10.0`".to_owned(),
+                None => "a component has a name; an address is written like `M 10.0`".to_owned(),
             },
         };
         self.report(
-            Diagnostic::new(Code::Syntax, self.span_of(begin, end), format!("`{text}` is no address and no name"))
+            Diagnostic::new(Code::Syntax, self.span_of(begin, end), format!("`{text}` is neither an address nor a name"))
                 .label("a number cannot follow this name")
                 .help(help),
         );
