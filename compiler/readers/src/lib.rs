@@ -7,7 +7,7 @@
 //! - [`simatic_ml`]: exports of the TIA Portal in XML.
 //! - [`symbols`]: symbol tables.
 //!
-//! **Invariant**: never fails; gives a tree and diagnostics. Trees are those of [`plcc_syntax`]; no reader knows symbols.
+//! **Invariant**: parsing never fails; it returns a tree and diagnostics. Trees are those of [`plcc_syntax`]; no reader knows symbols.
 
 pub mod gr7;
 mod language;
@@ -27,7 +27,7 @@ use language::Reading;
 pub struct ReadOptions<'a> {
     /// The mnemonic set; `None`: found in the file.
     pub mnemonics: Option<stl::Mnemonics>,
-    /// Assertion pragmas (`//@ …`) are read; else they are comments.
+    /// Assertion pragmas (`//@ …`) are read; otherwise they are comments.
     pub pragmas: bool,
     /// The language, if the name of the file tells; `None`: found in the file.
     pub language: Option<Language>,
@@ -42,7 +42,7 @@ impl ReadOptions<'_> {
     }
 }
 
-/// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
+/// Parses a source. Never fails: the messages say what is wrong, in the order of the text.
 pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (ast::SourceUnit, Vec<Diagnostic>) {
     match xml::kind(text) {
         Some(xml::XmlKind::PlcOpen) => return plcopen::parse(file, text),

@@ -1,7 +1,7 @@
 //! Symbol tables: `.asc`, `.sdf`, `.seq`, `.dif`, `;`-separated, tag tables in XML and sheets of a workbook, told apart by their content.
 //!
-//! Each row gives a symbol, its address, its data type and a comment. Addresses are taken in both mnemonic sets (`E 0.0` is
-//! `I 0.0`). Tables for the S7-200 have columns of their own (`s7200`). A row that cannot be read is one message; the others are read all the same.
+//! Each row gives a symbol, its address, its data type and a comment. Addresses are accepted in both mnemonic sets (`E 0.0` is
+//! `I 0.0`). Tables for the S7-200 have columns of their own (`s7200`). A row that cannot be read is one message; the others are still read.
 //! Source: STL reference, symbol tables; exports of the newer portal tool have more columns after the first three.
 
 mod s7200;

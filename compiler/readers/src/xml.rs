@@ -114,7 +114,7 @@ pub struct Fault {
     pub text: String,
 }
 
-/// An element may have so many attributes. The parser compares each with all before it; no editor writes more than a few dozen.
+/// An element may have at most this many attributes. The parser compares each with all before it; no editor writes more than a few dozen.
 const ATTRIBUTES_MAX: usize = 1000;
 
 /// Reads a text as XML, in time that follows its length.

@@ -41,7 +41,11 @@ fn check(text: &str) {
             for diagnostic in &diagnostics {
                 let places = std::iter::once(&diagnostic.primary).chain(&diagnostic.secondary);
                 for span in places.map(|label| label.span) {
-                    assert!(text.get(span.range()).is_some(), "{}: {span:?} is not a part of the text", diagnostic.title);
+                    assert!(
+                        text.get(span.range()).is_some(),
+                        "{}: {span:?} is not a part of the text",
+                        diagnostic.title
+                    );
                 }
             }
             ast_text(&unit);

@@ -207,7 +207,7 @@ proptest! {
     }
 }
 
-/// `text` with names, values and texts of elements given way to words: mostly still well-formed.
+/// `text` with names, values and texts of elements given way to words: usually still well-formed.
 fn exchanged(text: &str, edits: Vec<(prop::sample::Index, usize)>) -> String {
     let mut text = text.to_owned();
     for (place, word) in edits {

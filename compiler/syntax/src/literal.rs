@@ -18,7 +18,7 @@ pub(crate) use time::nanoseconds;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Literal {
     Bool(bool),
-    /// `930`, `-5`: a decimal integer without a type; its width comes from the place.
+    /// `930`, `-5`: a decimal integer without a type; its width follows from where it is used.
     Int(i64),
     /// `L#930`.
     Dint(i32),
@@ -69,7 +69,7 @@ pub struct LiteralError {
     pub code: Code,
     /// What is wrong.
     pub title: String,
-    /// What stands at the place.
+    /// What the text is, for the label.
     pub label: String,
     pub help: Option<String>,
 }
@@ -96,7 +96,7 @@ impl LiteralError {
 
 /// Reads a constant: a number (`-5`, `1.5e3`), one with `#`, `TRUE`, `FALSE`, or a text in `'`.
 ///
-/// Blanks are skipped where listings have them (`D#1999 - 12 - 8`); whoever minds looks for them in the text.
+/// Blanks are skipped where listings have them (`D#1999 - 12 - 8`); a caller that does not accept them checks the text.
 pub fn parse(text: &str) -> Result<Literal, LiteralError> {
     if text.starts_with('\'') {
         return parse_text(text).map(Literal::Text);
@@ -163,7 +163,7 @@ mod tests {
         refuse("S5T#-1S", Code::LiteralRange);
     }
 
-    /// A fraction is a decimal number, and no binary one: 1.001 s are 1001 ms.
+    /// A fraction is decimal, not binary: 1.001 s is 1001 ms.
     #[test]
     fn fractions_of_durations_are_exact() {
         check("T#1.001S", Literal::Time(1001));

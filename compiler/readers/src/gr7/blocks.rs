@@ -112,7 +112,7 @@ fn complete(
     block.code = BlockCode::Chart(chart);
 }
 
-/// Steps and transitions that lack their numbers: places in their lists, names, and whether that is to be told.
+/// Steps and transitions that lack their numbers: places in their lists, names, and whether that is to be reported.
 #[derive(Default)]
 struct Numbers {
     steps: Vec<(usize, Span, bool)>,

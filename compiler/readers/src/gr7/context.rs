@@ -1,4 +1,4 @@
-//! What the actions of the grammar have at hand: the text, its tokens and comments, and the messages.
+//! What the actions of the grammar work with: the text, its tokens and comments, and the messages.
 
 use std::ops::Range;
 
@@ -28,7 +28,7 @@ pub struct Context<'a> {
     pub tokens: &'a [Spanned<'a>],
     pub comments: &'a [Comment],
     pub diagnostics: Vec<Diagnostic>,
-    /// Starts of the messages that the layout has given, in order: where one lies, the grammar stays silent.
+    /// Starts of the messages of the layout, in order: where there is one, the grammar reports nothing.
     pub reported: Vec<u32>,
 }
 
@@ -109,7 +109,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// The comment of either form after byte `end`, if only blanks and `;` stand between. Its lines are joined.
+/// The comment of either form after byte `end`, if there are only blanks and `;` between. Its lines are joined.
 pub fn comment_after(text: &str, comments: &[Comment], end: usize) -> Option<String> {
     let comment = comments.get(comments.partition_point(|comment| (comment.start as usize) < end))?;
     let between = &text[end..comment.start as usize];

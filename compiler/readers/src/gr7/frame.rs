@@ -150,7 +150,7 @@ impl Reader<'_, '_> {
         self.declarations.push(range);
     }
 
-    /// A variable may be called like a keyword.
+    /// A variable may have the name of a keyword.
     fn declares(&self) -> bool {
         self.tokens.get(self.at + 1).is_some_and(|next| next.kind == RawKind::Colon)
     }
@@ -196,7 +196,7 @@ impl Reader<'_, '_> {
         keyword_at(self.text, self.tokens, self.at)
     }
 
-    /// Keeps the token at hand for SCL.
+    /// Keeps the current token for SCL.
     fn declare(&mut self) {
         self.declarations.push(self.tokens[self.at].range());
         self.at += 1;

@@ -92,9 +92,13 @@ impl<'a> Layout<'a, '_> {
                     .label("no part of the chart is open here")
                     .help("remove it, or write the beginning of the part that it ends")
             }
-            _ => Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside the chart"))
-                .label("neither a step nor a transition is open here")
-                .help("a GRAPH block holds permanent instructions, steps from `STEP` to `END_STEP`, then transitions"),
+            _ => {
+                Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside the chart"))
+                    .label("neither a step nor a transition is open here")
+                    .help(
+                        "a GRAPH block holds permanent instructions, steps from `STEP` to `END_STEP`, then transitions",
+                    )
+            }
         };
         self.report(diagnostic);
         self.at += 1;
@@ -415,7 +419,7 @@ impl<'a> Layout<'a, '_> {
 
     // Tokens of the grammar.
 
-    /// Pushes `tok` for the raw token at hand and goes on.
+    /// Pushes `tok` for the current raw token and advances.
     fn take(&mut self, tok: Tok<'a>) {
         let raw = self.raw[self.at];
         self.out.push((raw.start as usize, tok, raw.end as usize));

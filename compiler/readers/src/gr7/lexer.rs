@@ -1,6 +1,6 @@
-//! The lexer: characters to raw tokens, without regard to where they stand.
+//! The lexer: characters to raw tokens, regardless of where they are.
 //!
-//! A comment that begins with `$_` and a tag has a meaning and is a token; other comments stand in a list of their own. Constants with `#`
+//! A comment that begins with `$_` and a tag has a meaning and is a token; other comments stand in a separate list. Constants with `#`
 //! are one token, and so are addresses with a point or a blank (`I0.0`, `I 0.0`, `MW 10`). Lines end with CR, LF or both.
 //! Source: GRAPH reference A.1.
 
@@ -114,7 +114,7 @@ pub struct RawToken {
     pub kind: RawKind,
     pub start: u32,
     pub end: u32,
-    /// A line end stands between this token and the one before, or it is the first one.
+    /// There is a line end between this token and the one before, or it is the first one.
     pub first_on_line: bool,
 }
 
@@ -130,7 +130,7 @@ pub struct RawText {
     pub comments: Vec<Comment>,
 }
 
-/// Splits `text` into raw tokens. Never fails: what is not a token is `Stray`.
+/// Splits `text` into raw tokens. Never fails: text that is not a token becomes `Stray`.
 pub fn scan(text: &str) -> RawText {
     let mut out = RawText { tokens: Vec::with_capacity(text.len() / 4), comments: Vec::new() };
     let mut first_on_line = true;

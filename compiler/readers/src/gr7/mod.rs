@@ -38,7 +38,7 @@ use plcc_syntax::comment::CommentForm;
 
 pub(crate) use outline::{beside_other_blocks, has_chart};
 
-/// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
+/// Parses a source. Never fails: the messages say what is wrong, in the order of the text.
 pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let raw = lexer::scan(text);
@@ -63,7 +63,7 @@ fn report_comments(file: FileId, raw: &lexer::RawText, diagnostics: &mut Vec<Dia
     }
 }
 
-/// An assertion among steps and transitions: nothing tells when it would be looked at.
+/// An assertion among steps and transitions: nothing tells when it would be checked.
 fn misplaced(file: FileId, range: Range<usize>) -> Diagnostic {
     Diagnostic::new(Code::Pragma, Span::new(file, range), "an assertion cannot stand inside a chart")
         .label("among steps and transitions")

@@ -28,7 +28,9 @@ pub fn help(text: &str) -> &'static str {
         "C" => {
             "C marks the interlock and follows an instruction, as in `NC`; counters are written `CS`, `CU`, `CD` and `CR`"
         }
-        "P" | "P1" | "P0" => "write `S1_N` for an action that runs once when the step is entered, `S0_N` for one that runs when it is left",
+        "P" | "P1" | "P0" => {
+            "write `S1_N` for an action that runs once when the step is entered, `S0_N` for one that runs when it is left"
+        }
         "SD" | "DS" | "SL" => "set the operand in a separate step after a transition that waits, or use `D` or `L`",
         _ => {
             "qualifiers are N, S, R, D, L, CALL, ON, OFF, CS, CU, CD, CR, TL, TD, TR and TF; an event such as `S1_` may come before it, and C after it"

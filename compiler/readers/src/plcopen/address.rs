@@ -26,7 +26,7 @@ pub struct Location {
     pub path: Vec<u32>,
 }
 
-/// What stands after `AT`.
+/// What follows `AT`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Read {
     At(Location),

@@ -277,7 +277,8 @@ fn conversion(
         }
         (from, "STRING") if is(FLOATS, from) => {
             let text = format!("`{upper}` writes the number as the TIA Portal does: +1.500000E+000");
-            let message = Diagnostic::new(Code::Tolerated, make.name, text).label("other editors write it in other forms");
+            let message =
+                Diagnostic::new(Code::Tolerated, make.name, text).label("other editors write it in other forms");
             tell(message.help("convert the parts of the number as integers where the form matters"));
             return None;
         }

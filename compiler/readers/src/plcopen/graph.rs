@@ -50,7 +50,7 @@ pub struct Build<'r, 'a, 'b> {
     carried: HashMap<(usize, String), Expr>,
     /// What connectors and in-outs pass on, while one input is followed.
     passed: HashMap<(usize, String), Vec<Origin>>,
-    /// The line at hand leads to a variable, which can be of any type.
+    /// The current line leads to a variable, which can be of any type.
     direct: bool,
 }
 
@@ -390,7 +390,7 @@ impl Build<'_, '_, '_> {
         }?;
         let (mut value, _) = fragment::iec_expression(self.reader.file, &self.reader.overlay, text, self.reader.iec());
         let scope = &self.body.scope;
-        // What is wrong with it is told where it is read.
+        // What is wrong with it is reported where it is read.
         let told = std::mem::take(&mut *scope.messages.borrow_mut());
         let kind = scope.typed(&mut value);
         *scope.messages.borrow_mut() = told;

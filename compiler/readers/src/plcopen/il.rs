@@ -574,7 +574,7 @@ fn read_line(text: &str) -> Line {
         _ => word(at).max(at),
     };
     if end == at {
-        // What is not an operator is told by the reader of expressions.
+        // What is not an operator is reported by the reader of expressions.
         let rest = text[at..].trim_end().len();
         let operator = (rest > 0).then_some(at..at + rest);
         return Line { label, operator, operand: at + rest..at + rest };

@@ -82,7 +82,7 @@ impl Reader<'_> {
             let kind = if function && *kind == SectionKind::Static { SectionKind::Temp } else { *kind };
             let mut variables: Vec<Node> = elements(list).filter(|node| node.tag_name().name() == "variable").collect();
             if is_true(list, "constant") {
-                // Structures and arrays are no constants of this CPU; nobody may write them, so variables do.
+                // Structures and arrays are not constants of this CPU; nobody may write them, so variables do.
                 variables.retain(|node| match self.constant_value(*node) {
                     Some(constant) => {
                         constants.push(constant);
@@ -111,7 +111,7 @@ impl Reader<'_> {
         (sections, constants)
     }
 
-    /// Tells of variables that the editor keeps over a power loss: here each run begins with start values.
+    /// Reports variables that the editor keeps over a power loss: here each run begins with start values.
     pub fn retentive(&mut self, list: Node) {
         let Some(attribute) = ["retain", "persistent"].into_iter().find(|attribute| is_true(list, attribute)) else {
             return;

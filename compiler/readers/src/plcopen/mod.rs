@@ -73,7 +73,7 @@ fn is_root(root: Node) -> bool {
     root.tag_name().name() == "project" && ["types", "instances"].iter().any(|name| child(root, name).is_some())
 }
 
-/// Reads a project. Never fails: what is wrong is in the messages.
+/// Reads a project. Never fails: the messages say what is wrong.
 pub fn parse(file: FileId, text: &str) -> (SourceUnit, Vec<Diagnostic>) {
     let document = match crate::xml::parse(text) {
         Ok(document) => document,
@@ -158,12 +158,12 @@ struct Body {
 }
 
 impl Body {
-    /// Declares a BOOL that no other variable is called like.
+    /// Declares a BOOL with a name that no other variable has.
     fn hidden_name(&mut self, stem: &str, span: Span) -> String {
         self.hidden_variable(stem, "BOOL", span)
     }
 
-    /// Declares a variable that no other is called like.
+    /// Declares a variable with a name that no other has.
     fn hidden_variable(&mut self, stem: &str, ty: &str, span: Span) -> String {
         let ty = TypeRef { kind: TypeKind::Named(ty.to_string()), span };
         let variable = self.unnamed(stem, ty, span);
@@ -172,7 +172,7 @@ impl Body {
         name
     }
 
-    /// Declares temporary data that no other variable is called like.
+    /// Declares temporary data with a name that no other variable has.
     fn temporary_variable(&mut self, ty: TypeRef, span: Span) -> String {
         let variable = self.unnamed("wire", ty, span);
         let name = variable.name.clone();
@@ -240,7 +240,7 @@ impl<'a> Reader<'a> {
         self.foreign(root);
     }
 
-    /// Tells of parts of a project that nobody reads.
+    /// Reports parts of a project that nobody reads.
     fn foreign(&mut self, root: Node<'a, 'a>) {
         for (list, known) in [
             ("project", &["fileHeader", "contentHeader", "types", "instances", "documentation", "addData"][..]),
@@ -256,7 +256,7 @@ impl<'a> Reader<'a> {
             let nodes: Vec<Node> = root.descendants().filter(|node| node.tag_name().name() == list).collect();
             nodes.into_iter().for_each(|node| self.unread(node, known));
         }
-        // Parts that an editor adds with a meaning of their own.
+        // Parts that an editor adds with their own meaning.
         const CODE: [&str; 4] = ["Method", "Property", "Interface", "Union"];
         let added = root.descendants().filter(|node| node.is_element() && CODE.contains(&node.tag_name().name()));
         let added: Vec<Node> =
@@ -271,7 +271,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Tells of elements below a node other than the known ones.
+    /// Reports elements below a node other than the known ones.
     fn unread(&mut self, node: Node, known: &[&str]) {
         for other in elements(node).filter(|other| !known.contains(&other.tag_name().name())) {
             let text = format!("plcc does not read the element `{}` of PLCopen XML", other.tag_name().name());

@@ -10,7 +10,7 @@ use super::Reader;
 use super::interface::{child, elements};
 use plcc_syntax::network::ast::Storage;
 
-/// Elements of an SFC body that are no objects of its networks.
+/// Elements of an SFC body that are not objects of its networks.
 pub const CHART: &[&str] = &[
     "step",
     "macroStep",
@@ -163,7 +163,7 @@ pub fn position(node: Node) -> (i64, i64) {
 }
 
 impl Reader<'_> {
-    /// Tells of something that nobody reads.
+    /// Reports something that nobody reads.
     pub fn unreadable(&mut self, span: Span, what: &str, help: &str) {
         let message = Diagnostic::new(Code::ForeignContent, span, format!("plcc does not read {what}"));
         self.messages.push(message.label("nothing is compiled in its place").help(help));

@@ -10,7 +10,7 @@ pub fn overlay(text: &str, document: &Document) -> String {
     let mut bytes = text.as_bytes().to_vec();
     for node in document.descendants().filter(|node| node.is_element()) {
         let is_value = match node.tag_name().name() {
-            // With the elements in it, which are no values of their own.
+            // With the elements in it, which are not values of their own.
             "ST" | "IL" => true,
             "xhtml" => !node.ancestors().skip(1).any(|parent| matches!(parent.tag_name().name(), "ST" | "IL")),
             "expression" | "variable" => node.children().all(|child| child.is_text()),

@@ -22,7 +22,7 @@ const HARMLESS: &[&str] = &[
     "w",
 ];
 
-/// Replaces all pragmas of a part of the text with blanks. Those that mean something are told.
+/// Replaces all pragmas of a part of the text with blanks. Those that mean something are reported.
 pub fn clear(file: FileId, editor: Editor, text: &mut String, range: Range<usize>, messages: &mut Vec<Diagnostic>) {
     let Some(part) = text.get(range.clone()).filter(|part| part.contains('{')) else { return };
     let found = pragmas(part, editor.nests_comments());

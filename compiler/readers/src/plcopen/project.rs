@@ -104,7 +104,7 @@ pub fn located(types: &HashMap<String, Node>, addresses: &Addresses, variable: N
     Some((Place { width, ..place }, ty))
 }
 
-/// Names of lists of global variables with the lists: those that have variables of equal names are told apart by them.
+/// Names of lists of global variables with the lists: those that have variables of equal names are distinguished by them.
 pub fn global_lists<'a, 'i>(root: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>> {
     let lists = root.descendants().filter(|node| node.tag_name().name() == "globalVars");
     lists.filter(|list| !list.ancestors().any(|node| node.tag_name().name() == "pou"))
@@ -187,7 +187,7 @@ pub fn tags(file: FileId, text: &str) -> (Vec<Tag>, Vec<Diagnostic>) {
     (tags, messages)
 }
 
-/// Tells of addresses that do not lie where their numbers say.
+/// Reports addresses that do not lie where their numbers say.
 fn report_places(file: FileId, text: &str, addresses: &Addresses, messages: &mut Vec<Diagnostic>) {
     let find = |is: &dyn Fn(&Location) -> bool| {
         let mut all = mentioned(text);
@@ -309,7 +309,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Whether a variable lies at its address. Tells of an address that is not complete or cannot be kept.
+    /// Whether a variable lies at its address. Reports an address that is not complete or cannot be kept.
     pub fn located_variable(&mut self, node: Node) -> bool {
         let Some(address) = node.attribute_node("address") else { return false };
         let span = self.span(address.range_value());
@@ -337,7 +337,7 @@ impl<'a> Reader<'a> {
                 self.messages.push(message.help("write the address that the variable is to have, e.g. %QX0.0"));
                 false
             }
-            // `tags` tells of it.
+            // `tags` reports it.
             Read::Not => true,
         }
     }

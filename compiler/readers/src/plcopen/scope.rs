@@ -289,7 +289,7 @@ impl Scope {
         if self.hidden.contains(&key) { None } else { self.shared.types.global(&key) }
     }
 
-    /// Tells of a constant that a variable of a subrange type cannot have.
+    /// Reports a constant that a variable of a subrange type cannot have.
     fn in_range(&self, kind: &Ty, value: &Expr) {
         if let Some(message) = types::out_of_range(kind, value) {
             self.messages.borrow_mut().push(message);
@@ -392,7 +392,7 @@ impl Scope {
                 return Some(ExprKind::Name(name));
             }
         }
-        // `MW4`, `T5` and `DB1` are no addresses here: those have `%`.
+        // `MW4`, `T5` and `DB1` are not addresses here: those have `%`.
         (absolute(&name.text).is_some() || area_word(&name.text).is_some())
             .then(|| ExprKind::Name(Name { form: NameForm::Quoted, ..name.clone() }))
     }

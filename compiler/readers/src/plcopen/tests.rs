@@ -1,4 +1,4 @@
-//! What projects hold that plcc does not read is told, never skipped.
+//! What projects hold that plcc does not read is reported, never skipped.
 
 use plcc_diag::{Code, FileId, Severity};
 

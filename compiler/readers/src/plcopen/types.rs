@@ -97,7 +97,7 @@ impl Ty {
 /// The types of a project, by names in lower case.
 #[derive(Debug, Default)]
 pub struct Types {
-    /// Data types that are no structures.
+    /// Data types that are not structures.
     named: HashMap<String, Ty>,
     /// Components of structures, and variables of function blocks and programs.
     members: HashMap<String, HashMap<String, Ty>>,

@@ -114,7 +114,7 @@ fn with_members(variable: &mut Variable, visit: &mut impl FnMut(&mut Variable)) 
     }
 }
 
-/// Assertions between networks are networks of their own.
+/// Assertions between networks are separate networks.
 fn insert_pragmas(networks: &mut Vec<Network>, statements: Vec<Statement>) {
     for statement in statements {
         if !matches!(statement.kind, StatementKind::Pragma(_)) {

@@ -1,4 +1,4 @@
-//! What the actions of the grammar have at hand: the text, its tokens, and the messages.
+//! What the actions of the grammar work with: the text, its tokens, and the messages.
 
 use std::ops::Range;
 
@@ -23,7 +23,7 @@ pub struct Context<'a, 't> {
     /// All tokens, for messages.
     pub tokens: &'t [Spanned<'a>],
     pub diagnostics: Vec<Diagnostic>,
-    /// Starts of the messages that the layout has given, in order: where one lies, the grammar stays silent.
+    /// Starts of the messages of the layout, in order: where there is one, the grammar reports nothing.
     pub reported: Vec<u32>,
 }
 

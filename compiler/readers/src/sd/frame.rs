@@ -278,7 +278,7 @@ impl Reader<'_, '_> {
 
     // Attributes.
 
-    /// Takes the braces at hand.
+    /// Takes the current braces.
     fn attributes(&mut self) {
         let opening = self.tokens[self.at];
         let (attributes, after) = pragma::read(self.file, self.text, self.tokens, self.at, self.diagnostics);
@@ -339,7 +339,7 @@ impl Reader<'_, '_> {
             }
     }
 
-    /// Keeps the token at hand.
+    /// Keeps the current token.
     fn push(&mut self) {
         if let Some(token) = self.token() {
             self.out.push(token);

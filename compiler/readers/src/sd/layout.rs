@@ -1,6 +1,6 @@
 //! Layout of a network in LAD or FBD: raw tokens to the tokens of the grammar.
 //!
-//! A word is an element, a pin, an operand or a label by the place where it stands. This pass gives each its meaning, joins the tokens of an
+//! A word is an element, a pin, an operand or a label by the place where it stands. This pass gives each word its meaning, joins the tokens of an
 //! operand into one, and closes rungs and parentheses that the source left open.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
@@ -10,7 +10,7 @@ use super::token::{Spanned, Tok};
 use plcc_syntax::network::ast::Comparison;
 use plcc_syntax::scl::raw::{RawKind, RawToken};
 
-/// What the layout of a network gives.
+/// The result of the layout of a network.
 pub struct Laid<'a> {
     pub tokens: Vec<Spanned<'a>>,
     pub diagnostics: Vec<Diagnostic>,
@@ -108,7 +108,7 @@ impl<'a> Layout<'a, '_> {
         self.push_here(Tok::EndRung);
     }
 
-    /// The name of the wire at hand, `wire#w1`, which is two raw tokens.
+    /// The name of the current wire, `wire#w1`, which is two raw tokens.
     fn wire(&self) -> Option<&'a str> {
         let next = self.raw.get(self.at + 1).copied()?;
         let adjacent = self.raw[self.at].end == next.start;
@@ -171,7 +171,7 @@ impl<'a> Layout<'a, '_> {
         self.value();
     }
 
-    /// The comparison at hand in `GE #limit => label`.
+    /// The current comparison in `GE #limit => label`.
     fn case(&self) -> Option<Comparison> {
         let word = self.raw[self.at];
         let after = self.kind_at(self.at + 1)?;
@@ -256,7 +256,7 @@ impl<'a> Layout<'a, '_> {
 
     // Tokens of the grammar.
 
-    /// Pushes `token` for the raw token at hand and goes on.
+    /// Pushes `token` for the current raw token and advances.
     fn take(&mut self, token: Tok<'a>) {
         self.push_up_to(token, self.at + 1);
     }

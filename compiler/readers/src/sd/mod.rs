@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The words, names and constants are those of SCL, so that its lexer reads them. Texts of titles and comments stand in a file
-//! beside the source: [`Texts`]. Source: LAD/FBD reference, chapter A.
+//! next to the source: [`Texts`]. Source: LAD/FBD reference, chapter A.
 
 mod blocks;
 mod context;
@@ -36,7 +36,7 @@ use plcc_syntax::scl::raw;
 
 pub use texts::Texts;
 
-/// Parses a document. Errors are recovered; what could not be parsed is left out or is an error node.
+/// Parses a document. Recovers from errors; what it cannot parse is left out or becomes an error node.
 pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let document = frame::read(file, text, raw::scan(text), &mut diagnostics);

@@ -107,7 +107,7 @@ fn graphic(
     graph::build(source, language, parts, diagnostics)
 }
 
-/// Assertions stand between networks: in a network nothing tells when they would be looked at.
+/// Assertions stand between networks: in a network nothing tells when they would be checked.
 fn report_assertions(source: &Source, network: &NetworkSource, diagnostics: &mut Vec<Diagnostic>) {
     let mut next = source.comments.partition_point(|comment| (comment.start as usize) < network.bytes.start);
     while source.pragmas

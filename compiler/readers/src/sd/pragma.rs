@@ -73,9 +73,13 @@ pub fn read(
                 attributes.push(attribute(file, text, *key, *assign, value));
             }
             _ => diagnostics.push(
-                Diagnostic::new(Code::Syntax, span(entry[0]).to(span(entry[entry.len() - 1])), "this is not an attribute")
-                    .label("`name := \"value\"` is expected here")
-                    .help("write attributes as `{ name := \"value\"; name := \"value\" }`"),
+                Diagnostic::new(
+                    Code::Syntax,
+                    span(entry[0]).to(span(entry[entry.len() - 1])),
+                    "this is not an attribute",
+                )
+                .label("`name := \"value\"` is expected here")
+                .help("write attributes as `{ name := \"value\"; name := \"value\" }`"),
             ),
         }
     }

@@ -1,4 +1,4 @@
-//! Texts of titles and comments in several languages: the `.s7res` beside a `.s7dcl`.
+//! Texts of titles and comments in several languages: the `.s7res` next to a `.s7dcl`.
 //!
 //! ```yaml
 //! MultiLingualTexts:
@@ -155,13 +155,9 @@ fn with_quotes(file: FileId, text: &str, diagnostics: &mut Vec<Diagnostic>) -> S
         let plain = !value.is_empty() && !value.starts_with(['\'', '"', '|', '>', '[', '{', '&', '*', '!', '#']);
         if plain && (value.contains(": ") || value.ends_with(':')) {
             diagnostics.push(
-                Diagnostic::new(
-                    Code::TextResource,
-                    line_span(file, text, number + 1),
-                    "a text with `: ` needs quotes",
-                )
-                .label("the TIA Portal refuses the whole file")
-                .help("put the text into single quotes"),
+                Diagnostic::new(Code::TextResource, line_span(file, text, number + 1), "a text with `: ` needs quotes")
+                    .label("the TIA Portal refuses the whole file")
+                    .help("put the text into single quotes"),
             );
             let start = line.trim_end().len() - value.len();
             let _ = writeln!(out, "{}'{}'", &line[..start], value.replace('\'', "''"));

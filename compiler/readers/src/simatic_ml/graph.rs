@@ -281,5 +281,5 @@ impl Builder {
     }
 }
 
-/// How deep joins may stand in one another.
+/// How deep joins may be nested.
 const DEPTH_MAX: usize = 128;

@@ -15,7 +15,7 @@ use plcc_syntax::ast::{
 };
 use plcc_syntax::scl::ast::{Expr, Name, NameForm};
 
-/// How deep components with values may stand in one another.
+/// How deep components with values may be nested.
 const DEPTH_MAX: usize = 32;
 
 /// The expression that a start value is.

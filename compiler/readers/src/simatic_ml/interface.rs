@@ -11,7 +11,7 @@ use crate::xml::{attribute_range, child, children, elements, head, text_of};
 use plcc_syntax::ast::{Constant, Retain, Section, SectionKind, TypeKind, TypeRef, Variable};
 use plcc_syntax::scl::ast::{Expr, ExprKind};
 
-/// How deep structures may stand in one another.
+/// How deep structures may be nested.
 const DEPTH_MAX: usize = 64;
 
 /// The declarations of a block.

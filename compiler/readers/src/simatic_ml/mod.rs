@@ -40,7 +40,7 @@ use overlay::Overlay;
 use plcc_syntax::ast::{Pragma, SourceUnit};
 use reader::Reader;
 
-/// Parses an export. What cannot be read is left out, and a message tells of it.
+/// Parses an export. The reader skips what it cannot read, and reports it.
 pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let document = match xml::parse(text) {
         Ok(document) => document,
@@ -72,8 +72,7 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
             name if xml::is_block(name) => blocks.extend(block::read(&mut reader, object)),
             name if xml::is_fragment(name) => {
                 let span = reader.span(head(object));
-                let refused =
-                    Diagnostic::new(Code::NotASource, span, format!("`{name}` is here without its block"));
+                let refused = Diagnostic::new(Code::NotASource, span, format!("`{name}` is here without its block"));
                 let help = "export the whole block: `SW.Blocks.FC` or a similar element, with its networks in it";
                 reader.diagnostics.push(refused.label("a part of an export").help(help));
             }

@@ -19,7 +19,7 @@ pub struct Unreadable<'a, 'i> {
 
 type Text<'a, 'i> = Result<String, Unreadable<'a, 'i>>;
 
-/// How deep accesses may stand in one another, as indices.
+/// How deep accesses may be nested, as indices.
 const DEPTH_MAX: usize = 32;
 
 /// Text of an `Access`.
@@ -95,7 +95,7 @@ pub fn path<'a, 'i>(node: Node<'a, 'i>, local: bool, notation: Notation, depth: 
                 (_, 0) => text.push_str(&address(part, notation)?),
                 // `"db".%DBW4`
                 ("DB" | "DI" | "None", 1) => text.push_str(&format!(".{}", address_in_block(part)?)),
-                // The address of a tag, beside its name.
+                // The address of a tag, next to its name.
                 ("Input" | "Output" | "Memory" | "PeripheryInput" | "PeripheryOutput" | "Timer" | "Counter", 1) => {}
                 (area, _) => return refuse(part, &format!("an operand with an address in `{area}` after its name")),
             },
@@ -166,7 +166,7 @@ fn after_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
 /// A constant by its name, or its value as written.
 fn constant(node: Node, scope: &str) -> String {
     if let Some(name) = node.attribute("Name") {
-        // A number of hardware, which the export tells beside its name. Fast counters and pulse generators are those of plc.toml.
+        // A number of hardware, which the export gives next to its name. Fast counters and pulse generators are those of plc.toml.
         let lower = name.to_ascii_lowercase();
         let is_own = ["local~hsc_", "local~pulse_"].iter().any(|prefix| lower.starts_with(prefix));
         if let Some(value) = child(node, "ConstantValue").map(text_of)

@@ -1,6 +1,6 @@
-//! What elements of an export may hold: attributes and children, a row an element, for all versions of the format.
+//! What elements of an export may hold: attributes and children, one row per element, for all versions of the format.
 //!
-//! The readers take from an element what they know. This table tells what is left over, so that nothing is skipped without a word: in code it
+//! The readers take from an element what they know. This table tells what is left over, so that nothing is skipped silently: in code it
 //! is an error, in a declaration a warning. What carries no meaning for the program is in the table, too: numbers of objects, views, dates,
 //! comments. What says itself that it only informs (`Informative`) is left alone with all below it.
 //! Source: LAD/FBD reference A2, GRAPH reference B.

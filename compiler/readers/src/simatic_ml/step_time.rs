@@ -56,8 +56,7 @@ pub fn wire(
         let title = format!("{whose} compares the time of a step, but belongs to no step");
         let span = reader.name_span(node, "Name");
         let message = Diagnostic::new(Code::UnknownElement, span, title).label("whose time?");
-        let help =
-            "use it in an interlock, a supervision, or a transition after one step; elsewhere compare `step.T`";
+        let help = "use it in an interlock, a supervision, or a transition after one step; elsewhere compare `step.T`";
         reader.diagnostics.push(message.help(help));
         return Err(Refused);
     };

@@ -8,7 +8,7 @@ use crate::xml::{attribute_range, child, children, elements, is, raw_text_of};
 use plcc_syntax::scl::ast::Statement;
 use plcc_syntax::scl::fragment;
 
-/// How deep calls may stand in one another.
+/// How deep calls may be nested.
 const DEPTH_MAX: usize = 64;
 
 /// The statements of a network.

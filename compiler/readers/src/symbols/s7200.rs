@@ -67,7 +67,7 @@ fn row(line: &str, separator: char) -> Option<(&str, &str)> {
     (is_name(name) && is_address(address)).then_some((name, address))
 }
 
-/// Names of Micro/WIN have no blanks and do not begin with a digit; quotes are taken off.
+/// Names of Micro/WIN have no blanks and do not begin with a digit; quotes are removed.
 fn is_name(name: &str) -> bool {
     let name = name.trim_matches('"');
     !name.is_empty()
@@ -92,7 +92,7 @@ impl Reader<'_> {
             if header && !is_address(address) && parse_address(address).is_none() {
                 continue;
             }
-            // What only S7-300 has is told by `row`.
+            // What only S7-300 has is reported by `row`.
             self.row(start, line, name.trim().trim_start_matches('\u{feff}').trim_matches('"'), address, "", &comment);
         }
     }

@@ -1,6 +1,6 @@
 //! Sheets of a workbook, as the TIA Portal exports tag tables: `PLC Tags` and `Constants`, with a line of column names first.
 //!
-//! The text begins each sheet with `Sheet TAB name`; the other lines are the number of their row and the cells. What is wrong in a sheet is
+//! The text begins each sheet with `Sheet TAB name`; the other lines are the number of their row and the cells. A fault in a sheet is
 //! an error that names sheet and row. Source: LAD/FBD reference A.10; columns as the tool writes them.
 
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};

@@ -185,7 +185,7 @@ fn setting<'a, 'i>(row: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
 mod damage {
     use super::*;
 
-    /// What is told of a table with such rows.
+    /// The messages for a table with these rows.
     fn told(rows: &str) -> Vec<String> {
         let text = format!(
             "\u{feff}<Document><SW.Tags.PlcTagTable><ObjectList>{rows}</ObjectList></SW.Tags.PlcTagTable></Document>"

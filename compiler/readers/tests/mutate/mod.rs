@@ -2,7 +2,7 @@
 
 use proptest::sample::Index;
 
-/// `text` with each edit made: up to so many bytes at a place give way to a piece.
+/// `text` after all edits: each replaces some bytes at a place with a piece.
 pub fn mutated(text: &str, edits: Vec<(Index, usize, usize)>, pieces: &[&str]) -> String {
     let mut text = text.to_owned();
     for (place, removed, piece) in edits {

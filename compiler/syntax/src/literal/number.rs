@@ -54,7 +54,7 @@ pub fn dword(text: &str, value: &str) -> Result<Literal, LiteralError> {
     typed_bits(text, "DW", value, 32).map(Literal::Dword)
 }
 
-/// `L#-7`; `L#16#FF` is taken as its bits.
+/// `L#-7`; `L#16#FF` is read as its bits.
 pub fn dint(text: &str, value: &str) -> Result<Literal, LiteralError> {
     if let Some((base, digits)) = value.split_once('#') {
         return base_digits(text, base, digits).map(|(bits, _)| Literal::Dint(bits as i32));
@@ -94,7 +94,7 @@ pub fn counter(text: &str, value: &str) -> Result<Literal, LiteralError> {
     Ok(Literal::Counter((number / 100) << 8 | (number / 10 % 10) << 4 | (number % 10)))
 }
 
-/// The bits after `B#`, `W#`, `DW#`, which have a base of their own: `W#16#FF`, `W#2#1`.
+/// The bits after `B#`, `W#`, `DW#`, which have their own base: `W#16#FF`, `W#2#1`.
 fn typed_bits(text: &str, prefix: &str, value: &str, width: u32) -> Result<u32, LiteralError> {
     let Some((base, digits)) = value.split_once('#') else {
         let help = if value.is_empty() {

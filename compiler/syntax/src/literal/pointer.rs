@@ -87,10 +87,9 @@ pub fn pointer(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let type_code = ANY_TYPES.iter().find(|(name, _)| name.eq_ignore_ascii_case(type_name)).map(|(_, code)| *code);
     let type_code = type_code.ok_or_else(|| malformed(&format!("`{type_name}` is not a data type")))?;
     let count = words.next().ok_or_else(|| malformed("the number of elements is missing"))?;
-    let count: u16 = count
-        .replace('_', "")
-        .parse()
-        .map_err(|_| LiteralError::range(text, "not a number of elements", "an ANY pointer counts 0 to 65535 elements"))?;
+    let count: u16 = count.replace('_', "").parse().map_err(|_| {
+        LiteralError::range(text, "not a number of elements", "an ANY pointer counts 0 to 65535 elements")
+    })?;
     if words.next().is_some() {
         return Err(malformed("surplus text after the number of elements"));
     }

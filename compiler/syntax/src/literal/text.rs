@@ -5,7 +5,7 @@ use super::LiteralError;
 /// Bytes of `'text'`, quotes included in `text`, with escapes expanded.
 ///
 /// Escapes: `$$ $' $L $N $P $R $T $hh`. `$N` and `$L` are a line feed, as in IEC 61131-3.
-/// Errors: `BadLiteral` for another escape or a character that Windows-1252 does not have.
+/// Errors: `BadLiteral` for any other escape or a character that Windows-1252 does not have.
 pub fn parse_text(text: &str) -> Result<Vec<u8>, LiteralError> {
     let inner = text.strip_prefix('\'').and_then(|rest| rest.strip_suffix('\''));
     let Some(inner) = inner else {

@@ -60,7 +60,7 @@ pub fn date_and_time(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let malformed = || bad(text, DT_FORM);
     let (written, time) = value.rsplit_once('-').ok_or_else(malformed)?;
     let mut date = Date::parse(written).ok_or_else(malformed)?;
-    // STEP 7 generates two digits, as the first byte of the value holds them: 90 to 99 lie before 2000.
+    // STEP 7 generates two digits, as the first byte of the value has them: 90 to 99 are before 2000.
     if written.find('-') == Some(2) {
         date.year += if date.year >= 90 { 1900 } else { 2000 };
     }
@@ -89,7 +89,7 @@ fn bad(text: &str, help: &str) -> LiteralError {
     LiteralError::malformed(text, "not complete or not in order", help)
 }
 
-/// A duration as `T#` and its kin have it, with messages.
+/// A duration as in `T#` and `S5T#`, with messages.
 pub(crate) fn nanoseconds(
     text: &str,
     value: &str,
@@ -107,7 +107,7 @@ pub(crate) fn nanoseconds(
     })
 }
 
-/// As [`nanoseconds`] for literals of STEP 7: whole milliseconds, what lies below is cut off.
+/// As [`nanoseconds`] for literals of STEP 7: whole milliseconds, smaller parts are cut off.
 fn milliseconds(text: &str, value: &str, form: &str) -> Result<i128, LiteralError> {
     Ok(nanoseconds(text, value, Smallest::Millisecond, Fraction::Anywhere, form)? / 1_000_000)
 }

@@ -1,4 +1,4 @@
-//! Elements of the TIA Portal that plcc knows by name and does not have.
+//! Elements of the TIA Portal that plcc knows by name but does not support.
 //!
 //! Source: LAD/FBD reference, chapter B: elements marked as absent from the S7-1200, or without a meaning on a host.
 

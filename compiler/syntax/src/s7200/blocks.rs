@@ -1,4 +1,4 @@
-//! Lines to blocks and networks: framed blocks, flat lists with `MEND`, `SBR 0`, `INT 0`, and files without any header.
+//! Turns lines into blocks and networks: framed blocks, flat lists with `MEND`, `SBR 0`, `INT 0`, and files without any header.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
@@ -6,7 +6,7 @@ use super::Insn;
 use super::ast::{Block, BlockKind, DataLine, Network, Section, Source, Statement, StatementKind};
 use super::line::{BlockLabel, Line, LineKind};
 
-/// Makes blocks of the lines of a file.
+/// Turns the lines of a file into blocks.
 pub fn build(file: FileId, lines: Vec<Line>, bare_data: bool, diagnostics: &mut Vec<Diagnostic>) -> Source {
     let mut builder = Builder {
         source: Source::default(),
@@ -26,7 +26,7 @@ pub fn build(file: FileId, lines: Vec<Line>, bare_data: bool, diagnostics: &mut 
     builder.source
 }
 
-/// What ended before a line outside of blocks.
+/// What ended before a line that is outside blocks.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum After {
     Nothing,
@@ -42,7 +42,7 @@ struct Open {
     block: Block,
     /// After `BEGIN`, or after the first network or statement.
     in_code: bool,
-    /// The section that is being declared.
+    /// The section whose variables are being declared.
     section: Option<(Section, Span)>,
     /// Begins with `SBR 0`, `INT 0`.
     marked: bool,
@@ -180,7 +180,7 @@ impl Builder<'_> {
         self.finish();
     }
 
-    /// Takes the open block into the source.
+    /// Adds the open block to the source.
     fn finish(&mut self) {
         let pending = std::mem::take(&mut self.pending);
         let Some(Open { mut block, .. }) = self.open.take() else { return };
@@ -288,7 +288,7 @@ impl Builder<'_> {
         }
     }
 
-    /// A section that is still open where its block goes on.
+    /// A section that is still open where its block continues.
     fn end_declarations(&mut self) {
         if let Some((_, span)) = self.open.as_mut().and_then(|open| open.section.take()) {
             let help = "end it with `END_VAR`";
@@ -329,7 +329,13 @@ impl Builder<'_> {
         let mut network = Network { number, title, comment: Vec::new(), statements: Vec::new(), span };
         if self.data.is_some() || self.bare_data {
             let help = "end the data block with `END_DATA_BLOCK` first";
-            return self.report(Code::BlockFrame, span, "a data block cannot hold a network", "not possible here", help);
+            return self.report(
+                Code::BlockFrame,
+                span,
+                "a data block cannot hold a network",
+                "not possible here",
+                help,
+            );
         }
         let pending = std::mem::take(&mut self.pending);
         if self.open.is_none() {
@@ -351,13 +357,7 @@ impl Builder<'_> {
         open.block.networks.push(network);
         if twice {
             let title = format!("this block has two networks with the number {}", number.unwrap_or_default());
-            self.report(
-                Code::Tolerated,
-                span,
-                title,
-                "the second one",
-                "number the networks in the order of the text",
-            );
+            self.report(Code::Tolerated, span, title, "the second one", "number the networks in the order of the text");
         }
     }
 
@@ -385,7 +385,7 @@ impl Builder<'_> {
         open.marked = true;
     }
 
-    /// `MEND`, and `RET` and `RETI` of a section, end what they stand in.
+    /// `MEND`, and `RET` and `RETI` of a section, end the section or program that contains them.
     fn end_section(&mut self, insn: Insn) {
         let ends = self.open.as_ref().is_some_and(|open| {
             open.block.is_bare

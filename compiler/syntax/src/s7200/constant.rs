@@ -10,7 +10,7 @@ use crate::literal::windows_1252;
 /// Why a constant cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConstantError {
-    /// Its value is too large; else it is written wrongly.
+    /// Its value is too large; otherwise its form is wrong.
     pub range: bool,
     pub label: String,
     pub help: String,

@@ -1,4 +1,4 @@
-//! What the actions of the grammar have at hand: the text, its tokens, and the messages.
+//! What the actions of the grammar work with: the text, its tokens, and the messages.
 
 use std::ops::Range;
 
@@ -28,7 +28,7 @@ pub struct Context<'a> {
     /// All tokens, for messages.
     pub tokens: &'a [Spanned<'a>],
     pub diagnostics: Vec<Diagnostic>,
-    /// Starts of the messages that the layout has given, in order: where one lies, the grammar stays silent.
+    /// Starts of the messages of the layout, in order: where there is one, the grammar reports nothing.
     pub reported: Vec<u32>,
     pub set: Mnemonics,
 }
@@ -73,7 +73,7 @@ impl<'a> Context<'a> {
         initial: Option<Operand>,
     ) -> Declaration {
         Declaration {
-            // The line stands in a section, which `blocks` knows.
+            // The line is in a section, which `blocks` knows.
             section: Section::Temp,
             name: name.to_owned(),
             name_span: self.span(name_range),

@@ -1,4 +1,4 @@
-//! Lines of a source, as the grammar gives them.
+//! Lines of a source, as the grammar returns them.
 
 use plcc_diag::Span;
 

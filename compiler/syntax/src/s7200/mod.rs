@@ -96,7 +96,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
     let lines = match grammar::LinesParser::new().parse(&mut context, tokens) {
         Ok(lines) => lines,
-        // Each line recovers; what is left is a fault of the last one.
+        // Each line recovers; a remaining error belongs to the last one.
         Err(error) => {
             let at = frame::error_range(&error).map_or(text.len(), |(start, _)| start);
             let span = Span::new(file, at..at);

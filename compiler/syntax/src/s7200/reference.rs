@@ -33,7 +33,7 @@ const FAMILIES: &[(&str, &str, Insn, Insn)] = &[
     ("Clock", "Clock Instructions", Insn::Todr, Insn::Todwx),
 ];
 
-/// Words for operands that are more than their name says, with what they take.
+/// Words for operands whose name is not enough, with what they accept.
 const OPERANDS: &[(&str, &str)] = &[
     ("bit", "I Q V M SM S T C L: `I0.0`, `V100.5`, `T37`; to write: none of the read-only special memory"),
     ("byte", "IB QB VB MB SMB SB LB, AC, a pointer (`*VD200`, `*LD4`, `*AC1`), a constant"),

@@ -1,4 +1,4 @@
-//! Messages for words that are no instruction.
+//! Messages for words that are not an instruction.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
@@ -42,7 +42,7 @@ const FROM_S7_300: &[(&str, &str)] = &[
     ("CLR", "write `LDN SM0.0`"),
 ];
 
-/// What others write for an instruction, and frequent slips.
+/// Names of instructions on other controllers, and frequent typing errors.
 const SLIPS: &[(&str, &str)] = &[
     ("AND", "write `A` for a bit, `ANDB`, `ANDW` or `ANDD` for values"),
     ("OR", "write `O` for a bit, `ORB`, `ORW` or `ORD` for values"),

@@ -1,4 +1,4 @@
-//! What the grammar's actions build beyond a plain node: blocks and declarations. Expressions and statements are in `expression`.
+//! The parts of grammar actions that do more than build a plain node: blocks and declarations. Expressions and statements are in `expression`.
 
 mod expression;
 
@@ -24,7 +24,7 @@ pub enum Part {
     Section(Section),
     Constants(Vec<Constant>, usize),
     Labels(Vec<Name>, usize),
-    /// What a data block or a type is made of, with its initial value.
+    /// The contents of a data block or a type, with their initial value.
     Content(TypeRef, Option<InitialValue>, usize),
     /// Was reported.
     Nothing,
@@ -118,7 +118,7 @@ pub fn code_block(
     })
 }
 
-/// In blocks without an instance, VAR declares temporary variables: S7-SCL for S7-300/400, VAR in functions. The TIA Portal does not take it.
+/// In blocks without an instance, VAR declares temporary variables: S7-SCL for S7-300/400, VAR in functions. The TIA Portal does not accept it.
 fn without_static(context: &mut Context, sections: &mut [Section]) {
     for section in sections.iter_mut().filter(|section| section.kind == SectionKind::Static) {
         section.kind = SectionKind::Temp;
@@ -186,9 +186,13 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
         Some((ty, value)) => {
             if let Some(value) = value {
                 context.report(
-                    Diagnostic::new(Code::InitialValue, value.span, "a type that is not a structure has no initial value")
-                        .label("the type cannot keep this value")
-                        .help("write the value at each variable of this type"),
+                    Diagnostic::new(
+                        Code::InitialValue,
+                        value.span,
+                        "a type that is not a structure has no initial value",
+                    )
+                    .label("the type cannot keep this value")
+                    .help("write the value at each variable of this type"),
                 );
             }
             (Vec::new(), Some(ty))
@@ -254,7 +258,7 @@ fn header(context: &Context, parts: Vec<HeaderPart>, range: Range<usize>) -> Hea
     frame::header(context.comment_lines(range), parts)
 }
 
-/// The variables of one declaration; the comment after it belongs to each.
+/// The variables of one declaration; the comment after it belongs to each variable.
 pub fn variables(
     context: &Context,
     names: Vec<DeclaredName>,
@@ -285,7 +289,7 @@ pub fn named_type(context: &Context, names: Vec<Name>, range: Range<usize>) -> T
     match names.as_slice() {
         [Name { text, form: NameForm::Bare, .. }] => TypeKind::Named(text.to_uppercase()),
         names => {
-            // `_` is the name space of the project.
+            // `_` is the namespace of the project.
             let own = names.iter().skip_while(|name| name.text == "_");
             let name = own.map(|name| name.text.as_str()).collect::<Vec<_>>().join(".");
             TypeKind::Block(BlockName::Symbol { name, span })
@@ -317,7 +321,7 @@ pub fn array(context: &mut Context, dimensions: Vec<Dimension>, element: TypeRef
     TypeKind::Array { bounds, element }
 }
 
-/// A bound or length: a number stands for itself, the rest is an expression.
+/// A bound or length: a number is kept as it is, anything else is an expression.
 pub fn bound(value: Expr) -> Bound {
     let span = value.span;
     match value.kind {
@@ -338,7 +342,7 @@ pub fn bound(value: Expr) -> Bound {
     }
 }
 
-/// One value stands for itself, several are a list.
+/// One value is kept as it is, several become a list.
 pub fn initial_list(context: &mut Context, mut values: Vec<InitialValue>, range: Range<usize>) -> InitialValue {
     if matches!(values.as_slice(), [InitialValue { kind: InitialKind::Default, .. }]) {
         let span = context.span(range.start, range.end);
@@ -400,9 +404,13 @@ pub fn value_assignment(
             ExprKind::Error => return None,
             _ => {
                 context.report(
-                    Diagnostic::new(Code::Syntax, node.span, "only a component of the data block can have a value here")
-                        .label("not a component")
-                        .help("write e.g. `a.b[3] := 5;`"),
+                    Diagnostic::new(
+                        Code::Syntax,
+                        node.span,
+                        "only a component of the data block can have a value here",
+                    )
+                    .label("not a component")
+                    .help("write e.g. `a.b[3] := 5;`"),
                 );
                 return None;
             }

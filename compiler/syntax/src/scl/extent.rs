@@ -1,8 +1,8 @@
-//! How far a token reaches that a regular expression cannot tell: constants with `#`, texts, addresses with a point.
+//! The extent of tokens for which a regular expression is not enough: constants with `#`, texts, addresses with a point.
 
 use crate::literal::ANY_TYPES;
 
-/// Bytes between the two parts of a text that goes on after a line end.
+/// Bytes between the two parts of a text that continues after a line end.
 const BREAK_MAX: usize = 4096;
 
 /// How the text after the `#` of a constant is built.
@@ -18,7 +18,7 @@ enum Form {
     Pointer,
 }
 
-/// What may stand before the `#` of a constant.
+/// The words that are allowed before the `#` of a constant.
 const PREFIXES: &[(&str, Form)] = &[
     ("BOOL", Form::Value),
     ("B", Form::Value),
@@ -84,12 +84,12 @@ pub fn literal(prefix: &str, rest: &str) -> Option<usize> {
         Form::Date => with_points(rest, b"-:."),
         Form::Pointer => return pointer(rest),
     };
-    // Letters such as `T#name` of sources without blanks are no constants.
+    // Letters such as `T#name` of sources without blanks are not constants.
     let short = prefix.len() == 1 && !rest.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+'));
     if short || length == 0 && rest.starts_with(['"', '#']) { None } else { Some(length) }
 }
 
-/// Length of a word's rest: letters, digits, `_`.
+/// Length of the rest of a word: letters, digits, `_`.
 pub fn word(rest: &str) -> usize {
     rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len())
 }
@@ -174,7 +174,7 @@ fn pointer(rest: &str) -> Option<usize> {
     Some(at)
 }
 
-/// Bytes of a text after its opening quote, and whether it is closed. `$>` and `$<` let it go on after a line end.
+/// Bytes of a text after its opening quote, and whether it is closed. With `$>` and `$<` it continues after a line end.
 pub fn text(rest: &str) -> (usize, bool) {
     let bytes = rest.as_bytes();
     let mut at = 0;

@@ -1,4 +1,4 @@
-//! Reserved words of SCL, and the words that only headers know.
+//! Reserved words of SCL, and the words that are reserved only in headers.
 
 macro_rules! keywords {
     ($( $variant:ident $word:literal ),* $(,)?) => {

@@ -1,6 +1,6 @@
 //! Layout: raw tokens to the tokens of the grammar.
 //!
-//! A word means something else in a header, a declaration and an expression. This pass follows the frame of the file and gives each token its
+//! A word has different meanings in a header, a declaration and an expression. This pass follows the frame of the file and gives each token its
 //! meaning. It also closes frames, structured statements and brackets that the source left open, and ends each statement,
 //! so that the grammar always sees a balanced text and one mistake stays one message.
 //!
@@ -29,14 +29,14 @@ use crate::ast::Pragma;
 use crate::comment::{self, Comment};
 use crate::stl::pragma;
 
-/// How deep structured statements, STRUCTs and brackets may stand in one another.
+/// How deep structured statements, STRUCTs and brackets may be nested.
 const NESTING_MAX: usize = 200;
 
-/// What the layout of a file gives.
+/// The result of the layout of a file.
 pub struct Laid<'a> {
     pub tokens: Vec<Spanned<'a>>,
     pub diagnostics: Vec<Diagnostic>,
-    /// Pragmas that stand in no code.
+    /// Pragmas that are outside code.
     pub pragmas: Vec<Pragma>,
     pub comments: Vec<Comment>,
 }
@@ -176,7 +176,7 @@ impl<'a> Layout<'a> {
         self.out.push((start, token, end));
     }
 
-    /// Pushes `token` for the raw token at hand and goes on.
+    /// Pushes `token` for the current raw token and advances.
     fn take(&mut self, token: Tok<'a>) {
         let raw = self.raw[self.at];
         self.push(raw.start as usize, token, raw.end as usize);
@@ -204,7 +204,7 @@ impl<'a> Layout<'a> {
 
     // Pragmas.
 
-    /// The next comment line `//@` before byte `before`, if pragmas are obeyed.
+    /// The next comment line `//@` before byte `before`, if pragmas are read.
     fn next_pragma(&mut self, before: u32) -> Option<Comment> {
         if !self.obey_pragmas {
             return None;
@@ -218,7 +218,7 @@ impl<'a> Layout<'a> {
         pragma::parse(self.file, self.text, range, &mut self.diagnostics)
     }
 
-    /// Pragmas before byte `before` that stand in no code belong to the file.
+    /// Pragmas before byte `before` that are outside code belong to the file.
     fn file_pragmas(&mut self, before: u32) {
         while let Some(comment) = self.next_pragma(before) {
             let pragma = self.read_pragma(comment);

@@ -1,4 +1,4 @@
-//! Syntax errors in the words of the user.
+//! Syntax errors in terms that users know.
 
 use plcc_diag::{Code, Diagnostic};
 

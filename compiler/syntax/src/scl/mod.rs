@@ -40,7 +40,7 @@ pub use outline::{Outline, outline};
 pub use actions::bound;
 pub use address::{absolute, area_word, db_address, db_area_word};
 
-/// Parses a source. Errors are recovered; what could not be parsed is left out or is an error node.
+/// Parses a source. Recovers from errors; what it cannot parse is left out or becomes an error node.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let raw = raw::scan(text);
     let looks = looks_like_scl(text, &raw);
@@ -56,7 +56,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     (SourceUnit { mnemonics, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
 }
 
-/// What the tokens of a text hold.
+/// The contents of the tokens of a text.
 struct Parsed {
     blocks: Vec<Block>,
     pragmas: Vec<Pragma>,
@@ -101,7 +101,7 @@ fn parse_raw(file: FileId, text: &str, raw: raw::RawText, obey_pragmas: bool) ->
     Parsed { blocks, pragmas: laid.pragmas, diagnostics }
 }
 
-/// True if a text has the head of a block, or an assignment: mistakes in it are told one by one.
+/// True if a text has the head of a block, or an assignment: mistakes in it are reported one by one.
 fn looks_like_scl(text: &str, raw: &raw::RawText) -> bool {
     const HEADS: [&str; 6] = ["ORGANIZATION_BLOCK", "FUNCTION_BLOCK", "FUNCTION", "DATA_BLOCK", "TYPE", "PROGRAM"];
     raw.tokens.iter().any(|token| {

@@ -1,4 +1,4 @@
-//! REGION … END_REGION: folds of the editor. They are no statements, but must balance.
+//! REGION … END_REGION: folds of the editor. They are not statements, but must balance.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 

@@ -1,4 +1,4 @@
-//! What the grammar's actions build beyond a plain node.
+//! The parts of grammar actions that do more than build a plain node.
 
 use std::ops::Range;
 
@@ -164,7 +164,7 @@ fn header(context: &Context, parts: Vec<HeaderPart>, range: Range<usize>) -> Hea
     frame::header(context.comment_lines(range), parts)
 }
 
-/// The variables of one declaration; the comment after it belongs to each.
+/// The variables of one declaration; the comment after it belongs to each variable.
 pub fn variables(
     context: &Context,
     names: Vec<DeclaredName>,
@@ -208,7 +208,7 @@ pub fn bound(context: &mut Context, value: Literal, range: Range<usize>) -> Boun
     Bound::Number(number, span)
 }
 
-/// One value stands for itself, several are a list; `None`: all were reported.
+/// One value is kept as it is, several become a list; `None`: all were reported.
 pub fn initial_list(context: &Context, values: Vec<Option<InitialValue>>, range: Range<usize>) -> Option<InitialValue> {
     let bad = values.iter().any(Option::is_none);
     let mut values: Vec<InitialValue> = values.into_iter().flatten().collect();
@@ -253,7 +253,7 @@ pub fn repeated(
     }
 }
 
-/// The networks of a block: statements before the first NETWORK are a network of their own.
+/// The networks of a block: statements before the first NETWORK form a separate network.
 pub fn networks(
     context: &Context,
     title: Option<&str>,
@@ -271,7 +271,7 @@ pub fn network(context: &Context, title: Option<&str>, statements: Vec<Statement
     Network { title: title.map(str::to_owned), comment: context.comment_lines(head), statements }
 }
 
-/// An instruction whose operand fits it; else it is reported and gives an error node.
+/// An instruction with a suitable operand; otherwise it is reported and becomes an error node.
 pub fn instruction(
     context: &mut Context,
     insn: StlInsn,
@@ -325,7 +325,7 @@ pub fn operand(context: &mut Context, kind: OperandKind, range: Range<usize>) ->
     }
 }
 
-/// Bytes and words have bit 0.
+/// For bytes and words the bit is 0.
 fn without_no_bit(mut kind: OperandKind) -> OperandKind {
     if let OperandKind::Absolute { bit, .. } | OperandKind::DbAbsolute { bit, .. } = &mut kind
         && *bit == NO_BIT

@@ -11,7 +11,7 @@ const NESTING_DEPTH_MAX: usize = 7;
 /// Reports what is wrong in the order of statements.
 pub fn check(text: &str, block: &CodeBlock, diagnostics: &mut Vec<Diagnostic>) {
     let statements = || block.networks().iter().flat_map(|network| &network.statements);
-    // A statement that could not be read may have been a parenthesis, or the instruction of a label.
+    // A statement that could not be read may be a parenthesis, or the instruction of a label.
     if statements().any(|statement| statement.kind == StatementKind::Error) {
         return;
     }

@@ -1,4 +1,4 @@
-//! Checks of an instruction and its operand that need no names: the operand class of the table against what is written.
+//! Checks of an instruction and its operand that need no names: whether the operand is in the operand class of the table.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
@@ -111,13 +111,13 @@ pub fn address(text: &str, span: Span, width: Width, byte: u32, bit: u8) -> Opti
     }
 }
 
-/// What an operand is, as far as its form tells.
+/// What an operand is, as far as its form shows.
 enum Form {
     /// A bit, byte, word or double word in memory.
     Memory(Option<Area>, Width),
     Cell(CellKind),
     Block(BlockPrefix),
-    /// A name: what it is comes out later.
+    /// A name: what it is is known later.
     Any,
     Other,
 }
@@ -218,7 +218,7 @@ fn fits(class: OperandClass, kind: &OperandKind) -> bool {
     }
 }
 
-/// Whether `L` takes the constant: 32 bits at most, and no BOOL.
+/// Whether `L` accepts the constant: 32 bits at most, and not a BOOL.
 fn loadable(value: &Literal) -> bool {
     match value {
         Literal::Bool(_) | Literal::DateAndTime(_) | Literal::Any(_) => false,
@@ -373,7 +373,7 @@ fn width_name(width: Width) -> &'static str {
     }
 }
 
-/// What stands at a place, for labels.
+/// What the source has at a position, for labels.
 fn describe(kind: &OperandKind) -> String {
     let area = |area: Option<Area>| match area {
         Some(Area::I) => "input",

@@ -1,4 +1,4 @@
-//! What the actions of the grammar have at hand: the text, its comments, and the messages.
+//! What the actions of the grammar work with: the text, its comments, and the messages.
 
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ pub struct Context<'a> {
     pub tokens: &'a [Spanned<'a>],
     pub comments: &'a [Comment],
     pub diagnostics: Vec<Diagnostic>,
-    /// Starts of the messages that the layout has given, in order: where one lies, the grammar stays silent.
+    /// Starts of the messages of the layout, in order: where there is one, the grammar reports nothing.
     pub reported: Vec<u32>,
     /// Mnemonic set of the file.
     pub set: Mnemonics,
@@ -58,7 +58,7 @@ impl<'a> Context<'a> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Comment lines of their own between the bytes, without `//`.
+    /// Comments between the bytes that have their own line, without `//`.
     pub fn comment_lines(&self, range: Range<usize>) -> Vec<String> {
         comment::lines(self.text, self.comments, range)
     }

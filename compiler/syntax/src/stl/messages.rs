@@ -1,4 +1,4 @@
-//! Syntax errors in the words of the user.
+//! Syntax errors in terms that users know.
 
 use plcc_diag::{Code, Diagnostic};
 
@@ -9,7 +9,7 @@ use crate::stl::{Mnemonics, mnemonics};
 /// The message for the token at byte `found`, recovered at `place`.
 pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic {
     let index = context.tokens.partition_point(|(start, ..)| *start < found);
-    // Tokens of no width stand before those that begin at the same byte.
+    // Tokens without width come before those that begin at the same byte.
     let at = context.tokens.get(index);
     let before = index.checked_sub(1).and_then(|before| context.tokens.get(before));
     match place {
@@ -47,7 +47,7 @@ fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, co
     }
 }
 
-/// The bytes of a token, with the letters or the number that make an address of it: `MW` and `10`.
+/// The bytes of a token, with the letters or the number that complete its address: `MW` and `10`.
 fn phrase(context: &Context, start: usize, end: usize) -> (usize, usize) {
     let index = context.tokens.partition_point(|(token_start, ..)| *token_start < start);
     let letters = |token: Option<&Spanned>| {
@@ -74,7 +74,7 @@ fn foreign_letters(context: &Context, at: Option<&Spanned>, before: Option<&Span
     Some(format!("write `{own}{number}`: the file has {} mnemonics", set_name(context.set)))
 }
 
-/// What is meant by `1,5`, `M 1.O`, `[AR1]` or `[AR3,P#0.0]`.
+/// What to write for `1,5`, `M 1.O`, `[AR1]` or `[AR3,P#0.0]`.
 fn slip(context: &Context, index: usize, before: Option<&Spanned>) -> Option<String> {
     let (_, before_token, before_end) = before?;
     let (start, token, _) = context.tokens.get(index)?;
@@ -190,7 +190,7 @@ fn assignment_error(context: &Context, at: Option<&Spanned>, before: Option<&Spa
     message(context, at, before, Code::Syntax, "assignment").help("write `component := constant;`, e.g. `a.b[3] := 5;`")
 }
 
-/// What an instruction takes, for help texts.
+/// What an instruction accepts, for help texts.
 pub fn operand_phrase(class: crate::stl::OperandClass) -> &'static str {
     use crate::stl::OperandClass;
     match class {

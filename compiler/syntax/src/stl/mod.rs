@@ -43,7 +43,7 @@ pub fn is_mnemonic(word: &str) -> bool {
         || [Mnemonics::En, Mnemonics::De].into_iter().any(|set| mnemonics::instruction(upper.as_str(), set).is_some())
 }
 
-/// Parses a source. Errors are recovered; what could not be parsed is left out or is an error node.
+/// Parses a source. Recovers from errors; what it cannot parse is left out or becomes an error node.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let raw = raw::scan(text);
     if let Some(refusal) = refuse(file, text, &raw) {
@@ -60,14 +60,14 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     (SourceUnit { mnemonics: detected.set, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
 }
 
-/// What the tokens of a text hold.
+/// The contents of the tokens of a text.
 struct Parsed {
     blocks: Vec<Block>,
     pragmas: Vec<Pragma>,
     diagnostics: Vec<Diagnostic>,
 }
 
-/// Parses tokens; their messages join those that were found before.
+/// Parses tokens; their messages are added to the earlier ones.
 fn parse_raw(
     file: FileId,
     text: &str,
@@ -107,7 +107,7 @@ fn parse_raw(
     Parsed { blocks, pragmas: laid.pragmas, diagnostics }
 }
 
-/// A file that is not worth parsing: no source, or a template that was never filled in.
+/// A file that should not be parsed: not a source, or a template that was not filled in.
 fn refuse(file: FileId, text: &str, raw: &raw::RawText) -> Option<Diagnostic> {
     let spanned = |token: &raw::RawToken| Span { file, start: token.start, end: token.end };
     let first = raw.tokens.first()?;

@@ -11,12 +11,12 @@ use crate::stl::context::Context;
 use crate::stl::layout::lay_out_operand;
 use crate::stl::{grammar, raw};
 
-/// Whether the comment is a pragma. Lines of carets mark expected messages and are none for the compiler.
+/// Whether the comment is a pragma. Lines of carets mark expected messages; the compiler ignores them.
 pub fn is_pragma(comment: &str) -> bool {
     comment.strip_prefix("//@").is_some_and(|text| !text.trim_start().starts_with('^'))
 }
 
-/// Whether the pragma holds for the file: `cpu`, `test`.
+/// Whether the pragma applies to the file: `cpu`, `test`.
 pub fn is_for_file(pragma: &Pragma) -> bool {
     matches!(pragma.text.split_ascii_whitespace().next(), Some("cpu" | "test"))
 }
@@ -55,12 +55,12 @@ fn parse_assert(
     assertion::parse(file, source, range, diagnostics, &mut |range, diagnostics| side(file, source, range, diagnostics))
 }
 
-/// What stands on a side of a comparison.
+/// A side of a comparison.
 fn side(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<Diagnostic>) -> Option<AssertSide> {
     let text = &source[range.clone()];
     let mut found = Vec::new();
     let mut operand = operand(file, source, text, range.clone(), &mut found);
-    // SCL of STEP 7 has no sign before names of local variables: `a[1]` is what `#a[1]` is.
+    // SCL of STEP 7 has no `#` before names of local variables: `a[1]` is `#a[1]`.
     if operand.is_none() && is_element(text) && range.start > 0 {
         let mut other = Vec::new();
         let signed = format!("#{text}");
@@ -109,7 +109,7 @@ fn is_element(text: &str) -> bool {
     text.starts_with(|c: char| c.is_alphabetic() || c == '_') && text[name..].starts_with('[')
 }
 
-/// The operand that is written as `text`, at `range` of the source.
+/// The operand written as `text`, at `range` of the source.
 fn operand(
     file: FileId,
     source: &str,

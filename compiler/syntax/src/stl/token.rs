@@ -1,4 +1,4 @@
-//! Tokens as the grammar sees them: each says what it means at its place.
+//! Tokens as the grammar sees them: each token says what it means where it is.
 
 use crate::ast::{AddressRegister, AssertRegister};
 use crate::ast::{Area, BlockPrefix, CellKind, Pragma, SectionKind, SpecialRegister, StatusOperand, Width};
@@ -79,9 +79,9 @@ pub enum Tok<'a> {
     /// A line end before `name :=` of a call without parentheses.
     ParameterLine,
     Pragma(Box<Pragma>),
-    /// What has been reported already, in place of a statement.
+    /// A part that has been reported, in place of a statement.
     BadStatement,
-    /// What has been reported already, in place of an operand.
+    /// A part that has been reported, in place of an operand.
     BadOperand,
 
     // Operands.
@@ -110,7 +110,7 @@ pub enum Tok<'a> {
     Local(&'a str),
     /// `"name"`, without quotes.
     Quoted(&'a str),
-    /// A name as it stands.
+    /// A name as written.
     Name(&'a str),
     Literal(Literal),
 

@@ -10,7 +10,7 @@ use plcc_syntax::ast::{Area, OperandKind};
 use plcc_syntax::scl::ast::{Argument, BinaryOp, Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
 use plcc_syntax::scl::{address, literal as constant};
 
-/// How deep an expression may be nested. Whoever walks the tree may recurse.
+/// How deep an expression may be nested. Code that walks the tree may recurse.
 const DEPTH_MAX: usize = 1000;
 
 /// Operands of one chain of AND or OR from which on its tree is balanced: exported conditions have thousands.
@@ -34,7 +34,7 @@ impl Sub {
     }
 }
 
-/// A node over parts of depth `depth`; too deep a tree is reported and left out.
+/// A node over parts of depth `depth`; a tree that is too deep is reported and left out.
 fn build(context: &mut Context, depth: usize, span: Span, node: impl FnOnce() -> ExprKind) -> Sub {
     if depth >= DEPTH_MAX {
         context.report(

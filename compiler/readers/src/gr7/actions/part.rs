@@ -98,7 +98,7 @@ fn keep(context: &mut Context, place: &mut Option<Condition>, condition: Option<
     *place = condition;
 }
 
-/// A row. One that was told of is kept as an error.
+/// A row. One that was reported is kept as an error.
 pub fn action(
     context: &mut Context,
     body: Option<ActionBody>,
@@ -143,7 +143,7 @@ fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
         | ExprKind::Slice { .. }
         | ExprKind::Index { .. }
         | ExprKind::Dereference(_) => return true,
-        // Told of where it was read.
+        // Reported where it was read.
         ExprKind::Error => return false,
         ExprKind::Binary { op: BinaryOp::Equal, .. } => "a value is assigned with `:=`",
         _ => "write an address, a symbol, or a step before the qualifier, and a value after `:=`",
@@ -154,7 +154,7 @@ fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
     false
 }
 
-/// A permanent instruction with a coil. One that was told of is left out.
+/// A permanent instruction with a coil. One that was reported is left out.
 pub fn permanent(
     context: &mut Context,
     operand: Expr,

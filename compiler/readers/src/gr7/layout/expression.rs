@@ -7,7 +7,7 @@ use crate::gr7::lexer::{RawKind, RawToken};
 use crate::gr7::token::Tok;
 use plcc_syntax::scl::ast::BinaryOp;
 
-/// How deep brackets and signs may stand in one another.
+/// How deep brackets and signs may be nested.
 const NESTING_MAX: usize = 200;
 
 /// Where an expression stands.
@@ -59,7 +59,7 @@ impl<'a> Layout<'a, '_> {
         }
     }
 
-    /// Whether the source leaves a comma out before the token at hand.
+    /// Whether the source leaves a comma out before the current token.
     fn comma_is_missing(&self, place: Place, depth: usize) -> bool {
         let token = self.raw[self.at];
         let operand = matches!(
@@ -118,7 +118,7 @@ impl<'a> Layout<'a, '_> {
         );
     }
 
-    /// Brackets that are too deep for whoever walks the tree: the expression becomes an error.
+    /// Brackets that are nested too deeply for code that walks the tree: the expression becomes an error.
     fn too_deep(&mut self, token: RawToken, first: usize, end: usize) {
         self.report(
             Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs are nested too deeply")
@@ -200,7 +200,7 @@ impl<'a> Layout<'a, '_> {
         }
     }
 
-    /// Reports the raw token at hand, which can stand nowhere, and goes on. Its place takes a `Bad`.
+    /// Reports the current raw token, which is allowed nowhere, and advances. A `Bad` takes its place.
     fn stray(&mut self, token: RawToken) {
         let (span, slice) = (self.span(token), self.slice(token));
         let diagnostic = match token.kind {

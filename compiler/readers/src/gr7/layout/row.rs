@@ -160,7 +160,7 @@ impl<'a> Layout<'a, '_> {
 
     fn no_qualifier(&mut self) {
         let last = self.raw[self.at - 1];
-        // A bracket or character that was told of may have taken it.
+        // A bracket or character that was reported may have taken it.
         if !self.reported_in_row() {
             self.report(
                 Diagnostic::new(Code::Qualifier, self.span(last), "the action has no qualifier")
@@ -171,7 +171,7 @@ impl<'a> Layout<'a, '_> {
         self.push_here(Tok::Qualifier(None));
     }
 
-    /// Whether the last message is about the line at hand.
+    /// Whether the last message is about the current line.
     fn reported_in_row(&self) -> bool {
         let before = &self.raw[..self.at];
         let first = before.iter().rposition(|token| token.first_on_line).map_or(0, |first| before[first].start);

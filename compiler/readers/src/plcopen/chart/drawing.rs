@@ -163,7 +163,7 @@ impl<'a> Sfc<'_, 'a, '_> {
                         let rank = (priority(item), position(item.node).1, output(items[from].node, line));
                         arms.push(Arm { from, to, output: 0, input: input as u32, rank, span });
                     }
-                    // Editors drop such lines as they open the project; what it leaves unreached is told.
+                    // Editors drop such lines as they open the project; what it leaves unreached is reported.
                     None => {
                         let text = format!("a line comes from object {id}, which is not a step, transition or branch");
                         let help = "connect the element again in the editor if something is missing";

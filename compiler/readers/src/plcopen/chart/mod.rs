@@ -165,7 +165,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         transitions
     }
 
-    /// Statements or networks of an action; none if they cannot be read, which is told.
+    /// Statements or networks of an action; none if they cannot be read, which is reported.
     fn code(&mut self, holder: Node<'a, 'a>) -> Option<Vec<ActionBody>> {
         let Some(content) = content(holder) else { return Some(Vec::new()) };
         let rows = match content.tag_name().name() {
@@ -196,7 +196,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         Some(networks.into_iter().map(ActionBody::Network).collect())
     }
 
-    /// Whether a network has a jump or a return, which is told.
+    /// Whether a network has a jump or a return, which is reported.
     fn leaves(&mut self, content: Node<'a, 'a>) -> bool {
         let Some(node) = elements(content).find(|node| matches!(node.tag_name().name(), "jump" | "return")) else {
             return false;
@@ -206,7 +206,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         true
     }
 
-    /// Tells of statements that would leave the whole chart.
+    /// Reports statements that would leave the whole chart.
     fn stays(&mut self, statements: &[Statement]) -> Option<()> {
         match leaving(statements) {
             Some(span) => {

@@ -64,7 +64,7 @@ impl Builder<'_, '_> {
             }
             Meaning::Unknown => {
                 self.report_unknown(node.target);
-                // What stands after it is not to blame.
+                // What follows it is not to blame.
                 *carried = before;
             }
         }
@@ -129,9 +129,10 @@ impl Builder<'_, '_> {
                 "FCs and instance DBs are called with quotes, `\"{name}\"( … )`; `docs/reference/lad-fbd.md` lists the elements"
             ),
         };
-        let diagnostic = Diagnostic::new(Code::UnknownElement, target, format!("`{name}` is not an element of LAD or FBD"))
-            .label("not in the table of elements")
-            .help(help);
+        let diagnostic =
+            Diagnostic::new(Code::UnknownElement, target, format!("`{name}` is not an element of LAD or FBD"))
+                .label("not in the table of elements")
+                .help(help);
         self.report(diagnostic);
     }
 

@@ -35,7 +35,7 @@ impl Builder<'_, '_> {
         Expr { kind: ExprKind::Error, span }
     }
 
-    /// A label; it may be called like a keyword.
+    /// A label; it may have the name of a keyword.
     pub(super) fn label_name(&self, span: Span) -> Name {
         let text = self.slice(span).trim_matches(['"', '#']).to_string();
         Name { text, form: NameForm::Bare, span }

@@ -214,9 +214,10 @@ impl Builder<'_, '_> {
             let tolerated = first_operand && takes_both_signs(row);
             let code = if tolerated { Code::Tolerated } else { Code::Syntax };
             let kind = if output { "input" } else { "output" };
-            let diagnostic = Diagnostic::new(code, name, format!("`{text}` is an {kind}, but is connected with `{sign}`"))
-                .label(format!("an {kind} of `{}`", row.name))
-                .help(format!("write `{text} {wanted} …`"));
+            let diagnostic =
+                Diagnostic::new(code, name, format!("`{text}` is an {kind}, but is connected with `{sign}`"))
+                    .label(format!("an {kind} of `{}`", row.name))
+                    .help(format!("write `{text} {wanted} …`"));
             self.report(diagnostic);
         }
         self.row_pin(pins, row, known, canonical, value, span);

@@ -19,7 +19,7 @@ pub struct Settings {
     pub cases: Vec<(usize, Comparison)>,
 }
 
-/// Functions whose ENO always tells of errors (LAD/FBD reference B.9); the other boxes have a switch for it.
+/// Functions whose ENO always reports errors (LAD/FBD reference B.9); the other boxes have a switch for it.
 const ENO_ALWAYS: [&str; 17] = [
     "T_CONV",
     "T_ADD",
@@ -43,7 +43,7 @@ const ENO_ALWAYS: [&str; 17] = [
 /// Boxes without a value that have the switch (LAD/FBD reference B.5).
 const ENO_SWITCHED: [&str; 4] = ["MOVE_BLK", "UMOVE_BLK", "FILL_BLK", "UFILL_BLK"];
 
-/// Whether ENO of an element tells of errors. `inline`: its settings stand after its name, as V20 writes them.
+/// Whether ENO of an element reports errors. `inline`: its settings stand after its name, as V20 writes them.
 pub fn eno(row: &Row, said: Option<Eno>, inline: bool) -> Eno {
     let switch = row.flow.1 == "eno"
         && match row.kind {

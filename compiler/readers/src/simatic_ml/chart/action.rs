@@ -64,7 +64,8 @@ fn qualifier(reader: &mut Reader, node: Node) -> Option<Qualifier> {
         let span = attribute_span(reader, node, "Qualifier");
         let title = format!("`{text}` is not a qualifier of GRAPH");
         let message = Diagnostic::new(Code::Qualifier, span, title).label("not known");
-        let help = "the qualifiers are N, S, R, D, L, ON, OFF, CS, CU, CD, CR, TL, TD, TR and TF; calls have the qualifier N";
+        let help =
+            "the qualifiers are N, S, R, D, L, ON, OFF, CS, CU, CD, CR, TL, TD, TR and TF; calls have the qualifier N";
         reader.diagnostics.push(message.help(help));
     }
     qualifier

@@ -20,7 +20,7 @@ pub enum Found {
     Rail,
     /// There is no network.
     Nothing,
-    /// It cannot be read, which was told.
+    /// It cannot be read, which was reported.
     Refused,
 }
 

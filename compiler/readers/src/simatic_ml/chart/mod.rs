@@ -58,7 +58,8 @@ fn extensions(reader: &mut Reader, object: Node, block: &str) -> Vec<Permanent> 
                 let callee = reader.expression(node, text.range().start, &operand::quoted(name));
                 let span = callee.span;
                 let title = format!("`{name}` is called at the end of each call of `{block}`");
-                let message = Diagnostic::new(Code::ExtensionBlock, span, title).label("plcc adds this call to the chart");
+                let message =
+                    Diagnostic::new(Code::ExtensionBlock, span, title).label("plcc adds this call to the chart");
                 let help = "if it must run earlier, call it in a permanent instruction and remove it here";
                 reader.diagnostics.push(message.help(help));
                 let call = Call { block: callee, instance: None, parameters: Vec::new(), span };

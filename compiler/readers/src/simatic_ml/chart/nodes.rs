@@ -11,7 +11,7 @@ use crate::xml::{child, children, elements, head, text_of};
 use plcc_syntax::chart::fold::{Branch, BranchKind, Drawing, Line, Node};
 use plcc_syntax::scl::ast::Name;
 
-/// Nodes of a chart, in the order of the file. Those without a name or number are left out, which is told.
+/// Nodes of a chart, in the order of the file. Those without a name or number are left out, which is reported.
 pub struct Nodes<'a, 'i> {
     pub steps: Vec<Xml<'a, 'i>>,
     pub step_names: Vec<Name>,
@@ -128,7 +128,7 @@ impl<'a, 'i> Nodes<'a, 'i> {
         Some(Line { from: from?, to: to?, jump, span: reader.span(head(connection)) })
     }
 
-    /// An end of a line; `None` if the chart does not have it, which is told.
+    /// An end of a line; `None` if the chart does not have it, which is reported.
     fn node(&self, reader: &mut Reader, end: Xml, arm: &str, branches: &HashMap<u32, usize>) -> Option<Node> {
         let wanted = number(end, "Number");
         let at = |places: &HashMap<u32, usize>| wanted.and_then(|wanted| places.get(&wanted).copied());
@@ -159,7 +159,7 @@ fn shown(node: Xml) -> String {
     node.attribute("Number").unwrap_or("without a number").to_string()
 }
 
-/// The number of a step or transition that has a name, too; `None` if one is missing, which is told.
+/// The number of a step or transition that has a name, too; `None` if one is missing, which is reported.
 fn named(reader: &mut Reader, node: Xml, what: &str, block: &str) -> Option<u32> {
     let named = node.attribute("Name").is_some_and(|name| !name.trim().is_empty());
     let number = number(node, "Number");

@@ -1,4 +1,4 @@
-//! `CALL "Ramp", "RampDB" (IN1 := 1, OUT1 := #x)`: parameters have commas or ends of lines between them.
+//! `CALL "Ramp", "RampDB" (IN1 := 1, OUT1 := #x)`: commas or line ends separate the parameters.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::chart::ast::{ActionBody, Call, Parameter};
 use crate::scl::ast::{Argument, Expr, ExprKind, Name, NameForm};
 
 impl Reader<'_> {
-    /// The call at `code`; `after`: where what is after the word CALL begins.
+    /// The call at `code`; `after`: where the text after the word CALL begins.
     pub fn call(&mut self, code: Range<usize>, after: usize) -> ActionBody {
         let parentheses = self.source.parentheses(after..code.end);
         let head = after..parentheses.map_or(code.end, |(open, _)| open);
@@ -69,7 +69,7 @@ impl Reader<'_> {
         let (letters, number) =
             written.split_at(written.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(written.len()));
         let digits = number.trim_start();
-        // The number may stand apart.
+        // The number may be a separate word.
         if digits.len() < number.len() && !letters.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit()) {
             let span = self.span(range.clone());
             let name = Name { text: format!("{letters}{digits}"), form: NameForm::Bare, span };

@@ -1,18 +1,18 @@
-//! Which drawings can be: neighbours of branches, numbers of arms, and circles.
+//! Which drawings are legal: neighbours of branches, numbers of arms, and circles.
 
 use plcc_diag::{Code, Diagnostic};
 
 use super::lines::Lines;
 use super::{Branch, BranchKind, Drawing, Line, Node};
 
-/// What a line stands after: something between a step and its transitions, or between a transition and its steps.
+/// What a line comes after: something between a step and its transitions, or between a transition and its steps.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     AfterStep,
     AfterTransition,
 }
 
-/// Tells what is wrong with a drawing.
+/// Reports what is wrong with a drawing.
 pub fn check(drawing: &Drawing, diagnostics: &mut Vec<Diagnostic>) {
     for line in drawing.lines.iter().filter(|line| !is_legal(drawing, line)) {
         diagnostics.push(neighbour(drawing, line));
@@ -73,7 +73,7 @@ fn neighbour(drawing: &Drawing, line: &Line) -> Diagnostic {
     Diagnostic::new(Code::BranchNeighbour, line.span, title).label("this line").help(help)
 }
 
-/// A transition has one line before it and one after it; only branches join and part.
+/// A transition has one line before it and one after it; only branches join and split.
 fn transitions(drawing: &Drawing, lines: &Lines, diagnostics: &mut Vec<Diagnostic>) {
     for (at, span) in drawing.transitions.iter().enumerate() {
         if let [_, second, ..] = lines.before_transition(at) {
@@ -120,7 +120,7 @@ fn arms(drawing: &Drawing, lines: &Lines, at: usize, branch: &Branch, diagnostic
         }
         _ if numbers.is_empty() => tell(format!("{what} has no arms"), "no arms".to_string()),
         _ => {
-            // The lines are in the order of their numbers.
+            // The lines are ordered by number.
             let gap = numbers.iter().zip(0..).find(|(number, wanted)| *number != wanted);
             if let Some((number, wanted)) = gap {
                 let title = if *number < wanted {
@@ -134,7 +134,7 @@ fn arms(drawing: &Drawing, lines: &Lines, at: usize, branch: &Branch, diagnostic
     }
 }
 
-/// Branches that lead to one another in a circle lead to no step.
+/// Branches that form a circle lead to no step.
 fn circles(drawing: &Drawing, lines: &Lines, diagnostics: &mut Vec<Diagnostic>) {
     let is_open = |line: &usize| is_legal(drawing, &drawing.lines[*line]);
     let next = |at: usize| {
@@ -158,7 +158,7 @@ fn circles(drawing: &Drawing, lines: &Lines, diagnostics: &mut Vec<Diagnostic>) 
     diagnostics.push(message.help("connect at least one of the branches to steps or transitions"));
 }
 
-/// Takes out branches that no branch before them leads to, until there are none.
+/// Removes branches that no branch before them leads to, until none are left.
 fn take_out(is_left: &mut [bool], next: impl Fn(usize) -> Vec<usize>, previous: impl Fn(usize) -> Vec<usize>) {
     let count = |at: usize| previous(at).into_iter().filter(|other| is_left[*other]).count();
     let mut before: Vec<usize> = (0..is_left.len()).map(count).collect();

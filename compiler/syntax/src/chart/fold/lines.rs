@@ -2,7 +2,7 @@
 
 use super::{Drawing, Line, Node};
 
-/// Places of lines in the list of lines. Those at arms of a branch are in the order of the arms, else of the list.
+/// Indices of lines. Those at arms of a branch are in the order of the arms, the others in the order of the list.
 pub struct Lines {
     before_transitions: Vec<Vec<usize>>,
     after_transitions: Vec<Vec<usize>>,

@@ -1,4 +1,4 @@
-//! Raw tokens to tokens with a meaning, line by line: the first word of a line tells what the line is.
+//! Raw tokens to tokens with a meaning, line by line: the first word of a line decides what the line is.
 
 mod operand;
 
@@ -28,7 +28,7 @@ pub struct Laid<'a> {
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// What lines without a keyword are.
+/// The kind of lines without a keyword.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Mode {
     Code,
@@ -38,7 +38,7 @@ enum Mode {
     Data,
 }
 
-/// Gives the raw tokens of a file their meaning. `data`: the file has lines of a data block and nothing else.
+/// Gives the raw tokens of a file their meaning. `data`: the file has only lines of a data block.
 pub fn lay_out<'a>(
     file: FileId,
     text: &'a str,
@@ -76,7 +76,7 @@ struct Layout<'a, 'd> {
     detected: &'d Detected,
     pragmas: bool,
     mode: Mode,
-    /// Where the operands of the line stand.
+    /// Where the operands of the line are.
     place: Where,
     /// End of the last token.
     end: usize,
@@ -228,7 +228,7 @@ impl<'a> Layout<'a, '_> {
         };
         self.mode = mode;
         self.push(first.range(), token);
-        // `END_VAR;` is a habit from other controllers.
+        // Users of other controllers write `END_VAR;`.
         let rest = code.get(1..).unwrap_or_default();
         self.operands(without_semicolon(rest));
         true

@@ -1,4 +1,4 @@
-//! Operands: what a word means by where it stands.
+//! Operands: what a word means depends on where it is.
 
 use plcc_diag::{Code, Diagnostic};
 
@@ -10,11 +10,11 @@ use crate::s7200::constant::{self, ConstantError};
 use crate::s7200::raw::{RawKind, RawToken};
 use crate::s7200::token::Tok;
 
-/// Where operands stand.
+/// Where operands are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Where {
     Statement,
-    /// Names are names, whatever they look like.
+    /// Every word is a name, whatever it looks like.
     Declaration,
     /// The address of a line of a data block: `V40` has no size.
     DataAddress,

@@ -9,7 +9,7 @@ use crate::scl::address;
 use crate::scl::ast::{Argument, AssignOp, BinaryOp, Expr, ExprKind, Name, Statement, StatementKind, UnaryOp};
 use crate::scl::context::Context;
 
-/// How deep an expression may be nested. Whoever walks the tree may recurse.
+/// How deep an expression may be nested. Code that walks the tree may recurse.
 const DEPTH_MAX: usize = 1000;
 
 /// An expression and the depth of its tree.
@@ -43,7 +43,7 @@ impl Sub {
     }
 }
 
-/// A node over parts of depth `depth`; too deep a tree is reported and left out.
+/// A node over parts of depth `depth`; a tree that is too deep is reported and left out.
 fn build(context: &mut Context, depth: usize, span: Span, node: impl FnOnce() -> ExprKind) -> Sub {
     if depth >= DEPTH_MAX {
         too_deep(context, span);
@@ -129,12 +129,12 @@ pub fn member_absolute(context: &mut Context, base: Sub, operand: OperandKind, r
     }
 }
 
-/// `DB10` of its letters and number.
+/// `DB10` from its prefix and number.
 pub fn block_word((prefix, number): (BlockPrefix, u32)) -> String {
     format!("{}{number}", prefix.letters())
 }
 
-/// What has been reported stays an error of its own.
+/// An error that has been reported remains an error node.
 pub fn expression_statement(value: Expr) -> StatementKind {
     if value.kind == ExprKind::Error { StatementKind::Error } else { StatementKind::Expression(value) }
 }
@@ -186,9 +186,9 @@ pub fn check_target(context: &mut Context, target: &Expr) {
             format!("nothing can be assigned to `{text}`")
         };
         context.report(
-            Diagnostic::new(Code::Syntax, target.span, title)
-                .label("not a variable")
-                .help("write a variable, an element of an array, a component or an address to the left of the assignment"),
+            Diagnostic::new(Code::Syntax, target.span, title).label("not a variable").help(
+                "write a variable, an element of an array, a component or an address to the left of the assignment",
+            ),
         );
     }
 }

@@ -1,4 +1,4 @@
-//! Layout of statements: where each ends, and which structured statement is closed by what.
+//! Layout of statements: where each ends, and what closes each structured statement.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
@@ -27,7 +27,7 @@ struct Open {
 }
 
 impl<'a> Layout<'a> {
-    /// Statements up to the end of the block, which stays at hand.
+    /// Statements up to the end of the block, which is not consumed.
     pub(super) fn code(&mut self) {
         let mut open: Vec<Open> = Vec::new();
         loop {
@@ -299,7 +299,7 @@ impl<'a> Layout<'a> {
         self.at += 1;
         match word {
             Keyword::Elsif | Keyword::ElseIf | Keyword::Until => {
-                // Its condition has been reported with it.
+                // The missing condition was reported with it.
                 let first = self.out.len();
                 self.run(if word == Keyword::Until { Run::Until } else { Run::If });
                 self.out.truncate(first);
@@ -357,7 +357,7 @@ impl<'a> Layout<'a> {
                 .label(format!("inside {NESTING_MAX} others"))
                 .help("move a part of them to a separate function"),
         );
-        // The rest of the block is not worth reading.
+        // Reading the rest of the block makes no sense.
         while let Some(token) = self.peek() {
             let ends = token
                 .keyword
@@ -398,7 +398,7 @@ impl<'a> Layout<'a> {
         true
     }
 
-    /// A keyword that belongs to something that is not open.
+    /// A keyword that belongs to a statement that is not open.
     fn misplaced(&mut self, token: RawToken) {
         self.report(
             Diagnostic::new(
@@ -444,7 +444,7 @@ impl<'a> Layout<'a> {
         self.end_of_statement();
     }
 
-    /// Whether values and `:` stand at hand rather than a statement.
+    /// Whether values and `:` follow rather than a statement.
     fn arm_begins(&self) -> bool {
         let mut depth = 0usize;
         for (index, token) in self.raw[self.at..].iter().take(ARM_TOKENS_MAX).enumerate() {
@@ -470,7 +470,7 @@ impl<'a> Layout<'a> {
         false
     }
 
-    /// The `;` of a simple statement. It may be left out before a word that closes something.
+    /// The `;` of a simple statement. It may be omitted before a word that closes a statement.
     fn end_of_statement(&mut self) {
         let token = self.peek();
         if self.is_at(RawKind::Semicolon) {

@@ -60,7 +60,7 @@ impl<'a> Layout<'a> {
         self.end_of_section(opening, Keyword::EndVar);
     }
 
-    /// `VAR CONSTANT`, `CONST`; the last word of the head is at hand.
+    /// `VAR CONSTANT`, `CONST`; the last word of the head is the current token.
     fn constant_section(&mut self, opening: RawToken, end: Keyword) {
         let last = self.raw[self.at];
         self.push(opening.start as usize, Tok::Constants, last.end as usize);
@@ -138,9 +138,9 @@ impl<'a> Layout<'a> {
         self.push_here(Tok::EndVar);
     }
 
-    /// Whether a section ends at the token, by its end or by something that cannot stand in it.
+    /// Whether a section ends at the token, at its end or at a token that is not allowed in it.
     fn section_ends(&self, token: RawToken) -> bool {
-        // A variable may be called like a keyword.
+        // A variable may have the name of a keyword.
         if matches!(self.kind_at(self.at + 1), Some(RawKind::Colon)) {
             return false;
         }
@@ -224,7 +224,7 @@ impl<'a> Layout<'a> {
         });
     }
 
-    /// Whether what is at hand begins a line and looks like another declaration, or ends the section.
+    /// Whether the current token begins a line and looks like another declaration, or ends the section.
     fn next_declaration(&self) -> bool {
         let Some(token) = self.peek() else { return true };
         self.section_ends(token)
@@ -246,20 +246,16 @@ impl<'a> Layout<'a> {
             if !reported {
                 let text = self.slice(last);
                 self.report(
-                    Diagnostic::new(
-                        Code::DeclarationSyntax,
-                        self.span(last),
-                        format!("`;` is missing after `{text}`"),
-                    )
-                    .label("the declaration ends here")
-                    .help("end each declaration with `;`"),
+                    Diagnostic::new(Code::DeclarationSyntax, self.span(last), format!("`;` is missing after `{text}`"))
+                        .label("the declaration ends here")
+                        .help("end each declaration with `;`"),
                 );
             }
         }
         self.push_here(Tok::End);
     }
 
-    /// A type, as far as it goes.
+    /// A type, up to its end.
     pub(super) fn type_tokens(&mut self) {
         self.type_at_depth(0);
     }
@@ -359,7 +355,7 @@ impl<'a> Layout<'a> {
         self.push_here(Tok::EndStruct);
     }
 
-    /// The rest of the section is not worth reading.
+    /// Reading the rest of the section makes no sense.
     fn too_deep_type(&mut self, token: RawToken) {
         self.report(
             Diagnostic::new(Code::DeclarationSyntax, self.span(token), "types are nested too deeply")

@@ -10,7 +10,7 @@ use crate::scl::literal;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::Tok;
 
-/// Where a run of operands and operators stands, which tells where it ends.
+/// Where a run of operands and operators is, which decides where it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Run {
     /// A statement, up to `;`.
@@ -43,7 +43,7 @@ impl Run {
         }
     }
 
-    /// Two operands without an operator between them: the first one ends the run.
+    /// Two operands without an operator between them: the run ends after the first one.
     fn ends_at_second_operand(self, first_on_line: bool) -> bool {
         match self {
             Run::If | Run::While | Run::For | Run::Case | Run::Until => true,
@@ -54,7 +54,7 @@ impl Run {
 }
 
 impl<'a> Layout<'a> {
-    /// Takes operands and operators up to where `run` ends; the token there stays at hand.
+    /// Takes operands and operators up to the end of `run`; the token there is not consumed.
     pub(super) fn run(&mut self, run: Run) {
         let first = self.out.len();
         let mut open: Vec<RawToken> = Vec::new();
@@ -110,7 +110,7 @@ impl<'a> Layout<'a> {
             _ => {}
         }
         let Some(keyword) = token.keyword else { return false };
-        // A formal may be called like a keyword.
+        // A formal may have the name of a keyword.
         if !outside && matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Arrow)) {
             return false;
         }
@@ -173,7 +173,7 @@ impl<'a> Layout<'a> {
         self.push_here(if paren { Tok::RightParen } else { Tok::RightBracket });
     }
 
-    /// Brackets that are too deep for whoever walks the tree: the run becomes an error.
+    /// Brackets that are nested too deeply for code that walks the tree: the run becomes an error.
     fn too_deep(&mut self, run: Run, token: RawToken, first: usize) {
         self.report(
             Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs are nested too deeply")
@@ -223,7 +223,12 @@ impl<'a> Layout<'a> {
             RawKind::Dot => Tok::Dot,
             RawKind::DotDot => Tok::DotDot,
             RawKind::Ellipsis => {
-                self.tolerate(self.span(token), "there are three points between the bounds", "read as two", "write `..`");
+                self.tolerate(
+                    self.span(token),
+                    "there are three points between the bounds",
+                    "read as two",
+                    "write `..`",
+                );
                 Tok::DotDot
             }
             RawKind::Equal => Tok::Equality(BinaryOp::Equal),
@@ -245,7 +250,7 @@ impl<'a> Layout<'a> {
         self.take(tok);
     }
 
-    /// `"tag"`, and `"tag":P`, which keeps its letter.
+    /// `"tag"`, and `"tag":P`, which keeps its `P`.
     fn quoted_name(&self, token: RawToken) -> &'a str {
         let text = self.slice(token);
         if text.ends_with('"') { unquoted(text) } else { text.trim_start_matches('"') }
@@ -303,7 +308,7 @@ impl<'a> Layout<'a> {
 
     fn literal(&mut self, token: RawToken) {
         let text = self.slice(token);
-        // `TOD#12:30` and `DT#2024-01-31-12:30`: IEC 61131-3 editors leave seconds of 0 out.
+        // `TOD#12:30` and `DT#2024-01-31-12:30`: IEC 61131-3 editors omit seconds that are 0.
         let date = |text: &str| if self.iec { literal::iec_date(text) } else { None };
         let parse = |text: &str| date(text).unwrap_or_else(|| literal::parse(text));
         let read = parse(text).or_else(|error| match self.iec && text.contains(':') {
@@ -337,7 +342,7 @@ impl<'a> Layout<'a> {
         let bare = text.strip_prefix('%').unwrap_or(text);
         let tok = match address::token(text, self.span(token)) {
             Some(operand) => Tok::Absolute(operand),
-            // The carrier knows what `%QX1.0.2` stands for, and has a tag of that name.
+            // The file format knows what `%QX1.0.2` means, and has a tag of that name.
             None if self.iec => Tok::Quoted(text),
             // `%MW(#i)`, `%DB10.DBW(#i)`
             None if address::area_word(bare).is_some() || address::db_area_word(bare).is_some() => Tok::Name(bare),
@@ -366,10 +371,15 @@ impl<'a> Layout<'a> {
             }
         }
         let span = self.span(opening);
-        self.tolerate(span, "an attribute list cannot stand among statements", "skipped", "remove it; it has no meaning here");
+        self.tolerate(
+            span,
+            "an attribute list cannot stand among statements",
+            "skipped",
+            "remove it; it has no meaning here",
+        );
     }
 
-    /// Reports the raw token at hand, which can stand nowhere, and goes on. Its place takes a `Bad`.
+    /// Reports the current raw token, which is allowed nowhere, and advances. A `Bad` takes its place.
     fn stray(&mut self, token: RawToken) {
         let span = self.span(token);
         let slice = self.slice(token);

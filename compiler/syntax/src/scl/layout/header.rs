@@ -9,7 +9,7 @@ use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::{CodeKeyword, HeaderField, HeaderFlag, Tok};
 
-/// What stands after a block's header.
+/// What follows a block's header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Frame {
     Code,
@@ -187,7 +187,7 @@ impl<'a> Layout<'a> {
         match frame {
             Frame::Code => {
                 let start = self.raw[self.at].start;
-                // Pragmas between declarations do not stand among statements.
+                // Pragmas between declarations do not belong to statements.
                 self.file_pragmas(start);
                 self.take(Tok::Begin);
                 self.collect_labels();
@@ -224,7 +224,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Skips what no header has, up to the next line that begins with something known.
+    /// Skips text that no header has, up to the next line that begins with a known word.
     fn skip_in_header(&mut self, frame: Frame) {
         let token = self.raw[self.at];
         let what = if frame == Frame::Data { "data block" } else { "data type" };
@@ -320,7 +320,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// `name := value`; the value may be a text, a word, a number, or several signs.
+    /// `name := value`; the value may be a text, a word, a number, or several tokens.
     fn attribute(&mut self, name: RawToken) {
         self.at += 1;
         let key = unquoted(self.slice(name));
@@ -366,7 +366,7 @@ impl<'a> Layout<'a> {
         );
     }
 
-    /// The block's own end, or whatever stands there instead of it.
+    /// The block's own end, or whatever is there instead.
     fn end_of_block(&mut self, opening: RawToken, keyword: Keyword) {
         let text = self.slice(opening);
         let end_word = match keyword {
@@ -400,7 +400,7 @@ impl<'a> Layout<'a> {
         self.push_here(Tok::EndBlock);
     }
 
-    /// Reports a form that STEP 7 does not take and that has one meaning only.
+    /// Reports a form that STEP 7 does not accept but that has only one meaning.
     pub(super) fn tolerate(&mut self, span: Span, title: &str, label: &str, help: &str) {
         self.report(Diagnostic::new(Code::Tolerated, span, title).label(label).help(help));
     }
@@ -426,7 +426,7 @@ fn header_field(word: &str) -> Option<HeaderField> {
     FIELDS.iter().find(|(name, _)| name.eq_ignore_ascii_case(word)).map(|(_, field)| *field)
 }
 
-/// A word of the header that stands alone; RETAIN says what holds anyway.
+/// A single word of the header; RETAIN states the default.
 fn header_flag(word: &str) -> Option<Option<HeaderFlag>> {
     const FLAGS: [(&str, Option<HeaderFlag>); 7] = [
         ("KNOW_HOW_PROTECT", Some(HeaderFlag::KnowHowProtect)),

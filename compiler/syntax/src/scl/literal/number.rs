@@ -37,7 +37,7 @@ pub fn based(text: &str, base: &str, digits: &str) -> Result<(u64, u32), Literal
     Ok((number.value, number.radix))
 }
 
-/// The constant of type `ty` after `INT#`, `BYTE#` and their kin.
+/// The constant of type `ty` after `INT#`, `BYTE#` and similar prefixes.
 pub fn typed(text: &str, ty: Elementary, value: &str) -> Result<Read, LiteralError> {
     match ty.class() {
         Class::Float => float(text, ty, value).map(Read::from),
@@ -67,7 +67,7 @@ fn integer(text: &str, ty: Elementary, value: &str) -> Result<Read, LiteralError
         return Err(out_of_range());
     }
     let bits = number as u64 & bits_mask;
-    // Bits of a signed type that were written as such may make a negative number.
+    // Bits of a signed type that were written with a base may mean a negative number.
     let wrapped = (number > high).then(|| (number - (1 << ty.bits())) as i64);
     Ok(Read { value: Literal::Typed { ty, bits }, wrapped })
 }
@@ -94,9 +94,13 @@ fn float(text: &str, ty: Elementary, value: &str) -> Result<Literal, LiteralErro
     let bits = if ty == Elementary::Real {
         let number = real(text, value)? as f32;
         if !number.is_finite() {
-            return Err(LiteralError::range(text, "not a REAL", "a REAL is a number from -3.402823e+38 to 3.402823e+38"));
+            return Err(LiteralError::range(
+                text,
+                "not a REAL",
+                "a REAL is a number from -3.402823e+38 to 3.402823e+38",
+            ));
         }
-        // Of the digits, not of the LREAL nearest to them.
+        // Parsed from the digits, not from the nearest LREAL.
         digits_of(value).parse::<f32>().unwrap_or(number).to_bits().into()
     } else {
         real(text, value)?.to_bits()
@@ -118,7 +122,11 @@ fn real(text: &str, value: &str) -> Result<f64, LiteralError> {
         .and_then(|digits| digits.parse().ok())
         .ok_or_else(|| LiteralError::malformed(text, "not a REAL", "write a REAL as `1.5` or `1.5e+3`"))?;
     if !number.is_finite() {
-        return Err(LiteralError::range(text, "not a REAL", "an LREAL is a number from -1.797693e+308 to 1.797693e+308"));
+        return Err(LiteralError::range(
+            text,
+            "not a REAL",
+            "an LREAL is a number from -1.797693e+308 to 1.797693e+308",
+        ));
     }
     Ok(number)
 }

@@ -44,9 +44,9 @@ fn without_breaks(value: &str) -> Cow<'_, str> {
 /// Code units of `WSTRING#'text'`. Escapes are those of STRING, numbers have four hexadecimal digits.
 pub fn wide(text: &str, value: &str) -> Result<Vec<u16>, LiteralError> {
     let between = |quote: char| value.strip_prefix(quote).and_then(|rest| rest.strip_suffix(quote));
-    let inner = between('\'')
-        .or_else(|| between('"'))
-        .ok_or_else(|| LiteralError::malformed(text, "not a text", "write a text in single quotes: `WSTRING#'ABCD'`"))?;
+    let inner = between('\'').or_else(|| between('"')).ok_or_else(|| {
+        LiteralError::malformed(text, "not a text", "write a text in single quotes: `WSTRING#'ABCD'`")
+    })?;
     let mut units = Vec::with_capacity(inner.len());
     let mut chars = inner.chars();
     while let Some(c) = chars.next() {

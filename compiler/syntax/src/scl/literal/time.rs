@@ -11,7 +11,7 @@ const TIME_FORM: &str = "write units in the order D, H, M, S, MS, each once: `T#
 const LTIME_FORM: &str = "write units in the order D, H, M, S, MS, US, NS, each once: `LT#1S_2MS_3US_4NS`";
 const NS_PER_DAY: u64 = 86_400_000_000_000;
 
-/// `T#-1S_100MS`: milliseconds; what lies below is cut off.
+/// `T#-1S_100MS`: milliseconds; smaller parts are cut off.
 pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let ms = nanoseconds(text, value, Smallest::Millisecond, Fraction::Last, TIME_FORM)? / 1_000_000;
     let ms = i32::try_from(ms).map_err(|_| {
@@ -83,7 +83,11 @@ fn date_and_clock(text: &str, value: &str, form: &str) -> Result<(Date, Clock), 
     let (date, time) = value.rsplit_once('-').ok_or_else(|| incomplete(text, form))?;
     let date = Date::parse(date).ok_or_else(|| incomplete(text, form))?;
     if !date.exists() || date.year > 9999 {
-        return Err(LiteralError::range(text, "not a day of the calendar", "the order is year, month, day: `2000-6-20`"));
+        return Err(LiteralError::range(
+            text,
+            "not a day of the calendar",
+            "the order is year, month, day: `2000-6-20`",
+        ));
     }
     Ok((date, clock(text, time, form)?))
 }

@@ -1,6 +1,6 @@
 //! Layout of code: where statements begin and end, labels, mnemonics, calls, networks.
 //!
-//! A line end ends a statement unless the statement cannot be complete or the next line begins with `(`; `;` always ends it.
+//! A line end ends a statement unless the statement is incomplete or the next line begins with `(`; `;` always ends it.
 //! Source: docs/decisions/0001-both-statement-forms.md.
 
 use plcc_diag::{Code, Diagnostic};
@@ -11,7 +11,7 @@ use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 use crate::stl::{OperandClass, StlInsn, messages, pragma, suggest};
 
-/// Words that begin statements of SCL, met in lists that are no STL.
+/// Words that begin statements of SCL, found in sources that are not STL.
 const FOREIGN_WORDS: &[&str] = &[
     "IF",
     "ELSIF",
@@ -75,7 +75,7 @@ impl<'a> Layout<'a> {
         self.end_of_label();
     }
 
-    /// A label without an instruction is a statement of its own.
+    /// A label without an instruction is a separate statement.
     fn end_of_label(&mut self) {
         if matches!(self.last(), Some(Tok::Label(_))) {
             let end = self.last_end();
@@ -83,7 +83,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// `//@` lines before the raw token at hand.
+    /// `//@` lines before the current raw token.
     fn code_pragmas(&mut self) {
         let before = self.peek().map_or(u32::MAX, |token| token.start);
         while let Some(comment) = self.next_pragma(before) {
@@ -121,7 +121,7 @@ impl<'a> Layout<'a> {
         self.end_statement();
     }
 
-    /// `NETWORK`; listings have a number and a title on its line.
+    /// `NETWORK`; listings have a number and a title on the same line.
     fn network(&mut self) {
         self.end_of_label();
         self.take(Tok::Network);
@@ -146,7 +146,7 @@ impl<'a> Layout<'a> {
         self.peek().is_some_and(|token| !token.first_on_line && token.kind == kind)
     }
 
-    /// The instruction that begins at hand, and how many raw tokens its mnemonic has.
+    /// The instruction that begins at the current token, and the number of raw tokens in its mnemonic.
     fn mnemonic(&self) -> Option<(StlInsn, usize)> {
         self.mnemonic_at(self.at)
     }
@@ -201,7 +201,7 @@ impl<'a> Layout<'a> {
         instruction(word, self.set).or_else(|| if self.mixed { instruction(word, other(self.set)) } else { None })
     }
 
-    /// Mnemonic of `count` raw tokens and its operand.
+    /// A mnemonic of `count` raw tokens, and its operand.
     fn instruction(&mut self, insn: StlInsn, count: usize) {
         let start = self.raw[self.at].start as usize;
         let end = self.raw[self.at + count - 1].end as usize;
@@ -226,7 +226,7 @@ impl<'a> Layout<'a> {
 
     /// Operand tokens up to the end of the statement.
     fn operands(&mut self, class: OperandClass) {
-        // A label is taken already, so that a line which begins with `+ 5` is a statement of its own.
+        // The label has been consumed, so a line that begins with `+ 5` is a separate statement.
         let required = class != OperandClass::Label && !class.may_be_missing();
         let first = self.out.len();
         let mut open_brackets = 0usize;
@@ -259,7 +259,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// `UC SFC 65097 { P#L 210.1, P#L 211.0 }`: how STEP 7 writes a call whose interface it does not know. A `CALL` with parameters that
+    /// `UC SFC 65097 { P#L 210.1, P#L 211.0 }`: how STEP 7 writes a call of a block with an unknown interface. It is a `CALL` with parameters that
     /// have no names, in the order of the interface. `insn`: the token of the instruction.
     fn pointer_list(&mut self, insn: usize) {
         self.out[insn].1 = Tok::Call;
@@ -389,8 +389,8 @@ impl<'a> Layout<'a> {
         self.end_statement();
     }
 
-    /// `{time_type := Time}` of newer tools: the data type for which a block of the system is called. All that are here have
-    /// one type, so it is read over.
+    /// `{time_type := Time}` of newer tools: the data type for which a block of the system is called. All blocks here have
+    /// one type, so it is ignored.
     fn call_template(&mut self) {
         let opening = self.raw[self.at];
         while let Some(token) = self.peek() {
@@ -409,7 +409,7 @@ impl<'a> Layout<'a> {
         );
     }
 
-    /// Whether a `}` stands further on in this line.
+    /// Whether a `}` follows on this line.
     fn closes_brace(&self) -> bool {
         self.raw[self.at + 1..]
             .iter()
@@ -417,7 +417,7 @@ impl<'a> Layout<'a> {
             .any(|token| token.kind == RawKind::RightBrace)
     }
 
-    /// What stands on the line after the `)` of a call.
+    /// The rest of the line after the `)` of a call.
     fn after_call(&mut self) {
         if let Some(token) = self.peek()
             && !token.first_on_line
@@ -428,7 +428,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Whether `name :=` stands at `index`, or `name =` where no instruction can be meant.
+    /// Whether `name :=` is at `index`, or `name =` where it cannot be an instruction.
     fn is_parameter(&self, index: usize) -> bool {
         match (self.kind_at(index), self.kind_at(index + 1)) {
             (Some(RawKind::Word | RawKind::Quoted), Some(RawKind::Assign)) => true,
@@ -453,7 +453,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// One `name := operand` per line, ended by the first line that is none.
+    /// One `name := operand` per line, up to the first line that has another form.
     fn parameter_lines(&mut self) {
         while let Some(first) = self.peek() {
             if !self.is_parameter(self.at) || self.next_pragma(first.start).is_some() {
@@ -523,7 +523,7 @@ impl<'a> Layout<'a> {
         self.push(end, Tok::RightParen, end);
     }
 
-    /// A pragma cannot be executed inside a statement.
+    /// A pragma inside a statement cannot be executed.
     fn pragmas_in_call(&mut self, before: u32) {
         while let Some(comment) = self.next_pragma(before) {
             self.next_comment += 1;
@@ -536,9 +536,9 @@ impl<'a> Layout<'a> {
         }
     }
 
-    // What is not STL.
+    // Text that is not STL.
 
-    /// Whether `name.part[1] :=` stands at hand.
+    /// Whether `name.part[1] :=` follows.
     fn assigns_path(&self) -> bool {
         let mut before = RawKind::Dot;
         for index in self.at.. {
@@ -588,7 +588,7 @@ impl<'a> Layout<'a> {
             }
             self.at += 1;
         }
-        // Pragmas in what was skipped are not obeyed.
+        // Pragmas in what was skipped are not read.
         let before = self.peek().map_or(u32::MAX, |token| token.start);
         while self.next_pragma(before).is_some() {
             self.next_comment += 1;
@@ -598,7 +598,7 @@ impl<'a> Layout<'a> {
         self.push(end, Tok::End, end);
     }
 
-    /// A statement that begins with no instruction.
+    /// A statement that does not begin with an instruction.
     fn no_instruction(&mut self, token: RawToken) {
         let span = self.span(token);
         let slice = self.slice(token);

@@ -78,9 +78,9 @@ impl<'a> Layout<'a> {
         self.push(end, Tok::EndStruct, end);
     }
 
-    /// Declarations up to `END_VAR`, or with `depth` 1 to the `END_STRUCT` that closes it, or to what cannot be inside.
+    /// Declarations up to `END_VAR`, or with `depth` 1 to the `END_STRUCT` that closes it, or to a token that is not allowed inside.
     ///
-    /// Leaves balanced STRUCTs and a `;` after each declaration.
+    /// The result has balanced STRUCTs and a `;` after each declaration.
     fn declarations(&mut self, depth: usize) {
         let base = depth;
         let mut open: Vec<RawToken> = Vec::new();
@@ -168,7 +168,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Whether the word at hand (upper case) ends all declarations: `END_VAR`, or a keyword that stands in none.
+    /// Whether the current word (upper case) ends all declarations: `END_VAR`, or a keyword that no declaration contains.
     fn ends_declarations(&self, word: &str) -> bool {
         if word == "END_VAR" || is_end_of_block(word) {
             return true;
@@ -178,7 +178,7 @@ impl<'a> Layout<'a> {
         !declared && (is_section(word) || matches!(word, "BEGIN" | "NETWORK") || self.block_keyword(self.at).is_some())
     }
 
-    /// Reports the `;` that is missing, if the last declaration has none.
+    /// Reports a missing `;` of the last declaration.
     fn close_declaration(&mut self) {
         if !matches!(self.last(), Some(Tok::Semicolon | Tok::Struct | Tok::Section(_) | Tok::EndStruct)) {
             self.missing_semicolon("declaration");
@@ -207,7 +207,7 @@ impl<'a> Layout<'a> {
                 .label("too many levels")
                 .help("STEP 7 allows 8 levels; put inner ones into separate data types"),
         );
-        // What follows belongs to no frame that can be known.
+        // The text that follows belongs to no known frame.
         while let Some(token) = self.peek() {
             let upper = self.upper(self.at);
             if is_end_of_block(upper.as_str()) || token.first_on_line && self.block_keyword(self.at).is_some() {
@@ -250,7 +250,7 @@ impl<'a> Layout<'a> {
                 None => {
                     self.stray();
                     if matches!(kind, RawKind::UnterminatedText | RawKind::UnterminatedQuoted) {
-                        // The `;` is inside what was not closed.
+                        // The `;` is inside the part that was not closed.
                         let end = self.last_end();
                         self.push(end, Tok::Semicolon, end);
                     }
@@ -259,7 +259,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// A word of a declaration: a type after `:` and `OF`, a value after `:=`, else a name.
+    /// A word of a declaration: a type after `:` and `OF`, a value after `:=`, otherwise a name.
     fn declaration_word(&mut self) {
         let token = self.raw[self.at];
         if matches!(self.last(), Some(Tok::Colon | Tok::Of)) {
@@ -397,7 +397,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// The grammar's token of a sign that means the same everywhere.
+/// The grammar's token for a character that means the same everywhere.
 pub(super) fn sign(kind: RawKind) -> Option<Tok<'static>> {
     Some(match kind {
         RawKind::Colon => Tok::Colon,

@@ -26,7 +26,7 @@ impl<'a> Layout<'a> {
             self.take(Tok::Colon);
             self.type_name();
         }
-        // `FUNCTION_BLOCK FB 1 : VOID`: returning nothing is what the others do.
+        // `FUNCTION_BLOCK FB 1 : VOID`: other blocks return nothing anyway.
         if !function
             && frame == Frame::Code
             && self.kind_at(self.at) == Some(RawKind::Colon)
@@ -184,7 +184,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Skips what no header has, up to the next line that begins with something known.
+    /// Skips text that no header has, up to the next line that begins with a known word.
     fn skip_in_header(&mut self, frame: Frame) {
         let token = self.raw[self.at];
         let what = if frame == Frame::Data { "data block" } else { "data type" };
@@ -314,7 +314,7 @@ impl<'a> Layout<'a> {
         self.push(end, Tok::RightBrace, end);
     }
 
-    /// The block's own end, or whatever stands there instead of it.
+    /// The block's own end, or whatever is there instead.
     fn end_of_block(&mut self, opening: crate::stl::raw::RawToken, end_word: &str) {
         let end = self.last_end();
         let keyword = self.slice(opening);

@@ -1,7 +1,7 @@
 //! Layout: raw tokens to the tokens of the grammar.
 //!
-//! A word means something else in a header, a declaration, before an operand and inside one; line ends end statements in code
-//! and nothing elsewhere. This pass follows the frame of the file (header, declarations, code, values) and gives each token
+//! A word has different meanings in a header, a declaration, before an operand and inside one; line ends end statements in code
+//! and have no meaning elsewhere. This pass follows the frame of the file (header, declarations, code, values) and gives each token
 //! its meaning. It also closes frames that the source left open, so that the grammar always sees balanced frames and one
 //! mistake stays one message.
 //!
@@ -27,21 +27,21 @@ use crate::stl::raw::{RawKind, RawText, RawToken};
 use crate::stl::token::{Spanned, Tok};
 use crate::stl::{Mnemonics, pragma};
 
-/// How deep STRUCTs may stand in one another. STEP 7 takes 8 levels; the rest is for other tools.
+/// How deep STRUCTs may be nested. STEP 7 allows 8 levels; the rest is for other tools.
 const STRUCT_DEPTH_MAX: usize = 64;
-/// How many `ARRAY … OF` one declaration may have. STEP 7 takes one.
+/// How many `ARRAY … OF` one declaration may have. STEP 7 allows one.
 const ARRAY_DEPTH_MAX: usize = 8;
-/// How deep parentheses and brackets may stand in one another outside statements.
+/// How deep parentheses and brackets may be nested outside statements.
 const BRACKET_DEPTH_MAX: usize = 16;
 
-/// From this many lines that are no statements on, and more than there are statements, a text is taken for no source.
+/// A text is not a source if it has at least this many lines that are not statements, and more of them than statements.
 const NO_SOURCE_STATEMENTS_MIN: usize = 3;
 
-/// What the layout of a file gives.
+/// The result of the layout of a file.
 pub struct Laid<'a> {
     pub tokens: Vec<Spanned<'a>>,
     pub diagnostics: Vec<Diagnostic>,
-    /// Pragmas that stand in no code.
+    /// Pragmas that are outside code.
     pub pragmas: Vec<Pragma>,
     pub comments: Vec<Comment>,
 }
@@ -76,7 +76,7 @@ pub fn lay_out_operand<'a>(
     (layout.out, layout.diagnostics)
 }
 
-/// What stands after a block's header.
+/// What follows a block's header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Frame {
     Code,
@@ -97,7 +97,7 @@ struct Layout<'a> {
     diagnostics: Vec<Diagnostic>,
     pragmas: Vec<Pragma>,
     set: Mnemonics,
-    /// Area letters of both mnemonic sets are taken.
+    /// Area letters of both mnemonic sets are accepted.
     both_sets: bool,
     /// The file has mnemonics of both sets, which has been reported.
     mixed: bool,
@@ -195,7 +195,7 @@ impl<'a> Layout<'a> {
         &self.text[token.range()]
     }
 
-    /// The word at `index` in upper case; empty if no word stands there.
+    /// The word at `index` in upper case; empty if there is no word.
     fn upper(&self, index: usize) -> Upper {
         match self.raw.get(index) {
             Some(token) if token.kind == RawKind::Word => Upper::new(&self.text[token.range()]),
@@ -203,7 +203,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Whether nothing stands between the tokens at `index` and `index + 1`.
+    /// Whether nothing is between the tokens at `index` and `index + 1`.
     fn adjacent(&self, index: usize) -> bool {
         match (self.raw.get(index), self.raw.get(index + 1)) {
             (Some(token), Some(next)) => token.end == next.start,
@@ -225,7 +225,7 @@ impl<'a> Layout<'a> {
         self.out.push((start, token, end));
     }
 
-    /// Pushes `token` for the raw token at hand and goes on.
+    /// Pushes `token` for the current raw token and advances.
     fn take(&mut self, token: Tok<'a>) {
         let raw = self.raw[self.at];
         self.push(raw.start as usize, token, raw.end as usize);
@@ -247,7 +247,7 @@ impl<'a> Layout<'a> {
 
     // Keywords of frames.
 
-    /// The keyword at `index` that begins a block. A component named `TYPE` is none: a name follows a keyword.
+    /// The keyword at `index` that begins a block. A component named `TYPE` is not one: a name follows a keyword.
     fn block_keyword(&self, index: usize) -> Option<Tok<'static>> {
         use crate::stl::token::CodeKeyword;
         let keyword = match self.upper(index).as_str() {
@@ -274,7 +274,7 @@ impl<'a> Layout<'a> {
 
     // Pragmas.
 
-    /// The next comment line `//@` before byte `before`, if pragmas are obeyed.
+    /// The next comment line `//@` before byte `before`, if pragmas are read.
     fn next_pragma(&mut self, before: u32) -> Option<Comment> {
         if !self.obey_pragmas {
             return None;
@@ -288,7 +288,7 @@ impl<'a> Layout<'a> {
         pragma::parse(self.file, self.text, range, &mut self.diagnostics)
     }
 
-    /// Pragmas before byte `before` that stand in no code belong to the file.
+    /// Pragmas before byte `before` that are outside code belong to the file.
     fn file_pragmas(&mut self, before: u32) {
         while let Some(comment) = self.next_pragma(before) {
             let pragma = self.read_pragma(comment);
@@ -298,7 +298,7 @@ impl<'a> Layout<'a> {
 
     // Constants, common to declarations, values and operands.
 
-    /// Takes the constant at hand (a number, text or `#` constant), with the sign before it.
+    /// Takes the current constant (a number, text or `#` constant), with the sign before it.
     fn literal(&mut self) {
         let first = self.raw[self.at];
         let signed = matches!(first.kind, RawKind::Minus | RawKind::Plus);
@@ -356,7 +356,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Reports the raw token at hand, which can stand nowhere, and goes on. Its place takes a `BadOperand`.
+    /// Reports the current raw token, which is allowed nowhere, and advances. A `BadOperand` takes its place.
     fn stray(&mut self) {
         let token = self.raw[self.at];
         let span = self.span(token);
@@ -389,7 +389,7 @@ impl<'a> Layout<'a> {
         self.report(diagnostic);
         self.take(Tok::BadOperand);
         if token.kind == RawKind::Stray {
-            // What follows a character of no meaning has none either.
+            // Text after a character without a meaning has no meaning either.
             while self.peek().is_some_and(|next| {
                 !next.first_on_line
                     && !matches!(

@@ -143,7 +143,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// The set whose area letters are taken; `None`: both.
+    /// The set whose area letters are accepted; `None`: both.
     fn letters_of(&self) -> Option<Mnemonics> {
         if self.both_sets { None } else { Some(self.set) }
     }
@@ -168,7 +168,7 @@ impl<'a> Layout<'a> {
         }
         let bracket = next == Some(RawKind::LeftBracket);
         let numbered = bracket || matches!(next, Some(RawKind::Number | RawKind::Real));
-        // Area letters are reserved; without a number their address is missing. In assertions a name may be meant.
+        // Area letters are reserved; without a number the address is missing. In assertions they may be a name.
         let alone = !self.both_sets && !matches!(next, Some(RawKind::Dot));
         if digits.is_empty() && (numbered || alone) {
             if let Some((area, width)) = mnemonics::area(letters, set) {
@@ -268,7 +268,7 @@ impl<'a> Layout<'a> {
         self.take(Tok::Name(text));
     }
 
-    /// `MW10`, `I0.0`, `T5`: letters and number in one word, the bit number after it.
+    /// `MW10`, `I0.0`, `T5`: letters and number in one word, followed by the bit number.
     fn glued(&mut self, token: RawToken, letters: Tok<'a>, letter_count: usize, digits: &str) {
         let start = token.start as usize;
         let cell = matches!(letters, Tok::Cell(_));
@@ -310,7 +310,7 @@ impl<'a> Layout<'a> {
         self.peripheral();
     }
 
-    /// `I 0,1`: reported and taken; `false`: something else stands here.
+    /// `I 0,1`: reported and accepted; `false`: this is something else.
     fn comma_for_point(&mut self, byte: &str) -> bool {
         let (Some(comma), Some(bit)) = (self.raw_at(self.at), self.raw_at(self.at + 1)) else { return false };
         let slip = matches!(self.last(), Some(Tok::Area(_, Width::Bit)))
@@ -355,14 +355,14 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Whether `%X3`, `%B1`, `%W0` or `%D1` stands at hand: a part of the variable before the point.
+    /// Whether `%X3`, `%B1`, `%W0` or `%D1` follows: a part of the variable before the point.
     fn is_slice(&self) -> bool {
         let upper = self.upper(self.at + 1);
         let (letters, digits) = letters_and_digits(upper.as_str());
         matches!(letters, "X" | "B" | "W" | "D") && !digits.is_empty() && self.adjacent(self.at)
     }
 
-    /// Whether `:P` stands at hand, no label after it.
+    /// Whether `:P` follows, and no label after it.
     fn is_peripheral_mark(&self) -> bool {
         self.kind_at(self.at) == Some(RawKind::Colon)
             && self.adjacent(self.at)
@@ -391,7 +391,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// `MO.0`: a number where a component's name should stand.
+    /// `MO.0`: a number where the name of a component is expected.
     fn number_after_dot(&mut self, token: RawToken) {
         self.at += 1;
         self.out.pop();
@@ -407,14 +407,18 @@ impl<'a> Layout<'a> {
             },
         };
         self.report(
-            Diagnostic::new(Code::Syntax, self.span_of(begin, end), format!("`{text}` is neither an address nor a name"))
-                .label("a number cannot follow this name")
-                .help(help),
+            Diagnostic::new(
+                Code::Syntax,
+                self.span_of(begin, end),
+                format!("`{text}` is neither an address nor a name"),
+            )
+            .label("a number cannot follow this name")
+            .help(help),
         );
         self.push(begin, Tok::BadOperand, end);
     }
 
-    /// `E0.0` with the letters of the file's set: `I0.0`; `None` if the letters name no area of the other set.
+    /// `E0.0` with the letters of the file's set: `I0.0`; `None` if the other set does not have the letters.
     fn own_letters(&self, text: &str) -> Option<String> {
         let letters = text.find(|c: char| !c.is_ascii_alphabetic())?;
         let (area, width) = mnemonics::area(&text[..letters].to_ascii_uppercase(), Some(mnemonics::other(self.set)))?;
