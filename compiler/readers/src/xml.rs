@@ -1,11 +1,11 @@
-//! Files in XML: what they are, by their root element, and small helpers to walk in them.
+//! Files in XML: their kind, by root element, and small helpers to walk through them.
 //!
-//! Names of elements are compared without their name space: it changes with each version of the tool, the words do not.
+//! Names of elements are compared without their namespace, which changes with each version of the tool.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use roxmltree::{Document, Node};
 
-/// What a text in XML holds.
+/// The kind of a text in XML.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum XmlKind {
     /// An export of the TIA Portal.
@@ -20,18 +20,18 @@ pub enum XmlKind {
     Broken,
 }
 
-/// What an export of the TIA Portal holds.
+/// The contents of an export of the TIA Portal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Contents {
     /// Blocks or data types.
     pub blocks: bool,
     /// Tables of tags and user constants.
     pub tags: bool,
-    /// The first object that is neither of them, by the name of its element.
+    /// Other contents: the element name of the first object.
     pub other: Option<String>,
 }
 
-/// Tells what `text` holds; `None` if it is not XML.
+/// The kind of `text`; `None` if it is not XML.
 pub fn kind(text: &str) -> Option<XmlKind> {
     if !text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
         return None;
@@ -55,7 +55,7 @@ fn is_plcopen(root: Node) -> bool {
         || parts.iter().any(|part| child(root, part).is_some())
 }
 
-/// The objects of an export stand below its root, or one level deeper in files that hold several.
+/// The objects of an export are below its root, or one level deeper in files with several objects.
 fn contents(root: Node) -> Contents {
     let mut contents = Contents::default();
     for node in objects(root) {
@@ -81,7 +81,7 @@ pub fn is_tag_table(name: &str) -> bool {
     name.eq_ignore_ascii_case("Tagtable") || name.eq_ignore_ascii_case("Tagtables")
 }
 
-/// Whether an element of that name is a part of an export: what stands below a block.
+/// Whether an element of that name is a part of an export that belongs below a block.
 pub fn is_fragment(name: &str) -> bool {
     let code =
         ["FlgNet", "StructuredText", "StatementList", "Graph", "NetworkSource", "Parts", "Wires", "Access", "Part"];
@@ -89,7 +89,7 @@ pub fn is_fragment(name: &str) -> bool {
     code.contains(&name) || rest.contains(&name)
 }
 
-/// The objects of an export, in the order of the file: elements with a point in their name that stand in no other one.
+/// The objects of an export, in the order of the file: elements with a point in their name that are not inside another one.
 pub fn objects<'a, 'i>(root: Node<'a, 'i>) -> Vec<Node<'a, 'i>> {
     let is_object = |node: &Node| node.is_element() && node.tag_name().name().contains('.');
     if is_object(&root) {

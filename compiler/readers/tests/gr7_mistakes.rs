@@ -1,4 +1,4 @@
-//! All mistakes of a file are reported in one run, each once, and what stands around them is read.
+//! All mistakes of a file are reported in one run, each once, and the text around them is read.
 
 use plcc_diag::FileId;
 use plcc_readers::{ReadOptions, parse};

@@ -1,4 +1,4 @@
-//! A chart that was read, printed in one form and read again, is the same chart.
+//! A chart that is read, printed in one form and read again is the same chart.
 
 use std::fmt::Write as _;
 

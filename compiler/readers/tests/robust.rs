@@ -1,4 +1,4 @@
-//! Whatever a file holds, reading it ends soon, without a panic, and every message has a place in the text.
+//! Whatever a file contains, reading it ends soon, without a panic, and every message has a place in the text.
 
 mod mutate;
 

@@ -1,4 +1,4 @@
-//! Whatever an SCL source holds, reading it ends soon, without a panic, and every message has a place in the text.
+//! Whatever an SCL source contains, reading it ends soon, without a panic, and every message has a place in the text.
 
 mod mutate;
 

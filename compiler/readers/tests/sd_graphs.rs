@@ -1,4 +1,4 @@
-//! The same network gives the same graph, whichever way SIMATIC SD writes it.
+//! The same network gives the same graph in each form that SIMATIC SD allows.
 
 use plcc_diag::FileId;
 use plcc_readers::{ReadOptions, parse};

@@ -22,7 +22,7 @@ pub fn build(
     options: &ReadOptions,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> SourceUnit {
-    // Lone carriage returns end lines here, for SCL they do not.
+    // Lone carriage returns end lines here, but not in SCL.
     let declared = language::masked(text, &document.declarations, true).replace('\r', "\n");
     let (mut blocks, mut pragmas, messages) = fragment::blocks(file, text, raw::scan(&declared), options.pragmas);
     diagnostics.extend(messages);
@@ -31,7 +31,7 @@ pub fn build(
         if let Block::Code(block) = block
             && let Ok(index) = document.blocks.binary_search_by_key(&start, |frame| frame.start)
         {
-            // Assertions in the head of a block are those of the file.
+            // Assertions in the head of a block belong to the file.
             if let BlockCode::Scl(body) = &block.code {
                 pragmas.extend(body.statements.iter().filter_map(|statement| match &statement.kind {
                     StatementKind::Pragma(pragma) => Some(pragma.clone()),
@@ -45,7 +45,7 @@ pub fn build(
     SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), blocks, pragmas, ..SourceUnit::default() }
 }
 
-/// Gives a block its chart, and what its comments say.
+/// Gives a block its chart, and the contents of its comments.
 fn complete(
     file: FileId,
     text: &str,
@@ -112,7 +112,7 @@ fn complete(
     block.code = BlockCode::Chart(chart);
 }
 
-/// Steps and transitions that lack their numbers: places in their lists, names, and whether that is to be reported.
+/// Steps and transitions without a number: indices in their lists, names, and whether to report it.
 #[derive(Default)]
 struct Numbers {
     steps: Vec<(usize, Span, bool)>,
@@ -120,7 +120,7 @@ struct Numbers {
 }
 
 impl Numbers {
-    /// Gives each the next number that is free.
+    /// Gives each of them the next free number.
     fn give(self, chart: &mut Body, diagnostics: &mut Vec<Diagnostic>) {
         let mut report = |span, what: &str, number, told: bool| {
             if !told {

@@ -109,7 +109,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// The comment of either form after byte `end`, if there are only blanks and `;` between. Its lines are joined.
+/// The comment of either form after byte `end`, if there are only blanks and `;` between. The lines of the comment are joined.
 pub fn comment_after(text: &str, comments: &[Comment], end: usize) -> Option<String> {
     let comment = comments.get(comments.partition_point(|comment| (comment.start as usize) < end))?;
     let between = &text[end..comment.start as usize];
@@ -126,7 +126,7 @@ pub fn comment_after(text: &str, comments: &[Comment], end: usize) -> Option<Str
     (!words.is_empty()).then(|| words.join(" "))
 }
 
-/// Whether what stands after the token belongs to the same row.
+/// Whether the text after the token belongs to the same row.
 fn follows(tok: &Tok) -> bool {
     !matches!(
         tok,

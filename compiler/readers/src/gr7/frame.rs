@@ -1,4 +1,4 @@
-//! The frame of a file: which tokens of a block are its chart, and which bytes are heads and declarations, which are those of SCL.
+//! The frame of a file: which tokens of a block are its chart, and which bytes are heads and declarations in the form of SCL.
 
 use std::ops::Range;
 
@@ -11,12 +11,12 @@ use crate::gr7::layout::keyword_at;
 use plcc_syntax::comment::{Comment, CommentForm};
 use plcc_syntax::stl::pragma::is_pragma;
 
-/// A file, taken apart.
+/// The parts of a file.
 pub struct Document {
     pub blocks: Vec<Frame>,
     /// Bytes that SCL reads, in order: heads, declarations, ends of blocks, and pragmas for the file.
     pub declarations: Vec<Range<usize>>,
-    /// Pragmas inside of charts, those for the file left out.
+    /// Pragmas inside charts, without those for the file.
     pub misplaced: Vec<Range<usize>>,
 }
 
@@ -24,11 +24,11 @@ pub struct Document {
 pub struct Frame {
     /// First byte of its keyword.
     pub start: u32,
-    /// The tokens of its chart, settings and comments of the block among them.
+    /// The tokens of its chart, including settings and comments of the block.
     pub chart: Vec<RawToken>,
 }
 
-/// Takes a file apart.
+/// Splits a file into its parts.
 pub fn read(file: FileId, text: &str, raw: &RawText, diagnostics: &mut Vec<Diagnostic>) -> Document {
     let mut reader =
         Reader { file, text, tokens: &raw.tokens, at: 0, blocks: Vec::new(), declarations: Vec::new(), diagnostics };

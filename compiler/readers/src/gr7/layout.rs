@@ -7,7 +7,7 @@
 //!   └─────► transition ──► FROM, TO, CONDITION ────────────┘
 //! ```
 //!
-//! Nothing ends an action or a permanent instruction but its line, so that this pass finds the ends. It closes parts and brackets that the
+//! Only its line ends an action or a permanent instruction, so this pass finds the ends. It closes parts and brackets that the
 //! source left open: the grammar always sees a balanced chart, and one mistake stays one message.
 
 mod expression;
@@ -22,7 +22,7 @@ use super::lexer::{RawKind, RawToken};
 use super::pragma::{self, Tag};
 use super::token::{Spanned, Tok};
 
-/// Lays out the tokens of a chart: all of a block but its head and declarations.
+/// Lays out the tokens of a chart: the whole block except its head and declarations.
 pub fn lay_out<'a>(
     file: FileId,
     text: &'a str,
@@ -62,7 +62,7 @@ impl<'a> Layout<'a, '_> {
         }
     }
 
-    /// Brackets of a sequence mean nothing.
+    /// Brackets of a sequence have no meaning.
     fn sequence(&mut self) {
         self.at += 1;
         while let Some(token) = self.peek() {
@@ -105,7 +105,7 @@ impl<'a> Layout<'a, '_> {
         self.skip_to_keyword();
     }
 
-    /// Goes on to what begins or ends a part.
+    /// Advances to the next token that begins or ends a part.
     fn skip_to_keyword(&mut self) {
         while let Some(token) = self.peek() {
             if self.keyword_at(self.at).is_some() || token.kind == RawKind::Pragma {
@@ -348,12 +348,12 @@ impl<'a> Layout<'a, '_> {
         }
     }
 
-    /// Takes the end of a part; if another word is at hand, it is reported.
+    /// Takes the end of a part; any other word is reported.
     fn end(&mut self, opening: RawToken, end: Keyword) {
         let found = self.keyword_at(self.at).filter(|keyword| keyword.is_end() && *keyword != Keyword::EndSequence);
         match found {
             Some(keyword) if keyword == end => return self.take(Tok::End),
-            // The end of another kind of part, which is not open, was meant for this one.
+            // The end of another kind of part that is not open is meant for this one.
             Some(_) if !matches!(end, Keyword::EndInterlock | Keyword::EndSupervision) || self.inner_end() => {
                 let token = self.raw[self.at];
                 let (word, open) = (self.slice(token), self.slice(opening));
@@ -440,7 +440,7 @@ impl<'a> Layout<'a, '_> {
     }
 }
 
-/// What a step may be called.
+/// Whether a step may have this name.
 fn is_name(kind: RawKind) -> bool {
     matches!(kind, RawKind::Word | RawKind::Number | RawKind::Quoted)
 }

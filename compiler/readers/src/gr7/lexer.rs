@@ -100,11 +100,11 @@ pub enum RawKind {
     Slash,
     #[token("&")]
     Ampersand,
-    /// A character that no block holds.
+    /// A character that no block contains.
     Stray,
 }
 
-/// Whether the head of a block is being read, where a field takes its line.
+/// Whether the lexer is in the head of a block, where a field includes its line.
 #[derive(Default)]
 pub struct Head(bool);
 
@@ -231,7 +231,7 @@ fn is_field(field: &str, rest: &str) -> bool {
         && next.get(1) != Some(&b'=')
 }
 
-/// A constant that begins with the word: its kind, and how many bytes after the word belong to it.
+/// A constant that begins with the word: its kind, and the number of bytes after the word that belong to it.
 fn constant(word: &str, rest: &str, member: bool) -> Option<(RawKind, usize)> {
     let number = word.bytes().all(|byte| byte.is_ascii_digit() || byte == b'_') && !word.starts_with('_');
     if let Some(value) = rest.strip_prefix('#') {
@@ -262,7 +262,7 @@ fn constant(word: &str, rest: &str, member: bool) -> Option<(RawKind, usize)> {
     }
 }
 
-/// `I 0.0`, `MW 10`, `T 5`, `FB 1`, `DBX 1.0` after a point: one blank between letters and number.
+/// `I 0.0`, `MW 10`, `T 5`, `FB 1`, `DBX 1.0` after a point: one blank between prefix and number.
 fn spaced_address(letters: &str, rest: &str, member: bool) -> Option<(RawKind, usize)> {
     let number = rest.strip_prefix(' ')?;
     let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();

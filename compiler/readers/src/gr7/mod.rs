@@ -63,7 +63,7 @@ fn report_comments(file: FileId, raw: &lexer::RawText, diagnostics: &mut Vec<Dia
     }
 }
 
-/// An assertion among steps and transitions: nothing tells when it would be checked.
+/// An assertion among steps and transitions: it is undefined when it would be checked.
 fn misplaced(file: FileId, range: Range<usize>) -> Diagnostic {
     Diagnostic::new(Code::Pragma, Span::new(file, range), "an assertion cannot stand inside a chart")
         .label("among steps and transitions")

@@ -5,13 +5,13 @@ use std::ops::Range;
 use super::layout::{Keyword, keyword_at};
 use super::lexer::{self, RawKind, RawToken};
 
-/// Words that begin blocks which hold no chart.
+/// Words that begin blocks without a chart.
 const OTHER_BLOCKS: [&str; 4] = ["ORGANIZATION_BLOCK", "FUNCTION", "DATA_BLOCK", "TYPE"];
 
-/// Words that only charts have. Comments of other languages may hold them, too.
+/// Words that only charts have. Comments of other languages may contain them, too.
 const CHART_WORDS: [&str; 3] = ["INITIAL_STEP", "END_STEP", "END_TRANSITION"];
 
-/// Whether the text holds a chart, whatever its file is called.
+/// Whether the text contains a chart, whatever the name of its file.
 pub fn has_chart(text: &str) -> bool {
     let hints = text.contains("(*$_CMPSET")
         || text.split(['\n', '\r']).any(|line| {
@@ -31,7 +31,7 @@ pub fn has_chart(text: &str) -> bool {
     })
 }
 
-/// The bytes of the blocks with charts, if the file holds other blocks as well, or none if it does not.
+/// The bytes of the blocks with charts if the file also contains other blocks; otherwise none.
 pub fn beside_other_blocks(text: &str) -> Option<Vec<Range<usize>>> {
     let tokens = lexer::scan(text).tokens;
     let scan = Scan { text, tokens: &tokens };
@@ -90,7 +90,7 @@ impl Scan<'_> {
         end
     }
 
-    /// Whether an FB has statements: `BEGIN` stands before them, and nothing of a chart.
+    /// Whether an FB has statements: `BEGIN` comes before them, and it has no part of a chart.
     fn is_other(&self, block: Range<usize>) -> bool {
         let chart = block.clone().any(|index| {
             matches!(

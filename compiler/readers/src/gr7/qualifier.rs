@@ -1,9 +1,9 @@
-//! What stands in parentheses after an action: event, instruction, the letter C. Source: GRAPH reference A.2, D.6 to D.8.
+//! The parentheses after an action: event, instruction, the letter C. Source: GRAPH reference A.2, D.6 to D.8.
 
 use super::token::Mark;
 use plcc_syntax::chart::ast::{Event, Qualifier};
 
-/// Reads `S1_N`, `NC`, `S1 CU`, `CDC`, `CALLC`. CALL is N of a call. The longest instruction counts, then a C may follow.
+/// Reads `S1_N`, `NC`, `S1 CU`, `CDC`, `CALLC`. CALL is the N of a call. The longest instruction counts, then a C may follow.
 pub fn parse(text: &str) -> Option<Mark> {
     let letters: String = text.chars().filter(|c| !c.is_whitespace() && *c != '_').collect();
     let (event, rest) = match letters.get(..2).and_then(Event::of) {

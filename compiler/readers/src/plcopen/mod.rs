@@ -6,15 +6,15 @@
 //!                └─► chart ─────────────────────┘
 //! ```
 //!
-//! - `overlay` lets expressions be read where they stand; entities and markup are gone.
-//! - `objects` are contacts, blocks and variables with the lines between them; `order` makes networks of them, `graph` elements and nets.
-//! - `chart` makes charts of SFC bodies.
-//! - `scope` settles what names stand for: located and global variables are tags and components of a data block here; `functions` gives
-//!   standard functions the words of SCL.
-//! - `editor` tells who wrote the project, `address` where its addresses lie.
-//! - `project` gives global variables, and the blocks that call the programs.
+//! - `overlay` lets expressions be read in place: it replaces entities and markup.
+//! - `objects` are contacts, blocks and variables with the lines between them; `order` groups them into networks, `graph` turns them into elements and nets.
+//! - `chart` turns SFC bodies into charts.
+//! - `scope` resolves names: located and global variables are tags and components of a data block here; `functions` translates
+//!   standard functions to SCL.
+//! - `editor` finds the editor that wrote the project, `address` where its addresses are.
+//! - `project` returns global variables, and the blocks that call the programs.
 //!
-//! A PROGRAM is a function block with an instance data block, called by OB 1 or by a cyclic OB. Namespaces do not matter: versions 1.0 to
+//! A PROGRAM is a function block with an instance data block, called by OB 1 or by a cyclic OB. Namespaces are ignored: versions 1.0 to
 //! 2.01 of the format use the same words. Source: LAD/FBD reference, chapter A3.
 
 mod address;
@@ -56,7 +56,7 @@ use plcc_syntax::scl::raw::Iec;
 use scope::{Global, Scope, Shared};
 use types::{Ty, Types};
 
-/// Actions call each other up to this depth.
+/// Actions may call each other up to this depth.
 const DEPTH_MAX: usize = 64;
 
 pub use project::{Tag, tags};
@@ -103,7 +103,7 @@ pub fn parse(file: FileId, text: &str) -> (SourceUnit, Vec<Diagnostic>) {
     reader.project(document.root_element());
     let Reader { overlay, blocks, mut messages, .. } = reader;
     messages.sort_by_key(|message| message.primary.span.start);
-    // A value that two pins read is read twice.
+    // A value that two pins read is reported twice.
     let mut known = HashSet::new();
     messages.retain(|message| {
         let span = message.primary.span;
@@ -124,28 +124,28 @@ struct Reader<'a> {
     kinds: Rc<Types>,
     /// Names of the file's POUs, in lower case.
     pous: HashSet<String>,
-    /// Outputs of POUs that no net carries, texts and structures: by POU and output in lower case; of a function the output is empty.
+    /// Outputs of POUs that no net can carry, texts and structures: by POU and output in lower case; for a function the output is empty.
     complex: HashMap<(String, String), Node<'a, 'a>>,
     /// Values of enumerations: their names with their numbers.
     enums: Vec<(Node<'a, 'a>, String, i64)>,
-    /// Global constants, which each POU that uses them has as its own.
+    /// Global constants; each POU that uses them gets a copy.
     constants: Vec<Constant>,
     /// Global variables, in lower case.
     globals: HashMap<String, Global>,
     /// Lists of global variables, in lower case.
     lists: HashMap<String, HashMap<String, Global>>,
     instances: Vec<project::Instance>,
-    /// Programs that have one instance, and its name.
+    /// Programs with one instance, and its name.
     program_instances: HashMap<String, String>,
-    /// What is assigned when the CPU starts.
+    /// The assignments at the start of the CPU.
     starts: Vec<Statement>,
-    /// What names mean in all POUs, once the declarations are read.
+    /// The meaning of names in all POUs, once the declarations are read.
     shared: Option<Rc<Shared>>,
     blocks: Vec<Block>,
     messages: Vec<Diagnostic>,
 }
 
-/// What the body of a POU needs while it is read.
+/// The state while the body of a POU is read.
 struct Body {
     scope: Scope,
     is_function: bool,
@@ -153,7 +153,7 @@ struct Body {
     words: HashSet<String>,
     /// Variables for edges and loops.
     hidden: Vec<Variable>,
-    /// Variables for values on wires that no net carries.
+    /// Variables for values on wires that no net can carry.
     temporary: Vec<Variable>,
 }
 
@@ -240,7 +240,7 @@ impl<'a> Reader<'a> {
         self.foreign(root);
     }
 
-    /// Reports parts of a project that nobody reads.
+    /// Reports parts of a project that plcc does not read.
     fn foreign(&mut self, root: Node<'a, 'a>) {
         for (list, known) in [
             ("project", &["fileHeader", "contentHeader", "types", "instances", "documentation", "addData"][..]),
@@ -281,7 +281,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Outputs of a POU that no net carries.
+    /// Outputs of a POU that no net can carry.
     fn complex_outputs(&mut self, pou: Node<'a, 'a>) {
         let (Some(name), Some(interface)) = (pou.attribute("name"), child(pou, "interface")) else { return };
         let mut found = Vec::new();
@@ -304,7 +304,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A type of one value, through names of types.
+    /// A type of one value, with names of types resolved.
     fn is_elementary(&self, holder: Node) -> bool {
         let Some(mut ty) = elements(holder).next() else { return true };
         for _ in 0..16 {
@@ -396,7 +396,7 @@ impl<'a> Reader<'a> {
             hidden: Vec::new(),
             temporary: Vec::new(),
         };
-        // Not those that the POU does not mention: their names are often words that other POUs use for variables.
+        // Only those that the POU mentions: their names are often words that other POUs use for variables.
         let words = words_of(self.overlay.get(pou.range()).unwrap_or_default());
         for constant in self.constants.clone() {
             let used = words.contains(&constant.name.to_lowercase());
@@ -435,7 +435,7 @@ impl<'a> Reader<'a> {
         self.blocks.push(Block::Code(CodeBlock { kind, name, return_type, header, sections, constants, code, span }));
     }
 
-    /// Actions of a POU that is not an SFC: it calls them by their names.
+    /// Actions of a POU that is not an SFC; the POU calls them by name.
     fn actions(&mut self, pou: Node<'a, 'a>, body: &mut Body) {
         let actions: Vec<Node> = child(pou, "actions").into_iter().flat_map(elements).collect();
         for _ in 0..=actions.len().min(DEPTH_MAX) {
@@ -445,7 +445,7 @@ impl<'a> Reader<'a> {
                 let text = child(*node, "body").and_then(|node| child(node, "ST"));
                 let Some(text) = text.filter(|_| !body.scope.actions.contains_key(&name)) else { continue };
                 let source = self.text_range(elements(text).next().unwrap_or(text));
-                // Those that it calls come first.
+                // The actions that it calls come first.
                 let waits = |other: &&Node| {
                     let other = other.attribute("name").unwrap_or_default();
                     !other.eq_ignore_ascii_case(&name)
@@ -480,7 +480,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What names mean in a POU. Variables with an address get their start values.
+    /// The meaning of names in a POU. Variables with an address get their start values.
     fn scope_of(&mut self, pou: &str, interface: Option<Node>) -> Scope {
         let shared = self.shared.clone().expect("declarations are read first");
         let mut scope = Scope::new(shared);
@@ -588,7 +588,7 @@ impl<'a> Reader<'a> {
         networks
     }
 
-    /// A connector that is there twice joins two signals under one name.
+    /// A connector that appears twice joins two signals under one name.
     fn unknown_connectors(&mut self, objects: &[objects::Object]) {
         let mut known: HashSet<&str> = HashSet::new();
         for object in objects.iter().filter(|object| object.kind == Kind::Connector) {
@@ -621,7 +621,7 @@ impl<'a> Reader<'a> {
         statements
     }
 
-    /// The expression in a part of the file; names are settled by the scope of a POU.
+    /// The expression in a part of the file; the scope of a POU resolves the names.
     fn expression(&mut self, range: Range<usize>, scope: Option<&Scope>) -> Expr {
         pragma::clear(self.file, self.editor, &mut self.overlay, range.clone(), &mut self.messages);
         let (mut value, messages) = fragment::iec_expression(self.file, &self.overlay, range, self.iec());
@@ -642,7 +642,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The language element of a body. CODESYS puts its charts of functions into additional data.
+/// The language element of a body. CODESYS puts its function charts into additional data.
 fn body_content<'a, 'i>(body: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
     let mut languages = elements(body).filter(|node| !matches!(node.tag_name().name(), "documentation" | "addData"));
     let plain = languages.next();
@@ -685,7 +685,7 @@ fn words_of(text: &str) -> HashSet<String> {
     words.map(str::to_lowercase).collect()
 }
 
-/// The text has the name as a word of its own.
+/// Whether the text has the name as a separate word.
 fn mentions(text: &str, name: &str) -> bool {
     let mut words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
     words.any(|word| word.eq_ignore_ascii_case(name))

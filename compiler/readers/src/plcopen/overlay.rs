@@ -1,4 +1,4 @@
-//! The text of a file with its expressions as they mean: entities and markup in them replaced, each byte at its place.
+//! The text of a file in which expressions can be read: entities and markup are replaced, and each byte keeps its position.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -41,7 +41,7 @@ pub fn typed_values(text: &mut String, values: &HashMap<String, i64>) {
     }
 }
 
-/// What stands between the tags of an element.
+/// The text between the tags of an element.
 pub fn content(node: Node) -> Option<Range<usize>> {
     // Not the ranges of its children: a text and the CDATA after it are one child, with the range of the first.
     node.first_child()?;
@@ -95,8 +95,8 @@ fn blank_markup(bytes: &mut [u8], range: Range<usize>) {
     }
 }
 
-/// `&lt;` becomes `   <`. Entities that follow each other stay together, and so do the two characters of an operator; in a text in quotes
-/// nothing is inserted, blanks come after it.
+/// `&lt;` becomes `   <`. Entities that follow each other remain together, and so do the two characters of an operator; in a text in quotes
+/// nothing is inserted, and blanks come after it.
 fn decode(bytes: &mut [u8]) {
     let mut out: Vec<u8> = Vec::with_capacity(bytes.len());
     let mut quote = None;
@@ -113,7 +113,7 @@ fn decode(bytes: &mut [u8]) {
                 out.push(*c);
             }
             (Some(open), [c]) if *c == open || *c == b'\n' => {
-                // A line end ends a text too: it was an apostrophe in a comment.
+                // A line end ends a text too: the quote was an apostrophe in a comment.
                 let line_end = *c == b'\n';
                 if !line_end {
                     out.push(*c);

@@ -25,7 +25,7 @@ pub const GLOBALS: &str = "GlobalVariables";
 /// A variable with an address.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tag {
-    /// Of a global variable its name; of a POU's, `POU.name`; of an address that bodies use and no operand can be, the address.
+    /// For a global variable its name; for one of a POU, `POU.name`; for an address in a body that cannot be an operand, the address.
     pub name: String,
     pub area: Area,
     pub width: Width,
@@ -49,7 +49,7 @@ pub fn tag_name(owner: Option<&str>, name: &str) -> String {
     }
 }
 
-/// The addresses of a project and where they lie.
+/// The addresses of a project and where they are.
 pub fn addresses(editor: Editor, text: &str) -> Addresses {
     let read = |(written, _): (&str, usize)| match Location::read(written) {
         Read::At(location) => Some(location),
@@ -65,7 +65,7 @@ pub fn data_types<'a>(document: &'a Document) -> HashMap<String, Node<'a, 'a>> {
     types.filter_map(|node| Some((node.attribute("name")?.to_lowercase(), node))).collect()
 }
 
-/// The elementary type of a variable with an address, through names of types; none: it is none.
+/// The elementary type of a variable with an address, with names of types resolved; none: it is not elementary.
 pub fn elementary(types: &HashMap<String, Node>, variable: Node) -> Option<String> {
     let mut ty = child(variable, "type").and_then(|ty| elements(ty).next())?;
     for _ in 0..16 {
@@ -89,7 +89,7 @@ pub fn elementary(types: &HashMap<String, Node>, variable: Node) -> Option<Strin
     None
 }
 
-/// The place of a variable with a complete address; none of one that lies in a data block.
+/// The place of a variable with a complete address; none for one in a data block.
 pub fn located(types: &HashMap<String, Node>, addresses: &Addresses, variable: Node) -> Option<(Place, String)> {
     let Read::At(location) = Location::read(variable.attribute("address")?) else { return None };
     let ty = elementary(types, variable)?;
@@ -104,7 +104,7 @@ pub fn located(types: &HashMap<String, Node>, addresses: &Addresses, variable: N
     Some((Place { width, ..place }, ty))
 }
 
-/// Names of lists of global variables with the lists: those that have variables of equal names are distinguished by them.
+/// Names of lists of global variables with the lists: the names of lists distinguish variables with equal names.
 pub fn global_lists<'a, 'i>(root: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>> {
     let lists = root.descendants().filter(|node| node.tag_name().name() == "globalVars");
     lists.filter(|list| !list.ancestors().any(|node| node.tag_name().name() == "pou"))
@@ -118,7 +118,7 @@ pub struct GlobalVariable<'a, 'i> {
     pub unique: String,
 }
 
-/// All global variables. The second one of a name is called by its list, too.
+/// All global variables. The second one with a name also gets the name of its list.
 pub fn global_variables<'a, 'i>(root: Node<'a, 'i>) -> Vec<GlobalVariable<'a, 'i>> {
     let mut found: Vec<GlobalVariable<'a, 'i>> = Vec::new();
     let mut taken: BTreeSet<String> = BTreeSet::new();
@@ -171,7 +171,7 @@ pub fn tags(file: FileId, text: &str) -> (Vec<Tag>, Vec<Diagnostic>) {
             }
         }
     }
-    // Addresses in bodies that no operand of this CPU can be.
+    // Addresses in bodies that cannot be an operand of this CPU.
     let mut known: BTreeSet<String> = BTreeSet::new();
     for (written, at) in mentioned(text) {
         let Read::At(location) = Location::read(written) else { continue };
@@ -187,7 +187,7 @@ pub fn tags(file: FileId, text: &str) -> (Vec<Tag>, Vec<Diagnostic>) {
     (tags, messages)
 }
 
-/// Reports addresses that do not lie where their numbers say.
+/// Reports addresses that are not where their numbers say.
 fn report_places(file: FileId, text: &str, addresses: &Addresses, messages: &mut Vec<Diagnostic>) {
     let find = |is: &dyn Fn(&Location) -> bool| {
         let mut all = mentioned(text);
@@ -247,7 +247,7 @@ pub struct Instance {
 }
 
 impl<'a> Reader<'a> {
-    /// Constants, which bounds of data types may name.
+    /// The constants that bounds of data types may name.
     pub fn global_constants(&mut self, root: Node<'a, 'a>) {
         for list in global_lists(root).filter(|list| is_true(*list, "constant")) {
             if let Some(name) = list.attribute("name").map(str::trim).filter(|name| !name.is_empty()) {
@@ -309,7 +309,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Whether a variable lies at its address. Reports an address that is not complete or cannot be kept.
+    /// Whether a variable is at its address. Reports an address that is not complete or cannot be kept.
     pub fn located_variable(&mut self, node: Node) -> bool {
         let Some(address) = node.attribute_node("address") else { return false };
         let span = self.span(address.range_value());
@@ -433,7 +433,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A name for an instance that nothing else has.
+    /// A name for an instance that is used for nothing else.
     fn free_name(&self, wanted: &str) -> String {
         let is_taken = |name: &str| {
             self.pous.contains(&name.to_lowercase())
@@ -539,7 +539,7 @@ impl<'a> Reader<'a> {
         }));
     }
 
-    /// The cyclic OB for a period: the one that has it, else a free one, whose period plc.toml must set.
+    /// The cyclic OB for a period: the one that has it, otherwise a free one, whose period plc.toml must set.
     fn cyclic(&mut self, period: u64, periods: &mut Vec<(u64, u32)>, span: Span) -> Option<u32> {
         if let Some((_, number)) = periods.iter().find(|(known, _)| *known == period) {
             return Some(*number);
@@ -586,7 +586,7 @@ fn set_period(number: u32, milliseconds: u64, span: Span) -> Statement {
     Statement { kind: StatementKind::Expression(call), span }
 }
 
-/// The text calls a program: in ST by its name before a parenthesis, as a block, or in IL.
+/// Whether the text calls a program: in ST by its name before a parenthesis, as a block, or in IL.
 fn calls(text: &str, program: &str) -> bool {
     let text = super::il::without_comments(text).to_ascii_lowercase();
     let name = program.to_ascii_lowercase();
@@ -610,7 +610,7 @@ pub fn integer(number: i64, span: Span) -> Expr {
     }
 }
 
-/// The interval of a task in microseconds, parts of which are rounded up; `None`: no time, or 0.
+/// The interval of a task in microseconds, rounded up; `None`: not a time, or 0.
 fn microseconds(text: &str) -> Option<u64> {
     let whole = plcc_literal::duration::interval(text)?.div_ceil(1000);
     (1..1_000_000_000_000_000).contains(&whole).then_some(whole)

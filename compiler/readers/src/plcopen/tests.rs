@@ -1,4 +1,4 @@
-//! What projects hold that plcc does not read is reported, never skipped.
+//! Contents of projects that plcc does not read are reported, never skipped.
 
 use plcc_diag::{Code, FileId, Severity};
 

@@ -1,6 +1,6 @@
 //! Layout of a network in LAD or FBD: raw tokens to the tokens of the grammar.
 //!
-//! A word is an element, a pin, an operand or a label by the place where it stands. This pass gives each word its meaning, joins the tokens of an
+//! Whether a word is an element, a pin, an operand or a label depends on where it is. This pass gives each word its meaning, joins the tokens of an
 //! operand into one, and closes rungs and parentheses that the source left open.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
@@ -48,7 +48,7 @@ impl<'a> Layout<'a, '_> {
         }
     }
 
-    /// Skips what stands outside of rungs.
+    /// Skips tokens outside rungs.
     fn outside_of_rungs(&mut self, token: RawToken) {
         let diagnostic = if token.kind == RawKind::LeftBrace {
             Diagnostic::new(Code::Syntax, self.span(token), "attributes cannot stand between rungs")
@@ -116,7 +116,7 @@ impl<'a> Layout<'a, '_> {
         is_wire.then(|| self.text[next.range()].trim_start_matches('#').trim_matches('"'))
     }
 
-    /// An element with its pins, or an operand that leads a rung. The tokens of its name end before index `after`.
+    /// An element with its pins, or an operand that begins a rung. The tokens of its name end before index `after`.
     fn operand_or_element(&mut self, after: usize) {
         match self.kind_at(after) {
             Some(RawKind::LeftParen) => self.push_up_to(Tok::Target, after),
@@ -186,7 +186,7 @@ impl<'a> Layout<'a, '_> {
         }
     }
 
-    /// An operand up to the next `,`, `)`, `:=` or `=>` outside of brackets.
+    /// An operand up to the next `,`, `)`, `:=` or `=>` outside brackets.
     fn value(&mut self) {
         let (first, mut depth) = (self.at, 0usize);
         while let Some(token) = self.raw.get(self.at) {
@@ -245,7 +245,7 @@ impl<'a> Layout<'a, '_> {
         self.raw.get(index).map(|token| token.kind)
     }
 
-    /// Whether `word` is at hand.
+    /// Whether the current token is `word`.
     fn is_word(&self, word: &str) -> bool {
         is_word(self.text, self.raw, self.at, word)
     }
@@ -261,7 +261,7 @@ impl<'a> Layout<'a, '_> {
         self.push_up_to(token, self.at + 1);
     }
 
-    /// Pushes `token` for the raw tokens from the one at hand to before index `after`.
+    /// Pushes `token` for the raw tokens from the current one to index `after`, exclusive.
     fn push_up_to(&mut self, token: Tok<'a>, after: usize) {
         let (start, end) = (self.raw[self.at].start, self.raw[after - 1].end);
         self.out.push((start as usize, token, end as usize));
@@ -275,7 +275,7 @@ impl<'a> Layout<'a, '_> {
     }
 }
 
-/// Whether `word` stands at `index`, as a word of its own.
+/// Whether `word` is at `index`, as a separate word.
 pub fn is_word(text: &str, tokens: &[RawToken], index: usize, word: &str) -> bool {
     tokens.get(index).is_some_and(|token| {
         token.kind == RawKind::Word

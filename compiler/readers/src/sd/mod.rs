@@ -7,7 +7,7 @@
 //!                                   layout.rs    sd.lalrpop     graph/
 //! ```
 //!
-//! The words, names and constants are those of SCL, so that its lexer reads them. Texts of titles and comments stand in a file
+//! The words, names and constants are those of SCL, so its lexer reads them. Texts of titles and comments are in a file
 //! next to the source: [`Texts`]. Source: LAD/FBD reference, chapter A.
 
 mod blocks;

@@ -1,4 +1,4 @@
-//! A network of a document: its language, its texts, and what it holds.
+//! A network of a document: its language, its texts, and its contents.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
@@ -9,13 +9,13 @@ use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::scl::fragment;
 use plcc_syntax::scl::raw::RawToken;
 
-/// What networks are read from.
+/// The input for reading networks.
 pub struct Source<'a> {
     pub file: FileId,
     pub text: &'a str,
     /// All tokens of the text.
     pub tokens: &'a [RawToken],
-    /// Comments inside of networks.
+    /// Comments inside networks.
     pub comments: &'a [Comment],
     /// Assertions are read.
     pub pragmas: bool,
@@ -51,7 +51,7 @@ pub fn read(
     Network { language, title, comment, labels, content, span: network.span }
 }
 
-/// Of the network's attributes, else of the block's, else as it looks like.
+/// From the attributes of the network, otherwise of the block, otherwise from its contents.
 fn language(source: &Source, frame: &Frame, network: &NetworkSource) -> Language {
     let named = |attributes: &[pragma::Attribute], key: &str| {
         let value = pragma::find(attributes, key)?.value.trim();
@@ -107,7 +107,7 @@ fn graphic(
     graph::build(source, language, parts, diagnostics)
 }
 
-/// Assertions stand between networks: in a network nothing tells when they would be checked.
+/// Assertions belong between networks: inside a network it is undefined when they would be checked.
 fn report_assertions(source: &Source, network: &NetworkSource, diagnostics: &mut Vec<Diagnostic>) {
     let mut next = source.comments.partition_point(|comment| (comment.start as usize) < network.bytes.start);
     while source.pragmas

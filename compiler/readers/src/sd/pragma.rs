@@ -42,7 +42,7 @@ pub fn end(tokens: &[RawToken], open: usize) -> Option<usize> {
     (tokens[next].kind == RawKind::RightBrace).then_some(next + 1)
 }
 
-/// Reads the attributes in the braces that begin at `open`; gives the index after them. Braces that are not closed end at their line.
+/// Reads the attributes in the braces that begin at `open`; returns the index after them. Braces that are not closed end at their line.
 pub fn read(
     file: FileId,
     text: &str,

@@ -13,7 +13,7 @@ use plcc_syntax::ast::{
 use plcc_syntax::network::ast::{Body, Content, Network};
 use plcc_syntax::scl;
 
-/// How the languages of safety programs begin: F_LAD, F_FBD, F_DB.
+/// Prefixes of the languages of safety programs: F_LAD, F_FBD, F_DB.
 pub const SAFETY: &str = "F_";
 
 /// Reads one object of the file; `None` if it has no name.
@@ -53,7 +53,7 @@ pub fn read(reader: &mut Reader, object: Node) -> Option<Block> {
     })
 }
 
-/// Settings of blocks that mean nothing for the program, or that are read.
+/// Settings of blocks that have no effect on the program, or that are read.
 #[rustfmt::skip]
 const SETTINGS: &[&str] = &[
     "AcknowledgeErrorsRequired", "ArrayDataType", "ArrayLimitUpperBound", "AssignedProDiagFB", "AutoNumber", "CodeModifiedDate",
@@ -69,11 +69,11 @@ const SETTINGS: &[&str] = &[
     "WithAlarmHandling",
 ];
 
-/// Reports settings of a block that nobody knows, and objects below it.
+/// Reports unknown settings of a block, and unknown objects below it.
 fn settings(reader: &mut Reader, object: Node, shown: &str) {
     let list = child(object, "AttributeList");
     let told = |name: &str| !SETTINGS.contains(&name) && !name.ends_with("Date") && !name.ends_with("Modified");
-    // What is not set needs no words.
+    // A setting without a value is not reported.
     let is_set = |node: &Node| {
         let text = text_of(*node);
         elements(*node).next().is_some() || !matches!(text.as_str(), "" | "false" | "0")
@@ -111,7 +111,7 @@ fn warn(reader: &mut Reader, node: Node, title: String, label: &str, help: &str)
     reader.diagnostics.push(message);
 }
 
-/// The name of an object; its span is where it stands.
+/// The name of an object; its span is its position.
 fn name(reader: &mut Reader, object: Node) -> Option<BlockName> {
     let node = setting(object, "Name")?;
     let name = text_of(node);
@@ -203,7 +203,7 @@ fn refused(header: &Header, language: &str, is_chart: bool) -> Option<(String, &
     }
 }
 
-/// The code of a block: networks that are all in one textual language are code of that language.
+/// The code of a block: if all networks are in one textual language, the code is in that language.
 fn settle(networks: Vec<Network>, language: &str) -> BlockCode {
     let all = |wanted: fn(&Content) -> bool| networks.iter().all(|network| wanted(&network.content));
     let textual = !networks.is_empty();

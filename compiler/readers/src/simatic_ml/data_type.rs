@@ -11,7 +11,7 @@ use plcc_syntax::scl::{bound, fragment};
 /// How many `Array of` one type may have.
 const DEPTH_MAX: usize = 16;
 
-/// The type that stands in `range` of the overlay.
+/// The type in `range` of the overlay.
 pub fn read(reader: &mut Reader, range: Range<usize>) -> TypeRef {
     at_depth(reader, range, 0)
 }

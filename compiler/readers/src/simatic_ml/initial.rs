@@ -1,7 +1,7 @@
 //! Start values of members.
 //!
-//! A member has its own (`StartValue`), its elements have theirs by index (`Subelement Path="1,2"`), and the components of a data type that
-//! stand below a member have those that differ from the type's. An index is that of all arrays around, the outermost first; bounds need not
+//! A member has its own (`StartValue`), its elements have values by index (`Subelement Path="1,2"`), and the components of a data type that
+//! are below a member have the values that differ from the type's. An index covers all arrays around it, the outermost first; bounds need not
 //! be known here.
 
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ use plcc_syntax::scl::ast::{Expr, Name, NameForm};
 /// How deep components with values may be nested.
 const DEPTH_MAX: usize = 32;
 
-/// The expression that a start value is.
+/// A start value as an expression.
 pub fn expression(value: InitialValue) -> Option<Expr> {
     match value.kind {
         InitialKind::Expr(expr) => Some(*expr),
@@ -31,7 +31,7 @@ type Values = BTreeMap<Vec<i64>, InitialValue>;
 
 /// Start value of a member of that type.
 pub fn of_member(reader: &mut Reader, member: Node, ty: &TypeRef) -> Option<InitialValue> {
-    // Values of a STRUCT stand at its components, which its declaration reads; those of single elements stand at the array.
+    // Values of a STRUCT are at its components, where its declaration reads them; those of single elements are at the array.
     if matches!(ty.kind, TypeKind::Struct(_)) {
         return None;
     }
@@ -49,7 +49,7 @@ fn outer<'a, 'i>(member: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>> {
     member.ancestors().skip(1).filter(|node| is(*node, "Member"))
 }
 
-/// The values of a member below arrays with so many `dimensions` in all.
+/// The values of a member below arrays with `dimensions` dimensions in all.
 fn values(reader: &mut Reader, member: Node, dimensions: usize, depth: usize) -> Values {
     let own = dimensions_of(member.attribute("Datatype").unwrap_or_default());
     let around: usize = outer(member).map(|outer| dimensions_of(outer.attribute("Datatype").unwrap_or_default())).sum();
@@ -110,7 +110,7 @@ fn fields(reader: &mut Reader, parts: Vec<Node>, dimensions: usize, depth: usize
     found.into_iter().filter_map(structure).collect()
 }
 
-/// Values of elements, gathered to values of the arrays: the first `dimensions` indices are those of the arrays around.
+/// Values of elements, collected into values of the arrays: the first `dimensions` indices are those of the arrays around.
 fn grouped(elements: Values, dimensions: usize) -> Values {
     let mut arrays: BTreeMap<Vec<i64>, Vec<(Vec<i64>, InitialValue)>> = BTreeMap::new();
     for (path, value) in elements {
@@ -158,7 +158,7 @@ fn dimensions_of(text: &str) -> usize {
     count
 }
 
-/// Values of an instance data block, which has its members from its type.
+/// Values of an instance data block, whose members come from its type.
 pub fn assignments(members: &[Variable]) -> Vec<ValueAssignment> {
     let mut found = Vec::new();
     for member in members {

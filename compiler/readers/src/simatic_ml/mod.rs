@@ -8,10 +8,10 @@
 //!                                       └──► statements.rs                    StatementList: STL
 //! ```
 //!
-//! Names, operands and tokens are written to their places in an [`overlay`], from which the parsers of SCL and STL read them. Tag tables are
+//! Names, operands and tokens are written to their positions in an [`overlay`], from which the parsers of SCL and STL read them. Tag tables are
 //! read by `plcc_syntax::symbols`. Source: LAD/FBD reference A2.
 //!
-//! **Invariant**: what the reader does not know refuses its network or block; nothing is left out silently.
+//! **Invariant**: if a network or block contains anything unknown, the reader refuses it; nothing is left out silently.
 
 mod block;
 mod chart;
@@ -90,7 +90,7 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
     let outlines = outline::read(&mut reader, &document);
     let mut diagnostics = reader.diagnostics;
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
-    // The schema and the reader of an element see the same fault.
+    // The schema and the reader of an element find the same fault.
     diagnostics.dedup_by_key(|diagnostic| (diagnostic.code, diagnostic.primary.span));
     let overlay = Some(reader.overlay.into_text());
     (SourceUnit { blocks, pragmas, overlay, outlines, ..SourceUnit::default() }, diagnostics)

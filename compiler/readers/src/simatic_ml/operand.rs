@@ -4,14 +4,14 @@ use roxmltree::Node;
 
 use crate::xml::{child, elements, is, text_of};
 
-/// Which language the text is for: they write addresses and status bits each in their way.
+/// Which language the text is for: each writes addresses and status bits in its own way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notation {
     Scl,
     Stl,
 }
 
-/// What of an access plcc cannot read: the node, and in words.
+/// The part of an access that plcc cannot read: the node, and a description.
 pub struct Unreadable<'a, 'i> {
     pub node: Node<'a, 'i>,
     pub what: String,
@@ -57,7 +57,7 @@ fn access_at_depth<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
     }
 }
 
-/// Whether an element of that name only says how a text looks, or is a comment or a setting of the editor, which the schema checks.
+/// Whether an element of that name is only formatting, a comment or a setting of the editor; the schema checks these.
 fn is_layout(name: &str) -> bool {
     matches!(
         name,
@@ -152,7 +152,7 @@ fn after_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
     if indices > 0 && !brackets {
         text.push(']');
     }
-    // The index may also stand after the component.
+    // The index may also come after the component.
     let after = node.next_sibling_element().and_then(|next| next.attribute("Text"));
     if modifier.ends_with("Array") && indices == 0 && after != Some("[") {
         return refuse(node, "an element of an array without an index");
@@ -166,7 +166,7 @@ fn after_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
 /// A constant by its name, or its value as written.
 fn constant(node: Node, scope: &str) -> String {
     if let Some(name) = node.attribute("Name") {
-        // A number of hardware, which the export gives next to its name. Fast counters and pulse generators are those of plc.toml.
+        // A number of hardware, which the export gives next to its name. Fast counters and pulse generators are defined in plc.toml.
         let lower = name.to_ascii_lowercase();
         let is_own = ["local~hsc_", "local~pulse_"].iter().any(|prefix| lower.starts_with(prefix));
         if let Some(value) = child(node, "ConstantValue").map(text_of)
@@ -222,7 +222,7 @@ fn width_letter(ty: &str) -> Option<&'static str> {
     })
 }
 
-/// Whether an element says itself that it only informs.
+/// Whether an element is marked as informative.
 fn is_informative(node: Node) -> bool {
     node.attribute("Informative").is_some_and(|value| value.eq_ignore_ascii_case("true") || value == "1")
 }
@@ -297,7 +297,7 @@ fn address<'a, 'i>(node: Node<'a, 'i>, notation: Notation) -> Text<'a, 'i> {
             let is_block = ty.is_empty() || ty.starts_with("Block") || ty.eq_ignore_ascii_case("DB_ANY");
             let is_type = width_letter(ty).is_some();
             match block {
-                // The data blocks of an export may have no numbers: the type names the one that is meant.
+                // The data blocks of an export may have no numbers: the type names the right one.
                 Some(_) if !is_block && !is_type && offset.unwrap_or(0) == 0 && !name.is_empty() => quoted(name),
                 Some(block) if is_block || offset.is_none() => format!("{sign}{letters}{block}"),
                 Some(block) if block > 0 && letters == "DB" => format!("{sign}DB{block}.{}", place(node, "DB")?),
@@ -341,20 +341,20 @@ fn indirect<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize) -> Tex
     }
 }
 
-/// The name in quotes; signs that no name can hold are left out.
+/// The name in quotes; characters that a name cannot contain are left out.
 pub fn quoted(name: &str) -> String {
     let name: String = name.chars().filter(|c| *c != '"').map(|c| if c.is_control() { ' ' } else { c }).collect();
     format!("\"{name}\"")
 }
 
-/// The name as a word of SCL and STL, else in quotes.
+/// The name as a word of SCL and STL, otherwise in quotes.
 pub fn plain_or_quoted(name: &str) -> String {
     let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
     let plain = name.starts_with(letter) && name.chars().all(|c| letter(c) || c.is_ascii_digit());
     if plain { name.to_string() } else { quoted(name) }
 }
 
-/// Where the text of an access stands best: over the name of its first component.
+/// The best position for the text of an access: over the name of its first component.
 pub fn wanted_place(node: Node) -> usize {
     let named =
         |part: &Node| part.attribute_node("Name").map(|name| (name.range_value().start, name.value().to_string()));

@@ -45,7 +45,7 @@ impl Reader<'_> {
             match row.tag_name().name() {
                 "SW.Tags.PlcTag" => self.tag(row),
                 "SW.Tags.PlcUserConstant" => self.constant(row),
-                // Numbers of hardware; those of fast counters and pulse generators are the station's.
+                // Numbers of hardware; the station defines those of fast counters and pulse generators.
                 "SW.Tags.PlcSystemConstant" if !self.is_of_station(row) => self.constant(row),
                 "SW.Tags.PlcSystemConstant" | "MultilingualText" => {}
                 other => {
@@ -56,7 +56,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a constant of the system is one whose number plcc.toml and the runtime give.
+    /// Whether plc.toml and the runtime define the number of a constant of the system.
     fn is_of_station(&self, row: Node) -> bool {
         let name = self.row(row).name.to_ascii_lowercase();
         ["local~hsc_", "local~pulse_", "ob_"].iter().any(|prefix| name.starts_with(prefix))
@@ -119,7 +119,7 @@ impl Reader<'_> {
         if name.is_empty() {
             return self.bad(Span::new(self.file, head(row)), "a tag without a name".to_string());
         }
-        // A tag whose address was never typed in.
+        // A tag whose address was not entered.
         if address.is_empty() {
             return;
         }
@@ -144,9 +144,9 @@ impl Reader<'_> {
         }
     }
 
-    /// A constant whose value stands at a place of the file.
+    /// A constant whose value is at a position in the file.
     fn value(&mut self, name: String, ty: String, span: Span, range: std::ops::Range<usize>, value: &str) {
-        // A value with escaped characters is shorter than what the file has.
+        // A value with escaped characters is shorter than its text in the file.
         let own = self.text.get(range.clone()) == Some(value);
         let padded = if own { String::new() } else { " ".repeat(range.start) + value };
         let source = if own { self.text } else { &padded };
@@ -165,7 +165,7 @@ impl Reader<'_> {
     }
 }
 
-/// What tags and constants have in common.
+/// The common parts of tags and constants.
 struct Row {
     name: String,
     ty: String,

@@ -1,4 +1,4 @@
-//! Changes to the text of a source, for tests that any text is read.
+//! Changes to the text of a source, for tests that any text can be read.
 
 use proptest::sample::Index;
 
@@ -19,7 +19,7 @@ pub fn mutated(text: &str, edits: Vec<(Index, usize, usize)>, pieces: &[&str]) -
     text
 }
 
-/// The two parts of `text` before and after a place.
+/// The two parts of `text` before and after a position.
 pub fn cut(text: &str, place: Index) -> (&str, &str) {
     let mut end = place.index(text.len());
     while !text.is_char_boundary(end) {

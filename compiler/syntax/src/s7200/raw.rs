@@ -71,7 +71,7 @@ pub enum RawKind {
     Slash,
     #[token("&")]
     Ampersand,
-    /// A character that no statement holds.
+    /// A character that no statement contains.
     #[regex(r".", priority = 0)]
     Stray,
 }

@@ -131,7 +131,7 @@ pub enum RawKind {
     Caret,
     #[token("#")]
     Hash,
-    /// A character that no statement holds.
+    /// A character that no statement contains.
     Stray,
 }
 

@@ -96,7 +96,7 @@ pub enum RawKind {
     Hash,
     #[token("%")]
     Percent,
-    /// A character that no statement holds.
+    /// A character that no statement contains.
     Stray,
 }
 

@@ -13,7 +13,7 @@ use plcc_syntax::scl::{address, literal as constant};
 /// How deep an expression may be nested. Code that walks the tree may recurse.
 const DEPTH_MAX: usize = 1000;
 
-/// Operands of one chain of AND or OR from which on its tree is balanced: exported conditions have thousands.
+/// From this many operands on, the tree of a chain of AND or OR is balanced: exported conditions have thousands.
 const CHAIN_MAX: usize = 64;
 
 /// An expression and the depth of its tree.
@@ -65,7 +65,7 @@ pub fn chain(context: &mut Context, op: BinaryOp, first: Sub, rest: Vec<(usize, 
     if rest.len() < CHAIN_MAX {
         return rest.into_iter().fold(first, |left, (start, end, right)| binary(context, op, left, right, start..end));
     }
-    // Neighbours are joined until one is left; each keeps the sign before it.
+    // Neighbours are joined until one is left; each keeps the operator before it.
     let mut row: Vec<(Range<usize>, Sub)> = vec![(0..0, first)];
     row.extend(rest.into_iter().map(|(start, end, sub)| (start..end, sub)));
     while row.len() > 1 {
@@ -136,7 +136,7 @@ pub fn absolute(context: &mut Context, text: &str, range: Range<usize>) -> Sub {
     }
 }
 
-/// The operand that an address names; what is none is reported.
+/// The operand that an address names; text that is not an address is reported.
 fn address_of(context: &mut Context, text: &str, span: Span) -> Option<OperandKind> {
     let operand = address::token(&text.replace(' ', ""), span);
     if operand.is_none() {

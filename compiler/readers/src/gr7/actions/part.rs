@@ -13,7 +13,7 @@ use plcc_syntax::chart::ast::{
 };
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind};
 
-/// A step of what stands in it.
+/// Builds a step from its parts.
 pub fn step<'a>(
     context: &mut Context<'a>,
     initial: bool,
@@ -44,7 +44,7 @@ pub fn step<'a>(
     Part::Step(step, head.number)
 }
 
-/// A transition of its clauses.
+/// Builds a transition from its clauses.
 pub fn transition<'a>(
     context: &mut Context<'a>,
     head: Head,
@@ -98,7 +98,7 @@ fn keep(context: &mut Context, place: &mut Option<Condition>, condition: Option<
     *place = condition;
 }
 
-/// A row. One that was reported is kept as an error.
+/// A row. A row that was reported is kept as an error.
 pub fn action(
     context: &mut Context,
     body: Option<ActionBody>,
@@ -127,13 +127,13 @@ pub fn action(
     }
 }
 
-/// Whether the row works on a variable; what is none is reported.
+/// Whether the operand of the row is a variable; other operands are reported.
 fn is_action(context: &mut Context, body: &ActionBody) -> bool {
     let (ActionBody::Operand(operand) | ActionBody::Value { operand, .. }) = body else { return true };
     is_variable(context, operand, Code::ActionText)
 }
 
-/// Whether something can be written to the expression; what is not an operand is reported.
+/// Whether the expression can be written to; one that is not an operand is reported.
 fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
     let help = match &operand.kind {
         ExprKind::Name(_)
@@ -154,7 +154,7 @@ fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
     false
 }
 
-/// A permanent instruction with a coil. One that was reported is left out.
+/// A permanent instruction with a coil. An instruction that was reported is left out.
 pub fn permanent(
     context: &mut Context,
     operand: Expr,

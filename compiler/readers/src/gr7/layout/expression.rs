@@ -10,14 +10,14 @@ use plcc_syntax::scl::ast::BinaryOp;
 /// How deep brackets and signs may be nested.
 const NESTING_MAX: usize = 200;
 
-/// Where an expression stands.
+/// Where an expression is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     Condition,
-    /// An action: between operand and value nothing need stand.
+    /// An action: nothing is required between operand and value.
     Action,
     Permanent,
-    /// Block, instance and parameters of a call: between parameters a line end is enough.
+    /// Block, instance and parameters of a call: a line end is enough between parameters.
     Call,
 }
 
@@ -59,7 +59,7 @@ impl<'a> Layout<'a, '_> {
         }
     }
 
-    /// Whether the source leaves a comma out before the current token.
+    /// Whether the source omits a comma before the current token.
     fn comma_is_missing(&self, place: Place, depth: usize) -> bool {
         let token = self.raw[self.at];
         let operand = matches!(
@@ -234,7 +234,7 @@ fn is_shift(word: &str) -> bool {
     ["SHL", "SHR", "ROL", "ROR"].iter().any(|known| known.eq_ignore_ascii_case(word))
 }
 
-/// Whether the token stands between two operands.
+/// Whether the token comes between two operands.
 pub(super) fn is_operator(token: RawToken, text: &str) -> bool {
     match token.kind {
         RawKind::Word => {

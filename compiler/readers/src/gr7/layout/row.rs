@@ -1,4 +1,4 @@
-//! Layout of actions and permanent instructions: where a row ends, and what stands in parentheses after its operand.
+//! Layout of actions and permanent instructions: where a row ends, and what is in the parentheses after its operand.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
@@ -49,7 +49,7 @@ impl<'a> Layout<'a, '_> {
             )
     }
 
-    /// A row ends after its qualifier, or with its line.
+    /// A row ends after its qualifier, or at the end of its line.
     fn action_extent(&self, call: bool) -> Extent {
         let (mut depth, mut lists) = (0usize, 0usize);
         let mut index = self.at;
@@ -80,7 +80,7 @@ impl<'a> Layout<'a, '_> {
             index += 1;
         }
         if depth > 0 {
-            // What is not closed goes no further than its line.
+            // A part that is not closed ends with its line.
             let line = (self.at + 1..index).find(|next| self.raw[*next].first_on_line);
             index = line.unwrap_or(index);
             let open = (self.at..index).rev().take(4).find(|open| self.kind_at(*open) == Some(RawKind::LeftParen));
@@ -93,23 +93,23 @@ impl<'a> Layout<'a, '_> {
         Extent { end: index, qualifier: None }
     }
 
-    /// Whether nothing of a row can stand at `index`.
+    /// Whether no part of a row can be at `index`.
     fn ends_row(&self, index: usize) -> bool {
         matches!(self.raw[index].kind, RawKind::Semicolon | RawKind::Pragma) || self.keyword_at(index).is_some()
     }
 
-    /// Whether a line at `index` goes on with the row of the one before.
+    /// Whether a line at `index` continues the row of the previous line.
     fn continues(&self, index: usize) -> bool {
         self.joins(index) || self.kind_at(index) == Some(RawKind::LeftParen)
     }
 
-    /// Whether the token stands between two parts of a row.
+    /// Whether the token comes between two parts of a row.
     fn joins(&self, index: usize) -> bool {
         let token = self.raw[index];
         matches!(token.kind, RawKind::Comma | RawKind::Assign) || is_operator(token, self.slice(token))
     }
 
-    /// Index of the `)` of the qualifier that opens at `index`. `call`: parameters of a call may stand here.
+    /// Index of the `)` of the qualifier that opens at `index`. `call`: parameters of a call are possible here.
     fn qualifier_at(&self, index: usize, call: bool) -> Option<usize> {
         if self.kind_at(index) != Some(RawKind::LeftParen) {
             return None;
@@ -160,7 +160,7 @@ impl<'a> Layout<'a, '_> {
 
     fn no_qualifier(&mut self) {
         let last = self.raw[self.at - 1];
-        // A bracket or character that was reported may have taken it.
+        // A bracket or character that was reported may include it.
         if !self.reported_in_row() {
             self.report(
                 Diagnostic::new(Code::Qualifier, self.span(last), "the action has no qualifier")
@@ -241,7 +241,7 @@ impl<'a> Layout<'a, '_> {
         index
     }
 
-    /// Whether a permanent instruction begins with the line at `index`: an unclosed bracket goes no further.
+    /// Whether a permanent instruction begins with the line at `index`: an unclosed bracket ends before it.
     fn begins_permanent(&self, index: usize) -> bool {
         let line = &self.raw[index..];
         let length = line.iter().skip(1).take_while(|token| !token.first_on_line).count() + 1;

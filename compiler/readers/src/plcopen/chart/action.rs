@@ -1,6 +1,6 @@
-//! What steps do: action blocks as rows. Source: GRAPH reference, chapter C.
+//! The actions of steps: action blocks as rows. Source: GRAPH reference, chapter C.
 //!
-//! Qualifiers of IEC 61131-3 and the rows that have their meaning:
+//! Qualifiers of IEC 61131-3 and the rows with the same meaning:
 //!
 //! | IEC | Variable | Statements or networks |
 //! | --- | --- | --- |
@@ -12,8 +12,8 @@
 //! | SD, SL | S of a hidden BOOL that starts a TON | the same |
 //! | DS | D of a hidden BOOL that sets the variable | the same |
 //!
-//! What hidden BOOLs stand for happens after the sequencer, in each call: statements run while theirs is 1, and once more when it has become 0.
-//! R resets the BOOLs of its action, whichever step has set them.
+//! The statements of hidden BOOLs run after the sequencer, in each call: while their BOOL is 1, and once more when it has become 0.
+//! R resets the BOOLs of its action, no matter which step has set them.
 
 use std::collections::HashMap;
 
@@ -30,7 +30,7 @@ use plcc_syntax::scl::ast::{
     Argument, AssignOp, BinaryOp, Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind, UnaryOp,
 };
 
-/// What an action works on.
+/// The operand or the statements of an action.
 enum Work {
     Operand(Expr),
     /// Rows, and the name of the action of the POU.
@@ -89,7 +89,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         }
     }
 
-    /// An action of several steps: IEC 61131-3 executes it once in a cycle, here each step does.
+    /// An action of several steps: IEC 61131-3 executes it once in a cycle, here each step executes it.
     fn owner(&mut self, node: Node<'a, 'a>, name: String, step: usize, owners: &mut HashMap<String, usize>) {
         let first = *owners.entry(name.to_lowercase()).or_insert(step);
         if first != step {
@@ -141,7 +141,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         }
     }
 
-    /// A variable, an action of the POU, or what stands in the action itself.
+    /// A variable, an action of the POU, or the body of the action itself.
     fn work(&mut self, node: Node<'a, 'a>) -> Work {
         if let Some(inline) = child(node, "inline") {
             return self.code(inline).map_or(Work::Error, |rows| Work::Code(rows, None));
@@ -161,7 +161,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         Work::Operand(operand)
     }
 
-    /// S, D, L, SD, DS, SL: a row of a BOOL, and what follows from it after the sequencer.
+    /// S, D, L, SD, DS, SL: a row with a BOOL, and its effect after the sequencer.
     fn controlled(
         &mut self,
         node: Node<'a, 'a>,
@@ -197,7 +197,7 @@ impl<'a> Sfc<'_, 'a, '_> {
             },
             Work::Error => return error(entry),
         };
-        // What the action works on: the variable, or a BOOL that stands for the statements.
+        // The operand of the action: the variable, or a BOOL that represents the statements.
         let target = match work {
             Work::Operand(operand) => operand,
             Work::Code(..) | Work::Error => self.hidden(span, "BOOL"),
@@ -256,7 +256,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         vec![entry.row(None, row, body)]
     }
 
-    /// A variable of the instance that nothing else has.
+    /// A variable of the instance that is used for nothing else.
     fn hidden(&mut self, span: Span, ty: &str) -> Expr {
         let text = self.body.hidden_variable("action", ty, span);
         Expr { kind: ExprKind::Name(Name { text, form: NameForm::Local, span }), span }

@@ -1,4 +1,4 @@
-//! What transitions wait for: a variable, an expression, statements or a network.
+//! The conditions of transitions: a variable, an expression, statements or a network.
 
 use plcc_diag::{Code, Span};
 use roxmltree::Node;
@@ -14,7 +14,7 @@ use plcc_syntax::network::elements::Kind as ElementKind;
 use plcc_syntax::scl::ast::{AssignOp, Expr, ExprKind, Name, NameForm, Statement, StatementKind, UnaryOp};
 
 impl<'a> Sfc<'_, 'a, '_> {
-    /// The condition of a transition; `network`: the object that stands for it in the networks of the chart.
+    /// The condition of a transition; `network`: the object that represents it in the networks of the chart.
     pub fn condition(&mut self, transition: Node<'a, 'a>, network: Option<usize>, span: Span) -> Option<Condition> {
         let node = child(transition, "condition");
         if let Some(at) = network {
@@ -51,7 +51,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         Some(Condition::Expression(value))
     }
 
-    /// A condition with a body of its own, inline or in a transition of the POU.
+    /// A condition with its own body, inline or in a transition of the POU.
     pub fn condition_body(&mut self, holder: Node<'a, 'a>, name: Option<&str>, span: Span) -> Option<Condition> {
         let Some(content) = content(holder) else { return self.missing(span) };
         match content.tag_name().name() {
@@ -143,7 +143,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         self.network(graph, if is_ladder { Language::Lad } else { Language::Fbd }, span)
     }
 
-    /// A network that is nothing but an expression is the expression, or the transition of the POU that it names.
+    /// A network that is only an expression is that expression, or the transition of the POU that it names.
     fn network(&self, graph: Graph, language: Language, span: Span) -> Condition {
         if let [element] = graph.elements.as_slice()
             && let [pin] = element.pins.as_slice()

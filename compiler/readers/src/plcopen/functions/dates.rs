@@ -1,4 +1,4 @@
-//! Dates of open editors: DATE and DATE_AND_TIME count from 1970, and become numbers as seconds. Here both are an LDT, nanoseconds since 1970.
+//! Dates of open editors: DATE and DATE_AND_TIME count from 1970, and convert to numbers as seconds. Here both are an LDT, nanoseconds since 1970.
 
 use plcc_diag::{Code, Diagnostic};
 

@@ -42,12 +42,12 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// An assignment is at hand: `a.b[1] := 5`.
+    /// Whether an assignment follows: `a.b[1] := 5`.
     fn value_begins(&self) -> bool {
         let mut after_name = false;
         for token in &self.tokens[self.at..] {
             match token.kind {
-                // Two words in a row are no path.
+                // Two words in a row are not a path.
                 RawKind::Word | RawKind::Quoted | RawKind::Local if after_name => return false,
                 RawKind::Word | RawKind::Quoted | RawKind::Local => after_name = true,
                 RawKind::Dot
@@ -63,7 +63,7 @@ impl Reader<'_, '_> {
         false
     }
 
-    /// The attributes after the name of a data block are its own.
+    /// The attributes after the name of a data block belong to it.
     fn own_attributes(&mut self) {
         let attributes = self.taken_attributes();
         if let Some(block) = self.blocks.last_mut() {
@@ -71,7 +71,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// The types of a TYPE document. SCL wants TYPE and END_TYPE around each.
+    /// The types of a TYPE document. SCL needs TYPE and END_TYPE around each.
     pub(super) fn types(&mut self) {
         self.push();
         let mut first = true;

@@ -1,6 +1,6 @@
 //! Rungs to elements and nets: what feeds what.
 //!
-//! A rung carries a flow from item to item. An element takes it at its flow pin and gives its own; a wire is a net that the flow goes
+//! A rung carries a flow from item to item. An element receives it at its flow pin and passes its own flow on; a wire is a net that the flow goes
 //! into and comes out of. Source: LAD/FBD reference, A.5, A.6, A.8.
 
 mod element;
@@ -44,7 +44,7 @@ pub fn build(
     (labels, builder.graph)
 }
 
-/// What a rung carries between two items.
+/// The flow between two items of a rung.
 #[derive(Clone, Debug)]
 enum Flow {
     /// Nothing is connected.
@@ -52,9 +52,9 @@ enum Flow {
     Net(NetId),
     /// An operand that the rung begins with.
     Operand(Expr),
-    /// What the element of that index gives.
+    /// The output of the element with that index.
     Element(usize),
-    /// The element after which nothing can stand, by its name.
+    /// Nothing can follow the element with this name.
     Ended(Span),
     /// An error was reported.
     Lost,
@@ -152,7 +152,7 @@ impl Builder<'_, '_> {
                 Item::Pragma(attributes, span) => {
                     settings.extend(attributes);
                     settings_span = Some(span);
-                    // It may stand before the wire or operand only by mistake; the element is what counts.
+                    // It is before the wire or operand only by mistake; the element counts.
                     continue;
                 }
                 Item::Element(node) => {
@@ -256,7 +256,7 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// An element that inverts the flow, for a net that other elements take it from.
+    /// An element that inverts the flow for a net that other elements use.
     fn inverter(&mut self, carried: Carried) -> Option<usize> {
         let (row, _) = elements::find_sd("Not")?;
         let (value, negated) = self.taken(Carried { inverted: false, ..carried })?;
@@ -278,7 +278,7 @@ impl Builder<'_, '_> {
         Some(self.graph.elements.len() - 1)
     }
 
-    /// What the flow pin of the next element is connected to, and whether inverted; none: to nothing.
+    /// The connection of the flow pin of the next element, and whether it is inverted; none: not connected.
     fn taken(&mut self, carried: Carried) -> Option<(PinValue, bool)> {
         let inverted = carried.inverted;
         let value = match carried.flow {
@@ -316,7 +316,7 @@ impl Builder<'_, '_> {
         );
     }
 
-    /// A wire in the middle of a rung: the flow goes into its net, and the net's value goes on.
+    /// A wire in the middle of a rung: the flow enters its net, and continues with the value of the net.
     fn through_wire(&mut self, carried: &mut Carried, wire: Wire, first_element: usize) {
         let before = std::mem::replace(carried, Carried { flow: Flow::Lost, inverted: false });
         if matches!(before.flow, Flow::Nothing) && self.language == Language::Fbd {
@@ -345,7 +345,7 @@ impl Builder<'_, '_> {
         self.fed(wire, source, nets::Place::End, effect);
     }
 
-    /// Whether an element of the rung does more than to pass the flow.
+    /// Whether an element of the rung does more than pass the flow.
     fn has_effect(&self, first_element: usize) -> bool {
         self.graph.elements[first_element..].iter().any(|element| match &element.target {
             Target::Block { .. } => true,

@@ -1,4 +1,4 @@
-//! Wires by name: which nets they are, who feeds them and who takes from them.
+//! Wires by name: their nets, and what feeds and uses them.
 
 use std::collections::HashMap;
 
@@ -24,7 +24,7 @@ struct Known {
     inline: Vec<Source>,
     /// What feeds it at the end of a rung.
     ends: Vec<Source>,
-    /// Where it is fed, the second place too.
+    /// Where it is fed, including a second place.
     fed: Vec<Span>,
     used: Option<Span>,
     /// Rungs that end in it and do nothing else.
@@ -46,7 +46,7 @@ impl Nets {
         }
     }
 
-    /// The flow goes on after the wire.
+    /// The flow continues after the wire.
     pub fn note_inline_use(&mut self, net: NetId) {
         if let Some(known) = self.wires.iter_mut().find(|known| known.net == net)
             && known.used.is_none()
@@ -57,7 +57,7 @@ impl Nets {
 }
 
 impl Builder<'_, '_> {
-    /// The net of a wire that something takes from.
+    /// The net of a wire that something uses.
     pub(super) fn consumed(&mut self, wire: Wire) -> NetId {
         let index = self.known(wire);
         let known = &mut self.nets.wires[index];
@@ -110,7 +110,7 @@ impl Builder<'_, '_> {
         self.nets.wires.len() - 1
     }
 
-    /// Gives the nets their sources, and reports wires that lead from or to nowhere.
+    /// Gives the nets their sources, and reports wires without a source or without a use.
     pub(super) fn finish_nets(&mut self) {
         for known in std::mem::take(&mut self.nets.wires) {
             let name = self.graph.net(known.net).name.clone();

@@ -8,11 +8,11 @@ use plcc_syntax::network::ast::{Comparison, Eno, Template, TemplateKey};
 use plcc_syntax::network::elements::{Kind, Row};
 use plcc_syntax::scl::ast::Expr;
 
-/// What the attributes of an element say.
+/// The contents of the attributes of an element.
 #[derive(Default)]
 pub struct Settings {
     pub templates: Vec<Template>,
-    /// None: not said.
+    /// None: not given.
     pub eno: Option<Eno>,
     pub equation: Option<Expr>,
     /// By the number of the branch.
@@ -43,7 +43,7 @@ const ENO_ALWAYS: [&str; 17] = [
 /// Boxes without a value that have the switch (LAD/FBD reference B.5).
 const ENO_SWITCHED: [&str; 4] = ["MOVE_BLK", "UMOVE_BLK", "FILL_BLK", "UFILL_BLK"];
 
-/// Whether ENO of an element reports errors. `inline`: its settings stand after its name, as V20 writes them.
+/// Whether ENO of an element reports errors. `inline`: its settings come after its name, as V20 writes them.
 pub fn eno(row: &Row, said: Option<Eno>, inline: bool) -> Eno {
     let switch = row.flow.1 == "eno"
         && match row.kind {
@@ -74,7 +74,7 @@ impl Builder<'_, '_> {
             match key {
                 _ if attribute.is("S7_Templates") => self.templates(attribute, &mut settings.templates),
                 TemplateKey::Other => self.setting(attribute, &mut settings),
-                // The pins tell how many there are.
+                // The pins show how many there are.
                 TemplateKey::Card => {}
                 _ => settings.templates.push(Template {
                     key,

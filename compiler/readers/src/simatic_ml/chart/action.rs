@@ -1,4 +1,4 @@
-//! Rows of actions: the tokens of a row are written to their places in the overlay, and parsed there.
+//! Rows of actions: the tokens of a row are written to their positions in the overlay, and parsed there.
 
 use std::ops::Range;
 
@@ -53,7 +53,7 @@ fn event(reader: &mut Reader, node: Node) -> Option<Option<Event>> {
     event.map(Some)
 }
 
-/// The qualifier; `None` if there is no such qualifier. Assumption: a row that names none is `N`, the one that the editor offers first.
+/// The qualifier; `None` if there is no such qualifier. Assumption: a row without one is `N`, which the editor offers first.
 fn qualifier(reader: &mut Reader, node: Node) -> Option<Qualifier> {
     let text = node.attribute("Qualifier").unwrap_or_default().trim();
     if text.is_empty() {
@@ -78,7 +78,7 @@ fn comment(node: Node) -> Option<String> {
     line.or(text).filter(|text| !text.is_empty())
 }
 
-/// Writes the tokens of an action. Tokens that are one word only together are written together.
+/// Writes the tokens of an action. Tokens that form one word are written together.
 fn write(reader: &mut Reader, node: Node, whose: &str) -> Result<(), Refused> {
     let mut word: Option<Word> = None;
     for part in elements(node) {
@@ -121,7 +121,7 @@ impl Word {
     }
 }
 
-/// Words that stand alone before a name.
+/// Words that are separate before a name.
 const OPERATORS: [&str; 7] = ["AND", "CALL", "DIV", "MOD", "NOT", "OR", "XOR"];
 
 /// Whether two tokens make one word: `#` and a name, `%` and an address, `T` and `#2S`.

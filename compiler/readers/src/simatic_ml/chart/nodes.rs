@@ -1,4 +1,4 @@
-//! Steps, transitions and branches of all sequencers by their numbers, and the drawing that lines make of them.
+//! Steps, transitions and branches of all sequencers by their numbers, and the drawing that the lines form.
 
 use std::collections::HashMap;
 
@@ -18,7 +18,7 @@ pub struct Nodes<'a, 'i> {
     pub transitions: Vec<Xml<'a, 'i>>,
     pub transition_names: Vec<Name>,
     pub drawing: Drawing,
-    /// Places by number; of those that are there twice, the first.
+    /// Indices by number; if a number appears twice, the first.
     step_places: HashMap<u32, usize>,
     transition_places: HashMap<u32, usize>,
 }
@@ -42,7 +42,7 @@ impl<'a, 'i> Nodes<'a, 'i> {
         for sequence in sequences {
             nodes.list(reader, *sequence, block);
         }
-        // A line may lead to a step of another sequencer; branches are numbered in each of their own.
+        // A line may lead to a step of another sequencer; branches are numbered separately in each sequencer.
         for sequence in sequences {
             let branches = nodes.branches(reader, *sequence, block);
             for lines in children(*sequence, "Connections") {
