@@ -38,7 +38,7 @@ pub fn header(comment: Vec<String>, parts: Vec<HeaderPart>) -> Header {
     header
 }
 
-/// Kind of the block `name`: from its keyword; the letters of the number distinguish SFC and SFB. Wrong letters give a message, too.
+/// Kind of the block `name`: from its keyword; the letters of the number distinguish SFC and SFB. Wrong letters are reported, too.
 pub fn code_kind(keyword: CodeKeyword, name: &BlockName, text: &str) -> (CodeKind, Option<Diagnostic>) {
     let (kind, keyword, letters) = match keyword {
         CodeKeyword::OrganizationBlock => (CodeKind::Ob, "ORGANIZATION_BLOCK", "OB"),

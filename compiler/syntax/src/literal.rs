@@ -52,7 +52,7 @@ pub enum Literal {
     Counter(u16),
     /// `'ABCD'`: bytes of the text with escapes expanded, in Windows-1252.
     Text(Vec<u8>),
-    /// `P#10.3`: area-internal pointer, as the 32 bits that `L` gives.
+    /// `P#10.3`: area-internal pointer, as the 32 bits that `L` loads.
     Pointer(u32),
     /// `P#M 10.0`, `P#DBX 0.0`, `P#DB10.DBX 20.0`: area-crossing pointer as 32 bits; `db` 0 if no DB is named.
     AreaPointer {

@@ -56,7 +56,7 @@ fn complete(
 ) {
     if block.kind != CodeKind::Fb {
         diagnostics.push(
-            Diagnostic::new(Code::BlockFrame, block.name.span(), "only an FB can hold a chart")
+            Diagnostic::new(Code::BlockFrame, block.name.span(), "only an FB can contain a chart")
                 .label("not the name of an FB")
                 .help("write `FUNCTION_BLOCK FB1` or `FUNCTION_BLOCK \"Name\"`"),
         );
@@ -128,7 +128,7 @@ impl Numbers {
             }
             diagnostics.push(
                 Diagnostic::new(Code::Tolerated, span, format!("the {what} has no number"))
-                    .label(format!("taken as number {number}"))
+                    .label(format!("read as number {number}"))
                     .help(format!("write `(*$_NUM {number}*)` after its name")),
             );
         };

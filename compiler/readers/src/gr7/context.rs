@@ -88,7 +88,7 @@ impl<'a> Context<'a> {
                 let text = &self.text[*start..*end];
                 let title = match before {
                     Some((start, tok, end)) if follows(tok) => {
-                        format!("`{text}` cannot stand after `{}` in this {what}", &self.text[*start..*end])
+                        format!("`{text}` cannot follow `{}` in this {what}", &self.text[*start..*end])
                     }
                     _ => format!("`{text}` cannot begin this {what}"),
                 };

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Only its line ends an action or a permanent instruction, so this pass finds the ends. It closes parts and brackets that the
-//! source left open: the grammar always sees a balanced chart, and one mistake stays one message.
+//! source left open: the grammar always sees a balanced chart, and one mistake remains one message.
 
 mod expression;
 mod keyword;
@@ -92,13 +92,13 @@ impl<'a> Layout<'a, '_> {
                     .label("no part of the chart is open here")
                     .help("remove it, or write the beginning of the part that it ends")
             }
-            _ => {
-                Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside the chart"))
-                    .label("neither a step nor a transition is open here")
-                    .help(
-                        "a GRAPH block holds permanent instructions, steps from `STEP` to `END_STEP`, then transitions",
-                    )
-            }
+            _ => Diagnostic::new(
+                Code::BlockFrame,
+                self.span(token),
+                format!("`{word}` cannot stand outside the chart"),
+            )
+            .label("neither a step nor a transition is open here")
+            .help("a GRAPH block contains permanent instructions, steps from `STEP` to `END_STEP`, then transitions"),
         };
         self.report(diagnostic);
         self.at += 1;
@@ -188,7 +188,7 @@ impl<'a> Layout<'a, '_> {
                         Diagnostic::new(
                             Code::BadLiteral,
                             self.span(token),
-                            format!("`{body}` is not a number of a {what}"),
+                            format!("`{body}` is not the number of a {what}"),
                         )
                         .label("a whole number from 1 to 999 is expected here")
                         .help("write e.g. `(*$_NUM 3*)`"),
@@ -334,7 +334,7 @@ impl<'a> Layout<'a, '_> {
     fn outside_of_clauses(&mut self, token: RawToken) {
         let word = self.slice(token);
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), format!("`{word}` cannot stand in a transition"))
+            Diagnostic::new(Code::Syntax, self.span(token), format!("a transition cannot contain `{word}`"))
                 .label("not expected here")
                 .help("a transition has `FROM steps`, `TO steps` and `CONDITION := …`"),
         );

@@ -1,4 +1,4 @@
-//! Which blocks of a file hold charts. A guess: it does not parse.
+//! Which blocks of a file contain charts. A guess: it does not parse.
 
 use std::ops::Range;
 

@@ -129,7 +129,7 @@ impl Build<'_, '_, '_> {
     /// A BOOL of the instance that keeps a signal from cycle to cycle.
     fn hidden(&mut self, stem: &str, span: Span) -> Option<Expr> {
         if self.body.is_function {
-            let text = "a function has no memory for an edge or for the signal of the last cycle";
+            let text = "a function cannot store an edge or the signal of the last cycle";
             let mut message = Diagnostic::new(Code::EdgeBit, span, text);
             message.severity = Severity::Error;
             let help = "make the POU a function block, or pass it the signal of the last cycle as a parameter";

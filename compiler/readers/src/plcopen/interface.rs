@@ -125,7 +125,7 @@ impl Reader<'_> {
         let named = format!("`{}`{more}", shown.join("`, `"));
         let text = format!("retentive variables begin each run with their start values: {named}");
         let message = Diagnostic::new(Code::Tolerated, self.place(list, attribute), text);
-        let help = "a run is one power cycle: assign what the plant remembers in a scenario or by `--set`";
+        let help = "a run is one power cycle: set remembered values in a scenario or with `--set`";
         self.messages.push(message.label("a PLC keeps it when its power fails").help(help));
     }
 

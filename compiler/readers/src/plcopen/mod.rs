@@ -334,7 +334,7 @@ impl<'a> Reader<'a> {
                 Some(written) => whole_number(written.value()).unwrap_or_else(|| {
                     let text = format!("`{}` is not a number", written.value());
                     let message = Diagnostic::new(Code::ForeignContent, self.span(written.range_value()), text);
-                    self.messages.push(message.label(format!("taken as {next}")).help("give the value a number"));
+                    self.messages.push(message.label(format!("read as {next}")).help("give the value a number"));
                     next
                 }),
             };

@@ -110,7 +110,7 @@ pub fn global_lists<'a, 'i>(root: Node<'a, 'i>) -> impl Iterator<Item = Node<'a,
     lists.filter(|list| !list.ancestors().any(|node| node.tag_name().name() == "pou"))
 }
 
-/// A global variable: its node, the list that it stands in, and its own name in plcc.
+/// A global variable: its node, the list that contains it, and its own name in plcc.
 pub struct GlobalVariable<'a, 'i> {
     pub node: Node<'a, 'i>,
     pub list: Option<&'a str>,

@@ -409,7 +409,7 @@ fn global_kind(global: &Global, name: &Name) -> ExprKind {
     }
 }
 
-/// TRUE, at the place of a statement.
+/// TRUE, at the position of a statement.
 fn always(statement: &Statement) -> Expr {
     let literal = plcc_syntax::scl::ast::Literal::Typed { ty: plcc_syntax::Elementary::Bool, bits: 1 };
     Expr { kind: ExprKind::Literal(literal), span: statement.span }

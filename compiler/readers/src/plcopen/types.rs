@@ -223,7 +223,7 @@ pub fn out_of_range(ty: &Ty, value: &Expr) -> Option<Diagnostic> {
     }
     let text = format!("{number} is outside the range of its type");
     let message = Diagnostic::new(Code::LiteralRange, value.span, text);
-    Some(message.label(format!("the type goes from {low} to {high}")).help("write a number in the range"))
+    Some(message.label(format!("the type has the range {low} to {high}")).help("write a number in the range"))
 }
 
 /// The number of a constant.

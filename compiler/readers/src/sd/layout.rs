@@ -205,7 +205,7 @@ impl<'a> Layout<'a, '_> {
         if after == first { self.take(Tok::Stray) } else { self.push_up_to(Tok::Value, after) }
     }
 
-    /// Index after the name or constant at hand: `#a.b[1]`, `"DB".x`, `%I0.0`, `TRUE`, `Contact`.
+    /// Index after the current name or constant: `#a.b[1]`, `"DB".x`, `%I0.0`, `TRUE`, `Contact`.
     fn operand_end(&self) -> Option<usize> {
         let mut at = self.at;
         match self.kind_at(at)? {

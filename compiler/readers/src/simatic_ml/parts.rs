@@ -189,7 +189,7 @@ fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
     let step_time = step_time::of(name);
     let row = if step_time.is_some() { elements::find_xml("Gt") } else { elements::find_xml(name) };
     if let (None, Some((why, help))) = (row, absent::reason(name)) {
-        let text = format!("{whose} holds the element `{name}`, which plcc does not have");
+        let text = format!("{whose} contains the element `{name}`, which plcc does not have");
         reader.diagnostics.push(Diagnostic::new(Code::UnknownElement, span, text).label(why).help(help));
         return Err(Refused);
     }
@@ -204,7 +204,7 @@ fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
             let message = Diagnostic::new(
                 Code::UnknownElement,
                 span,
-                format!("{whose} holds the element `{name}`, which plcc does not know"),
+                format!("{whose} contains the element `{name}`, which plcc does not know"),
             );
             let help = "call a block that does the same, or write the network in SCL";
             reader.diagnostics.push(message.label("not known").help(help));
@@ -294,7 +294,7 @@ fn template(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Re
     let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
     if key == TemplateKey::Other && !is_case && !OTHER_TEMPLATES.iter().any(|known| known.eq_ignore_ascii_case(stem)) {
         let span = reader.span(head(node));
-        let title = format!("{whose} holds the setting `{name}` of an element, which plcc does not know");
+        let title = format!("{whose} contains the setting `{name}` of an element, which plcc does not know");
         let mut message = Diagnostic::new(Code::ForeignContent, span, title).label("has no effect");
         message.severity = Severity::Warning;
         reader.diagnostics.push(message.help("check whether the element works as intended without it"));

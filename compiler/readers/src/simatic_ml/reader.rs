@@ -34,7 +34,7 @@ impl Reader {
         let message = Diagnostic::new(
             Code::ForeignContent,
             self.span(head(node)),
-            format!("{whose} holds {what}, which plcc does not read"),
+            format!("{whose} contains {what}, which plcc does not read"),
         );
         self.diagnostics.push(
             message.label("not known").help(

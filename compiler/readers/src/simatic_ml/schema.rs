@@ -181,7 +181,7 @@ pub fn check(reader: &mut Reader, node: Node, place: Place, whose: &str) {
 
 fn report(reader: &mut Reader, range: std::ops::Range<usize>, place: Place, whose: &str, what: &str) {
     let span = reader.span(range);
-    let title = format!("{whose} holds {what}, which plcc does not read");
+    let title = format!("{whose} contains {what}, which plcc does not read");
     let mut message = Diagnostic::new(Code::ForeignContent, span, title).label("not known");
     message = match place {
         Place::Code => message

@@ -79,7 +79,7 @@ impl Reader<'_> {
                 let left = self.source.trimmed(code.start..separator.start);
                 let right = self.source.trimmed(separator.end..code.end);
                 if left.is_empty() || right.is_empty() {
-                    let what = if left.is_empty() { "the operand" } else { "what belongs to the operand" };
+                    let what = if left.is_empty() { "the operand" } else { "the value of the operand" };
                     let help = "write the operand, `:=` or a comma, and its value";
                     return self.refuse(separator.clone(), format!("{what} is missing"), "nothing next to it", help);
                 }

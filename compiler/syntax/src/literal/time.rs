@@ -11,7 +11,7 @@ const DATE_FORM: &str = "write year, month and day: `D#2000-6-20`";
 const TOD_FORM: &str = "write hours, minutes and seconds: `TOD#5:45:00.5`";
 const DT_FORM: &str = "write date and time: `DT#2000-6-20-5:45:00.5`";
 
-/// `S5T#2s`: the finest time base that holds the value; digits below it are cut off.
+/// `S5T#2s`: the finest time base that can represent the value; digits below it are cut off.
 ///
 /// Bits 13-12: time base (10 ms, 100 ms, 1 s, 10 s); bits 11-0: three BCD digits.
 /// Source: Programming with STEP 7, format of S5TIME.

@@ -5,7 +5,7 @@ use plcc_diag::Span;
 use crate::ast::{Pragma, Width};
 use crate::s7200::Insn;
 
-/// What a source in STL for the S7-200 holds, in the order of the text.
+/// The contents of a source in STL for the S7-200, in the order of the text.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Source {
     /// Statements without a header form the main program, or the subroutine that the file is named after (`is_bare`).

@@ -255,7 +255,13 @@ impl Builder<'_> {
             Some(network) if network.statements.is_empty() && network.title.is_empty() => network.title = title,
             _ => {
                 let help = "write a title after the header of its block, or after `NETWORK`";
-                self.report(Code::BlockFrame, span, "a title cannot stand among statements", "titles nothing", help);
+                self.report(
+                    Code::BlockFrame,
+                    span,
+                    "a title cannot stand among statements",
+                    "not the title of anything",
+                    help,
+                );
             }
         }
     }
@@ -332,7 +338,7 @@ impl Builder<'_> {
             return self.report(
                 Code::BlockFrame,
                 span,
-                "a data block cannot hold a network",
+                "a data block cannot contain networks",
                 "not possible here",
                 help,
             );

@@ -37,7 +37,9 @@ pub fn real(text: &str) -> Result<f32, ConstantError> {
     let digits: String = text.chars().filter(|c| *c != '_').collect();
     match digits.parse::<f32>() {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(too_large("is outside the range of REAL", "REAL goes from -3.402823E+38 to +3.402823E+38")),
+        Ok(_) => {
+            Err(too_large("is outside the range of REAL", "a REAL is a number from -3.402823E+38 to +3.402823E+38"))
+        }
         Err(_) => Err(malformed("is not a REAL", "write it as `1.5` or `2.5E-3`")),
     }
 }
@@ -97,7 +99,7 @@ fn digits(base: &str, text: &str) -> Result<u32, ConstantError> {
     read.map_err(|fault| match fault {
         Fault::Base => malformed(format!("{base} is not a base of a constant"), help),
         Fault::Digit(digit) => malformed(format!("`{digit}` is not a digit of base {base}"), help),
-        Fault::Empty => malformed(format!("there is no digit after `{base}#`"), "write e.g. `16#7FFF`"),
+        Fault::Empty => malformed(format!("no digit follows `{base}#`"), "write e.g. `16#7FFF`"),
         Fault::Large => too_large("needs more than 32 bits", "a double word goes up to `16#FFFFFFFF`"),
     })
 }

@@ -125,7 +125,7 @@ impl<'a> Context<'a> {
                 let text = slice(*start, *end);
                 let title = match before.filter(|(_, token, _)| *token != Tok::End) {
                     Some((from, _, to)) if !slice(*to, *start).contains(['\n', '\r']) => {
-                        format!("`{text}` cannot stand after `{}` in this {what}", slice(*from, *to))
+                        format!("`{text}` cannot follow `{}` in this {what}", slice(*from, *to))
                     }
                     _ => format!("`{text}` cannot begin this {what}"),
                 };

@@ -245,7 +245,7 @@ fn spread(context: &mut Context, members: &mut [Variable], value: Option<Initial
                 Diagnostic::new(
                     Code::UnknownMember,
                     name.map_or(value.span, |name| name.span),
-                    "the structure has no such component",
+                    "the structure does not have this component",
                 )
                 .label("not declared above")
                 .help("name a component of the structure, or omit the value"),

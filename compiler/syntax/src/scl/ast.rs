@@ -197,7 +197,7 @@ pub enum ExprKind {
 pub struct Argument {
     /// The formal; none for a positional argument.
     pub name: Option<Name>,
-    /// `=>` stands between.
+    /// `=>` is between formal and actual.
     pub output: bool,
     /// None: left empty.
     pub value: Option<Expr>,

@@ -2,7 +2,7 @@
 //!
 //! A word has different meanings in a header, a declaration and an expression. This pass follows the frame of the file and gives each token its
 //! meaning. It also closes frames, structured statements and brackets that the source left open, and ends each statement,
-//! so that the grammar always sees a balanced text and one mistake stays one message.
+//! so the grammar always sees a balanced text, and one mistake remains one message.
 //!
 //! ```text
 //! file ──► block ──► header                                                    header.rs
@@ -189,7 +189,7 @@ impl<'a> Layout<'a> {
         self.push(end, token, end);
     }
 
-    /// Where the last raw token before the one at hand ends.
+    /// The end of the last raw token before the current one.
     fn last_end(&self) -> usize {
         self.at.checked_sub(1).map_or(0, |before| self.raw[before].end as usize)
     }

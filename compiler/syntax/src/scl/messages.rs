@@ -39,14 +39,14 @@ pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic
     message(context, at, before, code, what).help(help)
 }
 
-/// `… cannot stand after … in this …`, at the token, or after the last one if the statement ends too early.
+/// `… cannot follow … in this …`, at the token, or after the last one if the statement ends too early.
 fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, code: Code, what: &str) -> Diagnostic {
     match at {
         Some((start, token, end)) if start < end && !ends(token) => {
             let text = &context.text[*start..*end];
             let title = match before {
                 Some((b_start, b_token, b_end)) if b_start < b_end && !ends(b_token) && !begins(b_token) => {
-                    format!("`{text}` cannot stand after `{}` in this {what}", &context.text[*b_start..*b_end])
+                    format!("`{text}` cannot follow `{}` in this {what}", &context.text[*b_start..*b_end])
                 }
                 _ => format!("`{text}` cannot begin this {what}"),
             };
@@ -123,6 +123,6 @@ fn statement_help(at: Option<&Spanned>, before: Option<&Spanned>) -> &'static st
 fn expression_help(at: Option<&Spanned>, _before: Option<&Spanned>) -> &'static str {
     match at.map(|(_, token, _)| token) {
         Some(Tok::Assign) => "values are compared with `=`",
-        _ => "an expression is built of variables, constants, calls and operators such as `+`, `=`, `AND`",
+        _ => "an expression consists of variables, constants, calls and operators such as `+`, `=`, `AND`",
     }
 }

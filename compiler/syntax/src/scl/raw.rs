@@ -1,7 +1,7 @@
 //! The lexer: characters to raw tokens, regardless of where they are.
 //!
 //! Typed constants are one token (`T#2h_1m`, `P#DB11.DBX 20.0 INT 10`), and so are addresses with a point (`I0.0`, `%DB1.DBX1.0`).
-//! Line ends, blanks and REGION lines are not tokens. Comments stand in a separate list, by position.
+//! Line ends, blanks and REGION lines are not tokens. Comments are in a separate list, by position.
 
 use std::ops::Range;
 

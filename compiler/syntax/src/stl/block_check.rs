@@ -47,7 +47,7 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
                 if let Some(opening) = open.last() {
                     let word = &text[span.range()];
                     diagnostics.push(
-                        Diagnostic::new(Code::Nesting, span, format!("`{word}` cannot stand inside a parenthesis"))
+                        Diagnostic::new(Code::Nesting, span, format!("a parenthesis cannot contain `{word}`"))
                             .label("the block cannot end here")
                             .also(*opening, "opened here")
                             .help("close the parenthesis with `)` before it"),

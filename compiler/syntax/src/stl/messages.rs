@@ -24,7 +24,7 @@ pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic
     }
 }
 
-/// `… cannot stand after … in this …`, at the token, or after the last one if the line ends too early.
+/// `… cannot follow … in this …`, at the token, or after the last one if the line ends too early.
 fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, code: Code, what: &str) -> Diagnostic {
     match at {
         Some((start, token, end)) if start < end && !ends(token) => {
@@ -33,7 +33,7 @@ fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, co
             let title = match before {
                 Some((b_start, b_token, b_end)) if b_start < b_end && !ends(b_token) && !begins(b_token) => {
                     let (b_start, b_end) = phrase(context, *b_start, *b_end);
-                    format!("`{text}` cannot stand after `{}` in this {what}", &context.text[b_start..b_end])
+                    format!("`{text}` cannot follow `{}` in this {what}", &context.text[b_start..b_end])
                 }
                 _ => format!("`{text}` cannot begin this {what}"),
             };

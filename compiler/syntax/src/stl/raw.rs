@@ -1,8 +1,8 @@
 //! The lexer: characters to raw tokens, regardless of where they are.
 //!
 //! Literals with `#` are one token (`S5T#2h_1m`, `P#DB11.DBX 20.0 INT 10`), a `TITLE =` is one token with the rest of its line.
-//! Line ends and blanks are not tokens: each token knows whether a line end is before it. Comments stand in a list of
-//! their own, by position.
+//! Line ends and blanks are not tokens: each token knows whether a line end is before it. Comments are in a separate
+//! list, by position.
 
 use std::ops::Range;
 

@@ -41,7 +41,7 @@ pub fn instruction(word: &str, text: &str, set: Mnemonics) -> String {
     if !digits.is_empty() {
         let split = (1..letters.len()).rev().find(|at| instruction_of(&letters[..*at], set).is_some());
         if let Some(at) = split {
-            return format!("a blank stands between mnemonic and operand: `{} {}`", &text[..at], &text[at..]);
+            return format!("write a blank between mnemonic and operand: `{} {}`", &text[..at], &text[at..]);
         }
     }
     match nearest(word, set) {

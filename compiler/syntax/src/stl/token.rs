@@ -22,7 +22,7 @@ pub enum HeaderField {
     Version,
 }
 
-/// A header keyword that stands alone.
+/// A header keyword without a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeaderFlag {
     KnowHowProtect,

@@ -32,7 +32,7 @@ impl<'a> Sfc<'_, 'a, '_> {
     }
 
     fn missing(&mut self, span: Span) -> Option<Condition> {
-        let help = "write the condition; TRUE lets the transition switch at once";
+        let help = "write the condition; with TRUE the transition switches immediately";
         self.report(Code::MissingCondition, span, "a transition without a condition", "", help);
         self.broken = true;
         None

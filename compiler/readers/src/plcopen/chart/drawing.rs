@@ -118,7 +118,7 @@ impl<'a> Sfc<'_, 'a, '_> {
                 (name @ ("step" | "macroStep"), None) => {
                     if name == "macroStep" {
                         let text = match node.attribute("name").map(str::trim).filter(|name| !name.is_empty()) {
-                            Some(name) => format!("plcc does not read macro steps, here `{name}`"),
+                            Some(name) => format!("plcc does not read macro steps, such as `{name}`"),
                             None => "plcc does not read macro steps".to_string(),
                         };
                         let help = "draw the steps of the macro step in the chart itself";

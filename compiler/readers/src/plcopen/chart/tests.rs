@@ -333,5 +333,5 @@ fn lines_that_lead_nowhere_are_told() {
     let title = "a line comes from object 77, which is not a step, transition or branch";
     assert!(told(&lost).contains(&(Code::Tolerated, title.to_string())));
     let folded = with_condition("", condition, "").replace("<step ", "<macroStep ");
-    assert_eq!(told(&folded), one(Code::ForeignContent, "plcc does not read macro steps, here `S`"));
+    assert_eq!(told(&folded), one(Code::ForeignContent, "plcc does not read macro steps, such as `S`"));
 }

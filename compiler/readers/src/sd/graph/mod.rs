@@ -82,7 +82,7 @@ impl Builder<'_, '_> {
             self.report(
                 Diagnostic::new(Code::ElementPlace, span, "a label must come before the first rung")
                     .label("not first in its network")
-                    .help("write `Label( name )` directly after `NETWORK`; a jump goes to the start of a network"),
+                    .help("write `Label( name )` directly after `NETWORK`; a jump leads to the start of a network"),
             );
         }
         for argument in arguments {
@@ -126,7 +126,7 @@ impl Builder<'_, '_> {
                         Diagnostic::new(
                             Code::Syntax,
                             span,
-                            format!("`{}` cannot stand here in a rung", self.slice(span)),
+                            format!("a rung cannot contain `{}` here", self.slice(span)),
                         )
                         .label("an operand without an element")
                         .help("write operands in the parentheses of an element; only a rung of FBD can begin with one"),

@@ -28,9 +28,7 @@ impl Builder<'_, '_> {
         self.report(
             Diagnostic::new(Code::Syntax, span, format!("`{}` is not an operand", self.slice(span)))
                 .label("neither a variable nor an address nor a constant")
-                .help(
-                    "write e.g. `#name`, `\"Tag\"`, `\"DB\".member`, `%I0.0` or a constant; CALCULATE takes a formula",
-                ),
+                .help("write e.g. `#name`, `\"Tag\"`, `\"DB\".member`, `%I0.0` or a constant; CALCULATE has a formula"),
         );
         Expr { kind: ExprKind::Error, span }
     }

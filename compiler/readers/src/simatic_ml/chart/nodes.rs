@@ -146,9 +146,11 @@ impl<'a, 'i> Nodes<'a, 'i> {
             }
         };
         if found.is_none() {
-            let title = format!("a line leads to {what} {}, which the chart does not have", shown(end));
+            let title = format!("a line leads to {what} {}, which is not in the chart", shown(end));
             let message = Diagnostic::new(Code::UnknownStep, attribute_span(reader, end, "Number"), title);
-            reader.diagnostics.push(message.label(format!("no such {what}")).help("export the block again"));
+            reader
+                .diagnostics
+                .push(message.label(format!("there is no {what} with this number")).help("export the block again"));
         }
         found
     }

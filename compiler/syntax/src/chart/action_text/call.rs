@@ -88,7 +88,7 @@ impl Reader<'_> {
     fn parameter(&mut self, range: Range<usize>) -> Option<Parameter> {
         let Some(arrow) = self.source.arrow(range.clone()) else {
             let help = "write the parameter's name and `:=` before the value";
-            self.refuse(range, "a parameter without its name".to_string(), "what is it for?", help);
+            self.refuse(range, "a parameter without its name".to_string(), "which parameter is it for?", help);
             return None;
         };
         let name = self.source.trimmed(range.start..arrow.start);
@@ -118,7 +118,12 @@ impl Reader<'_> {
             let Some(name) = argument.name else {
                 let help = "write the parameter's name and `:=` before the value";
                 let place = argument.span.range();
-                return self.refuse(place, "a parameter without its name".to_string(), "what is it for?", help);
+                return self.refuse(
+                    place,
+                    "a parameter without its name".to_string(),
+                    "which parameter is it for?",
+                    help,
+                );
             };
             parameters.push(Parameter { name, value: argument.value, span: argument.span });
         }

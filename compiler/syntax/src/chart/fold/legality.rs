@@ -60,7 +60,7 @@ fn kind_name(kind: BranchKind) -> &'static str {
 }
 
 fn neighbour(drawing: &Drawing, line: &Line) -> Diagnostic {
-    let title = format!("{} cannot stand after {}", name(drawing, line.to), name(drawing, line.from));
+    let title = format!("{} cannot follow {}", name(drawing, line.to), name(drawing, line.from));
     let help = match (line.from, line.to) {
         (Node::Step(_), Node::Step(_)) => "insert a transition between the two steps",
         (Node::Transition(_), Node::Transition(_)) => "insert a step between the two transitions",
@@ -77,7 +77,7 @@ fn neighbour(drawing: &Drawing, line: &Line) -> Diagnostic {
 fn transitions(drawing: &Drawing, lines: &Lines, diagnostics: &mut Vec<Diagnostic>) {
     for (at, span) in drawing.transitions.iter().enumerate() {
         if let [_, second, ..] = lines.before_transition(at) {
-            let title = "several lines lead to one transition";
+            let title = "several lines end at one transition";
             let message = Diagnostic::new(Code::BranchNeighbour, drawing.lines[*second].span, title);
             let help =
                 "join the paths with the end of a simultaneous branch, or give each of them a separate transition";
@@ -86,7 +86,7 @@ fn transitions(drawing: &Drawing, lines: &Lines, diagnostics: &mut Vec<Diagnosti
         if let [_, second, ..] = lines.after_transition(at) {
             let title = "several lines leave one transition";
             let message = Diagnostic::new(Code::BranchNeighbour, drawing.lines[*second].span, title);
-            let help = "let the transition lead to the start of a simultaneous branch";
+            let help = "connect the transition to the start of a simultaneous branch";
             diagnostics.push(message.label("one more line").also(*span, "the transition").help(help));
         }
     }

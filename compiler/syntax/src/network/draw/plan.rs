@@ -64,7 +64,7 @@ struct NetPlan {
     rows: Vec<usize>,
 }
 
-/// The places of everything.
+/// The positions of all parts.
 pub struct Plan {
     lines: Vec<Line>,
     nets: HashMap<NetId, NetPlan>,

@@ -181,12 +181,12 @@ impl<'a> Layout<'a, '_> {
     fn bad_character(&mut self, token: RawToken, text: &str) -> Tok<'a> {
         let (title, help) = match text {
             "(" | ")" => (
-                format!("`{text}` cannot stand in a statement"),
+                format!("a statement cannot contain `{text}`"),
                 "STL of the S7-200 has no parentheses: begin the inner part with `LD` and join it with `ALD` or `OLD`",
             ),
             _ => (
-                format!("`{}` cannot stand in a statement", text.escape_debug()),
-                "a statement holds names, addresses, constants and the characters `,` `*` `&` `#`",
+                format!("a statement cannot contain `{}`", text.escape_debug()),
+                "a statement contains names, addresses, constants and the characters `,` `*` `&` `#`",
             ),
         };
         let span = self.span(token.range());

@@ -232,7 +232,7 @@ impl<'a> Layout<'a> {
             Diagnostic::new(
                 Code::BlockFrame,
                 self.span(token),
-                format!("`{}` cannot stand in a {what}", self.slice(token)),
+                format!("a {what} cannot contain `{}`", self.slice(token)),
             )
             .label("neither a part of the header nor a declaration")
             .help(if frame == Frame::Data {
@@ -309,7 +309,7 @@ impl<'a> Layout<'a> {
                         Diagnostic::new(
                             Code::DeclarationSyntax,
                             self.span(token),
-                            format!("`{}` cannot stand in a list of attributes", self.slice(token)),
+                            format!("a list of attributes cannot contain `{}`", self.slice(token)),
                         )
                         .label("not the name of an attribute")
                         .help("write attributes as `{ name := 'value'; name := 'value' }`"),

@@ -50,7 +50,11 @@ fn integer(text: &str, ty: Elementary, value: &str) -> Result<Read, LiteralError
     let name = ty.name();
     let (low, high) = range(ty);
     let out_of_range = || {
-        LiteralError::range(text, format!("no {name}"), format!("{name} goes from {} to {}", shown(low), shown(high)))
+        LiteralError::range(
+            text,
+            format!("outside the range of {name}"),
+            format!("{name} is from {} to {}", shown(low), shown(high)),
+        )
     };
     let (negative, unsigned) = match value.strip_prefix('-') {
         Some(rest) => (true, rest),

@@ -476,7 +476,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Whether the comma at hand is the last token of its line, outside brackets.
+    /// Whether the current comma is the last token of its line, outside brackets.
     fn comma_ends_line(&self) -> bool {
         self.raw_at(self.at + 1).is_none_or(|next| next.first_on_line)
     }

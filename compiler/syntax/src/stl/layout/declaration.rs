@@ -385,7 +385,7 @@ impl<'a> Layout<'a> {
         true
     }
 
-    /// Reports `=` in place of `:=` and takes it as `:=`.
+    /// Reports `=` in place of `:=` and reads it as `:=`.
     pub(super) fn equal_for_assign(&mut self) {
         let token = self.raw[self.at];
         self.report(

@@ -192,7 +192,7 @@ impl<'a> Layout<'a> {
             Diagnostic::new(
                 Code::BlockFrame,
                 self.span(token),
-                format!("`{}` cannot stand in a {what}", self.slice(token)),
+                format!("a {what} cannot contain `{}`", self.slice(token)),
             )
             .label("neither a part of the header nor a declaration")
             .help(match frame {

@@ -2,8 +2,8 @@
 //!
 //! A word has different meanings in a header, a declaration, before an operand and inside one; line ends end statements in code
 //! and have no meaning elsewhere. This pass follows the frame of the file (header, declarations, code, values) and gives each token
-//! its meaning. It also closes frames that the source left open, so that the grammar always sees balanced frames and one
-//! mistake stays one message.
+//! its meaning. It also closes frames that the source left open, so the grammar always sees balanced frames, and one
+//! mistake remains one message.
 //!
 //! ```text
 //! file ──► block ──► header ──► section (VAR … END_VAR, STRUCT … END_STRUCT)   declaration.rs
@@ -236,7 +236,7 @@ impl<'a> Layout<'a> {
         self.out.last().map(|(_, token, _)| token)
     }
 
-    /// Where the last raw token before the one at hand ends.
+    /// The end of the last raw token before the current one.
     fn last_end(&self) -> usize {
         self.at.checked_sub(1).map_or(0, |before| self.raw[before].end as usize)
     }
