@@ -74,7 +74,7 @@ pub fn error_range<T>(error: &ParseError<usize, T, ()>) -> Option<(usize, usize)
     }
 }
 
-/// Whether there is already a message within `range`: one of the layout, whose starts are in `reported` in order, or the last one of the grammar.
+/// Whether there is already a message within `range`: one of the classifier, whose starts are in `reported` in order, or the last one of the grammar.
 pub fn is_reported(reported: &[u32], diagnostics: &[Diagnostic], range: Range<usize>) -> bool {
     let first = reported.partition_point(|&reported| (reported as usize) < range.start);
     let inside = |start: u32| (range.start..=range.end).contains(&(start as usize));

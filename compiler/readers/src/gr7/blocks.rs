@@ -6,7 +6,7 @@ use super::context::{Context, comment_after};
 use super::frame::{Document, Frame};
 use super::lexer::RawText;
 use super::tree::Part;
-use super::{grammar, layout, pragma, settings};
+use super::{classify, grammar, pragma, settings};
 use crate::{ReadOptions, language};
 use plcc_syntax::ast::{Block, Code as BlockCode, CodeBlock, CodeKind, SourceUnit};
 use plcc_syntax::chart::ast::Body;
@@ -70,11 +70,12 @@ fn complete(
         }
     }
     let mut messages = Vec::new();
-    let laid = layout::lay_out(file, text, &frame.chart, &mut messages);
+    let classified = classify::classify(file, text, &frame.chart, &mut messages);
     let mut reported: Vec<u32> = messages.iter().map(|message| message.primary.span.start).collect();
     reported.sort_unstable();
-    let mut context = Context { file, text, tokens: &laid, comments: &raw.comments, diagnostics: Vec::new(), reported };
-    let tokens = laid.iter().map(|(start, tok, end)| Ok::<_, ()>((*start, tok.clone(), *end)));
+    let mut context =
+        Context { file, text, tokens: &classified, comments: &raw.comments, diagnostics: Vec::new(), reported };
+    let tokens = classified.iter().map(|(start, tok, end)| Ok::<_, ()>((*start, tok.clone(), *end)));
     let parts = grammar::ChartParser::new().parse(&mut context, tokens).unwrap_or_default();
     messages.append(&mut context.diagnostics);
     let mut chart = Body::default();

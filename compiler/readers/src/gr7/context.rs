@@ -28,7 +28,7 @@ pub struct Context<'a> {
     pub tokens: &'a [Spanned<'a>],
     pub comments: &'a [Comment],
     pub diagnostics: Vec<Diagnostic>,
-    /// Starts of the messages of the layout, in order: where there is one, the grammar reports nothing.
+    /// Starts of the messages of `classify`, in order: where there is one, the grammar reports nothing.
     pub reported: Vec<u32>,
 }
 

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use super::layout::Keyword;
+use super::classify::Keyword;
 use super::lexer::{RawKind, RawText, RawToken};
 use super::pragma;
-use crate::gr7::layout::keyword_at;
+use crate::gr7::classify::keyword_at;
 use plcc_syntax::comment::{Comment, CommentForm};
 use plcc_syntax::stl::pragma::is_pragma;
 

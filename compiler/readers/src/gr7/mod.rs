@@ -4,16 +4,16 @@
 //! text ──► raw tokens ──┬─► heads and declarations ──► grammar of SCL ────────┐
 //!        lexer.rs    frame.rs                                                 ├──► syntax tree
 //!                       └─► charts ──► tokens with a meaning ──► parts ───────┘   blocks.rs
-//!                                   layout/              gr7.lalrpop
+//!                                   classify/            gr7.lalrpop
 //! ```
 //!
 //! Source: GRAPH reference, chapter A.
 
 mod actions;
 mod blocks;
+mod classify;
 mod context;
 mod frame;
-mod layout;
 mod lexer;
 mod outline;
 mod pragma;
@@ -77,7 +77,7 @@ pub fn tokens_text(text: &str) -> String {
     let mut out = String::new();
     let (mut line, mut counted) = (1usize, 0usize);
     for block in &document.blocks {
-        for (start, token, _) in &layout::lay_out(file, text, &block.chart, &mut Vec::new()) {
+        for (start, token, _) in &classify::classify(file, text, &block.chart, &mut Vec::new()) {
             if *start >= counted {
                 line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
                 counted = *start;

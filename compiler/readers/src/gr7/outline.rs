@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::layout::{Keyword, keyword_at};
+use super::classify::{Keyword, keyword_at};
 use super::lexer::{self, RawKind, RawToken};
 
 /// Words that begin blocks without a chart.

@@ -23,7 +23,7 @@ pub struct Context<'a, 't> {
     /// All tokens, for messages.
     pub tokens: &'t [Spanned<'a>],
     pub diagnostics: Vec<Diagnostic>,
-    /// Starts of the messages of the layout, in order: where there is one, the grammar reports nothing.
+    /// Starts of the messages of `classify`, in order: where there is one, the grammar reports nothing.
     pub reported: Vec<u32>,
 }
 

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use super::layout::is_word;
+use super::classify::is_word;
 use super::pragma::{self, Attribute};
 use plcc_syntax::comment::{Comment, CommentForm};
 use plcc_syntax::scl::keyword::Keyword;

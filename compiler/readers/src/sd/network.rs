@@ -3,7 +3,7 @@
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use super::frame::{Frame, NetworkSource};
-use super::{blocks, context, grammar, graph, layout, pragma, texts};
+use super::{blocks, classify, context, grammar, graph, pragma, texts};
 use plcc_syntax::comment::{self, Comment};
 use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::scl::fragment;
@@ -62,7 +62,7 @@ fn language(source: &Source, frame: &Frame, network: &NetworkSource) -> Language
     };
     let looks = || {
         let tokens = &source.tokens[network.tokens.clone()];
-        let word = |word: &str| layout::is_word(source.text, tokens, 0, word);
+        let word = |word: &str| classify::is_word(source.text, tokens, 0, word);
         if tokens.is_empty() || word("RUNG") || word("Label") { Language::Lad } else { Language::Scl }
     };
     named(&network.attributes, "S7_Language")
@@ -80,18 +80,19 @@ fn graphic(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> (Vec<plcc_syntax::scl::ast::Name>, plcc_syntax::network::ast::Graph) {
     report_assertions(source, network, diagnostics);
-    let laid = layout::lay_out(source.file, source.text, &source.tokens[network.tokens.clone()]);
-    let mut reported: Vec<u32> = laid.diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
+    let classified = classify::classify(source.file, source.text, &source.tokens[network.tokens.clone()]);
+    let mut reported: Vec<u32> =
+        classified.diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
     reported.sort_unstable();
-    diagnostics.extend(laid.diagnostics);
+    diagnostics.extend(classified.diagnostics);
     let mut context = context::Context {
         file: source.file,
         text: source.text,
-        tokens: &laid.tokens,
+        tokens: &classified.tokens,
         diagnostics: Vec::new(),
         reported,
     };
-    let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
+    let tokens = classified.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
     let parts = match grammar::NetworkParser::new().parse(&mut context, tokens) {
         Ok(parts) => parts,
         Err(error) => {

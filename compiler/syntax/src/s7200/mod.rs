@@ -2,17 +2,17 @@
 //!
 //! ```text
 //! text ──► raw tokens, by lines ──► tokens with a meaning ──► lines ──► syntax tree
-//!      raw.rs                 layout/              s7200.lalrpop  blocks.rs
+//!      raw.rs                 classify/            s7200.lalrpop  blocks.rs
 //! ```
 
 mod address;
 mod aliases;
 pub mod ast;
 mod blocks;
+mod classify;
 mod constant;
 mod context;
 mod instructions;
-mod layout;
 mod line;
 mod mnemonics;
 mod outline;
@@ -79,7 +79,7 @@ pub fn parse_constant(text: &str) -> Option<ast::Constant> {
 
 /// The block that `text` numbers: `SBR3`, `INT0`, `OB1`.
 pub fn parse_block(text: &str) -> Option<(ast::BlockKind, u32)> {
-    layout::block(&text.trim().to_ascii_uppercase())
+    classify::block(&text.trim().to_ascii_uppercase())
 }
 
 /// Parses a source. Errors are recovered at the end of their line.
@@ -87,13 +87,13 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     let lines = raw::lines(text);
     let bare_data = outline::is_data(text, &lines);
     let detected = mnemonics::detect(text, &lines, options.mnemonics);
-    let laid = layout::lay_out(file, text, &lines, &detected, options.pragmas, bare_data);
-    let mut diagnostics = laid.diagnostics;
+    let classified = classify::classify(file, text, &lines, &detected, options.pragmas, bare_data);
+    let mut diagnostics = classified.diagnostics;
     report_mixture(file, text, &detected, options, &mut diagnostics);
-    let mut context = context::Context::new(file, text, &laid.tokens, detected.set);
+    let mut context = context::Context::new(file, text, &classified.tokens, detected.set);
     context.reported = diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
     context.reported.sort_unstable();
-    let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
+    let tokens = classified.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
     let lines = match grammar::LinesParser::new().parse(&mut context, tokens) {
         Ok(lines) => lines,
         // Each line recovers; a remaining error belongs to the last one.
@@ -111,8 +111,12 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     diagnostics.append(&mut context.diagnostics);
     let source = blocks::build(file, lines, bare_data, &mut diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
-    let unit =
-        SourceUnit { mnemonics: detected.set, pragmas: laid.pragmas, s7200: Some(source), ..SourceUnit::default() };
+    let unit = SourceUnit {
+        mnemonics: detected.set,
+        pragmas: classified.pragmas,
+        s7200: Some(source),
+        ..SourceUnit::default()
+    };
     (unit, diagnostics)
 }
 
@@ -150,10 +154,10 @@ pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
     let lines = raw::lines(text);
     let detected = mnemonics::detect(text, &lines, options.mnemonics);
     let bare_data = outline::is_data(text, &lines);
-    let laid = layout::lay_out(FileId::default(), text, &lines, &detected, options.pragmas, bare_data);
+    let classified = classify::classify(FileId::default(), text, &lines, &detected, options.pragmas, bare_data);
     let mut out = String::new();
     let (mut line, mut counted) = (1usize, 0usize);
-    for (start, token, _) in &laid.tokens {
+    for (start, token, _) in &classified.tokens {
         if let Some(passed) = text.get(counted..*start) {
             line += passed.bytes().filter(|byte| *byte == b'\n').count();
             counted = *start;

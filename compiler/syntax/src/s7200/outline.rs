@@ -5,7 +5,7 @@
 
 use super::ast::Area;
 use super::raw::{RawKind, RawToken};
-use super::{address, layout, mnemonics, raw};
+use super::{address, classify, mnemonics, raw};
 use crate::stl::{self, Mnemonics};
 
 /// Whether `text` is a source of the S7-200 rather than one of S7-300/400.
@@ -65,7 +65,7 @@ fn of_line(text: &str, line: &[RawToken], data: &mut bool) -> Sign {
         "SUBROUTINE_BLOCK" | "INTERRUPT_BLOCK" | "END_SUBROUTINE_BLOCK" | "END_INTERRUPT_BLOCK" => return Sign::S7200,
         "ORGANIZATION_BLOCK" => {
             let numbered = code.iter().rev().take(2).any(|token| token.kind == RawKind::Colon)
-                && code.last().is_some_and(|last| layout::is_block(&last.text(text).to_ascii_uppercase()));
+                && code.last().is_some_and(|last| classify::is_block(&last.text(text).to_ascii_uppercase()));
             return if numbered { Sign::S7200 } else { Sign::None };
         }
         "FUNCTION"

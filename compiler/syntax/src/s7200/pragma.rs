@@ -7,7 +7,7 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 use super::ast::Assert;
 use super::context::Context;
 use super::mnemonics::Detected;
-use super::{grammar, layout, raw};
+use super::{classify, grammar, raw};
 use crate::assertion;
 use crate::ast::Pragma;
 
@@ -54,7 +54,7 @@ fn parse_assert(
     let mut side = |range: Range<usize>, diagnostics: &mut Vec<Diagnostic>| {
         let place = Span::new(file, range.clone());
         let tokens = raw::part(source.get(range.clone()).unwrap_or_default(), range.start);
-        let (tokens, mut found) = layout::lay_out_assertion(file, source, &tokens, detected);
+        let (tokens, mut found) = classify::classify_assertion(file, source, &tokens, detected);
         if let Some(first) = found.drain(..).next() {
             diagnostics.push(
                 Diagnostic::new(Code::Pragma, first.primary.span, first.title)

@@ -1,4 +1,4 @@
-//! Which form of SCL a file shows. Its signs choose defaults; both forms are always taken.
+//! Which form of SCL a file shows. Its features select defaults; both forms are always accepted.
 //!
 //! Source: SCL reference, dialects.
 

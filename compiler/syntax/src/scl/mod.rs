@@ -1,19 +1,19 @@
-//! SCL, in the classic form of STEP 7 V5 and in that of the TIA Portal: lexer, layout, grammar, syntax tree.
+//! SCL, in the classic form of STEP 7 V5 and in that of the TIA Portal: lexer, classifier, grammar, syntax tree.
 //!
 //! ```text
 //! text ──► raw tokens ──► tokens with a meaning ──► syntax tree
-//!      raw.rs         layout/                 scl.lalrpop
+//!      raw.rs         classify/               scl.lalrpop
 //! ```
 
 mod actions;
 pub mod address;
 pub mod ast;
+mod classify;
 mod context;
 mod dialect;
 pub mod extent;
 pub mod fragment;
 pub mod keyword;
-mod layout;
 pub mod literal;
 mod messages;
 mod outline;
@@ -68,8 +68,8 @@ fn parse_raw(file: FileId, text: &str, raw: raw::RawText, obey_pragmas: bool) ->
     let mut diagnostics = Vec::new();
     report_comments(file, &raw, &mut diagnostics);
     region::check(file, &raw, &mut diagnostics);
-    let laid = layout::lay_out(file, text, raw, obey_pragmas);
-    diagnostics.extend(laid.diagnostics);
+    let classified = classify::classify(file, text, raw, obey_pragmas);
+    diagnostics.extend(classified.diagnostics);
     let mut reported: Vec<u32> = diagnostics
         .iter()
         .filter(|diagnostic| diagnostic.is_error())
@@ -79,13 +79,13 @@ fn parse_raw(file: FileId, text: &str, raw: raw::RawText, obey_pragmas: bool) ->
     let mut context = context::Context {
         file,
         text,
-        tokens: &laid.tokens,
-        comments: &laid.comments,
+        tokens: &classified.tokens,
+        comments: &classified.comments,
         diagnostics: Vec::new(),
         reported,
         dialect,
     };
-    let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
+    let tokens = classified.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
     let blocks = match grammar::UnitParser::new().parse(&mut context, tokens) {
         Ok(blocks) => blocks,
         Err(error) => {
@@ -98,7 +98,7 @@ fn parse_raw(file: FileId, text: &str, raw: raw::RawText, obey_pragmas: bool) ->
     };
     diagnostics.append(&mut context.diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
-    Parsed { blocks, pragmas: laid.pragmas, diagnostics }
+    Parsed { blocks, pragmas: classified.pragmas, diagnostics }
 }
 
 /// True if a text has the head of a block, or an assignment: mistakes in it are reported one by one.
@@ -133,10 +133,10 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
 
 /// The tokens of a source as the grammar sees them, one per line, for `--emit tokens`.
 pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
-    let laid = layout::lay_out(FileId::default(), text, raw::scan(text), options.pragmas);
+    let classified = classify::classify(FileId::default(), text, raw::scan(text), options.pragmas);
     let mut out = String::new();
     let (mut line, mut counted) = (1usize, 0usize);
-    for (start, token, _) in &laid.tokens {
+    for (start, token, _) in &classified.tokens {
         if *start >= counted {
             line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
             counted = *start;

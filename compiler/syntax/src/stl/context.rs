@@ -29,7 +29,7 @@ pub struct Context<'a> {
     pub tokens: &'a [Spanned<'a>],
     pub comments: &'a [Comment],
     pub diagnostics: Vec<Diagnostic>,
-    /// Starts of the messages of the layout, in order: where there is one, the grammar reports nothing.
+    /// Starts of the messages of `classify`, in order: where there is one, the grammar reports nothing.
     pub reported: Vec<u32>,
     /// Mnemonic set of the file.
     pub set: Mnemonics,
@@ -48,7 +48,7 @@ impl<'a> Context<'a> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Reports a recovered error, unless the layout has reported one within `range`.
+    /// Reports a recovered error, unless `classify` has reported one within `range`.
     pub fn syntax_error(&mut self, error: ErrorRecovery<usize, Tok<'a>, ()>, place: Place, range: Range<usize>) {
         let found = frame::error_range(&error.error).unwrap_or((range.end, range.end));
         if frame::is_reported(&self.reported, &self.diagnostics, range.start.min(found.0)..range.end.max(found.1)) {

@@ -1,17 +1,17 @@
-//! STL for S7-300/400: instruction table, lexer, layout, grammar.
+//! STL for S7-300/400: instruction table, lexer, classifier, grammar.
 //!
 //! ```text
 //! text ──► raw tokens ──► tokens with a meaning ──► syntax tree
-//!      raw.rs        layout/                 stl.lalrpop
+//!      raw.rs        classify/               stl.lalrpop
 //! ```
 
 mod actions;
 mod block_check;
 mod check;
+mod classify;
 mod context;
 pub mod fragment;
 pub mod instructions;
-mod layout;
 mod messages;
 mod mnemonics;
 pub mod pragma;
@@ -76,14 +76,14 @@ fn parse_raw(
     obey_pragmas: bool,
     mut diagnostics: Vec<Diagnostic>,
 ) -> Parsed {
-    let laid = layout::lay_out(file, text, raw, detected, obey_pragmas);
-    diagnostics.extend(laid.diagnostics);
-    let mut context = context::Context::new(file, text, &laid.tokens);
-    context.comments = &laid.comments;
+    let classified = classify::classify(file, text, raw, detected, obey_pragmas);
+    diagnostics.extend(classified.diagnostics);
+    let mut context = context::Context::new(file, text, &classified.tokens);
+    context.comments = &classified.comments;
     context.set = detected.set;
     context.reported = diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
     context.reported.sort_unstable();
-    let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
+    let tokens = classified.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
     let blocks = match grammar::UnitParser::new().parse(&mut context, tokens) {
         Ok(blocks) => blocks,
         Err(error) => {
@@ -104,7 +104,7 @@ fn parse_raw(
         diagnostics.retain(|diagnostic| diagnostic.code != Code::MixedMnemonics);
     }
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
-    Parsed { blocks, pragmas: laid.pragmas, diagnostics }
+    Parsed { blocks, pragmas: classified.pragmas, diagnostics }
 }
 
 /// A file that should not be parsed: not a source, or a template that was not filled in.
@@ -112,10 +112,10 @@ fn refuse(file: FileId, text: &str, raw: &raw::RawText) -> Option<Diagnostic> {
     let spanned = |token: &raw::RawToken| Span { file, start: token.start, end: token.end };
     let first = raw.tokens.first()?;
     if first.kind == raw::RawKind::Less {
-        return Some(layout::not_a_source(spanned(first), "XML begins here"));
+        return Some(classify::not_a_source(spanned(first), "XML begins here"));
     }
     if let Some(at) = text.find('\0') {
-        return Some(layout::not_a_source(Span::new(file, at..at + 1), "a zero byte: the file is not text"));
+        return Some(classify::not_a_source(Span::new(file, at..at + 1), "a zero byte: the file is not text"));
     }
     let listing = raw.tokens.windows(3).find(|tokens| {
         tokens[0].first_on_line
@@ -125,7 +125,7 @@ fn refuse(file: FileId, text: &str, raw: &raw::RawText) -> Option<Diagnostic> {
     });
     if let Some(tokens) = listing {
         let span = spanned(&tokens[0]).to(spanned(&tokens[2]));
-        return Some(layout::not_a_source(span, "head of a listing of machine code"));
+        return Some(classify::not_a_source(span, "head of a listing of machine code"));
     }
     let marker = raw.tokens.iter().find(|token| match token.kind {
         raw::RawKind::Marker => true,
@@ -202,10 +202,10 @@ fn report_mixture(
 pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
     let raw = raw::scan(text);
     let detected = mnemonics::detect(text, &raw, options.mnemonics);
-    let laid = layout::lay_out(FileId::default(), text, raw, &detected, options.pragmas);
+    let classified = classify::classify(FileId::default(), text, raw, &detected, options.pragmas);
     let mut out = String::new();
     let (mut line, mut counted) = (1usize, 0usize);
-    for (start, token, _) in &laid.tokens {
+    for (start, token, _) in &classified.tokens {
         if *start >= counted {
             line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
             counted = *start;

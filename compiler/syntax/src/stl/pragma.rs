@@ -7,8 +7,8 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 use crate::assertion;
 use crate::ast::{AssertLiteral, AssertSide, Assertion, Operand, OperandKind, Pragma};
 use crate::scl;
+use crate::stl::classify::classify_operand;
 use crate::stl::context::Context;
-use crate::stl::layout::lay_out_operand;
 use crate::stl::{grammar, raw};
 
 /// Whether the comment is a pragma. Lines of carets mark expected messages; the compiler ignores them.
@@ -117,7 +117,7 @@ fn operand(
     range: Range<usize>,
     found: &mut Vec<Diagnostic>,
 ) -> Option<AssertSide> {
-    let (tokens, messages) = lay_out_operand(file, text, raw::scan(text), range.start);
+    let (tokens, messages) = classify_operand(file, text, raw::scan(text), range.start);
     found.extend(messages);
     if !found.is_empty() {
         return None;

@@ -1,9 +1,9 @@
-//! Layout of a block: its name, its header, and which part follows.
+//! Classifies the words of a block: its name, its header, and which part follows.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
 use super::expression::Run;
-use super::{Layout, unquoted};
+use super::{Classifier, unquoted};
 use crate::scl::address;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
@@ -17,7 +17,7 @@ enum Frame {
     Type,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// A block from its keyword to its end.
     pub(super) fn block(&mut self) {
         let opening = self.raw[self.at];

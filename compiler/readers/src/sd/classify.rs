@@ -1,4 +1,4 @@
-//! Layout of a network in LAD or FBD: raw tokens to the tokens of the grammar.
+//! Classifies the words of a network in LAD or FBD: raw tokens to the tokens of the grammar.
 //!
 //! Whether a word is an element, a pin, an operand or a label depends on where it is. This pass gives each word its meaning, joins the tokens of an
 //! operand into one, and closes rungs and parentheses that the source left open.
@@ -10,20 +10,21 @@ use super::token::{Spanned, Tok};
 use plcc_syntax::network::ast::Comparison;
 use plcc_syntax::scl::raw::{RawKind, RawToken};
 
-/// The result of the layout of a network.
-pub struct Laid<'a> {
+/// The result of classifying a network.
+pub struct Classified<'a> {
     pub tokens: Vec<Spanned<'a>>,
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Lays out the tokens between `NETWORK` and `END_NETWORK`.
-pub fn lay_out<'a>(file: FileId, text: &'a str, raw: &[RawToken]) -> Laid<'a> {
-    let mut layout = Layout { file, text, raw, at: 0, out: Vec::with_capacity(raw.len()), diagnostics: Vec::new() };
-    layout.network();
-    Laid { tokens: layout.out, diagnostics: layout.diagnostics }
+/// Classifies the tokens between `NETWORK` and `END_NETWORK`.
+pub fn classify<'a>(file: FileId, text: &'a str, raw: &[RawToken]) -> Classified<'a> {
+    let mut classifier =
+        Classifier { file, text, raw, at: 0, out: Vec::with_capacity(raw.len()), diagnostics: Vec::new() };
+    classifier.network();
+    Classified { tokens: classifier.out, diagnostics: classifier.diagnostics }
 }
 
-struct Layout<'a, 'r> {
+struct Classifier<'a, 'r> {
     file: FileId,
     text: &'a str,
     raw: &'r [RawToken],
@@ -33,7 +34,7 @@ struct Layout<'a, 'r> {
     diagnostics: Vec<Diagnostic>,
 }
 
-impl<'a> Layout<'a, '_> {
+impl<'a> Classifier<'a, '_> {
     /// Labels and rungs.
     fn network(&mut self) {
         while let Some(token) = self.raw.get(self.at).copied() {

@@ -1,15 +1,15 @@
-//! Layout of declarations, types and the values of a data block.
+//! Classifies the words of declarations, types and the values of a data block.
 
 use plcc_diag::{Code, Diagnostic};
 
 use super::expression::Run;
-use super::{Layout, NESTING_MAX, unquoted};
+use super::{Classifier, NESTING_MAX, unquoted};
 use crate::ast::{Retain, SectionKind};
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::Tok;
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// A section from its keyword to its end.
     pub(super) fn section(&mut self) {
         let opening = self.raw[self.at];

@@ -1,4 +1,4 @@
-//! Layout of charts: raw tokens to the tokens of the grammar.
+//! Classifies the words of charts: raw tokens to the tokens of the grammar.
 //!
 //! ```text
 //! chart ──► permanent instructions ──► rows ───────────────┐
@@ -22,19 +22,19 @@ use super::lexer::{RawKind, RawToken};
 use super::pragma::{self, Tag};
 use super::token::{Spanned, Tok};
 
-/// Lays out the tokens of a chart: the whole block except its head and declarations.
-pub fn lay_out<'a>(
+/// Classifies the tokens of a chart: the whole block except its head and declarations.
+pub fn classify<'a>(
     file: FileId,
     text: &'a str,
     raw: &[RawToken],
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Vec<Spanned<'a>> {
-    let mut layout = Layout { file, text, raw, at: 0, out: Vec::with_capacity(raw.len()), diagnostics };
-    layout.chart();
-    layout.out
+    let mut classifier = Classifier { file, text, raw, at: 0, out: Vec::with_capacity(raw.len()), diagnostics };
+    classifier.chart();
+    classifier.out
 }
 
-struct Layout<'a, 'r> {
+struct Classifier<'a, 'r> {
     file: FileId,
     text: &'a str,
     raw: &'r [RawToken],
@@ -44,7 +44,7 @@ struct Layout<'a, 'r> {
     diagnostics: &'r mut Vec<Diagnostic>,
 }
 
-impl<'a> Layout<'a, '_> {
+impl<'a> Classifier<'a, '_> {
     fn chart(&mut self) {
         while let Some(token) = self.peek() {
             match self.keyword_at(self.at) {

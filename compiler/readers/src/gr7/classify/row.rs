@@ -1,8 +1,8 @@
-//! Layout of actions and permanent instructions: where a row ends, and what is in the parentheses after its operand.
+//! Classifies the words of actions and permanent instructions: where a row ends, and what is in the parentheses after its operand.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
-use super::Layout;
+use super::Classifier;
 use super::expression::{Place, is_operator};
 use crate::gr7::lexer::RawKind;
 use crate::gr7::pragma::{self, Tag};
@@ -18,7 +18,7 @@ struct Extent {
     qualifier: Option<usize>,
 }
 
-impl<'a> Layout<'a, '_> {
+impl<'a> Classifier<'a, '_> {
     /// `operand := value (qualifier)`
     pub(super) fn action_row(&mut self) {
         let call = self.is_call();

@@ -1,4 +1,4 @@
-//! Layout: raw tokens to the tokens of the grammar.
+//! Classifies words: raw tokens to the tokens of the grammar.
 //!
 //! A word has different meanings in a header, a declaration, before an operand and inside one; line ends end statements in code
 //! and have no meaning elsewhere. This pass follows the frame of the file (header, declarations, code, values) and gives each token
@@ -37,8 +37,8 @@ const BRACKET_DEPTH_MAX: usize = 16;
 /// A text is not a source if it has at least this many lines that are not statements, and more of them than statements.
 const NO_SOURCE_STATEMENTS_MIN: usize = 3;
 
-/// The result of the layout of a file.
-pub struct Laid<'a> {
+/// The result of classifying a file.
+pub struct Classified<'a> {
     pub tokens: Vec<Spanned<'a>>,
     pub diagnostics: Vec<Diagnostic>,
     /// Pragmas that are outside code.
@@ -46,34 +46,39 @@ pub struct Laid<'a> {
     pub comments: Vec<Comment>,
 }
 
-/// Lays out a file.
-pub fn lay_out<'a>(file: FileId, text: &'a str, raw: RawText, detected: &Detected, pragmas: bool) -> Laid<'a> {
-    let mut layout = Layout::new(file, text, raw, detected.set);
-    layout.obey_pragmas = pragmas;
-    layout.mixed = detected.first[1].is_some();
-    layout.file();
-    Laid { tokens: layout.out, diagnostics: layout.diagnostics, pragmas: layout.pragmas, comments: layout.comments }
+/// Classifies the words of a file.
+pub fn classify<'a>(file: FileId, text: &'a str, raw: RawText, detected: &Detected, pragmas: bool) -> Classified<'a> {
+    let mut classifier = Classifier::new(file, text, raw, detected.set);
+    classifier.obey_pragmas = pragmas;
+    classifier.mixed = detected.first[1].is_some();
+    classifier.file();
+    Classified {
+        tokens: classifier.out,
+        diagnostics: classifier.diagnostics,
+        pragmas: classifier.pragmas,
+        comments: classifier.comments,
+    }
 }
 
-/// Lays out the text of an assertion's side: operands, area letters of both sets. `offset`: where `text` begins in the file.
-pub fn lay_out_operand<'a>(
+/// Classifies the words of a side of an assertion: operands, area letters of both sets. `offset`: where `text` begins in the file.
+pub fn classify_operand<'a>(
     file: FileId,
     text: &'a str,
     raw: RawText,
     offset: usize,
 ) -> (Vec<Spanned<'a>>, Vec<Diagnostic>) {
-    let mut layout = Layout::new(file, text, raw, Mnemonics::En);
-    layout.both_sets = true;
-    layout.assert_side();
-    for (start, _, end) in &mut layout.out {
+    let mut classifier = Classifier::new(file, text, raw, Mnemonics::En);
+    classifier.both_sets = true;
+    classifier.assert_side();
+    for (start, _, end) in &mut classifier.out {
         *start += offset;
         *end += offset;
     }
-    for diagnostic in &mut layout.diagnostics {
+    for diagnostic in &mut classifier.diagnostics {
         diagnostic.primary.span.start += offset as u32;
         diagnostic.primary.span.end += offset as u32;
     }
-    (layout.out, layout.diagnostics)
+    (classifier.out, classifier.diagnostics)
 }
 
 /// What follows a block's header.
@@ -84,7 +89,7 @@ enum Frame {
     Type,
 }
 
-struct Layout<'a> {
+struct Classifier<'a> {
     file: FileId,
     text: &'a str,
     raw: Vec<RawToken>,
@@ -104,9 +109,9 @@ struct Layout<'a> {
     obey_pragmas: bool,
 }
 
-impl<'a> Layout<'a> {
-    fn new(file: FileId, text: &'a str, raw: RawText, set: Mnemonics) -> Layout<'a> {
-        Layout {
+impl<'a> Classifier<'a> {
+    fn new(file: FileId, text: &'a str, raw: RawText, set: Mnemonics) -> Classifier<'a> {
+        Classifier {
             file,
             text,
             out: Vec::with_capacity(raw.tokens.len() + raw.tokens.len() / 4),

@@ -1,14 +1,14 @@
-//! Layout of declarations (`VAR … END_VAR`, `STRUCT … END_STRUCT`) and of the values of a data block.
+//! Classifies the words of declarations (`VAR … END_VAR`, `STRUCT … END_STRUCT`) and of the values of a data block.
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{ARRAY_DEPTH_MAX, BRACKET_DEPTH_MAX, Layout, STRUCT_DEPTH_MAX, is_end_of_block, is_section, unquoted};
+use super::{ARRAY_DEPTH_MAX, BRACKET_DEPTH_MAX, Classifier, STRUCT_DEPTH_MAX, is_end_of_block, is_section, unquoted};
 use crate::ast::SectionKind;
 use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// `VAR_INPUT … END_VAR`.
     pub(super) fn section(&mut self) {
         let opening = self.raw[self.at];

@@ -22,7 +22,7 @@ pub fn is_block(word: &str) -> bool {
 }
 
 /// The tokens of a file, its pragmas, and what was wrong with its words.
-pub struct Laid<'a> {
+pub struct Classified<'a> {
     pub tokens: Vec<Spanned<'a>>,
     pub pragmas: Vec<Pragma>,
     pub diagnostics: Vec<Diagnostic>,
@@ -39,38 +39,47 @@ enum Mode {
 }
 
 /// Gives the raw tokens of a file their meaning. `data`: the file has only lines of a data block.
-pub fn lay_out<'a>(
+pub fn classify<'a>(
     file: FileId,
     text: &'a str,
     lines: &[Vec<RawToken>],
     detected: &Detected,
     pragmas: bool,
     data: bool,
-) -> Laid<'a> {
+) -> Classified<'a> {
     let mode = if data { Mode::Data } else { Mode::Code };
-    let laid = Laid { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
-    let mut layout = Layout { file, text, detected, pragmas, mode, place: Where::Statement, end: 0, laid };
+    let classified = Classified { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
+    let mut classifier =
+        Classifier { file, text, detected, pragmas, mode, place: Where::Statement, end: 0, classified };
     for line in lines {
-        layout.line(line);
+        classifier.line(line);
     }
-    layout.laid
+    classifier.classified
 }
 
 /// The tokens of the sides of an assertion, which begin at byte `offset` of the file.
-pub fn lay_out_assertion<'a>(
+pub fn classify_assertion<'a>(
     file: FileId,
     text: &'a str,
     tokens: &[RawToken],
     detected: &Detected,
 ) -> (Vec<Spanned<'a>>, Vec<Diagnostic>) {
-    let laid = Laid { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
-    let mut layout =
-        Layout { file, text, detected, pragmas: false, mode: Mode::Code, place: Where::Assertion, end: 0, laid };
-    layout.operands(tokens);
-    (layout.laid.tokens, layout.laid.diagnostics)
+    let classified = Classified { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
+    let mut classifier = Classifier {
+        file,
+        text,
+        detected,
+        pragmas: false,
+        mode: Mode::Code,
+        place: Where::Assertion,
+        end: 0,
+        classified,
+    };
+    classifier.operands(tokens);
+    (classifier.classified.tokens, classifier.classified.diagnostics)
 }
 
-struct Layout<'a, 'd> {
+struct Classifier<'a, 'd> {
     file: FileId,
     text: &'a str,
     detected: &'d Detected,
@@ -80,17 +89,17 @@ struct Layout<'a, 'd> {
     place: Where,
     /// End of the last token.
     end: usize,
-    laid: Laid<'a>,
+    classified: Classified<'a>,
 }
 
-impl<'a> Layout<'a, '_> {
+impl<'a> Classifier<'a, '_> {
     fn push(&mut self, range: Range<usize>, token: Tok<'a>) {
         self.end = range.end.max(self.end);
-        self.laid.tokens.push((range.start, token, range.end));
+        self.classified.tokens.push((range.start, token, range.end));
     }
 
     fn report(&mut self, diagnostic: Diagnostic) {
-        self.laid.diagnostics.push(diagnostic);
+        self.classified.diagnostics.push(diagnostic);
     }
 
     fn span(&self, range: Range<usize>) -> Span {
@@ -157,9 +166,9 @@ impl<'a> Layout<'a, '_> {
             return;
         }
         let (pragma, assert) =
-            pragma::parse(self.file, self.text, comment.range(), self.detected, &mut self.laid.diagnostics);
+            pragma::parse(self.file, self.text, comment.range(), self.detected, &mut self.classified.diagnostics);
         if stl::pragma::is_for_file(&pragma) {
-            self.laid.pragmas.push(pragma);
+            self.classified.pragmas.push(pragma);
         } else {
             self.push(comment.range(), Tok::Pragma(Box::new(pragma), assert));
             self.end_line();

@@ -1,11 +1,11 @@
-//! Layout of code: where statements begin and end, labels, mnemonics, calls, networks.
+//! Classifies the words of code: where statements begin and end, labels, mnemonics, calls, networks.
 //!
 //! A line end ends a statement unless the statement is incomplete or the next line begins with `(`; `;` always ends it.
 //! Source: docs/decisions/0001-both-statement-forms.md.
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{Layout, header, is_end_of_block, is_section, unquoted};
+use super::{Classifier, header, is_end_of_block, is_section, unquoted};
 use crate::stl::mnemonics::{instruction, other};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
@@ -34,7 +34,7 @@ const FOREIGN_WORDS: &[&str] = &[
     "END_REGION",
 ];
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// Statements up to the end of the block, another block, or the end of the file.
     pub(super) fn code(&mut self) {
         loop {

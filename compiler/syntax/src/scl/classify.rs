@@ -1,4 +1,4 @@
-//! Layout: raw tokens to the tokens of the grammar.
+//! Classifies words: raw tokens to the tokens of the grammar.
 //!
 //! A word has different meanings in a header, a declaration and an expression. This pass follows the frame of the file and gives each token its
 //! meaning. It also closes frames, structured statements and brackets that the source left open, and ends each statement,
@@ -32,8 +32,8 @@ use crate::stl::pragma;
 /// How deep structured statements, STRUCTs and brackets may be nested.
 const NESTING_MAX: usize = 200;
 
-/// The result of the layout of a file.
-pub struct Laid<'a> {
+/// The result of classifying a file.
+pub struct Classified<'a> {
     pub tokens: Vec<Spanned<'a>>,
     pub diagnostics: Vec<Diagnostic>,
     /// Pragmas that are outside code.
@@ -41,9 +41,9 @@ pub struct Laid<'a> {
     pub comments: Vec<Comment>,
 }
 
-/// Lays out a file.
-pub fn lay_out<'a>(file: FileId, text: &'a str, raw: RawText, obey_pragmas: bool) -> Laid<'a> {
-    let mut layout = Layout {
+/// Classifies the words of a file.
+pub fn classify<'a>(file: FileId, text: &'a str, raw: RawText, obey_pragmas: bool) -> Classified<'a> {
+    let mut classifier = Classifier {
         file,
         text,
         iec: raw.iec,
@@ -58,11 +58,16 @@ pub fn lay_out<'a>(file: FileId, text: &'a str, raw: RawText, obey_pragmas: bool
         labels: HashSet::new(),
         constants: HashSet::new(),
     };
-    layout.file();
-    Laid { tokens: layout.out, diagnostics: layout.diagnostics, pragmas: layout.pragmas, comments: layout.comments }
+    classifier.file();
+    Classified {
+        tokens: classifier.out,
+        diagnostics: classifier.diagnostics,
+        pragmas: classifier.pragmas,
+        comments: classifier.comments,
+    }
 }
 
-struct Layout<'a> {
+struct Classifier<'a> {
     file: FileId,
     text: &'a str,
     /// Structured text of IEC 61131-3.
@@ -83,7 +88,7 @@ struct Layout<'a> {
     constants: HashSet<String>,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// The whole file: blocks, and statements outside of them.
     fn file(&mut self) {
         loop {

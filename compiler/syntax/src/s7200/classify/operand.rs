@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::Layout;
+use super::Classifier;
 use crate::ast::Width;
 use crate::s7200::address::{self, AddressError};
 use crate::s7200::ast::{Area, BlockKind};
@@ -37,7 +37,7 @@ pub fn is_bool(word: &str) -> bool {
     matches!(word, "TRUE" | "FALSE" | "ON" | "OFF")
 }
 
-impl<'a> Layout<'a, '_> {
+impl<'a> Classifier<'a, '_> {
     /// The rest of a line.
     pub fn operands(&mut self, tokens: &[RawToken]) {
         let mut at = 0;
@@ -197,7 +197,7 @@ impl<'a> Layout<'a, '_> {
     fn word(&mut self, token: RawToken, text: &'a str) -> Tok<'a> {
         let upper = text.to_ascii_uppercase();
         if self.place == Where::Declaration {
-            let value = matches!(self.laid.tokens.last(), Some((_, Tok::Assign, _)));
+            let value = matches!(self.classified.tokens.last(), Some((_, Tok::Assign, _)));
             return match value && is_bool(&upper) {
                 true => Tok::Bool(matches!(upper.as_str(), "TRUE" | "ON")),
                 false => Tok::Bare(text),

@@ -1,8 +1,8 @@
-//! Layout of expressions: operands, operators, balanced brackets.
+//! Classifies the words of expressions: operands, operators, balanced brackets.
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::Layout;
+use super::Classifier;
 use crate::gr7::lexer::{RawKind, RawToken};
 use crate::gr7::token::Tok;
 use plcc_syntax::scl::ast::BinaryOp;
@@ -21,7 +21,7 @@ pub enum Place {
     Call,
 }
 
-impl<'a> Layout<'a, '_> {
+impl<'a> Classifier<'a, '_> {
     /// Takes the tokens before index `end` as operands and operators.
     pub(super) fn expression(&mut self, end: usize, place: Place) {
         let first = self.out.len();

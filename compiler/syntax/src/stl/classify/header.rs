@@ -1,13 +1,13 @@
-//! Layout of a block: its name, its header, and which part follows.
+//! Classifies the words of a block: its name, its header, and which part follows.
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{Frame, Layout, is_end_of_block, is_section, unquoted};
+use super::{Classifier, Frame, is_end_of_block, is_section, unquoted};
 use crate::stl::mnemonics::{block_prefix, letters_and_digits};
 use crate::stl::raw::RawKind;
 use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag, Tok};
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// A block from its keyword to its end.
     pub(super) fn block(&mut self) {
         let opening = self.raw[self.at];

@@ -1,8 +1,8 @@
-//! Layout of expressions: operands, operators, balanced brackets.
+//! Classifies the words of expressions: operands, operators, balanced brackets.
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{Layout, NESTING_MAX, unquoted};
+use super::{Classifier, NESTING_MAX, unquoted};
 use crate::scl::address;
 use crate::scl::ast::{AssignOp, BinaryOp, Literal};
 use crate::scl::keyword::Keyword;
@@ -53,7 +53,7 @@ impl Run {
     }
 }
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// Takes operands and operators up to the end of `run`; the token there is not consumed.
     pub(super) fn run(&mut self, run: Run) {
         let first = self.out.len();

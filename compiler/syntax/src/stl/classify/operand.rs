@@ -1,16 +1,16 @@
-//! Layout of operands: area letters and addresses, block numbers, registers, names.
+//! Classifies the words of operands: area letters and addresses, block numbers, registers, names.
 
 use plcc_diag::{Code, Diagnostic};
 
 use super::declaration::sign;
-use super::{Layout, unquoted};
+use super::{Classifier, unquoted};
 use crate::ast::{Area, AssertRegister, BlockPrefix, StatusOperand, Width};
 use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 use crate::stl::{Mnemonics, messages};
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// A side of an assertion.
     pub(super) fn assert_side(&mut self) {
         while self.peek().is_some() {

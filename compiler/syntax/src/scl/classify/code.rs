@@ -1,9 +1,9 @@
-//! Layout of statements: where each ends, and what closes each structured statement.
+//! Classifies the words of statements: where each ends, and what closes each structured statement.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
 use super::expression::{Run, ends_operand};
-use super::{Layout, NESTING_MAX};
+use super::{Classifier, NESTING_MAX};
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::Tok;
@@ -26,7 +26,7 @@ struct Open {
     until: bool,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// Statements up to the end of the block, which is not consumed.
     pub(super) fn code(&mut self) {
         let mut open: Vec<Open> = Vec::new();
