@@ -7,7 +7,8 @@
 //! ```
 //!
 //! - `overlay` lets expressions be read in place: it replaces entities and markup.
-//! - `objects` are contacts, blocks and variables with the lines between them; `order` groups them into networks, `graph` turns them into elements and nets.
+//! - `objects` are contacts, blocks and variables with the lines between them; `order` groups them into networks, `graph` turns them into
+//!   elements and nets.
 //! - `chart` turns SFC bodies into charts.
 //! - `scope` resolves names: located and global variables are tags and components of a data block here; `functions` translates
 //!   standard functions to SCL.

@@ -24,8 +24,8 @@ impl Overlay {
         self.text
     }
 
-    /// Writes `text` into `node`, at `wanted` if there is room, otherwise at its start, otherwise anywhere in the file where it fits. Returns the bytes that it uses,
-    /// or none if it fits nowhere.
+    /// Writes `text` into `node`, at `wanted` if there is room, otherwise at its start, otherwise anywhere in the file where it fits.
+    /// Returns the bytes that it uses, or none if it fits nowhere.
     pub fn place(&mut self, text: &str, wanted: usize, node: Range<usize>) -> Option<Range<usize>> {
         let fits = |overlay: &Overlay, at: usize| overlay.is_free(at..at + text.len());
         let inside = |at: usize| at >= node.start && at + text.len() <= node.end;

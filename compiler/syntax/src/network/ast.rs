@@ -36,7 +36,7 @@ pub enum Language {
     Stl,
 }
 
-/// What a network is made of.
+/// What a network consists of.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     Graphic(Graph),

@@ -2,7 +2,7 @@
 //!
 //! Lexer, parser, checks, the reference page and the coverage test read these rows. `flags` are the bits of SM1 that the instruction writes:
 //! `Z` SM1.0, `V` SM1.1, `N` SM1.2, `D` SM1.3, a number the bit SM1.n. `eno` says when ENO is 0, apart from a bad pointer: `-` the
-//! instruction has no ENO; `Yes` for errors of its own; letters and numbers: that bit of SM1 is set; `Range`, `Index`, `Count`,
+//! instruction has no ENO; `Yes` for its own errors; letters and numbers: that bit of SM1 is set; `Range`, `Index`, `Count`,
 //! `Format`, `Nesting`: errors of that kind. Rows follow the chapters of the S7-200 system manual.
 
 use std::borrow::Cow;

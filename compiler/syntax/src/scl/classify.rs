@@ -89,7 +89,7 @@ struct Classifier<'a> {
 }
 
 impl<'a> Classifier<'a> {
-    /// The whole file: blocks, and statements outside of them.
+    /// The whole file: blocks, and statements outside them.
     fn file(&mut self) {
         loop {
             let Some(token) = self.peek() else {

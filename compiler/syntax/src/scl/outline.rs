@@ -8,7 +8,7 @@ use crate::elementary::Elementary;
 use crate::language::Language;
 use crate::stl::is_mnemonic;
 
-/// A block of a source, or the statements outside of blocks.
+/// A block of a source, or the statements outside blocks.
 pub struct OutlinedBlock {
     pub range: Range<usize>,
     /// None: nothing decides.
