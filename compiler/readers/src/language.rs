@@ -1,4 +1,4 @@
-//! Which language a source is written in. The statements of its blocks tell, and where there are none, the forms of its declarations.
+//! Which language a source is written in. The statements of its blocks decide; without statements, the forms of its declarations.
 
 use std::ops::Range;
 
@@ -7,9 +7,9 @@ use plcc_syntax::{Language, s7200};
 
 use crate::gr7;
 
-/// How a source is to be read.
+/// How to read a source.
 pub enum Reading {
-    /// All of it in one language.
+    /// The whole source in one language.
     Whole(Language),
     /// The bytes of its SCL blocks; the rest is STL.
     Mixed(Vec<Range<usize>>),
@@ -17,7 +17,7 @@ pub enum Reading {
     WithCharts(Vec<Range<usize>>),
 }
 
-/// Tells how to read `text`; `hint` decides where its content does not.
+/// Decides how to read `text`; `hint` decides where its content does not.
 pub fn detect(text: &str, hint: Option<Language>) -> Reading {
     if hint == Some(Language::Sd) || hint.is_none() && has_networks_of_sd(text) {
         return Reading::Whole(Language::Sd);
@@ -28,14 +28,14 @@ pub fn detect(text: &str, hint: Option<Language>) -> Reading {
             None => Reading::Whole(Language::Graph),
         };
     }
-    // Exports of Micro/WIN and STEP 7 have the same ending, so that a hint of STL leaves it open.
+    // Exports of Micro/WIN and STEP 7 have the same extension, so a hint of STL does not decide it.
     if hint == Some(Language::S7200) || matches!(hint, None | Some(Language::Stl)) && s7200::is_s7200(text) {
         return Reading::Whole(Language::S7200);
     }
     detect_statements(text, hint)
 }
 
-/// Tells how to read a `text` of STL and SCL.
+/// Decides how to read a `text` of STL and SCL.
 pub fn detect_statements(text: &str, hint: Option<Language>) -> Reading {
     let Outline { blocks, modern } = outline(text);
     let scl = blocks.iter().any(|block| block.language == Some(Language::Scl));
@@ -53,12 +53,12 @@ pub fn detect_statements(text: &str, hint: Option<Language>) -> Reading {
     }
 }
 
-/// Whether a line of the text ends a network, which only SIMATIC SD does.
+/// Whether a line of the text ends a network. Only SIMATIC SD has such lines.
 fn has_networks_of_sd(text: &str) -> bool {
     text.lines().any(|line| line.trim().eq_ignore_ascii_case("END_NETWORK"))
 }
 
-/// `text` with blanks in place of all bytes inside (`keep` false) or outside (`keep` true) of `ranges`; line ends stay.
+/// `text` with blanks in place of all bytes inside (`keep` false) or outside (`keep` true) of `ranges`; line ends remain.
 pub fn masked(text: &str, ranges: &[Range<usize>], keep: bool) -> String {
     let mut out = String::with_capacity(text.len());
     let mut at = 0;

@@ -7,7 +7,7 @@
 //! - [`simatic_ml`]: exports of the TIA Portal in XML.
 //! - [`symbols`]: symbol tables.
 //!
-//! **Invariant**: never fails; gives a tree and diagnostics. Trees are those of [`plcc_syntax`]; no reader knows symbols.
+//! **Invariant**: reading never fails; it returns a tree and diagnostics. Trees are those of [`plcc_syntax`]; no reader looks up symbols.
 
 pub mod gr7;
 mod language;
@@ -27,22 +27,22 @@ use language::Reading;
 pub struct ReadOptions<'a> {
     /// The mnemonic set; `None`: found in the file.
     pub mnemonics: Option<stl::Mnemonics>,
-    /// Assertion pragmas (`//@ …`) are read; else they are comments.
+    /// Assertion pragmas (`//@ …`) are read; otherwise they are comments.
     pub pragmas: bool,
-    /// The language, if the name of the file tells; `None`: found in the file.
+    /// The language, if the name of the file decides it; `None`: found in the file.
     pub language: Option<Language>,
     /// Texts of titles and comments that the file names by id.
     pub texts: Option<&'a sd::Texts>,
 }
 
 impl ReadOptions<'_> {
-    /// What the parsers of STL and SCL want to know.
+    /// The options for the parsers of STL and SCL.
     fn parsing(&self) -> ParseOptions {
         ParseOptions { mnemonics: self.mnemonics, pragmas: self.pragmas }
     }
 }
 
-/// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
+/// Parses a source. Never fails: the messages say what is wrong, in the order of the text.
 pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (ast::SourceUnit, Vec<Diagnostic>) {
     match xml::kind(text) {
         Some(xml::XmlKind::PlcOpen) => return plcopen::parse(file, text),
@@ -74,7 +74,7 @@ fn read(file: FileId, text: &str, options: &ReadOptions, reading: Reading) -> (a
     }
 }
 
-/// Parts of one file, which were read apart.
+/// Joins parts of one file that were read separately.
 fn joined(
     (mut unit, mut diagnostics): (ast::SourceUnit, Vec<Diagnostic>),
     (other, messages): (ast::SourceUnit, Vec<Diagnostic>),

@@ -1,8 +1,8 @@
-//! Symbol tables: `.asc`, `.sdf`, `.seq`, `.dif`, `;`-separated, tag tables in XML and sheets of a workbook, told apart by their content.
+//! Symbol tables: `.asc`, `.sdf`, `.seq`, `.dif`, `;`-separated, tag tables in XML and sheets of a workbook, distinguished by their content.
 //!
-//! Each row gives a symbol, its address, its data type and a comment. Addresses are taken in both mnemonic sets (`E 0.0` is
-//! `I 0.0`). Tables for the S7-200 have columns of their own (`s7200`). A row that cannot be read is one message; the others are read all the same.
-//! Source: STL reference, symbol tables; exports of the newer portal tool have more columns behind the first three.
+//! Each row has a symbol, its address, its data type and a comment. Addresses are accepted in both mnemonic sets (`E 0.0` is
+//! `I 0.0`). Tables for the S7-200 have different columns (`s7200`). A row that cannot be read is one message; the others are still read.
+//! Source: STL reference, symbol tables; exports of the TIA Portal have more columns after the first three.
 
 mod s7200;
 mod sheets;
@@ -21,7 +21,7 @@ enum Format {
     Seq,
     Dif,
     Semicolon,
-    /// Name, address and comment of the S7-200, with the sign between them.
+    /// Name, address and comment of the S7-200, with the separator between them.
     Plain(char),
 }
 
@@ -67,7 +67,7 @@ pub fn parse(file: FileId, source: &SourceFile) -> (SymbolTable, Vec<Diagnostic>
         Some(Format::Plain(separator)) => reader.plain(separator),
         None => {
             let line = lines(&source.text).find(|(_, line)| !line.trim().is_empty()).unwrap_or((0, ""));
-            reader.bad(line.0, line.1, "this is none of the formats .asc, .sdf, .seq, .dif or `;`-separated text");
+            reader.bad(line.0, line.1, "this is not one of the formats .asc, .sdf, .seq, .dif or `;`-separated text");
         }
     }
     // Rows of the S7-200 in a table of S7-300/400 are mistakes.
@@ -94,7 +94,7 @@ fn format(text: &str) -> Option<Format> {
     if first.trim_start().starts_with('"') && first.matches("\",").count() >= 2 {
         return Some(Format::Sdf);
     }
-    // A header line may stand before the rows.
+    // A header line may come before the rows.
     let is_row = |line: &str| {
         let mut fields = line.split(';');
         let name = fields.next().unwrap_or("").trim();
@@ -111,9 +111,9 @@ struct Reader<'a> {
     file: FileId,
     text: &'a str,
     table: SymbolTable,
-    /// What is to be said of rows that only the S7-200 has, if the table is for S7-300/400.
+    /// The messages for rows that only the S7-200 has, if the table is for S7-300/400.
     only_s7200: Vec<Diagnostic>,
-    /// Some row has an address that the S7-200 does not have.
+    /// Whether some row has an address that the S7-200 does not have.
     only_s7300: bool,
     diagnostics: Vec<Diagnostic>,
 }
@@ -133,7 +133,7 @@ impl Reader<'_> {
     fn message(&self, start: usize, line: &str, why: &str) -> Diagnostic {
         Diagnostic::new(Code::SymbolTable, self.span(start, line), "this line of the symbol table cannot be read")
             .label(why)
-            .help("a row gives a symbol, its address such as `I 0.0` or `FC 105`, its data type and a comment")
+            .help("a row contains a symbol, its address such as `I 0.0` or `FC 105`, its data type and a comment")
     }
 
     fn row(&mut self, start: usize, line: &str, name: &str, address: &str, ty: &str, comment: &str) {
@@ -150,7 +150,7 @@ impl Reader<'_> {
         }
         let of_s7200 = self.keep_s7200(start, line, name, address, comment.trim());
         let Some(target) = parse_address(address) else {
-            let why = format!("`{address}` is no address");
+            let why = format!("`{address}` is not an address");
             if of_s7200 {
                 let message = self.message(start, line, &why);
                 return self.only_s7200.push(message);
@@ -197,7 +197,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Quoted or bare fields. A line with a quote too few is left out before, so that it spoils no other row.
+    /// Quoted or bare fields. A line with a missing quote is removed first, so it does not affect other rows.
     fn delimited(&mut self, delimiter: u8) {
         let text = self.text;
         let mut rows = Vec::new();
@@ -225,11 +225,11 @@ impl Reader<'_> {
                 continue;
             }
             let field = |at: usize| record.get(at).unwrap_or("");
-            // The header of a table that a person keeps.
+            // The header of a table that is kept by hand.
             if index == 0 && delimiter == b';' && parse_address(field(1)).is_none() {
                 continue;
             }
-            // Exports of the portal tool have three flags between the type and the comment.
+            // Exports of the TIA Portal have three flags between the type and the comment.
             let comment = if record.len() > 6 { field(6) } else { field(3) };
             self.row(start, line, field(0), field(1), field(2), comment);
         }
@@ -431,7 +431,7 @@ mod tests {
         assert_eq!((table.symbols.len(), table.s7200.len()), (2, 2));
         let (table, _) = parse(FileId(0), &SourceFile::new("table", "\tE 0.0\tKey\t\n"));
         assert_eq!((table.s7200[0].address.as_str(), table.symbols.len()), ("E0.0", 1));
-        // A table for S7-300 with a row that is none.
+        // A table for S7-300 with a bad row.
         let (_, bad) = read("Lamp;A 4.1;BOOL;text\nSCALE;FC105;FC 105;\nx;VW 100;WORD;\n");
         assert_eq!(bad, 1);
     }

@@ -1,11 +1,11 @@
-//! Files in XML: what they are, by their root element, and small helpers to walk in them.
+//! Files in XML: their kind, by root element, and small helpers to walk through them.
 //!
-//! Names of elements are compared without their name space: it changes with each version of the tool, the words do not.
+//! Names of elements are compared without their namespace, which changes with each version of the tool.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use roxmltree::{Document, Node};
 
-/// What a text in XML holds.
+/// The kind of a text in XML.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum XmlKind {
     /// An export of the TIA Portal.
@@ -20,18 +20,18 @@ pub enum XmlKind {
     Broken,
 }
 
-/// What an export of the TIA Portal holds.
+/// The contents of an export of the TIA Portal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Contents {
     /// Blocks or data types.
     pub blocks: bool,
     /// Tables of tags and user constants.
     pub tags: bool,
-    /// The first object that is neither of them, by the name of its element.
+    /// Other contents: the element name of the first object.
     pub other: Option<String>,
 }
 
-/// Tells what `text` holds; `None` if it is no XML.
+/// The kind of `text`; `None` if it is not XML.
 pub fn kind(text: &str) -> Option<XmlKind> {
     if !text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
         return None;
@@ -55,7 +55,7 @@ fn is_plcopen(root: Node) -> bool {
         || parts.iter().any(|part| child(root, part).is_some())
 }
 
-/// The objects of an export stand below its root, or one level deeper in files that hold several.
+/// The objects of an export are below its root, or one level deeper in files with several objects.
 fn contents(root: Node) -> Contents {
     let mut contents = Contents::default();
     for node in objects(root) {
@@ -81,7 +81,7 @@ pub fn is_tag_table(name: &str) -> bool {
     name.eq_ignore_ascii_case("Tagtable") || name.eq_ignore_ascii_case("Tagtables")
 }
 
-/// Whether an element of that name is a part of an export: what stands below a block.
+/// Whether an element of that name is a part of an export that belongs below a block.
 pub fn is_fragment(name: &str) -> bool {
     let code =
         ["FlgNet", "StructuredText", "StatementList", "Graph", "NetworkSource", "Parts", "Wires", "Access", "Part"];
@@ -89,7 +89,7 @@ pub fn is_fragment(name: &str) -> bool {
     code.contains(&name) || rest.contains(&name)
 }
 
-/// The objects of an export, in the order of the file: elements with a point in their name that stand in no other one.
+/// The objects of an export, in the order of the file: elements with a point in their name that are not inside another one.
 pub fn objects<'a, 'i>(root: Node<'a, 'i>) -> Vec<Node<'a, 'i>> {
     let is_object = |node: &Node| node.is_element() && node.tag_name().name().contains('.');
     if is_object(&root) {
@@ -114,7 +114,7 @@ pub struct Fault {
     pub text: String,
 }
 
-/// An element may have so many attributes. The parser compares each with all before it; no editor writes more than a few dozen.
+/// An element may have at most this many attributes. The parser compares each with all before it; no editor writes more than a few dozen.
 const ATTRIBUTES_MAX: usize = 1000;
 
 /// Reads a text as XML, in time that follows its length.
@@ -139,13 +139,13 @@ pub fn parse(text: &str) -> Result<Document<'_>, Fault> {
 
 /// Where a tag with too many attributes begins.
 fn crowded(text: &str) -> Option<usize> {
-    let behind = |at: usize, end: &str| text[at..].find(end).map(|found| at + found + end.len());
+    let after = |at: usize, end: &str| text[at..].find(end).map(|found| at + found + end.len());
     let mut at = 0;
     while let Some(start) = text[at..].find('<').map(|found| at + found) {
         let rest = &text[start..];
         let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
         if let Some((begin, end)) = skipped.iter().find(|(begin, _)| rest.starts_with(begin)) {
-            at = behind(start + begin.len(), end)?;
+            at = after(start + begin.len(), end)?;
             continue;
         }
         let (mut quote, mut count) = (None, 0);
@@ -170,13 +170,13 @@ fn crowded(text: &str) -> Option<usize> {
     None
 }
 
-/// The message for a text that is no well-formed XML.
+/// The message for a text that is not well-formed XML.
 pub fn broken(file: FileId, text: &str, fault: &Fault) -> Diagnostic {
     let start = fault.at;
     let end = text.get(start..).and_then(|rest| rest.chars().next()).map_or(start, |c| start + c.len_utf8());
-    Diagnostic::new(Code::NotASource, Span::new(file, start..end), "the file is no well-formed XML")
+    Diagnostic::new(Code::NotASource, Span::new(file, start..end), "the file is not well-formed XML")
         .label(fault.text.clone())
-        .help("export it again, and copy it whole")
+        .help("export it again, and copy the whole file")
 }
 
 /// The elements below a node.

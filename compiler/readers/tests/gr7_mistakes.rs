@@ -1,4 +1,4 @@
-//! All mistakes of a file are told in one run, each once, and what stands around them is read.
+//! All mistakes of a file are reported in one run, each once, and the text around them is read.
 
 use plcc_diag::FileId;
 use plcc_readers::{ReadOptions, parse};
@@ -33,7 +33,7 @@ fn charts_are_known_by_their_content() {
         assert_eq!(unit.blocks.len(), 5);
         assert!(ast_text(&unit).contains("initial_step 1 \"Off\""));
     }
-    // Comments and labels of other languages are no charts.
+    // Comments and labels of other languages are not charts.
     for text in ["// END_STEP\nA I0.0\n= Q4.0\n", "END_STEP: A I0.0\n= Q4.0\n", "(*\nINITIAL_STEP\n*)\nx := 1;\n"] {
         let (unit, _) = parse(FileId(0), text, &ReadOptions::default());
         assert!(!ast_text(&unit).contains("chart"), "{text}");

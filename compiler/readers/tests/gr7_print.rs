@@ -1,4 +1,4 @@
-//! A chart that was read, printed in one form and read again, is the same chart.
+//! A chart that is read, printed in one form and read again is the same chart.
 
 use std::fmt::Write as _;
 
@@ -62,7 +62,7 @@ fn long_conditions_are_read() {
 fn print(source: &str, unit: &SourceUnit) -> String {
     let mut out = String::new();
     for block in &unit.blocks {
-        let Block::Code(block) = block else { panic!("a chart is no data") };
+        let Block::Code(block) = block else { panic!("a chart is not data") };
         block_text(&mut out, source, block);
     }
     out
@@ -166,8 +166,8 @@ fn step_text(out: &mut String, step: &Step) {
         };
         let event = action.event.map_or(String::new(), |event| format!("{}_", event.name()));
         let mark = if action.interlock { "C" } else { "" };
-        let behind = action.comment.as_ref().map_or(String::new(), |text| format!(" (* {text} *)"));
-        writeln!(out, "{body}   ({event}{}{mark}){behind}", action.qualifier.name()).unwrap();
+        let after = action.comment.as_ref().map_or(String::new(), |text| format!(" (* {text} *)"));
+        writeln!(out, "{body}   ({event}{}{mark}){after}", action.qualifier.name()).unwrap();
     }
     out.push_str("END_STEP\n\n");
 }

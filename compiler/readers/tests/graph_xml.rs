@@ -1,4 +1,4 @@
-//! Charts of exports in XML: what transitions leave and enter, and what steps do.
+//! Charts of exports in XML: the steps that transitions leave and enter, and the actions of steps.
 
 use plcc_diag::{Diagnostic, FileId};
 use plcc_readers::{ReadOptions, parse};
@@ -36,7 +36,7 @@ fn chart_and_messages(text: &str) -> (Body, Vec<Diagnostic>) {
     }
 }
 
-/// `T1: Off -> StarCW @0`, the path behind `@`.
+/// `T1: Off -> StarCW @0`, the path after `@`.
 fn transitions(chart: &Body) -> Vec<String> {
     let names = |list: &[Name]| list.iter().map(|name| name.text.as_str()).collect::<Vec<_>>().join(" ");
     let shown = chart.transitions.iter().map(|transition| {
@@ -193,7 +193,7 @@ fn instances_have_no_values_of_steps() {
     assert_eq!(block.values.len(), 1, "{:?}", block.values);
 }
 
-/// The codes of the messages when `old` gives way to `new` in the export of all forms.
+/// The codes of the messages when `new` replaces `old` in the export of all forms.
 fn codes(old: &str, new: &str) -> Vec<&'static str> {
     let changed = FORMS.replacen(old, new, 1);
     assert_ne!(changed, FORMS, "{old}");

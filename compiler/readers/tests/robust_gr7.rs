@@ -1,4 +1,4 @@
-//! Whatever a GRAPH source text holds, reading it ends soon, without a panic, and every message has a place in the text.
+//! Whatever a GRAPH source text contains, reading it ends soon, without a panic, and every message has a place in the text.
 
 mod mutate;
 
@@ -33,7 +33,7 @@ fn options(pragmas: bool, language: Option<Language>) -> ReadOptions<'static> {
     ReadOptions { pragmas, language, ..ReadOptions::default() }
 }
 
-/// Reads a text, prints what comes of it, and looks at the places of all messages.
+/// Reads a text, prints the result, and checks the positions of all messages.
 fn check(text: &str) {
     for language in [None, Some(Language::Graph)] {
         for pragmas in [false, true] {
@@ -41,7 +41,11 @@ fn check(text: &str) {
             for diagnostic in &diagnostics {
                 let places = std::iter::once(&diagnostic.primary).chain(&diagnostic.secondary);
                 for span in places.map(|label| label.span) {
-                    assert!(text.get(span.range()).is_some(), "{}: {span:?} is no part of the text", diagnostic.title);
+                    assert!(
+                        text.get(span.range()).is_some(),
+                        "{}: {span:?} is not a part of the text",
+                        diagnostic.title
+                    );
                 }
             }
             ast_text(&unit);

@@ -1,4 +1,4 @@
-//! Whatever a project in PLCopen XML holds, it is read without a panic, its graphs hold together, and they can be drawn.
+//! Whatever a project in PLCopen XML contains, it is read without a panic, its graphs hold together, and they can be drawn.
 
 mod mutate;
 
@@ -97,7 +97,7 @@ fn networks(code: &Code) -> Vec<&Network> {
     }
 }
 
-/// Numbers and names that the file does not give are there once, and lines lead to steps of the chart.
+/// Numbers and names that the file does not give are unique, and lines lead to steps of the chart.
 fn numbers_differ(chart: &Chart) -> Result<(), TestCaseError> {
     let steps: HashSet<u32> = chart.steps.iter().map(|step| step.number).collect();
     prop_assert_eq!(steps.len(), chart.steps.len());
@@ -109,7 +109,7 @@ fn numbers_differ(chart: &Chart) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Nets know the output pins that feed them, and the other way round.
+/// Nets know the output pins that feed them, and vice versa.
 fn holds_together(graph: &Graph) -> Result<(), TestCaseError> {
     for (at, net) in graph.nets.iter().enumerate() {
         for source in &net.sources {

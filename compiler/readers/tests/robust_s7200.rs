@@ -1,4 +1,4 @@
-//! Whatever a source for the S7-200 holds, reading it ends soon, without a panic, and every message has a place in the text.
+//! Whatever a source for the S7-200 contains, reading it ends soon, without a panic, and every message has a place in the text.
 
 mod mutate;
 
@@ -134,9 +134,9 @@ proptest! {
 
     #[test]
     fn cut_sources(place in any::<prop::sample::Index>()) {
-        let (before, behind) = mutate::cut(FORMS, place);
+        let (before, after) = mutate::cut(FORMS, place);
         read(before);
-        read(behind);
+        read(after);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Whatever a source in SIMATIC SD holds, reading it ends soon, without a panic, and every message has a place in the text.
+//! Whatever a source in SIMATIC SD contains, reading it ends soon, without a panic, and every message has a place in the text.
 
 mod mutate;
 
@@ -36,14 +36,14 @@ fn options(pragmas: bool) -> ReadOptions<'static> {
     ReadOptions { pragmas, language: Some(Language::Sd), ..ReadOptions::default() }
 }
 
-/// Reads a text, prints what comes of it, and looks at the places of all messages.
+/// Reads a text, prints the result, and checks the positions of all messages.
 fn check(text: &str) {
     for pragmas in [false, true] {
         let (unit, diagnostics) = parse(FileId(0), text, &options(pragmas));
         for diagnostic in &diagnostics {
             let places = std::iter::once(&diagnostic.primary).chain(&diagnostic.secondary);
             for span in places.map(|label| label.span) {
-                assert!(text.get(span.range()).is_some(), "{}: {span:?} is no part of the text", diagnostic.title);
+                assert!(text.get(span.range()).is_some(), "{}: {span:?} is not a part of the text", diagnostic.title);
             }
         }
         ast_text(&unit);

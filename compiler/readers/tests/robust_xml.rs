@@ -1,4 +1,4 @@
-//! Whatever an export in XML holds, reading it ends soon, without a panic, and every message and span has a place in the text.
+//! Whatever an export in XML contains, reading it ends soon, without a panic, and every message and span has a place in the text.
 
 mod mutate;
 
@@ -24,7 +24,7 @@ const FILES: [&str; 12] = [
     include_str!("../../../tests/parse/simatic-ml/two-doses/TwoDoses_DB.xml"),
 ];
 
-/// Words that give way to others, so that the text stays well-formed.
+/// Words that are replaced by others, so the text stays well-formed.
 const WORDS: &[&str] = &[
     "Access",
     "Part",
@@ -137,7 +137,7 @@ const WORDS: &[&str] = &[
     "-9223372036854775808",
 ];
 
-/// Reads a text; gives whether it was XML that could be read.
+/// Reads a text; returns whether it was XML that could be read.
 fn check(text: &str) -> bool {
     let options = ReadOptions { pragmas: true, ..ReadOptions::default() };
     let (unit, messages) = parse(FileId(0), text, &options);
@@ -207,7 +207,7 @@ proptest! {
     }
 }
 
-/// `text` with names, values and texts of elements given way to words: mostly still well-formed.
+/// `text` with words in place of names, values and texts of elements: usually still well-formed.
 fn exchanged(text: &str, edits: Vec<(prop::sample::Index, usize)>) -> String {
     let mut text = text.to_owned();
     for (place, word) in edits {

@@ -1,4 +1,4 @@
-//! The same network gives the same graph, whichever way SIMATIC SD writes it.
+//! The same network gives the same graph in each form that SIMATIC SD allows.
 
 use plcc_diag::FileId;
 use plcc_readers::{ReadOptions, parse};
@@ -15,11 +15,11 @@ fn graph(language: &str, rungs: &str) -> String {
     let (unit, diagnostics) = parse(FileId(0), &text, &options);
     let errors: Vec<_> = diagnostics.iter().filter(|diagnostic| diagnostic.is_error()).collect();
     assert!(errors.is_empty(), "{rungs}: {errors:?}");
-    let [Block::Code(block)] = unit.blocks.as_slice() else { panic!("{:?} is no single block", unit.blocks) };
-    let Code::Graphic(body) = &block.code else { panic!("{:?} is no list of networks", block.code) };
+    let [Block::Code(block)] = unit.blocks.as_slice() else { panic!("{:?} is not a single block", unit.blocks) };
+    let Code::Graphic(body) = &block.code else { panic!("{:?} is not a list of networks", block.code) };
     match &body.networks[0].content {
         Content::Graphic(graph) => network::text::graph(graph).join("\n"),
-        other => panic!("{other:?} is no graph"),
+        other => panic!("{other:?} is not a graph"),
     }
 }
 

@@ -1,5 +1,5 @@
-//! The form of assertions, the same for every language: comparisons joined by AND, OR, NOT and parentheses. What stands on a side of a
-//! comparison is an operand of the language, which its own grammar reads.
+//! The form of assertions, the same for every language: comparisons joined by AND, OR, NOT and parentheses. A side of a
+//! comparison is an operand of the language, and the grammar of the language reads it.
 
 use std::ops::Range;
 
@@ -7,10 +7,10 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ast::{AssertOp, Assertion, Comparison, Condition, Side};
 
-/// Parentheses and NOTs that may lie in one another.
+/// How deep parentheses and NOTs may be nested.
 const DEPTH_MAX: usize = 50;
 
-/// Tells what is wrong with the form.
+/// What is wrong with the form.
 pub const HELP: &str = "write e.g. `assert MW 10 == 5`, `assert MW 10 as INT < -5`, `assert STW.OV == 1 AND NOT (Q 4.0 == 1 OR ACCU1 == W#16#8000)`";
 
 /// A part of an assertion.
@@ -25,12 +25,12 @@ enum Part {
     Close,
 }
 
-/// Reads an operand from its range; what it reports stays reported.
+/// Reads an operand from its range, and reports what is wrong with it.
 type SideReader<'s, S> = dyn FnMut(Range<usize>, &mut Vec<Diagnostic>) -> Option<S> + 's;
 
 /// Reads the assertion in `range` of `source`. `side` reads an operand.
 ///
-/// `None`: a message was given.
+/// `None`: a message was reported.
 pub fn parse<S>(
     file: FileId,
     source: &str,
@@ -59,7 +59,7 @@ pub fn parse<S>(
     Some(Assertion { condition, comparisons })
 }
 
-/// The parts of an assertion with their places. Signs and words in quotes, behind `.` and `#`, and parentheses of `B#(1,8)` belong to sides.
+/// The parts of an assertion with their places. Characters and words in quotes or after `.` and `#`, and the parentheses of `B#(1,8)`, belong to sides.
 fn parts(source: &str, range: Range<usize>) -> Vec<(Part, Range<usize>)> {
     let bytes = source.as_bytes();
     let mut parts: Vec<(Part, Range<usize>)> = Vec::new();
@@ -161,7 +161,7 @@ impl<S> Reader<'_, S> {
     fn refuse<T>(&mut self, place: Range<usize>) -> Option<T> {
         let place = if place.is_empty() { self.parts.last().map_or(place, |(_, last)| last.clone()) } else { place };
         self.diagnostics.push(
-            Diagnostic::new(Code::Pragma, Span::new(self.file, place), "this assertion cannot be understood")
+            Diagnostic::new(Code::Pragma, Span::new(self.file, place), "plcc cannot read this assertion")
                 .label("an assertion is: operand, comparison, operand")
                 .help(HELP),
         );
@@ -227,7 +227,7 @@ impl<S> Reader<'_, S> {
                     Span::new(self.file, place),
                     "an assertion compares with `==`, not with `=`",
                 )
-                .label("no comparison")
+                .label("not a comparison")
                 .help("comparisons are `== <> >= <= > <`"),
             );
             return None;
@@ -239,7 +239,7 @@ impl<S> Reader<'_, S> {
         Some(Condition::Compare(self.comparisons.len() as u32 - 1))
     }
 
-    /// A side, with `as TYPE` behind it if there is one.
+    /// A side, with `as TYPE` after it if there is one.
     fn operand(&mut self) -> Option<Side<S>> {
         let Some((Part::Side, place)) = self.parts.get(self.at).cloned() else {
             let place = self.place();
@@ -337,7 +337,7 @@ mod tests {
         ] {
             let found = read(text);
             if text == "a == 1 b" {
-                // The operand `1 b` is what its language says of it.
+                // Whether `1 b` is an operand is up to the language.
                 assert_eq!(found.as_deref(), Ok("a==1 b"));
             } else {
                 assert_eq!(found, Err(place.to_string()), "{text}");

@@ -1,7 +1,7 @@
 //! Syntax tree of block-framed sources (the statements are those of STL; frames, declarations and data blocks serve every textual language).
 //!
-//! Names are kept as written; nothing is looked up here. What could not be parsed is left out or is an `Error` node,
-//! and a diagnostic tells of it.
+//! Names are kept as written; nothing is looked up here. Text that could not be parsed is left out or becomes an `Error` node,
+//! and a diagnostic reports it.
 
 use plcc_diag::Span;
 
@@ -16,16 +16,16 @@ use crate::stl::{Mnemonics, StlInsn};
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct SourceUnit {
     pub mnemonics: Mnemonics,
-    /// Statements without a block header are an OB 1.
+    /// Statements without a block header form OB 1.
     pub blocks: Vec<Block>,
-    /// `//@ cpu`, `//@ test` and other pragmas that hold for the file.
+    /// `//@ cpu`, `//@ test` and other pragmas that apply to the file.
     pub pragmas: Vec<Pragma>,
-    /// Of files that hold names and operands in a notation of their own (XML): text as long as the file, which has at each span what the
+    /// For files with their own notation of names and operands (XML): a text as long as the file, which has at each span what the
     /// span means, `#motor.speed`.
     pub overlay: Option<String>,
-    /// Interfaces of other blocks as calls in the file describe them, without code: they count only where no source defines the block.
+    /// Interfaces of other blocks, without code, as calls in the file describe them. They count only if no source defines the block.
     pub outlines: Vec<CodeBlock>,
-    /// Of sources for the S7-200, which have blocks of their own; `blocks` is empty then.
+    /// For sources of the S7-200, which have other blocks; `blocks` is empty then.
     pub s7200: Option<s7200::ast::Source>,
 }
 
@@ -63,7 +63,7 @@ pub enum CodeKind {
 /// How a source names a block: `FC 7`, `"Tank control"`, `TankControl`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BlockName {
-    /// Letters in international spelling and upper case: `FC`, `DB`, `UDT`.
+    /// Prefix in international spelling and upper case: `FC`, `DB`, `UDT`.
     Numbered { prefix: BlockPrefix, number: u32, span: Span },
     /// Symbol without quotes.
     Symbol { name: String, span: Span },
@@ -77,7 +77,7 @@ impl BlockName {
     }
 }
 
-/// Letters before a block number.
+/// Prefix of a block number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BlockPrefix {
     Ob,
@@ -112,7 +112,7 @@ impl BlockPrefix {
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Header {
     pub title: Option<String>,
-    /// Comment lines behind the header, without `//`.
+    /// Comment lines after the header, without `//`.
     pub comment: Vec<String>,
     /// `{ name := 'value' }`.
     pub attributes: Vec<(String, String)>,
@@ -121,7 +121,7 @@ pub struct Header {
     pub name: Option<String>,
     /// The number of a block that is written with its name.
     pub number: Option<u32>,
-    /// The tool gave the number, and may give another.
+    /// The tool chose the number, and may choose another.
     pub auto_number: bool,
     pub version: Option<String>,
     pub know_how_protect: bool,
@@ -175,9 +175,9 @@ pub struct Constant {
     pub name_span: Span,
     /// None in a classic CONST section: the type of the value.
     pub ty: Option<TypeRef>,
-    /// None: the value that variables of the type begin with.
+    /// None: the value that variables of the type start with.
     pub value: Option<scl::ast::Expr>,
-    /// What an array or a structure begins with.
+    /// The start value of an array or a structure.
     pub initial: Option<InitialValue>,
 }
 
@@ -192,7 +192,7 @@ pub struct DataBlock {
     pub span: Span,
 }
 
-/// What a data block is made of.
+/// What a data block consists of.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DataContent {
     Struct(Vec<Variable>),
@@ -218,7 +218,7 @@ pub struct TypeBlock {
     pub name: BlockName,
     pub header: Header,
     pub members: Vec<Variable>,
-    /// `TYPE "x" : ARRAY[1..3] OF INT`: the type itself, when it is no STRUCT; `members` is empty then.
+    /// `TYPE "x" : ARRAY[1..3] OF INT`: the type itself, if it is not a STRUCT; `members` is empty then.
     pub alias: Option<TypeRef>,
     pub span: Span,
 }
@@ -233,7 +233,7 @@ pub enum SectionKind {
     Temp,
 }
 
-/// `VAR_INPUT … END_VAR` and its kin.
+/// `VAR_INPUT … END_VAR` and other sections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
     pub kind: SectionKind,
@@ -242,7 +242,7 @@ pub struct Section {
     pub span: Span,
 }
 
-/// What a section says of keeping its values when the power fails.
+/// Whether a section keeps its values when the power fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Retain {
     #[default]
@@ -282,12 +282,12 @@ pub enum TypeKind {
     String(Option<Bound>),
     /// `WSTRING [20]`; 254 without length.
     WideString(Option<Bound>),
-    /// Low and high bound of each dimension.
+    /// Lower and upper bound of each dimension.
     Array {
         bounds: Vec<(Bound, Bound)>,
         element: Box<TypeRef>,
     },
-    /// `ARRAY[*, *] OF INT`: bounds come with the actual parameter.
+    /// `ARRAY[*, *] OF INT`: the actual parameter has the bounds.
     OpenArray {
         dimensions: u8,
         element: Box<TypeRef>,
@@ -299,7 +299,7 @@ pub enum TypeKind {
     Block(BlockName),
 }
 
-/// A bound or length: a number, or a name of a constant in languages that have them.
+/// A bound or length: a number, or the name of a constant in languages that have them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Bound {
     Number(i64, Span),
@@ -308,7 +308,7 @@ pub enum Bound {
     Expr(Box<scl::ast::Expr>),
 }
 
-/// A value behind `:=` in a declaration or behind `BEGIN`.
+/// A value after `:=` in a declaration or after `BEGIN`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InitialValue {
     pub kind: InitialKind,
@@ -332,13 +332,13 @@ pub enum InitialKind {
     Expr(Box<scl::ast::Expr>),
     /// `(a := 1, b := 2)`, `(1, 2)`, `()`: components of a structure, by name or in order.
     Fields(Vec<(Option<scl::ast::Name>, InitialValue)>),
-    /// `T 5`, `DB 7`, `"Tank"`: of a parameter of type TIMER, COUNTER or BLOCK_x in an instance.
+    /// `T 5`, `DB 7`, `"Tank"`: the value of a parameter of type TIMER, COUNTER or BLOCK_x in an instance.
     Operand(OperandKind),
     /// Left empty between commas: the element keeps its default.
     Default,
 }
 
-/// `NETWORK` with its statements. Statements before the first NETWORK are a network of their own.
+/// `NETWORK` with its statements. Statements before the first NETWORK form a separate network.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Network {
     pub title: Option<String>,
@@ -354,7 +354,7 @@ pub struct Statement {
     pub span: Span,
 }
 
-/// A jump label, in its own letter case.
+/// A jump label, in the letter case of the source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     pub name: String,
@@ -393,7 +393,7 @@ pub struct Parameter {
     pub actual: Option<Operand>,
 }
 
-/// What stands behind a mnemonic, or as actual parameter.
+/// An operand of a mnemonic, or an actual parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Operand {
     pub kind: OperandKind,
@@ -440,7 +440,7 @@ pub enum Width {
     Byte,
     Word,
     Dword,
-    /// 64 bits; no operand of STL has it.
+    /// 64 bits; no operand of STL has this width.
     Lword,
 }
 
@@ -601,14 +601,14 @@ pub enum PathPart {
     },
 }
 
-/// A comment line `//@ ...`, as text; what it means is found out where names are known.
+/// A comment line `//@ ...`, as text; its meaning is found where names are known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pragma {
     /// Without `//@` and outer blanks.
     pub text: String,
-    /// Of the whole line's pragma, `//@` included.
+    /// Of the whole pragma, `//@` included.
     pub span: Span,
-    /// For `assert`: what it demands, sides parsed with the grammar of operands.
+    /// For `assert`: its condition, with sides parsed by the grammar of operands.
     pub assert: Option<Box<Assertion>>,
 }
 
@@ -678,7 +678,7 @@ impl AssertOp {
     }
 }
 
-/// What stands on a side of a comparison.
+/// A side of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AssertSide {
     Operand(Operand),
@@ -686,17 +686,17 @@ pub enum AssertSide {
     Literal(AssertLiteral),
 }
 
-/// A constant, whose type the other side tells.
+/// A constant; the other side decides its type.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AssertLiteral {
-    /// As `L` loads it, if it can be one of STL.
+    /// As `L` loads it, if STL has this constant.
     pub loaded: Option<Literal>,
-    /// As SCL reads it, without sign; none for what only STL has, such as `B#(1,8)`.
+    /// As SCL reads it, without sign; none for constants that only STL has, such as `B#(1,8)`.
     pub exact: Option<crate::scl::ast::Literal>,
     pub negative: bool,
 }
 
-/// CPU registers that an assertion can look at.
+/// CPU registers that an assertion can check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AssertRegister {
     /// ACCU1..ACCU4 as 1..=4.

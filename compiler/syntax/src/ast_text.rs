@@ -1,6 +1,6 @@
-//! The syntax tree as text for `--emit ast` and golden files: one node a line, indented, without spans.
+//! The syntax tree as text for `--emit ast` and golden files: one node per line, indented, without spans.
 //!
-//! Instructions go by the names of their table rows and addresses by international letters, so that both mnemonic sets give
+//! Instructions are printed with the names of their table rows, and addresses with international letters, so both mnemonic sets give
 //! the same text.
 
 use std::fmt::{Display, Write};

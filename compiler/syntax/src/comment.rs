@@ -22,20 +22,20 @@ pub enum CommentForm {
 pub struct Comment {
     pub start: u32,
     pub end: u32,
-    /// Nothing but blanks stands before it on its line.
+    /// There are only blanks before it on its line.
     pub own_line: bool,
     pub form: CommentForm,
 }
 
 impl Comment {
-    /// Its text without `//`; none of a pragma.
+    /// Its text without `//`; none for a pragma.
     fn text(&self, source: &str) -> Option<String> {
         let text = &source[self.start as usize + 2..self.end as usize];
         if text.starts_with('@') { None } else { Some(text.trim().to_owned()) }
     }
 }
 
-/// Comment lines of their own between the bytes, without `//`. Pragmas are none.
+/// Comments between the bytes that have their own line, without `//` and without pragmas.
 pub fn lines(source: &str, comments: &[Comment], range: Range<usize>) -> Vec<String> {
     let first = comments.partition_point(|comment| (comment.start as usize) < range.start);
     comments[first..]
@@ -46,8 +46,8 @@ pub fn lines(source: &str, comments: &[Comment], range: Range<usize>) -> Vec<Str
         .collect()
 }
 
-/// The comment on the line that byte `end` is on, if only blanks stand between.
-pub fn behind(source: &str, comments: &[Comment], end: usize) -> Option<String> {
+/// The comment on the line that byte `end` is on, if there are only blanks between.
+pub fn after(source: &str, comments: &[Comment], end: usize) -> Option<String> {
     let first = comments.partition_point(|comment| (comment.start as usize) < end);
     let comment = comments.get(first)?;
     let between = &source[end..comment.start as usize];

@@ -1,6 +1,6 @@
 //! How many characters two words differ in, for suggestions.
 
-/// Number of characters to add, remove or replace to make one word of the other (Levenshtein).
+/// Number of characters to add, remove or replace to turn one word into the other (Levenshtein).
 pub fn between(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -1,6 +1,6 @@
 //! Names of the elementary data types.
 
-/// Elementary types of all CPUs; which CPU has which stands in the profiles.
+/// Elementary types of all CPUs; the profiles say which CPU has which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Elementary {
     Bool,
@@ -36,7 +36,7 @@ pub enum Elementary {
     Ldt,
 }
 
-/// What the values of a type are.
+/// The kind of values of a type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Class {
     /// BOOL, BYTE, WORD, DWORD, LWORD.

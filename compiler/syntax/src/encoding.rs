@@ -7,10 +7,10 @@ use encoding_rs::{
     BIG5, EUC_KR, Encoding, GBK, SHIFT_JIS, WINDOWS_1250, WINDOWS_1251, WINDOWS_1252, WINDOWS_1254, WINDOWS_1258,
 };
 
-/// Text of a file: by its byte order mark, else UTF-8 if it is that, else the code page that its letters show.
+/// Text of a file: by its byte order mark, else as UTF-8 if it is valid, else in the code page that its letters suggest.
 ///
-/// STEP 7 and Micro/WIN write the code page of the PC, newer tools UTF-8. Windows-1252 is the one that is taken where nothing tells. Bytes
-/// that it leaves open keep their number as a character.
+/// STEP 7 and Micro/WIN write the code page of the PC, newer tools UTF-8. Windows-1252 is used where nothing decides. Bytes
+/// that it does not define keep their number as a character.
 pub fn decode(bytes: &[u8]) -> String {
     decode_as(bytes, None)
 }
@@ -44,11 +44,11 @@ impl FromStr for CodePage {
             _ => name.as_str(),
         };
         let found = Encoding::for_label(label.as_bytes()).map(CodePage);
-        found.ok_or_else(|| format!("`{text}` is no code page; write a number as 936 or 1252, or a name as gbk"))
+        found.ok_or_else(|| format!("`{text}` is not a code page; write a number as 936 or 1252, or a name as gbk"))
     }
 }
 
-/// Whether a carriage return stands before neither a line feed nor another one.
+/// Whether some carriage return is followed neither by a line feed nor by another one.
 fn has_lone_returns(text: &str) -> bool {
     let bytes = text.as_bytes();
     let lone = |at: &usize| bytes[*at] == b'\r' && !matches!(bytes.get(at + 1), Some(b'\n' | b'\r'));
@@ -79,11 +79,11 @@ fn decode_bytes(bytes: &[u8], page: Option<CodePage>) -> String {
     }
 }
 
-/// Code pages of Windows, which the tools write; what else a text may be is not met in sources.
+/// Code pages of Windows, which the tools write. Sources do not use others.
 const CODE_PAGES: [&Encoding; 8] =
     [GBK, BIG5, SHIFT_JIS, EUC_KR, WINDOWS_1250, WINDOWS_1251, WINDOWS_1254, WINDOWS_1258];
 
-/// Shorter texts tell nothing.
+/// Shorter texts do not decide.
 const SHORTEST_TEXT: usize = 8;
 
 /// The code page of a text that is not UTF-8.

@@ -1,4 +1,4 @@
-//! What the grammars of all languages share: frames of blocks, and the place of a parse error.
+//! Common parts of the grammars of all languages: frames of blocks, and the position of a parse error.
 
 use lalrpop_util::ParseError;
 use plcc_diag::{Code, Diagnostic, Span};
@@ -16,7 +16,7 @@ pub enum HeaderPart {
     Attributes(Vec<(String, String)>),
 }
 
-/// The header of a block, with the comment lines that stand in it.
+/// The header of a block, with its comment lines.
 pub fn header(comment: Vec<String>, parts: Vec<HeaderPart>) -> Header {
     let mut header = Header { comment, ..Header::default() };
     for part in parts {
@@ -38,7 +38,7 @@ pub fn header(comment: Vec<String>, parts: Vec<HeaderPart>) -> Header {
     header
 }
 
-/// Kind of the block `name`: from its keyword; SFC and SFB are told by the letters of the number. Wrong letters give a message, too.
+/// Kind of the block `name`: from its keyword; the letters of the number distinguish SFC and SFB. Wrong letters are reported, too.
 pub fn code_kind(keyword: CodeKeyword, name: &BlockName, text: &str) -> (CodeKind, Option<Diagnostic>) {
     let (kind, keyword, letters) = match keyword {
         CodeKeyword::OrganizationBlock => (CodeKind::Ob, "ORGANIZATION_BLOCK", "OB"),
@@ -56,7 +56,7 @@ pub fn code_kind(keyword: CodeKeyword, name: &BlockName, text: &str) -> (CodeKin
     }
 }
 
-/// The message for a block whose number has letters that its keyword does not go with.
+/// The message for a block whose number has a prefix that does not fit its keyword.
 pub fn wrong_letters(span: Span, keyword: &str, letters: &str, number: u32, text: &str) -> Diagnostic {
     Diagnostic::new(Code::BlockFrame, span, format!("`{keyword}` cannot name `{}`", &text[span.range()]))
         .label(format!("a block with this keyword is numbered as {letters}"))
@@ -74,7 +74,7 @@ pub fn error_range<T>(error: &ParseError<usize, T, ()>) -> Option<(usize, usize)
     }
 }
 
-/// Whether a message lies within `range` already: one of the layout, of which the starts are `reported` in order, or the last of the grammar.
+/// Whether there is already a message within `range`: one of the classifier, whose starts are in `reported` in order, or the last one of the grammar.
 pub fn is_reported(reported: &[u32], diagnostics: &[Diagnostic], range: Range<usize>) -> bool {
     let first = reported.partition_point(|&reported| (reported as usize) < range.start);
     let inside = |start: u32| (range.start..=range.end).contains(&(start as usize));

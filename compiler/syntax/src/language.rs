@@ -14,8 +14,8 @@ pub enum Language {
 }
 
 impl Language {
-    /// The language that the ending of a file's name stands for, `"scl"`; none for `.txt` and others, whose content tells.
-    /// The content of STL tells which family it is for.
+    /// The language that the extension of a file stands for, `"scl"`; none for `.txt` and others, whose content decides.
+    /// The content of STL decides which family it is for.
     pub fn of_extension(extension: &str) -> Option<Language> {
         let is = |known: &[&str]| known.iter().any(|known| known.eq_ignore_ascii_case(extension));
         if is(&["scl"]) {

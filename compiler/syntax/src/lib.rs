@@ -1,4 +1,4 @@
-//! Syntax trees of all languages, the instruction tables, and the parsers of STL and SCL; knows no symbols.
+//! Syntax trees of all languages, the instruction tables, and the parsers of STL and SCL; it does not look up symbols.
 //!
 //! - [`ast`]: the syntax tree, [`ast_text`](fn@ast_text) prints it.
 //! - [`chart`]: charts of GRAPH.
@@ -6,10 +6,10 @@
 //! - [`network`]: networks of LAD and FBD.
 //! - [`s7200`]: STL of the S7-200.
 //! - [`scl`]: lexer and grammar of SCL.
-//! - [`symbols`]: what symbol tables hold.
+//! - [`symbols`]: the contents of symbol tables.
 //! - [`stl`]: lexer, grammar and instruction table of STL for S7-300/400.
 //!
-//! **Invariant**: never fails; gives a tree and diagnostics.
+//! **Invariant**: parsing never fails; it returns a tree and diagnostics.
 
 mod assertion;
 pub mod ast;
@@ -38,6 +38,6 @@ pub use language::Language;
 pub struct ParseOptions {
     /// The mnemonic set; `None`: found in the file.
     pub mnemonics: Option<stl::Mnemonics>,
-    /// Assertion pragmas (`//@ …`) are read; else they are comments.
+    /// Assertion pragmas (`//@ …`) are read; otherwise they are comments.
     pub pragmas: bool,
 }

@@ -18,7 +18,7 @@ pub(crate) use time::nanoseconds;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Literal {
     Bool(bool),
-    /// `930`, `-5`: a decimal integer without a type; its width comes from the place.
+    /// `930`, `-5`: a decimal integer without a type; its width follows from where it is used.
     Int(i64),
     /// `L#930`.
     Dint(i32),
@@ -52,7 +52,7 @@ pub enum Literal {
     Counter(u16),
     /// `'ABCD'`: bytes of the text with escapes expanded, in Windows-1252.
     Text(Vec<u8>),
-    /// `P#10.3`: area-internal pointer, as the 32 bits that `L` gives.
+    /// `P#10.3`: area-internal pointer, as the 32 bits that `L` loads.
     Pointer(u32),
     /// `P#M 10.0`, `P#DBX 0.0`, `P#DB10.DBX 20.0`: area-crossing pointer as 32 bits; `db` 0 if no DB is named.
     AreaPointer {
@@ -63,13 +63,13 @@ pub enum Literal {
     Any([u8; 10]),
 }
 
-/// Why a text is no constant.
+/// Why a text is not a constant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LiteralError {
     pub code: Code,
     /// What is wrong.
     pub title: String,
-    /// What stands at the place.
+    /// What the text is, for the label.
     pub label: String,
     pub help: Option<String>,
 }
@@ -96,7 +96,7 @@ impl LiteralError {
 
 /// Reads a constant: a number (`-5`, `1.5e3`), one with `#`, `TRUE`, `FALSE`, or a text in `'`.
 ///
-/// Blanks are skipped where listings have them (`D#1999 - 12 - 8`); whoever minds looks for them in the text.
+/// Blanks are skipped where listings have them (`D#1999 - 12 - 8`); a caller that does not accept them checks the text.
 pub fn parse(text: &str) -> Result<Literal, LiteralError> {
     if text.starts_with('\'') {
         return parse_text(text).map(Literal::Text);
@@ -163,7 +163,7 @@ mod tests {
         refuse("S5T#-1S", Code::LiteralRange);
     }
 
-    /// A fraction is a decimal number, and no binary one: 1.001 s are 1001 ms.
+    /// A fraction is decimal, not binary: 1.001 s is 1001 ms.
     #[test]
     fn fractions_of_durations_are_exact() {
         check("T#1.001S", Literal::Time(1001));

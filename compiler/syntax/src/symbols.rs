@@ -1,4 +1,4 @@
-//! What symbol tables hold: names for addresses, blocks and constants.
+//! The contents of symbol tables: names for addresses, blocks and constants.
 
 use plcc_diag::Span;
 
@@ -11,7 +11,7 @@ pub struct SymbolTable {
     pub symbols: Vec<Symbol>,
     /// User constants of tag tables.
     pub constants: Vec<GlobalConstant>,
-    /// Rows as a program of the S7-200 reads them. A row such as `I0.0` is in both lists.
+    /// Rows as a program for the S7-200 reads them. A row such as `I0.0` is in both lists.
     pub s7200: Vec<S7200Symbol>,
 }
 
@@ -38,7 +38,7 @@ pub struct Symbol {
     pub span: Span,
 }
 
-/// What a symbol stands for.
+/// What a symbol means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SymbolTarget {
     Memory { area: Area, width: Width, byte: u32, bit: u8 },
@@ -58,7 +58,7 @@ pub struct S7200Symbol {
     pub comment: String,
 }
 
-/// Reads an address: letters, optional blanks, a number, for bits a point and the bit.
+/// Reads an address: letters, optional blanks, a number, and for bits a point and the bit.
 pub fn parse_address(text: &str) -> Option<SymbolTarget> {
     let text = text.trim();
     let text = text.strip_prefix('%').unwrap_or(text);

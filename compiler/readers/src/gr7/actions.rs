@@ -1,4 +1,4 @@
-//! Actions of the grammar: parts of the tree that need a decision.
+//! Actions of the grammar for parts of the tree that need a decision.
 
 mod expression;
 mod part;

@@ -2,11 +2,11 @@
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use super::context::{Context, comment_behind};
+use super::context::{Context, comment_after};
 use super::frame::{Document, Frame};
 use super::lexer::RawText;
 use super::tree::Part;
-use super::{grammar, layout, pragma, settings};
+use super::{classify, grammar, pragma, settings};
 use crate::{ReadOptions, language};
 use plcc_syntax::ast::{Block, Code as BlockCode, CodeBlock, CodeKind, SourceUnit};
 use plcc_syntax::chart::ast::Body;
@@ -22,7 +22,7 @@ pub fn build(
     options: &ReadOptions,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> SourceUnit {
-    // Lone carriage returns end lines here, for SCL they do not.
+    // Lone carriage returns end lines here, but not in SCL.
     let declared = language::masked(text, &document.declarations, true).replace('\r', "\n");
     let (mut blocks, mut pragmas, messages) = fragment::blocks(file, text, raw::scan(&declared), options.pragmas);
     diagnostics.extend(messages);
@@ -31,7 +31,7 @@ pub fn build(
         if let Block::Code(block) = block
             && let Ok(index) = document.blocks.binary_search_by_key(&start, |frame| frame.start)
         {
-            // Assertions in the head of a block are those of the file.
+            // Assertions in the head of a block belong to the file.
             if let BlockCode::Scl(body) = &block.code {
                 pragmas.extend(body.statements.iter().filter_map(|statement| match &statement.kind {
                     StatementKind::Pragma(pragma) => Some(pragma.clone()),
@@ -45,7 +45,7 @@ pub fn build(
     SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), blocks, pragmas, ..SourceUnit::default() }
 }
 
-/// Gives a block its chart, and what its comments say.
+/// Gives a block its chart, and the contents of its comments.
 fn complete(
     file: FileId,
     text: &str,
@@ -56,8 +56,8 @@ fn complete(
 ) {
     if block.kind != CodeKind::Fb {
         diagnostics.push(
-            Diagnostic::new(Code::BlockFrame, block.name.span(), "only an FB can hold a chart")
-                .label("no name of an FB")
+            Diagnostic::new(Code::BlockFrame, block.name.span(), "only an FB can contain a chart")
+                .label("not the name of an FB")
                 .help("write `FUNCTION_BLOCK FB1` or `FUNCTION_BLOCK \"Name\"`"),
         );
     }
@@ -65,16 +65,17 @@ fn complete(
         for variable in &mut section.variables {
             if variable.comment.is_none() {
                 let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
-                variable.comment = comment_behind(text, &raw.comments, end as usize);
+                variable.comment = comment_after(text, &raw.comments, end as usize);
             }
         }
     }
     let mut messages = Vec::new();
-    let laid = layout::lay_out(file, text, &frame.chart, &mut messages);
+    let classified = classify::classify(file, text, &frame.chart, &mut messages);
     let mut reported: Vec<u32> = messages.iter().map(|message| message.primary.span.start).collect();
     reported.sort_unstable();
-    let mut context = Context { file, text, tokens: &laid, comments: &raw.comments, diagnostics: Vec::new(), reported };
-    let tokens = laid.iter().map(|(start, tok, end)| Ok::<_, ()>((*start, tok.clone(), *end)));
+    let mut context =
+        Context { file, text, tokens: &classified, comments: &raw.comments, diagnostics: Vec::new(), reported };
+    let tokens = classified.iter().map(|(start, tok, end)| Ok::<_, ()>((*start, tok.clone(), *end)));
     let parts = grammar::ChartParser::new().parse(&mut context, tokens).unwrap_or_default();
     messages.append(&mut context.diagnostics);
     let mut chart = Body::default();
@@ -112,7 +113,7 @@ fn complete(
     block.code = BlockCode::Chart(chart);
 }
 
-/// Steps and transitions that lack their numbers: places in their lists, names, and whether that is to be told.
+/// Steps and transitions without a number: indices in their lists, names, and whether to report it.
 #[derive(Default)]
 struct Numbers {
     steps: Vec<(usize, Span, bool)>,
@@ -120,7 +121,7 @@ struct Numbers {
 }
 
 impl Numbers {
-    /// Gives each the next number that is free.
+    /// Gives each of them the next free number.
     fn give(self, chart: &mut Body, diagnostics: &mut Vec<Diagnostic>) {
         let mut report = |span, what: &str, number, told: bool| {
             if !told {
@@ -128,8 +129,8 @@ impl Numbers {
             }
             diagnostics.push(
                 Diagnostic::new(Code::Tolerated, span, format!("the {what} has no number"))
-                    .label(format!("taken as number {number}"))
-                    .help(format!("write `(*$_NUM {number}*)` behind its name")),
+                    .label(format!("read as number {number}"))
+                    .help(format!("write `(*$_NUM {number}*)` after its name")),
             );
         };
         let mut last = chart.steps.iter().map(|step| step.number).max().unwrap_or(0);

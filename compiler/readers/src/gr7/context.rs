@@ -1,4 +1,4 @@
-//! What the actions of the grammar have at hand: the text, its tokens and comments, and the messages.
+//! What the actions of the grammar work with: the text, its tokens and comments, and the messages.
 
 use std::ops::Range;
 
@@ -28,7 +28,7 @@ pub struct Context<'a> {
     pub tokens: &'a [Spanned<'a>],
     pub comments: &'a [Comment],
     pub diagnostics: Vec<Diagnostic>,
-    /// Starts of the messages that the layout has given, in order: where one lies, the grammar stays silent.
+    /// Starts of the messages of `classify`, in order: where there is one, the grammar reports nothing.
     pub reported: Vec<u32>,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Context<'a> {
                 let text = &self.text[*start..*end];
                 let title = match before {
                     Some((start, tok, end)) if follows(tok) => {
-                        format!("`{text}` cannot stand behind `{}` in this {what}", &self.text[*start..*end])
+                        format!("`{text}` cannot follow `{}` in this {what}", &self.text[*start..*end])
                     }
                     _ => format!("`{text}` cannot begin this {what}"),
                 };
@@ -97,20 +97,20 @@ impl<'a> Context<'a> {
             None => {
                 let (start, end) = before.map_or((0, 0), |(start, _, end)| (*start, *end));
                 Diagnostic::new(code, self.span(start..end), format!("this {what} is not complete"))
-                    .label("something is missing behind this")
+                    .label("something is missing after this")
                     .help(help)
             }
         }
     }
 
-    /// The comment behind byte `end`, on the same line.
-    pub fn comment_behind(&self, end: usize) -> Option<String> {
-        comment_behind(self.text, self.comments, end)
+    /// The comment after byte `end`, on the same line.
+    pub fn comment_after(&self, end: usize) -> Option<String> {
+        comment_after(self.text, self.comments, end)
     }
 }
 
-/// The comment of either form behind byte `end`, if only blanks and `;` stand between. Its lines are joined.
-pub fn comment_behind(text: &str, comments: &[Comment], end: usize) -> Option<String> {
+/// The comment of either form after byte `end`, if there are only blanks and `;` between. The lines of the comment are joined.
+pub fn comment_after(text: &str, comments: &[Comment], end: usize) -> Option<String> {
     let comment = comments.get(comments.partition_point(|comment| (comment.start as usize) < end))?;
     let between = &text[end..comment.start as usize];
     let inside = &text[comment.start as usize + 2..comment.end as usize];
@@ -126,7 +126,7 @@ pub fn comment_behind(text: &str, comments: &[Comment], end: usize) -> Option<St
     (!words.is_empty()).then(|| words.join(" "))
 }
 
-/// Whether what stands behind the token belongs to the same row.
+/// Whether the text after the token belongs to the same row.
 fn follows(tok: &Tok) -> bool {
     !matches!(
         tok,

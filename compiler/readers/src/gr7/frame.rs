@@ -1,22 +1,22 @@
-//! The frame of a file: which tokens of a block are its chart, and which bytes are heads and declarations, which are those of SCL.
+//! The frame of a file: which tokens of a block are its chart, and which bytes are heads and declarations in the form of SCL.
 
 use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use super::layout::Keyword;
+use super::classify::Keyword;
 use super::lexer::{RawKind, RawText, RawToken};
 use super::pragma;
-use crate::gr7::layout::keyword_at;
+use crate::gr7::classify::keyword_at;
 use plcc_syntax::comment::{Comment, CommentForm};
 use plcc_syntax::stl::pragma::is_pragma;
 
-/// A file, taken apart.
+/// The parts of a file.
 pub struct Document {
     pub blocks: Vec<Frame>,
     /// Bytes that SCL reads, in order: heads, declarations, ends of blocks, and pragmas for the file.
     pub declarations: Vec<Range<usize>>,
-    /// Pragmas inside of charts, those for the file left out.
+    /// Pragmas inside charts, without those for the file.
     pub misplaced: Vec<Range<usize>>,
 }
 
@@ -24,11 +24,11 @@ pub struct Document {
 pub struct Frame {
     /// First byte of its keyword.
     pub start: u32,
-    /// The tokens of its chart, settings and comments of the block among them.
+    /// The tokens of its chart, including settings and comments of the block.
     pub chart: Vec<RawToken>,
 }
 
-/// Takes a file apart.
+/// Splits a file into its parts.
 pub fn read(file: FileId, text: &str, raw: &RawText, diagnostics: &mut Vec<Diagnostic>) -> Document {
     let mut reader =
         Reader { file, text, tokens: &raw.tokens, at: 0, blocks: Vec::new(), declarations: Vec::new(), diagnostics };
@@ -84,9 +84,9 @@ impl Reader<'_, '_> {
     fn outside_of_blocks(&mut self, token: RawToken) {
         let word = &self.text[token.range()];
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` stands outside of a block"))
+            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside a block"))
                 .label("no block is open here")
-                .help("a chart stands between `FUNCTION_BLOCK FB1` and `END_FUNCTION_BLOCK`"),
+                .help("write a chart between `FUNCTION_BLOCK FB1` and `END_FUNCTION_BLOCK`"),
         );
         while self.token().is_some() && self.keyword() != Some(Keyword::FunctionBlock) {
             self.at += 1;
@@ -150,7 +150,7 @@ impl Reader<'_, '_> {
         self.declarations.push(range);
     }
 
-    /// A variable may be called like a keyword.
+    /// A variable may have the name of a keyword.
     fn declares(&self) -> bool {
         self.tokens.get(self.at + 1).is_some_and(|next| next.kind == RawKind::Colon)
     }
@@ -180,8 +180,8 @@ impl Reader<'_, '_> {
         let start = token.start + 2;
         let span = Span { file: self.file, start, end: start + 2 + name.len() as u32 };
         self.report(
-            Diagnostic::new(Code::Tolerated, span, format!("the tag `$_{name}` is not known"))
-                .label("taken as a comment")
+            Diagnostic::new(Code::Tolerated, span, format!("plcc does not know the tag `$_{name}`"))
+                .label("read as a comment")
                 .help("tags are `$_COM`, `$_CMPSET`, `$_SETTINGS`, `$_NUM` and `$_JUMP`"),
         );
     }
@@ -196,7 +196,7 @@ impl Reader<'_, '_> {
         keyword_at(self.text, self.tokens, self.at)
     }
 
-    /// Keeps the token at hand for SCL.
+    /// Keeps the current token for SCL.
     fn declare(&mut self) {
         self.declarations.push(self.tokens[self.at].range());
         self.at += 1;

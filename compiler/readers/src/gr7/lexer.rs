@@ -1,6 +1,6 @@
-//! The lexer: characters to raw tokens, without regard to where they stand.
+//! The lexer: characters to raw tokens, regardless of where they are.
 //!
-//! A comment that begins with `$_` and a tag has a meaning and is a token; other comments stand in a list of their own. Constants with `#`
+//! A comment that begins with `$_` and a tag has a meaning and is a token; other comments stand in a separate list. Constants with `#`
 //! are one token, and so are addresses with a point or a blank (`I0.0`, `I 0.0`, `MW 10`). Lines end with CR, LF or both.
 //! Source: GRAPH reference A.1.
 
@@ -35,7 +35,7 @@ pub enum RawKind {
     Number,
     /// A constant that is not a whole number: `1.5`, `T#5S`, `16#FF`.
     Literal,
-    /// `I0.0`, `I 0.0`, `DBX1.0` behind a point, `%MW10`.
+    /// `I0.0`, `I 0.0`, `DBX1.0` after a point, `%MW10`.
     #[regex(r"%[A-Za-z]+[0-9]*", percent)]
     Absolute,
     /// A line of the head: `TITLE = …`, `AUTHOR : …`.
@@ -100,11 +100,11 @@ pub enum RawKind {
     Slash,
     #[token("&")]
     Ampersand,
-    /// A character that no block holds.
+    /// A character that no block contains.
     Stray,
 }
 
-/// Whether the head of a block is being read, where a field takes its line.
+/// Whether the lexer is in the head of a block, where a field includes its line.
 #[derive(Default)]
 pub struct Head(bool);
 
@@ -114,7 +114,7 @@ pub struct RawToken {
     pub kind: RawKind,
     pub start: u32,
     pub end: u32,
-    /// A line end stands between this token and the one before, or it is the first one.
+    /// There is a line end between this token and the one before, or it is the first one.
     pub first_on_line: bool,
 }
 
@@ -130,7 +130,7 @@ pub struct RawText {
     pub comments: Vec<Comment>,
 }
 
-/// Splits `text` into raw tokens. Never fails: what is no token is `Stray`.
+/// Splits `text` into raw tokens. Never fails: text that is not a token becomes `Stray`.
 pub fn scan(text: &str) -> RawText {
     let mut out = RawText { tokens: Vec::with_capacity(text.len() / 4), comments: Vec::new() };
     let mut first_on_line = true;
@@ -231,7 +231,7 @@ fn is_field(field: &str, rest: &str) -> bool {
         && next.get(1) != Some(&b'=')
 }
 
-/// A constant that begins with the word: its kind, and how many bytes behind the word belong to it.
+/// A constant that begins with the word: its kind, and the number of bytes after the word that belong to it.
 fn constant(word: &str, rest: &str, member: bool) -> Option<(RawKind, usize)> {
     let number = word.bytes().all(|byte| byte.is_ascii_digit() || byte == b'_') && !word.starts_with('_');
     if let Some(value) = rest.strip_prefix('#') {
@@ -247,7 +247,7 @@ fn constant(word: &str, rest: &str, member: bool) -> Option<(RawKind, usize)> {
         _ => 0,
     };
     if number {
-        let fraction = rest.strip_prefix('.').filter(|behind| digits(behind) > 0);
+        let fraction = rest.strip_prefix('.').filter(|after| digits(after) > 0);
         let Some(fraction) = fraction else { return Some((RawKind::Number, 0)) };
         let length = extent::word(fraction);
         let scaled = fraction[..length].ends_with(['e', 'E']);
@@ -262,7 +262,7 @@ fn constant(word: &str, rest: &str, member: bool) -> Option<(RawKind, usize)> {
     }
 }
 
-/// `I 0.0`, `MW 10`, `T 5`, `FB 1`, `DBX 1.0` behind a point: one blank between letters and number.
+/// `I 0.0`, `MW 10`, `T 5`, `FB 1`, `DBX 1.0` after a point: one blank between prefix and number.
 fn spaced_address(letters: &str, rest: &str, member: bool) -> Option<(RawKind, usize)> {
     let number = rest.strip_prefix(' ')?;
     let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
@@ -290,7 +290,7 @@ fn spaced_address(letters: &str, rest: &str, member: bool) -> Option<(RawKind, u
             (RawKind::Word, byte)
         }
     };
-    // `T 5_name` is no address.
+    // `T 5_name` is not an address.
     (extent::word(&number[length..]) == 0).then_some((kind, 1 + length))
 }
 

@@ -4,16 +4,16 @@
 //! text ──► raw tokens ──┬─► heads and declarations ──► grammar of SCL ────────┐
 //!        lexer.rs    frame.rs                                                 ├──► syntax tree
 //!                       └─► charts ──► tokens with a meaning ──► parts ───────┘   blocks.rs
-//!                                   layout/              gr7.lalrpop
+//!                                   classify/            gr7.lalrpop
 //! ```
 //!
 //! Source: GRAPH reference, chapter A.
 
 mod actions;
 mod blocks;
+mod classify;
 mod context;
 mod frame;
-mod layout;
 mod lexer;
 mod outline;
 mod pragma;
@@ -38,7 +38,7 @@ use plcc_syntax::comment::CommentForm;
 
 pub(crate) use outline::{beside_other_blocks, has_chart};
 
-/// Parses a source. Never fails: what is wrong is in the messages, in the order of the text.
+/// Parses a source. Never fails: the messages say what is wrong, in the order of the text.
 pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let raw = lexer::scan(text);
@@ -57,17 +57,17 @@ fn report_comments(file: FileId, raw: &lexer::RawText, diagnostics: &mut Vec<Dia
         let span = Span { file, start: comment.start, end: comment.start + 2 };
         diagnostics.push(
             Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
-                .label("begins here, and takes the rest of the file")
+                .label("begins here, and includes the rest of the file")
                 .help("close it with `*)`"),
         );
     }
 }
 
-/// An assertion among steps and transitions: nothing tells when it would be looked at.
+/// An assertion among steps and transitions: it is undefined when it would be checked.
 fn misplaced(file: FileId, range: Range<usize>) -> Diagnostic {
-    Diagnostic::new(Code::Pragma, Span::new(file, range), "an assertion stands inside a chart")
+    Diagnostic::new(Code::Pragma, Span::new(file, range), "an assertion cannot stand inside a chart")
         .label("among steps and transitions")
-        .help("write it behind the call of the block, for example in OB 1: `//@ assert DB1.Run.X == 1`")
+        .help("write it after the call of the block, for example in OB 1: `//@ assert DB1.Run.X == 1`")
 }
 
 /// The tokens of the charts as the grammar sees them, one per line, for `--emit tokens`.
@@ -77,7 +77,7 @@ pub fn tokens_text(text: &str) -> String {
     let mut out = String::new();
     let (mut line, mut counted) = (1usize, 0usize);
     for block in &document.blocks {
-        for (start, token, _) in &layout::lay_out(file, text, &block.chart, &mut Vec::new()) {
+        for (start, token, _) in &classify::classify(file, text, &block.chart, &mut Vec::new()) {
             if *start >= counted {
                 line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
                 counted = *start;

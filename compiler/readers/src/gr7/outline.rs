@@ -1,17 +1,17 @@
-//! Which blocks of a file hold charts. Guesses, without parsing.
+//! Which blocks of a file contain charts. A guess: it does not parse.
 
 use std::ops::Range;
 
-use super::layout::{Keyword, keyword_at};
+use super::classify::{Keyword, keyword_at};
 use super::lexer::{self, RawKind, RawToken};
 
-/// Words that begin blocks which hold no chart.
+/// Words that begin blocks without a chart.
 const OTHER_BLOCKS: [&str; 4] = ["ORGANIZATION_BLOCK", "FUNCTION", "DATA_BLOCK", "TYPE"];
 
-/// Words that only charts have. Comments of other languages may hold them, too.
+/// Words that only charts have. Comments of other languages may contain them, too.
 const CHART_WORDS: [&str; 3] = ["INITIAL_STEP", "END_STEP", "END_TRANSITION"];
 
-/// Whether the text holds a chart, whatever its file is called.
+/// Whether the text contains a chart, whatever the name of its file.
 pub fn has_chart(text: &str) -> bool {
     let hints = text.contains("(*$_CMPSET")
         || text.split(['\n', '\r']).any(|line| {
@@ -31,7 +31,7 @@ pub fn has_chart(text: &str) -> bool {
     })
 }
 
-/// The bytes of the blocks with charts, if the file holds other blocks as well, or none if it does not.
+/// The bytes of the blocks with charts if the file also contains other blocks; otherwise none.
 pub fn beside_other_blocks(text: &str) -> Option<Vec<Range<usize>>> {
     let tokens = lexer::scan(text).tokens;
     let scan = Scan { text, tokens: &tokens };
@@ -70,13 +70,13 @@ impl Scan<'_> {
         token.kind == RawKind::Word && token.first_on_line && words.iter().any(|word| word.eq_ignore_ascii_case(text))
     }
 
-    /// Whether a block that is no FB begins at `index`.
+    /// Whether a block that is not an FB begins at `index`.
     fn begins_other(&self, index: usize) -> bool {
         let next = self.tokens.get(index + 1).map(|next| next.kind);
         self.is_word(index, &OTHER_BLOCKS) && matches!(next, Some(RawKind::Word | RawKind::Quoted))
     }
 
-    /// Index behind the FB at `index`.
+    /// Index after the FB at `index`.
     fn block_end(&self, index: usize) -> usize {
         let mut end = index + 1;
         while end < self.tokens.len() {
@@ -90,7 +90,7 @@ impl Scan<'_> {
         end
     }
 
-    /// Whether an FB has statements: `BEGIN` stands before them, and nothing of a chart.
+    /// Whether an FB has statements: `BEGIN` comes before them, and it has no part of a chart.
     fn is_other(&self, block: Range<usize>) -> bool {
         let chart = block.clone().any(|index| {
             matches!(

@@ -1,6 +1,6 @@
 //! Comments with a meaning: `(*$_NUM 3*)`. Source: GRAPH reference A.1.
 
-/// What a comment with a tag is about.
+/// The kind of a comment with a tag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tag {
     /// `$_COM`
@@ -32,14 +32,14 @@ pub fn name(comment: &str) -> &str {
     &rest[..rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len())]
 }
 
-/// The text behind the tag.
+/// The text after the tag.
 pub fn body(comment: &str) -> &str {
     let rest = comment.strip_prefix("(*$_").unwrap_or(comment);
     let rest = &rest[name(comment).len()..];
     rest.strip_suffix("*)").unwrap_or(rest)
 }
 
-/// Lines of a `$_COM`: those before the `@`, then those behind it, without blank lines around each.
+/// Lines of a `$_COM`: those before the `@`, then those after it, each part without outer blank lines.
 pub fn lines(body: &str) -> Vec<String> {
     let mut found = Vec::new();
     for part in body.split('@') {

@@ -1,9 +1,9 @@
-//! What stands in parentheses behind an action: event, instruction, the letter C. Source: GRAPH reference A.2, D.6 to D.8.
+//! The parentheses after an action: event, instruction, the letter C. Source: GRAPH reference A.2, D.6 to D.8.
 
 use super::token::Mark;
 use plcc_syntax::chart::ast::{Event, Qualifier};
 
-/// Reads `S1_N`, `NC`, `S1 CU`, `CDC`, `CALLC`. CALL is N of a call. The longest instruction counts, then a C may follow.
+/// Reads `S1_N`, `NC`, `S1 CU`, `CDC`, `CALLC`. CALL is the N of a call. The longest instruction counts, then a C may follow.
 pub fn parse(text: &str) -> Option<Mark> {
     let letters: String = text.chars().filter(|c| !c.is_whitespace() && *c != '_').collect();
     let (event, rest) = match letters.get(..2).and_then(Event::of) {
@@ -24,14 +24,16 @@ fn instruction(letters: &str) -> Option<Qualifier> {
 /// What to write instead of a qualifier that GRAPH does not have.
 pub fn help(text: &str) -> &'static str {
     match text.trim().to_ascii_uppercase().as_str() {
-        "" => "write a qualifier such as `(N)`, `(S)`, `(R)`, `(D)` or `(S1_CU)` behind the operand",
+        "" => "write a qualifier such as `(N)`, `(S)`, `(R)`, `(D)` or `(S1_CU)` after the operand",
         "C" => {
-            "C is the mark of the interlock and follows an instruction, as in `NC`; counters are written `CS`, `CU`, `CD` and `CR`"
+            "C marks the interlock and follows an instruction, as in `NC`; counters are written `CS`, `CU`, `CD` and `CR`"
         }
-        "P" | "P1" | "P0" => "write `S1_N` for what is done once when the step is entered, `S0_N` when it is left",
-        "SD" | "DS" | "SL" => "set the operand in a step of its own behind a transition that waits, or use `D` or `L`",
+        "P" | "P1" | "P0" => {
+            "write `S1_N` for an action that runs once when the step is entered, `S0_N` for one that runs when it is left"
+        }
+        "SD" | "DS" | "SL" => "set the operand in a separate step after a transition that waits, or use `D` or `L`",
         _ => {
-            "qualifiers are N, S, R, D, L, CALL, ON, OFF, CS, CU, CD, CR, TL, TD, TR and TF; an event such as `S1_` may stand before, C behind"
+            "qualifiers are N, S, R, D, L, CALL, ON, OFF, CS, CU, CD, CR, TL, TD, TR and TF; an event such as `S1_` may come before it, and C after it"
         }
     }
 }

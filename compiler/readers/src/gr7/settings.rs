@@ -1,9 +1,9 @@
-//! Settings of a block: lines `key: value` of `$_CMPSET` and `$_SETTINGS`. Keys without an effect are passed over.
+//! Settings of a block: lines `key: value` of `$_CMPSET` and `$_SETTINGS`. Keys without an effect are ignored.
 //! Source: GRAPH reference A.4.
 
 use plcc_syntax::chart::ast::{Interface, Settings, StepData};
 
-/// Reads the lines into `settings`. A value that is not known counts as not said.
+/// Reads the lines into `settings`. An unknown value is ignored.
 pub fn read(text: &str, settings: &mut Settings) {
     for line in text.split(['\n', '\r']) {
         let Some((key, value)) = line.split_once(':') else { continue };

@@ -1,4 +1,4 @@
-//! Tokens of a chart as the grammar sees them: parts and brackets are balanced, rows and conditions ended.
+//! Tokens of a chart as the grammar sees them: parts and brackets are balanced, rows and conditions have an end.
 
 use plcc_syntax::chart::ast::{Coil, Event, Qualifier};
 use plcc_syntax::scl::ast::BinaryOp;
@@ -7,9 +7,9 @@ use plcc_syntax::scl::ast::BinaryOp;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tok<'a> {
     // Parts.
-    /// `(*$_CMPSET …*)`, `(*$_SETTINGS …*)`: the text behind the tag.
+    /// `(*$_CMPSET …*)`, `(*$_SETTINGS …*)`: the text after the tag.
     Settings(&'a str),
-    /// `(*$_COM …*)`: the text behind the tag.
+    /// `(*$_COM …*)`: the text after the tag.
     Comment(&'a str),
     /// `PERM_CONDITION_AT_END` if true, else `PERM_CONDITION_AT_BEGIN`.
     Permanents(bool),
@@ -30,7 +30,7 @@ pub enum Tok<'a> {
     Number(u32),
     /// `(*$_JUMP*)`
     Jump,
-    /// What stands in parentheses behind an action; none: reported.
+    /// The parentheses after an action; none: reported.
     Qualifier(Option<Mark>),
     /// `(=)`, `(S)`, `(R)`; none: reported.
     Coil(Option<Coil>),
@@ -46,7 +46,7 @@ pub enum Tok<'a> {
     Local(&'a str),
     Absolute(&'a str),
     Literal(&'a str),
-    /// What no operand begins with; reported.
+    /// A token that cannot begin an operand; reported.
     Bad,
 
     // Operators and signs.

@@ -1,4 +1,4 @@
-//! Parts of a chart as the grammar finds them.
+//! Parts of a chart as the grammar returns them.
 
 use plcc_diag::Span;
 
@@ -13,7 +13,7 @@ pub enum Part<'a> {
     Settings(&'a str),
     /// Comment of the block.
     Comment(&'a str),
-    /// Whether they stand behind the sequencers.
+    /// Whether they come after the sequencers.
     Permanents(bool, Vec<Permanent>),
     /// Its number, if it has one.
     Step(Step, Option<u32>),
@@ -27,7 +27,7 @@ pub struct Head {
     pub number: Option<u32>,
 }
 
-/// What stands in a step.
+/// A part of a step.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant)] // Lives only until its step is built.
 pub enum Item<'a> {
@@ -37,13 +37,13 @@ pub enum Item<'a> {
     Action(Action),
 }
 
-/// What stands in a transition.
+/// A part of a transition.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant)] // Lives only until its transition is built.
 pub enum Clause<'a> {
     Comment(&'a str),
     From(Vec<Name>),
-    /// And whether it is a jump.
+    /// The steps, and whether it is a jump.
     To(Vec<Name>, bool),
     Condition(Option<Condition>, Span),
     /// Could not be parsed; reported.

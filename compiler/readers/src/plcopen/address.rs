@@ -1,17 +1,17 @@
-//! Directly represented variables, `%QW1`, and where they lie in the memory of the CPU.
+//! Directly represented variables, `%QW1`, and where they are in the memory of the CPU.
 //!
 //! - CODESYS has one memory for all widths; numbers count units of the width: `%MW1` is MW 2, `%MD1` is MD 4, `%ML1` are the eight bytes
 //!   from MB 8.
-//! - Beremiz and OpenPLC have a variable of its own for each address. Bits lie where they are called; the other widths too, unless they would
-//!   share bytes: then the whole width moves up, by the least multiple of [`STEP`] bytes that fits.
-//! - Addresses with more numbers than the CPU has, `%QX1.0.2`, lie behind all others, one after the other.
+//! - Beremiz and OpenPLC have a separate variable for each address. Bits are at their address; the other widths too, unless they would
+//!   share bytes: then the whole width moves up, by the smallest multiple of [`STEP`] bytes that fits.
+//! - Addresses with more numbers than the CPU has, `%QX1.0.2`, come after all others, one after the other.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::editor::Editor;
 use plcc_syntax::ast::{Area, OperandKind, Width};
 
-/// Widths that would overlap move by multiples of this, so that numbers stay readable.
+/// Widths that would overlap move by multiples of this, so the numbers remain readable.
 const STEP: u32 = 100;
 
 /// Bytes of I, Q and M that every CPU of this kind of project has.
@@ -26,13 +26,13 @@ pub struct Location {
     pub path: Vec<u32>,
 }
 
-/// What stands behind `AT`.
+/// What follows `AT`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Read {
     At(Location),
-    /// `%Q*`: to be given elsewhere.
+    /// `%Q*`: the address is given elsewhere.
     Open,
-    /// None of I, Q and M with numbers.
+    /// An address other than I, Q and M with numbers.
     Not,
 }
 
@@ -74,7 +74,7 @@ impl Location {
         }
     }
 
-    /// The address that the lexer reads by itself.
+    /// The address that the lexer reads as one token.
     pub fn of_operand(operand: &OperandKind) -> Option<Location> {
         let OperandKind::Absolute { area, width, byte, bit } = operand else { return None };
         let area = match area {
@@ -93,7 +93,7 @@ impl Location {
         Some(Location { area, width, path })
     }
 
-    /// The lexer makes an operand of it: a bit with byte and bit, or one number.
+    /// The lexer makes it an operand: a bit with byte and bit, or one number.
     pub fn is_operand(&self) -> bool {
         match self.width {
             'X' => matches!(self.path.as_slice(), [_, bit] if *bit < 8),
@@ -120,7 +120,7 @@ impl Location {
         }
     }
 
-    /// The data type of what has no declaration.
+    /// The data type of an address without a declaration.
     pub fn type_name(&self) -> &'static str {
         match self.width {
             'X' => "BOOL",
@@ -131,7 +131,7 @@ impl Location {
         }
     }
 
-    /// Byte and bit by the number alone; none if it has none of its own.
+    /// Byte and bit from the number alone; none if the number does not give them.
     fn natural(&self, editor: Editor) -> Option<(u32, u8)> {
         let bytes = self.width().bytes();
         match (self.width, self.path.as_slice()) {
@@ -145,13 +145,13 @@ impl Location {
     }
 }
 
-/// Where the addresses of a project lie.
+/// Where the addresses of a project are.
 #[derive(Clone, Debug, Default)]
 pub struct Addresses {
     places: HashMap<Location, Place>,
-    /// Widths that do not lie where their numbers say: area, width, bytes.
+    /// Widths that are not where their numbers say: area, width, bytes.
     pub moved: Vec<(char, char, u32)>,
-    /// Addresses that lie behind the others.
+    /// Addresses that come after the others.
     pub loose: Vec<(Location, Place)>,
 }
 
@@ -173,7 +173,7 @@ impl Addresses {
             let mut natural: BTreeMap<&Location, (u32, u8)> = BTreeMap::new();
             for location in locations.iter().filter(|known| known.area == area && known.width == width) {
                 match location.natural(editor) {
-                    // What no CPU has at this place has one elsewhere, where addresses are only names.
+                    // An address that no CPU has gets another place; these addresses are only names.
                     Some((byte, _)) if editor.separates_widths() && byte >= limit => loose.push(location),
                     Some(place) => {
                         natural.insert(location, place);
@@ -242,7 +242,7 @@ impl Addresses {
     }
 }
 
-/// The addresses that a text writes, wherever they stand, with where they begin.
+/// All addresses in a text, with their positions.
 pub fn mentioned(text: &str) -> impl Iterator<Item = (&str, usize)> {
     text.match_indices('%').filter_map(move |(at, _)| {
         let rest = &text[at + 1..];
@@ -284,13 +284,13 @@ mod tests {
     fn widths_with_memory_of_their_own_never_overlap() {
         let texts = ["%MW0", "%MD0", "%ML0", "%MX0.0", "%MW1"];
         assert_eq!(places(Editor::Matiec, &texts), ["100+2", "200+4", "300+8", "0.0", "102+2"]);
-        // Nothing moves that does not overlap.
+        // Addresses that do not overlap do not move.
         assert_eq!(places(Editor::Matiec, &["%QX0.0", "%QW5"]), ["0.0", "10+2"]);
         assert_eq!(places(Editor::Matiec, &["%IX3"]), ["3.0"]);
     }
 
     #[test]
-    fn longer_addresses_lie_behind_the_others() {
+    fn longer_addresses_lie_after_the_others() {
         let texts = ["%QX0.0", "%QX1.0.2", "%QX1.0.3", "%QW2.1"];
         assert_eq!(places(Editor::Codesys, &texts), ["0.0", "8.0", "8.1", "10+2"]);
     }

@@ -1,22 +1,22 @@
-//! Which editor wrote a project. The format is one, but editors count addresses, comments and dates in ways of their own.
+//! Which editor wrote a project. There is one format, but editors treat addresses, comments and dates differently.
 
 use roxmltree::{Document, Node};
 
 use super::interface::{child, elements};
 
-/// Editors as far as their projects mean different things.
+/// Editors whose projects have different meanings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Editor {
-    /// CODESYS and its descendants, TwinCAT among them: one memory, in which addresses count units of their width.
+    /// CODESYS and its descendants, such as TwinCAT: one memory, in which addresses count units of their width.
     Codesys,
-    /// Beremiz, OpenPLC and others that compile with MATIEC: each address is a variable of its own.
+    /// Beremiz, OpenPLC and others that compile with MATIEC: each address is a separate variable.
     Matiec,
     /// Any other, read by the rules of CODESYS.
     Other,
 }
 
 impl Editor {
-    /// The editor by what it says of itself, or by its way of writing text.
+    /// The editor, from its own name in the file or from its way of writing text.
     pub fn of(document: &Document) -> Editor {
         let root = document.root_element();
         let header = child(root, "fileHeader");
@@ -44,7 +44,7 @@ impl Editor {
         }
         let foreign =
             says(&["phoenix", "pc worx", "kw-software", "kw software", "multiprog", "geb", "logi.cad", "isagraf"]);
-        // Text in a paragraph of XHTML whose name space has a prefix: only editors of this family write it so.
+        // Text in a paragraph of XHTML whose namespace has a prefix: only editors of this family write it.
         let paragraphs = document.descendants().any(|node| {
             matches!(node.tag_name().name(), "ST" | "IL" | "documentation")
                 && elements(node).any(|text| text.tag_name().name() == "p")

@@ -4,13 +4,13 @@
 //! | --- | --- |
 //! | `ADD(a, b, c)`, `MULTIME(t, n)`, `SUB_TOD_TOD(a, b)` | operators |
 //! | `GE(a, b, c)` | `a >= b AND b >= c` |
-//! | `INT_TO_BOOL(i)` | `i <> 0`: SCL takes the lowest bit |
-//! | `INT_TO_STRING(i)` | without sign and blanks, by a function of the library |
-//! | `BCD_TO_INT(w)`, `WORD_BCD_TO_UINT(w)` | all digits count, by a function of the library |
+//! | `INT_TO_BOOL(i)` | `i <> 0`: SCL uses the lowest bit |
+//! | `INT_TO_STRING(i)` | without sign and blanks, with a function of the library |
+//! | `BCD_TO_INT(w)`, `WORD_BCD_TO_UINT(w)` | all digits count, with a function of the library |
 //! | `TIME_TO_INT(t)` | milliseconds; in editors that compile with MATIEC seconds |
 //! | `DATE_TO_DINT(d)`, `SUB_DT_DT(a, b)` | seconds since 1970, differences as TIME: see `dates` |
 //!
-//! What has the same name and meaning in SCL is left as it is. Source: IEC 61131-3, standard functions and function blocks.
+//! Functions with the same name and meaning in SCL are not changed. Source: IEC 61131-3, standard functions and function blocks.
 
 mod dates;
 
@@ -26,7 +26,7 @@ pub const INTEGERS: &[&str] = &["SINT", "INT", "DINT", "LINT", "USINT", "UINT", 
 const BIT_STRINGS: &[&str] = &["BYTE", "WORD", "DWORD", "LWORD"];
 const FLOATS: &[&str] = &["REAL", "LREAL"];
 
-/// Function blocks of the editors: names, and the block of the library; for MATIEC another one where it differs.
+/// Function blocks of the editors: names, and the block of the library; for MATIEC a different one where needed.
 const BLOCKS: &[(&str, &str, &str)] = &[
     ("CTU", "IEC_CTU", "IEC_CTU_INT"),
     ("CTD", "IEC_CTD_INT", "IEC_CTD_INT"),
@@ -55,13 +55,13 @@ const BLOCKS: &[(&str, &str, &str)] = &[
     ("HYSTERESIS", "IEC_HYSTERESIS", "IEC_HYSTERESIS"),
 ];
 
-/// The block of the library that a standard function block of the editor is.
+/// The block of the library for a standard function block of the editor.
 pub fn block(editor: Editor, name: &str) -> Option<&'static str> {
     let (_, other, matiec) = BLOCKS.iter().find(|(known, ..)| known.eq_ignore_ascii_case(name))?;
     Some(if editor == Editor::Matiec { matiec } else { other })
 }
 
-/// The call of a standard function in the words of SCL; `None`: SCL has it by this name, or it is none.
+/// The call of a standard function in the words of SCL; `None`: SCL has it by this name, or it is not a standard function.
 pub fn rewritten(
     editor: Editor,
     name: &Name,
@@ -91,7 +91,7 @@ pub fn rewritten(
     conversion(editor, &make, &upper, value, tell)
 }
 
-/// The values of IN1, IN2 … or IN in their order; `None`: there are other formals.
+/// The values of IN1, IN2 … or IN, in this order; `None`: there are other formals.
 fn inputs(arguments: &[Argument], kinds: &[Option<Ty>]) -> Option<Vec<(Expr, Option<Ty>)>> {
     let mut numbered: Vec<(u32, (Expr, Option<Ty>))> = Vec::with_capacity(arguments.len());
     for (at, argument) in arguments.iter().enumerate() {
@@ -206,7 +206,7 @@ fn scaled(make: &Make, upper: &str, values: &[Expr], kinds: &[Option<Ty>]) -> Op
     is_float.then(|| scaled_time(make, op, time, factor, kind.as_ref()))
 }
 
-/// A TIME multiplied or divided by a number with a fraction, to whole milliseconds; in LREAL, where no millisecond is lost.
+/// A TIME multiplied or divided by a number with a fraction, to whole milliseconds; in LREAL, which loses no millisecond.
 fn scaled_time(make: &Make, op: BinaryOp, time: &Expr, factor: &Expr, kind: Option<&Ty>) -> ExprKind {
     let milliseconds = make.call("DINT_TO_LREAL", make.call("TIME_TO_DINT", time.clone()));
     let literal = matches!(factor.kind, ExprKind::Literal(_));
@@ -218,7 +218,7 @@ fn scaled_time(make: &Make, op: BinaryOp, time: &Expr, factor: &Expr, kind: Opti
     make.call("DINT_TO_TIME", make.call("LREAL_TO_DINT", product)).kind
 }
 
-/// An operator that SCL has in other words: `T#1s * r`, `r * T#1s`, `T#10s / r`, and the difference of dates.
+/// An operator that SCL expresses in another way: `T#1s * r`, `r * T#1s`, `T#10s / r`, and the difference of dates.
 pub fn operation(
     op: BinaryOp,
     op_span: Span,
@@ -241,7 +241,7 @@ pub fn operation(
     }
 }
 
-/// Conversions that SCL lacks or means otherwise.
+/// Conversions that SCL lacks or defines differently.
 fn conversion(
     editor: Editor,
     make: &Make,
@@ -277,7 +277,8 @@ fn conversion(
         }
         (from, "STRING") if is(FLOATS, from) => {
             let text = format!("`{upper}` writes the number as the TIA Portal does: +1.500000E+000");
-            let message = Diagnostic::new(Code::Tolerated, make.name, text).label("editors write it in other forms");
+            let message =
+                Diagnostic::new(Code::Tolerated, make.name, text).label("other editors write it in other forms");
             tell(message.help("convert the parts of the number as integers where the form matters"));
             return None;
         }
@@ -319,7 +320,7 @@ fn conversion(
 
 fn seconds(make: &Make, name: &str) -> Diagnostic {
     let text = format!("`{name}` counts seconds in this editor, and milliseconds in others");
-    let message = Diagnostic::new(Code::Tolerated, make.name, text).label("taken as seconds");
+    let message = Diagnostic::new(Code::Tolerated, make.name, text).label("read as seconds");
     message.help("divide the TIME by a TIME, or multiply a TIME by the number: that means the same everywhere")
 }
 

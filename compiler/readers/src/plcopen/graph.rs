@@ -17,10 +17,10 @@ use plcc_syntax::network::elements::{self, PinDirection, Row};
 use plcc_syntax::scl::ast::{Argument, Expr, ExprKind, Name, NameForm};
 use plcc_syntax::scl::fragment;
 
-/// Connectors lead to connectors up to this depth.
+/// Most connectors in a chain of connectors.
 const DEPTH_MAX: usize = 64;
 
-/// The row of standard functions that are formulas.
+/// The table row of standard functions that are formulas.
 const FORMULA: &str = "function of IEC 61131-3";
 
 /// Where a signal comes from.
@@ -32,25 +32,25 @@ enum Origin {
     Operand(Expr, bool),
 }
 
-/// A network in the making.
+/// A network that is being built.
 pub struct Build<'r, 'a, 'b> {
     reader: &'r mut Reader<'a>,
     body: &'b mut Body,
     objects: &'r [Object],
     graph: Graph,
-    /// Elements by their objects.
+    /// The element of each object.
     made: HashMap<usize, usize>,
-    /// The objects that an element was made of.
+    /// The objects of an element.
     sources: HashMap<usize, Vec<usize>>,
-    /// Nets by what feeds them.
+    /// Nets by their sources.
     nets: Vec<(Vec<Origin>, NetId)>,
     /// Variables that keep a signal for the next cycle, by the object and the pin that it comes from.
     kept: HashMap<(usize, String), Expr>,
-    /// Variables for outputs that no net carries, by object and pin.
+    /// Variables for outputs that no net can carry, by object and pin.
     carried: HashMap<(usize, String), Expr>,
-    /// What connectors and in-outs pass on, while one input is followed.
+    /// The signals of connectors and in-outs while one input is followed.
     passed: HashMap<(usize, String), Vec<Origin>>,
-    /// The line at hand leads to a variable, which can be of any type.
+    /// The line that is being followed leads to a variable, which may have any type.
     direct: bool,
 }
 
@@ -129,10 +129,10 @@ impl Build<'_, '_, '_> {
     /// A BOOL of the instance that keeps a signal from cycle to cycle.
     fn hidden(&mut self, stem: &str, span: Span) -> Option<Expr> {
         if self.body.is_function {
-            let text = "a function has no memory for an edge or for the signal of the last cycle";
+            let text = "a function cannot store an edge or the signal of the last cycle";
             let mut message = Diagnostic::new(Code::EdgeBit, span, text);
             message.severity = Severity::Error;
-            let help = "make the POU a function block, or hand the signal of the last cycle to it as a parameter";
+            let help = "make the POU a function block, or pass it the signal of the last cycle as a parameter";
             self.reader.messages.push(message.label("needs a BOOL that outlives the call").help(help));
             return None;
         }
@@ -273,12 +273,12 @@ impl Build<'_, '_, '_> {
             let message = Diagnostic::new(Code::UnknownParameter, span, text);
             self.reader
                 .messages
-                .push(message.label("comes from a pin that is not there").help("connect an output of the block"));
+                .push(message.label("comes from a pin that does not exist").help("connect an output of the block"));
             formal.to_string()
         })
     }
 
-    /// The block has a circle at this output.
+    /// The block has a negation circle at this output.
     fn negated_output(&self, element: usize, formal: &str) -> bool {
         self.sources.get(&element).into_iter().flatten().any(|at| {
             let mut outputs = self.objects[*at].outputs.iter();
@@ -291,7 +291,7 @@ impl Build<'_, '_, '_> {
         let span = object.span;
         let mut templates = Vec::new();
         let editor = self.reader.editor;
-        // Blocks of the library have pins as the project calls them.
+        // Blocks of the library have the pin names of the project.
         let block = self.reader.pous.contains(&object.name.to_lowercase())
             || object.instance.is_some() && functions::block(editor, &object.name).is_some();
         let open = if block { None } else { elements::find_open(&object.name) };
@@ -337,10 +337,10 @@ impl Build<'_, '_, '_> {
             pins.push(connected);
         }
         for pin in object.inputs.iter().chain(&object.outputs).filter(|pin| pin.modifiers.storage != Storage::None) {
-            self.reader.unreadable(pin.span, "a pin that sets or resets", "connect a coil that does");
+            self.reader.unreadable(pin.span, "a pin that sets or resets", "connect a coil that sets or resets");
         }
         for pin in object.outputs.iter().filter(|pin| pin.modifiers.edge != Edge::None) {
-            self.reader.unreadable(pin.span, "an edge at an output", "connect an R_TRIG or F_TRIG behind it");
+            self.reader.unreadable(pin.span, "an edge at an output", "connect an R_TRIG or F_TRIG after it");
         }
         if let (true, Some(state)) = (flip_flop, instance) {
             pins.push(pin("operand", PinValue::Operand(state), false, span));
@@ -354,7 +354,7 @@ impl Build<'_, '_, '_> {
         }
     }
 
-    /// A standard function that SCL has in other words, over the inputs `in1`, `in2` ….
+    /// A standard function that SCL expresses in another way, over the inputs `in1`, `in2` ….
     fn formula(&mut self, object: &Object) -> Option<Expr> {
         let inputs = object.inputs.iter().filter(|input| !input.formal.eq_ignore_ascii_case("EN") && !input.is_open());
         let argument = |(at, input): (usize, &Connection)| {
@@ -372,7 +372,7 @@ impl Build<'_, '_, '_> {
         Some(Expr { kind, span: object.span })
     }
 
-    /// The type of what a line brings to an input, if a variable or a function of a known result feeds it.
+    /// The type of the signal at an input, if a variable or a function with a known result feeds it.
     fn kind(&self, input: &Connection) -> Option<Ty> {
         let text = match (input.from.as_slice(), input.text.clone()) {
             ([], text) => text,
@@ -390,14 +390,14 @@ impl Build<'_, '_, '_> {
         }?;
         let (mut value, _) = fragment::iec_expression(self.reader.file, &self.reader.overlay, text, self.reader.iec());
         let scope = &self.body.scope;
-        // What is wrong with it is told where it is read.
+        // Errors in it are reported where it is read.
         let told = std::mem::take(&mut *scope.messages.borrow_mut());
         let kind = scope.typed(&mut value);
         *scope.messages.borrow_mut() = told;
         kind
     }
 
-    /// A comparison of more than two values: each with the next one, in a row.
+    /// A comparison of more than two values: each with the next one.
     fn compare_on(&mut self, at: usize, row: &'static Row, mut last: Pin, further: Vec<&Connection>) {
         for input in further {
             let Some(before) = self.made.get(&at).copied() else { return };
@@ -411,7 +411,7 @@ impl Build<'_, '_, '_> {
         }
     }
 
-    /// AND, OR, XOR and NOT of words, when a declared variable at an input is one.
+    /// AND, OR, XOR and NOT of words, when a declared variable at an input is a word.
     fn word_gate(&self, object: &Object) -> Option<&'static Row> {
         let word = match object.name.to_ascii_uppercase().as_str() {
             "AND" => "And",
@@ -454,12 +454,12 @@ fn conversion(name: &str) -> Option<(Elementary, Elementary, &'static str)> {
     None
 }
 
-/// The name of a pin in the syntax tree; `None`: the element has no such pin. A pin without a name is the `number`th of its side.
+/// The name of a pin in the syntax tree; `None`: the element has no such pin. A pin without a name is number `number` on its side.
 fn pin_name(target: &Target, formal: &str, output: bool, number: usize) -> Option<String> {
     let Target::Element { row, .. } = target else { return Some(formal.to_string()) };
     let on_side = |pin: &elements::PinRow| (pin.direction == PinDirection::Output) == output;
     let known = row.pin(formal).filter(|(pin, _)| on_side(pin)).map(|(_, canonical)| canonical);
-    // Of an element with one input or output CODESYS calls the pin as the first of several.
+    // If an element has one input or output, CODESYS names the pin like the first of several.
     let numbered = if output { "Out1" } else { "In1" };
     if !formal.is_empty() && (known.is_some() || !formal.eq_ignore_ascii_case(numbered)) {
         return known;

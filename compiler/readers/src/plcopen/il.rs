@@ -1,6 +1,6 @@
 //! Bodies in IL (instruction list) as statements.
 //!
-//! The current result is kept as an expression until something takes it:
+//! The current result is kept as an expression until something uses it:
 //!
 //! ```text
 //! LD  a
@@ -11,7 +11,7 @@
 //! ST  Lamp
 //! ```
 //!
-//! Jumps and labels become those of SCL. Where the result is used after a label, each way that leads there puts it into a variable of the
+//! Jumps and labels become those of SCL. Where the result is used after a label, each path to the label puts it into a variable of the
 //! label. After CAL there is no current result: IEC 61131-3 leaves it undefined.
 
 use std::collections::HashMap;
@@ -28,7 +28,7 @@ use plcc_syntax::scl::ast::{
     Argument, AssignOp, BinaryOp, Expr, ExprKind, Name, NameForm, Statement, StatementKind, UnaryOp,
 };
 
-/// Open parentheses up to this depth.
+/// Most open parentheses.
 const DEPTH_MAX: usize = 100;
 
 /// A line: its label, its operator and what follows.
@@ -64,7 +64,7 @@ pub fn read(reader: &mut Reader, body: &mut Body, node: Node) -> Vec<Statement> 
         list.line(line, kept);
     }
     if let Some(open) = list.open.pop() {
-        list.refuse(open.span, "the parenthesis is not closed", "close it by `)` on a line of its own");
+        list.refuse(open.span, "the parenthesis is not closed", "close it with `)` on a separate line");
     }
     list.declare_merged();
     list.statements
@@ -73,13 +73,13 @@ pub fn read(reader: &mut Reader, body: &mut Body, node: Node) -> Vec<Statement> 
 struct List<'r, 'a, 'b> {
     reader: &'r mut Reader<'a>,
     body: &'b mut Body,
-    /// Without comments; it begins at byte `start` of the file.
+    /// The text without comments; it begins at byte `start` of the file.
     text: &'r str,
     start: usize,
     result: Option<Expr>,
     /// The type of the result, as far as it is known.
     kind: Option<Ty>,
-    /// The line before leads to this one.
+    /// The previous line continues to this one.
     reached: bool,
     /// Labels after which the result is used, in lower case.
     merged: HashMap<String, Merged>,
@@ -96,7 +96,7 @@ struct Open {
     span: Span,
 }
 
-/// The result at a label: its variable, and the type that the ways to the label bring.
+/// The result at a label: its variable, and the type of the result on the paths to the label.
 struct Merged {
     name: String,
     kind: Option<Ty>,
@@ -137,7 +137,7 @@ impl List<'_, '_, '_> {
         }
     }
 
-    /// The variables of labels have the types of what leads there.
+    /// Gives the variables of labels the types of the results on the paths to them.
     fn declare_merged(&mut self) {
         let mut merged: Vec<Merged> = std::mem::take(&mut self.merged).into_values().collect();
         merged.sort_by_key(|merged| merged.span.start);
@@ -158,7 +158,7 @@ impl List<'_, '_, '_> {
     fn hand_over(&mut self, label: &str, value: Expr, span: Span) -> Option<Statement> {
         let kind = self.kind.clone();
         let merged = self.merged.get_mut(&label.to_lowercase())?;
-        // The wider of two types has room for both.
+        // The wider of two types can hold both.
         merged.kind = types::operation(BinaryOp::Add, merged.kind.as_ref(), kind.as_ref());
         let name = Name { text: merged.name.clone(), form: NameForm::Local, span };
         let target = Expr { kind: ExprKind::Name(name), span };
@@ -192,7 +192,7 @@ impl List<'_, '_, '_> {
         let label = line.operand.clone();
         let text = self.slice(&label).trim().to_string();
         if text.is_empty() {
-            return self.refuse(span, "a jump without a label", "write the label behind it");
+            return self.refuse(span, "a jump without a label", "write the label after it");
         }
         let needed = self.merged.contains_key(&text.to_lowercase());
         let name = Name { text: text.clone(), form: NameForm::Bare, span: self.reader.span(label) };
@@ -216,7 +216,7 @@ impl List<'_, '_, '_> {
         self.when(negated(condition, word == "JMPCN"), body, span);
     }
 
-    /// `kept`: the result is needed behind this line, too.
+    /// `kept`: the result is needed after this line, too.
     fn line(&mut self, line: &Line, kept: bool) {
         if let Some(label) = &line.label {
             self.label(label);
@@ -256,7 +256,7 @@ impl List<'_, '_, '_> {
     }
 
     fn no_result(&mut self, span: Span) {
-        let help = "begin with LD; behind a label and behind CAL the result is undefined";
+        let help = "begin with LD; the result is undefined after a label or CAL";
         self.refuse(span, "there is no current result here", help);
     }
 
@@ -270,13 +270,13 @@ impl List<'_, '_, '_> {
 
     fn operand(&mut self, line: &Line, span: Span) -> Option<(Expr, Option<Ty>)> {
         if self.slice(&line.operand).trim().is_empty() {
-            self.refuse(span, "an operator without its operand", "write the operand behind it");
+            self.refuse(span, "an operator without its operand", "write the operand after it");
             return None;
         }
         Some(self.reader.typed_expression(line.operand.clone(), &self.body.scope))
     }
 
-    /// The result in a BOOL of its own, so that it can be used twice.
+    /// Puts the result into a separate BOOL, so it can be used twice.
     fn kept_result(&mut self, span: Span) -> Option<Expr> {
         let value = self.taken(span)?;
         if matches!(value.kind, ExprKind::Literal(_)) {
@@ -318,7 +318,7 @@ impl List<'_, '_, '_> {
         self.push(StatementKind::If { branches: vec![(condition, body)], otherwise: Vec::new() }, span);
     }
 
-    /// Statements that C and CN behind the operator make depend on the result.
+    /// Statements that depend on the result because of C or CN after the operator.
     fn conditional(&mut self, word: &str, kept: bool, kinds: Vec<StatementKind>, span: Span) {
         let body: Vec<Statement> = kinds.into_iter().map(|kind| Statement { kind, span }).collect();
         if !word.ends_with('C') && !word.ends_with("CN") {
@@ -363,7 +363,7 @@ impl List<'_, '_, '_> {
             let at = line.operand.start + operand.len() - operand.trim_start().len() + 1;
             let inner = at..at + inner.len();
             if self.open.len() >= DEPTH_MAX {
-                return self.refuse(span, "parentheses stand too deep in one another", "keep a part in a variable");
+                return self.refuse(span, "parentheses are nested too deeply", "store a part in a variable");
             }
             let before = self.taken(span);
             let kind = self.kind.take();
@@ -404,7 +404,7 @@ impl List<'_, '_, '_> {
         });
     }
 
-    /// A function: the result is its first argument, unless all stand in parentheses.
+    /// A function: the result is its first argument, unless all arguments are in parentheses.
     fn function(&mut self, line: &Line, operator: &Range<usize>, span: Span) {
         if self.slice(&line.operand).trim_start().starts_with('(') {
             let whole = operator.start..line.operand.end;
@@ -471,7 +471,7 @@ fn binary(word: &str) -> Option<(BinaryOp, bool)> {
     })
 }
 
-/// The text with blanks for comments.
+/// The text with blanks in place of comments.
 pub fn without_comments(text: &str) -> String {
     let mut bytes = text.as_bytes().to_vec();
     let mut at = 0;
@@ -520,14 +520,14 @@ fn split(text: &str, start: usize) -> Vec<Range<usize>> {
     parts
 }
 
-/// The lines of a text; a list of parameters may go over several.
+/// The lines of a text; a list of parameters may extend over several.
 fn lines(text: &str, start: usize) -> Vec<Line> {
     let mut found = Vec::new();
     let mut at = 0;
     while at < text.len() {
         let mut end = text[at..].find('\n').map_or(text.len(), |length| at + length);
         let mut line = read_line(&text[at..end]);
-        // `CAL Timer(` and functions with formals go on until their parenthesis is closed.
+        // `CAL Timer(` and functions with formals continue until their parenthesis is closed.
         let joins = line.operator.clone().is_some_and(|range| {
             let word = text[at + range.start..at + range.end].to_ascii_uppercase();
             word.starts_with("CAL") || !is_operator(&word)
@@ -574,7 +574,7 @@ fn read_line(text: &str) -> Line {
         _ => word(at).max(at),
     };
     if end == at {
-        // What is no operator is told by the reader of expressions.
+        // The reader of expressions reports text that is not an operator.
         let rest = text[at..].trim_end().len();
         let operator = (rest > 0).then_some(at..at + rest);
         return Line { label, operator, operand: at + rest..at + rest };

@@ -27,7 +27,7 @@ pub const LISTS: &[(&str, SectionKind)] = &[
     ("tempVars", SectionKind::Temp),
 ];
 
-/// An attribute of a node says yes.
+/// Whether an attribute of a node is true.
 pub fn is_true(node: Node, attribute: &str) -> bool {
     matches!(node.attribute(attribute).map(str::trim), Some("true" | "1"))
 }
@@ -47,7 +47,7 @@ impl Reader<'_> {
         Span::new(self.file, range)
     }
 
-    /// What stands for a node in messages: the value of an attribute, else the start of its tag.
+    /// The position of a node in messages: the value of an attribute, otherwise the start of its tag.
     pub fn place(&self, node: Node, attribute: &str) -> Span {
         match node.attribute_node(attribute) {
             Some(found) => self.span(found.range_value()),
@@ -64,7 +64,7 @@ impl Reader<'_> {
         (start < end).then_some(start..end)
     }
 
-    /// The sections of an interface, without variables that have an address of their own.
+    /// The sections of an interface, without variables that have an address.
     pub fn sections(&mut self, interface: Node, function: bool) -> (Vec<Section>, Vec<Constant>) {
         let (mut sections, mut constants) = (Vec::new(), Vec::new());
         for list in elements(interface) {
@@ -82,7 +82,7 @@ impl Reader<'_> {
             let kind = if function && *kind == SectionKind::Static { SectionKind::Temp } else { *kind };
             let mut variables: Vec<Node> = elements(list).filter(|node| node.tag_name().name() == "variable").collect();
             if is_true(list, "constant") {
-                // Structures and arrays are no constants of this CPU; nobody may write them, so variables do.
+                // Structures and arrays are not constants of this CPU; they are read-only, so variables serve instead.
                 variables.retain(|node| match self.constant_value(*node) {
                     Some(constant) => {
                         constants.push(constant);
@@ -111,7 +111,7 @@ impl Reader<'_> {
         (sections, constants)
     }
 
-    /// Tells of variables that the editor keeps over a power loss: here each run begins with start values.
+    /// Reports variables that the editor keeps over a power loss: here each run begins with the start values.
     pub fn retentive(&mut self, list: Node) {
         let Some(attribute) = ["retain", "persistent"].into_iter().find(|attribute| is_true(list, attribute)) else {
             return;
@@ -125,8 +125,8 @@ impl Reader<'_> {
         let named = format!("`{}`{more}", shown.join("`, `"));
         let text = format!("retentive variables begin each run with their start values: {named}");
         let message = Diagnostic::new(Code::Tolerated, self.place(list, attribute), text);
-        let help = "a run is one power cycle: assign what the plant remembers in a scenario or by `--set`";
-        self.messages.push(message.label("kept by the PLC when its power fails").help(help));
+        let help = "a run is one power cycle: set remembered values in a scenario or with `--set`";
+        self.messages.push(message.label("a PLC keeps it when its power fails").help(help));
     }
 
     /// The constant that a variable declares; none if its value is a structure or an array, or missing.
@@ -137,7 +137,7 @@ impl Reader<'_> {
         let range = value.attribute_node("value")?.range_value();
         let ty = child(node, "type").and_then(|ty| self.type_of(ty, 0));
         let ty = ty.filter(|ty| !matches!(ty.kind, TypeKind::Block(_))).or_else(|| {
-            // Of an enumeration or another name of a type: that of its value.
+            // For an enumeration or another named type: the type of its value.
             let ty = super::project::elementary(&self.types, node)?;
             Some(TypeRef { kind: TypeKind::Named(ty), span: name_span })
         });
@@ -146,7 +146,7 @@ impl Reader<'_> {
         Some(Constant { name, name_span, ty, value: Some(value), initial: None })
     }
 
-    /// Names of enumeration values and global constants become their values: for declarations, which know no names of POUs.
+    /// Names of enumeration values and global constants become their values: for declarations, where the names of POUs are unknown.
     fn known_names(&self, value: &mut Expr) {
         match &mut value.kind {
             ExprKind::Name(name) if name.form == NameForm::Bare => {
@@ -188,7 +188,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A whole number that is known now: `10`, `COUNT`, `List.COUNT - 1`.
+    /// A whole number that is already known: `10`, `COUNT`, `List.COUNT - 1`.
     fn known_number(&self, value: &Expr) -> Option<i64> {
         match &value.kind {
             ExprKind::Literal(Literal::Integer { value, .. }) => i64::try_from(*value).ok(),
@@ -225,13 +225,13 @@ impl Reader<'_> {
             self.messages.extend(super::types::out_of_range(ty, value));
         }
         let initial = initial.or_else(|| self.type_value(holder, name_span));
-        // A flip-flop is its state: see `Scope::flip_flops`.
+        // A flip-flop is represented by its state: see `Scope::flip_flops`.
         let initial = if flip_flop(node).is_some() { None } else { initial };
         let comment = child(node, "documentation").map(|node| plain_text(node)).filter(|text| !text.is_empty());
         Some(Variable { name, name_span, attributes: Vec::new(), at: None, ty, initial, comment })
     }
 
-    /// The value that a variable of a named type starts with: that of the type, else the first one of an enumeration.
+    /// The value that a variable of a named type starts with: that of the type, otherwise the first one of an enumeration.
     fn type_value(&mut self, holder: Node, span: Span) -> Option<InitialValue> {
         let mut ty = elements(holder).next()?;
         for _ in 0..DEPTH_MAX {
@@ -298,7 +298,7 @@ impl Reader<'_> {
             name @ ("pointer" | "reference" | "union") => {
                 return refused(self, format!("plcc has no data type for `{name}` of PLCopen XML"));
             }
-            // Dates begin at 1970 in these editors.
+            // Dates count from 1970 in these editors.
             "DATE" | "DT" | "DATE_AND_TIME" | "date" | "dt" => TypeKind::Named("LDT".to_string()),
             name => TypeKind::Named(name.to_ascii_uppercase()),
         };
@@ -414,7 +414,7 @@ pub fn flip_flop(variable: Node) -> Option<FlipFlop> {
     }
 }
 
-/// The words of a node, markup aside.
+/// The words of a node, without markup.
 pub fn plain_text(node: Node) -> String {
     let texts: Vec<&str> = node.descendants().filter(|node| node.is_text()).filter_map(|node| node.text()).collect();
     texts.join(" ").split_whitespace().collect::<Vec<_>>().join(" ")

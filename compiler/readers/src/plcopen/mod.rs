@@ -6,15 +6,16 @@
 //!                └─► chart ─────────────────────┘
 //! ```
 //!
-//! - `overlay` lets expressions be read where they stand; entities and markup are gone.
-//! - `objects` are contacts, blocks and variables with the lines between them; `order` makes networks of them, `graph` elements and nets.
-//! - `chart` makes charts of SFC bodies.
-//! - `scope` settles what names stand for: located and global variables are tags and components of a data block here; `functions` gives
-//!   standard functions the words of SCL.
-//! - `editor` tells who wrote the project, `address` where its addresses lie.
-//! - `project` gives global variables, and the blocks that call the programs.
+//! - `overlay` lets expressions be read in place: it replaces entities and markup.
+//! - `objects` are contacts, blocks and variables with the lines between them; `order` groups them into networks, `graph` turns them into
+//!   elements and nets.
+//! - `chart` turns SFC bodies into charts.
+//! - `scope` resolves names: located and global variables are tags and components of a data block here; `functions` translates
+//!   standard functions to SCL.
+//! - `editor` finds the editor that wrote the project, `address` where its addresses are.
+//! - `project` returns global variables, and the blocks that call the programs.
 //!
-//! A PROGRAM is a function block with an instance data block, called by OB 1 or by a cyclic OB. Namespaces do not matter: versions 1.0 to
+//! A PROGRAM is a function block with an instance data block, called by OB 1 or by a cyclic OB. Namespaces are ignored: versions 1.0 to
 //! 2.01 of the format use the same words. Source: LAD/FBD reference, chapter A3.
 
 mod address;
@@ -56,7 +57,7 @@ use plcc_syntax::scl::raw::Iec;
 use scope::{Global, Scope, Shared};
 use types::{Ty, Types};
 
-/// Actions call each other up to this depth.
+/// Actions may call each other up to this depth.
 const DEPTH_MAX: usize = 64;
 
 pub use project::{Tag, tags};
@@ -73,7 +74,7 @@ fn is_root(root: Node) -> bool {
     root.tag_name().name() == "project" && ["types", "instances"].iter().any(|name| child(root, name).is_some())
 }
 
-/// Reads a project. Never fails: what is wrong is in the messages.
+/// Reads a project. Never fails: the messages say what is wrong.
 pub fn parse(file: FileId, text: &str) -> (SourceUnit, Vec<Diagnostic>) {
     let document = match crate::xml::parse(text) {
         Ok(document) => document,
@@ -103,7 +104,7 @@ pub fn parse(file: FileId, text: &str) -> (SourceUnit, Vec<Diagnostic>) {
     reader.project(document.root_element());
     let Reader { overlay, blocks, mut messages, .. } = reader;
     messages.sort_by_key(|message| message.primary.span.start);
-    // A value that two pins read is read twice.
+    // A value that two pins read is reported twice.
     let mut known = HashSet::new();
     messages.retain(|message| {
         let span = message.primary.span;
@@ -124,28 +125,28 @@ struct Reader<'a> {
     kinds: Rc<Types>,
     /// Names of the file's POUs, in lower case.
     pous: HashSet<String>,
-    /// Outputs of POUs that no net carries, texts and structures: by POU and output in lower case; of a function the output is empty.
+    /// Outputs of POUs that no net can carry, texts and structures: by POU and output in lower case; for a function the output is empty.
     complex: HashMap<(String, String), Node<'a, 'a>>,
     /// Values of enumerations: their names with their numbers.
     enums: Vec<(Node<'a, 'a>, String, i64)>,
-    /// Global constants, which each POU that uses them has as its own.
+    /// Global constants; each POU that uses them gets a copy.
     constants: Vec<Constant>,
     /// Global variables, in lower case.
     globals: HashMap<String, Global>,
     /// Lists of global variables, in lower case.
     lists: HashMap<String, HashMap<String, Global>>,
     instances: Vec<project::Instance>,
-    /// Programs that have one instance, and its name.
+    /// Programs with one instance, and its name.
     program_instances: HashMap<String, String>,
-    /// What is assigned when the CPU starts.
+    /// The assignments at the start of the CPU.
     starts: Vec<Statement>,
-    /// What names mean in all POUs, once the declarations are read.
+    /// The meaning of names in all POUs, once the declarations are read.
     shared: Option<Rc<Shared>>,
     blocks: Vec<Block>,
     messages: Vec<Diagnostic>,
 }
 
-/// What the body of a POU needs while it is read.
+/// The state while the body of a POU is read.
 struct Body {
     scope: Scope,
     is_function: bool,
@@ -153,17 +154,17 @@ struct Body {
     words: HashSet<String>,
     /// Variables for edges and loops.
     hidden: Vec<Variable>,
-    /// Variables for values on wires that no net carries.
+    /// Variables for values on wires that no net can carry.
     temporary: Vec<Variable>,
 }
 
 impl Body {
-    /// Declares a BOOL that no other variable is called like.
+    /// Declares a BOOL with a name that no other variable has.
     fn hidden_name(&mut self, stem: &str, span: Span) -> String {
         self.hidden_variable(stem, "BOOL", span)
     }
 
-    /// Declares a variable that no other is called like.
+    /// Declares a variable with a name that no other has.
     fn hidden_variable(&mut self, stem: &str, ty: &str, span: Span) -> String {
         let ty = TypeRef { kind: TypeKind::Named(ty.to_string()), span };
         let variable = self.unnamed(stem, ty, span);
@@ -172,7 +173,7 @@ impl Body {
         name
     }
 
-    /// Declares temporary data that no other variable is called like.
+    /// Declares temporary data with a name that no other variable has.
     fn temporary_variable(&mut self, ty: TypeRef, span: Span) -> String {
         let variable = self.unnamed("wire", ty, span);
         let name = variable.name.clone();
@@ -240,7 +241,7 @@ impl<'a> Reader<'a> {
         self.foreign(root);
     }
 
-    /// Tells of parts of a project that nobody reads.
+    /// Reports parts of a project that plcc does not read.
     fn foreign(&mut self, root: Node<'a, 'a>) {
         for (list, known) in [
             ("project", &["fileHeader", "contentHeader", "types", "instances", "documentation", "addData"][..]),
@@ -256,7 +257,7 @@ impl<'a> Reader<'a> {
             let nodes: Vec<Node> = root.descendants().filter(|node| node.tag_name().name() == list).collect();
             nodes.into_iter().for_each(|node| self.unread(node, known));
         }
-        // Parts that an editor adds with a meaning of their own.
+        // Parts that an editor adds with their own meaning.
         const CODE: [&str; 4] = ["Method", "Property", "Interface", "Union"];
         let added = root.descendants().filter(|node| node.is_element() && CODE.contains(&node.tag_name().name()));
         let added: Vec<Node> =
@@ -271,17 +272,17 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Tells of elements below a node other than the known ones.
+    /// Reports elements below a node other than the known ones.
     fn unread(&mut self, node: Node, known: &[&str]) {
         for other in elements(node).filter(|other| !known.contains(&other.tag_name().name())) {
             let text = format!("plcc does not read the element `{}` of PLCopen XML", other.tag_name().name());
             let message = Diagnostic::new(Code::ForeignContent, self.place(other, "name"), text);
-            let help = "take it out of the project, and export again";
+            let help = "remove it from the project, and export again";
             self.messages.push(message.label("nothing is compiled in its place").help(help));
         }
     }
 
-    /// Outputs of a POU that no net carries.
+    /// Outputs of a POU that no net can carry.
     fn complex_outputs(&mut self, pou: Node<'a, 'a>) {
         let (Some(name), Some(interface)) = (pou.attribute("name"), child(pou, "interface")) else { return };
         let mut found = Vec::new();
@@ -304,7 +305,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A type of one value, through names of types.
+    /// A type of one value, with names of types resolved.
     fn is_elementary(&self, holder: Node) -> bool {
         let Some(mut ty) = elements(holder).next() else { return true };
         for _ in 0..16 {
@@ -334,7 +335,7 @@ impl<'a> Reader<'a> {
                 Some(written) => whole_number(written.value()).unwrap_or_else(|| {
                     let text = format!("`{}` is not a number", written.value());
                     let message = Diagnostic::new(Code::ForeignContent, self.span(written.range_value()), text);
-                    self.messages.push(message.label(format!("taken as {next}")).help("give the value a number"));
+                    self.messages.push(message.label(format!("read as {next}")).help("give the value a number"));
                     next
                 }),
             };
@@ -396,7 +397,7 @@ impl<'a> Reader<'a> {
             hidden: Vec::new(),
             temporary: Vec::new(),
         };
-        // Not those that the POU does not mention: their names are often words that other POUs use for variables.
+        // Only those that the POU mentions: their names are often words that other POUs use for variables.
         let words = words_of(self.overlay.get(pou.range()).unwrap_or_default());
         for constant in self.constants.clone() {
             let used = words.contains(&constant.name.to_lowercase());
@@ -435,7 +436,7 @@ impl<'a> Reader<'a> {
         self.blocks.push(Block::Code(CodeBlock { kind, name, return_type, header, sections, constants, code, span }));
     }
 
-    /// Actions of a POU that is not an SFC: it calls them by their names.
+    /// Actions of a POU that is not an SFC; the POU calls them by name.
     fn actions(&mut self, pou: Node<'a, 'a>, body: &mut Body) {
         let actions: Vec<Node> = child(pou, "actions").into_iter().flat_map(elements).collect();
         for _ in 0..=actions.len().min(DEPTH_MAX) {
@@ -445,7 +446,7 @@ impl<'a> Reader<'a> {
                 let text = child(*node, "body").and_then(|node| child(node, "ST"));
                 let Some(text) = text.filter(|_| !body.scope.actions.contains_key(&name)) else { continue };
                 let source = self.text_range(elements(text).next().unwrap_or(text));
-                // Those that it calls come first.
+                // The actions that it calls come first.
                 let waits = |other: &&Node| {
                     let other = other.attribute("name").unwrap_or_default();
                     !other.eq_ignore_ascii_case(&name)
@@ -480,7 +481,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What names mean in a POU. Variables with an address get their start values.
+    /// The meaning of names in a POU. Variables with an address get their start values.
     fn scope_of(&mut self, pou: &str, interface: Option<Node>) -> Scope {
         let shared = self.shared.clone().expect("declarations are read first");
         let mut scope = Scope::new(shared);
@@ -553,7 +554,7 @@ impl<'a> Reader<'a> {
             other => {
                 let text = format!("plcc does not read POUs in {other}");
                 let message = Diagnostic::new(Code::ForeignContent, span, text);
-                let help = "write the POU in LD, FBD, ST, IL or SFC; other blocks of the file are read all the same";
+                let help = "write the POU in LD, FBD, ST, IL or SFC; plcc reads the other blocks of the file";
                 self.messages.push(message.label("this POU is compiled as if it were empty").help(help));
                 return BlockCode::Graphic(Networks::default());
             }
@@ -588,14 +589,14 @@ impl<'a> Reader<'a> {
         networks
     }
 
-    /// A connector that is there twice joins two signals under one name.
+    /// A connector that appears twice joins two signals under one name.
     fn unknown_connectors(&mut self, objects: &[objects::Object]) {
         let mut known: HashSet<&str> = HashSet::new();
         for object in objects.iter().filter(|object| object.kind == Kind::Connector) {
             if !known.insert(&object.name) {
                 let text = format!("two connectors are called `{}`", object.name);
                 let message = Diagnostic::new(Code::DuplicateName, object.span, text);
-                self.messages.push(message.help("give each connector a name of its own"));
+                self.messages.push(message.help("give each connector its own name"));
             }
         }
     }
@@ -621,7 +622,7 @@ impl<'a> Reader<'a> {
         statements
     }
 
-    /// The expression in a part of the file; names are settled by the scope of a POU.
+    /// The expression in a part of the file; the scope of a POU resolves the names.
     fn expression(&mut self, range: Range<usize>, scope: Option<&Scope>) -> Expr {
         pragma::clear(self.file, self.editor, &mut self.overlay, range.clone(), &mut self.messages);
         let (mut value, messages) = fragment::iec_expression(self.file, &self.overlay, range, self.iec());
@@ -642,7 +643,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The language element of a body. CODESYS puts its charts of functions into additional data.
+/// The language element of a body. CODESYS puts its function charts into additional data.
 fn body_content<'a, 'i>(body: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
     let mut languages = elements(body).filter(|node| !matches!(node.tag_name().name(), "documentation" | "addData"));
     let plain = languages.next();
@@ -685,7 +686,7 @@ fn words_of(text: &str) -> HashSet<String> {
     words.map(str::to_lowercase).collect()
 }
 
-/// The text has the name as a word of its own.
+/// Whether the text has the name as a separate word.
 fn mentions(text: &str, name: &str) -> bool {
     let mut words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
     words.any(|word| word.eq_ignore_ascii_case(name))

@@ -1,4 +1,4 @@
-//! The objects of an LD or FBD body as the file has them.
+//! The objects of an LD or FBD body as they are in the file.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -10,7 +10,7 @@ use super::Reader;
 use super::interface::{child, elements};
 use plcc_syntax::network::ast::Storage;
 
-/// Elements of an SFC body that are no objects of its networks.
+/// Elements of an SFC body that are not objects of its networks.
 pub const CHART: &[&str] = &[
     "step",
     "macroStep",
@@ -23,7 +23,7 @@ pub const CHART: &[&str] = &[
     "simultaneousConvergence",
 ];
 
-/// What an object is.
+/// The kind of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     LeftRail,
@@ -40,12 +40,12 @@ pub enum Kind {
     Return,
     Connector,
     Continuation,
-    /// Where a network is the condition of a transition.
+    /// The point where a network is the condition of a transition.
     Condition,
 }
 
 impl Kind {
-    /// Each object of this kind does something when its turn comes.
+    /// Whether each object of this kind does something when its turn comes.
     fn runs(self) -> bool {
         matches!(
             self,
@@ -75,9 +75,9 @@ pub struct Object {
     pub modifiers: Modifiers,
     /// From the top, then from the left.
     pub position: (i64, i64),
-    /// Of execution; 0: none was set.
+    /// Order of execution; 0: not set.
     pub order: u64,
-    /// What stands for it in messages.
+    /// Its position in messages.
     pub span: Span,
 }
 
@@ -95,26 +95,26 @@ impl Modifiers {
 
 /// A pin of a block, or the only one of another object.
 pub struct Connection {
-    /// As the file calls it; empty if it does not.
+    /// Its name in the file; empty if it has none.
     pub formal: String,
     pub modifiers: Modifiers,
     /// Where the signal comes from: objects, and the pins of blocks. Empty for outputs.
     pub from: Vec<(usize, String)>,
-    /// An expression in the place of lines.
+    /// An expression instead of lines.
     pub text: Option<Range<usize>>,
     pub in_out: bool,
     pub span: Span,
 }
 
 impl Connection {
-    /// Nothing leads here.
+    /// Whether nothing is connected to it.
     pub fn is_open(&self) -> bool {
         self.from.is_empty() && self.text.is_none()
     }
 }
 
 impl Object {
-    /// It does something when its turn comes.
+    /// Whether it does something when its turn comes.
     pub fn runs(&self) -> bool {
         match self.kind {
             Kind::InOutVariable => self.inputs.iter().any(|input| !input.is_open()),
@@ -140,7 +140,7 @@ fn modifiers(node: Node) -> Modifiers {
     }
 }
 
-/// A condition of a transition that a line leads to. Version 1 of the format has the line without a point around it.
+/// A condition of a transition that a line leads to. Version 1 of the format has the line without a connection point around it.
 pub fn connected_condition<'a, 'i>(transition: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
     child(transition, "condition").filter(|condition| lines(*condition).next().is_some())
 }
@@ -163,13 +163,13 @@ pub fn position(node: Node) -> (i64, i64) {
 }
 
 impl Reader<'_> {
-    /// Tells of something that nobody reads.
+    /// Reports a part that plcc does not read.
     pub fn unreadable(&mut self, span: Span, what: &str, help: &str) {
         let message = Diagnostic::new(Code::ForeignContent, span, format!("plcc does not read {what}"));
         self.messages.push(message.label("nothing is compiled in its place").help(help));
     }
 
-    /// The objects of a body, with their connections as indices into the list. Of an SFC body those of its networks; a transition that one of
+    /// The objects of a body, with their connections as indices into the list. For an SFC body, the objects of its networks; a transition that one of
     /// them leads to is a `Condition`, in the order of the file.
     pub fn objects(&mut self, body: Node) -> Vec<Object> {
         let is_chart = body.tag_name().name() == "SFC";
@@ -195,7 +195,7 @@ impl Reader<'_> {
                 }
                 name if is_chart && CHART.contains(&name) => continue,
                 "rightPowerRail" | "comment" | "documentation" | "addData" => continue,
-                // CODESYS writes the titles of networks so.
+                // CODESYS writes the titles of networks like this.
                 "vendorElement" if node.descendants().any(|data| data.text() == Some("networktitle")) => continue,
                 name => {
                     let span = self.place(node, "name");
@@ -240,7 +240,7 @@ impl Reader<'_> {
         };
         let stored = object.modifiers.storage != Storage::None;
         if stored && (object.modifiers.negated || object.modifiers.edge != Edge::None || kind == Kind::Contact) {
-            self.unreadable(span, "an object that stores and does something else", "draw two objects");
+            self.unreadable(span, "an object that stores and also does something else", "draw two objects");
         }
         if kind == Kind::Coil && object.modifiers.negated && object.modifiers.edge != Edge::None {
             self.unreadable(span, "a coil with an edge and a negation", "draw a contact before the coil");
@@ -265,7 +265,7 @@ impl Reader<'_> {
             }
         } else if child(node, "connectionPointIn").is_some() || kind == Kind::Condition {
             let connection = self.connection(node, ids, false);
-            // What stands at the object is no property of its line.
+            // The error is in the object, not in its line.
             object.inputs.push(Connection { formal: String::new(), modifiers: Modifiers::NONE, ..connection });
         }
         object
@@ -279,8 +279,8 @@ impl Reader<'_> {
             match ids.get(id.trim()) {
                 Some(at) => from.push((*at, line.attribute("formalParameter").unwrap_or("").trim().to_string())),
                 None => {
-                    // Editors drop such lines as they open the project.
-                    let text = format!("a line comes from object {id}, which the network does not have");
+                    // Editors drop these lines when they open the project.
+                    let text = format!("a line comes from object {id}, which is not in the network");
                     let message = Diagnostic::new(Code::Tolerated, self.place(line, "refLocalId"), text);
                     let help = "connect the pin again in the editor if something is missing";
                     self.messages.push(message.label("the line is left out").help(help));

@@ -1,8 +1,8 @@
 //! Objects of a body as networks, in the order of evaluation.
 //!
-//! Objects that lines connect are a network; the rail and a variable with several readers connect nothing. Networks run from top to bottom;
-//! in a network, an object runs behind those that feed it, and else from top to bottom and from left to right. If every object has a number
-//! of execution, the numbers decide alone.
+//! Objects that lines connect form a network; the rail and a variable with several readers connect nothing. Networks run from top to bottom;
+//! in a network, an object runs after those that feed it, otherwise from top to bottom and from left to right. If every object has a number
+//! of execution, only the numbers decide.
 //! Source: LAD/FBD reference, chapter A3.
 
 use std::collections::{HashMap, HashSet};
@@ -43,7 +43,7 @@ pub fn groups(objects: &[Object]) -> Vec<Group> {
     groups
 }
 
-/// What runs for the value of one object, itself last.
+/// The objects that run for the value of one object, itself last.
 pub fn feeding(objects: &[Object], at: usize) -> Vec<usize> {
     let mut part = vec![at];
     let mut seen = HashSet::from([at]);
@@ -62,7 +62,7 @@ pub fn feeding(objects: &[Object], at: usize) -> Vec<usize> {
     flow(objects, &part)
 }
 
-/// Objects that lines connect, the rail aside.
+/// Objects that lines connect, except through the rail.
 fn components(objects: &[Object]) -> Vec<Vec<usize>> {
     let mut parent: Vec<usize> = (0..objects.len()).collect();
     fn root(parent: &mut [usize], mut at: usize) -> usize {
@@ -78,7 +78,7 @@ fn components(objects: &[Object]) -> Vec<Vec<usize>> {
     };
     let mut uses = vec![0; objects.len()];
     objects.iter().flat_map(|object| &object.inputs).flat_map(|input| &input.from).for_each(|(at, _)| uses[*at] += 1);
-    // A variable that is drawn once and read in several networks makes them no single one.
+    // A variable that is drawn once and read in several networks does not join them.
     let shared = |at: usize| objects[at].kind == Kind::InVariable && uses[at] > 1;
     let mut connectors: HashMap<&str, usize> = HashMap::new();
     for (at, object) in objects.iter().enumerate() {
@@ -111,7 +111,7 @@ fn components(objects: &[Object]) -> Vec<Vec<usize>> {
     parts
 }
 
-/// Parts in the order of their numbers; those whose numbers mix are one.
+/// Parts in the order of their numbers; parts whose numbers overlap become one.
 fn by_number(objects: &[Object], parts: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
     let mut ranges: Vec<(u64, u64, Vec<usize>)> = parts
         .into_iter()
@@ -184,7 +184,7 @@ fn flow(objects: &[Object], part: &[usize]) -> Vec<usize> {
     order
 }
 
-/// Whether `at` needs, over others, what `on` gives.
+/// Whether `at` needs the output of `on`, directly or through others.
 fn depends(at: usize, on: usize, feeding: &dyn Fn(usize) -> Vec<usize>) -> bool {
     let mut seen = HashSet::from([at]);
     let mut work = vec![at];

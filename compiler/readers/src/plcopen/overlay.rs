@@ -1,4 +1,4 @@
-//! The text of a file with its expressions as they mean: entities and markup in them replaced, each byte at its place.
+//! The text of a file in which expressions can be read: entities and markup are replaced, and each byte keeps its position.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -10,7 +10,7 @@ pub fn overlay(text: &str, document: &Document) -> String {
     let mut bytes = text.as_bytes().to_vec();
     for node in document.descendants().filter(|node| node.is_element()) {
         let is_value = match node.tag_name().name() {
-            // With the elements in it, which are no values of their own.
+            // With the elements in it, which are not values of their own.
             "ST" | "IL" => true,
             "xhtml" => !node.ancestors().skip(1).any(|parent| matches!(parent.tag_name().name(), "ST" | "IL")),
             "expression" | "variable" => node.children().all(|child| child.is_text()),
@@ -41,9 +41,9 @@ pub fn typed_values(text: &mut String, values: &HashMap<String, i64>) {
     }
 }
 
-/// What stands between the tags of an element.
+/// The text between the tags of an element.
 pub fn content(node: Node) -> Option<Range<usize>> {
-    // Not the ranges of its children: a text and the CDATA behind it are one child, with the range of the first.
+    // Not the ranges of its children: a text and the CDATA after it are one child, with the range of the first.
     node.first_child()?;
     let range = node.range();
     let text = node.document().input_text().get(range.clone())?;
@@ -95,8 +95,8 @@ fn blank_markup(bytes: &mut [u8], range: Range<usize>) {
     }
 }
 
-/// `&lt;` becomes `   <`. Entities that follow each other stay together, and so do the two characters of an operator; in a text in quotes
-/// nothing is inserted, blanks come behind it.
+/// `&lt;` becomes `   <`. Entities that follow each other remain together, and so do the two characters of an operator; in a text in quotes
+/// nothing is inserted, and blanks come after it.
 fn decode(bytes: &mut [u8]) {
     let mut out: Vec<u8> = Vec::with_capacity(bytes.len());
     let mut quote = None;
@@ -113,7 +113,7 @@ fn decode(bytes: &mut [u8]) {
                 out.push(*c);
             }
             (Some(open), [c]) if *c == open || *c == b'\n' => {
-                // A line end ends a text too: it was an apostrophe in a comment.
+                // A line end ends a text too: the quote was an apostrophe in a comment.
                 let line_end = *c == b'\n';
                 if !line_end {
                     out.push(*c);
@@ -139,10 +139,10 @@ fn decode(bytes: &mut [u8]) {
                     at += length;
                     text.extend(more);
                 }
-                let behind = out.last() == Some(&b'=');
-                out.resize(out.len() + if behind { 0 } else { free }, b' ');
+                let after = out.last() == Some(&b'=');
+                out.resize(out.len() + if after { 0 } else { free }, b' ');
                 out.extend(text);
-                out.resize(out.len() + if behind { free } else { 0 }, b' ');
+                out.resize(out.len() + if after { free } else { 0 }, b' ');
             }
         }
     }

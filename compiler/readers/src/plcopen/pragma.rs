@@ -1,4 +1,4 @@
-//! `{ … }` in structured text: attributes of editors, which change nothing, and code in other languages, which plcc cannot compile.
+//! `{ … }` in structured text: attributes of editors, which have no effect, and code in other languages, which plcc cannot compile.
 
 use std::ops::Range;
 
@@ -22,7 +22,7 @@ const HARMLESS: &[&str] = &[
     "w",
 ];
 
-/// Replaces all pragmas of a part of the text with blanks. Those that mean something are told.
+/// Replaces all pragmas of a part of the text with blanks. Pragmas with an effect are reported.
 pub fn clear(file: FileId, editor: Editor, text: &mut String, range: Range<usize>, messages: &mut Vec<Diagnostic>) {
     let Some(part) = text.get(range.clone()).filter(|part| part.contains('{')) else { return };
     let found = pragmas(part, editor.nests_comments());
@@ -39,11 +39,11 @@ pub fn clear(file: FileId, editor: Editor, text: &mut String, range: Range<usize
                 true => Diagnostic::new(Code::ForeignContent, span, "plcc does not read code in C")
                     .label("nothing is compiled in its place")
                     .help(
-                        "write it in ST; the compiler of the editor hands what stands between braces to its C compiler",
+                        "write it in ST; the compiler of the editor passes the text between braces to its C compiler",
                     ),
                 false => Diagnostic::new(Code::ForeignContent, span, format!("plcc does not know the pragma `{word}`"))
                     .label("may change what is compiled")
-                    .help("take it out if it has no effect on the program"),
+                    .help("remove it if it has no effect on the program"),
             };
             messages.push(message);
         }
@@ -58,7 +58,7 @@ pub fn clear(file: FileId, editor: Editor, text: &mut String, range: Range<usize
     }
 }
 
-/// Where `{ … }` and `{{ … }}` stand outside comments and texts.
+/// The positions of `{ … }` and `{{ … }}` outside comments and texts.
 fn pragmas(text: &str, nested_comments: bool) -> Vec<Range<usize>> {
     let bytes = text.as_bytes();
     let mut found = Vec::new();

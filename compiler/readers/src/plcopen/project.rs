@@ -25,7 +25,7 @@ pub const GLOBALS: &str = "GlobalVariables";
 /// A variable with an address.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tag {
-    /// Of a global variable its name; of a POU's, `POU.name`; of an address that bodies use and no operand can be, the address.
+    /// For a global variable its name; for one of a POU, `POU.name`; for an address in a body that cannot be an operand, the address.
     pub name: String,
     pub area: Area,
     pub width: Width,
@@ -49,7 +49,7 @@ pub fn tag_name(owner: Option<&str>, name: &str) -> String {
     }
 }
 
-/// The addresses of a project and where they lie.
+/// The addresses of a project and where they are.
 pub fn addresses(editor: Editor, text: &str) -> Addresses {
     let read = |(written, _): (&str, usize)| match Location::read(written) {
         Read::At(location) => Some(location),
@@ -65,7 +65,7 @@ pub fn data_types<'a>(document: &'a Document) -> HashMap<String, Node<'a, 'a>> {
     types.filter_map(|node| Some((node.attribute("name")?.to_lowercase(), node))).collect()
 }
 
-/// The elementary type of a variable with an address, through names of types; none: it is none.
+/// The elementary type of a variable with an address, with names of types resolved; none: it is not elementary.
 pub fn elementary(types: &HashMap<String, Node>, variable: Node) -> Option<String> {
     let mut ty = child(variable, "type").and_then(|ty| elements(ty).next())?;
     for _ in 0..16 {
@@ -89,7 +89,7 @@ pub fn elementary(types: &HashMap<String, Node>, variable: Node) -> Option<Strin
     None
 }
 
-/// The place of a variable with a complete address; none of one that lies in a data block.
+/// The place of a variable with a complete address; none for one in a data block.
 pub fn located(types: &HashMap<String, Node>, addresses: &Addresses, variable: Node) -> Option<(Place, String)> {
     let Read::At(location) = Location::read(variable.attribute("address")?) else { return None };
     let ty = elementary(types, variable)?;
@@ -104,13 +104,13 @@ pub fn located(types: &HashMap<String, Node>, addresses: &Addresses, variable: N
     Some((Place { width, ..place }, ty))
 }
 
-/// Names of lists of global variables with the lists: those that have variables of equal names are told apart by them.
+/// Names of lists of global variables with the lists: the names of lists distinguish variables with equal names.
 pub fn global_lists<'a, 'i>(root: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>> {
     let lists = root.descendants().filter(|node| node.tag_name().name() == "globalVars");
     lists.filter(|list| !list.ancestors().any(|node| node.tag_name().name() == "pou"))
 }
 
-/// A global variable: its node, the list that it stands in, and its own name in plcc.
+/// A global variable: its node, the list that contains it, and its own name in plcc.
 pub struct GlobalVariable<'a, 'i> {
     pub node: Node<'a, 'i>,
     pub list: Option<&'a str>,
@@ -118,7 +118,7 @@ pub struct GlobalVariable<'a, 'i> {
     pub unique: String,
 }
 
-/// All global variables. The second one of a name is called by its list, too.
+/// All global variables. The second one with a name also gets the name of its list.
 pub fn global_variables<'a, 'i>(root: Node<'a, 'i>) -> Vec<GlobalVariable<'a, 'i>> {
     let mut found: Vec<GlobalVariable<'a, 'i>> = Vec::new();
     let mut taken: BTreeSet<String> = BTreeSet::new();
@@ -171,7 +171,7 @@ pub fn tags(file: FileId, text: &str) -> (Vec<Tag>, Vec<Diagnostic>) {
             }
         }
     }
-    // Addresses in bodies that no operand of this CPU can be.
+    // Addresses in bodies that cannot be an operand of this CPU.
     let mut known: BTreeSet<String> = BTreeSet::new();
     for (written, at) in mentioned(text) {
         let Read::At(location) = Location::read(written) else { continue };
@@ -187,7 +187,7 @@ pub fn tags(file: FileId, text: &str) -> (Vec<Tag>, Vec<Diagnostic>) {
     (tags, messages)
 }
 
-/// Tells of addresses that do not lie where their numbers say.
+/// Reports addresses that are not where their numbers say.
 fn report_places(file: FileId, text: &str, addresses: &Addresses, messages: &mut Vec<Diagnostic>) {
     let find = |is: &dyn Fn(&Location) -> bool| {
         let mut all = mentioned(text);
@@ -200,7 +200,7 @@ fn report_places(file: FileId, text: &str, addresses: &Addresses, messages: &mut
         let Read::At(location) = Location::read(written) else { continue };
         let Some(place) = addresses.place(&location) else { continue };
         let text =
-            format!("addresses %{area}{width} have memory of their own in this editor, {bytes} bytes further up here");
+            format!("in this editor addresses %{area}{width} have separate memory; here they are {bytes} bytes higher");
         let message = Diagnostic::new(Code::Tolerated, Span::new(file, at..at + written.len()), text);
         let help = "name variables rather than addresses in scenarios and on the command line, or use the address here";
         messages.push(message.label(format!("{} here", place_text(place))).help(help));
@@ -210,7 +210,7 @@ fn report_places(file: FileId, text: &str, addresses: &Addresses, messages: &mut
     {
         let others = match addresses.loose.len() - 1 {
             0 => String::new(),
-            count => format!(", and {count} others behind it"),
+            count => format!(", and {count} others after it"),
         };
         let text = "the CPU has no address of this form: it is given the next free place";
         let message = Diagnostic::new(Code::Tolerated, Span::new(file, at..at + written.len()), text);
@@ -247,7 +247,7 @@ pub struct Instance {
 }
 
 impl<'a> Reader<'a> {
-    /// Constants, which bounds of data types may name.
+    /// The constants that bounds of data types may name.
     pub fn global_constants(&mut self, root: Node<'a, 'a>) {
         for list in global_lists(root).filter(|list| is_true(*list, "constant")) {
             if let Some(name) = list.attribute("name").map(str::trim).filter(|name| !name.is_empty()) {
@@ -309,7 +309,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Whether a variable lies at its address. Tells of an address that is not complete or cannot be kept.
+    /// Whether a variable is at its address. Reports an address that is not complete or cannot be kept.
     pub fn located_variable(&mut self, node: Node) -> bool {
         let Some(address) = node.attribute_node("address") else { return false };
         let span = self.span(address.range_value());
@@ -319,25 +319,25 @@ impl<'a> Reader<'a> {
                 if located(&self.types, &self.addresses, node).is_some() {
                     return true;
                 }
-                let text = format!("`{name}` is not of an elementary type, so it cannot lie at an address");
+                let text = format!("`{name}` is not of an elementary type, so it cannot have an address");
                 let mut message = Diagnostic::new(Code::ForeignContent, span, text);
                 if location.area == 'M' {
                     message.severity = Severity::Warning;
-                    message = message.label("gets memory of its own").help("let nothing else use the address");
+                    message = message.label("gets separate memory").help("use the address for nothing else");
                 } else {
                     message = message.label("inputs and outputs are read and written one by one");
-                    message = message.help("declare each input or output as a variable of its own");
+                    message = message.help("declare each input or output as a separate variable");
                 }
                 self.messages.push(message);
                 false
             }
             Read::Open => {
                 let text = format!("`{name}` has no address yet");
-                let message = Diagnostic::new(Code::Tolerated, span, text).label("gets memory of its own");
+                let message = Diagnostic::new(Code::Tolerated, span, text).label("gets separate memory");
                 self.messages.push(message.help("write the address that the variable is to have, e.g. %QX0.0"));
                 false
             }
-            // `tags` tells of it.
+            // `tags` reports it.
             Read::Not => true,
         }
     }
@@ -383,7 +383,7 @@ impl<'a> Reader<'a> {
             let Some((program, _)) = programs.iter().find(|(known, _)| known.eq_ignore_ascii_case(program)) else {
                 let text = format!("the project has no program `{program}`");
                 let message = Diagnostic::new(Code::ForeignContent, span, text).label("this instance is not executed");
-                self.messages.push(message.help("export the program too, or take the instance out of its task"));
+                self.messages.push(message.help("export the program too, or remove the instance from its task"));
                 continue;
             };
             let task = node.parent().filter(|task| task.tag_name().name() == "task");
@@ -422,7 +422,7 @@ impl<'a> Reader<'a> {
         let running: Vec<&Instance> = self.instances.iter().filter(|instance| instance.runs).collect();
         if let (false, Some(second)) = (configured, running.get(1)) {
             let text = "the project has no task, so its programs run one after the other in each cycle";
-            let message = Diagnostic::new(Code::Tolerated, second.span, text).label("runs behind the one before it");
+            let message = Diagnostic::new(Code::Tolerated, second.span, text).label("runs after the previous program");
             self.messages.push(message.help("give the programs to tasks in the configuration of the project"));
         }
         for (program, _) in programs {
@@ -433,7 +433,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A name for an instance that nothing else has.
+    /// A name for an instance that is used for nothing else.
     fn free_name(&self, wanted: &str) -> String {
         let is_taken = |name: &str| {
             self.pous.contains(&name.to_lowercase())
@@ -456,9 +456,9 @@ impl<'a> Reader<'a> {
         let Some(interval) = task.attribute_node("interval").filter(|interval| !interval.value().trim().is_empty())
         else {
             if let Some(single) = task.attribute_node("single").filter(|single| !single.value().trim().is_empty()) {
-                let text = format!("plcc does not read tasks that an event starts, here `{}`", single.value());
+                let text = format!("plcc does not read tasks that an event starts, such as `{}`", single.value());
                 let message = Diagnostic::new(Code::ForeignContent, self.span(single.range_value()), text);
-                let help = "call the program in a cyclic one behind an R_TRIG of the variable";
+                let help = "call the program from a cyclic one, after an R_TRIG of the variable";
                 self.messages.push(message.label("its programs run in each cycle").help(help));
             }
             return None;
@@ -472,8 +472,8 @@ impl<'a> Reader<'a> {
         };
         let milliseconds = microseconds.div_ceil(1000);
         if milliseconds * 1000 != microseconds {
-            let title = format!("an interval of {text} is longer here: OBs have whole milliseconds");
-            let message = Diagnostic::new(Code::Tolerated, span, title).label(format!("taken as {milliseconds} ms"));
+            let title = format!("an interval of {text} is longer here: OBs run at whole milliseconds");
+            let message = Diagnostic::new(Code::Tolerated, span, title).label(format!("read as {milliseconds} ms"));
             self.messages.push(message.help("give the task an interval of whole milliseconds"));
         }
         Some(milliseconds)
@@ -539,7 +539,7 @@ impl<'a> Reader<'a> {
         }));
     }
 
-    /// The cyclic OB for a period: the one that has it, else a free one, whose period plc.toml must set.
+    /// The cyclic OB for a period: the one that has it, otherwise a free one, whose period plc.toml must set.
     fn cyclic(&mut self, period: u64, periods: &mut Vec<(u64, u32)>, span: Span) -> Option<u32> {
         if let Some((_, number)) = periods.iter().find(|(known, _)| *known == period) {
             return Some(*number);
@@ -550,7 +550,7 @@ impl<'a> Reader<'a> {
         }
         let free = CYCLIC.iter().find(|(number, _)| !periods.iter().any(|(_, used)| used == number));
         let Some((number, _)) = free else {
-            let text = "more tasks with different intervals than the CPU has cyclic OBs";
+            let text = "there are more different intervals of tasks than the CPU has cyclic OBs";
             let message = Diagnostic::new(Code::ForeignContent, span, text).label("no OB is left for this program");
             self.messages.push(message.help("let programs share a task"));
             return None;
@@ -558,7 +558,7 @@ impl<'a> Reader<'a> {
         periods.push((period, *number));
         if period > PERIOD_MAX_MS {
             let text = format!("an interval of {period} ms is longer than a cyclic OB can have");
-            let message = Diagnostic::new(Code::ForeignContent, span, text).label("at most a minute");
+            let message = Diagnostic::new(Code::ForeignContent, span, text).label("more than one minute");
             self.messages.push(message.help("count shorter intervals in the program"));
             return None;
         }
@@ -586,17 +586,17 @@ fn set_period(number: u32, milliseconds: u64, span: Span) -> Statement {
     Statement { kind: StatementKind::Expression(call), span }
 }
 
-/// The text calls a program: in ST by its name before a parenthesis, as a block, or in IL.
+/// Whether the text calls a program: in ST by its name before a parenthesis, as a block, or in IL.
 fn calls(text: &str, program: &str) -> bool {
     let text = super::il::without_comments(text).to_ascii_lowercase();
     let name = program.to_ascii_lowercase();
     let is_word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.');
     text.contains(&format!("typename=\"{name}\""))
         || text.match_indices(&name).any(|(at, _)| {
-            let (before, behind) = (&text[..at], &text[at + name.len()..]);
-            let whole = !before.ends_with(is_word) && !behind.starts_with(is_word);
+            let (before, after) = (&text[..at], &text[at + name.len()..]);
+            let whole = !before.ends_with(is_word) && !after.starts_with(is_word);
             let cal = before.trim_end().rsplit(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
-            whole && (behind.trim_start().starts_with('(') || matches!(cal, "cal" | "calc" | "calcn"))
+            whole && (after.trim_start().starts_with('(') || matches!(cal, "cal" | "calc" | "calcn"))
         })
 }
 
@@ -610,7 +610,7 @@ pub fn integer(number: i64, span: Span) -> Expr {
     }
 }
 
-/// The interval of a task in microseconds, parts of which are rounded up; `None`: no time, or 0.
+/// The interval of a task in microseconds, rounded up; `None`: not a time, or 0.
 fn microseconds(text: &str) -> Option<u64> {
     let whole = plcc_literal::duration::interval(text)?.div_ceil(1000);
     (1..1_000_000_000_000_000).contains(&whole).then_some(whole)

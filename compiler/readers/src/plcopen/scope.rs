@@ -1,4 +1,4 @@
-//! What names in the bodies of a POU stand for.
+//! The meaning of names in the bodies of a POU.
 
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
@@ -24,7 +24,7 @@ pub enum FlipFlop {
     ResetWins,
 }
 
-/// What a global name stands for.
+/// What a global name means.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Global {
     /// A tag of that name.
@@ -33,7 +33,7 @@ pub enum Global {
     Component(String),
 }
 
-/// What names mean in all POUs of a project. Keys are in lower case.
+/// The meaning of names in all POUs of a project. Keys are in lower case.
 #[derive(Debug)]
 pub struct Shared {
     pub editor: Editor,
@@ -41,7 +41,7 @@ pub struct Shared {
     pub globals: HashMap<String, Global>,
     /// Lists of global variables by their names, for `List.name`.
     pub lists: HashMap<String, HashMap<String, Global>>,
-    /// Programs that have one instance, and its name.
+    /// Programs with one instance, and its name.
     pub programs: HashMap<String, String>,
     /// Values of enumerations by type and name.
     pub enums: HashMap<String, HashMap<String, i64>>,
@@ -60,13 +60,13 @@ pub struct Scope {
     pub types: HashMap<String, String>,
     /// Types of variables.
     pub kinds: HashMap<String, Ty>,
-    /// Variables with an address, and the tag that stands for each.
+    /// Variables with an address, and the tag of each.
     pub located: HashMap<String, String>,
     /// Global names that mean something else in this POU.
     pub hidden: HashSet<String>,
     /// Instances of SR and RS: the BOOL that keeps their state.
     pub flip_flops: HashMap<String, FlipFlop>,
-    /// Actions of the POU, which are called like functions: their statements with the names settled.
+    /// Actions of the POU, which are called like functions: their statements with resolved names.
     pub actions: HashMap<String, Vec<Statement>>,
     pub messages: Rc<RefCell<Vec<Diagnostic>>>,
 }
@@ -89,7 +89,7 @@ impl Scope {
     pub fn statements(&self, list: &mut [Statement]) {
         for statement in list {
             match self.action(&statement.kind) {
-                // Its names are settled.
+                // Its names are resolved.
                 Some(body) => {
                     let branches = vec![(always(statement), body)];
                     statement.kind = StatementKind::If { branches, otherwise: Vec::new() };
@@ -117,7 +117,7 @@ impl Scope {
         self.locals.contains(key) || self.located.contains_key(key)
     }
 
-    /// A name of the project's functions, blocks and variables rather than one of the standard.
+    /// Whether the name belongs to a function, block or variable of the project rather than to the standard.
     pub fn is_own(&self, name: &str) -> bool {
         let key = name.to_lowercase();
         self.is_local(&key)
@@ -183,12 +183,12 @@ impl Scope {
         }
     }
 
-    /// Settles the names of an expression.
+    /// Resolves the names of an expression.
     pub fn expr(&self, value: &mut Expr) {
         self.typed(value);
     }
 
-    /// Settles the names of an expression, and tells its type as far as it is known.
+    /// Resolves the names of an expression, and returns its type as far as it is known.
     pub fn typed(&self, value: &mut Expr) -> Option<Ty> {
         match &mut value.kind {
             ExprKind::Name(name) if name.form == NameForm::Bare => {
@@ -289,7 +289,7 @@ impl Scope {
         if self.hidden.contains(&key) { None } else { self.shared.types.global(&key) }
     }
 
-    /// Tells of a constant that a variable of a subrange type cannot have.
+    /// Reports a constant that a variable of a subrange type cannot have.
     fn in_range(&self, kind: &Ty, value: &Expr) {
         if let Some(message) = types::out_of_range(kind, value) {
             self.messages.borrow_mut().push(message);
@@ -337,7 +337,7 @@ impl Scope {
         Some(StatementKind::Assign { targets, value })
     }
 
-    /// `i := TRUNC(r)`: of a type that the target has.
+    /// `i := TRUNC(r)`: with a type that the target has.
     fn truncated(&self, target: &Expr, value: &mut Expr) {
         let ExprKind::Name(variable) = &target.kind else { return };
         let Some(ty) = self.types.get(&variable.text.to_lowercase()) else { return };
@@ -365,7 +365,7 @@ impl Scope {
         if let Some(list) = self.shared.lists.get(&key) {
             return match list.get(&wanted) {
                 Some(global) => Some(global_kind(global, member)),
-                // A constant of the list, which the POU has as its own.
+                // A constant of the list, of which the POU has a copy.
                 None => Some(ExprKind::Name(Name { form: NameForm::Bare, ..member.clone() })),
             };
         }
@@ -392,7 +392,7 @@ impl Scope {
                 return Some(ExprKind::Name(name));
             }
         }
-        // `MW4`, `T5` and `DB1` are no addresses here: those have `%`.
+        // `MW4`, `T5` and `DB1` are not addresses here: addresses have `%`.
         (absolute(&name.text).is_some() || area_word(&name.text).is_some())
             .then(|| ExprKind::Name(Name { form: NameForm::Quoted, ..name.clone() }))
     }
@@ -409,7 +409,7 @@ fn global_kind(global: &Global, name: &Name) -> ExprKind {
     }
 }
 
-/// TRUE, at the place of a statement.
+/// TRUE, at the position of a statement.
 fn always(statement: &Statement) -> Expr {
     let literal = plcc_syntax::scl::ast::Literal::Typed { ty: plcc_syntax::Elementary::Bool, bits: 1 };
     Expr { kind: ExprKind::Literal(literal), span: statement.span }

@@ -1,4 +1,4 @@
-//! What projects hold that plcc does not read is told, never skipped.
+//! Contents of projects that plcc does not read are reported, never skipped.
 
 use plcc_diag::{Code, FileId, Severity};
 
@@ -51,7 +51,7 @@ fn unknown_parts_are_errors() {
         "<pouInstance name=\"I\" typeName=\"Gone\"/>",
         "<task name=\"T\" single=\"a\"><pouInstance name=\"I\" typeName=\"Main\"/></task>",
     );
-    assert_eq!(errors("", &st(""), &event), ["plcc does not read tasks that an event starts, here `a`"]);
+    assert_eq!(errors("", &st(""), &event), ["plcc does not read tasks that an event starts, such as `a`"]);
     let edge = "<FBD><inVariable localId=\"1\" edge=\"rising\"><expression>a</expression></inVariable>\
                 <outVariable localId=\"2\"><connectionPointIn><connection refLocalId=\"1\"/></connectionPointIn>\
                 <expression>b</expression></outVariable></FBD>";
@@ -65,7 +65,7 @@ fn lines_from_objects_that_are_gone_are_left_out() {
     let body = "<FBD><outVariable localId=\"2\"><connectionPointIn><connection refLocalId=\"1\"/></connectionPointIn>\
                 <expression>b</expression></outVariable></FBD>";
     let found = told("", body, "");
-    let title = "a line comes from object 1, which the network does not have";
+    let title = "a line comes from object 1, which is not in the network";
     assert_eq!(found, [(Code::Tolerated, Severity::Warning, title.to_string())]);
 }
 
@@ -78,7 +78,7 @@ fn programs_without_a_task_are_told() {
         "<task name=\"T\"/>",
         "<task name=\"T\" interval=\"T#100us\"><pouInstance name=\"I\" typeName=\"Main\"/></task>",
     );
-    let title = "an interval of T#100us is longer here: OBs have whole milliseconds";
+    let title = "an interval of T#100us is longer here: OBs run at whole milliseconds";
     assert_eq!(told("", &st(""), &short), [(Code::Tolerated, Severity::Warning, title.to_string())]);
 }
 

@@ -1,7 +1,7 @@
-//! Types of variables and expressions, as far as the words of IEC 61131-3 need them: `T#1s * r` is another formula where `r` is a REAL,
-//! dates are computed in their own way, and a constant must be in the range of a subrange type.
+//! Types of variables and expressions, as far as IEC 61131-3 needs them: `T#1s * r` is another formula where `r` is a REAL,
+//! dates have their own arithmetic, and a constant must be in the range of a subrange type.
 //!
-//! What has no type here is settled by the binder alone.
+//! The binder alone finds any other type.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use super::whole_number;
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, UnaryOp};
 
-/// Names of types lead to others up to this depth.
+/// Names of types may refer to others up to this depth.
 const DEPTH_MAX: usize = 16;
 
 /// The type of a variable or an expression.
@@ -27,7 +27,7 @@ pub enum Ty {
     Text,
     /// A subrange of an integer type.
     Range(Elementary, i64, i64),
-    /// A type, function block or program of the file, in lower case, or a block of the standard.
+    /// A type, function block or program of the file, in lower case, or a standard block.
     Named(String),
     Array(Box<Ty>),
 }
@@ -69,7 +69,7 @@ impl Ty {
         }
     }
 
-    /// The word of a type of one value, in the words of SCL.
+    /// The word of SCL for a type of one value.
     pub fn word(&self) -> Option<String> {
         match self {
             Ty::Of(ty) | Ty::Range(ty, ..) => Some(ty.name().to_string()),
@@ -97,7 +97,7 @@ impl Ty {
 /// The types of a project, by names in lower case.
 #[derive(Debug, Default)]
 pub struct Types {
-    /// Data types that are no structures.
+    /// Data types that are not structures.
     named: HashMap<String, Ty>,
     /// Components of structures, and variables of function blocks and programs.
     members: HashMap<String, HashMap<String, Ty>>,
@@ -140,7 +140,7 @@ impl Types {
         self.globals.get(name).cloned().map(|ty| self.resolved(ty))
     }
 
-    /// A type through the names that it has.
+    /// A type with all its names resolved.
     pub fn resolved(&self, mut ty: Ty) -> Ty {
         for _ in 0..DEPTH_MAX {
             match &ty {
@@ -168,7 +168,7 @@ impl Types {
         }
     }
 
-    /// The type of what a function gives; `name` in upper case.
+    /// The result type of a function; `name` in upper case.
     pub fn result(&self, name: &str, arguments: &[Option<Ty>]) -> Option<Ty> {
         if let Some(own) = self.returns.get(&name.to_lowercase()) {
             return Some(self.resolved(own.clone()));
@@ -190,7 +190,7 @@ impl Types {
     }
 }
 
-/// What an operator gives.
+/// The result type of an operator.
 pub fn operation(op: BinaryOp, left: Option<&Ty>, right: Option<&Ty>) -> Option<Ty> {
     use BinaryOp::{Equal, Greater, GreaterEqual, Less, LessEqual, NotEqual, Subtract};
     if matches!(op, Equal | NotEqual | Less | LessEqual | Greater | GreaterEqual) {
@@ -223,7 +223,7 @@ pub fn out_of_range(ty: &Ty, value: &Expr) -> Option<Diagnostic> {
     }
     let text = format!("{number} is outside the range of its type");
     let message = Diagnostic::new(Code::LiteralRange, value.span, text);
-    Some(message.label(format!("the type goes from {low} to {high}")).help("write a number in the range"))
+    Some(message.label(format!("the type has the range {low} to {high}")).help("write a number in the range"))
 }
 
 /// The number of a constant.

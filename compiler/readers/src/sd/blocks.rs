@@ -72,7 +72,7 @@ fn complete_header(block: &mut Block, frame: &Frame, texts: &mut texts::Lookup, 
             () if attribute.is("S7_Author") => header.author = value(),
             () if attribute.is("S7_Family") => header.family = value(),
             () if attribute.is("S7_Version") => header.version = value(),
-            // Without a number the project gives one.
+            // Without a number, the project chooses one.
             () if attribute.is("S7_BlockNumber") && matches!(attribute.value.as_str(), "" | "0") => {}
             () => {
                 header.attributes.push((attribute.key.clone(), attribute.value.clone()));
@@ -86,7 +86,7 @@ pub fn lines(text: &str) -> Vec<String> {
     text.lines().map(|line| line.trim_end().to_owned()).collect()
 }
 
-/// Calls `visit` for each variable that a block declares, members of structures included.
+/// Calls `visit` for each variable that a block declares, including members of structures.
 fn each_variable(block: &mut Block, visit: &mut impl FnMut(&mut Variable)) {
     match block {
         Block::Code(block) => {
@@ -114,7 +114,7 @@ fn with_members(variable: &mut Variable, visit: &mut impl FnMut(&mut Variable)) 
     }
 }
 
-/// Assertions between networks are networks of their own.
+/// Assertions between networks are separate networks.
 fn insert_pragmas(networks: &mut Vec<Network>, statements: Vec<Statement>) {
     for statement in statements {
         if !matches!(statement.kind, StatementKind::Pragma(_)) {

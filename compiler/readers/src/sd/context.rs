@@ -1,4 +1,4 @@
-//! What the actions of the grammar have at hand: the text, its tokens, and the messages.
+//! What the actions of the grammar work with: the text, its tokens, and the messages.
 
 use std::ops::Range;
 
@@ -23,7 +23,7 @@ pub struct Context<'a, 't> {
     /// All tokens, for messages.
     pub tokens: &'t [Spanned<'a>],
     pub diagnostics: Vec<Diagnostic>,
-    /// Starts of the messages that the layout has given, in order: where one lies, the grammar stays silent.
+    /// Starts of the messages of `classify`, in order: where there is one, the grammar reports nothing.
     pub reported: Vec<u32>,
 }
 
@@ -46,10 +46,10 @@ impl<'a> Context<'a, '_> {
     pub fn message(&self, found: usize, place: Place) -> Diagnostic {
         let (what, help) = match place {
             Place::Network => {
-                ("network", "a network holds rungs: `RUNG wire#powerrail Contact( #a ) Coil( #q ) END_RUNG`")
+                ("network", "a network contains rungs: `RUNG wire#powerrail Contact( #a ) Coil( #q ) END_RUNG`")
             }
             Place::Rung => {
-                ("rung", "a rung holds elements with their pins in parentheses, wires `wire#w1`, and in FBD `NOT`")
+                ("rung", "a rung contains elements with their pins in parentheses, wires `wire#w1`, and in FBD `NOT`")
             }
             Place::Argument => {
                 ("pin", "write `pin := operand` for inputs and `pin => operand` for outputs, separated by `,`")

@@ -1,6 +1,6 @@
-//! The frame of a document: which tokens belong to heads and declarations, which to networks, and what the attributes in braces are about.
+//! The frame of a document: which tokens belong to heads and declarations, which to networks, and what the attributes in braces describe.
 //!
-//! Heads and declarations are nearly those of SCL. What SCL does not have is taken out here, or put in: attributes in braces, networks, the
+//! Heads and declarations are nearly those of SCL. This pass removes and adds what differs: attributes in braces, networks, the
 //! `:` before the type of a data block; `BEGIN` before the values of a data block, and TYPE before each type of a document.
 
 mod declaration;
@@ -10,20 +10,20 @@ use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use super::layout::is_word;
+use super::classify::is_word;
 use super::pragma::{self, Attribute};
 use plcc_syntax::comment::{Comment, CommentForm};
 use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::scl::raw::{RawKind, RawText, RawToken};
 
-/// A document, taken apart.
+/// The parts of a document.
 pub struct Document {
     /// All tokens of the text.
     pub tokens: Vec<RawToken>,
     /// Heads and declarations, in the form of SCL.
     pub declarations: RawText,
     pub blocks: Vec<Frame>,
-    /// Comments inside of networks.
+    /// Comments inside networks.
     pub comments: Vec<Comment>,
     /// Attributes before a name that is declared, by the first byte of the name.
     pub members: HashMap<u32, Vec<Attribute>>,
@@ -48,9 +48,9 @@ pub struct NetworkSource {
     pub span: Span,
 }
 
-/// Takes a document apart.
+/// Splits a document into its parts.
 pub fn read(file: FileId, text: &str, raw: RawText, diagnostics: &mut Vec<Diagnostic>) -> Document {
-    // Regions count tokens, of which some go; those of networks are read again with them.
+    // Regions count tokens, and some tokens are removed; regions of networks are read again with the networks.
     let RawText { tokens, comments, regions: _, iec: _ } = raw;
     let mut reader = Reader {
         file,
@@ -78,7 +78,7 @@ pub fn read(file: FileId, text: &str, raw: RawText, diagnostics: &mut Vec<Diagno
     Document { tokens, declarations, blocks, comments: inside, members }
 }
 
-/// Attributes that stand before something that has not been read.
+/// Attributes before something that has not been read yet.
 struct Pending {
     attributes: Vec<Attribute>,
     /// Of `{`.
@@ -111,17 +111,17 @@ impl Reader<'_, '_> {
         self.misplaced_attributes();
     }
 
-    /// Skips what stands outside of blocks.
+    /// Skips text outside blocks.
     fn outside_of_blocks(&mut self, token: RawToken) {
         let word = &self.text[token.range()];
         let ends = token.keyword.is_some_and(Keyword::ends_block);
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` stands outside of a block"))
+            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside a block"))
                 .label("no block is open here")
                 .help(if ends {
-                    "remove it, or write the head of its block before it"
+                    "remove it, or write the beginning of its block before it"
                 } else {
-                    "a document holds a block: `FUNCTION_BLOCK Name … END_FUNCTION_BLOCK`, a data block or types"
+                    "a document contains a block: `FUNCTION_BLOCK Name … END_FUNCTION_BLOCK`, a data block or types"
                 }),
         );
         self.pending.clear();
@@ -135,10 +135,10 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Attributes of a block are at hand.
+    /// Whether attributes of a block follow.
     fn before_block(&self) -> bool {
         self.is_at(RawKind::LeftBrace)
-            && pragma::end(self.tokens, self.at).is_some_and(|behind| self.begins_block_at(behind))
+            && pragma::end(self.tokens, self.at).is_some_and(|after| self.begins_block_at(after))
     }
 
     fn block(&mut self, token: RawToken, keyword: Keyword) {
@@ -190,7 +190,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Behind the name of a block the attributes are its own, unless a network follows.
+    /// After the name of a block, attributes belong to the block unless a network follows.
     fn attributes_of_block_or_network(&mut self, head: bool) {
         self.attributes();
         let network = self.network_begins(self.at) || self.is_at(RawKind::LeftBrace);
@@ -209,7 +209,7 @@ impl Reader<'_, '_> {
         }
         let word = &self.text[token.range()];
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` stands outside of a network"))
+            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside a network"))
                 .label("no network is open here")
                 .help("write statements and rungs between `NETWORK` and `END_NETWORK`"),
         );
@@ -251,7 +251,7 @@ impl Reader<'_, '_> {
             self.report(
                 Diagnostic::new(Code::BlockFrame, self.span(opening), "`END_NETWORK` is missing")
                     .label("this network is not closed")
-                    .help("write `END_NETWORK` behind its last rung or statement"),
+                    .help("write `END_NETWORK` after its last rung or statement"),
             );
             end = self.without_last_attributes(first, end);
             self.at = end;
@@ -278,19 +278,19 @@ impl Reader<'_, '_> {
 
     // Attributes.
 
-    /// Takes the braces at hand.
+    /// Takes the current braces.
     fn attributes(&mut self) {
         let opening = self.tokens[self.at];
-        let (attributes, behind) = pragma::read(self.file, self.text, self.tokens, self.at, self.diagnostics);
+        let (attributes, after) = pragma::read(self.file, self.text, self.tokens, self.at, self.diagnostics);
         self.pending.push(Pending { attributes, span: self.span(opening) });
-        self.at = behind;
+        self.at = after;
     }
 
-    /// The attributes before what is at hand. Several braces in a row are an error.
+    /// The attributes before the current token. Several braces in a row are an error.
     fn taken_attributes(&mut self) -> Vec<Attribute> {
         if let [first, .., last] = self.pending.as_slice() {
             let diagnostic = Diagnostic::new(Code::Syntax, last.span, "a second list of attributes")
-                .label("stands behind another one")
+                .label("follows another list")
                 .also(first.span, "the first list")
                 .help("write all attributes into one list");
             self.report(diagnostic);
@@ -298,13 +298,13 @@ impl Reader<'_, '_> {
         self.pending.drain(..).flat_map(|pending| pending.attributes).collect()
     }
 
-    /// Reports attributes that nothing follows they could belong to.
+    /// Reports attributes that are followed by nothing they could belong to.
     fn misplaced_attributes(&mut self) {
         for pending in std::mem::take(&mut self.pending) {
             self.report(
-                Diagnostic::new(Code::Syntax, pending.span, "attributes that belong to nothing")
-                    .label("neither a block nor a network nor a name follows")
-                    .help("write attributes directly before `NETWORK`, or before what they are about"),
+                Diagnostic::new(Code::Syntax, pending.span, "these attributes belong to nothing")
+                    .label("no block, network or name follows")
+                    .help("write attributes directly before `NETWORK`, or before the name that they describe"),
             );
         }
     }
@@ -339,7 +339,7 @@ impl Reader<'_, '_> {
             }
     }
 
-    /// Keeps the token at hand.
+    /// Keeps the current token.
     fn push(&mut self) {
         if let Some(token) = self.token() {
             self.out.push(token);

@@ -4,17 +4,17 @@
 //! text ──► raw tokens ──┬─► heads and declarations ──► grammar of SCL ──────────────┐
 //!      scl/raw.rs    frame.rs                                                       ├──► syntax tree
 //!                       └─► networks ──► tokens ──► rungs ──► elements and nets ────┘
-//!                                   layout.rs    sd.lalrpop     graph/
+//!                                   classify.rs  sd.lalrpop     graph/
 //! ```
 //!
-//! The words, names and constants are those of SCL, so that its lexer reads them. Texts of titles and comments stand in a file
-//! beside the source: [`Texts`]. Source: LAD/FBD reference, chapter A.
+//! The words, names and constants are those of SCL, so its lexer reads them. Texts of titles and comments are in a file
+//! next to the source: [`Texts`]. Source: LAD/FBD reference, chapter A.
 
 mod blocks;
+mod classify;
 mod context;
 mod frame;
 mod graph;
-mod layout;
 mod network;
 mod pragma;
 mod texts;
@@ -36,7 +36,7 @@ use plcc_syntax::scl::raw;
 
 pub use texts::Texts;
 
-/// Parses a document. Errors are recovered; what could not be parsed is left out or is an error node.
+/// Parses a document. Recovers from errors; what it cannot parse is left out or becomes an error node.
 pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let document = frame::read(file, text, raw::scan(text), &mut diagnostics);
@@ -52,8 +52,8 @@ pub fn tokens_text(text: &str) -> String {
     let mut out = String::new();
     let (mut line, mut counted) = (1usize, 0usize);
     for network in document.blocks.iter().flat_map(|block| &block.networks) {
-        let laid = layout::lay_out(file, text, &document.tokens[network.tokens.clone()]);
-        for (start, token, _) in &laid.tokens {
+        let classified = classify::classify(file, text, &document.tokens[network.tokens.clone()]);
+        for (start, token, _) in &classified.tokens {
             if *start >= counted {
                 line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
                 counted = *start;

@@ -1,21 +1,21 @@
-//! A network of a document: its language, its texts, and what it holds.
+//! A network of a document: its language, its texts, and its contents.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use super::frame::{Frame, NetworkSource};
-use super::{blocks, context, grammar, graph, layout, pragma, texts};
+use super::{blocks, classify, context, grammar, graph, pragma, texts};
 use plcc_syntax::comment::{self, Comment};
 use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::scl::fragment;
 use plcc_syntax::scl::raw::RawToken;
 
-/// What networks are read from.
+/// The input for reading networks.
 pub struct Source<'a> {
     pub file: FileId,
     pub text: &'a str,
     /// All tokens of the text.
     pub tokens: &'a [RawToken],
-    /// Comments inside of networks.
+    /// Comments inside networks.
     pub comments: &'a [Comment],
     /// Assertions are read.
     pub pragmas: bool,
@@ -51,7 +51,7 @@ pub fn read(
     Network { language, title, comment, labels, content, span: network.span }
 }
 
-/// Of the network's attributes, else of the block's, else as it looks like.
+/// From the attributes of the network, otherwise of the block, otherwise from its contents.
 fn language(source: &Source, frame: &Frame, network: &NetworkSource) -> Language {
     let named = |attributes: &[pragma::Attribute], key: &str| {
         let value = pragma::find(attributes, key)?.value.trim();
@@ -62,7 +62,7 @@ fn language(source: &Source, frame: &Frame, network: &NetworkSource) -> Language
     };
     let looks = || {
         let tokens = &source.tokens[network.tokens.clone()];
-        let word = |word: &str| layout::is_word(source.text, tokens, 0, word);
+        let word = |word: &str| classify::is_word(source.text, tokens, 0, word);
         if tokens.is_empty() || word("RUNG") || word("Label") { Language::Lad } else { Language::Scl }
     };
     named(&network.attributes, "S7_Language")
@@ -80,18 +80,19 @@ fn graphic(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> (Vec<plcc_syntax::scl::ast::Name>, plcc_syntax::network::ast::Graph) {
     report_assertions(source, network, diagnostics);
-    let laid = layout::lay_out(source.file, source.text, &source.tokens[network.tokens.clone()]);
-    let mut reported: Vec<u32> = laid.diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
+    let classified = classify::classify(source.file, source.text, &source.tokens[network.tokens.clone()]);
+    let mut reported: Vec<u32> =
+        classified.diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
     reported.sort_unstable();
-    diagnostics.extend(laid.diagnostics);
+    diagnostics.extend(classified.diagnostics);
     let mut context = context::Context {
         file: source.file,
         text: source.text,
-        tokens: &laid.tokens,
+        tokens: &classified.tokens,
         diagnostics: Vec::new(),
         reported,
     };
-    let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
+    let tokens = classified.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
     let parts = match grammar::NetworkParser::new().parse(&mut context, tokens) {
         Ok(parts) => parts,
         Err(error) => {
@@ -107,7 +108,7 @@ fn graphic(
     graph::build(source, language, parts, diagnostics)
 }
 
-/// Assertions stand between networks: in a network nothing tells when they would be looked at.
+/// Assertions belong between networks: inside a network it is undefined when they would be checked.
 fn report_assertions(source: &Source, network: &NetworkSource, diagnostics: &mut Vec<Diagnostic>) {
     let mut next = source.comments.partition_point(|comment| (comment.start as usize) < network.bytes.start);
     while source.pragmas
@@ -115,9 +116,9 @@ fn report_assertions(source: &Source, network: &NetworkSource, diagnostics: &mut
     {
         let span = Span { file: source.file, start: found.start, end: found.end };
         diagnostics.push(
-            Diagnostic::new(Code::Pragma, span, "an assertion stands inside a network of LAD or FBD")
+            Diagnostic::new(Code::Pragma, span, "an assertion cannot stand inside a network of LAD or FBD")
                 .label("between rungs")
-                .help("write it behind `END_NETWORK`; it is looked at when the network has run"),
+                .help("write it after `END_NETWORK`; it is checked when the network has run"),
         );
         next += 1;
     }

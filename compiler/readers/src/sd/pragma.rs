@@ -35,14 +35,14 @@ pub fn find<'p>(attributes: &'p [Attribute], key: &str) -> Option<&'p Attribute>
     attributes.iter().rev().find(|attribute| attribute.is(key))
 }
 
-/// Index behind the `}` that closes the brace at `open`; none if it is not closed.
+/// Index after the `}` that closes the brace at `open`; none if it is not closed.
 pub fn end(tokens: &[RawToken], open: usize) -> Option<usize> {
     let brace = |token: &RawToken| matches!(token.kind, RawKind::LeftBrace | RawKind::RightBrace);
     let next = open + 1 + tokens[open + 1..].iter().position(brace)?;
     (tokens[next].kind == RawKind::RightBrace).then_some(next + 1)
 }
 
-/// Reads the attributes in the braces that begin at `open`; gives the index behind them. Braces that are not closed end at their line.
+/// Reads the attributes in the braces that begin at `open`; returns the index after them. Braces that are not closed end at their line.
 pub fn read(
     file: FileId,
     text: &str,
@@ -51,8 +51,8 @@ pub fn read(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> (Vec<Attribute>, usize) {
     let span = |token: RawToken| Span { file, start: token.start, end: token.end };
-    let (behind, inner) = match end(tokens, open) {
-        Some(behind) => (behind, &tokens[open + 1..behind - 1]),
+    let (after, inner) = match end(tokens, open) {
+        Some(after) => (after, &tokens[open + 1..after - 1]),
         None => {
             diagnostics.push(
                 Diagnostic::new(Code::Syntax, span(tokens[open]), "the list of attributes is not closed")
@@ -73,13 +73,17 @@ pub fn read(
                 attributes.push(attribute(file, text, *key, *assign, value));
             }
             _ => diagnostics.push(
-                Diagnostic::new(Code::Syntax, span(entry[0]).to(span(entry[entry.len() - 1])), "this is no attribute")
-                    .label("`name := \"value\"` is wanted here")
-                    .help("write attributes as `{ name := \"value\"; name := \"value\" }`"),
+                Diagnostic::new(
+                    Code::Syntax,
+                    span(entry[0]).to(span(entry[entry.len() - 1])),
+                    "this is not an attribute",
+                )
+                .label("`name := \"value\"` is expected here")
+                .help("write attributes as `{ name := \"value\"; name := \"value\" }`"),
             ),
         }
     }
-    (attributes, behind)
+    (attributes, after)
 }
 
 fn attribute(file: FileId, text: &str, key: RawToken, assign: RawToken, value: &[RawToken]) -> Attribute {

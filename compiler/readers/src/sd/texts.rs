@@ -1,4 +1,4 @@
-//! Texts of titles and comments in several languages: the `.s7res` beside a `.s7dcl`.
+//! Texts of titles and comments in several languages: the `.s7res` next to a `.s7dcl`.
 //!
 //! ```yaml
 //! MultiLingualTexts:
@@ -17,7 +17,7 @@ use saphyr_parser::{Event, Parser};
 
 use super::pragma::Attribute;
 
-/// The language that is taken if a text has it; else its first one.
+/// The language that is used if a text has it; otherwise its first one.
 const PREFERRED: &str = "en-US";
 
 /// Texts by their ids (`MLC_…`).
@@ -27,7 +27,7 @@ pub struct Texts {
 }
 
 impl Texts {
-    /// Reads a `.s7res`. What cannot be read is left out, with a warning.
+    /// Reads a `.s7res`. Texts that cannot be read are left out with a warning.
     pub fn parse(file: FileId, text: &str) -> (Texts, Vec<Diagnostic>) {
         let mut diagnostics = Vec::new();
         let yaml = with_quotes(file, text.trim_start_matches('\u{FEFF}'), &mut diagnostics);
@@ -38,9 +38,9 @@ impl Texts {
                 Ok((event, place)) => {
                     if let Some(id) = reader.event(event).filter(|_| !std::mem::replace(&mut twice, true)) {
                         let span = line_span(file, text, place.start.line());
-                        let title = format!("the text `{id}` is there twice");
+                        let title = format!("the text `{id}` appears twice");
                         let message = Diagnostic::new(Code::TextResource, span, title).label("the second one counts");
-                        diagnostics.push(message.help("give each text an id of its own"));
+                        diagnostics.push(message.help("give each text its own id"));
                     }
                 }
                 Err(error) => {
@@ -76,13 +76,13 @@ enum Open {
 struct Reader {
     texts: Texts,
     open: Vec<Open>,
-    /// Of the mapping in a list that is open: its id, and its text in the language taken so far.
+    /// Of the mapping in a list that is open: its id, and its text in the best language so far.
     id: Option<String>,
     text: Option<(String, String)>,
 }
 
 impl Reader {
-    /// The id of a text that was there before with other words.
+    /// The id of a text that appeared before with other words.
     fn event(&mut self, event: Event) -> Option<String> {
         match event {
             Event::SequenceStart(..) => self.open.push(Open::List),
@@ -133,7 +133,7 @@ impl Reader {
     }
 }
 
-/// The text with quotes around values that hold `: `, which YAML does not allow; line numbers stay.
+/// The text with quotes around values that contain `: `, which YAML does not allow; line numbers remain.
 fn with_quotes(file: FileId, text: &str, diagnostics: &mut Vec<Diagnostic>) -> String {
     let mut out = String::with_capacity(text.len());
     // Column of the key whose block of lines is open.
@@ -155,13 +155,9 @@ fn with_quotes(file: FileId, text: &str, diagnostics: &mut Vec<Diagnostic>) -> S
         let plain = !value.is_empty() && !value.starts_with(['\'', '"', '|', '>', '[', '{', '&', '*', '!', '#']);
         if plain && (value.contains(": ") || value.ends_with(':')) {
             diagnostics.push(
-                Diagnostic::new(
-                    Code::TextResource,
-                    line_span(file, text, number + 1),
-                    "a text with `: ` stands without quotes",
-                )
-                .label("the TIA Portal refuses the whole file")
-                .help("put the text into single quotes"),
+                Diagnostic::new(Code::TextResource, line_span(file, text, number + 1), "a text with `: ` needs quotes")
+                    .label("the TIA Portal refuses the whole file")
+                    .help("put the text into single quotes"),
             );
             let start = line.trim_end().len() - value.len();
             let _ = writeln!(out, "{}'{}'", &line[..start], value.replace('\'', "''"));
@@ -189,7 +185,7 @@ impl<'a> Lookup<'a> {
         Lookup { texts }
     }
 
-    /// The text whose id the attribute holds; without a file of texts the id itself.
+    /// The text whose id the attribute holds; without a file of texts, the id itself.
     pub fn find(&mut self, attribute: &Attribute, diagnostics: &mut Vec<Diagnostic>) -> Option<String> {
         if attribute.value.is_empty() {
             return None;

@@ -16,17 +16,17 @@ pub enum Tok<'a> {
     Not,
     /// `{ S7_Templates := "…" }` before an element.
     Pragma(Vec<Attribute>),
-    /// An operand that leads a rung, in all its length.
+    /// A whole operand that begins a rung.
     Operand,
-    /// What stands before the parentheses of an element.
+    /// The text before the parentheses of an element.
     Target,
-    /// `{ SrcType := Int }` behind the name of an element.
+    /// `{ SrcType := Int }` after the name of an element.
     Inline(Vec<Attribute>),
     /// The name of a pin before `:=` or `=>`.
     Pin,
     /// `GE` in `GE #limit => label`.
     Case(Comparison),
-    /// An operand, constant or name at a pin, in all its length.
+    /// A whole operand, constant or name at a pin.
     Value,
     /// `wire#w1` at a pin: its name.
     Connected(&'a str),
@@ -37,7 +37,7 @@ pub enum Tok<'a> {
     Comma,
     LeftParen,
     RightParen,
-    /// What no network holds.
+    /// A token that no network contains.
     Stray,
 }
 

@@ -1,4 +1,4 @@
-//! Networks as written: rungs and what stands in them. `graph` makes elements and nets of it.
+//! Networks as written: rungs and their parts. `graph` turns them into elements and nets.
 
 use plcc_diag::Span;
 
@@ -8,7 +8,7 @@ use plcc_syntax::network::ast::Comparison;
 /// A part of a network.
 #[derive(Debug)]
 pub enum Part<'a> {
-    /// `Label( name )`; its span covers it all.
+    /// `Label( name )`; its span covers all of it.
     Label(Vec<Argument<'a>>, Span),
     Rung(Rung<'a>),
 }
@@ -22,12 +22,12 @@ pub struct Rung<'a> {
     pub span: Span,
 }
 
-/// What stands in a rung.
+/// A part of a rung.
 #[derive(Debug)]
 pub enum Item<'a> {
     Wire(Wire<'a>),
     Not(Span),
-    /// What a rung of FBD begins with.
+    /// The operand that begins a rung of FBD.
     Operand(Span),
     /// Belongs to the next element.
     Pragma(Vec<Attribute>, Span),
@@ -47,7 +47,7 @@ pub struct Wire<'a> {
 #[derive(Debug)]
 pub struct Node<'a> {
     pub target: Span,
-    /// The settings behind its name (V20).
+    /// The settings after its name (V20).
     pub inline: Option<Vec<Attribute>>,
     pub arguments: Vec<Argument<'a>>,
 }
@@ -69,7 +69,7 @@ pub enum Pin {
     Input(Span),
     /// `name =>`
     Output(Span),
-    /// `GE #limit => label` of SWITCH: the value is the limit, the label stands here.
+    /// `GE #limit => label` of SWITCH: the value is the limit, the label is here.
     Case(Comparison, Span),
     /// Could not be parsed; reported.
     Error,

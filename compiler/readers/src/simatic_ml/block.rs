@@ -13,7 +13,7 @@ use plcc_syntax::ast::{
 use plcc_syntax::network::ast::{Body, Content, Network};
 use plcc_syntax::scl;
 
-/// How the languages of safety programs begin: F_LAD, F_FBD, F_DB.
+/// Prefixes of the languages of safety programs: F_LAD, F_FBD, F_DB.
 pub const SAFETY: &str = "F_";
 
 /// Reads one object of the file; `None` if it has no name.
@@ -53,7 +53,7 @@ pub fn read(reader: &mut Reader, object: Node) -> Option<Block> {
     })
 }
 
-/// Settings of blocks that mean nothing for the program, or that are read.
+/// Settings of blocks that have no effect on the program, or that are read.
 #[rustfmt::skip]
 const SETTINGS: &[&str] = &[
     "AcknowledgeErrorsRequired", "ArrayDataType", "ArrayLimitUpperBound", "AssignedProDiagFB", "AutoNumber", "CodeModifiedDate",
@@ -69,11 +69,11 @@ const SETTINGS: &[&str] = &[
     "WithAlarmHandling",
 ];
 
-/// Reports settings of a block that nobody knows, and objects below it.
+/// Reports unknown settings of a block, and unknown objects below it.
 fn settings(reader: &mut Reader, object: Node, shown: &str) {
     let list = child(object, "AttributeList");
     let told = |name: &str| !SETTINGS.contains(&name) && !name.ends_with("Date") && !name.ends_with("Modified");
-    // What is not set needs no words.
+    // A setting without a value is not reported.
     let is_set = |node: &Node| {
         let text = text_of(*node);
         elements(*node).next().is_some() || !matches!(text.as_str(), "" | "false" | "0")
@@ -81,8 +81,8 @@ fn settings(reader: &mut Reader, object: Node, shown: &str) {
     let unknown: Vec<Node> = list.into_iter().flat_map(elements).filter(|node| told(node.tag_name().name())).collect();
     for node in unknown.into_iter().filter(is_set) {
         let name = node.tag_name().name();
-        let title = format!("the setting `{name}` of {shown} is not read");
-        let help = "priorities and times of organization blocks stand in plc.toml; else nothing need be done";
+        let title = format!("plcc does not read the setting `{name}` of {shown}");
+        let help = "set priorities and times of organization blocks in plc.toml; other settings need no action";
         warn(reader, node, title, "plcc does not know it", help);
     }
     for node in child(object, "ObjectList").into_iter().flat_map(elements) {
@@ -91,9 +91,9 @@ fn settings(reader: &mut Reader, object: Node, shown: &str) {
             warn(
                 reader,
                 node,
-                format!("`{name}` of {shown} is skipped"),
-                "no network",
-                "nothing need be done, unless the program depends on it",
+                format!("plcc skips `{name}` of {shown}"),
+                "not a network",
+                "no action is needed, unless the program depends on it",
             );
         }
     }
@@ -111,7 +111,7 @@ fn warn(reader: &mut Reader, node: Node, title: String, label: &str, help: &str)
     reader.diagnostics.push(message);
 }
 
-/// The name of an object; its span is where it stands.
+/// The name of an object; its span is its position.
 fn name(reader: &mut Reader, object: Node) -> Option<BlockName> {
     let node = setting(object, "Name")?;
     let name = text_of(node);
@@ -168,7 +168,7 @@ fn code(reader: &mut Reader, object: Node, name: BlockName, kind: CodeKind, span
     let code = match refused(&header, &language, is_chart) {
         Some((what, help)) => {
             let message = Diagnostic::new(Code::ForeignContent, name.span(), format!("`{shown}` {what}"));
-            reader.diagnostics.push(message.label("only its interface is read").help(help));
+            reader.diagnostics.push(message.label("plcc reads only its interface").help(help));
             BlockCode::Graphic(Body::default())
         }
         None if is_chart => BlockCode::Chart(chart::read(reader, object, &shown)),
@@ -187,12 +187,12 @@ fn code(reader: &mut Reader, object: Node, name: BlockName, kind: CodeKind, span
 fn refused(header: &Header, language: &str, is_chart: bool) -> Option<(String, &'static str)> {
     match language {
         _ if header.know_how_protect => Some((
-            "is know-how protected: its code is not in the file".to_string(),
+            "is know-how protected: the file does not contain its code".to_string(),
             "remove the protection in the TIA Portal and export it again",
         )),
         "GRAPH" if is_chart => None,
         "GRAPH" => Some((
-            "is written in GRAPH, in which only function blocks can be written".to_string(),
+            "is written in GRAPH, but only function blocks can be written in GRAPH".to_string(),
             "write the block in LAD, FBD, STL or SCL",
         )),
         "SFC" | "CEM" | "ProDiag" | "ProDiag_OB" => Some((
@@ -203,7 +203,7 @@ fn refused(header: &Header, language: &str, is_chart: bool) -> Option<(String, &
     }
 }
 
-/// The code of a block: networks that are all in one textual language are code of that language.
+/// The code of a block: if all networks are in one textual language, the code is in that language.
 fn settle(networks: Vec<Network>, language: &str) -> BlockCode {
     let all = |wanted: fn(&Content) -> bool| networks.iter().all(|network| wanted(&network.content));
     let textual = !networks.is_empty();

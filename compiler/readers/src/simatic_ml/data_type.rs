@@ -11,7 +11,7 @@ use plcc_syntax::scl::{bound, fragment};
 /// How many `Array of` one type may have.
 const DEPTH_MAX: usize = 16;
 
-/// The type that stands in `range` of the overlay.
+/// The type in `range` of the overlay.
 pub fn read(reader: &mut Reader, range: Range<usize>) -> TypeRef {
     at_depth(reader, range, 0)
 }
@@ -64,7 +64,7 @@ fn at_depth(reader: &mut Reader, range: Range<usize>, depth: usize) -> TypeRef {
     TypeRef { kind, span }
 }
 
-/// The bytes between the brackets behind `word`, with which the text begins.
+/// The bytes between the brackets after `word`, with which the text begins.
 fn bracketed(text: &str, word: &str) -> Option<Range<usize>> {
     let rest = text.strip_prefix(word)?;
     let open = word.len() + (rest.len() - rest.trim_start().len());

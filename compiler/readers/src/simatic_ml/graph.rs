@@ -1,6 +1,6 @@
 //! Networks of LAD and FBD, second half: wires to nets, and the elements in the order of evaluation.
 //!
-//! Branches of LAD join in a part `O`; in the syntax tree they are a net with several sources, as in the other files that carry networks.
+//! Branches of LAD join in a part `O`; in the syntax tree they are a net with several sources, as in the other file formats.
 
 use super::order;
 use super::parts::{End, Part, Parts};
@@ -8,11 +8,11 @@ use plcc_syntax::network::ast::{Element, Graph, Language, NetId, Pin, PinValue, 
 use plcc_syntax::network::elements::{Kind, PinDirection};
 use plcc_syntax::scl::ast::Expr;
 
-/// What an end of a wire is, for those who follow the flow.
+/// The ends of wires, for code that follows the flow.
 pub struct Wiring {
-    /// Of each part: the wires at its pins, as (pin, wire, is output).
+    /// For each part: the wires at its pins, as (pin, wire, is output).
     pub pins: Vec<Vec<(String, usize, bool)>>,
-    /// Of each part: it is a join of branches, and no element.
+    /// For each part: whether it is a join of branches rather than an element.
     pub joins: Vec<bool>,
 }
 
@@ -41,7 +41,7 @@ impl Wiring {
     }
 }
 
-/// Whether an `O` of LAD joins branches: nothing but flow enters it and leaves it.
+/// Whether an `O` of LAD joins branches: only flow enters and leaves it.
 fn is_join(part: &Part, pins: &[(String, usize, bool)], parts: &Parts) -> bool {
     part.is_or()
         && part.negated.is_empty()
@@ -76,9 +76,9 @@ pub fn build(parts: Parts, language: Language) -> Graph {
 struct Builder {
     parts: Parts,
     wiring: Wiring,
-    /// Of each part: the index of its element.
+    /// For each part: the index of its element.
     places: Vec<Option<usize>>,
-    /// Of each wire: its net, once a pin has asked for it.
+    /// For each wire: its net, once a pin has needed it.
     nets: Vec<Option<NetId>>,
     rail: Option<NetId>,
     /// Wires whose nets have no sources yet.
@@ -87,7 +87,7 @@ struct Builder {
 }
 
 impl Builder {
-    /// The net that a wire is. All wires of the power rail are one net. A wire that does nothing but enter a join is the join's.
+    /// The net of a wire. All wires of the power rail are one net. A wire that only enters a join has the net of the join.
     fn net(&mut self, wire: usize) -> NetId {
         let wire = self.through_joins(wire);
         if let Some(net) = self.nets[wire] {
@@ -121,7 +121,7 @@ impl Builder {
         wire
     }
 
-    /// The join that is the only consumer of a wire. The rail is a net of its own.
+    /// The join that is the only consumer of a wire. The rail is a separate net.
     fn only_join(&self, wire: usize) -> Option<usize> {
         let ends = &self.parts.wires[wire].ends;
         if ends.contains(&End::Rail) {
@@ -197,7 +197,7 @@ impl Builder {
         pins
     }
 
-    /// Open pins that may be open are left out; those that may not are shown.
+    /// Open pins that may be open are left out; the others are shown.
     fn open_pins(&self, at: usize, pins: &mut Vec<Pin>) {
         let part = &self.parts.parts[at];
         let Some(row) = part.row() else {
@@ -281,5 +281,5 @@ impl Builder {
     }
 }
 
-/// How deep joins may stand in one another.
+/// How deep joins may be nested.
 const DEPTH_MAX: usize = 128;

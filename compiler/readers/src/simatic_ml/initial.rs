@@ -1,7 +1,7 @@
 //! Start values of members.
 //!
-//! A member has its own (`StartValue`), its elements have theirs by index (`Subelement Path="1,2"`), and the components of a data type that
-//! stand below a member have those that differ from the type's. An index is that of all arrays around, the outermost first; bounds need not
+//! A member has its own (`StartValue`), its elements have values by index (`Subelement Path="1,2"`), and the components of a data type that
+//! are below a member have the values that differ from the type's. An index covers all arrays around it, the outermost first; bounds need not
 //! be known here.
 
 use std::collections::BTreeMap;
@@ -15,10 +15,10 @@ use plcc_syntax::ast::{
 };
 use plcc_syntax::scl::ast::{Expr, Name, NameForm};
 
-/// How deep components with values may stand in one another.
+/// How deep components with values may be nested.
 const DEPTH_MAX: usize = 32;
 
-/// The expression that a start value is.
+/// A start value as an expression.
 pub fn expression(value: InitialValue) -> Option<Expr> {
     match value.kind {
         InitialKind::Expr(expr) => Some(*expr),
@@ -31,7 +31,7 @@ type Values = BTreeMap<Vec<i64>, InitialValue>;
 
 /// Start value of a member of that type.
 pub fn of_member(reader: &mut Reader, member: Node, ty: &TypeRef) -> Option<InitialValue> {
-    // Values of a STRUCT stand at its components, which its declaration reads; those of single elements stand at the array.
+    // Values of a STRUCT are at its components, where its declaration reads them; those of single elements are at the array.
     if matches!(ty.kind, TypeKind::Struct(_)) {
         return None;
     }
@@ -49,7 +49,7 @@ fn outer<'a, 'i>(member: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>> {
     member.ancestors().skip(1).filter(|node| is(*node, "Member"))
 }
 
-/// The values of a member below arrays with so many `dimensions` in all.
+/// The values of a member below arrays with `dimensions` dimensions in all.
 fn values(reader: &mut Reader, member: Node, dimensions: usize, depth: usize) -> Values {
     let own = dimensions_of(member.attribute("Datatype").unwrap_or_default());
     let around: usize = outer(member).map(|outer| dimensions_of(outer.attribute("Datatype").unwrap_or_default())).sum();
@@ -72,7 +72,7 @@ fn values(reader: &mut Reader, member: Node, dimensions: usize, depth: usize) ->
     let parts = components(member);
     if elements.is_empty() && whole.is_empty() && !parts.is_empty() {
         if depth >= DEPTH_MAX {
-            reader.refuse(member, "a declaration", "components that stand too deep in one another");
+            reader.refuse(member, "a declaration", "components that are nested too deeply");
             return whole;
         }
         elements = fields(reader, parts, dimensions + own, depth + 1);
@@ -110,7 +110,7 @@ fn fields(reader: &mut Reader, parts: Vec<Node>, dimensions: usize, depth: usize
     found.into_iter().filter_map(structure).collect()
 }
 
-/// Values of elements, gathered to values of the arrays: the first `dimensions` indices are those of the arrays around.
+/// Values of elements, collected into values of the arrays: the first `dimensions` indices are those of the arrays around.
 fn grouped(elements: Values, dimensions: usize) -> Values {
     let mut arrays: BTreeMap<Vec<i64>, Vec<(Vec<i64>, InitialValue)>> = BTreeMap::new();
     for (path, value) in elements {
@@ -150,15 +150,15 @@ fn dimensions_of(text: &str) -> usize {
     let mut rest = lower.trim();
     let mut count = 0;
     while let Some(inner) = rest.strip_prefix("array")
-        && let Some((bounds, behind)) = inner.trim_start().strip_prefix('[').and_then(|inner| inner.split_once(']'))
+        && let Some((bounds, after)) = inner.trim_start().strip_prefix('[').and_then(|inner| inner.split_once(']'))
     {
         count += bounds.split(',').count();
-        rest = behind.trim_start().strip_prefix("of").unwrap_or_default().trim_start();
+        rest = after.trim_start().strip_prefix("of").unwrap_or_default().trim_start();
     }
     count
 }
 
-/// Values of an instance data block, which has its members from its type.
+/// Values of an instance data block, whose members come from its type.
 pub fn assignments(members: &[Variable]) -> Vec<ValueAssignment> {
     let mut found = Vec::new();
     for member in members {

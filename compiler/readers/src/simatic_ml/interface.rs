@@ -11,7 +11,7 @@ use crate::xml::{attribute_range, child, children, elements, head, text_of};
 use plcc_syntax::ast::{Constant, Retain, Section, SectionKind, TypeKind, TypeRef, Variable};
 use plcc_syntax::scl::ast::{Expr, ExprKind};
 
-/// How deep structures may stand in one another.
+/// How deep structures may be nested.
 const DEPTH_MAX: usize = 64;
 
 /// The declarations of a block.
@@ -19,7 +19,7 @@ const DEPTH_MAX: usize = 64;
 pub struct Interface {
     pub sections: Vec<Section>,
     pub constants: Vec<Constant>,
-    /// What the function gives; `None` for VOID.
+    /// The result type of the function; `None` for VOID.
     pub return_type: Option<TypeRef>,
 }
 
@@ -29,13 +29,13 @@ pub fn sections<'a, 'i>(object: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
     child(interface, "Sections")
 }
 
-/// Whether the sections are those of a block in GRAPH: they have what each sequence has.
+/// Whether the sections are those of a block in GRAPH: they have the members of every sequence.
 fn is_chart(sections: Option<Node>) -> bool {
     let is_base = |section: Node| section.attribute("Name") == Some("Base");
     sections.is_some_and(|sections| children(sections, "Section").any(is_base))
 }
 
-/// Whether a member holds data of steps, transitions or the sequencer, which the chart itself tells of. `chart`: it is one of a block in GRAPH.
+/// Whether a member holds data of steps, transitions or the sequencer, which the chart itself describes. `chart`: it belongs to a block in GRAPH.
 /// Source: GRAPH reference B.1.
 fn is_chart_data(member: Node, chart: bool) -> bool {
     let datatype = member.attribute("Datatype").unwrap_or_default().trim().trim_matches('"');
@@ -106,7 +106,7 @@ pub fn components(reader: &mut Reader, sections: Option<Node>, instance: bool, w
     let sections = sections.iter().flat_map(|sections| children(*sections, "Section"));
     let sections = sections.filter(|section| section.attribute("Name") != Some("Base"));
     let members = sections.flat_map(|section| children(section, "Member"));
-    // Elsewhere a member may have the type of a step.
+    // In other blocks a member may have the type of a step.
     let members: Vec<Node> = members.filter(|member| !(chart || instance) || !is_chart_data(*member, chart)).collect();
     members.into_iter().map(|member| variable(reader, member, 0)).collect()
 }

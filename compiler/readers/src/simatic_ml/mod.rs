@@ -8,10 +8,10 @@
 //!                                       └──► statements.rs                    StatementList: STL
 //! ```
 //!
-//! Names, operands and tokens are written to their places in an [`overlay`], from which the parsers of SCL and STL read them. Tag tables are
+//! Names, operands and tokens are written to their positions in an [`overlay`], from which the parsers of SCL and STL read them. Tag tables are
 //! read by `plcc_syntax::symbols`. Source: LAD/FBD reference A2.
 //!
-//! **Invariant**: what the reader does not know refuses its network or block; nothing is left out silently.
+//! **Invariant**: if a network or block contains anything unknown, the reader refuses it; nothing is left out silently.
 
 mod block;
 mod chart;
@@ -40,7 +40,7 @@ use overlay::Overlay;
 use plcc_syntax::ast::{Pragma, SourceUnit};
 use reader::Reader;
 
-/// Parses an export. What cannot be read is left out, and a message tells of it.
+/// Parses an export. The reader skips what it cannot read, and reports it.
 pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let document = match xml::parse(text) {
         Ok(document) => document,
@@ -53,12 +53,12 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
             let title = format!("the file is only a part of an export: `{}`", root.tag_name().name());
             let refused = Diagnostic::new(Code::NotASource, span, title)
                 .label("the block that it belongs to is missing")
-                .help("export the whole block: the file begins with `Document`, and in it stands `SW.Blocks.FC` or its like");
+                .help("export the whole block: the file begins with `Document`, which contains `SW.Blocks.FC` or a similar element");
             return (SourceUnit::default(), vec![refused]);
         }
-        let title = format!("XML of this kind is no PLC source: `{}`", root.tag_name().name());
+        let title = format!("XML of this kind is not a PLC source: `{}`", root.tag_name().name());
         let refused = Diagnostic::new(Code::NotASource, span, title)
-            .label("neither an export of the TIA Portal nor one of PLCopen")
+            .label("not an export of the TIA Portal or of PLCopen")
             .help("export the blocks from the TIA Portal as XML (SimaticML)");
         return (SourceUnit::default(), vec![refused]);
     }
@@ -72,16 +72,15 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
             name if xml::is_block(name) => blocks.extend(block::read(&mut reader, object)),
             name if xml::is_fragment(name) => {
                 let span = reader.span(head(object));
-                let refused =
-                    Diagnostic::new(Code::NotASource, span, format!("`{name}` stands here without its block"));
-                let help = "export the whole block: `SW.Blocks.FC` or its like, with its networks in it";
+                let refused = Diagnostic::new(Code::NotASource, span, format!("`{name}` is here without its block"));
+                let help = "export the whole block: `SW.Blocks.FC` or a similar element, with its networks in it";
                 reader.diagnostics.push(refused.label("a part of an export").help(help));
             }
             name => {
                 let span = reader.span(head(object));
-                let mut note = Diagnostic::new(Code::ForeignContent, span, format!("`{name}` is skipped"))
-                    .label("no block, data type or tag table")
-                    .help("nothing need be done, unless the program depends on it");
+                let mut note = Diagnostic::new(Code::ForeignContent, span, format!("plcc skips `{name}`"))
+                    .label("not a block, data type or tag table")
+                    .help("no action is needed, unless the program depends on it");
                 note.severity = Severity::Warning;
                 reader.diagnostics.push(note);
             }
@@ -91,7 +90,7 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
     let outlines = outline::read(&mut reader, &document);
     let mut diagnostics = reader.diagnostics;
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
-    // The schema and the reader of an element see the same fault.
+    // The schema and the reader of an element find the same fault.
     diagnostics.dedup_by_key(|diagnostic| (diagnostic.code, diagnostic.primary.span));
     let overlay = Some(reader.overlay.into_text());
     (SourceUnit { blocks, pragmas, overlay, outlines, ..SourceUnit::default() }, diagnostics)

@@ -29,7 +29,7 @@ pub fn read(reader: &mut Reader, unit: Node, number: usize, block: &str, default
     if let Some(other) = sources.next() {
         reader.refuse(other, &whose, "code twice");
     }
-    // A safety network belongs into a block that says so.
+    // A safety network must be in a safety block.
     let stray = named.starts_with(SAFETY) && !default.starts_with(SAFETY);
     let language = language_of(&named, source.map(|source| source.tag_name().name())).filter(|_| !stray);
     let (labels, content) = content(reader, unit, source, (language, &named), &whose);
@@ -44,7 +44,7 @@ pub fn read(reader: &mut Reader, unit: Node, number: usize, block: &str, default
     }
 }
 
-/// What a network is made of, and its labels. `language`: with its name in the file; `unit`: what holds the network.
+/// The contents of a network, and its labels. `language`: with its name in the file; `unit`: the node that contains the network.
 pub fn content(
     reader: &mut Reader,
     unit: Node,
@@ -97,9 +97,9 @@ pub fn content(
     (labels, content)
 }
 
-/// The language by its name; without a usable name by the element of the source.
+/// The language from its name; without a usable name, from the element of the source.
 pub fn language_of(name: &str, source: Option<&str>) -> Option<Language> {
-    // What is fail-safe about a network is the code that the TIA Portal makes of it.
+    // Only the code that the TIA Portal generates from a network is fail-safe.
     match (name.strip_prefix(SAFETY).unwrap_or(name), source) {
         (name, _) if name.starts_with("LAD") => Some(Language::Lad),
         (name, _) if name.starts_with("FBD") => Some(Language::Fbd),

@@ -4,14 +4,14 @@ use roxmltree::Node;
 
 use crate::xml::{child, elements, is, text_of};
 
-/// Which language the text is for: they write addresses and status bits each in their way.
+/// Which language the text is for: each writes addresses and status bits in its own way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notation {
     Scl,
     Stl,
 }
 
-/// What of an access plcc cannot read: the node, and in words.
+/// The part of an access that plcc cannot read: the node, and a description.
 pub struct Unreadable<'a, 'i> {
     pub node: Node<'a, 'i>,
     pub what: String,
@@ -19,7 +19,7 @@ pub struct Unreadable<'a, 'i> {
 
 type Text<'a, 'i> = Result<String, Unreadable<'a, 'i>>;
 
-/// How deep accesses may stand in one another, as indices.
+/// How deep accesses may be nested, as indices.
 const DEPTH_MAX: usize = 32;
 
 /// Text of an `Access`.
@@ -29,7 +29,7 @@ pub fn access<'a, 'i>(node: Node<'a, 'i>, notation: Notation) -> Text<'a, 'i> {
 
 fn access_at_depth<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize) -> Text<'a, 'i> {
     if depth > DEPTH_MAX {
-        return refuse(node, "indices that stand too deep in one another");
+        return refuse(node, "indices that are nested too deeply");
     }
     let scope = node.attribute("Scope").unwrap_or_default();
     let mut found: Option<String> = None;
@@ -57,7 +57,7 @@ fn access_at_depth<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
     }
 }
 
-/// Whether an element of that name only says how a text looks, or is a comment or a setting of the editor, which the schema checks.
+/// Whether an element of that name is only formatting, a comment or a setting of the editor; the schema checks these.
 fn is_layout(name: &str) -> bool {
     matches!(
         name,
@@ -84,7 +84,7 @@ pub fn path<'a, 'i>(node: Node<'a, 'i>, local: bool, notation: Notation, depth: 
                     (_, _) => text.push_str(&format!(".{}", plain_or_quoted(name))),
                 }
                 components += 1;
-                text.push_str(&behind_component(part, notation, depth)?);
+                text.push_str(&after_component(part, notation, depth)?);
                 match part.attribute("SimpleAccessModifier").unwrap_or("None") {
                     "None" => {}
                     "Periphery" => suffix = ":P",
@@ -95,7 +95,7 @@ pub fn path<'a, 'i>(node: Node<'a, 'i>, local: bool, notation: Notation, depth: 
                 (_, 0) => text.push_str(&address(part, notation)?),
                 // `"db".%DBW4`
                 ("DB" | "DI" | "None", 1) => text.push_str(&format!(".{}", address_in_block(part)?)),
-                // The address of a tag, beside its name.
+                // The address of a tag, next to its name.
                 ("Input" | "Output" | "Memory" | "PeripheryInput" | "PeripheryOutput" | "Timer" | "Counter", 1) => {}
                 (area, _) => return refuse(part, &format!("an operand with an address in `{area}` after its name")),
             },
@@ -120,7 +120,7 @@ pub fn path<'a, 'i>(node: Node<'a, 'i>, local: bool, notation: Notation, depth: 
 }
 
 /// What follows the name of a component: indices, `^`, a slice.
-fn behind_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize) -> Text<'a, 'i> {
+fn after_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize) -> Text<'a, 'i> {
     let mut text = String::new();
     let modifier = node.attribute("AccessModifier").unwrap_or("None");
     match modifier {
@@ -152,9 +152,9 @@ fn behind_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize
     if indices > 0 && !brackets {
         text.push(']');
     }
-    // The index may also stand after the component.
-    let behind = node.next_sibling_element().and_then(|next| next.attribute("Text"));
-    if modifier.ends_with("Array") && indices == 0 && behind != Some("[") {
+    // The index may also come after the component.
+    let after = node.next_sibling_element().and_then(|next| next.attribute("Text"));
+    if modifier.ends_with("Array") && indices == 0 && after != Some("[") {
         return refuse(node, "an element of an array without an index");
     }
     if let Some(slice) = node.attribute("SliceAccessModifier").filter(|slice| *slice != "undef" && !slice.is_empty()) {
@@ -166,7 +166,7 @@ fn behind_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize
 /// A constant by its name, or its value as written.
 fn constant(node: Node, scope: &str) -> String {
     if let Some(name) = node.attribute("Name") {
-        // A number of hardware, which the export tells beside its name. Fast counters and pulse generators are those of plc.toml.
+        // A number of hardware, which the export gives next to its name. Fast counters and pulse generators are defined in plc.toml.
         let lower = name.to_ascii_lowercase();
         let is_own = ["local~hsc_", "local~pulse_"].iter().any(|prefix| lower.starts_with(prefix));
         if let Some(value) = child(node, "ConstantValue").map(text_of)
@@ -222,7 +222,7 @@ fn width_letter(ty: &str) -> Option<&'static str> {
     })
 }
 
-/// Whether an element says itself that it only informs.
+/// Whether an element is marked as informative.
 fn is_informative(node: Node) -> bool {
     node.attribute("Informative").is_some_and(|value| value.eq_ignore_ascii_case("true") || value == "1")
 }
@@ -297,7 +297,7 @@ fn address<'a, 'i>(node: Node<'a, 'i>, notation: Notation) -> Text<'a, 'i> {
             let is_block = ty.is_empty() || ty.starts_with("Block") || ty.eq_ignore_ascii_case("DB_ANY");
             let is_type = width_letter(ty).is_some();
             match block {
-                // The data blocks of an export may have no numbers: the type names the one that is meant.
+                // The data blocks of an export may have no numbers: the type names the right one.
                 Some(_) if !is_block && !is_type && offset.unwrap_or(0) == 0 && !name.is_empty() => quoted(name),
                 Some(block) if is_block || offset.is_none() => format!("{sign}{letters}{block}"),
                 Some(block) if block > 0 && letters == "DB" => format!("{sign}DB{block}.{}", place(node, "DB")?),
@@ -341,20 +341,20 @@ fn indirect<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize) -> Tex
     }
 }
 
-/// The name in quotes; signs that no name can hold are left out.
+/// The name in quotes; characters that a name cannot contain are left out.
 pub fn quoted(name: &str) -> String {
     let name: String = name.chars().filter(|c| *c != '"').map(|c| if c.is_control() { ' ' } else { c }).collect();
     format!("\"{name}\"")
 }
 
-/// The name as a word of SCL and STL, else in quotes.
+/// The name as a word of SCL and STL, otherwise in quotes.
 pub fn plain_or_quoted(name: &str) -> String {
     let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
     let plain = name.starts_with(letter) && name.chars().all(|c| letter(c) || c.is_ascii_digit());
     if plain { name.to_string() } else { quoted(name) }
 }
 
-/// Where the text of an access stands best: over the name of its first component.
+/// The best position for the text of an access: over the name of its first component.
 pub fn wanted_place(node: Node) -> usize {
     let named =
         |part: &Node| part.attribute_node("Name").map(|name| (name.range_value().start, name.value().to_string()));

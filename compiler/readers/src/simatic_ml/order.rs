@@ -1,4 +1,4 @@
-//! The order of elements in a network: the file lists parts and wires without one. Source: LAD/FBD reference A2.2, A.11.
+//! The order of elements in a network: the file lists parts and wires in no particular order. Source: LAD/FBD reference A2.2, A.11.
 
 use super::graph::Wiring;
 use super::parts::{End, Parts};
@@ -91,7 +91,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Whether nothing else is fed by a part.
+    /// Whether a part feeds nothing else.
     fn is_end(&self, part: usize) -> bool {
         let outputs = self.wiring.pins[part].iter().filter(|(_, _, output)| *output);
         !outputs.flat_map(|(_, wire, _)| &self.parts.wires[*wire].ends).any(|end| sink(end).is_some())

@@ -1,4 +1,4 @@
-//! Interfaces of blocks as their calls describe them: `CallInfo` names each parameter with its section and type. They stand in for a block
+//! Interfaces of blocks as their calls describe them: `CallInfo` names each parameter with its section and type. They replace a block
 //! whose source is missing.
 
 use std::collections::HashSet;
@@ -13,7 +13,7 @@ use plcc_syntax::ast::{
 };
 use plcc_syntax::scl::ast::Body;
 
-/// The interfaces of all blocks that a file calls, one for each name. To be read when nothing else is written to the overlay any more.
+/// The interfaces of all blocks that a file calls, one for each name. Read them after everything else has been written to the overlay.
 pub fn read(reader: &mut Reader, document: &Document) -> Vec<CodeBlock> {
     let mut known = HashSet::new();
     let mut outlines = Vec::new();
@@ -31,7 +31,7 @@ pub fn read(reader: &mut Reader, document: &Document) -> Vec<CodeBlock> {
     outlines
 }
 
-/// `None`: the call does not tell all of the interface.
+/// `None`: the call does not describe the whole interface.
 fn outline(reader: &mut Reader, info: Node, name: &str, kind: CodeKind) -> Option<CodeBlock> {
     if elements(info).any(|part| is(part, "NamelessParameter")) {
         return None;

@@ -1,6 +1,6 @@
-//! The overlay of a file: a text of the same length that has, at the place of each node, what the node means in SCL or STL.
+//! The overlay of a file: a text of the same length that has, at the position of each node, its meaning in SCL or STL.
 //!
-//! The parsers of these languages read it, so that their spans are places of the file.
+//! The parsers of these languages read it, so their spans are positions in the file.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ pub struct Overlay {
 }
 
 impl Overlay {
-    /// Blanks in the length of `file`.
+    /// Blanks, as long as `file`.
     pub fn new(file: &str) -> Overlay {
         Overlay { text: " ".repeat(file.len()), used: vec![false; file.len()] }
     }
@@ -24,8 +24,8 @@ impl Overlay {
         self.text
     }
 
-    /// Writes `text` into `node`, at `wanted` if there is room, else at its start, else wherever in the file it fits; the bytes that it takes,
-    /// or none if it fits nowhere.
+    /// Writes `text` into `node`, at `wanted` if there is room, otherwise at its start, otherwise anywhere in the file where it fits.
+    /// Returns the bytes that it uses, or none if it fits nowhere.
     pub fn place(&mut self, text: &str, wanted: usize, node: Range<usize>) -> Option<Range<usize>> {
         let fits = |overlay: &Overlay, at: usize| overlay.is_free(at..at + text.len());
         let inside = |at: usize| at >= node.start && at + text.len() <= node.end;
@@ -42,7 +42,7 @@ impl Overlay {
         Some(range)
     }
 
-    /// As [`Overlay::place`], but only inside of `node`: for texts whose order matters.
+    /// As [`Overlay::place`], but only inside `node`: for texts whose order matters.
     pub fn place_inside(&mut self, text: &str, wanted: usize, node: Range<usize>) -> Option<Range<usize>> {
         let fits = |at: usize| at >= node.start && at + text.len() <= node.end && self.is_free(at..at + text.len());
         if !fits(wanted) && !fits(node.start) {

@@ -29,9 +29,9 @@ pub struct Part {
     pub negated: Vec<String>,
     /// Number of pins that repeat.
     pub card: Option<u32>,
-    /// Of a call: its parameters in their order, and whether the block writes them.
+    /// For a call: its parameters in order, and whether the block writes them.
     parameters: Vec<(String, bool)>,
-    /// The file does not list the parameters: wires tell of them.
+    /// The file does not list the parameters: the wires show them.
     open_parameters: bool,
     /// It compares the time of a step.
     step_time: bool,
@@ -70,7 +70,7 @@ impl Part {
         self.parameters.last().cloned()
     }
 
-    /// Where a pin stands among the others: flow in, the pins of the table or the parameters, flow out.
+    /// The position of a pin among the others: flow in, the pins of the table or the parameters, flow out.
     pub fn place(&self, name: &str) -> (usize, u32) {
         let (flow_in, flow_out) = self.flow();
         if name == flow_in {
@@ -87,7 +87,7 @@ impl Part {
         (place.unwrap_or(usize::MAX - 2) + 1, number)
     }
 
-    /// Whether it is the gate by which branches of LAD join.
+    /// Whether it is the gate that joins branches of LAD.
     pub fn is_or(&self) -> bool {
         self.row().is_some_and(|row| row.kind == Kind::Gate(Gate::Or))
     }
@@ -114,7 +114,7 @@ pub struct Wire {
     pub span: Span,
 }
 
-/// A network as the file has it.
+/// A network as it is in the file.
 pub struct Parts {
     pub parts: Vec<Part>,
     /// The operands, by number.
@@ -189,13 +189,13 @@ fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
     let step_time = step_time::of(name);
     let row = if step_time.is_some() { elements::find_xml("Gt") } else { elements::find_xml(name) };
     if let (None, Some((why, help))) = (row, absent::reason(name)) {
-        let text = format!("{whose} holds the element `{name}`, which plcc does not have");
+        let text = format!("{whose} contains the element `{name}`, which plcc does not have");
         reader.diagnostics.push(Diagnostic::new(Code::UnknownElement, span, text).label(why).help(help));
         return Err(Refused);
     }
     let target = match row {
         Some(row) => Target::Element { row, instance: None },
-        // A block of the system's library, by its name.
+        // A block of the system library, by name.
         None if is_library_call(node) => {
             let name = Name { text: name.to_string(), form: NameForm::Bare, span };
             Target::Block { callee: Expr { kind: ExprKind::Name(name), span }, instance: None }
@@ -204,7 +204,7 @@ fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
             let message = Diagnostic::new(
                 Code::UnknownElement,
                 span,
-                format!("{whose} holds the element `{name}`, which plcc does not know"),
+                format!("{whose} contains the element `{name}`, which plcc does not know"),
             );
             let help = "call a block that does the same, or write the network in SCL";
             reader.diagnostics.push(message.label("not known").help(help));
@@ -251,7 +251,7 @@ fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
     Ok(part)
 }
 
-/// Whether a part that no table has is a call of the system's library: these have a version, an instance, or ENO to choose.
+/// Whether a part that is not in the table is a call of the system library: such a call has a version, an instance, or an optional ENO.
 fn is_library_call(node: Node) -> bool {
     node.attribute("Version").is_some() || node.attribute("DisabledENO").is_some() || child(node, "Instance").is_some()
 }
@@ -264,7 +264,7 @@ fn eno(node: Node) -> Eno {
     }
 }
 
-/// Names of settings that mean nothing to the compiler: types that follow from the operands.
+/// Names of settings that the compiler does not need: types that follow from the operands.
 const OTHER_TEMPLATES: &[&str] = &[
     "date_type",
     "in1_type",
@@ -283,7 +283,7 @@ fn template(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Re
     let name = node.attribute("Name").unwrap_or_default();
     let key = TemplateKey::of(name);
     if key == TemplateKey::Card {
-        // The pins are there to be counted; only gates must know of pins that nothing is wired to.
+        // The pins are only counted; only gates need pins that nothing is wired to.
         part.card = value.parse().ok();
         return match part.card {
             Some(_) => Ok(()),
@@ -294,10 +294,10 @@ fn template(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Re
     let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
     if key == TemplateKey::Other && !is_case && !OTHER_TEMPLATES.iter().any(|known| known.eq_ignore_ascii_case(stem)) {
         let span = reader.span(head(node));
-        let title = format!("{whose} holds the setting `{name}` of an element, which plcc does not know");
+        let title = format!("{whose} contains the setting `{name}` of an element, which plcc does not know");
         let mut message = Diagnostic::new(Code::ForeignContent, span, title).label("has no effect");
         message.severity = Severity::Warning;
-        reader.diagnostics.push(message.help("check whether the element does without it what it shall do"));
+        reader.diagnostics.push(message.help("check whether the element works as intended without it"));
     }
     if let Some(case) = Comparison::of(&value).filter(|_| is_case) {
         part.cases.push(case);
@@ -388,7 +388,7 @@ fn wire(
                 let Some(part) = uid(end).and_then(|uid| index.get(&uid)).copied() else {
                     return Err(reader.refuse(end, whose, "a wire to an element that it does not have"));
                 };
-                // What a wire begins with feeds the others.
+                // The first end of a wire feeds the others.
                 let feeds = ends.is_empty();
                 let from_operand = matches!(ends.first(), Some(End::Operand(_)));
                 let known = match found.parts[part].step_time {

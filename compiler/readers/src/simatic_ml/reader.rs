@@ -1,4 +1,4 @@
-//! What the parts of the reader share: the overlay, the messages, and operands.
+//! The common parts of the reader: the overlay, the messages, and operands.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use roxmltree::Node;
@@ -16,12 +16,12 @@ pub struct Reader {
     pub overlay: Overlay,
     /// Assertions in comments of SCL and STL are read.
     pub pragmas: bool,
-    /// The step that comparisons of step times in GRAPH mean, by name: that of the network, or the only one before its transition.
+    /// The step that comparisons of step times in GRAPH mean, by name: the step of the network, or the only one before its transition.
     pub own_step: Option<String>,
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// A part of the file cannot be read; the message has been given.
+/// A part of the file cannot be read; this has been reported.
 pub struct Refused;
 
 impl Reader {
@@ -29,12 +29,12 @@ impl Reader {
         Span::new(self.file, range)
     }
 
-    /// Reports a part of the file that plcc does not read; `whose`: the network or block that is left out for it.
+    /// Reports a part of the file that plcc does not read; `whose`: the network or block that is left out because of it.
     pub fn refuse(&mut self, node: Node, whose: &str, what: &str) -> Refused {
         let message = Diagnostic::new(
             Code::ForeignContent,
             self.span(head(node)),
-            format!("{whose} holds {what}, which plcc does not read"),
+            format!("{whose} contains {what}, which plcc does not read"),
         );
         self.diagnostics.push(
             message.label("not known").help(
@@ -44,12 +44,12 @@ impl Reader {
         Refused
     }
 
-    /// Reports what of an access cannot be read.
+    /// Reports the part of an access that cannot be read.
     pub fn refuse_access(&mut self, unreadable: &Unreadable, whose: &str) -> Refused {
         self.refuse(unreadable.node, whose, &unreadable.what)
     }
 
-    /// Writes the value of an attribute to its own place, and gives the place.
+    /// Writes the value of an attribute to its own position, and returns the position.
     pub fn name_span(&mut self, node: Node, attribute: &str) -> Span {
         let range = attribute_range(node, attribute);
         let value = node.attribute(attribute).unwrap_or_default();
@@ -57,14 +57,14 @@ impl Reader {
         self.span(placed.unwrap_or(range))
     }
 
-    /// The expression that `text` is, which stands for `node`.
+    /// The expression `text`, which represents `node`.
     pub fn expression(&mut self, node: Node, wanted: usize, text: &str) -> Expr {
         let Some(range) = self.overlay.place(text, wanted, node.range()) else {
             return Expr { kind: ExprKind::Error, span: self.span(head(node)) };
         };
         let (expr, messages) = fragment::expression(self.file, self.overlay.text(), range.clone());
         if matches!(expr.kind, ExprKind::Error) && messages.is_empty() {
-            let message = Diagnostic::new(Code::Syntax, self.span(range), format!("`{text}` is no operand"));
+            let message = Diagnostic::new(Code::Syntax, self.span(range), format!("`{text}` is not an operand"));
             self.diagnostics
                 .push(message.label("cannot be read").help("enter it again in the editor, and export the block again"));
         }
@@ -72,7 +72,7 @@ impl Reader {
         expr
     }
 
-    /// The operand that an `Access` is.
+    /// The operand of an `Access`.
     pub fn operand(&mut self, node: Node, whose: &str) -> Result<Expr, Refused> {
         let text = operand::access(node, Notation::Scl).map_err(|unreadable| self.refuse_access(&unreadable, whose))?;
         if node.attribute("Scope") == Some("Label") {
@@ -129,7 +129,7 @@ pub fn multilingual(object: Node, name: &str) -> Option<String> {
     texts.map(text_of).find(|text| !text.is_empty())
 }
 
-/// The first text of each of the given elements below a node that is no object, as lines: titles and comments in GRAPH.
+/// The first text of each of the given elements below a node that is not an object, as lines: titles and comments in GRAPH.
 pub fn texts(node: Node, names: &[&str]) -> Vec<String> {
     let mut found = Vec::new();
     for name in names {

@@ -1,8 +1,8 @@
-//! What elements of an export may hold: attributes and children, a row an element, for all versions of the format.
+//! The allowed contents of the elements of an export: attributes and children, one row per element, for all versions of the format.
 //!
-//! The readers take from an element what they know. This table tells what is left over, so that nothing is skipped without a word: in code it
-//! is an error, in a declaration a warning. What carries no meaning for the program is in the table, too: numbers of objects, views, dates,
-//! comments. What says itself that it only informs (`Informative`) is left alone with all below it.
+//! The readers read the parts of an element that they know. This table finds all other parts, so nothing is skipped silently: in code such a part
+//! is an error, in a declaration a warning. Parts without a meaning for the program are in the table, too: numbers of objects, views, dates,
+//! comments. Elements marked `Informative` are ignored with everything below them.
 //! Source: LAD/FBD reference A2, GRAPH reference B.
 
 use plcc_diag::{Code, Diagnostic, Severity};
@@ -11,12 +11,12 @@ use roxmltree::Node;
 use super::reader::Reader;
 use crate::xml::{elements, head};
 
-/// An element, its attributes and its children, words with blanks between.
+/// An element, its attributes and its children, as words separated by blanks.
 struct Row(&'static str, &'static str, &'static str);
 
-/// What the tokens of SCL, STL and actions stand among.
+/// The elements among the tokens of SCL, STL and actions.
 const LAYOUT: [&str; 4] = ["Blank", "NewLine", "BlankLine", "Token"];
-/// Texts for people; nothing below them means anything.
+/// Texts for people; nothing below them has a meaning.
 const TEXTS: [&str; 5] = ["Comment", "LineComment", "Title", "StepName", "TransitionName"];
 /// Settings as elements, with their name in an attribute.
 const SETTINGS: [&str; 6] =
@@ -131,19 +131,19 @@ const ROWS: &[Row] = &[
     Row("Subelement", "Path", "StartValue"),
 ];
 
-/// Whose meaning for the program is not known.
+/// Their meaning for the program is not known.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     Code,
     Declaration,
 }
 
-/// Reports what below `node` no row has; `whose` names the block or network.
+/// Reports everything below `node` that is in no row; `whose` names the block or network.
 pub fn check(reader: &mut Reader, node: Node, place: Place, whose: &str) {
     let root = node;
     let mut open = vec![node];
     while let Some(node) = open.pop() {
-        // Networks inside of a chart are checked when they are read.
+        // Networks inside a chart are checked when they are read.
         if node != root && matches!(node.tag_name().name(), "FlgNet" | "StructuredText" | "StatementList") {
             continue;
         }
@@ -181,14 +181,14 @@ pub fn check(reader: &mut Reader, node: Node, place: Place, whose: &str) {
 
 fn report(reader: &mut Reader, range: std::ops::Range<usize>, place: Place, whose: &str, what: &str) {
     let span = reader.span(range);
-    let title = format!("{whose} holds {what}, which plcc does not read");
+    let title = format!("{whose} contains {what}, which plcc does not read");
     let mut message = Diagnostic::new(Code::ForeignContent, span, title).label("not known");
     message = match place {
         Place::Code => message
             .help("write the network in another way, in SCL for example; no part of a network is left out silently"),
         Place::Declaration => {
             message.severity = Severity::Warning;
-            message.help("the declaration is read without it; nothing need be done, unless the program depends on it")
+            message.help("the declaration is read without it; no action is needed, unless the program depends on it")
         }
     };
     reader.diagnostics.push(message);
@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn every_child_has_a_row_of_its_own() {
         for (at, Row(name, _, children)) in ROWS.iter().enumerate() {
-            assert!(ROWS[at + 1..].iter().all(|row| row.0 != *name), "{name} is there twice");
+            assert!(ROWS[at + 1..].iter().all(|row| row.0 != *name), "{name} appears twice");
             for child in children.split(' ').filter(|child| !child.is_empty() && *child != "AttributeList") {
                 let has_row = ROWS.iter().any(|row| row.0 == child);
                 assert!(has_row, "{name}: {child}");

@@ -1,4 +1,4 @@
-//! Networks in STL: the statements of a `StatementList`, written to their places in the overlay and parsed there.
+//! Networks in STL: the statements of a `StatementList`, written to their positions in the overlay and parsed there.
 
 use roxmltree::Node;
 
@@ -40,7 +40,7 @@ fn statement(reader: &mut Reader, statement: Node, whose: &str) -> Result<(), Re
             }
             "Access" => access(reader, node, whose)?,
             "LineComment" => tokens::pragma(reader, node),
-            // Only the colon of a label and the end of the statement, which the parser does not need.
+            // Only the colon of a label and the end of the statement remain, which the parser does not need.
             "Token" if matches!(node.attribute("Text").unwrap_or_default().trim(), "" | ":" | ";") => {}
             "Comment" | "BlankLine" | "NewLine" | "Blank" => {}
             other => return Err(reader.refuse(node, whose, &format!("a statement with `{other}`"))),
@@ -106,7 +106,7 @@ fn call(reader: &mut Reader, info: Node, whose: &str) -> Result<(), Refused> {
                 other => return Err(reader.refuse(part, whose, &format!("a parameter with `{other}`"))),
             }
         }
-        // One that nothing is assigned to.
+        // A parameter that nothing is assigned to.
         let Some(actual) = actual else { continue };
         let comma = if std::mem::take(&mut is_first) { "" } else { "," };
         let name = operand::plain_or_quoted(parameter.attribute("Name").unwrap_or_default());

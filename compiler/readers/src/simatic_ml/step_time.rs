@@ -2,8 +2,8 @@
 //!
 //! They become the ordinary comparison `step.T > limit`, of the step that the network belongs to. Source: GRAPH reference A.6.
 //!
-//! Assumption: how an export spells their names and pins; any name made of these words is taken, and any pin that an operand is wired to is the
-//! limit. To check: an export with each of them.
+//! Assumption: how an export spells their names and pins. Any name made of these words is accepted, and any pin with an operand is the
+//! limit. To be checked with an export that has each of them.
 
 use plcc_diag::{Code, Diagnostic};
 use roxmltree::Node;
@@ -18,11 +18,11 @@ use crate::xml::{attribute_range, head};
 pub struct Compared {
     /// `"T"` or `"U"`.
     pub time: &'static str,
-    /// The limit that is a setting of the step; else an operand is wired to the element.
+    /// The limit that is a setting of the step; otherwise an operand is wired to the element.
     pub limit: Option<&'static str>,
 }
 
-/// What an element of that name compares; `None` if it is none of these.
+/// What an element of that name compares; `None` for other elements.
 pub fn of(name: &str) -> Option<Compared> {
     let folded: String = name.chars().filter(char::is_ascii_alphanumeric).flat_map(char::to_lowercase).collect();
     let words = ["compare", "comp", "cmp"].iter().find_map(|word| folded.strip_prefix(word))?;
@@ -44,7 +44,7 @@ pub fn pin(given: &str, from_operand: bool) -> (String, bool) {
     (if from_operand { "in2" } else { "pre" }.to_string(), false)
 }
 
-/// Wires the time of the own step, and the limit if it is the step's, to the last part.
+/// Wires the time of the step, and the limit if it belongs to the step, to the last part.
 pub fn wire(
     reader: &mut Reader,
     node: Node,
@@ -53,11 +53,10 @@ pub fn wire(
     found: &mut Parts,
 ) -> Result<(), Refused> {
     let Some(step) = reader.own_step.clone() else {
-        let title = format!("{whose} compares the time of a step, but belongs to none");
+        let title = format!("{whose} compares the time of a step, but belongs to no step");
         let span = reader.name_span(node, "Name");
         let message = Diagnostic::new(Code::UnknownElement, span, title).label("whose time?");
-        let help =
-            "use it in an interlock, in a supervision, or in a transition behind one step; elsewhere compare `step.T`";
+        let help = "use it in an interlock, a supervision, or a transition after one step; elsewhere compare `step.T`";
         reader.diagnostics.push(message.help(help));
         return Err(Refused);
     };

@@ -1,4 +1,4 @@
-//! Networks in SCL: the tokens of a `StructuredText`, written to their places in the overlay and parsed there.
+//! Networks in SCL: the tokens of a `StructuredText`, written to their positions in the overlay and parsed there.
 
 use roxmltree::Node;
 
@@ -8,7 +8,7 @@ use crate::xml::{attribute_range, child, children, elements, is, raw_text_of};
 use plcc_syntax::scl::ast::Statement;
 use plcc_syntax::scl::fragment;
 
-/// How deep calls may stand in one another.
+/// How deep calls may be nested.
 const DEPTH_MAX: usize = 64;
 
 /// The statements of a network.
@@ -23,7 +23,7 @@ pub fn read(reader: &mut Reader, source: Node, whose: &str) -> Result<Vec<Statem
 /// Writes the tokens below a node, in the order of the file.
 fn tokens(reader: &mut Reader, list: Node, whose: &str, depth: usize) -> Result<(), Refused> {
     if depth > DEPTH_MAX {
-        return Err(reader.refuse(list, whose, "calls that stand too deep in one another"));
+        return Err(reader.refuse(list, whose, "calls that are nested too deeply"));
     }
     for node in elements(list) {
         token(reader, node, whose, depth)?;
@@ -31,7 +31,7 @@ fn tokens(reader: &mut Reader, list: Node, whose: &str, depth: usize) -> Result<
     Ok(())
 }
 
-/// Writes one of the nodes that statements are made of.
+/// Writes one of the nodes that statements consist of.
 pub fn token(reader: &mut Reader, node: Node, whose: &str, depth: usize) -> Result<(), Refused> {
     match node.tag_name().name() {
         "Token" => write(reader, node, node.attribute("Text").unwrap_or_default(), whose)?,
@@ -99,7 +99,7 @@ fn write(reader: &mut Reader, node: Node, text: &str, whose: &str) -> Result<(),
     put(reader, node, text, node.range().start, whose)
 }
 
-/// Writes a text into its node, so that it stands among the others in the order of the file.
+/// Writes a text into its node, so it comes in the order of the file.
 pub fn put(reader: &mut Reader, node: Node, text: &str, wanted: usize, whose: &str) -> Result<(), Refused> {
     match reader.overlay.place_inside(text, wanted, node.range()) {
         Some(_) => Ok(()),
@@ -113,7 +113,7 @@ fn write_name(reader: &mut Reader, node: Node, whose: &str) -> Result<(), Refuse
     put(reader, node, &name, range.start.saturating_sub(usize::from(name.starts_with('"'))), whose)
 }
 
-/// Comments mean nothing, but for assertions of tests.
+/// Comments have no meaning, except for assertions of tests.
 pub fn pragma(reader: &mut Reader, node: Node) {
     let text = raw_text_of(node).replace(['\n', '\r'], " ");
     let text = text.trim();

@@ -1,6 +1,6 @@
 //! Rows for the S7-200: names for addresses such as `VW100`, for constants and for blocks. The binding reads the address.
 //!
-//! Micro/WIN copies rows as `symbol TAB address TAB comment`; people keep them with `,` and `;`, too.
+//! Micro/WIN copies rows as `symbol TAB address TAB comment`; tables kept by hand also use `,` and `;`.
 //! Source: S7-200 system manual, symbol table.
 
 use plcc_diag::Span;
@@ -8,10 +8,10 @@ use plcc_syntax::{s7200, stl};
 
 use super::{Reader, S7200Symbol, lines, parse_address};
 
-/// Signs between the columns.
+/// Separators of the columns.
 const SEPARATORS: [char; 3] = ['\t', ';', ','];
 
-/// Whether `text` can stand in the address column: an address, a constant or a block.
+/// Whether `text` can be in the address column: an address, a constant or a block.
 pub fn is_address(text: &str) -> bool {
     let text = text.trim();
     s7200::parse_address(text).is_some() || s7200::parse_block(text).is_some() || is_constant(text)
@@ -26,9 +26,9 @@ fn is_constant(text: &str) -> bool {
     number || quoted('\'')
 }
 
-/// The separator of the table that `text` is; none: it is no table.
+/// The separator of the table `text`; none: it is not a table.
 ///
-/// A row begins with a name that is no mnemonic, and an address follows. A header may stand first, and a row here and there may be wrong.
+/// A row begins with a name that is not a mnemonic, and an address follows. A header may come first, and some rows may be wrong.
 pub fn separator(text: &str) -> Option<char> {
     SEPARATORS.into_iter().find(|separator| {
         let rows =
@@ -36,7 +36,7 @@ pub fn separator(text: &str) -> Option<char> {
         let is_row = |line: &&str| row(line, *separator).is_some();
         let begins = rows().take(2).any(|line| is_row(&line));
         let (good, all) = (rows().filter(is_row).count(), rows().count());
-        // An address without number makes no table: `Speed, 5` is a line of a data block.
+        // An address without a number does not make a table: `Speed, 5` is a line of a data block.
         let addressed = rows()
             .filter_map(|line| row(line, *separator))
             .any(|(_, address)| s7200::parse_address(address).is_some() || s7200::parse_block(address).is_some());
@@ -51,7 +51,7 @@ fn is_row_of_table(line: &str) -> bool {
 /// The first word is a mnemonic or a keyword: a source, whose operands may look like a column.
 fn begins_statement(line: &str) -> bool {
     let word = line.split(|c: char| c.is_whitespace() || matches!(c, ',' | ';')).next().unwrap_or_default();
-    // `Stop` and `End` may be symbols: their instructions have no operand, so that nothing could be taken for a column.
+    // `Stop` and `End` may be symbols: their instructions have no operand that could look like a column.
     s7200::has_operands(word)
         || word.len() <= 2 && stl::is_mnemonic(word)
         || s7200::parse_address(word).is_some()
@@ -67,7 +67,7 @@ fn row(line: &str, separator: char) -> Option<(&str, &str)> {
     (is_name(name) && is_address(address)).then_some((name, address))
 }
 
-/// Names of Micro/WIN have no blanks and do not begin with a digit; quotes are taken off.
+/// Names of Micro/WIN have no blanks and do not begin with a digit; quotes are removed.
 fn is_name(name: &str) -> bool {
     let name = name.trim_matches('"');
     !name.is_empty()
@@ -76,7 +76,7 @@ fn is_name(name: &str) -> bool {
 }
 
 impl Reader<'_> {
-    /// A table whose columns `separator` parts: name, address, comment.
+    /// A table with columns separated by `separator`: name, address, comment.
     pub(super) fn plain(&mut self, separator: char) {
         let text = self.text;
         let mut first = true;
@@ -92,12 +92,12 @@ impl Reader<'_> {
             if header && !is_address(address) && parse_address(address).is_none() {
                 continue;
             }
-            // What only S7-300 has is told by `row`.
+            // `row` reports addresses that only S7-300 has.
             self.row(start, line, name.trim().trim_start_matches('\u{feff}').trim_matches('"'), address, "", &comment);
         }
     }
 
-    /// Keeps the row for programs of the S7-200, if its address is one of theirs. The texts are parts of `line`, which begins at `start`.
+    /// Keeps the row for programs of the S7-200, if the S7-200 has its address. The texts are parts of `line`, which begins at `start`.
     pub(super) fn keep_s7200(&mut self, start: usize, line: &str, name: &str, address: &str, comment: &str) -> bool {
         let compact: String = address.split_whitespace().collect();
         let of_s7200 =
@@ -110,9 +110,9 @@ impl Reader<'_> {
             at.map(|at| (Span::new(self.file, start + at..start + at + part.len()), at + part.len()))
         };
         let row = self.span(start, line);
-        let (name_span, behind) = place(name, 0).unwrap_or((row, 0));
-        // The address may stand before the name.
-        let address_span = place(address, behind).or_else(|| place(address, 0)).map_or(row, |(span, _)| span);
+        let (name_span, after) = place(name, 0).unwrap_or((row, 0));
+        // The address may come before the name.
+        let address_span = place(address, after).or_else(|| place(address, 0)).map_or(row, |(span, _)| span);
         self.table.s7200.push(S7200Symbol {
             name: name.to_string(),
             address: if is_constant(address) { address.to_string() } else { compact },

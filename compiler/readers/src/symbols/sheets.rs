@@ -1,6 +1,6 @@
-//! Sheets of a workbook, as the TIA Portal exports tag tables: `PLC Tags` and `Constants`, with a line of column names first.
+//! Sheets of a workbook, as the TIA Portal exports tag tables: `PLC Tags` and `Constants`, each with column names in the first line.
 //!
-//! The text begins each sheet with `Sheet TAB name`; the other lines are the number of their row and the cells. What is wrong in a sheet is
+//! In the text each sheet begins with `Sheet TAB name`; the other lines contain the number of their row and the cells. A fault in a sheet is
 //! an error that names sheet and row. Source: LAD/FBD reference A.10; columns as the tool writes them.
 
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
@@ -8,10 +8,10 @@ use plcc_syntax::scl::fragment;
 
 use super::{GlobalConstant, Symbol, SymbolTable, lines, parse_address};
 
-/// What the tool writes into an empty cell.
+/// The text that the tool writes into an empty cell.
 const NO_VALUE: &str = "<No Value>";
 
-/// What the columns of a sheet are.
+/// The meaning of the columns of a sheet.
 #[derive(Clone, Copy)]
 struct Columns {
     name: usize,
@@ -86,7 +86,7 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
             let mut message = Diagnostic::new(Code::SymbolTable, Span::new(file, start..end), title).label(why);
             message.severity = Severity::Error;
             diagnostics
-                .push(message.help("a row gives a name, a data type, and an address such as `%I0.0` or a value"));
+                .push(message.help("a row contains a name, a data type, and an address such as `%I0.0` or a value"));
         };
         let Some(columns) = columns(&sheet) else {
             // Paths of the tables, and sheets without anything.
@@ -106,7 +106,7 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
             let (name, (at, value)) = (cell(columns.name).1.trim(), cell(columns.value));
             let ty = cell(columns.ty).1.trim().trim_matches('"').to_string();
             match (name.is_empty(), value.trim().is_empty()) {
-                // Also a tag whose address was never typed in.
+                // This includes a tag whose address was not entered.
                 (true, true) => continue,
                 (false, true) if !columns.constants => continue,
                 (true, false) => bad(*start, number, "the name is missing".to_string()),

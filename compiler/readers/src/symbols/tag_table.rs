@@ -45,7 +45,7 @@ impl Reader<'_> {
             match row.tag_name().name() {
                 "SW.Tags.PlcTag" => self.tag(row),
                 "SW.Tags.PlcUserConstant" => self.constant(row),
-                // Numbers of hardware; those of fast counters and pulse generators are the station's.
+                // Numbers of hardware; the station defines those of fast counters and pulse generators.
                 "SW.Tags.PlcSystemConstant" if !self.is_of_station(row) => self.constant(row),
                 "SW.Tags.PlcSystemConstant" | "MultilingualText" => {}
                 other => {
@@ -56,7 +56,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a constant of the system is one whose number plcc.toml and the runtime give.
+    /// Whether plc.toml and the runtime define the number of a constant of the system.
     fn is_of_station(&self, row: Node) -> bool {
         let name = self.row(row).name.to_ascii_lowercase();
         ["local~hsc_", "local~pulse_", "ob_"].iter().any(|prefix| name.starts_with(prefix))
@@ -88,7 +88,7 @@ impl Reader<'_> {
                         let comment = attribute(&["remark", "comment"]);
                         self.table.symbols.push(Symbol { name, target, ty, comment, span });
                     }
-                    None => self.bad(span, format!("`{address}` is no address")),
+                    None => self.bad(span, format!("`{address}` is not an address")),
                 }
             } else if kind.eq_ignore_ascii_case("Constant") {
                 let Some(value) = row.attribute_node("value").or_else(|| row.attribute_node("Value")) else {
@@ -119,7 +119,7 @@ impl Reader<'_> {
         if name.is_empty() {
             return self.bad(Span::new(self.file, head(row)), "a tag without a name".to_string());
         }
-        // A tag whose address was never typed in.
+        // A tag whose address was not entered.
         if address.is_empty() {
             return;
         }
@@ -127,7 +127,7 @@ impl Reader<'_> {
         let bare = address.trim_end_matches(":P");
         let Some(target) = parse_address(bare) else {
             let span = self.span_of(address_node, row);
-            return self.bad(span, format!("`{address}` is no address"));
+            return self.bad(span, format!("`{address}` is not an address"));
         };
         let comment = row.descendants().find(|node| xml::is(*node, "Text")).map(text_of).unwrap_or_default();
         self.table.symbols.push(Symbol { name, target, ty, comment, span });
@@ -144,9 +144,9 @@ impl Reader<'_> {
         }
     }
 
-    /// A constant whose value stands at a place of the file.
+    /// A constant whose value is at a position in the file.
     fn value(&mut self, name: String, ty: String, span: Span, range: std::ops::Range<usize>, value: &str) {
-        // A value with escaped characters is shorter than what the file has.
+        // A value with escaped characters is shorter than its text in the file.
         let own = self.text.get(range.clone()) == Some(value);
         let padded = if own { String::new() } else { " ".repeat(range.start) + value };
         let source = if own { self.text } else { &padded };
@@ -165,7 +165,7 @@ impl Reader<'_> {
     }
 }
 
-/// What tags and constants have in common.
+/// The common parts of tags and constants.
 struct Row {
     name: String,
     ty: String,
@@ -185,7 +185,7 @@ fn setting<'a, 'i>(row: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
 mod damage {
     use super::*;
 
-    /// What is told of a table with such rows.
+    /// The messages for a table with these rows.
     fn told(rows: &str) -> Vec<String> {
         let text = format!(
             "\u{feff}<Document><SW.Tags.PlcTagTable><ObjectList>{rows}</ObjectList></SW.Tags.PlcTagTable></Document>"
@@ -203,7 +203,7 @@ mod damage {
         assert_eq!(told(&tag.replace("<Name>A</Name>", "")), ["a tag without a name"]);
         assert_eq!(told("<SW.Tags.PlcTag/>"), ["a tag without a name"]);
         assert_eq!(told(&tag.replace("<LogicalAddress>%I0.0</LogicalAddress>", "")), none, "never typed in");
-        assert_eq!(told(&tag.replace("%I0.0", "%I0.9")), ["`%I0.9` is no address"]);
+        assert_eq!(told(&tag.replace("%I0.0", "%I0.9")), ["`%I0.9` is not an address"]);
         let constant = "<SW.Tags.PlcUserConstant><AttributeList><DataTypeName>Int</DataTypeName><Name>K</Name><Value>1</Value></AttributeList></SW.Tags.PlcUserConstant>";
         assert_eq!(told(constant), none);
         assert_eq!(told(&constant.replace("<Value>1</Value>", "<Value/>")), ["the constant `K` has no value"]);

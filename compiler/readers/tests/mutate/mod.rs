@@ -1,8 +1,8 @@
-//! Changes to the text of a source, for tests that any text is read.
+//! Changes to the text of a source, for tests that any text can be read.
 
 use proptest::sample::Index;
 
-/// `text` with each edit made: up to so many bytes at a place give way to a piece.
+/// `text` after all edits: each replaces some bytes at a place with a piece.
 pub fn mutated(text: &str, edits: Vec<(Index, usize, usize)>, pieces: &[&str]) -> String {
     let mut text = text.to_owned();
     for (place, removed, piece) in edits {
@@ -19,7 +19,7 @@ pub fn mutated(text: &str, edits: Vec<(Index, usize, usize)>, pieces: &[&str]) -
     text
 }
 
-/// The two parts of `text` before and behind a place.
+/// The two parts of `text` before and after a position.
 pub fn cut(text: &str, place: Index) -> (&str, &str) {
     let mut end = place.index(text.len());
     while !text.is_char_boundary(end) {

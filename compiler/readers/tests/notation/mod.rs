@@ -1,4 +1,4 @@
-//! Networks in a line an element, for tests of this crate and of the binder.
+//! Networks with one element per line, for tests of this crate and of the binder.
 
 use plcc_diag::{FileId, Span};
 use plcc_syntax::network::ast::{

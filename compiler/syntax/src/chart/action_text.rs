@@ -1,4 +1,4 @@
-//! Rows of actions as text: an operand, an operand with what belongs to it, or a call.
+//! Rows of actions as text: an operand, an operand with its value or parameters, or a call.
 //!
 //! ```text
 //! "Motor"                    "Valve", T#2S           #sum := #a + #b
@@ -6,7 +6,7 @@
 //! CALL "Ramp", "RampDB" (…)  CALL FC 10
 //! ```
 //!
-//! Operands and values are expressions of SCL. Whether they suit the qualifier is a question for those who know it.
+//! Operands and values are expressions of SCL. Code that knows the qualifier checks whether they suit it.
 //! Source: GRAPH reference A.2, B.4.
 
 mod call;
@@ -30,7 +30,7 @@ pub struct Row {
     pub span: Span,
 }
 
-/// Reads the rows in a part of a text: one each line, but a call goes on until its parenthesis is closed. Spans are those of `text`.
+/// Reads the rows in a part of a text: one per line, except that a call continues until its parenthesis is closed. Spans are those of `text`.
 pub fn rows(file: FileId, text: &str, range: Range<usize>, diagnostics: &mut Vec<Diagnostic>) -> Vec<Row> {
     let source = Source::of(text, range);
     let mut reader = Reader { file, text, source: &source, diagnostics };
@@ -48,23 +48,23 @@ pub fn rows(file: FileId, text: &str, range: Range<usize>, diagnostics: &mut Vec
 
 struct Reader<'a> {
     file: FileId,
-    /// What ranges are places of.
+    /// The text that ranges refer to.
     text: &'a str,
     source: &'a Source,
     diagnostics: &'a mut Vec<Diagnostic>,
 }
 
-/// Words that statements begin with, and rows do not.
+/// Words that begin statements, but not rows.
 const STATEMENTS: [&str; 9] = ["IF", "CASE", "FOR", "WHILE", "REPEAT", "RETURN", "EXIT", "CONTINUE", "GOTO"];
 
 impl Reader<'_> {
-    /// What the row at `code` holds, which is not empty.
+    /// The contents of the row at `code`, which is not empty.
     fn body(&mut self, code: Range<usize>) -> ActionBody {
-        let (word, behind) = self.source.word(code.clone());
+        let (word, after) = self.source.word(code.clone());
         if word.eq_ignore_ascii_case("CALL") {
-            return self.call(code, behind);
+            return self.call(code, after);
         }
-        if word.eq_ignore_ascii_case("S_ALL") && behind == code.end {
+        if word.eq_ignore_ascii_case("S_ALL") && after == code.end {
             return ActionBody::All { span: self.span(code) };
         }
         if STATEMENTS.iter().any(|known| known.eq_ignore_ascii_case(word)) {
@@ -79,9 +79,9 @@ impl Reader<'_> {
                 let left = self.source.trimmed(code.start..separator.start);
                 let right = self.source.trimmed(separator.end..code.end);
                 if left.is_empty() || right.is_empty() {
-                    let what = if left.is_empty() { "the operand" } else { "what belongs to the operand" };
+                    let what = if left.is_empty() { "the operand" } else { "the value of the operand" };
                     let help = "write the operand, `:=` or a comma, and its value";
-                    return self.refuse(separator.clone(), format!("{what} is missing"), "nothing beside it", help);
+                    return self.refuse(separator.clone(), format!("{what} is missing"), "nothing next to it", help);
                 }
                 match (self.expression(left), self.expression(right)) {
                     (Some(operand), Some(value)) => ActionBody::Value { operand, value },
@@ -89,13 +89,18 @@ impl Reader<'_> {
                 }
             }
             [_, second, ..] => {
-                let help = "write each assignment in a row of its own";
-                self.refuse(second.clone(), "an action with more than one value".to_string(), "one too many", help)
+                let help = "write each assignment in a separate row";
+                self.refuse(
+                    second.clone(),
+                    "an action with more than one value".to_string(),
+                    "one value too many",
+                    help,
+                )
             }
         }
     }
 
-    /// An operand; a call in the way of SCL.
+    /// An operand, or a call as SCL writes it.
     fn operand(&mut self, code: Range<usize>) -> ActionBody {
         match self.expression(code) {
             Some(Expr { kind: ExprKind::Call { callee, arguments }, span }) => self.scl_call(*callee, arguments, span),
@@ -104,12 +109,12 @@ impl Reader<'_> {
         }
     }
 
-    /// The expression at a place; `None` if there is none, which is told.
+    /// The expression at a place; `None` if there is none, which is reported.
     fn expression(&mut self, code: Range<usize>) -> Option<Expr> {
         let (expr, messages) = fragment::expression(self.file, self.text, code.clone());
         let is_error = matches!(expr.kind, ExprKind::Error);
         if is_error && !messages.iter().any(Diagnostic::is_error) {
-            let title = format!("`{}` is no operand", &self.text[code.clone()]);
+            let title = format!("`{}` is not an operand", &self.text[code.clone()]);
             self.refuse(code, title, "cannot be read", "write an operand, an assignment or a CALL");
         }
         self.diagnostics.extend(messages);

@@ -19,13 +19,13 @@ pub struct Body {
     pub steps: Vec<Step>,
     /// In the order of the file.
     pub transitions: Vec<Transition>,
-    /// Permanent instructions behind the sequencers.
+    /// Permanent instructions after the sequencers.
     pub after: Vec<Permanent>,
-    /// Some of it could not be read, which was told: what the chart lacks is no mistake of its own.
+    /// A part of it could not be read, and was reported; what the chart lacks for that reason is not reported again.
     pub broken: bool,
 }
 
-/// Which GRAPH.
+/// The variant of GRAPH.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Dialect {
     /// S7-GRAPH of STEP 7 V5: `.gr7`.
@@ -37,7 +37,7 @@ pub enum Dialect {
     Sfc,
 }
 
-/// Settings of the block. What the file does not say is `None`.
+/// Settings of the block. A setting that the file does not give is `None`.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Settings {
     /// `FBInterface`.
@@ -80,7 +80,7 @@ pub enum StepData {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     pub name: Name,
-    /// As the user numbers it; unique, neither dense nor ordered.
+    /// The number that the user gave it; unique, but neither dense nor ordered.
     pub number: u32,
     pub initial: bool,
     /// In the order of execution.
@@ -102,13 +102,13 @@ pub struct Step {
 pub struct Transition {
     pub name: Name,
     pub number: u32,
-    /// Steps that must be active, and are left; by the names of their steps.
+    /// Names of the steps that must be active, and are left.
     pub from: Vec<Name>,
     /// Steps that are entered; none ends the sequence.
     pub to: Vec<Name>,
     /// Drawn as a jump.
     pub jump: bool,
-    /// Place in the drawing: of transitions that leave one step, the lesser goes first; then the number decides.
+    /// Place in the drawing: of the transitions that leave one step, the one with the lesser path comes first; then the number decides.
     pub path: Vec<u32>,
     /// None: always satisfied.
     pub condition: Option<Condition>,
@@ -125,7 +125,7 @@ pub enum Condition {
     Expression(Expr),
     /// Its element of kind `Condition` has the result.
     Network(network::ast::Network),
-    /// ST: statements, the last of which is the expression that counts.
+    /// ST: statements; the last one is the expression that counts.
     Statements(Vec<Statement>),
 }
 
@@ -170,13 +170,13 @@ pub struct Action {
     pub span: Span,
 }
 
-/// What a row works on.
+/// The operand, assignment or call of a row.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // Few rows are the small ones.
 pub enum ActionBody {
     /// `Q4.0`; a step of ON and OFF.
     Operand(Expr),
-    /// `Q4.0 := T#5S`, `Q4.0, T#5S`, `C5, C#20`, `MW2 := MW4 + MW6`: an operand, and what belongs to it by its qualifier.
+    /// `Q4.0 := T#5S`, `Q4.0, T#5S`, `C5, C#20`, `MW2 := MW4 + MW6`: an operand, and the value that its qualifier requires.
     Value { operand: Expr, value: Expr },
     /// `S_ALL`.
     All { span: Span },
@@ -193,7 +193,7 @@ pub enum ActionBody {
 /// A block call.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Call {
-    /// FC, FB, SFC or SFB, in a form that a call in SCL takes.
+    /// FC, FB, SFC or SFB, in a form that a call in SCL accepts.
     pub block: Expr,
     /// Instance DB of an FB.
     pub instance: Option<Expr>,
@@ -201,7 +201,7 @@ pub struct Call {
     pub span: Span,
 }
 
-/// `IN1 := MW2`: also outputs are written so.
+/// `IN1 := MW2`: outputs are written like this, too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
     pub name: Name,

@@ -1,7 +1,7 @@
 //! Drawn charts: steps, transitions and branches with lines between them become transitions with FROM and TO.
 //!
-//! A line stands either behind steps or behind transitions. Alternative branches open and simultaneous ones close behind steps; the two other
-//! kinds stand behind transitions. So a transition finds its steps by following branches of one sort back, and of the other sort forward.
+//! A line comes either after steps or after transitions. Alternative branches open and simultaneous ones close after steps; the two other
+//! kinds come after transitions. So a transition finds its steps by following branches of one kind back, and of the other kind forward.
 //! Source: GRAPH reference B.3.
 
 mod legality;
@@ -14,7 +14,7 @@ use plcc_diag::{Diagnostic, Span};
 use legality::Side;
 use lines::Lines;
 
-/// A chart as it is drawn. Steps, transitions and branches are known by their place in these lists.
+/// A chart as it is drawn. Steps, transitions and branches are identified by their index in these lists.
 #[derive(Clone, Debug, Default)]
 pub struct Drawing {
     pub steps: Vec<Span>,
@@ -27,7 +27,7 @@ pub struct Drawing {
 #[derive(Clone, Debug)]
 pub struct Branch {
     pub kind: BranchKind,
-    /// Number of its arms, if the file tells.
+    /// Number of its arms, if the file gives it.
     pub cardinality: Option<u32>,
     pub span: Span,
 }
@@ -60,7 +60,7 @@ pub enum Node {
     End,
 }
 
-/// What a transition leaves and enters, by places in the list of steps.
+/// What a transition leaves and enters, as indices into the list of steps.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Folded {
     pub from: Vec<usize>,
@@ -70,7 +70,7 @@ pub struct Folded {
     pub path: Vec<u32>,
 }
 
-/// FROM and TO of each transition. Branches that are not built as they must be are told of, and lines that cannot be are not followed.
+/// FROM and TO of each transition. Malformed branches and lines are reported, and such lines are not followed.
 ///
 /// A transition that leaves no step has an empty FROM and no message here.
 pub fn fold(drawing: &Drawing, diagnostics: &mut Vec<Diagnostic>) -> Vec<Folded> {
@@ -119,7 +119,7 @@ fn backwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut F
 /// The steps that a transition enters, the leftmost first.
 fn forwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Folded) {
     let mut seen = HashSet::new();
-    let mut pending: Vec<usize> = lines.behind_transition(transition).iter().rev().copied().collect();
+    let mut pending: Vec<usize> = lines.after_transition(transition).iter().rev().copied().collect();
     while let Some(line) = pending.pop() {
         let line = &drawing.lines[line];
         if !legality::is_legal(drawing, line) {
@@ -134,7 +134,7 @@ fn forwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Fo
             }
             Node::Branch(branch, _) => {
                 if seen.insert(Node::Branch(branch, 0)) {
-                    pending.extend(lines.behind_branch(branch).iter().rev());
+                    pending.extend(lines.after_branch(branch).iter().rev());
                 }
             }
             Node::Transition(_) | Node::End => {}
@@ -143,11 +143,11 @@ fn forwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Fo
 }
 
 impl BranchKind {
-    /// What its lines stand behind.
+    /// What its lines come after.
     fn side(self) -> Side {
         match self {
-            BranchKind::AlternativeBegin | BranchKind::SimultaneousEnd => Side::BehindStep,
-            BranchKind::AlternativeEnd | BranchKind::SimultaneousBegin => Side::BehindTransition,
+            BranchKind::AlternativeBegin | BranchKind::SimultaneousEnd => Side::AfterStep,
+            BranchKind::AlternativeEnd | BranchKind::SimultaneousBegin => Side::AfterTransition,
         }
     }
 

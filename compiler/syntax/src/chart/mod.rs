@@ -1,8 +1,8 @@
-//! Charts of GRAPH: sequencers of steps and transitions, whatever file they come in.
+//! Charts of GRAPH: sequencers of steps and transitions, from any kind of file.
 //!
 //! - [`ast`]: the tree.
-//! - [`action_text`]: rows of actions, of files that hold them as text.
-//! - [`fold`](mod@fold): drawn branches become the FROM and TO of transitions, of files that hold drawings.
+//! - [`action_text`]: rows of actions, for files that hold them as text.
+//! - [`fold`](mod@fold): turns drawn branches into the FROM and TO of transitions, for files that hold drawings.
 //! - [`text`]: the tree as text.
 
 pub mod action_text;

@@ -1,4 +1,4 @@
-//! A chart as text, for `--emit ast`: a node a line.
+//! A chart as text, for `--emit ast`: one node per line.
 
 use super::ast::{
     Action, ActionBody, Body, Call, Coil, Condition, Dialect, Interface, Permanent, PermanentKind, Settings, Step,

@@ -29,7 +29,7 @@ pub fn byte(text: &str, value: &str) -> Result<Literal, LiteralError> {
         for item in list.split(',') {
             let number = integer(text, item.trim())?;
             bytes.push(u8::try_from(number).map_err(|_| {
-                LiteralError::range(text, format!("{number} is no byte"), "each byte is a decimal number 0 to 255")
+                LiteralError::range(text, format!("{number} is not a byte"), "each byte is a decimal number 0 to 255")
             })?);
         }
         return match *bytes {
@@ -54,7 +54,7 @@ pub fn dword(text: &str, value: &str) -> Result<Literal, LiteralError> {
     typed_bits(text, "DW", value, 32).map(Literal::Dword)
 }
 
-/// `L#-7`; `L#16#FF` is taken as its bits.
+/// `L#-7`; `L#16#FF` is read as its bits.
 pub fn dint(text: &str, value: &str) -> Result<Literal, LiteralError> {
     if let Some((base, digits)) = value.split_once('#') {
         return base_digits(text, base, digits).map(|(bits, _)| Literal::Dint(bits as i32));
@@ -62,14 +62,14 @@ pub fn dint(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let number = integer(text, value)?;
     i32::try_from(number)
         .map(Literal::Dint)
-        .map_err(|_| LiteralError::range(text, "no DINT", "a DINT is a number from L#-2147483648 to L#2147483647"))
+        .map_err(|_| LiteralError::range(text, "not a DINT", "a DINT is a number from L#-2147483648 to L#2147483647"))
 }
 
 pub fn int(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let number = integer(text, value)?;
     i16::try_from(number)
         .map(|number| Literal::Int(number.into()))
-        .map_err(|_| LiteralError::range(text, "no INT", "an INT is a number from -32768 to 32767"))
+        .map_err(|_| LiteralError::range(text, "not an INT", "an INT is a number from -32768 to 32767"))
 }
 
 pub fn typed_real(text: &str, value: &str) -> Result<Literal, LiteralError> {
@@ -80,7 +80,7 @@ pub fn typed_bool(text: &str, value: &str) -> Result<Literal, LiteralError> {
     match value.to_ascii_uppercase().as_str() {
         "TRUE" | "1" => Ok(Literal::Bool(true)),
         "FALSE" | "0" => Ok(Literal::Bool(false)),
-        _ => Err(LiteralError::malformed(text, "no BOOL", "write `TRUE` or `FALSE`")),
+        _ => Err(LiteralError::malformed(text, "not a BOOL", "write `TRUE` or `FALSE`")),
     }
 }
 
@@ -88,17 +88,17 @@ pub fn typed_bool(text: &str, value: &str) -> Result<Literal, LiteralError> {
 pub fn counter(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let number = integer(text, value)?;
     if !(0..=999).contains(&number) {
-        return Err(LiteralError::range(text, "no counter value", "a counter counts from C#0 to C#999"));
+        return Err(LiteralError::range(text, "not a counter value", "a counter counts from C#0 to C#999"));
     }
     let number = number as u16;
     Ok(Literal::Counter((number / 100) << 8 | (number / 10 % 10) << 4 | (number % 10)))
 }
 
-/// The bits behind `B#`, `W#`, `DW#`, which have a base of their own: `W#16#FF`, `W#2#1`.
+/// The bits after `B#`, `W#`, `DW#`, which have their own base: `W#16#FF`, `W#2#1`.
 fn typed_bits(text: &str, prefix: &str, value: &str, width: u32) -> Result<u32, LiteralError> {
     let Some((base, digits)) = value.split_once('#') else {
         let help = if value.is_empty() {
-            format!("write the value behind it, e.g. `{prefix}#16#{}`", "0".repeat(width as usize / 4))
+            format!("write the value after it, e.g. `{prefix}#16#{}`", "0".repeat(width as usize / 4))
         } else {
             format!("write `{prefix}#16#{value}`")
         };
@@ -126,10 +126,10 @@ fn base_digits(text: &str, base: &str, digits: &str) -> Result<(u32, u8), Litera
         ),
         Fault::Digit(digit) => LiteralError::malformed(
             text,
-            format!("`{digit}` is no digit of base {base}"),
+            format!("`{digit}` is not a digit of base {base}"),
             if base == "2" { "binary digits are 0 and 1" } else { "hexadecimal digits are 0 to 9 and A to F" },
         ),
-        Fault::Empty => LiteralError::malformed(text, "no digit", "write the digits behind `#`"),
+        Fault::Empty => LiteralError::malformed(text, "no digit", "write the digits after `#`"),
         Fault::Large => large(),
     })?;
     let value = u32::try_from(number.value).map_err(|_| large())?;
@@ -139,7 +139,7 @@ fn base_digits(text: &str, base: &str, digits: &str) -> Result<(u32, u8), Litera
 /// A decimal number with sign and `_` between digits.
 fn integer(text: &str, value: &str) -> Result<i64, LiteralError> {
     let Some(number) = number::integer(value) else {
-        return Err(LiteralError::malformed(text, "no decimal number", "write decimal digits, e.g. `10` or `-5`"));
+        return Err(LiteralError::malformed(text, "not a decimal number", "write decimal digits, e.g. `10` or `-5`"));
     };
     i64::try_from(number).ok().filter(|number| number.abs() <= 1 << 40).ok_or_else(|| {
         LiteralError::range(text, "too large for every type", "an INT goes to 32767, a DINT (`L#`) to 2147483647")
@@ -149,9 +149,9 @@ fn integer(text: &str, value: &str) -> Result<i64, LiteralError> {
 fn real(text: &str, value: &str) -> Result<f32, LiteralError> {
     let digits: String = value.chars().filter(|c| !matches!(c, '_' | ' ' | '\t')).collect();
     let number: f32 =
-        digits.parse().map_err(|_| LiteralError::malformed(text, "no REAL", "write a REAL as `1.5` or `1.5e+3`"))?;
+        digits.parse().map_err(|_| LiteralError::malformed(text, "not a REAL", "write a REAL as `1.5` or `1.5e+3`"))?;
     if !number.is_finite() || !digits.contains(|c: char| c.is_ascii_digit()) {
-        return Err(LiteralError::range(text, "no REAL", "a REAL lies between -3.402823e+38 and 3.402823e+38"));
+        return Err(LiteralError::range(text, "not a REAL", "a REAL is a number from -3.402823e+38 to 3.402823e+38"));
     }
     Ok(number)
 }

@@ -50,7 +50,7 @@ const AREAS: &[(&str, u8)] = &[
 ];
 
 const NAME_FORM: &str =
-    "write area, byte and bit, as in `P#DB10.DBX 20.0`; as an actual parameter give the variable itself, without `P#`";
+    "write area, byte and bit, as in `P#DB10.DBX 20.0`; as an actual parameter pass the variable itself, without `P#`";
 
 const FORM: &str = "write `P#10.3`, `P#M 10.0`, `P#DB10.DBX 20.0`, or with type and number `P#DB11.DBX 20.0 INT 10`";
 
@@ -63,11 +63,11 @@ pub fn pointer(text: &str, value: &str) -> Result<Literal, LiteralError> {
         && (rest[letters..].starts_with('_')
             || AREAS.iter().all(|(name, _)| !name.eq_ignore_ascii_case(&rest[..letters])));
     if db.is_some() && is_name {
-        return Err(LiteralError::malformed(text, "a name of a variable instead of its address", NAME_FORM));
+        return Err(LiteralError::malformed(text, "the name of a variable instead of its address", NAME_FORM));
     }
     let (area, rest) = (&rest[..letters], rest[letters..].trim_start());
     let mut words = rest.split_ascii_whitespace();
-    let address = words.next().ok_or_else(|| malformed("no address"))?;
+    let address = words.next().ok_or_else(|| malformed("not an address"))?;
     let bits = address_bits(text, address)?;
     if area.is_empty() {
         return match (db, words.next()) {
@@ -76,23 +76,22 @@ pub fn pointer(text: &str, value: &str) -> Result<Literal, LiteralError> {
         };
     }
     let code = AREAS.iter().find(|(name, _)| name.eq_ignore_ascii_case(area)).map(|(_, code)| *code);
-    let code = code.ok_or_else(|| malformed(&format!("`{area}` is no area")))?;
+    let code = code.ok_or_else(|| malformed(&format!("`{area}` is not an area")))?;
     if db.is_some() && !matches!(code, 0x84 | 0x85) {
-        return Err(malformed("behind a data block stands `DBX`"));
+        return Err(malformed("`DBX` must follow the data block"));
     }
     let (db, pointer) = (db.unwrap_or(0), u32::from(code) << 24 | bits);
     let Some(type_name) = words.next() else {
         return Ok(Literal::AreaPointer { db, pointer });
     };
     let type_code = ANY_TYPES.iter().find(|(name, _)| name.eq_ignore_ascii_case(type_name)).map(|(_, code)| *code);
-    let type_code = type_code.ok_or_else(|| malformed(&format!("`{type_name}` is no data type")))?;
+    let type_code = type_code.ok_or_else(|| malformed(&format!("`{type_name}` is not a data type")))?;
     let count = words.next().ok_or_else(|| malformed("the number of elements is missing"))?;
-    let count: u16 = count
-        .replace('_', "")
-        .parse()
-        .map_err(|_| LiteralError::range(text, "no number of elements", "an ANY pointer counts 0 to 65535 elements"))?;
+    let count: u16 = count.replace('_', "").parse().map_err(|_| {
+        LiteralError::range(text, "not a number of elements", "an ANY pointer counts 0 to 65535 elements")
+    })?;
     if words.next().is_some() {
-        return Err(malformed("too much behind the number of elements"));
+        return Err(malformed("surplus text after the number of elements"));
     }
     let mut any = [0x10, type_code, 0, 0, 0, 0, 0, 0, 0, 0];
     any[2..4].copy_from_slice(&count.to_be_bytes());
@@ -112,12 +111,12 @@ fn data_block<'t>(text: &str, value: &'t str) -> Result<(Option<u16>, &'t str), 
     }
     let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
     let Some(address) = rest[digits..].trim_start().strip_prefix('.') else {
-        return Err(LiteralError::malformed(text, "no address", FORM));
+        return Err(LiteralError::malformed(text, "not an address", FORM));
     };
     // `P#DB 5.3` does not occur: an area follows the dot.
     let number = rest[..digits]
         .parse()
-        .map_err(|_| LiteralError::range(text, "no data block", "data blocks are numbered 1 to 65535"))?;
+        .map_err(|_| LiteralError::range(text, "not a data block", "data blocks are numbered 1 to 65535"))?;
     Ok((Some(number), address.trim_start()))
 }
 
@@ -128,10 +127,10 @@ fn address_bits(text: &str, address: &str) -> Result<u32, LiteralError> {
         .ok_or_else(|| LiteralError::malformed(text, "the bit number is missing", format!("write `{text}.0`")))?;
     let digits = |number: &str| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
     if !digits(byte) || !digits(bit) {
-        return Err(LiteralError::malformed(text, "no address", FORM));
+        return Err(LiteralError::malformed(text, "not an address", FORM));
     }
     match (byte.parse::<u32>(), bit.parse::<u8>()) {
         (Ok(byte @ 0..=65_535), Ok(bit @ 0..=7)) => Ok(pointer_bits(byte, bit)),
-        _ => Err(LiteralError::range(text, "no address", "the byte lies between 0 and 65535, the bit between 0 and 7")),
+        _ => Err(LiteralError::range(text, "not an address", "the byte is from 0 to 65535, the bit from 0 to 7")),
     }
 }

@@ -5,11 +5,11 @@ use super::LiteralError;
 /// Bytes of `'text'`, quotes included in `text`, with escapes expanded.
 ///
 /// Escapes: `$$ $' $L $N $P $R $T $hh`. `$N` and `$L` are a line feed, as in IEC 61131-3.
-/// Errors: `BadLiteral` for another escape or a character that Windows-1252 does not have.
+/// Errors: `BadLiteral` for any other escape or a character that Windows-1252 does not have.
 pub fn parse_text(text: &str) -> Result<Vec<u8>, LiteralError> {
     let inner = text.strip_prefix('\'').and_then(|rest| rest.strip_suffix('\''));
     let Some(inner) = inner else {
-        return Err(LiteralError::malformed(text, "no text", "write a text in single quotes: `'ABCD'`"));
+        return Err(LiteralError::malformed(text, "not a text", "write a text in single quotes: `'ABCD'`"));
     };
     let mut bytes = Vec::with_capacity(inner.len());
     let mut chars = inner.chars();
@@ -50,7 +50,7 @@ pub fn parse_text(text: &str) -> Result<Vec<u8>, LiteralError> {
 fn bad_escape(text: &str, c: char) -> LiteralError {
     LiteralError::malformed(
         text,
-        format!("`${c}` is no escape"),
+        format!("`${c}` is not an escape"),
         "escapes are `$$ $' $L $N $P $R $T` and `$hh` with two hexadecimal digits",
     )
 }

@@ -11,14 +11,14 @@ const DATE_FORM: &str = "write year, month and day: `D#2000-6-20`";
 const TOD_FORM: &str = "write hours, minutes and seconds: `TOD#5:45:00.5`";
 const DT_FORM: &str = "write date and time: `DT#2000-6-20-5:45:00.5`";
 
-/// `S5T#2s`: the finest time base that holds the value; digits below it are cut off.
+/// `S5T#2s`: the finest time base that can represent the value; digits below it are cut off.
 ///
 /// Bits 13-12: time base (10 ms, 100 ms, 1 s, 10 s); bits 11-0: three BCD digits.
 /// Source: Programming with STEP 7, format of S5TIME.
 pub fn s5time(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let ms = milliseconds(text, value, S5TIME_FORM)?;
     if value.starts_with('-') || ms > 9_990_000 {
-        return Err(LiteralError::range(text, "no S5TIME", "an S5TIME lies between S5T#10MS and S5T#2H_46M_30S"));
+        return Err(LiteralError::range(text, "no S5TIME", "an S5TIME is from S5T#10MS to S5T#2H_46M_30S"));
     }
     let (base, unit_ms) = [(0u16, 10), (1, 100), (2, 1_000), (3, 10_000)]
         .into_iter()
@@ -32,7 +32,7 @@ pub fn s5time(text: &str, value: &str) -> Result<Literal, LiteralError> {
 pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let ms = milliseconds(text, value, TIME_FORM)?;
     i32::try_from(ms).map(Literal::Time).map_err(|_| {
-        LiteralError::range(text, "no TIME", "a TIME lies between T#-24D_20H_31M_23S_648MS and T#24D_20H_31M_23S_647MS")
+        LiteralError::range(text, "not a TIME", "a TIME is from T#-24D_20H_31M_23S_648MS to T#24D_20H_31M_23S_647MS")
     })
 }
 
@@ -42,7 +42,7 @@ pub fn date(text: &str, value: &str) -> Result<Literal, LiteralError> {
     check_date(text, date)?;
     match date.days_since(1990) {
         Some(days) if date.year <= 2168 => Ok(Literal::Date(days as u16)),
-        _ => Err(LiteralError::range(text, "no DATE", "a DATE lies between D#1990-1-1 and D#2168-12-31")),
+        _ => Err(LiteralError::range(text, "not a DATE", "a DATE is from D#1990-1-1 to D#2168-12-31")),
     }
 }
 
@@ -60,7 +60,7 @@ pub fn date_and_time(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let malformed = || bad(text, DT_FORM);
     let (written, time) = value.rsplit_once('-').ok_or_else(malformed)?;
     let mut date = Date::parse(written).ok_or_else(malformed)?;
-    // STEP 7 generates two digits, as the first byte of the value holds them: 90 to 99 lie before 2000.
+    // STEP 7 generates two digits, as the first byte of the value has them: 90 to 99 are before 2000.
     if written.find('-') == Some(2) {
         date.year += if date.year >= 90 { 1900 } else { 2000 };
     }
@@ -70,7 +70,7 @@ pub fn date_and_time(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let weekday = date
         .weekday()
         .filter(|_| (1990..=2089).contains(&date.year))
-        .ok_or_else(|| LiteralError::range(text, "no DATE_AND_TIME", "a DATE_AND_TIME lies between 1990 and 2089"))?;
+        .ok_or_else(|| LiteralError::range(text, "no DATE_AND_TIME", "a DATE_AND_TIME is in the years 1990 to 2089"))?;
     let bcd = |number: u32| (((number / 10) << 4) | (number % 10)) as u8;
     let ms = clock.ns / 1_000_000;
     Ok(Literal::DateAndTime([
@@ -89,7 +89,7 @@ fn bad(text: &str, help: &str) -> LiteralError {
     LiteralError::malformed(text, "not complete or not in order", help)
 }
 
-/// A duration as `T#` and its kin have it, with messages.
+/// A duration as in `T#` and `S5T#`, with messages.
 pub(crate) fn nanoseconds(
     text: &str,
     value: &str,
@@ -107,7 +107,7 @@ pub(crate) fn nanoseconds(
     })
 }
 
-/// As [`nanoseconds`] for literals of STEP 7: whole milliseconds, what lies below is cut off.
+/// As [`nanoseconds`] for literals of STEP 7: whole milliseconds, smaller parts are cut off.
 fn milliseconds(text: &str, value: &str, form: &str) -> Result<i128, LiteralError> {
     Ok(nanoseconds(text, value, Smallest::Millisecond, Fraction::Anywhere, form)? / 1_000_000)
 }
@@ -116,12 +116,12 @@ fn check_date(text: &str, date: Date) -> Result<(), LiteralError> {
     if date.exists() {
         return Ok(());
     }
-    Err(LiteralError::range(text, "no day of the calendar", "the order is year, month, day: `D#2000-6-20`"))
+    Err(LiteralError::range(text, "not a day of the calendar", "the order is year, month, day: `D#2000-6-20`"))
 }
 
 fn check_time(text: &str, clock: Clock) -> Result<(), LiteralError> {
     if clock.exists() {
         return Ok(());
     }
-    Err(LiteralError::range(text, "no time of a day", "a time of day lies between 0:0:0.0 and 23:59:59.999"))
+    Err(LiteralError::range(text, "not a time of day", "a time of day is from 0:0:0.0 to 23:59:59.999"))
 }

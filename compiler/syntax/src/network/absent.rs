@@ -1,4 +1,4 @@
-//! Elements of the TIA Portal that plcc knows by name and does not have.
+//! Elements of the TIA Portal that plcc knows by name but does not support.
 //!
 //! Source: LAD/FBD reference, chapter B: elements marked as absent from the S7-1200, or without a meaning on a host.
 
@@ -10,9 +10,9 @@ struct Absent {
     help: &'static str,
 }
 
-const VARIANT: &str = "a VARIANT does not carry its data type here, so it cannot be asked for";
+const VARIANT: &str = "here a VARIANT does not carry its data type, so a program cannot ask for it";
 const VARIANT_HELP: &str =
-    "declare the parameter with its data type, one block for each type, or pass the type as a number beside it";
+    "declare the parameter with its data type, one block for each type, or pass the type as an additional number";
 
 const ABSENT: &[Absent] = &[
     Absent {
@@ -44,7 +44,7 @@ const ABSENT: &[Absent] = &[
     },
     Absent {
         names: &["CTRL_PTO"],
-        why: "a pulse generator gives pulses of a width here, no pulse train of a frequency",
+        why: "here a pulse generator sets the width of pulses, not the frequency of a pulse train",
         help: "use CTRL_PWM, which sets the width of the pulses",
     },
     Absent {
@@ -59,12 +59,12 @@ const ABSENT: &[Absent] = &[
     },
     Absent {
         names: &["RTM"],
-        why: "the CPU has no runtime meters here",
+        why: "the CPU of plcc has no runtime meters",
         help: "count the time with a TONR or with RUNTIME",
     },
     Absent {
         names: &["ENDIS_PW", "INIT_RD"],
-        why: "passwords and retentive data of the CPU do not belong to the program here",
+        why: "passwords and retentive data of the CPU are not part of the program here",
         help: "remove the element",
     },
 ];

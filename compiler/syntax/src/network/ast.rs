@@ -1,6 +1,6 @@
 //! Syntax tree of blocks that consist of networks.
 //!
-//! Names are kept as written; nothing is looked up here but elements and their pins.
+//! Names are kept as written; only elements and their pins are looked up here.
 
 use plcc_diag::Span;
 
@@ -20,10 +20,10 @@ pub struct Network {
     pub language: Language,
     pub title: Option<String>,
     pub comment: Vec<String>,
-    /// Jump labels at its start; SCL and STL networks have theirs in their statements.
+    /// Jump labels at its start; SCL and STL networks have labels in their statements.
     pub labels: Vec<Name>,
     pub content: Content,
-    /// What stands for the network in messages: its first line, or the element that holds it.
+    /// The position of the network in messages: its first line, or the element that contains it.
     pub span: Span,
 }
 
@@ -36,7 +36,7 @@ pub enum Language {
     Stl,
 }
 
-/// What a network is made of.
+/// What a network consists of.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     Graphic(Graph),
@@ -47,10 +47,10 @@ pub enum Content {
 /// Elements and the nets between their pins.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Graph {
-    /// In the order of evaluation: an element runs at its place here, or before, when another one needs what it gives.
+    /// In the order of evaluation: an element runs at its place here, or earlier if another one needs its output.
     pub elements: Vec<Element>,
     pub nets: Vec<Net>,
-    /// Some of it could not be read, which was told: what it lacks is no mistake of its own.
+    /// A part of it could not be read, and was reported; what it lacks for that reason is not reported again.
     pub broken: bool,
 }
 
@@ -88,7 +88,7 @@ pub struct Element {
     /// Types and other settings, in the order of the file.
     pub templates: Vec<Template>,
     pub eno: Eno,
-    /// Connected pins; also those that the file shows as open.
+    /// Connected pins, and those that the file shows as open.
     pub pins: Vec<Pin>,
     /// CALCULATE: the formula, with names IN1, IN2, ….
     pub equation: Option<Expr>,
@@ -103,14 +103,14 @@ pub struct Element {
 pub enum Target {
     /// A row of the table, with the instance of those that have one (`#t1` of `#t1.TON(…)`).
     Element { row: &'static Row, instance: Option<Expr> },
-    /// An FC by name; an FB by its instance or, with `instance`, by its own name. Names in a form that a call in SCL takes.
+    /// An FC by name; an FB by its instance or, with `instance`, by its own name. Names in a form that a call in SCL accepts.
     Block { callee: Expr, instance: Option<Expr> },
 }
 
-/// Whether ENO tells of errors.
+/// Whether ENO reports errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Eno {
-    /// The file says nothing: as the row has it.
+    /// The file does not say: as in the row of the table.
     #[default]
     Default,
     Generated,
@@ -127,7 +127,7 @@ pub struct Template {
     pub span: Span,
 }
 
-/// Which setting. All spellings of the carriers are one key.
+/// Which setting. All spellings in the file formats are one key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TemplateKey {
     /// `SrcType`, `src_type`, `inType`.
@@ -145,7 +145,7 @@ pub enum TemplateKey {
 }
 
 impl TemplateKey {
-    /// The key of a name, letter case and `_` aside.
+    /// The key of a name, ignoring letter case and `_`.
     pub fn of(name: &str) -> TemplateKey {
         let folded: String = name.chars().filter(|c| *c != '_').flat_map(char::to_lowercase).collect();
         match folded.as_str() {

@@ -8,9 +8,9 @@
 //! |---| |-----+
 //! ```
 //!
-//! Elements that follow each other lie on a line; a net with several ends is a column that joins its lines. A branch begins or ends
-//! at the column of its net; where a net only feeds pins of boxes, or the drawing is cut, its name stands there instead. The drawing
-//! shows what is there, sense or not: loops, open pins, nets without a source.
+//! Elements that follow each other are on one line; a net with several ends is a column that joins its lines. A branch begins or ends
+//! at the column of its net; where a net only feeds pins of boxes, or the drawing is cut, its name is there instead. The drawing
+//! shows the network even if it makes no sense: loops, open pins, nets without a source.
 
 mod canvas;
 mod operand;
@@ -24,12 +24,12 @@ use shape::Shape;
 
 pub use operand::operand;
 
-/// Elements of a drawing at most; those next to the marked one are shown.
+/// Most elements of a drawing; those next to the marked one are shown.
 const ELEMENTS_MAX: usize = 24;
-/// Columns of a drawing, if fewer elements help.
+/// Most columns of a drawing, if fewer elements can make it narrower.
 const COLUMNS_MAX: usize = 140;
 
-/// Draws a network; a line of `^` stands below the element `mark`. Empty for networks in SCL and STL.
+/// Draws a network; a line of `^` is below the element `mark`. Empty for networks in SCL and STL.
 pub fn draw(network: &Network, mark: Option<usize>) -> String {
     let Content::Graphic(graph) = &network.content else { return String::new() };
     let mut most = ELEMENTS_MAX;

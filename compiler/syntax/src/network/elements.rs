@@ -1,13 +1,13 @@
-//! The elements of LAD and FBD: one row each, for all files that carry them.
+//! The elements of LAD and FBD: one row each, for all file formats.
 //!
 //! Pins are a list of words: `?` before one that may be missing, `>` before an output, `=` before one that is read and written, `|` between
-//! spellings (the first one is the pin's name in the syntax tree), `+` behind the first of numbered ones (`in1+` is in1, in2, …).
+//! spellings (the first one is the pin's name in the syntax tree), `+` after the first of numbered pins (`in1+` is in1, in2, …).
 //! Letter case does not matter. Source: LAD/FBD reference, chapter B; what each kind does: chapter C.
 
 /// An element.
 #[derive(Debug, PartialEq)]
 pub struct Row {
-    /// As messages call it; also its first name in SIMATIC SD.
+    /// Its name in messages, and its first name in SIMATIC SD.
     pub name: &'static str,
     /// Other names in SIMATIC SD.
     pub sd: &'static [&'static str],
@@ -107,7 +107,7 @@ pub enum Kind {
     ResetTimer,
     PresetTimer,
     Calculate,
-    /// A function that the carrier gave as a formula over its inputs.
+    /// A function that the file format gives as a formula over its inputs.
     Formula,
     /// An operator of SCL between all numbered inputs, in the type of the template.
     Operator(&'static str),
@@ -158,7 +158,7 @@ pub enum Gate {
     Xor,
 }
 
-/// What becomes of ENO of the block.
+/// What sets ENO of the block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReturnValue {
     /// The operand, or the flow without one.
@@ -266,7 +266,7 @@ impl PinRow {
     }
 }
 
-/// More numbered pins than this no element has.
+/// No element has more numbered pins than this.
 const PINS_MAX: u32 = 256;
 
 impl Row {
@@ -286,7 +286,7 @@ impl Row {
     }
 }
 
-/// The element of that name in SIMATIC SD. `negated`: the name says that the operand is (`I_Contact`).
+/// The element of that name in SIMATIC SD. `negated`: the name says that the operand is negated (`I_Contact`).
 pub fn find_sd(name: &str) -> Option<(&'static Row, bool)> {
     let is = |known: &str| known.eq_ignore_ascii_case(name);
     if let Some((_, row)) = NEGATED_SD.iter().find(|(negated, _)| is(negated)) {
@@ -295,7 +295,7 @@ pub fn find_sd(name: &str) -> Option<(&'static Row, bool)> {
     ELEMENTS.iter().find(|row| is(row.name) || row.sd.iter().any(|known| is(known))).map(|row| (row, false))
 }
 
-/// The name in SIMATIC SD that `name` was probably meant to be.
+/// The name in SIMATIC SD that `name` is probably meant to be.
 pub fn nearest_sd(name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
     let limit = if name.len() < 4 { 1 } else { 2 };
@@ -324,7 +324,7 @@ pub fn find_open(name: &str) -> Option<&'static Row> {
     ELEMENTS.iter().find(|row| row.open.iter().any(|known| known.eq_ignore_ascii_case(name)))
 }
 
-/// Names in SIMATIC SD that stand for an element with a negated operand.
+/// Names in SIMATIC SD that mean an element with a negated operand.
 const NEGATED_SD: &[(&str, &str)] = &[("I_Contact", "Contact"), ("I_Coil", "Coil")];
 
 const fn row(
@@ -456,7 +456,7 @@ pub static ELEMENTS: &[Row] = &[
     en("CTRL_HSC", &["CTRL_HSC"], &[], "?en hsc ?dir ?cv ?rv ?period ?new_dir ?new_cv ?new_rv ?new_period ?>busy ?>status ?>eno", Instance("CTRL_HSC")),
     // B.4 Math
     en("Calculate", &["Calc", "Calculate"], &[], MANY, Calculate),
-    // No file can call it by this name.
+    // No file can use this name.
     en("function of IEC 61131-3", &[], &[], "?en in1|in+ ?>out ?>eno", Formula),
     en("Add", &["Add"], &["ADD"], MANY, Operator("+")),
     en("Sub", &["Sub"], &["SUB"], BINARY, Operator("-")),

@@ -1,4 +1,4 @@
-//! Networks of LAD and FBD: one syntax tree for all files that carry them, and the table of their elements.
+//! Networks of LAD and FBD: one syntax tree for all file formats, and the table of their elements.
 //!
 //! ```text
 //! .s7dcl (SIMATIC SD) ──┐
@@ -6,8 +6,8 @@
 //! PLCopen TC6 (XML)   ──┘
 //! ```
 //!
-//! Readers give elements and pins their names of the table [`elements`](crate::network::elements::ELEMENTS), settle what feeds what, and
-//! put the elements into the order of evaluation (LAD/FBD reference A.11); which types and blocks the operands name is the binder's.
+//! Readers name elements and pins as in the table [`elements`](crate::network::elements::ELEMENTS), find out what feeds what, and
+//! put the elements into the order of evaluation (LAD/FBD reference A.11); the binder finds the types and blocks that the operands name.
 
 pub mod absent;
 pub mod ast;

@@ -1,4 +1,4 @@
-//! Graphs as text, for `--emit ast`: one element a line, with nets by number. The same network gives the same text from every file.
+//! Graphs as text, for `--emit ast`: one element per line, with nets by number. The same network gives the same text from every file.
 
 use std::fmt::Write as _;
 

@@ -1,12 +1,12 @@
 //! Direct addresses: `I0.0`, `VW100`, `T37`, `DB1.DBW100`.
 //!
-//! Area letters of both mnemonic sets are taken. Source: S7-200 system manual, accessing the data of the S7-200.
+//! Area letters of both mnemonic sets are accepted. Source: S7-200 system manual, accessing the data of the S7-200.
 
 use super::ast::{Area, Direct};
 use crate::ast::Width;
 use crate::stl::Mnemonics;
 
-/// Area letters, and the set that they belong to.
+/// Area letters, and the mnemonic set that they belong to.
 const AREAS: &[(&str, Area, Option<Mnemonics>)] = &[
     ("I", Area::I, Some(Mnemonics::En)),
     ("E", Area::I, Some(Mnemonics::De)),
@@ -46,20 +46,20 @@ const ELEMENTS: &[(&str, Area, Option<Width>)] = &[
     ("AAW", Area::Aq, Some(Width::Word)),
 ];
 
-/// Why a word that looks like an address is none.
+/// Why a word that looks like an address is not one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AddressError {
     /// The bit is not 0 to 7.
     Bit,
-    /// A number that no area has.
+    /// The number is too large for every area.
     Number,
     /// `VW10.3`: a byte, word or double word has no bit.
     BitOfWord,
-    /// Another data block than DB1.
+    /// A data block other than DB1.
     DataBlock,
 }
 
-/// Reads `word` (upper case). None: it has not the form of an address. `V40`, without size and bit, is one with width None.
+/// Reads `word` (upper case). None: it does not have the form of an address. `V40`, without size and bit, is an address with width None.
 pub fn parse(word: &str) -> Option<Result<Direct, AddressError>> {
     let (word, db) = match word.split_once('.') {
         Some((db, rest)) if db.starts_with("DB") && rest.starts_with("DB") => {
@@ -139,12 +139,12 @@ fn digits(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// Whether `word` (upper case) are letters that a number makes an address.
+/// Whether `word` (upper case) becomes an address with a number after it.
 pub fn are_letters(word: &str) -> bool {
     letters_of(word, true).is_some() || letters_of(word, false).is_some()
 }
 
-/// The set that the letters of the address `word` (upper case) belong to; none if both have them or it is no address.
+/// The set that the letters of the address `word` (upper case) belong to; none if both have them, or if it is not an address.
 pub fn set_of(word: &str) -> Option<Mnemonics> {
     let direct = parse(word)?.ok()?;
     let letters = word.split(|c: char| c.is_ascii_digit()).next()?;

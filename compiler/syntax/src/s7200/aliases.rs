@@ -1,6 +1,6 @@
 //! Names of boxes in LAD and FBD, and other spellings of instructions.
 //!
-//! A box is taken as its instruction where the order of operands is the same. Source: S7-200 system manual, instruction set.
+//! A box is read as its instruction where the order of operands is the same. Source: S7-200 system manual, instruction set.
 
 /// Spellings that mean an instruction, with its mnemonic in the international set.
 pub(super) const ALIASES: &[(&str, &str)] = &[
@@ -97,7 +97,7 @@ pub(super) const BOXES: &[(&str, &str)] = &[
     ("TBL_FIND", "FND= TBL, PTN, INDX"),
 ];
 
-/// The mnemonic that `word` (upper case) is another spelling of.
+/// The mnemonic for which `word` (upper case) is another spelling.
 pub fn mnemonic(word: &str) -> Option<String> {
     if let Some((_, mnemonic)) = ALIASES.iter().find(|(alias, _)| *alias == word) {
         return Some((*mnemonic).to_owned());
@@ -109,7 +109,7 @@ pub fn mnemonic(word: &str) -> Option<String> {
         .then(|| format!("{}{relation}", name.strip_suffix('W').unwrap_or(name)))
 }
 
-/// The statement for a box whose operands stand in another order.
+/// The statement for a box whose operands have another order.
 pub fn statement_of_box(word: &str) -> Option<&'static str> {
     BOXES.iter().find(|(name, _)| *name == word).map(|(_, statement)| *statement)
 }

@@ -5,10 +5,10 @@ use plcc_diag::Span;
 use crate::ast::{Pragma, Width};
 use crate::s7200::Insn;
 
-/// What a source in STL for the S7-200 holds, in the order of the text.
+/// The contents of a source in STL for the S7-200, in the order of the text.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Source {
-    /// Statements without a header are the main program, or the subroutine that the file is named after (`is_bare`).
+    /// Statements without a header form the main program, or the subroutine that the file is named after (`is_bare`).
     pub blocks: Vec<Block>,
     /// Lines of data blocks.
     pub data: Vec<DataLine>,
@@ -27,14 +27,14 @@ pub enum BlockKind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
     pub kind: BlockKind,
-    /// Symbolic name, with the place where it stands; `None`: only a number, or no header.
+    /// Symbolic name, with its position; `None`: only a number, or no header.
     pub name: Option<(String, Span)>,
     /// Number of `SBR3`, `INT0`, `OB1`; `None`: not given.
     pub number: Option<(u32, Span)>,
-    /// It has no header of its own: a file of statements, or a section of a flat list.
+    /// It has no header: a file of statements, or a section of a flat list.
     pub is_bare: bool,
     pub title: String,
-    /// Comment lines behind the header, without `//`.
+    /// Comment lines after the header, without `//`.
     pub comment: Vec<String>,
     pub declarations: Vec<Declaration>,
     pub networks: Vec<Network>,
@@ -65,7 +65,7 @@ pub struct Declaration {
     pub comment: Option<String>,
 }
 
-/// `Network 1 // title`, with its statements. Statements before the first one are a network of their own.
+/// `Network 1 // title`, with its statements. Statements before the first one form a separate network.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Network {
     /// As written, decoration only.
@@ -73,7 +73,7 @@ pub struct Network {
     pub title: String,
     pub comment: Vec<String>,
     pub statements: Vec<Statement>,
-    /// Of the `NETWORK` line; of the first statement without one.
+    /// Of the `NETWORK` line; without one, of the first statement.
     pub span: Span,
 }
 
@@ -102,7 +102,7 @@ pub enum StatementKind {
     Error,
 }
 
-/// What an assertion demands.
+/// What an assertion checks.
 pub type Assert = crate::ast::Assertion<AssertSide>;
 
 /// One side of an assertion.
@@ -152,7 +152,7 @@ pub enum OperandKind {
 pub enum SymbolForm {
     /// `#Raw`: local.
     Local,
-    /// `"Raw"`: global. Where a string constant may stand it is one.
+    /// `"Raw"`: global, but a string constant where one is allowed.
     Quoted,
     /// `Raw`: local, else global.
     Bare,
@@ -227,14 +227,14 @@ pub enum Constant {
     Bool(bool),
     /// `'ABCD'`: bytes of the text, escapes expanded.
     Characters(Vec<u8>),
-    /// A string constant in double quotes with something that no symbol has: `"12 kg"`. Where only a symbol is possible the name is `text`.
+    /// A string constant in double quotes with a character that no symbol has: `"12 kg"`. Where only a symbol is possible, the name is `text`.
     Text(Vec<u8>),
 }
 
 /// A line of a data block: `VW10 -5, 300`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataLine {
-    /// `None`: behind the line before.
+    /// `None`: the values follow those of the previous line.
     pub address: Option<Operand>,
     pub values: Vec<Operand>,
     pub span: Span,

@@ -1,4 +1,4 @@
-//! Lines to blocks and networks: framed blocks, flat lists with `MEND`, `SBR 0`, `INT 0`, and files without any header.
+//! Turns lines into blocks and networks: framed blocks, flat lists with `MEND`, `SBR 0`, `INT 0`, and files without any header.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
@@ -6,14 +6,14 @@ use super::Insn;
 use super::ast::{Block, BlockKind, DataLine, Network, Section, Source, Statement, StatementKind};
 use super::line::{BlockLabel, Line, LineKind};
 
-/// Makes blocks of the lines of a file.
+/// Turns the lines of a file into blocks.
 pub fn build(file: FileId, lines: Vec<Line>, bare_data: bool, diagnostics: &mut Vec<Diagnostic>) -> Source {
     let mut builder = Builder {
         source: Source::default(),
         open: None,
         pending: Vec::new(),
         next_network: None,
-        behind: Behind::Nothing,
+        after: After::Nothing,
         data: None,
         bare_data,
         end: Span { file, start: 0, end: 0 },
@@ -26,23 +26,23 @@ pub fn build(file: FileId, lines: Vec<Line>, bare_data: bool, diagnostics: &mut 
     builder.source
 }
 
-/// What ended before a line outside of blocks.
+/// What ended before a line that is outside blocks.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Behind {
+enum After {
     Nothing,
     /// A block with a header.
     Frame,
     /// A section of a flat list.
     Section,
-    /// The same, and a statement behind it has been reported.
+    /// The same, and a statement after it has been reported.
     Reported,
 }
 
 struct Open {
     block: Block,
-    /// Behind `BEGIN`, or behind the first network or statement.
+    /// After `BEGIN`, or after the first network or statement.
     in_code: bool,
-    /// The section that is being declared.
+    /// The section whose variables are being declared.
     section: Option<(Section, Span)>,
     /// Begins with `SBR 0`, `INT 0`.
     marked: bool,
@@ -55,7 +55,7 @@ struct Builder<'d> {
     pending: Vec<String>,
     /// A network of a flat list before the marker of its section.
     next_network: Option<Network>,
-    behind: Behind,
+    after: After,
     /// The `DATA_BLOCK` line.
     data: Option<Span>,
     bare_data: bool,
@@ -121,10 +121,10 @@ impl Builder<'_> {
             LineKind::Pragma(pragma, assert) => {
                 let misplaced = match &self.open {
                     Some(open) => !open.in_code && !open.block.is_bare,
-                    None => self.behind != Behind::Nothing || self.data.is_some() || self.bare_data,
+                    None => self.after != After::Nothing || self.data.is_some() || self.bare_data,
                 };
                 if misplaced {
-                    let help = "pragmas stand between the statements of a block";
+                    let help = "write pragmas between the statements of a block";
                     return self.report(
                         Code::Pragma,
                         span,
@@ -180,7 +180,7 @@ impl Builder<'_> {
         self.finish();
     }
 
-    /// Takes the open block into the source.
+    /// Adds the open block to the source.
     fn finish(&mut self) {
         let pending = std::mem::take(&mut self.pending);
         let Some(Open { mut block, .. }) = self.open.take() else { return };
@@ -190,7 +190,7 @@ impl Builder<'_> {
             _ => {}
         }
         block.span = block.span.to(self.end);
-        self.behind = if block.is_bare { Behind::Section } else { Behind::Frame };
+        self.after = if block.is_bare { After::Section } else { After::Frame };
         self.source.blocks.push(block);
     }
 
@@ -208,7 +208,7 @@ impl Builder<'_> {
                 let help = format!("write `{}`", letters(kind, at));
                 self.report(Code::BlockFrame, number_span, title, "the number of another kind of block", &help);
             } else if kind == BlockKind::Main && at != 1 {
-                let title = format!("the S7-200 has no OB{at}");
+                let title = format!("the S7-200 does not have OB{at}");
                 self.report(Code::BlockFrame, number_span, title, "the main program is OB1", "write `OB1`");
             }
         }
@@ -243,7 +243,7 @@ impl Builder<'_> {
         if self.data.is_some() || self.bare_data {
             return;
         }
-        if self.open.is_none() && self.behind == Behind::Nothing {
+        if self.open.is_none() && self.after == After::Nothing {
             self.opened(BlockKind::Main, span, true);
         }
         let Some(open) = &mut self.open else { return };
@@ -254,8 +254,14 @@ impl Builder<'_> {
         match open.block.networks.last_mut() {
             Some(network) if network.statements.is_empty() && network.title.is_empty() => network.title = title,
             _ => {
-                let help = "a title stands behind the header of its block, or behind `NETWORK`";
-                self.report(Code::BlockFrame, span, "a title stands among statements", "titles nothing", help);
+                let help = "write a title after the header of its block, or after `NETWORK`";
+                self.report(
+                    Code::BlockFrame,
+                    span,
+                    "a title cannot stand among statements",
+                    "not the title of anything",
+                    help,
+                );
             }
         }
     }
@@ -279,8 +285,8 @@ impl Builder<'_> {
         open.section = Some((section, span));
         let (late, kind, is_bare) = (open.in_code, open.block.kind, open.block.is_bare);
         if late {
-            let help = "the declarations of a block stand before `BEGIN`";
-            self.report(Code::DeclarationSyntax, span, "declarations stand among statements", "too late", help);
+            let help = "write the declarations of a block before `BEGIN`";
+            self.report(Code::DeclarationSyntax, span, "declarations cannot stand among statements", "too late", help);
         } else if section != Section::Temp && kind != BlockKind::Subroutine && !is_bare {
             let help = "write `VAR`; values reach it by V, M and other global addresses";
             let title = "only subroutines have parameters";
@@ -288,7 +294,7 @@ impl Builder<'_> {
         }
     }
 
-    /// A section that is still open where its block goes on.
+    /// A section that is still open where its block continues.
     fn end_declarations(&mut self) {
         if let Some((_, span)) = self.open.as_mut().and_then(|open| open.section.take()) {
             let help = "end it with `END_VAR`";
@@ -311,7 +317,7 @@ impl Builder<'_> {
                 self.report(
                     Code::BlockFrame,
                     span,
-                    "`BEGIN` stands twice in this block",
+                    "this block has a second `BEGIN`",
                     "the second one",
                     "leave it out",
                 );
@@ -328,12 +334,18 @@ impl Builder<'_> {
         let number = number.and_then(|number| u32::try_from(number).ok());
         let mut network = Network { number, title, comment: Vec::new(), statements: Vec::new(), span };
         if self.data.is_some() || self.bare_data {
-            let help = "end the data block with `END_DATA_BLOCK` before";
-            return self.report(Code::BlockFrame, span, "a network stands in a data block", "not possible here", help);
+            let help = "end the data block with `END_DATA_BLOCK` first";
+            return self.report(
+                Code::BlockFrame,
+                span,
+                "a data block cannot contain networks",
+                "not possible here",
+                help,
+            );
         }
         let pending = std::mem::take(&mut self.pending);
         if self.open.is_none() {
-            if self.behind != Behind::Nothing {
+            if self.after != After::Nothing {
                 network.comment = pending;
                 self.next_network = Some(network);
                 return;
@@ -350,14 +362,8 @@ impl Builder<'_> {
         let twice = network.number.is_some() && open.block.networks.iter().any(|other| other.number == network.number);
         open.block.networks.push(network);
         if twice {
-            let title = format!("network {} stands twice in this block", number.unwrap_or_default());
-            self.report(
-                Code::Tolerated,
-                span,
-                title,
-                "the second one",
-                "networks are numbered in the order of the text",
-            );
+            let title = format!("this block has two networks with the number {}", number.unwrap_or_default());
+            self.report(Code::Tolerated, span, title, "the second one", "number the networks in the order of the text");
         }
     }
 
@@ -365,7 +371,7 @@ impl Builder<'_> {
     fn marker(&mut self, kind: BlockKind, number: Option<(u32, Span)>, span: Span) {
         if self.data.is_some() || self.open.as_ref().is_some_and(|open| !open.block.is_bare) {
             let help = format!("end the block, and begin the next with `{} name:{}`", keyword(kind), letters(kind, 0));
-            let title = "a section of a flat list begins inside a block";
+            let title = "a section of a flat list cannot begin inside a block";
             return self.report(Code::BlockFrame, span, title, "only in sources without block headers", &help);
         }
         let mut network = self.next_network.take();
@@ -385,7 +391,7 @@ impl Builder<'_> {
         open.marked = true;
     }
 
-    /// `MEND`, and `RET` and `RETI` of a section, end what they stand in.
+    /// `MEND`, and `RET` and `RETI` of a section, end the section or program that contains them.
     fn end_section(&mut self, insn: Insn) {
         let ends = self.open.as_ref().is_some_and(|open| {
             open.block.is_bare
@@ -411,7 +417,7 @@ impl Builder<'_> {
                 Code::Syntax,
                 span,
                 "a line of a data block has no value",
-                "a value is missing behind this",
+                "a value is missing after this",
                 help,
             );
         }
@@ -421,20 +427,20 @@ impl Builder<'_> {
     fn statement(&mut self, mut statement: Statement) {
         self.end_declarations();
         if self.open.is_none() {
-            match self.behind {
-                Behind::Nothing => {
+            match self.after {
+                After::Nothing => {
                     self.opened(BlockKind::Main, statement.span, true);
                 }
-                Behind::Reported => return,
-                Behind::Frame | Behind::Section => {
-                    let frame = self.behind == Behind::Frame;
-                    self.behind = Behind::Reported;
+                After::Reported => return,
+                After::Frame | After::Section => {
+                    let frame = self.after == After::Frame;
+                    self.after = After::Reported;
                     let help = match frame {
                         true => "begin the next block with its header: `SUBROUTINE_BLOCK name:SBR3`",
                         false => "begin the next section with `SBR 3` or `INT 0`",
                     };
-                    let title = "a statement belongs to no block";
-                    return self.report(Code::BlockFrame, statement.span, title, "behind the end of a block", help);
+                    let title = "this statement belongs to no block";
+                    return self.report(Code::BlockFrame, statement.span, title, "after the end of a block", help);
                 }
             }
         }

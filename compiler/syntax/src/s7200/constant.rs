@@ -10,7 +10,7 @@ use crate::literal::windows_1252;
 /// Why a constant cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConstantError {
-    /// Its value is too large; else it is written wrongly.
+    /// Its value is too large; otherwise its form is wrong.
     pub range: bool,
     pub label: String,
     pub help: String,
@@ -37,15 +37,17 @@ pub fn real(text: &str) -> Result<f32, ConstantError> {
     let digits: String = text.chars().filter(|c| *c != '_').collect();
     match digits.parse::<f32>() {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(too_large("is beyond the range of REAL", "REAL goes from -3.402823E+38 to +3.402823E+38")),
-        Err(_) => Err(malformed("is no REAL", "write it as `1.5` or `2.5E-3`")),
+        Ok(_) => {
+            Err(too_large("is outside the range of REAL", "a REAL is a number from -3.402823E+38 to +3.402823E+38"))
+        }
+        Err(_) => Err(malformed("is not a REAL", "write it as `1.5` or `2.5E-3`")),
     }
 }
 
 /// `16#7FFF`, `2#1010`, `W#16#10`, `BYTE#3`.
 pub fn based(text: &str) -> Result<(u32, Option<Width>), ConstantError> {
     let Some((prefix, rest)) = text.split_once('#') else {
-        return Err(malformed("is no constant", "write it as `16#7FFF`"));
+        return Err(malformed("is not a constant", "write it as `16#7FFF`"));
     };
     if prefix.bytes().all(|byte| byte.is_ascii_digit()) {
         return Ok((digits(prefix, rest)?, None));
@@ -62,7 +64,7 @@ pub fn based(text: &str) -> Result<(u32, Option<Width>), ConstantError> {
         }
         _ => {
             let help = "types of constants are `B#`, `W#`, `DW#`, `BYTE#`, `WORD#` and `DWORD#`";
-            return Err(malformed(format!("`{prefix}#` is no type of a constant"), help));
+            return Err(malformed(format!("`{prefix}#` is not a type of a constant"), help));
         }
     };
     let (negative, rest) = match rest.strip_prefix('-') {
@@ -77,7 +79,7 @@ pub fn based(text: &str) -> Result<(u32, Option<Width>), ConstantError> {
     if u64::from(value) > limit {
         return Err(too_large(
             format!("does not fit into {} bits", width.bits()),
-            "take a smaller value or a wider type: `B#` 8, `W#` 16, `DW#` 32 bits",
+            "use a smaller value or a wider type: `B#` 8, `W#` 16, `DW#` 32 bits",
         ));
     }
     let mask = u32::MAX >> (32 - width.bits());
@@ -95,9 +97,9 @@ fn digits(base: &str, text: &str) -> Result<u32, ConstantError> {
         _ => number::based(base, text).and_then(|number| u32::try_from(number.value).map_err(|_| Fault::Large)),
     };
     read.map_err(|fault| match fault {
-        Fault::Base => malformed(format!("{base} is no base of a constant"), help),
-        Fault::Digit(digit) => malformed(format!("`{digit}` is no digit of base {base}"), help),
-        Fault::Empty => malformed(format!("there is no digit behind `{base}#`"), "write e.g. `16#7FFF`"),
+        Fault::Base => malformed(format!("{base} is not a base of a constant"), help),
+        Fault::Digit(digit) => malformed(format!("`{digit}` is not a digit of base {base}"), help),
+        Fault::Empty => malformed(format!("no digit follows `{base}#`"), "write e.g. `16#7FFF`"),
         Fault::Large => too_large("needs more than 32 bits", "a double word goes up to `16#FFFFFFFF`"),
     })
 }
@@ -126,7 +128,7 @@ pub fn text(inner: &str) -> Result<Vec<u8>, ConstantError> {
                     _ => {
                         let shown = escape.map(String::from).unwrap_or_default();
                         let help = "escapes are `$$ $' $\" $L $N $P $R $T` and `$hh` with two hexadecimal digits";
-                        return Err(malformed(format!("`${shown}` is no escape"), help));
+                        return Err(malformed(format!("`${shown}` is not an escape"), help));
                     }
                 }
             }

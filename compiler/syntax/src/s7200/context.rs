@@ -1,4 +1,4 @@
-//! What the actions of the grammar have at hand: the text, its tokens, and the messages.
+//! What the actions of the grammar work with: the text, its tokens, and the messages.
 
 use std::ops::Range;
 
@@ -28,7 +28,7 @@ pub struct Context<'a> {
     /// All tokens, for messages.
     pub tokens: &'a [Spanned<'a>],
     pub diagnostics: Vec<Diagnostic>,
-    /// Starts of the messages that the layout has given, in order: where one lies, the grammar stays silent.
+    /// Starts of the messages of `classify`, in order: where there is one, the grammar reports nothing.
     pub reported: Vec<u32>,
     pub set: Mnemonics,
 }
@@ -73,7 +73,7 @@ impl<'a> Context<'a> {
         initial: Option<Operand>,
     ) -> Declaration {
         Declaration {
-            // The line stands in a section, which `blocks` knows.
+            // The line is in a section, which `blocks` knows.
             section: Section::Temp,
             name: name.to_owned(),
             name_span: self.span(name_range),
@@ -125,7 +125,7 @@ impl<'a> Context<'a> {
                 let text = slice(*start, *end);
                 let title = match before.filter(|(_, token, _)| *token != Tok::End) {
                     Some((from, _, to)) if !slice(*to, *start).contains(['\n', '\r']) => {
-                        format!("`{text}` cannot stand behind `{}` in this {what}", slice(*from, *to))
+                        format!("`{text}` cannot follow `{}` in this {what}", slice(*from, *to))
                     }
                     _ => format!("`{text}` cannot begin this {what}"),
                 };
@@ -134,7 +134,7 @@ impl<'a> Context<'a> {
             None => {
                 let (start, end) = before.map_or((found, found), |(start, _, end)| (*start, *end));
                 Diagnostic::new(code, self.span(start..end), format!("this {what} is not complete"))
-                    .label("something is missing behind this")
+                    .label("something is missing after this")
                     .help(help)
             }
         }

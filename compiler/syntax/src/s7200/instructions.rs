@@ -1,8 +1,8 @@
-//! The instruction table of the S7-200: one row an instruction, and the family of compare contacts.
+//! The instruction table of the S7-200: one row per instruction, and the family of compare contacts.
 //!
 //! Lexer, parser, checks, the reference page and the coverage test read these rows. `flags` are the bits of SM1 that the instruction writes:
-//! `Z` SM1.0, `V` SM1.1, `N` SM1.2, `D` SM1.3, a number the bit SM1.n. `eno` tells when ENO is 0 beside a bad pointer: `-` the
-//! instruction has no ENO; `Yes` for errors of its own; letters and numbers: that bit of SM1 is set; `Range`, `Index`, `Count`,
+//! `Z` SM1.0, `V` SM1.1, `N` SM1.2, `D` SM1.3, a number the bit SM1.n. `eno` says when ENO is 0, apart from a bad pointer: `-` the
+//! instruction has no ENO; `Yes` for its own errors; letters and numbers: that bit of SM1 is set; `Range`, `Index`, `Count`,
 //! `Format`, `Nesting`: errors of that kind. Rows follow the chapters of the S7-200 system manual.
 
 use std::borrow::Cow;
@@ -72,7 +72,7 @@ pub enum OperandClass {
     Interrupt,
 }
 
-/// When an instruction acts.
+/// When an instruction takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Acts {
     /// Whatever S0 is.
@@ -174,9 +174,9 @@ instructions! {
     Assign { en: "=", de: "=", operands: [BitWrite], acts: Always, flags: "", eno: "-" }
     /// Writes S0 to the output bit and to its module at once.
     AssignNow { en: "=I", de: "=I", operands: [OutputBit], acts: Always, flags: "", eno: "-" }
-    /// Sets so many bits from the first one.
+    /// Sets N bits from the first one.
     Set { en: "S", de: "S", operands: [BitWrite, Count], acts: Enabled, flags: "", eno: "Range" }
-    /// Clears so many bits from the first one; of timers and counters their current values too.
+    /// Clears N bits from the first one; of timers and counters their current values too.
     Reset { en: "R", de: "R", operands: [BitWrite, Count], acts: Enabled, flags: "", eno: "Range" }
     /// Sets outputs, and their module at once.
     SetNow { en: "SI", de: "SI", operands: [OutputBit, Count], acts: Enabled, flags: "", eno: "Range" }
@@ -218,7 +218,7 @@ instructions! {
     Ctud { en: "CTUD", de: "CTUD", operands: [Counter, WordIn], acts: Always, flags: "", eno: "-" }
     // High-speed counters and pulse outputs.
 
-    /// Gives a high-speed counter its mode.
+    /// Sets the mode of a high-speed counter.
     Hdef { en: "HDEF", de: "HDEF", operands: [Number(5), Number(12)], acts: Enabled, flags: "", eno: "Yes" }
     /// Applies the control byte of a high-speed counter.
     Hsc { en: "HSC", de: "HSC", operands: [Number(5)], acts: Enabled, flags: "", eno: "Yes" }
@@ -290,11 +290,11 @@ instructions! {
     MovD { en: "MOVD", de: "MOVD", operands: [DwordInAddress, DwordOut], acts: Enabled, flags: "", eno: "Yes" }
     /// Copies a REAL.
     MovR { en: "MOVR", de: "MOVR", operands: [RealIn, RealOut], acts: Enabled, flags: "", eno: "Yes" }
-    /// Copies so many bytes.
+    /// Copies N bytes.
     Bmb { en: "BMB", de: "BMB", operands: [BytesIn, BytesOut, Count], acts: Enabled, flags: "", eno: "Range" }
-    /// Copies so many words.
+    /// Copies N words.
     Bmw { en: "BMW", de: "BMW", operands: [WordsIn, WordsOut, Count], acts: Enabled, flags: "", eno: "Range" }
-    /// Copies so many double words.
+    /// Copies N double words.
     Bmd { en: "BMD", de: "BMD", operands: [DwordsIn, DwordsOut, Count], acts: Enabled, flags: "", eno: "Range" }
     /// Exchanges the bytes of a word.
     Swap { en: "SWAP", de: "SWAP", operands: [WordOut], acts: Enabled, flags: "", eno: "Yes" }
@@ -354,7 +354,7 @@ instructions! {
     RotateLeftW { en: "RLW", de: "RLW", operands: [WordOut, Count], acts: Enabled, flags: "Z V", eno: "Yes" }
     /// Rotates left.
     RotateLeftD { en: "RLD", de: "RLD", operands: [DwordOut, Count], acts: Enabled, flags: "Z V", eno: "Yes" }
-    /// Shifts a register of bits by one place, by the sign of its length up or down.
+    /// Shifts a register of bits by one place; the sign of its length says whether up or down.
     ShiftRegister { en: "SHRB", de: "SHRB", operands: [Bit, BitWrite, SignedCount], acts: Enabled, flags: "V", eno: "Range" }
     // Tables.
 
@@ -364,7 +364,7 @@ instructions! {
     Fifo { en: "FIFO", de: "FIFO", operands: [Table, WordOutAnalog], acts: Enabled, flags: "5", eno: "5 Range" }
     /// Takes the last word out of a table.
     Lifo { en: "LIFO", de: "LIFO", operands: [Table, WordOutAnalog], acts: Enabled, flags: "5", eno: "5 Range" }
-    /// Writes a word to so many words.
+    /// Writes a word to N words.
     Fill { en: "FILL", de: "FILL", operands: [WordIn, WordsOut, Count], acts: Enabled, flags: "", eno: "Range" }
     /// Searches a table from an index on.
     FindEqual { en: "FND=", de: "FND=", operands: [Table, WordIn, WordOut], acts: Enabled, flags: "", eno: "Range" }
@@ -518,7 +518,7 @@ pub struct Compare {
     pub relation: Relation,
 }
 
-/// What becomes of the result of a comparison.
+/// What happens to the result of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Contact {
     /// It is pushed.

@@ -1,4 +1,4 @@
-//! Lines of a source, as the grammar gives them.
+//! Lines of a source, as the grammar returns them.
 
 use plcc_diag::Span;
 
@@ -9,13 +9,13 @@ use crate::ast::Pragma;
 /// A line.
 pub struct Line {
     pub kind: LineKind,
-    /// Behind `//`.
+    /// After `//`.
     pub comment: Option<String>,
     /// Without its comment.
     pub span: Span,
 }
 
-/// `name:SBR3` behind the keyword of a block.
+/// `name:SBR3` after the keyword of a block.
 #[derive(Default)]
 pub struct BlockLabel {
     pub name: Option<(String, Span)>,

@@ -49,7 +49,7 @@ pub struct Head {
     pub end: usize,
 }
 
-/// The longest mnemonic at the beginning of the tokens of a line; of an unknown word the word with its sign.
+/// The longest mnemonic at the beginning of the tokens of a line; for an unknown word, the word with its sign.
 pub fn head(text: &str, line: &[RawToken]) -> Option<Head> {
     let first = *line.first()?;
     let word = first.text(text).to_uppercase();
@@ -79,14 +79,14 @@ pub fn head(text: &str, line: &[RawToken]) -> Option<Head> {
     }
 }
 
-/// The mnemonic set of a file, and where the first mnemonic that only this set has, and the first that only the other one has, stand.
+/// The mnemonic set of a file, and where the first mnemonic that only this set has, and the first that only the other one has, are.
 pub struct Detected {
     pub set: Mnemonics,
     pub own: Option<(usize, usize)>,
     pub foreign: Option<(usize, usize)>,
 }
 
-/// Finds the set of a file: mnemonics that only one set has decide, else the area letters.
+/// Finds the set of a file: mnemonics that only one set has decide, otherwise the area letters.
 pub fn detect(text: &str, lines: &[Vec<RawToken>], wanted: Option<Mnemonics>) -> Detected {
     let mut first: [Option<(usize, usize)>; 2] = [None, None];
     let (mut mnemonics, mut areas) = ([0usize; 2], [0usize; 2]);

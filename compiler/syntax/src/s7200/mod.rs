@@ -2,17 +2,17 @@
 //!
 //! ```text
 //! text ──► raw tokens, by lines ──► tokens with a meaning ──► lines ──► syntax tree
-//!      raw.rs                 layout/              s7200.lalrpop  blocks.rs
+//!      raw.rs                 classify/            s7200.lalrpop  blocks.rs
 //! ```
 
 mod address;
 mod aliases;
 pub mod ast;
 mod blocks;
+mod classify;
 mod constant;
 mod context;
 mod instructions;
-mod layout;
 mod line;
 mod mnemonics;
 mod outline;
@@ -79,7 +79,7 @@ pub fn parse_constant(text: &str) -> Option<ast::Constant> {
 
 /// The block that `text` numbers: `SBR3`, `INT0`, `OB1`.
 pub fn parse_block(text: &str) -> Option<(ast::BlockKind, u32)> {
-    layout::block(&text.trim().to_ascii_uppercase())
+    classify::block(&text.trim().to_ascii_uppercase())
 }
 
 /// Parses a source. Errors are recovered at the end of their line.
@@ -87,16 +87,16 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     let lines = raw::lines(text);
     let bare_data = outline::is_data(text, &lines);
     let detected = mnemonics::detect(text, &lines, options.mnemonics);
-    let laid = layout::lay_out(file, text, &lines, &detected, options.pragmas, bare_data);
-    let mut diagnostics = laid.diagnostics;
+    let classified = classify::classify(file, text, &lines, &detected, options.pragmas, bare_data);
+    let mut diagnostics = classified.diagnostics;
     report_mixture(file, text, &detected, options, &mut diagnostics);
-    let mut context = context::Context::new(file, text, &laid.tokens, detected.set);
+    let mut context = context::Context::new(file, text, &classified.tokens, detected.set);
     context.reported = diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
     context.reported.sort_unstable();
-    let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
+    let tokens = classified.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
     let lines = match grammar::LinesParser::new().parse(&mut context, tokens) {
         Ok(lines) => lines,
-        // Each line recovers; what is left is a fault of the last one.
+        // Each line recovers; a remaining error belongs to the last one.
         Err(error) => {
             let at = frame::error_range(&error).map_or(text.len(), |(start, _)| start);
             let span = Span::new(file, at..at);
@@ -111,8 +111,12 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     diagnostics.append(&mut context.diagnostics);
     let source = blocks::build(file, lines, bare_data, &mut diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
-    let unit =
-        SourceUnit { mnemonics: detected.set, pragmas: laid.pragmas, s7200: Some(source), ..SourceUnit::default() };
+    let unit = SourceUnit {
+        mnemonics: detected.set,
+        pragmas: classified.pragmas,
+        s7200: Some(source),
+        ..SourceUnit::default()
+    };
     (unit, diagnostics)
 }
 
@@ -133,9 +137,9 @@ fn report_mixture(
     let word = text.get(start..end).unwrap_or_default();
     let title = format!("`{word}` is a mnemonic of the {other} set in a file with the {set} one");
     let mut diagnostic = Diagnostic::new(Code::MixedMnemonics, Span::new(file, start..end), title)
-        .label("a file keeps to one set")
+        .label("a file uses one set only")
         .help(if options.mnemonics.is_some() {
-            format!("the {set} set was asked for; leave `--mnemonics` out to have it found")
+            format!("the {set} set was requested; without `--mnemonics` plcc finds the set itself")
         } else {
             format!("write the whole file with the mnemonics of the {set} set")
         });
@@ -150,10 +154,10 @@ pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
     let lines = raw::lines(text);
     let detected = mnemonics::detect(text, &lines, options.mnemonics);
     let bare_data = outline::is_data(text, &lines);
-    let laid = layout::lay_out(FileId::default(), text, &lines, &detected, options.pragmas, bare_data);
+    let classified = classify::classify(FileId::default(), text, &lines, &detected, options.pragmas, bare_data);
     let mut out = String::new();
     let (mut line, mut counted) = (1usize, 0usize);
-    for (start, token, _) in &laid.tokens {
+    for (start, token, _) in &classified.tokens {
         if let Some(passed) = text.get(counted..*start) {
             line += passed.bytes().filter(|byte| *byte == b'\n').count();
             counted = *start;

@@ -1,11 +1,11 @@
-//! Whether a source is one of the S7-200. Guesses, without parsing, and without regard to correctness.
+//! Whether a source is one of the S7-200. A guess: it does not parse, and does not check correctness.
 //!
-//! Micro/WIN and STEP 7 give their exports the same ending. Block headers decide; where there are none, statements that only one of the
-//! two families has.
+//! Micro/WIN and STEP 7 give their exports the same extension. Block headers decide; without them, statements that only one of the
+//! two families has decide.
 
 use super::ast::Area;
 use super::raw::{RawKind, RawToken};
-use super::{address, layout, mnemonics, raw};
+use super::{address, classify, mnemonics, raw};
 use crate::stl::{self, Mnemonics};
 
 /// Whether `text` is a source of the S7-200 rather than one of S7-300/400.
@@ -24,7 +24,7 @@ pub fn is_s7200(text: &str) -> bool {
     own > foreign
 }
 
-/// Whether `text` holds lines of a data block and nothing else.
+/// Whether `text` holds only lines of a data block.
 pub fn is_data(text: &str, lines: &[Vec<RawToken>]) -> bool {
     let mut found = false;
     for line in lines {
@@ -42,13 +42,13 @@ pub fn is_data(text: &str, lines: &[Vec<RawToken>]) -> bool {
     found
 }
 
-/// What a line tells.
+/// What a line indicates.
 enum Sign {
     S7200,
     Other,
-    /// So many signs of the S7-200.
+    /// This many features of the S7-200.
     Own(usize),
-    /// A sign of S7-300/400.
+    /// A feature of S7-300/400.
     Foreign,
     None,
 }
@@ -65,7 +65,7 @@ fn of_line(text: &str, line: &[RawToken], data: &mut bool) -> Sign {
         "SUBROUTINE_BLOCK" | "INTERRUPT_BLOCK" | "END_SUBROUTINE_BLOCK" | "END_INTERRUPT_BLOCK" => return Sign::S7200,
         "ORGANIZATION_BLOCK" => {
             let numbered = code.iter().rev().take(2).any(|token| token.kind == RawKind::Colon)
-                && code.last().is_some_and(|last| layout::is_block(&last.text(text).to_ascii_uppercase()));
+                && code.last().is_some_and(|last| classify::is_block(&last.text(text).to_ascii_uppercase()));
             return if numbered { Sign::S7200 } else { Sign::None };
         }
         "FUNCTION"

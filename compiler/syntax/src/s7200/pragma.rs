@@ -7,7 +7,7 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 use super::ast::Assert;
 use super::context::Context;
 use super::mnemonics::Detected;
-use super::{grammar, layout, raw};
+use super::{classify, grammar, raw};
 use crate::assertion;
 use crate::ast::Pragma;
 
@@ -45,7 +45,7 @@ fn parse_assert(
     let help = "write e.g. `assert VW10 as INT >= -5`, `assert S0 == 1 AND TW37 >= 5`, `assert ENO == 0` or `assert SM1.0 == 1`";
     if source.get(range.clone()).unwrap_or_default().trim().is_empty() {
         diagnostics.push(
-            Diagnostic::new(Code::Pragma, span, "this assertion cannot be understood")
+            Diagnostic::new(Code::Pragma, span, "plcc cannot read this assertion")
                 .label("an assertion is: operand, comparison, operand")
                 .help(help),
         );
@@ -54,7 +54,7 @@ fn parse_assert(
     let mut side = |range: Range<usize>, diagnostics: &mut Vec<Diagnostic>| {
         let place = Span::new(file, range.clone());
         let tokens = raw::part(source.get(range.clone()).unwrap_or_default(), range.start);
-        let (tokens, mut found) = layout::lay_out_assertion(file, source, &tokens, detected);
+        let (tokens, mut found) = classify::classify_assertion(file, source, &tokens, detected);
         if let Some(first) = found.drain(..).next() {
             diagnostics.push(
                 Diagnostic::new(Code::Pragma, first.primary.span, first.title)
@@ -70,7 +70,7 @@ fn parse_assert(
                 let (start, stop) = crate::frame::error_range(&error).unwrap_or((range.start, range.end));
                 let place = if start < stop { Span::new(file, start..stop) } else { place };
                 diagnostics.push(
-                    Diagnostic::new(Code::Pragma, place, "this assertion cannot be understood")
+                    Diagnostic::new(Code::Pragma, place, "plcc cannot read this assertion")
                         .label("an assertion is: operand, comparison, operand")
                         .help(help),
                 );

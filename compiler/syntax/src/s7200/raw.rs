@@ -1,6 +1,6 @@
-//! The lexer: characters to raw tokens, without regard to where they stand.
+//! The lexer: characters to raw tokens, regardless of where they are.
 //!
-//! Names take every character beyond ASCII, as Micro/WIN does; an address is one token with its point. Lines end with CR, LF or both.
+//! Names may contain any character beyond ASCII, as in Micro/WIN; an address with a point is one token. Lines end with CR, LF or both.
 //! Source: S7-200 system manual, conventions and concepts of programming.
 
 use std::ops::Range;
@@ -71,7 +71,7 @@ pub enum RawKind {
     Slash,
     #[token("&")]
     Ampersand,
-    /// A character that no statement holds.
+    /// A character that no statement contains.
     #[regex(r".", priority = 0)]
     Stray,
 }

@@ -33,7 +33,7 @@ const FAMILIES: &[(&str, &str, Insn, Insn)] = &[
     ("Clock", "Clock Instructions", Insn::Todr, Insn::Todwx),
 ];
 
-/// Words for operands that are more than their name says, with what they take.
+/// Words for operands whose name is not enough, with what they accept.
 const OPERANDS: &[(&str, &str)] = &[
     ("bit", "I Q V M SM S T C L: `I0.0`, `V100.5`, `T37`; to write: none of the read-only special memory"),
     ("byte", "IB QB VB MB SMB SB LB, AC, a pointer (`*VD200`, `*LD4`, `*AC1`), a constant"),
@@ -97,8 +97,8 @@ fn write_comparisons(page: &mut String) {
     page.push_str(
         "\n## Compare contacts\n\nSource: S7-200 system manual, Compare Instructions.\n\n\
          `LD…` pushes the result, `A…` (German `U…`) and `O…` combine it with S0. They act always and have no ENO. A bad pointer stops the CPU\n\
-         (0011), a string that leaves its memory too (0014); a REAL that is no number compares as false (000F), or stops the CPU (0012) where\n\
-         plc.toml has `strict_compare`. Older texts write `LDDW=` for `LDD=`; that is taken too.\n\n\
+         (0011), and so does a string that leaves its memory (0014); a REAL that is not a number compares as false (000F), or stops the CPU (0012) where\n\
+         plc.toml has `strict_compare`. Older texts write `LDDW=` for `LDD=`; that is accepted too.\n\n\
          | operands | international | German | relations |\n| --- | --- | --- | --- |\n",
     );
     for kind in CompareKind::ALL {
@@ -127,7 +127,7 @@ fn write_comparisons(page: &mut String) {
 
 fn write_other_names(page: &mut String) {
     page.push_str(
-        "\n## Other names\n\nBoxes of LAD and FBD whose operands have the order of the instruction, and other spellings; they are taken.\n\n\
+        "\n## Other names\n\nBoxes of LAD and FBD whose operands have the order of the instruction, and other spellings; they are accepted.\n\n\
          | name | instruction |\n| --- | --- |\n",
     );
     for (alias, mnemonic) in ALIASES {

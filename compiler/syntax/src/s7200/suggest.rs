@@ -1,4 +1,4 @@
-//! Messages for words that are no instruction.
+//! Messages for words that are not an instruction.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
@@ -12,8 +12,8 @@ const FROM_S7_300: &[(&str, &str)] = &[
     ("T", "the S7-200 has no ACCU to transfer: `MOVB`, `MOVW`, `MOVD` or `MOVR` moves a value"),
     ("X", "write it with `LDN`, `A`, `OLD`, or `XORB`, `XORW` for values"),
     ("XN", "write it with `LDN`, `A`, `OLD`, or `XORB`, `XORW` for values"),
-    ("FP", "write `EU` behind the string of logic"),
-    ("FN", "write `ED` behind the string of logic"),
+    ("FP", "write `EU` after the string of logic"),
+    ("FN", "write `ED` after the string of logic"),
     ("SE", "write `TON T37, 50`"),
     ("SD", "write `TON T37, 50`"),
     ("SS", "write `TONR T5, 50`"),
@@ -32,22 +32,22 @@ const FROM_S7_300: &[(&str, &str)] = &[
     ("UC", "write `LD SM0.0` and `CALL name`"),
     ("CC", "write `CALL name`, which is conditional"),
     ("BE", "the end of a block is `END_SUBROUTINE_BLOCK`"),
-    ("BEU", "write `CRET` behind `LD SM0.0`"),
-    ("BEA", "write `CRET` behind `LD SM0.0`"),
+    ("BEU", "write `CRET` after `LD SM0.0`"),
+    ("BEA", "write `CRET` after `LD SM0.0`"),
     ("BEC", "write `CRET`, which is conditional"),
     ("BEB", "write `CRET`, which is conditional"),
-    ("OPN", "the S7-200 has one data block, which needs not be opened: `VW100`"),
-    ("AUF", "the S7-200 has one data block, which needs not be opened: `VW100`"),
+    ("OPN", "the S7-200 has one data block and does not open it: write `VW100`"),
+    ("AUF", "the S7-200 has one data block and does not open it: write `VW100`"),
     ("SET", "write `LD SM0.0`"),
     ("CLR", "write `LDN SM0.0`"),
 ];
 
-/// What others write for an instruction, and frequent slips.
+/// Names of instructions on other controllers, and frequent typing errors.
 const SLIPS: &[(&str, &str)] = &[
     ("AND", "write `A` for a bit, `ANDB`, `ANDW` or `ANDD` for values"),
     ("OR", "write `O` for a bit, `ORB`, `ORW` or `ORD` for values"),
     ("XOR", "write `XORB`, `XORW` or `XORD`"),
-    ("LDR", "a comparison has its relation: `LDR>= VD0, 1.5`; a bit is loaded with `LD`"),
+    ("LDR", "a comparison includes its relation: `LDR>= VD0, 1.5`; a bit is loaded with `LD`"),
     ("MOV", "write `MOVB`, `MOVW`, `MOVD` or `MOVR`"),
     ("MOVE", "write `MOVB`, `MOVW`, `MOVD` or `MOVR`"),
     ("OUT", "write `=`"),
@@ -57,13 +57,13 @@ const SLIPS: &[(&str, &str)] = &[
     ("SUB", "write `-I`, `-D` or `-R`"),
     ("INC", "write `INCB`, `INCW` or `INCD`"),
     ("DEC", "write `DECB`, `DECW` or `DECD`"),
-    ("FND", "write the relation behind it: `FND=`, `FND<>`, `FND<` or `FND>`"),
+    ("FND", "write the relation after it: `FND=`, `FND<>`, `FND<` or `FND>`"),
     ("GET", "only the S7-200 SMART has it; write `NETR`"),
     ("PUT", "only the S7-200 SMART has it; write `NETW`"),
     ("TITEL", "write `TITLE=`"),
 ];
 
-/// The message for `word` (upper case; `text` as written), which begins a statement and is no mnemonic.
+/// The message for `word` (upper case; `text` as written), which begins a statement and is not a mnemonic.
 pub fn unknown(span: Span, word: &str, text: &str, set: Mnemonics) -> Diagnostic {
     if let Some((_, help)) = FROM_S7_300.iter().find(|(known, _)| *known == word) {
         return from_s7_300(span, text).help(*help);
@@ -72,7 +72,7 @@ pub fn unknown(span: Span, word: &str, text: &str, set: Mnemonics) -> Diagnostic
     if let Some(statement) = aliases::statement_of_box(word) {
         return diagnostic
             .label("the name of a box")
-            .help(format!("the box is the statement `{statement}`, whose operands stand in another order"));
+            .help(format!("write the statement `{statement}`; its operands have another order"));
     }
     if let Some((_, help)) = SLIPS.iter().find(|(slip, _)| *slip == word) {
         return diagnostic.label("not a mnemonic").help(*help);
@@ -81,7 +81,7 @@ pub fn unknown(span: Span, word: &str, text: &str, set: Mnemonics) -> Diagnostic
         let (mnemonic, operand) = text.split_at_checked(at).unwrap_or((text, ""));
         return diagnostic
             .label("mnemonic and operand in one word")
-            .help(format!("a blank stands between them: `{mnemonic} {operand}`"));
+            .help(format!("write a blank between them: `{mnemonic} {operand}`"));
     }
     if stl::is_mnemonic(word) {
         return from_s7_300(span, text).help("see the instruction set of the S7-200");

@@ -1,4 +1,4 @@
-//! The tree as text: one node a line, with its depth. Instructions go by their rows, addresses by international letters.
+//! The tree as text: one node per line, with its depth. Instructions go by their rows, addresses by international letters.
 
 use super::address;
 use super::ast::*;

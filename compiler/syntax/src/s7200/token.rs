@@ -1,4 +1,4 @@
-//! Tokens as the grammar sees them: each says what it means at its place.
+//! Tokens as the grammar sees them: each token says what it means where it is.
 
 use crate::ast::{Pragma, Width};
 use crate::s7200::Insn;
@@ -14,7 +14,7 @@ pub enum Tok<'a> {
     EndData,
     /// The name of a block, without quotes.
     Name(&'a str),
-    /// Text behind `TITLE=`.
+    /// Text after `TITLE=`.
     Title(&'a str),
     Section(Section),
     EndVar,
@@ -22,7 +22,7 @@ pub enum Tok<'a> {
     Network,
     /// `SBR 3`, `INT 0` of a flat list.
     Marker(BlockKind),
-    /// Text behind `//`.
+    /// Text after `//`.
     Comment(&'a str),
     /// The end of a line.
     End,
@@ -34,13 +34,13 @@ pub enum Tok<'a> {
     Data(bool),
     Insn(Insn),
     Pragma(Box<Pragma>, Option<Box<Assert>>),
-    /// What has been reported already, in place of a line.
+    /// A part that has been reported, in place of a line.
     BadLine,
 
     // Operands.
     Direct(Direct),
     Block(BlockKind, u32),
-    /// A name as it stands.
+    /// A name as written.
     Bare(&'a str),
     /// Without `#`.
     Local(&'a str),
@@ -52,7 +52,7 @@ pub enum Tok<'a> {
     Real(f32),
     Characters(Vec<u8>),
     Text(Vec<u8>),
-    /// What has been reported already, in place of an operand.
+    /// A part that has been reported, in place of an operand.
     BadOperand,
     Star,
     Ampersand,
@@ -69,7 +69,7 @@ pub enum Tok<'a> {
     Assign,
     Semicolon,
     Comma,
-    /// What no line holds at its place; the grammar reports it.
+    /// A token that fits no line; the grammar reports it.
     Stray,
 }
 

@@ -1,4 +1,4 @@
-//! What the grammar's actions build beyond a plain node: blocks and declarations. Expressions and statements are in `expression`.
+//! The parts of grammar actions that do more than build a plain node: blocks and declarations. Expressions and statements are in `expression`.
 
 mod expression;
 
@@ -24,7 +24,7 @@ pub enum Part {
     Section(Section),
     Constants(Vec<Constant>, usize),
     Labels(Vec<Name>, usize),
-    /// What a data block or a type is made of, with its initial value.
+    /// The contents of a data block or a type, with their initial value.
     Content(TypeRef, Option<InitialValue>, usize),
     /// Was reported.
     Nothing,
@@ -118,7 +118,7 @@ pub fn code_block(
     })
 }
 
-/// In blocks without an instance, VAR declares temporary variables: S7-SCL for S7-300/400, VAR in functions. The TIA Portal does not take it.
+/// In blocks without an instance, VAR declares temporary variables: S7-SCL for S7-300/400, VAR in functions. The TIA Portal does not accept it.
 fn without_static(context: &mut Context, sections: &mut [Section]) {
     for section in sections.iter_mut().filter(|section| section.kind == SectionKind::Static) {
         section.kind = SectionKind::Temp;
@@ -126,8 +126,8 @@ fn without_static(context: &mut Context, sections: &mut [Section]) {
             let span = Span { end: section.span.start + "VAR".len() as u32, ..section.span };
             context.report(
                 Diagnostic::new(Code::Tolerated, span, "this block has no static variables")
-                    .label("taken as VAR_TEMP")
-                    .help("write `VAR_TEMP`; values that stay between calls belong to a function block"),
+                    .label("read as VAR_TEMP")
+                    .help("write `VAR_TEMP`; only a function block keeps values between calls"),
             );
         }
     }
@@ -186,9 +186,13 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
         Some((ty, value)) => {
             if let Some(value) = value {
                 context.report(
-                    Diagnostic::new(Code::InitialValue, value.span, "a type that is no structure has no initial value")
-                        .label("cannot be kept with the type")
-                        .help("write the value at each variable of this type"),
+                    Diagnostic::new(
+                        Code::InitialValue,
+                        value.span,
+                        "a type that is not a structure has no initial value",
+                    )
+                    .label("the type cannot keep this value")
+                    .help("write the value at each variable of this type"),
                 );
             }
             (Vec::new(), Some(ty))
@@ -201,8 +205,8 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
             {
                 context.report(
                     Diagnostic::new(Code::DeclarationSyntax, name.span(), "the data type has no structure")
-                        .label("nothing is declared in it")
-                        .help("write `STRUCT … END_STRUCT;` between header and `END_TYPE`"),
+                        .label("it declares nothing")
+                        .help("write `STRUCT … END_STRUCT;` between the header and `END_TYPE`"),
                 );
             }
             (Vec::new(), None)
@@ -224,8 +228,8 @@ fn spread(context: &mut Context, members: &mut [Variable], value: Option<Initial
     let Some(value) = value else { return };
     let InitialKind::Fields(fields) = value.kind else {
         context.report(
-            Diagnostic::new(Code::InitialValue, value.span, "a structure takes no single value")
-                .label("no list of components")
+            Diagnostic::new(Code::InitialValue, value.span, "a structure cannot have a single value")
+                .label("not a list of components")
                 .help("write `(name := value, …)`"),
         );
         return;
@@ -241,10 +245,10 @@ fn spread(context: &mut Context, members: &mut [Variable], value: Option<Initial
                 Diagnostic::new(
                     Code::UnknownMember,
                     name.map_or(value.span, |name| name.span),
-                    "the structure has no such component",
+                    "the structure does not have this component",
                 )
                 .label("not declared above")
-                .help("name a component of the structure, or leave the value out"),
+                .help("name a component of the structure, or omit the value"),
             ),
         }
     }
@@ -254,7 +258,7 @@ fn header(context: &Context, parts: Vec<HeaderPart>, range: Range<usize>) -> Hea
     frame::header(context.comment_lines(range), parts)
 }
 
-/// The variables of one declaration; the comment behind it belongs to each.
+/// The variables of one declaration; the comment after it belongs to each variable.
 pub fn variables(
     context: &Context,
     names: Vec<DeclaredName>,
@@ -263,7 +267,7 @@ pub fn variables(
     initial: Option<InitialValue>,
     end: usize,
 ) -> Vec<Variable> {
-    let comment = context.comment_behind(end);
+    let comment = context.comment_after(end);
     let at = at.map(|name| (name.text, name.span));
     names
         .into_iter()
@@ -285,7 +289,7 @@ pub fn named_type(context: &Context, names: Vec<Name>, range: Range<usize>) -> T
     match names.as_slice() {
         [Name { text, form: NameForm::Bare, .. }] => TypeKind::Named(text.to_uppercase()),
         names => {
-            // `_` is the name space of the project.
+            // `_` is the namespace of the project.
             let own = names.iter().skip_while(|name| name.text == "_");
             let name = own.map(|name| name.text.as_str()).collect::<Vec<_>>().join(".");
             TypeKind::Block(BlockName::Symbol { name, span })
@@ -317,7 +321,7 @@ pub fn array(context: &mut Context, dimensions: Vec<Dimension>, element: TypeRef
     TypeKind::Array { bounds, element }
 }
 
-/// A bound or length: a number stands for itself, the rest is an expression.
+/// A bound or length: a number is kept as it is, anything else is an expression.
 pub fn bound(value: Expr) -> Bound {
     let span = value.span;
     match value.kind {
@@ -338,14 +342,14 @@ pub fn bound(value: Expr) -> Bound {
     }
 }
 
-/// One value stands for itself, several are a list.
+/// One value is kept as it is, several become a list.
 pub fn initial_list(context: &mut Context, mut values: Vec<InitialValue>, range: Range<usize>) -> InitialValue {
     if matches!(values.as_slice(), [InitialValue { kind: InitialKind::Default, .. }]) {
         let span = context.span(range.start, range.end);
         context.report(
-            Diagnostic::new(Code::DeclarationSyntax, span, "the value is missing behind `:=`")
-                .label("a constant must stand here")
-                .help("write a constant, or leave `:=` out"),
+            Diagnostic::new(Code::DeclarationSyntax, span, "the value is missing after `:=`")
+                .label("a constant is expected here")
+                .help("write a constant, or omit `:=`"),
         );
     }
     match values.pop() {
@@ -365,8 +369,8 @@ pub fn repeated(context: &mut Context, count: Literal, values: Vec<InitialValue>
         Literal::Typed { ty, bits: bits @ 1..=65_536 } if ty.is_integer() => bits as i64,
         _ => {
             context.report(
-                Diagnostic::new(Code::DeclarationSyntax, span, "the repetition factor is no number of elements")
-                    .label("before `(` stands how often the values are repeated")
+                Diagnostic::new(Code::DeclarationSyntax, span, "the repetition factor is not a number of elements")
+                    .label("the number before `(` is how often the values are repeated")
                     .help("write e.g. `6 (0)`: a whole number from 1 to 65536 before the parenthesis"),
             );
             1
@@ -375,7 +379,7 @@ pub fn repeated(context: &mut Context, count: Literal, values: Vec<InitialValue>
     InitialKind::Repeat { count: Bound::Number(count, span), values }
 }
 
-/// `a.b[3] := 5` behind BEGIN of a data block.
+/// `a.b[3] := 5` after BEGIN of a data block.
 pub fn value_assignment(
     context: &mut Context,
     target: Expr,
@@ -400,9 +404,13 @@ pub fn value_assignment(
             ExprKind::Error => return None,
             _ => {
                 context.report(
-                    Diagnostic::new(Code::Syntax, node.span, "only a component of the data block takes a value here")
-                        .label("no component")
-                        .help("write e.g. `a.b[3] := 5;`"),
+                    Diagnostic::new(
+                        Code::Syntax,
+                        node.span,
+                        "only a component of the data block can have a value here",
+                    )
+                    .label("not a component")
+                    .help("write e.g. `a.b[3] := 5;`"),
                 );
                 return None;
             }

@@ -1,10 +1,10 @@
-//! Absolute addresses, in the letters of both spellings.
+//! Absolute addresses, with the letters of both mnemonic sets.
 
 use plcc_diag::Span;
 
 use crate::ast::{Area, BlockName, BlockPrefix, CellKind, OperandKind, Width};
 
-/// Letters of areas without the width. Longer ones first.
+/// Letters of areas without the width, longer ones first.
 const AREAS: [(&str, Area); 8] = [
     ("PI", Area::Pi),
     ("PE", Area::Pi),
@@ -16,7 +16,7 @@ const AREAS: [(&str, Area); 8] = [
     ("A", Area::Q),
 ];
 
-/// Letters before block numbers.
+/// Prefixes of block numbers.
 const BLOCKS: [(&str, BlockPrefix); 8] = [
     ("OB", BlockPrefix::Ob),
     ("FC", BlockPrefix::Fc),
@@ -29,7 +29,7 @@ const BLOCKS: [(&str, BlockPrefix); 8] = [
 ];
 
 /// The operand that a bare word names, in both spellings: `MW10`, `EB4`, `PIW256`, `T5`, `Z3`; `DB10` and `FB2` are blocks. `area_word`
-/// tells of `MW` alone.
+/// handles `MW` alone.
 pub fn absolute(word: &str) -> Option<OperandKind> {
     let (letters, number) = letters_and_number(word)?;
     if let Some(prefix) = block_prefix(letters) {
@@ -64,7 +64,7 @@ pub fn area_word(word: &str) -> Option<(Area, Width)> {
     Some((area, width))
 }
 
-/// Width and byte of a word behind `DB10.`: `DW4`, `DBW4`, `DB7` (a byte), `DD0`; no bits, which are one token with their point.
+/// Width and byte of a word after `DB10.`: `DW4`, `DBW4`, `DB7` (a byte), `DD0`; not a bit, which is one token with its point.
 pub fn db_address(word: &str) -> Option<(Width, u32)> {
     let (letters, byte) = letters_and_number(word)?;
     match db_area_word(letters)? {
@@ -73,7 +73,7 @@ pub fn db_address(word: &str) -> Option<(Width, u32)> {
     }
 }
 
-/// Width that a word without number behind `DB10.` names, as in `DB10.DW[i]`, `DB10.DX[b, i]`, `DB10.D[b, i]`, `DB10.DB[i]`.
+/// Width that a word without number after `DB10.` names, as in `DB10.DW[i]`, `DB10.DX[b, i]`, `DB10.D[b, i]`, `DB10.DB[i]`.
 pub fn db_area_word(word: &str) -> Option<Width> {
     const WORDS: [(&str, Width); 9] = [
         ("D", Width::Bit),
@@ -89,7 +89,7 @@ pub fn db_area_word(word: &str) -> Option<Width> {
     WORDS.iter().find(|(letters, _)| letters.eq_ignore_ascii_case(word)).map(|(_, width)| *width)
 }
 
-/// Letters before the number of a block.
+/// The prefix of a block number.
 pub fn block_prefix(letters: &str) -> Option<BlockPrefix> {
     BLOCKS.iter().find(|(known, _)| known.eq_ignore_ascii_case(letters)).map(|(_, prefix)| *prefix)
 }
@@ -100,7 +100,7 @@ pub fn numbered_block(word: &str) -> Option<(BlockPrefix, u32)> {
     Some((block_prefix(letters)?, number))
 }
 
-/// The operand of an address token: `I0.0`, `%MW10`, `%DB1.DBX1.0`, `%IW4:P`, `DX0.7` behind a point.
+/// The operand of an address token: `I0.0`, `%MW10`, `%DB1.DBX1.0`, `%IW4:P`, `DX0.7` after a point.
 pub fn token(text: &str, span: Span) -> Option<OperandKind> {
     let text = text.strip_prefix('%').unwrap_or(text);
     let (text, peripheral) = match text.strip_suffix(['P', 'p']).and_then(|text| text.strip_suffix(':')) {

@@ -7,15 +7,15 @@ use plcc_diag::Span;
 use crate::ast::{OperandKind, Pragma, Width};
 use crate::elementary::Elementary;
 
-/// The form of SCL that a file shows. It chooses defaults only; the grammar is one.
+/// The form of SCL that a file shows. It selects defaults only; there is one grammar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Dialect {
-    /// No sign of either form.
+    /// No feature of either form.
     #[default]
     Either,
     /// S7-SCL of STEP 7 V5.
     Classic,
-    /// SCL of the TIA Portal. A file with signs of both forms counts as this one.
+    /// SCL of the TIA Portal. A file with features of both forms counts as this one.
     Tia,
 }
 
@@ -61,9 +61,9 @@ pub enum StatementKind {
     Empty,
     /// `name:` before a statement.
     Label(Name),
-    /// A call, or an expression whose value goes nowhere.
+    /// A call, or an expression whose value is not used.
     Expression(Expr),
-    /// `a := b += e`: targets from left to right, each with the operator behind it.
+    /// `a := b += e`: targets from left to right, each with the operator after it.
     Assign {
         targets: Vec<(Expr, AssignOp)>,
         value: Expr,
@@ -160,7 +160,7 @@ pub enum ExprKind {
         byte: u32,
         bit: u8,
     },
-    /// `.%X3`, `.%B1`, `.%W0`, `.%D0`: part `index` of that width, counted from the lowest value.
+    /// `.%X3`, `.%B1`, `.%W0`, `.%D0`: part `index` of that width, counted from the least significant end.
     Slice {
         base: Box<Expr>,
         width: Width,
@@ -197,7 +197,7 @@ pub enum ExprKind {
 pub struct Argument {
     /// The formal; none for a positional argument.
     pub name: Option<Name>,
-    /// `=>` stands between.
+    /// `=>` is between formal and actual.
     pub output: bool,
     /// None: left empty.
     pub value: Option<Expr>,

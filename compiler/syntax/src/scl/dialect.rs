@@ -1,4 +1,4 @@
-//! Which form of SCL a file shows. Its signs choose defaults; both forms are always taken.
+//! Which form of SCL a file shows. Its features select defaults; both forms are always accepted.
 //!
 //! Source: SCL reference, dialects.
 
@@ -8,7 +8,7 @@ use super::keyword::Keyword;
 use super::outline::modern_type;
 use super::raw::{RawKind, RawText, RawToken};
 
-/// The dialect of a source: that of the TIA Portal if it has any sign of it.
+/// The dialect of a source: that of the TIA Portal if the source has any feature of it.
 pub fn of(text: &str, raw: &RawText) -> Dialect {
     let mut scan = Scan { text, tokens: &raw.tokens, classic: false, statements: false };
     let tia =
@@ -25,7 +25,7 @@ pub fn of(text: &str, raw: &RawText) -> Dialect {
 struct Scan<'a> {
     text: &'a str,
     tokens: &'a [RawToken],
-    /// A sign of the classic form has been seen.
+    /// A feature of the classic form has been seen.
     classic: bool,
     /// Inside the statements of a block.
     statements: bool,
@@ -43,7 +43,7 @@ impl Scan<'_> {
         }
     }
 
-    /// Whether the token is a sign of the TIA Portal. Notes classic signs.
+    /// Whether the token is a feature of the TIA Portal. Remembers classic features.
     fn tia(&mut self, index: usize) -> bool {
         let token = self.tokens[index];
         let text = &self.text[token.range()];

@@ -1,11 +1,11 @@
-//! How far a token reaches that a regular expression cannot tell: constants with `#`, texts, addresses with a point.
+//! The extent of tokens for which a regular expression is not enough: constants with `#`, texts, addresses with a point.
 
 use crate::literal::ANY_TYPES;
 
-/// Bytes between the two parts of a text that goes on behind a line end.
+/// Bytes between the two parts of a text that continues after a line end.
 const BREAK_MAX: usize = 4096;
 
-/// How the text behind the `#` of a constant is built.
+/// How the text after the `#` of a constant is built.
 #[derive(Clone, Copy)]
 enum Form {
     /// `W#16#3A2F`, `INT#-5`, `REAL#1.5`, `BOOL#TRUE`, `CHAR#'a'`.
@@ -18,7 +18,7 @@ enum Form {
     Pointer,
 }
 
-/// What may stand before the `#` of a constant.
+/// The words that are allowed before the `#` of a constant.
 const PREFIXES: &[(&str, Form)] = &[
     ("BOOL", Form::Value),
     ("B", Form::Value),
@@ -67,7 +67,7 @@ const PREFIXES: &[(&str, Form)] = &[
     ("P", Form::Pointer),
 ];
 
-/// Bytes of the constant behind `prefix` and `#`; `None`: they do not make a constant, as in `T#name`.
+/// Bytes of the constant after `prefix` and `#`; `None`: they do not make a constant, as in `T#name`.
 pub fn literal(prefix: &str, rest: &str) -> Option<usize> {
     let (_, form) = PREFIXES.iter().find(|(name, _)| name.eq_ignore_ascii_case(prefix))?;
     let length = match form {
@@ -84,12 +84,12 @@ pub fn literal(prefix: &str, rest: &str) -> Option<usize> {
         Form::Date => with_points(rest, b"-:."),
         Form::Pointer => return pointer(rest),
     };
-    // Letters such as `T#name` of sources without blanks are no constants.
+    // Letters such as `T#name` of sources without blanks are not constants.
     let short = prefix.len() == 1 && !rest.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+'));
     if short || length == 0 && rest.starts_with(['"', '#']) { None } else { Some(length) }
 }
 
-/// Length of a word's rest: letters, digits, `_`.
+/// Length of the rest of a word: letters, digits, `_`.
 pub fn word(rest: &str) -> usize {
     rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len())
 }
@@ -174,7 +174,7 @@ fn pointer(rest: &str) -> Option<usize> {
     Some(at)
 }
 
-/// Bytes of a text behind its opening quote, and whether it is closed. `$>` and `$<` let it go on behind a line end.
+/// Bytes of a text after its opening quote, and whether it is closed. With `$>` and `$<` it continues after a line end.
 pub fn text(rest: &str) -> (usize, bool) {
     let bytes = rest.as_bytes();
     let mut at = 0;
@@ -200,7 +200,7 @@ pub fn text(rest: &str) -> (usize, bool) {
     (rest[..at].trim_end_matches('\r').len(), false)
 }
 
-/// Bytes of the `.7` that makes an address of `word` and a bit number: `M10.7`, and behind a point `DX0.7`.
+/// Bytes of the `.7` that makes an address of `word` and a bit number: `M10.7`, and after a point `DX0.7`.
 pub fn bit_number(word: &str, rest: &str, member: bool) -> Option<usize> {
     const AREAS: [&str; 10] = ["I", "E", "Q", "A", "M", "IX", "EX", "QX", "AX", "MX"];
     const MEMBERS: [&str; 3] = ["D", "DX", "DBX"];
@@ -211,7 +211,7 @@ pub fn bit_number(word: &str, rest: &str, member: bool) -> Option<usize> {
     fits.then_some(1 + digits)
 }
 
-/// Bytes behind `%` and a word that belong to the address: `.7`, `.DBX1.0`, `:P`.
+/// Bytes after `%` and a word that belong to the address: `.7`, `.DBX1.0`, `:P`.
 pub fn absolute(letters: &str, numbered: bool, rest: &str) -> usize {
     if !numbered {
         return 0;
@@ -235,7 +235,7 @@ pub fn absolute(letters: &str, numbered: bool, rest: &str) -> usize {
     if peripheral(&rest[at..]) { at + 2 } else { at }
 }
 
-/// Bytes behind the first number of a directly represented variable of IEC 61131-3: `.0.2` of `%QX1.0.2`, `*` of `%QX*`.
+/// Bytes after the first number of a directly represented variable of IEC 61131-3: `.0.2` of `%QX1.0.2`, `*` of `%QX*`.
 pub fn directly_represented(rest: &str) -> usize {
     if rest.starts_with('*') {
         return 1;

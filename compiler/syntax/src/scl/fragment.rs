@@ -1,4 +1,4 @@
-//! Statements and expressions that stand in files of other notations: networks in SCL, operands of elements, ST in XML.
+//! Statements and expressions in files of other notations: networks in SCL, operands of elements, ST in XML.
 //!
 //! Spans are those of `text`, of which only `range` is read.
 
@@ -50,7 +50,7 @@ fn scanned(
     (found, parsed.diagnostics)
 }
 
-/// Blocks and file pragmas of tokens that were taken from a text: frames and declarations of a notation that is otherwise not SCL.
+/// Blocks and file pragmas of tokens from another text: frames and declarations of a notation that is otherwise not SCL.
 pub fn blocks(
     file: FileId,
     text: &str,
@@ -75,7 +75,7 @@ pub fn iec_expression(file: FileId, text: &str, range: Range<usize>, rules: raw:
     only(span, statements, diagnostics)
 }
 
-/// The expression that the statements are. What is more than one is an error.
+/// The statements as one expression. More than one is an error.
 fn only(span: Span, mut statements: Vec<Statement>, mut diagnostics: Vec<Diagnostic>) -> (Expr, Vec<Diagnostic>) {
     match (statements.pop(), statements.is_empty()) {
         (Some(Statement { kind: StatementKind::Expression(expr), .. }), true) => (expr, diagnostics),

@@ -1,4 +1,4 @@
-//! Reserved words of SCL, and the words that only headers know.
+//! Reserved words of SCL, and the words that are reserved only in headers.
 
 macro_rules! keywords {
     ($( $variant:ident $word:literal ),* $(,)?) => {
@@ -208,7 +208,7 @@ impl Keyword {
         )
     }
 
-    /// The word that no expression holds.
+    /// The word that no expression contains.
     pub const fn ends_expression(self) -> bool {
         self.ends_block()
             || self.ends_section()
@@ -227,7 +227,7 @@ impl Keyword {
             )
     }
 
-    /// The word that stands between operands or before one.
+    /// The word that comes between operands or before one.
     pub const fn is_operator(self) -> bool {
         matches!(self, Keyword::And | Keyword::Or | Keyword::Xor | Keyword::Not | Keyword::Mod | Keyword::Div)
     }

@@ -1,4 +1,4 @@
-//! Constants of SCL as values. What STEP 7 writes in every language is read by [`crate::literal`].
+//! Constants of SCL as values. [`crate::literal`] reads constants that STEP 7 writes the same in every language.
 //!
 //! Source: SCL reference, constants; TIA Portal help, data types.
 
@@ -10,10 +10,10 @@ use crate::elementary::Elementary;
 use crate::literal::{self, LiteralError};
 use crate::scl::ast::Literal;
 
-/// A constant, and what is to be said about it though it is one.
+/// A constant, and what to report about it although it is valid.
 pub struct Read {
     pub value: Literal,
-    /// Bits beyond the positive range of a signed type, `INT#16#FFFF`: the number that they make.
+    /// Bits beyond the positive range of a signed type, `INT#16#FFFF`: the number that they represent.
     pub wrapped: Option<i64>,
 }
 
@@ -59,14 +59,14 @@ pub fn parse(text: &str) -> Result<Read, LiteralError> {
             Some(ty) => number::typed(text, ty, value),
             None => Err(LiteralError::malformed(
                 text,
-                format!("`{prefix}` is no type of constants"),
+                format!("`{prefix}` is not a type of constants"),
                 "write e.g. `INT#5` or `T#1s`",
             )),
         },
     }
 }
 
-/// A date of IEC 61131-3, whose editors begin at 1970: an LDT. `None`: another constant.
+/// A date of IEC 61131-3, whose editors count from 1970: an LDT. `None`: another constant.
 pub fn iec_date(text: &str) -> Option<Result<Read, LiteralError>> {
     let (prefix, value) = text.split_once('#')?;
     match prefix.to_ascii_uppercase().as_str() {

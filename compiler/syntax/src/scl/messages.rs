@@ -1,4 +1,4 @@
-//! Syntax errors in the words of the user.
+//! Syntax errors in terms that users know.
 
 use plcc_diag::{Code, Diagnostic};
 
@@ -39,14 +39,14 @@ pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic
     message(context, at, before, code, what).help(help)
 }
 
-/// `… cannot stand behind … in this …`, at the token, or behind the last one if the statement ends too early.
+/// `… cannot follow … in this …`, at the token, or after the last one if the statement ends too early.
 fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, code: Code, what: &str) -> Diagnostic {
     match at {
         Some((start, token, end)) if start < end && !ends(token) => {
             let text = &context.text[*start..*end];
             let title = match before {
                 Some((b_start, b_token, b_end)) if b_start < b_end && !ends(b_token) && !begins(b_token) => {
-                    format!("`{text}` cannot stand behind `{}` in this {what}", &context.text[*b_start..*b_end])
+                    format!("`{text}` cannot follow `{}` in this {what}", &context.text[*b_start..*b_end])
                 }
                 _ => format!("`{text}` cannot begin this {what}"),
             };
@@ -55,7 +55,7 @@ fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, co
         _ => {
             let (start, end) = before.map_or((0, 0), |(start, _, end)| (*start, *end));
             Diagnostic::new(code, context.span(start, end), format!("this {what} is not complete"))
-                .label("something is missing behind this")
+                .label("something is missing after this")
         }
     }
 }
@@ -80,7 +80,7 @@ fn ends(token: &Tok) -> bool {
     )
 }
 
-/// Whether a statement or declaration begins behind the token.
+/// Whether a statement or declaration begins after the token.
 fn begins(token: &Tok) -> bool {
     matches!(
         token,
@@ -102,7 +102,7 @@ fn begins(token: &Tok) -> bool {
 fn declaration_help(at: Option<&Spanned>, before: Option<&Spanned>) -> &'static str {
     match before.map(|(_, token, _)| token) {
         Some(Tok::Name(_) | Tok::Quoted(_)) if !matches!(at, Some((_, Tok::Colon, _))) => {
-            "`:` stands between name and data type, e.g. `speed : INT;`"
+            "write `:` between name and data type, e.g. `speed : INT;`"
         }
         Some(Tok::Colon | Tok::Of) => "a data type is missing, e.g. `INT`, `ARRAY[1..10] OF REAL`, `\"Motor\"`",
         Some(Tok::Array | Tok::DotDot) => "an array is written `ARRAY[1..10] OF INT`",
@@ -113,7 +113,7 @@ fn declaration_help(at: Option<&Spanned>, before: Option<&Spanned>) -> &'static 
 fn statement_help(at: Option<&Spanned>, before: Option<&Spanned>) -> &'static str {
     match at.map(|(_, token, _)| token) {
         Some(Tok::Colon) => "a value is assigned with `:=`",
-        _ if before.is_some_and(|(_, token, _)| matches!(token, Tok::Goto)) => "write the label behind GOTO",
+        _ if before.is_some_and(|(_, token, _)| matches!(token, Tok::Goto)) => "write the label after GOTO",
         _ => {
             "a statement is an assignment `variable := value;`, a call `block(input := value);`, or one of IF, CASE, FOR, WHILE, REPEAT"
         }
@@ -123,6 +123,6 @@ fn statement_help(at: Option<&Spanned>, before: Option<&Spanned>) -> &'static st
 fn expression_help(at: Option<&Spanned>, _before: Option<&Spanned>) -> &'static str {
     match at.map(|(_, token, _)| token) {
         Some(Tok::Assign) => "values are compared with `=`",
-        _ => "an expression is built of variables, constants, calls and operators such as `+`, `=`, `AND`",
+        _ => "an expression consists of variables, constants, calls and operators such as `+`, `=`, `AND`",
     }
 }

@@ -1,19 +1,19 @@
-//! SCL, in the classic form of STEP 7 V5 and in that of the TIA Portal: lexer, layout, grammar, syntax tree.
+//! SCL, in the classic form of STEP 7 V5 and in that of the TIA Portal: lexer, classifier, grammar, syntax tree.
 //!
 //! ```text
 //! text ──► raw tokens ──► tokens with a meaning ──► syntax tree
-//!      raw.rs         layout/                 scl.lalrpop
+//!      raw.rs         classify/               scl.lalrpop
 //! ```
 
 mod actions;
 pub mod address;
 pub mod ast;
+mod classify;
 mod context;
 mod dialect;
 pub mod extent;
 pub mod fragment;
 pub mod keyword;
-mod layout;
 pub mod literal;
 mod messages;
 mod outline;
@@ -40,7 +40,7 @@ pub use outline::{Outline, outline};
 pub use actions::bound;
 pub use address::{absolute, area_word, db_address, db_area_word};
 
-/// Parses a source. Errors are recovered; what could not be parsed is left out or is an error node.
+/// Parses a source. Recovers from errors; what it cannot parse is left out or becomes an error node.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let raw = raw::scan(text);
     let looks = looks_like_scl(text, &raw);
@@ -48,15 +48,15 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     let mnemonics = options.mnemonics.unwrap_or_default();
     if !looks && let Some(wrong) = diagnostics.iter().find(|diagnostic| diagnostic.code == Code::Syntax) {
         let span = wrong.primary.span;
-        let refused = Diagnostic::new(Code::NotASource, span, "this file holds no SCL source")
-            .label("no statement of SCL, and no block begins before it")
+        let refused = Diagnostic::new(Code::NotASource, span, "this file does not contain an SCL source")
+            .label("not a statement of SCL, and no block begins before it")
             .help("pass a source as STEP 7 or the TIA Portal exports it: blocks from FUNCTION, DATA_BLOCK, TYPE … to their END");
         return (SourceUnit { mnemonics, blocks: Vec::new(), pragmas, ..SourceUnit::default() }, vec![refused]);
     }
     (SourceUnit { mnemonics, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
 }
 
-/// What the tokens of a text hold.
+/// The contents of the tokens of a text.
 struct Parsed {
     blocks: Vec<Block>,
     pragmas: Vec<Pragma>,
@@ -68,8 +68,8 @@ fn parse_raw(file: FileId, text: &str, raw: raw::RawText, obey_pragmas: bool) ->
     let mut diagnostics = Vec::new();
     report_comments(file, &raw, &mut diagnostics);
     region::check(file, &raw, &mut diagnostics);
-    let laid = layout::lay_out(file, text, raw, obey_pragmas);
-    diagnostics.extend(laid.diagnostics);
+    let classified = classify::classify(file, text, raw, obey_pragmas);
+    diagnostics.extend(classified.diagnostics);
     let mut reported: Vec<u32> = diagnostics
         .iter()
         .filter(|diagnostic| diagnostic.is_error())
@@ -79,13 +79,13 @@ fn parse_raw(file: FileId, text: &str, raw: raw::RawText, obey_pragmas: bool) ->
     let mut context = context::Context {
         file,
         text,
-        tokens: &laid.tokens,
-        comments: &laid.comments,
+        tokens: &classified.tokens,
+        comments: &classified.comments,
         diagnostics: Vec::new(),
         reported,
         dialect,
     };
-    let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
+    let tokens = classified.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
     let blocks = match grammar::UnitParser::new().parse(&mut context, tokens) {
         Ok(blocks) => blocks,
         Err(error) => {
@@ -98,10 +98,10 @@ fn parse_raw(file: FileId, text: &str, raw: raw::RawText, obey_pragmas: bool) ->
     };
     diagnostics.append(&mut context.diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
-    Parsed { blocks, pragmas: laid.pragmas, diagnostics }
+    Parsed { blocks, pragmas: classified.pragmas, diagnostics }
 }
 
-/// True if a text has the head of a block, or an assignment: mistakes in it are told one by one.
+/// True if a text has the head of a block, or an assignment: mistakes in it are reported one by one.
 fn looks_like_scl(text: &str, raw: &raw::RawText) -> bool {
     const HEADS: [&str; 6] = ["ORGANIZATION_BLOCK", "FUNCTION_BLOCK", "FUNCTION", "DATA_BLOCK", "TYPE", "PROGRAM"];
     raw.tokens.iter().any(|token| {
@@ -117,14 +117,14 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
             CommentForm::Slash => {
                 let span = Span { file, start: comment.start, end: comment.end };
                 Diagnostic::new(Code::Tolerated, span, "SCL has no comments in `/* */`")
-                    .label("taken as a comment")
+                    .label("read as a comment")
                     .help("write `(* … *)`, or begin each line of it with `//`")
             }
             CommentForm::Unterminated => {
                 let span = Span { file, start: comment.start, end: comment.start + 2 };
                 Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
                     .label("begins here")
-                    .help("close it with `*)`; each `(*` inside needs a `*)` of its own")
+                    .help("close it with `*)`; each `(*` inside needs its own `*)`")
             }
         };
         diagnostics.push(diagnostic);
@@ -133,10 +133,10 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
 
 /// The tokens of a source as the grammar sees them, one per line, for `--emit tokens`.
 pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
-    let laid = layout::lay_out(FileId::default(), text, raw::scan(text), options.pragmas);
+    let classified = classify::classify(FileId::default(), text, raw::scan(text), options.pragmas);
     let mut out = String::new();
     let (mut line, mut counted) = (1usize, 0usize);
-    for (start, token, _) in &laid.tokens {
+    for (start, token, _) in &classified.tokens {
         if *start >= counted {
             line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
             counted = *start;

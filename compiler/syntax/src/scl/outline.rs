@@ -1,4 +1,4 @@
-//! The blocks of a source, and which language the statements of each are in. Guesses, without parsing, and without regard to correctness.
+//! The blocks of a source, and which language the statements of each are in. A guess: it does not parse, and does not check correctness.
 
 use std::ops::Range;
 
@@ -8,21 +8,21 @@ use crate::elementary::Elementary;
 use crate::language::Language;
 use crate::stl::is_mnemonic;
 
-/// A block of a source, or the statements outside of blocks.
+/// A block of a source, or the statements outside blocks.
 pub struct OutlinedBlock {
     pub range: Range<usize>,
-    /// None: nothing tells.
+    /// None: nothing decides.
     pub language: Option<Language>,
 }
 
 /// What a source consists of.
 pub struct Outline {
     pub blocks: Vec<OutlinedBlock>,
-    /// Some declaration has a form that only the TIA Portal writes.
+    /// A declaration has a form that only the TIA Portal writes.
     pub modern: bool,
 }
 
-/// Looks at the blocks of `text`.
+/// Finds the blocks of `text`.
 pub fn outline(text: &str) -> Outline {
     let tokens = raw::scan(text).tokens;
     let scan = Scan { text, tokens: &tokens };
@@ -85,7 +85,7 @@ impl Scan<'_> {
         begin.map_or(block.end, |begin| begin + 1)..block.end
     }
 
-    /// The language whose statements are more in `code`.
+    /// The language that has more statements in `code`.
     fn language(&self, code: Range<usize>) -> Option<Language> {
         let (mut scl, mut stl) = (0usize, 0usize);
         let mut depth = 0usize;
@@ -131,7 +131,7 @@ impl Scan<'_> {
         }
     }
 
-    /// Whether the statement at `index` is an assignment that ends with `;`. Parameters of a CALL have lines without.
+    /// Whether the statement at `index` is an assignment that ends with `;`. Parameters of a CALL are lines without `;`.
     fn assigns(&self, index: usize) -> bool {
         let mut assign = false;
         for token in self.tokens[index..].iter().skip(1) {

@@ -1,7 +1,7 @@
-//! The lexer: characters to raw tokens, without regard to where they stand.
+//! The lexer: characters to raw tokens, regardless of where they are.
 //!
 //! Typed constants are one token (`T#2h_1m`, `P#DB11.DBX 20.0 INT 10`), and so are addresses with a point (`I0.0`, `%DB1.DBX1.0`).
-//! Line ends, blanks and REGION lines are no tokens. Comments stand in a list of their own, by position.
+//! Line ends, blanks and REGION lines are not tokens. Comments are in a separate list, by position.
 
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ pub enum RawKind {
     /// `/* … */`
     #[token("/*", slash_comment)]
     SlashComment,
-    /// A comment that is never closed.
+    /// A comment that is not closed.
     UnterminatedComment,
 
     #[regex(r"[\p{XID_Start}_][\p{XID_Continue}]*", word)]
@@ -131,14 +131,14 @@ pub enum RawKind {
     Caret,
     #[token("#")]
     Hash,
-    /// A character that no statement holds.
+    /// A character that no statement contains.
     Stray,
 }
 
-/// What the lexer knows of the text before it.
+/// What the lexer knows about the text that it has read.
 #[derive(Default)]
 pub struct Past {
-    /// The name of a block has been read and no declaration yet: `TITLE` takes its line.
+    /// The name of a block has been read, but no declaration yet: `TITLE` includes its line.
     head: bool,
     /// A comment was not closed when those inside it were counted: comments of this file do not nest.
     flat_comments: bool,
@@ -146,10 +146,10 @@ pub struct Past {
     iec: bool,
 }
 
-/// Structured text of IEC 61131-3, which shares the grammar of SCL and not all of its words.
+/// Structured text of IEC 61131-3, which shares the grammar of SCL, but not all of its words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Iec {
-    /// A comment inside a comment is one.
+    /// A comment inside a comment counts.
     pub nested_comments: bool,
 }
 
@@ -159,9 +159,9 @@ pub struct RawToken {
     pub kind: RawKind,
     pub start: u32,
     pub end: u32,
-    /// A line end stands between this token and the one before, or it is the first one.
+    /// There is a line end between this token and the one before, or it is the first one.
     pub first_on_line: bool,
-    /// Of a word that does not stand behind a point.
+    /// Of a word that is not after a point.
     pub keyword: Option<Keyword>,
 }
 
@@ -192,7 +192,7 @@ pub struct RawText {
 }
 
 impl RawText {
-    /// Moves everything to where the scanned part of a text begins.
+    /// Shifts all positions to where the scanned part of a text begins.
     pub fn shift(&mut self, by: u32) {
         for token in &mut self.tokens {
             token.start += by;
@@ -209,7 +209,7 @@ impl RawText {
     }
 }
 
-/// Splits `text` into raw tokens. Never fails: what is no token is `Stray`.
+/// Splits `text` into raw tokens. Never fails: text that is not a token becomes `Stray`.
 pub fn scan(text: &str) -> RawText {
     tokens(text, Past::default())
 }
@@ -286,7 +286,7 @@ fn leaves_head(keyword: Keyword) -> bool {
         || matches!(keyword, Keyword::Begin | Keyword::Struct | Keyword::Array)
 }
 
-/// Consumes up to the `*)` that belongs to the opening. If inner comments take it away, the first `*)` ends the comment, which counts as not
+/// Consumes up to the `*)` that belongs to the opening. If inner comments use it up, the first `*)` ends the comment, which counts as not
 /// closed.
 fn block_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
     let rest = lexer.remainder();

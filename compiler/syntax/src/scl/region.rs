@@ -1,4 +1,4 @@
-//! REGION … END_REGION: folds of the editor. They are no statements, but must balance.
+//! REGION … END_REGION: folds of the editor. They are not statements, but must balance.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
@@ -21,7 +21,7 @@ pub fn check(file: FileId, raw: &RawText, diagnostics: &mut Vec<Diagnostic>) {
         }
         match open.pop() {
             None => diagnostics.push(
-                Diagnostic::new(Code::Tolerated, span(region), "`END_REGION` stands without REGION")
+                Diagnostic::new(Code::Tolerated, span(region), "`END_REGION` has no matching REGION")
                     .label("no region is open here")
                     .help("remove it"),
             ),
@@ -29,11 +29,11 @@ pub fn check(file: FileId, raw: &RawText, diagnostics: &mut Vec<Diagnostic>) {
                 Diagnostic::new(
                     Code::Tolerated,
                     span(region),
-                    "the region ends in another statement than it begins in",
+                    "the region does not end in the statement that it begins in",
                 )
                 .label("ends here")
                 .also(span(opening), "begins here")
-                .help("let the region hold whole statements"),
+                .help("put whole statements into the region"),
             ),
             Some(_) => {}
         }
@@ -42,7 +42,7 @@ pub fn check(file: FileId, raw: &RawText, diagnostics: &mut Vec<Diagnostic>) {
         diagnostics.push(
             Diagnostic::new(Code::Tolerated, span(region), "the region is not closed")
                 .label("begins here")
-                .help("write `END_REGION` behind its last statement"),
+                .help("write `END_REGION` after its last statement"),
         );
     }
 }

@@ -1,4 +1,4 @@
-//! Text form of SCL trees, for `--emit ast`: a node a line for statements, an expression on one line.
+//! Text form of SCL trees, for `--emit ast`: one node per line for statements, an expression on one line.
 
 use std::fmt::Write;
 
@@ -253,7 +253,7 @@ fn absolute(operand: &OperandKind) -> String {
     }
 }
 
-/// Values as a programmer reads them; bits of a type in hexadecimal digits.
+/// Values as a programmer writes them; bits of a type in hexadecimal digits.
 pub(crate) fn literal(value: &Literal) -> String {
     let hex = |bytes: &[u8]| bytes.iter().map(|byte| format!("{byte:02X}")).collect::<String>();
     match value {

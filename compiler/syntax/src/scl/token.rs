@@ -1,4 +1,4 @@
-//! Tokens as the grammar sees them: frames and structured statements are balanced, each says what it means at its place.
+//! Tokens as the grammar sees them: frames and structured statements are balanced, each token says what it means where it is.
 
 use crate::ast::{BlockPrefix, OperandKind, Pragma, Retain, SectionKind, Width};
 use crate::scl::ast::{AssignOp, BinaryOp, Literal};
@@ -27,7 +27,7 @@ pub enum Tok<'a> {
     EndVar,
 
     // Declarations.
-    /// What a data block or a type is made of follows.
+    /// The contents of a data block or a type follow.
     Content,
     Struct,
     EndStruct,
@@ -68,7 +68,7 @@ pub enum Tok<'a> {
     Return,
     Goto,
     Pragma(Box<Pragma>),
-    /// What has been reported already, in place of an expression.
+    /// A part that has been reported, in place of an expression.
     Bad,
 
     // Operands.

@@ -1,4 +1,4 @@
-//! What the grammar's actions build beyond a plain node.
+//! The parts of grammar actions that do more than build a plain node.
 
 use std::ops::Range;
 
@@ -33,7 +33,7 @@ pub struct DeclaredName {
     pub attributes: Vec<(String, String)>,
 }
 
-/// Number behind area letters.
+/// Number after area letters.
 pub struct Address {
     pub byte: u32,
     pub bit: Option<u8>,
@@ -121,8 +121,8 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
         DataContent::OfType(_) | DataContent::Array(..) | DataContent::Empty => {
             context.report(
                 Diagnostic::new(Code::DeclarationSyntax, name.span(), "the data type has no structure")
-                    .label("nothing is declared in it")
-                    .help("write `STRUCT … END_STRUCT;` between header and `END_TYPE`"),
+                    .label("it declares nothing")
+                    .help("write `STRUCT … END_STRUCT;` between the header and `END_TYPE`"),
             );
             Vec::new()
         }
@@ -164,7 +164,7 @@ fn header(context: &Context, parts: Vec<HeaderPart>, range: Range<usize>) -> Hea
     frame::header(context.comment_lines(range), parts)
 }
 
-/// The variables of one declaration; the comment behind it belongs to each.
+/// The variables of one declaration; the comment after it belongs to each variable.
 pub fn variables(
     context: &Context,
     names: Vec<DeclaredName>,
@@ -173,7 +173,7 @@ pub fn variables(
     initial: Option<Option<InitialValue>>,
     end: usize,
 ) -> Vec<Variable> {
-    let comment = context.comment_behind(end);
+    let comment = context.comment_after(end);
     let initial = initial.flatten();
     names
         .into_iter()
@@ -198,8 +198,8 @@ pub fn bound(context: &mut Context, value: Literal, range: Range<usize>) -> Boun
         Literal::Bits { value, .. } => value.into(),
         _ => {
             context.report(
-                Diagnostic::new(Code::DeclarationSyntax, span, "a whole number must stand here")
-                    .label("no whole number")
+                Diagnostic::new(Code::DeclarationSyntax, span, "a whole number is expected here")
+                    .label("not a whole number")
                     .help("bounds, lengths and indices are decimal numbers, e.g. `[1..10]`"),
             );
             0
@@ -208,7 +208,7 @@ pub fn bound(context: &mut Context, value: Literal, range: Range<usize>) -> Boun
     Bound::Number(number, span)
 }
 
-/// One value stands for itself, several are a list; `None`: all were reported.
+/// One value is kept as it is, several become a list; `None`: all were reported.
 pub fn initial_list(context: &Context, values: Vec<Option<InitialValue>>, range: Range<usize>) -> Option<InitialValue> {
     let bad = values.iter().any(Option::is_none);
     let mut values: Vec<InitialValue> = values.into_iter().flatten().collect();
@@ -237,8 +237,8 @@ pub fn repeated(
         Literal::Int(count @ 1..=65_536) => count,
         _ => {
             context.report(
-                Diagnostic::new(Code::DeclarationSyntax, span, "the repetition factor is no number of elements")
-                    .label("before `(` stands how often the values are repeated")
+                Diagnostic::new(Code::DeclarationSyntax, span, "the repetition factor is not a number of elements")
+                    .label("the number before `(` is how often the values are repeated")
                     .help("write e.g. `6 (0)`: a whole number from 1 to 65536 before the parenthesis"),
             );
             return None;
@@ -253,7 +253,7 @@ pub fn repeated(
     }
 }
 
-/// The networks of a block: statements before the first NETWORK are a network of their own.
+/// The networks of a block: statements before the first NETWORK form a separate network.
 pub fn networks(
     context: &Context,
     title: Option<&str>,
@@ -271,7 +271,7 @@ pub fn network(context: &Context, title: Option<&str>, statements: Vec<Statement
     Network { title: title.map(str::to_owned), comment: context.comment_lines(head), statements }
 }
 
-/// An instruction whose operand fits it; else it is reported and gives an error node.
+/// An instruction with a suitable operand; otherwise it is reported and becomes an error node.
 pub fn instruction(
     context: &mut Context,
     insn: StlInsn,
@@ -325,7 +325,7 @@ pub fn operand(context: &mut Context, kind: OperandKind, range: Range<usize>) ->
     }
 }
 
-/// Bytes and words have bit 0.
+/// For bytes and words the bit is 0.
 fn without_no_bit(mut kind: OperandKind) -> OperandKind {
     if let OperandKind::Absolute { bit, .. } | OperandKind::DbAbsolute { bit, .. } = &mut kind
         && *bit == NO_BIT
@@ -366,7 +366,7 @@ pub fn register_offset(
             let span = context.span(range.start, range.end);
             context.report(
                 Diagnostic::new(Code::OperandKind, span, "an offset to an address register is written as `P#byte.bit`")
-                    .label("no offset from P#0.0 to P#4095.7")
+                    .label("not an offset from P#0.0 to P#4095.7")
                     .help("write e.g. `[AR1,P#0.0]`"),
             );
             None

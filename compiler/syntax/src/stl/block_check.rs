@@ -11,7 +11,7 @@ const NESTING_DEPTH_MAX: usize = 7;
 /// Reports what is wrong in the order of statements.
 pub fn check(text: &str, block: &CodeBlock, diagnostics: &mut Vec<Diagnostic>) {
     let statements = || block.networks().iter().flat_map(|network| &network.statements);
-    // A statement that could not be read may have been a parenthesis, or the instruction of a label.
+    // A statement that could not be read may be a parenthesis, or the instruction of a label.
     if statements().any(|statement| statement.kind == StatementKind::Error) {
         return;
     }
@@ -29,7 +29,7 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
                 open.push(span);
                 if open.len() == NESTING_DEPTH_MAX + 1 {
                     diagnostics.push(
-                        Diagnostic::new(Code::Nesting, span, "parentheses are nested too deep")
+                        Diagnostic::new(Code::Nesting, span, "parentheses are nested too deeply")
                             .label("the eighth level")
                             .also(open[0], "the first level begins here")
                             .help("the nesting stack has 7 entries; keep an intermediate result in a bit"),
@@ -47,7 +47,7 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
                 if let Some(opening) = open.last() {
                     let word = &text[span.range()];
                     diagnostics.push(
-                        Diagnostic::new(Code::Nesting, span, format!("`{word}` stands inside a parenthesis"))
+                        Diagnostic::new(Code::Nesting, span, format!("a parenthesis cannot contain `{word}`"))
                             .label("the block cannot end here")
                             .also(*opening, "opened here")
                             .help("close the parenthesis with `)` before it"),
@@ -62,7 +62,7 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
         diagnostics.push(
             Diagnostic::new(Code::Nesting, *opening, "the parenthesis is not closed in its block")
                 .label("opened here")
-                .help("write `)` behind the last instruction of the parenthesis"),
+                .help("write `)` after the last instruction of the parenthesis"),
         );
     }
 }

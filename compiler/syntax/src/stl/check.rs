@@ -1,4 +1,4 @@
-//! Checks of an instruction and its operand that need no names: the operand class of the table against what is written.
+//! Checks of an instruction and its operand that need no names: whether the operand is in the operand class of the table.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
@@ -17,7 +17,7 @@ pub fn operand(text: &str, insn: StlInsn, mnemonic: Span, operand: Option<&Opera
     let Some(operand) = operand else {
         return (!class.may_be_missing()).then(|| {
             Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{written}` has no operand"))
-                .label("an operand is missing behind this")
+                .label("an operand is missing after this")
                 .help(format!("`{written}` takes {}", operand_phrase(class)))
         });
     };
@@ -36,7 +36,7 @@ pub fn operand(text: &str, insn: StlInsn, mnemonic: Span, operand: Option<&Opera
     if class == OperandClass::DataBlock && matches!(shown.to_ascii_uppercase().as_str(), "DB" | "DI") {
         return Some(
             Diagnostic::new(Code::MissingOperand, operand.span, format!("`{shown}` has no number"))
-                .label("a number is missing behind this")
+                .label("a number is missing after this")
                 .help(format!("write e.g. `{shown} 5`, or `{shown} [MW 10]` for a number found at run time")),
         );
     }
@@ -64,7 +64,7 @@ pub fn call(text: &str, keyword: Span, target: &Operand, instance: Option<&Opera
     if !callable {
         let shown = &text[target.span.range()];
         return Some(
-            Diagnostic::new(Code::OperandKind, target.span, format!("`{shown}` is no block that `CALL` can call"))
+            Diagnostic::new(Code::OperandKind, target.span, format!("`{shown}` is not a block that `CALL` can call"))
                 .label(describe(&target.kind))
                 .also(keyword, "calls an FC, FB, SFC or SFB")
                 .help("write e.g. `CALL FC 1` or `CALL FB 1, DB 1`"),
@@ -78,9 +78,9 @@ pub fn call(text: &str, keyword: Span, target: &Operand, instance: Option<&Opera
     };
     (!data_block).then(|| {
         let shown = &text[instance.span.range()];
-        Diagnostic::new(Code::OperandKind, instance.span, format!("`{shown}` is no instance data block"))
+        Diagnostic::new(Code::OperandKind, instance.span, format!("`{shown}` is not an instance data block"))
             .label(describe(&instance.kind))
-            .help("behind the function block stands its instance: `CALL FB 1, DB 1`")
+            .help("write the instance after the function block: `CALL FB 1, DB 1`")
     })
 }
 
@@ -97,27 +97,27 @@ pub fn address(text: &str, span: Span, width: Width, byte: u32, bit: u8) -> Opti
                 _ => format!("write `{letters} {byte}.0` for a bit, `{letters}B {byte}` for a byte"),
             };
             Some(
-                Diagnostic::new(Code::Syntax, span, format!("`{shown}` names a bit without its number"))
+                Diagnostic::new(Code::Syntax, span, format!("`{shown}` names a bit, but not its number"))
                     .label("the bit number is missing")
                     .help(help),
             )
         }
         (Width::Bit, _) | (_, NO_BIT) => None,
         _ => Some(
-            Diagnostic::new(Code::Syntax, span, format!("`{shown}` has a bit number, but names no bit"))
+            Diagnostic::new(Code::Syntax, span, format!("`{shown}` has a bit number, but does not name a bit"))
                 .label("bytes, words and double words are addressed by their first byte")
                 .help(format!("remove `.{bit}`, or name the bit without the letter of the width")),
         ),
     }
 }
 
-/// What an operand is, as far as its form tells.
+/// What an operand is, as far as its form shows.
 enum Form {
     /// A bit, byte, word or double word in memory.
     Memory(Option<Area>, Width),
     Cell(CellKind),
     Block(BlockPrefix),
-    /// A name: what it is comes out later.
+    /// A name: what it is is known later.
     Any,
     Other,
 }
@@ -218,7 +218,7 @@ fn fits(class: OperandClass, kind: &OperandKind) -> bool {
     }
 }
 
-/// Whether `L` takes the constant: 32 bits at most, and no BOOL.
+/// Whether `L` accepts the constant: 32 bits at most, and not a BOOL.
 fn loadable(value: &Literal) -> bool {
     match value {
         Literal::Bool(_) | Literal::DateAndTime(_) | Literal::Any(_) => false,
@@ -262,7 +262,7 @@ fn constant_range(class: OperandClass, written: &str, shown: &str, operand: &Ope
             };
             Some(
                 Diagnostic::new(Code::LiteralRange, operand.span, format!("`{shown}` is outside the range of INT"))
-                    .label("an INT lies between -32768 and 32767")
+                    .label("an INT is a number from -32768 to 32767")
                     .help(help),
             )
         }
@@ -270,7 +270,7 @@ fn constant_range(class: OperandClass, written: &str, shown: &str, operand: &Ope
         OperandClass::Byte
             if !(0..=255).contains(&number) && !matches!(written.to_ascii_uppercase().as_str(), "NOP" | "BLD") =>
         {
-            range(Code::LiteralRange, "no byte", "write a number from 0 to 255".to_owned())
+            range(Code::LiteralRange, "not a byte", "write a number from 0 to 255".to_owned())
         }
         OperandClass::ShiftCount16 if !(0..=15).contains(&number) => range(
             Code::ShiftCount,
@@ -356,10 +356,10 @@ fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (St
             "`L` takes a text of one to four characters; copy longer ones with SFC 20 BLKMOV".to_owned(),
         ),
         (OperandKind::Literal(Literal::AreaPointer { db, .. }), _) if *db != 0 => (
-            format!("`{shown}` does not fit into 32 bits: the number of the data block has no room"),
+            format!("`{shown}` does not fit into 32 bits: there is no room for the number of the data block"),
             format!("write the pointer without it, e.g. `P#DBX 0.0`, and open the block with `OPN DB {db}`"),
         ),
-        _ => (format!("`{shown}` is no operand of `{written}`"), takes),
+        _ => (format!("`{shown}` is not an operand of `{written}`"), takes),
     }
 }
 
@@ -373,7 +373,7 @@ fn width_name(width: Width) -> &'static str {
     }
 }
 
-/// What stands at a place, for labels.
+/// What the source has at a position, for labels.
 fn describe(kind: &OperandKind) -> String {
     let area = |area: Option<Area>| match area {
         Some(Area::I) => "input",

@@ -1,4 +1,4 @@
-//! What the actions of the grammar have at hand: the text, its comments, and the messages.
+//! What the actions of the grammar work with: the text, its comments, and the messages.
 
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ pub struct Context<'a> {
     pub tokens: &'a [Spanned<'a>],
     pub comments: &'a [Comment],
     pub diagnostics: Vec<Diagnostic>,
-    /// Starts of the messages that the layout has given, in order: where one lies, the grammar stays silent.
+    /// Starts of the messages of `classify`, in order: where there is one, the grammar reports nothing.
     pub reported: Vec<u32>,
     /// Mnemonic set of the file.
     pub set: Mnemonics,
@@ -48,7 +48,7 @@ impl<'a> Context<'a> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Reports a recovered error, unless the layout has reported one within `range`.
+    /// Reports a recovered error, unless `classify` has reported one within `range`.
     pub fn syntax_error(&mut self, error: ErrorRecovery<usize, Tok<'a>, ()>, place: Place, range: Range<usize>) {
         let found = frame::error_range(&error.error).unwrap_or((range.end, range.end));
         if frame::is_reported(&self.reported, &self.diagnostics, range.start.min(found.0)..range.end.max(found.1)) {
@@ -58,13 +58,13 @@ impl<'a> Context<'a> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Comment lines of their own between the bytes, without `//`.
+    /// Comments between the bytes that have their own line, without `//`.
     pub fn comment_lines(&self, range: Range<usize>) -> Vec<String> {
         comment::lines(self.text, self.comments, range)
     }
 
-    /// The comment behind byte `end`, on the same line.
-    pub fn comment_behind(&self, end: usize) -> Option<String> {
-        comment::behind(self.text, self.comments, end)
+    /// The comment after byte `end`, on the same line.
+    pub fn comment_after(&self, end: usize) -> Option<String> {
+        comment::after(self.text, self.comments, end)
     }
 }

@@ -1,4 +1,4 @@
-//! Statements that stand in files of other notations: networks in STL.
+//! Statements in files of other notations: networks in STL.
 //!
 //! Spans are those of `text`, of which only `range` is read. Mnemonics are international.
 

@@ -1,6 +1,6 @@
-//! The instruction table of STL: one row an instruction.
+//! The instruction table of STL: one row per instruction.
 //!
-//! Lexer, parser, checks, the reference page and the coverage test read these rows. `status` gives the effect on the status word in the
+//! Lexer, parser, checks, the reference page and the coverage test read these rows. `status` is the effect on the status word in the
 //! order BR CC1 CC0 OV OS OR STA RLO /FC: `-` not touched, `x` computed, `0` `1` forced. Rows follow the chapters of the
 //! "Statement List for S7-300 and S7-400" reference manual. `CALL` has a syntax of its own and no row.
 
@@ -14,7 +14,7 @@ pub enum Mnemonics {
     De,
 }
 
-/// What an instruction takes as operand.
+/// What an instruction accepts as operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum OperandClass {
     None,
@@ -61,7 +61,7 @@ pub enum OperandClass {
 }
 
 impl OperandClass {
-    /// True if the instruction can stand without an operand.
+    /// True if the operand may be omitted.
     pub const fn may_be_missing(self) -> bool {
         match self {
             OperandClass::None
@@ -157,17 +157,17 @@ stl_instructions! {
     Xor { en: "X", de: "X", operand: Bit, status: "- - - - - 0 x x 1" }
     /// Exclusive OR NOT: combines the RLO with the negated bit.
     XorNot { en: "XN", de: "XN", operand: Bit, status: "- - - - - 0 x x 1" }
-    /// Opens a parenthesis whose result is combined as by `A`.
+    /// Opens a parenthesis whose result is combined as with `A`.
     AndNest { en: "A(", de: "U(", operand: None, status: "- - - - - 0 1 - 0" }
-    /// Opens a parenthesis whose result is combined as by `AN`.
+    /// Opens a parenthesis whose result is combined as with `AN`.
     AndNotNest { en: "AN(", de: "UN(", operand: None, status: "- - - - - 0 1 - 0" }
-    /// Opens a parenthesis whose result is combined as by `O`.
+    /// Opens a parenthesis whose result is combined as with `O`.
     OrNest { en: "O(", de: "O(", operand: None, status: "- - - - - 0 1 - 0" }
-    /// Opens a parenthesis whose result is combined as by `ON`.
+    /// Opens a parenthesis whose result is combined as with `ON`.
     OrNotNest { en: "ON(", de: "ON(", operand: None, status: "- - - - - 0 1 - 0" }
-    /// Opens a parenthesis whose result is combined as by `X`.
+    /// Opens a parenthesis whose result is combined as with `X`.
     XorNest { en: "X(", de: "X(", operand: None, status: "- - - - - 0 1 - 0" }
-    /// Opens a parenthesis whose result is combined as by `XN`.
+    /// Opens a parenthesis whose result is combined as with `XN`.
     XorNotNest { en: "XN(", de: "XN(", operand: None, status: "- - - - - 0 1 - 0" }
     /// Closes the parenthesis: combines its RLO with the one before; BR is as it was at the opening.
     CloseNest { en: ")", de: ")", operand: None, status: "x - - - - x 1 x 1" }
@@ -427,7 +427,7 @@ stl_instructions! {
     JumpNotPositive { en: "JMZ", de: "SPMZ", operand: Label, status: "- - - - - - - - -" }
     /// Jumps if the last result was invalid.
     JumpUnordered { en: "JUO", de: "SPU", operand: Label, status: "- - - - - - - - -" }
-    /// Jump distributor: executes the JU in the list behind it that ACCU1-LL numbers.
+    /// Jump distributor: executes the JU in the list after it that ACCU1-LL numbers.
     JumpList { en: "JL", de: "SPL", operand: Label, status: "- - - - - - - - -" }
     /// Decrements ACCU1-L; jumps if it is not 0.
     Loop { en: "LOOP", de: "LOOP", operand: Label, status: "- - - - - - - - -" }

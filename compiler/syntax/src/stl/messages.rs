@@ -1,4 +1,4 @@
-//! Syntax errors in the words of the user.
+//! Syntax errors in terms that users know.
 
 use plcc_diag::{Code, Diagnostic};
 
@@ -9,7 +9,7 @@ use crate::stl::{Mnemonics, mnemonics};
 /// The message for the token at byte `found`, recovered at `place`.
 pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic {
     let index = context.tokens.partition_point(|(start, ..)| *start < found);
-    // Tokens of no width stand before those that begin at the same byte.
+    // Tokens without width come before those that begin at the same byte.
     let at = context.tokens.get(index);
     let before = index.checked_sub(1).and_then(|before| context.tokens.get(before));
     match place {
@@ -24,7 +24,7 @@ pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic
     }
 }
 
-/// `… cannot stand behind … in this …`, at the token, or behind the last one if the line ends too early.
+/// `… cannot follow … in this …`, at the token, or after the last one if the line ends too early.
 fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, code: Code, what: &str) -> Diagnostic {
     match at {
         Some((start, token, end)) if start < end && !ends(token) => {
@@ -33,7 +33,7 @@ fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, co
             let title = match before {
                 Some((b_start, b_token, b_end)) if b_start < b_end && !ends(b_token) && !begins(b_token) => {
                     let (b_start, b_end) = phrase(context, *b_start, *b_end);
-                    format!("`{text}` cannot stand behind `{}` in this {what}", &context.text[b_start..b_end])
+                    format!("`{text}` cannot follow `{}` in this {what}", &context.text[b_start..b_end])
                 }
                 _ => format!("`{text}` cannot begin this {what}"),
             };
@@ -42,12 +42,12 @@ fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, co
         _ => {
             let (start, end) = before.map_or((0, 0), |(start, _, end)| phrase(context, *start, *end));
             Diagnostic::new(code, context.span(start, end), format!("this {what} is not complete"))
-                .label("something is missing behind this")
+                .label("something is missing after this")
         }
     }
 }
 
-/// The bytes of a token, with the letters or the number that make an address of it: `MW` and `10`.
+/// The bytes of a token, with the letters or the number that complete its address: `MW` and `10`.
 fn phrase(context: &Context, start: usize, end: usize) -> (usize, usize) {
     let index = context.tokens.partition_point(|(token_start, ..)| *token_start < start);
     let letters = |token: Option<&Spanned>| {
@@ -74,7 +74,7 @@ fn foreign_letters(context: &Context, at: Option<&Spanned>, before: Option<&Span
     Some(format!("write `{own}{number}`: the file has {} mnemonics", set_name(context.set)))
 }
 
-/// What is meant by `1,5`, `M 1.O`, `[AR1]` or `[AR3,P#0.0]`.
+/// What to write for `1,5`, `M 1.O`, `[AR1]` or `[AR3,P#0.0]`.
 fn slip(context: &Context, index: usize, before: Option<&Spanned>) -> Option<String> {
     let (_, before_token, before_end) = before?;
     let (start, token, _) = context.tokens.get(index)?;
@@ -132,7 +132,7 @@ fn statement_error(context: &Context, index: usize, at: Option<&Spanned>, before
                 context.span(*start, *end),
                 format!("`{text}` has no address"),
             )
-            .label("a number is missing behind this")
+            .label("a number is missing after this")
             .help(format!("write e.g. `{text} {example}`; a local variable is written `#{text}`"));
         }
         Some(Tok::Cell(_)) if incomplete => {
@@ -143,7 +143,7 @@ fn statement_error(context: &Context, index: usize, at: Option<&Spanned>, before
                 context.span(*start, *end),
                 format!("`{text}` has no number"),
             )
-            .label("a number is missing behind this")
+            .label("a number is missing after this")
             .help(format!("write e.g. `{text} 5`; a local variable is written `#{text}`"));
         }
         Some(Tok::Call) if incomplete => {
@@ -159,7 +159,7 @@ fn statement_error(context: &Context, index: usize, at: Option<&Spanned>, before
     let first = context.tokens[start..index].iter().find(|(_, token, _)| !begins(token));
     let help = match first.map(|(_, token, _)| token) {
         Some(Tok::Call) => {
-            "write `CALL block, instance ( name := operand, … )`, or each `name := operand` on a line of its own"
+            "write `CALL block, instance ( name := operand, … )`, or each `name := operand` on a separate line"
                 .to_owned()
         }
         Some(Tok::Insn(insn)) => format!("`{}` takes {}", insn.mnemonic(context.set), operand_phrase(insn.operand())),
@@ -177,7 +177,7 @@ fn parameter_error(context: &Context, at: Option<&Spanned>, before: Option<&Span
 fn declaration_error(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
     let help = match before.map(|(_, token, _)| token) {
         Some(Tok::Name(_)) if !matches!(at, Some((_, Tok::Colon, _))) => {
-            "`:` stands between name and data type, e.g. `speed : INT;`"
+            "write `:` between name and data type, e.g. `speed : INT;`"
         }
         Some(Tok::Colon | Tok::Of) => "a data type is missing, e.g. `INT`, `ARRAY [1..10] OF REAL`, `UDT 5`",
         Some(Tok::Array | Tok::DotDot) => "an array is written `ARRAY [1..10] OF INT`",
@@ -190,7 +190,7 @@ fn assignment_error(context: &Context, at: Option<&Spanned>, before: Option<&Spa
     message(context, at, before, Code::Syntax, "assignment").help("write `component := constant;`, e.g. `a.b[3] := 5;`")
 }
 
-/// What an instruction takes, for help texts.
+/// What an instruction accepts, for help texts.
 pub fn operand_phrase(class: crate::stl::OperandClass) -> &'static str {
     use crate::stl::OperandClass;
     match class {

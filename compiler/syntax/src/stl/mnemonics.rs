@@ -1,4 +1,4 @@
-//! Words of STL: finding the instruction, area or register that a word names, and the mnemonic set of a file.
+//! Words of STL: finds the instruction, area or register that a word names, and the mnemonic set of a file.
 
 use std::collections::HashMap;
 use std::sync::LazyLock;
@@ -7,7 +7,7 @@ use crate::ast::{AddressRegister, Area, BlockPrefix, CellKind, SpecialRegister, 
 use crate::stl::raw::{RawKind, RawText, RawToken};
 use crate::stl::{Mnemonics, StlInsn};
 
-/// A word in upper case without allocating; longer words are no keywords and stay empty.
+/// A word in upper case without allocating; longer words are not keywords and stay empty.
 #[derive(Clone, Copy)]
 pub struct Upper {
     bytes: [u8; Upper::CAPACITY],
@@ -50,7 +50,7 @@ pub fn other(set: Mnemonics) -> Mnemonics {
     }
 }
 
-/// Area letters of both sets; the last column is the set that they belong to.
+/// Area letters of both sets; the last column is their set.
 const AREAS: &[(&str, Area, Option<Mnemonics>)] = &[
     ("I", Area::I, Some(Mnemonics::En)),
     ("E", Area::I, Some(Mnemonics::De)),
@@ -68,7 +68,7 @@ const AREAS: &[(&str, Area, Option<Mnemonics>)] = &[
 
 /// Area and width of letters such as `IW`, `DBX`, `PEW`; `set` `None`: of both sets.
 pub fn area(letters: &str, set: Option<Mnemonics>) -> Option<(Area, Width)> {
-    // Nothing longer than `PIW` and nothing else than letters: most words end here.
+    // Not longer than `PIW`, and only letters: most words end here.
     if letters.is_empty() || letters.len() > 3 {
         return None;
     }
@@ -162,21 +162,21 @@ pub fn register(word: &str) -> Option<AddressRegister> {
     }
 }
 
-/// Letters and the digits behind them: `MW10` is `MW`, `10`. `None` if the word is not built so.
+/// Letters and the digits after them: `MW10` is `MW`, `10`. `None` if the word does not have this form.
 pub fn letters_and_digits(word: &str) -> (&str, &str) {
     let letters = word.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(word.len());
     let (letters, digits) = word.split_at(letters);
     if digits.bytes().all(|byte| byte.is_ascii_digit()) { (letters, digits) } else { (word, "") }
 }
 
-/// The set of a file, and where a token of each set stands.
+/// The set of a file, and where a token of each set is.
 pub struct Detected {
     pub set: Mnemonics,
-    /// Of the set, and of the other one: then the file is mixed.
+    /// Of the set, and of the other one if the file is mixed.
     pub first: [Option<RawToken>; 2],
 }
 
-/// Finds the set from what only one set has: mnemonics, or else area letters of operands. None of them: international.
+/// Finds the set from what only one set has: mnemonics, or else area letters of operands. Without either: international.
 pub fn detect(text: &str, raw: &RawText, wanted: Option<Mnemonics>) -> Detected {
     let mut counts = [0u32; 2];
     let mut first = [None; 2];
@@ -206,8 +206,8 @@ pub fn detect(text: &str, raw: &RawText, wanted: Option<Mnemonics>) -> Detected 
     Detected { set, first: [first[set as usize], first[other(set) as usize]] }
 }
 
-/// The one set that has the mnemonic, if what follows can follow a mnemonic.
-fn set_of_mnemonic(word: &str, next: Option<&RawToken>, behind: Option<&RawToken>) -> Option<Mnemonics> {
+/// The set, if only one has the mnemonic, and if the next token can follow a mnemonic.
+fn set_of_mnemonic(word: &str, next: Option<&RawToken>, after: Option<&RawToken>) -> Option<Mnemonics> {
     let set = match (instruction(word, Mnemonics::En), instruction(word, Mnemonics::De)) {
         (Some(_), None) => Mnemonics::En,
         (None, Some(_)) => Mnemonics::De,
@@ -225,14 +225,14 @@ fn set_of_mnemonic(word: &str, next: Option<&RawToken>, behind: Option<&RawToken
         | RawKind::Number
         | RawKind::Real => !continues,
         // `A [AR1,P#0.0]` is an instruction, `U[1] := 5` is not.
-        RawKind::LeftBracket => !continues || behind.is_some_and(|behind| behind.kind == RawKind::Word),
+        RawKind::LeftBracket => !continues || after.is_some_and(|after| after.kind == RawKind::Word),
         RawKind::Equal => !continues,
         _ => true,
     };
     fits.then_some(set)
 }
 
-/// The one set that has these area letters, with a number behind them.
+/// The set, if only one has these area letters with a number after them.
 fn set_of_operand(word: &str, next: Option<&RawToken>) -> Option<Mnemonics> {
     let (letters, digits) = letters_and_digits(word);
     let numbered = !digits.is_empty()

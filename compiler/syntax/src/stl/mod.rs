@@ -1,17 +1,17 @@
-//! STL for S7-300/400: instruction table, lexer, layout, grammar.
+//! STL for S7-300/400: instruction table, lexer, classifier, grammar.
 //!
 //! ```text
 //! text ──► raw tokens ──► tokens with a meaning ──► syntax tree
-//!      raw.rs        layout/                 stl.lalrpop
+//!      raw.rs        classify/               stl.lalrpop
 //! ```
 
 mod actions;
 mod block_check;
 mod check;
+mod classify;
 mod context;
 pub mod fragment;
 pub mod instructions;
-mod layout;
 mod messages;
 mod mnemonics;
 pub mod pragma;
@@ -43,7 +43,7 @@ pub fn is_mnemonic(word: &str) -> bool {
         || [Mnemonics::En, Mnemonics::De].into_iter().any(|set| mnemonics::instruction(upper.as_str(), set).is_some())
 }
 
-/// Parses a source. Errors are recovered; what could not be parsed is left out or is an error node.
+/// Parses a source. Recovers from errors; what it cannot parse is left out or becomes an error node.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let raw = raw::scan(text);
     if let Some(refusal) = refuse(file, text, &raw) {
@@ -60,14 +60,14 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     (SourceUnit { mnemonics: detected.set, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
 }
 
-/// What the tokens of a text hold.
+/// The contents of the tokens of a text.
 struct Parsed {
     blocks: Vec<Block>,
     pragmas: Vec<Pragma>,
     diagnostics: Vec<Diagnostic>,
 }
 
-/// Parses tokens; their messages join those that were found before.
+/// Parses tokens; their messages are added to the earlier ones.
 fn parse_raw(
     file: FileId,
     text: &str,
@@ -76,14 +76,14 @@ fn parse_raw(
     obey_pragmas: bool,
     mut diagnostics: Vec<Diagnostic>,
 ) -> Parsed {
-    let laid = layout::lay_out(file, text, raw, detected, obey_pragmas);
-    diagnostics.extend(laid.diagnostics);
-    let mut context = context::Context::new(file, text, &laid.tokens);
-    context.comments = &laid.comments;
+    let classified = classify::classify(file, text, raw, detected, obey_pragmas);
+    diagnostics.extend(classified.diagnostics);
+    let mut context = context::Context::new(file, text, &classified.tokens);
+    context.comments = &classified.comments;
     context.set = detected.set;
     context.reported = diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
     context.reported.sort_unstable();
-    let tokens = laid.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
+    let tokens = classified.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
     let blocks = match grammar::UnitParser::new().parse(&mut context, tokens) {
         Ok(blocks) => blocks,
         Err(error) => {
@@ -104,18 +104,18 @@ fn parse_raw(
         diagnostics.retain(|diagnostic| diagnostic.code != Code::MixedMnemonics);
     }
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
-    Parsed { blocks, pragmas: laid.pragmas, diagnostics }
+    Parsed { blocks, pragmas: classified.pragmas, diagnostics }
 }
 
-/// A file that is not worth parsing: no source, or a template that was never filled in.
+/// A file that should not be parsed: not a source, or a template that was not filled in.
 fn refuse(file: FileId, text: &str, raw: &raw::RawText) -> Option<Diagnostic> {
     let spanned = |token: &raw::RawToken| Span { file, start: token.start, end: token.end };
     let first = raw.tokens.first()?;
     if first.kind == raw::RawKind::Less {
-        return Some(layout::not_a_source(spanned(first), "XML begins here"));
+        return Some(classify::not_a_source(spanned(first), "XML begins here"));
     }
     if let Some(at) = text.find('\0') {
-        return Some(layout::not_a_source(Span::new(file, at..at + 1), "a zero byte: the file is not text"));
+        return Some(classify::not_a_source(Span::new(file, at..at + 1), "a zero byte: the file is not text"));
     }
     let listing = raw.tokens.windows(3).find(|tokens| {
         tokens[0].first_on_line
@@ -125,7 +125,7 @@ fn refuse(file: FileId, text: &str, raw: &raw::RawText) -> Option<Diagnostic> {
     });
     if let Some(tokens) = listing {
         let span = spanned(&tokens[0]).to(spanned(&tokens[2]));
-        return Some(layout::not_a_source(span, "head of a listing of machine code"));
+        return Some(classify::not_a_source(span, "head of a listing of machine code"));
     }
     let marker = raw.tokens.iter().find(|token| match token.kind {
         raw::RawKind::Marker => true,
@@ -150,7 +150,7 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
             let span = Span { file, start: comment.start, end: comment.start + 2 };
             diagnostics.push(
                 Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
-                    .label("begins here, and takes the rest of the file")
+                    .label("begins here, and includes the rest of the file")
                     .help("close it with `*)`, or begin each line of it with `//`"),
             );
             continue;
@@ -158,7 +158,7 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
         let span = Span { file, start: comment.start, end: comment.end };
         diagnostics.push(
             Diagnostic::new(Code::BlockComment, span, "STL has no comments in `(* *)`")
-                .label("taken as a comment")
+                .label("read as a comment")
                 .help("begin each line of the comment with `//`"),
         );
     }
@@ -186,9 +186,9 @@ fn report_mixture(
         span(foreign),
         format!("`{word}` is {other} mnemonic in a file with {set} ones"),
     )
-    .label("a file keeps to one set")
+    .label("a file uses one set only")
     .help(if options.mnemonics.is_some() {
-        format!("the {set} set was asked for; leave `--mnemonics` out to have it found")
+        format!("the {set} set was requested; without `--mnemonics` plcc finds the set itself")
     } else {
         format!("write the whole file with {set} mnemonics, operands too")
     });
@@ -202,10 +202,10 @@ fn report_mixture(
 pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
     let raw = raw::scan(text);
     let detected = mnemonics::detect(text, &raw, options.mnemonics);
-    let laid = layout::lay_out(FileId::default(), text, raw, &detected, options.pragmas);
+    let classified = classify::classify(FileId::default(), text, raw, &detected, options.pragmas);
     let mut out = String::new();
     let (mut line, mut counted) = (1usize, 0usize);
-    for (start, token, _) in &laid.tokens {
+    for (start, token, _) in &classified.tokens {
         if *start >= counted {
             line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
             counted = *start;

@@ -7,16 +7,16 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 use crate::assertion;
 use crate::ast::{AssertLiteral, AssertSide, Assertion, Operand, OperandKind, Pragma};
 use crate::scl;
+use crate::stl::classify::classify_operand;
 use crate::stl::context::Context;
-use crate::stl::layout::lay_out_operand;
 use crate::stl::{grammar, raw};
 
-/// Whether the comment is a pragma. Lines of carets mark expected messages and are none for the compiler.
+/// Whether the comment is a pragma. Lines of carets mark expected messages; the compiler ignores them.
 pub fn is_pragma(comment: &str) -> bool {
     comment.strip_prefix("//@").is_some_and(|text| !text.trim_start().starts_with('^'))
 }
 
-/// Whether the pragma holds for the file: `cpu`, `test`.
+/// Whether the pragma applies to the file: `cpu`, `test`.
 pub fn is_for_file(pragma: &Pragma) -> bool {
     matches!(pragma.text.split_ascii_whitespace().next(), Some("cpu" | "test"))
 }
@@ -46,7 +46,7 @@ fn parse_assert(
 ) -> Option<Assertion> {
     if source[range.clone()].trim().is_empty() {
         diagnostics.push(
-            Diagnostic::new(Code::Pragma, span, "this assertion cannot be understood")
+            Diagnostic::new(Code::Pragma, span, "plcc cannot read this assertion")
                 .label("an assertion is: operand, comparison, operand")
                 .help(assertion::HELP),
         );
@@ -55,12 +55,12 @@ fn parse_assert(
     assertion::parse(file, source, range, diagnostics, &mut |range, diagnostics| side(file, source, range, diagnostics))
 }
 
-/// What stands on a side of a comparison.
+/// A side of a comparison.
 fn side(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<Diagnostic>) -> Option<AssertSide> {
     let text = &source[range.clone()];
     let mut found = Vec::new();
     let mut operand = operand(file, source, text, range.clone(), &mut found);
-    // SCL of STEP 7 has no sign before names of local variables: `a[1]` is what `#a[1]` is.
+    // SCL of STEP 7 has no `#` before names of local variables: `a[1]` is `#a[1]`.
     if operand.is_none() && is_element(text) && range.start > 0 {
         let mut other = Vec::new();
         let signed = format!("#{text}");
@@ -85,7 +85,7 @@ fn side(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<D
                 Some(first) => Diagnostic::new(Code::Pragma, first.primary.span, first.title)
                     .label(first.primary.text)
                     .help(first.help.unwrap_or_else(|| assertion::HELP.to_owned())),
-                None => Diagnostic::new(Code::Pragma, place, "this assertion cannot be understood")
+                None => Diagnostic::new(Code::Pragma, place, "plcc cannot read this assertion")
                     .label("no operand, register or constant")
                     .help(assertion::HELP),
             });
@@ -109,7 +109,7 @@ fn is_element(text: &str) -> bool {
     text.starts_with(|c: char| c.is_alphabetic() || c == '_') && text[name..].starts_with('[')
 }
 
-/// The operand that is written as `text`, at `range` of the source.
+/// The operand written as `text`, at `range` of the source.
 fn operand(
     file: FileId,
     source: &str,
@@ -117,7 +117,7 @@ fn operand(
     range: Range<usize>,
     found: &mut Vec<Diagnostic>,
 ) -> Option<AssertSide> {
-    let (tokens, messages) = lay_out_operand(file, text, raw::scan(text), range.start);
+    let (tokens, messages) = classify_operand(file, text, raw::scan(text), range.start);
     found.extend(messages);
     if !found.is_empty() {
         return None;
@@ -131,7 +131,7 @@ fn operand(
             let (start, stop) = crate::frame::error_range(&error).unwrap_or((range.start, range.end));
             let place = if start < stop { start..stop } else { range };
             found.push(
-                Diagnostic::new(Code::Pragma, Span::new(file, place), "this assertion cannot be understood")
+                Diagnostic::new(Code::Pragma, Span::new(file, place), "plcc cannot read this assertion")
                     .label("an assertion is: operand, comparison, operand")
                     .help(assertion::HELP),
             );

@@ -1,8 +1,8 @@
-//! The lexer: characters to raw tokens, without regard to where they stand.
+//! The lexer: characters to raw tokens, regardless of where they are.
 //!
 //! Literals with `#` are one token (`S5T#2h_1m`, `P#DB11.DBX 20.0 INT 10`), a `TITLE =` is one token with the rest of its line.
-//! Line ends and blanks are no tokens: each token knows whether a line end stands before it. Comments stand in a list of
-//! their own, by position.
+//! Line ends and blanks are not tokens: each token knows whether a line end is before it. Comments are in a separate
+//! list, by position.
 
 use std::ops::Range;
 
@@ -96,7 +96,7 @@ pub enum RawKind {
     Hash,
     #[token("%")]
     Percent,
-    /// A character that no statement holds.
+    /// A character that no statement contains.
     Stray,
 }
 
@@ -106,7 +106,7 @@ pub struct RawToken {
     pub kind: RawKind,
     pub start: u32,
     pub end: u32,
-    /// A line end stands between this token and the one before, or it is the first one.
+    /// There is a line end between this token and the one before, or it is the first one.
     pub first_on_line: bool,
 }
 
@@ -125,7 +125,7 @@ pub struct RawText {
 }
 
 impl RawText {
-    /// Moves everything to where the scanned part of a text begins.
+    /// Shifts all positions to where the scanned part of a text begins.
     pub fn shift(&mut self, by: u32) {
         for token in &mut self.tokens {
             token.start += by;
@@ -141,7 +141,7 @@ impl RawText {
     }
 }
 
-/// Splits `text` into raw tokens. Never fails: what is no token is `Stray`.
+/// Splits `text` into raw tokens. Never fails: text that is not a token becomes `Stray`.
 pub fn scan(text: &str) -> RawText {
     let mut tokens: Vec<RawToken> = Vec::with_capacity(text.len() / 4);
     let mut comments = Vec::new();
@@ -223,7 +223,7 @@ fn number(lexer: &mut Lexer<RawKind>) -> RawKind {
     RawKind::Number
 }
 
-/// How the text behind the `#` of a constant is built.
+/// How the text after the `#` of a constant is built.
 #[derive(Clone, Copy)]
 enum LiteralForm {
     /// `W#16#3A2F`, `C#20`, `L#-7`, `INT#5`, `REAL#1.5`.
@@ -272,7 +272,7 @@ fn literal_form(prefix: &str) -> Option<LiteralForm> {
     FORMS.iter().find(|(name, _)| name.eq_ignore_ascii_case(prefix)).map(|(_, form)| *form)
 }
 
-/// Bytes of the constant behind `#`; `None` if the `#` does not make a constant (`P##name`).
+/// Bytes of the constant after `#`; `None` if the `#` does not make a constant (`P##name`).
 fn literal_length(form: LiteralForm, rest: &str) -> Option<usize> {
     match form {
         LiteralForm::Number => Some(number_length(rest)),

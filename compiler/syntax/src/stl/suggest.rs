@@ -1,9 +1,9 @@
-//! Hints for words that are no instruction.
+//! Hints for words that are not an instruction.
 
 use crate::stl::mnemonics::{self, letters_and_digits, other};
 use crate::stl::{Mnemonics, StlInsn};
 
-/// What others write for an instruction of STL: mnemonics of other controllers and frequent slips.
+/// Words that users write for an instruction of STL: mnemonics of other controllers and frequent typing errors.
 const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("LD", "`A` begins a string of logic; `LD` belongs to S7-200"),
     ("LDN", "`AN` begins a string of logic; `LDN` belongs to S7-200"),
@@ -29,7 +29,7 @@ const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("TITEL", "write `TITLE =`"),
 ];
 
-/// What to write in place of `word` (upper case; `text` as written).
+/// What to write instead of `word` (upper case; `text` as written).
 pub fn instruction(word: &str, text: &str, set: Mnemonics) -> String {
     if let Some((_, help)) = KNOWN_SLIPS.iter().find(|(slip, _)| *slip == word) {
         return (*help).to_owned();
@@ -41,7 +41,7 @@ pub fn instruction(word: &str, text: &str, set: Mnemonics) -> String {
     if !digits.is_empty() {
         let split = (1..letters.len()).rev().find(|at| instruction_of(&letters[..*at], set).is_some());
         if let Some(at) = split {
-            return format!("a blank stands between mnemonic and operand: `{} {}`", &text[..at], &text[at..]);
+            return format!("write a blank between mnemonic and operand: `{} {}`", &text[..at], &text[at..]);
         }
     }
     match nearest(word, set) {
@@ -62,7 +62,7 @@ fn nearest(word: &str, set: Mnemonics) -> Option<StlInsn> {
     StlInsn::ALL.iter().copied().find(|insn| one_edit(word.as_bytes(), insn.mnemonic(set).as_bytes()))
 }
 
-/// Whether one inserted, removed, changed or swapped letter makes `a` to `b`.
+/// Whether inserting, removing, changing or swapping one letter turns `a` into `b`.
 fn one_edit(a: &[u8], b: &[u8]) -> bool {
     let same = a.iter().zip(b).take_while(|(x, y)| x == y).count();
     let (rest_a, rest_b) = (&a[same..], &b[same..]);

@@ -1,4 +1,4 @@
-//! Tokens as the grammar sees them: each says what it means at its place.
+//! Tokens as the grammar sees them: each token says what it means where it is.
 
 use crate::ast::{AddressRegister, AssertRegister};
 use crate::ast::{Area, BlockPrefix, CellKind, Pragma, SectionKind, SpecialRegister, StatusOperand, Width};
@@ -22,7 +22,7 @@ pub enum HeaderField {
     Version,
 }
 
-/// A header keyword that stands alone.
+/// A header keyword without a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeaderFlag {
     KnowHowProtect,
@@ -45,7 +45,7 @@ pub enum Tok<'a> {
     EndBlock,
     Begin,
     Network,
-    /// Text behind `TITLE =`.
+    /// Text after `TITLE =`.
     Title(&'a str),
     HeaderText(HeaderField, &'a str),
     HeaderFlag(HeaderFlag),
@@ -79,9 +79,9 @@ pub enum Tok<'a> {
     /// A line end before `name :=` of a call without parentheses.
     ParameterLine,
     Pragma(Box<Pragma>),
-    /// What has been reported already, in place of a statement.
+    /// A part that has been reported, in place of a statement.
     BadStatement,
-    /// What has been reported already, in place of an operand.
+    /// A part that has been reported, in place of an operand.
     BadOperand,
 
     // Operands.
@@ -91,9 +91,9 @@ pub enum Tok<'a> {
     Width(Width),
     /// `T`, `C`.
     Cell(CellKind),
-    /// `0.0` behind area letters.
+    /// `0.0` after area letters.
     BitAddress(u32, u8),
-    /// `10` behind area letters, `T` and `C`.
+    /// `10` after area letters, `T` and `C`.
     Address(u32),
     /// `FC 7`.
     Block(BlockPrefix, u32),
@@ -110,7 +110,7 @@ pub enum Tok<'a> {
     Local(&'a str),
     /// `"name"`, without quotes.
     Quoted(&'a str),
-    /// A name as it stands.
+    /// A name as written.
     Name(&'a str),
     Literal(Literal),
 

@@ -10,10 +10,10 @@ use plcc_syntax::ast::{Area, OperandKind};
 use plcc_syntax::scl::ast::{Argument, BinaryOp, Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
 use plcc_syntax::scl::{address, literal as constant};
 
-/// How deep an expression may be nested. Whoever walks the tree may recurse.
+/// How deep an expression may be nested. Code that walks the tree may recurse.
 const DEPTH_MAX: usize = 1000;
 
-/// Operands of one chain of AND or OR from which on its tree is balanced: exported conditions have thousands.
+/// From this many operands on, the tree of a chain of AND or OR is balanced: exported conditions have thousands.
 const CHAIN_MAX: usize = 64;
 
 /// An expression and the depth of its tree.
@@ -34,14 +34,14 @@ impl Sub {
     }
 }
 
-/// A node over parts of depth `depth`; too deep a tree is reported and left out.
+/// A node over parts of depth `depth`; a tree that is too deep is reported and left out.
 fn build(context: &mut Context, depth: usize, span: Span, node: impl FnOnce() -> ExprKind) -> Sub {
     if depth >= DEPTH_MAX {
         context.report(
             Diagnostic::new(Code::Syntax, Span { end: span.start + 1, ..span }, "this expression has too many parts")
                 .label("begins here")
                 .help(format!(
-                    "at most {DEPTH_MAX} operators may follow one another; keep a part of it in a memory bit"
+                    "at most {DEPTH_MAX} operators may follow one another; store a part of it in a memory bit"
                 )),
         );
         return Sub::leaf(ExprKind::Error, span);
@@ -65,7 +65,7 @@ pub fn chain(context: &mut Context, op: BinaryOp, first: Sub, rest: Vec<(usize, 
     if rest.len() < CHAIN_MAX {
         return rest.into_iter().fold(first, |left, (start, end, right)| binary(context, op, left, right, start..end));
     }
-    // Neighbours are joined until one is left; each keeps the sign before it.
+    // Neighbours are joined until one is left; each keeps the operator before it.
     let mut row: Vec<(Range<usize>, Sub)> = vec![(0..0, first)];
     row.extend(rest.into_iter().map(|(start, end, sub)| (start..end, sub)));
     while row.len() > 1 {
@@ -136,12 +136,12 @@ pub fn absolute(context: &mut Context, text: &str, range: Range<usize>) -> Sub {
     }
 }
 
-/// The operand that an address names; what is none is reported.
+/// The operand that an address names; text that is not an address is reported.
 fn address_of(context: &mut Context, text: &str, span: Span) -> Option<OperandKind> {
     let operand = address::token(&text.replace(' ', ""), span);
     if operand.is_none() {
         context.report(
-            Diagnostic::new(Code::AddressRange, span, format!("`{text}` is no address"))
+            Diagnostic::new(Code::AddressRange, span, format!("`{text}` is not an address"))
                 .label("no area has this address")
                 .help("write e.g. `MW10`, `I0.7`, `DB1.DBX2.0`; bits go from 0 to 7"),
         );
@@ -156,7 +156,7 @@ pub fn literal(context: &mut Context, text: &str, range: Range<usize>) -> Sub {
             if let Some(number) = read.wrapped {
                 context.report(
                     Diagnostic::new(Code::Tolerated, span, format!("`{text}` is outside the range of its type"))
-                        .label(format!("taken as {number}"))
+                        .label(format!("read as {number}"))
                         .help("write the negative number, or a bit string such as `16#FFFF`"),
                 );
             }
@@ -186,7 +186,7 @@ pub fn member_absolute(context: &mut Context, base: Sub, text: &str, range: Rang
         }),
         Some(_) => {
             context.report(
-                Diagnostic::new(Code::Syntax, part, "only an address in a data block can stand behind a point")
+                Diagnostic::new(Code::Syntax, part, "only an address in a data block can follow a point")
                     .label("an address of another area")
                     .help("write e.g. `DB10.DBX0.0`"),
             );

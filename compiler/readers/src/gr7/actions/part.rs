@@ -13,7 +13,7 @@ use plcc_syntax::chart::ast::{
 };
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind};
 
-/// A step of what stands in it.
+/// Builds a step from its parts.
 pub fn step<'a>(
     context: &mut Context<'a>,
     initial: bool,
@@ -44,7 +44,7 @@ pub fn step<'a>(
     Part::Step(step, head.number)
 }
 
-/// A transition of its clauses.
+/// Builds a transition from its clauses.
 pub fn transition<'a>(
     context: &mut Context<'a>,
     head: Head,
@@ -90,7 +90,7 @@ fn keep(context: &mut Context, place: &mut Option<Condition>, condition: Option<
         };
         return context.report(
             Diagnostic::new(Code::Syntax, span, format!("a second {what}"))
-                .label("there is one already")
+                .label("there is already one")
                 .also(before, "the first one")
                 .help("join both with AND or OR"),
         );
@@ -98,7 +98,7 @@ fn keep(context: &mut Context, place: &mut Option<Condition>, condition: Option<
     *place = condition;
 }
 
-/// A row. One that was told of is kept as an error.
+/// A row. A row that was reported is kept as an error.
 pub fn action(
     context: &mut Context,
     body: Option<ActionBody>,
@@ -110,7 +110,7 @@ pub fn action(
     let end = qualifier.end;
     let comment = match comment {
         Some(text) => Some(pragma::lines(text).join(" ")).filter(|text| !text.is_empty()),
-        None => context.comment_behind(end),
+        None => context.comment_after(end),
     };
     let (body, mark) = match (body, mark) {
         (Some(body), Some(mark)) if is_action(context, &body) => (body, mark),
@@ -127,13 +127,13 @@ pub fn action(
     }
 }
 
-/// Whether the row works on a variable; what is none is reported.
+/// Whether the operand of the row is a variable; other operands are reported.
 fn is_action(context: &mut Context, body: &ActionBody) -> bool {
     let (ActionBody::Operand(operand) | ActionBody::Value { operand, .. }) = body else { return true };
     is_variable(context, operand, Code::ActionText)
 }
 
-/// Whether something can be written to the expression; what is no operand is reported.
+/// Whether the expression can be written to; one that is not an operand is reported.
 fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
     let help = match &operand.kind {
         ExprKind::Name(_)
@@ -143,18 +143,18 @@ fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
         | ExprKind::Slice { .. }
         | ExprKind::Index { .. }
         | ExprKind::Dereference(_) => return true,
-        // Told of where it was read.
+        // Reported where it was read.
         ExprKind::Error => return false,
         ExprKind::Binary { op: BinaryOp::Equal, .. } => "a value is assigned with `:=`",
-        _ => "write an address, a symbol, or a step before the qualifier, and a value behind `:=`",
+        _ => "write an address, a symbol, or a step before the qualifier, and a value after `:=`",
     };
     context.report(
-        Diagnostic::new(code, operand.span, "this is no operand").label("nothing can be written to it").help(help),
+        Diagnostic::new(code, operand.span, "this is not an operand").label("nothing can be written to it").help(help),
     );
     false
 }
 
-/// A permanent instruction with a coil. One that was told of is left out.
+/// A permanent instruction with a coil. An instruction that was reported is left out.
 pub fn permanent(
     context: &mut Context,
     operand: Expr,

@@ -1,6 +1,6 @@
-//! What steps do: action blocks as rows. Source: GRAPH reference, chapter C.
+//! The actions of steps: action blocks as rows. Source: GRAPH reference, chapter C.
 //!
-//! Qualifiers of IEC 61131-3 and the rows that have their meaning:
+//! Qualifiers of IEC 61131-3 and the rows with the same meaning:
 //!
 //! | IEC | Variable | Statements or networks |
 //! | --- | --- | --- |
@@ -12,8 +12,8 @@
 //! | SD, SL | S of a hidden BOOL that starts a TON | the same |
 //! | DS | D of a hidden BOOL that sets the variable | the same |
 //!
-//! What hidden BOOLs stand for happens behind the sequencer, in each call: statements run while theirs is 1, and once more when it has become 0.
-//! R resets the BOOLs of its action, whichever step has set them.
+//! The statements of hidden BOOLs run after the sequencer, in each call: while their BOOL is 1, and once more when it has become 0.
+//! R resets the BOOLs of its action, no matter which step has set them.
 
 use std::collections::HashMap;
 
@@ -30,7 +30,7 @@ use plcc_syntax::scl::ast::{
     Argument, AssignOp, BinaryOp, Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind, UnaryOp,
 };
 
-/// What an action works on.
+/// The operand or the statements of an action.
 enum Work {
     Operand(Expr),
     /// Rows, and the name of the action of the POU.
@@ -62,13 +62,13 @@ impl<'a> Sfc<'_, 'a, '_> {
             let of_line = |line: Node| plan.ids.get(line.attribute("refLocalId")?.trim()).copied();
             let Some(at) = lines(block).find_map(of_line) else {
                 let span = self.reader.place(block, "name");
-                let help = "connect it to the step whose actions it holds";
+                let help = "connect it to the step that executes its actions";
                 self.report(Code::NoSource, span, "an action block that belongs to no step", "is not executed", help);
                 continue;
             };
             if matches!(block.attribute("negated").map(str::trim), Some("true" | "1")) {
                 let span = self.reader.place(block, "negated");
-                let help = "write the actions into the steps in which they are to be executed";
+                let help = "write the actions into the steps that are to execute them";
                 let text = "plcc does not read actions that are executed while their step is not active";
                 self.report(Code::ForeignContent, span, text, "a negated action block", help);
                 continue;
@@ -89,14 +89,14 @@ impl<'a> Sfc<'_, 'a, '_> {
         }
     }
 
-    /// An action of several steps: IEC 61131-3 executes it once in a cycle, here each step does.
+    /// An action of several steps: IEC 61131-3 executes it once in a cycle, here each step executes it.
     fn owner(&mut self, node: Node<'a, 'a>, name: String, step: usize, owners: &mut HashMap<String, usize>) {
         let first = *owners.entry(name.to_lowercase()).or_insert(step);
         if first != step {
             let span = child(node, "reference")
                 .map_or(self.reader.place(node, "qualifier"), |reference| self.reader.place(reference, "name"));
             let text = format!("the action `{name}` belongs to several steps");
-            let help = "a cycle in which one of the steps follows the other executes it for both; let it not count such cycles";
+            let help = "in the cycle where one of these steps follows the other, it is executed for both; do not count cycles in it";
             self.report(Code::Tolerated, span, text, "is executed for each of them", help);
         }
     }
@@ -141,7 +141,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         }
     }
 
-    /// A variable, an action of the POU, or what stands in the action itself.
+    /// A variable, an action of the POU, or the body of the action itself.
     fn work(&mut self, node: Node<'a, 'a>) -> Work {
         if let Some(inline) = child(node, "inline") {
             return self.code(inline).map_or(Work::Error, |rows| Work::Code(rows, None));
@@ -150,7 +150,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         let Some(attribute) = reference.filter(|attribute| !attribute.value().trim().is_empty()) else {
             let span = self.reader.place(node, "qualifier");
             let help = "name a BOOL variable or an action of the POU, or write statements";
-            self.report(Code::ActionText, span, "an action that works on nothing", "", help);
+            self.report(Code::ActionText, span, "an action without an operand", "", help);
             return Work::Error;
         };
         let name = attribute.value().trim();
@@ -161,7 +161,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         Work::Operand(operand)
     }
 
-    /// S, D, L, SD, DS, SL: a row of a BOOL, and what follows from it behind the sequencer.
+    /// S, D, L, SD, DS, SL: a row with a BOOL, and its effect after the sequencer.
     fn controlled(
         &mut self,
         node: Node<'a, 'a>,
@@ -197,7 +197,7 @@ impl<'a> Sfc<'_, 'a, '_> {
             },
             Work::Error => return error(entry),
         };
-        // What the action works on: the variable, or a BOOL that stands for the statements.
+        // The operand of the action: the variable, or a BOOL that represents the statements.
         let target = match work {
             Work::Operand(operand) => operand,
             Work::Code(..) | Work::Error => self.hidden(span, "BOOL"),
@@ -208,7 +208,7 @@ impl<'a> Sfc<'_, 'a, '_> {
             ("DS", Some(value)) => {
                 let due = self.hidden(span, "BOOL");
                 let set = assignment(target.clone(), truth(true, span));
-                self.behind(vec![when(due.clone(), vec![set], Vec::new())], span);
+                self.push_after(vec![when(due.clone(), vec![set], Vec::new())], span);
                 (Qualifier::D, ActionBody::Value { operand: due, value })
             }
             ("SD" | "SL", Some(value)) => {
@@ -224,7 +224,7 @@ impl<'a> Sfc<'_, 'a, '_> {
                 };
                 let off = when(before.clone(), vec![assignment(target.clone(), truth(false, span))], Vec::new());
                 let on = assignment(target.clone(), truth(true, span));
-                self.behind(
+                self.push_after(
                     vec![
                         call(timer, vec![("IN", stored.clone()), ("PT", value)]),
                         when(active.clone(), vec![on], vec![off]),
@@ -248,7 +248,7 @@ impl<'a> Sfc<'_, 'a, '_> {
                 },
                 span,
             };
-            self.behind(vec![when(either, list, Vec::new()), assignment(before, target.clone())], span);
+            self.push_after(vec![when(either, list, Vec::new()), assignment(before, target.clone())], span);
             if !matches!(qualifier, "D" | "L") {
                 self.stored.entry(key).or_default().push(target);
             }
@@ -256,14 +256,14 @@ impl<'a> Sfc<'_, 'a, '_> {
         vec![entry.row(None, row, body)]
     }
 
-    /// A variable of the instance that nothing else has.
+    /// A variable of the instance that is used for nothing else.
     fn hidden(&mut self, span: Span, ty: &str) -> Expr {
         let text = self.body.hidden_variable("action", ty, span);
         Expr { kind: ExprKind::Name(Name { text, form: NameForm::Local, span }), span }
     }
 
-    /// Statements behind the sequencer, in each call.
-    fn behind(&mut self, list: Vec<Statement>, span: Span) {
+    /// Statements after the sequencer, in each call.
+    fn push_after(&mut self, list: Vec<Statement>, span: Span) {
         let (title, comment, labels) = (None, Vec::new(), Vec::new());
         let content = Content::Scl(list);
         let network = Network { language: Language::Scl, title, comment, labels, content, span };

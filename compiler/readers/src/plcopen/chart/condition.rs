@@ -1,4 +1,4 @@
-//! What transitions wait for: a variable, an expression, statements or a network.
+//! The conditions of transitions: a variable, an expression, statements or a network.
 
 use plcc_diag::{Code, Span};
 use roxmltree::Node;
@@ -14,7 +14,7 @@ use plcc_syntax::network::elements::Kind as ElementKind;
 use plcc_syntax::scl::ast::{AssignOp, Expr, ExprKind, Name, NameForm, Statement, StatementKind, UnaryOp};
 
 impl<'a> Sfc<'_, 'a, '_> {
-    /// The condition of a transition; `network`: the object that stands for it in the networks of the chart.
+    /// The condition of a transition; `network`: the object that represents it in the networks of the chart.
     pub fn condition(&mut self, transition: Node<'a, 'a>, network: Option<usize>, span: Span) -> Option<Condition> {
         let node = child(transition, "condition");
         if let Some(at) = network {
@@ -32,7 +32,7 @@ impl<'a> Sfc<'_, 'a, '_> {
     }
 
     fn missing(&mut self, span: Span) -> Option<Condition> {
-        let help = "write the condition; TRUE lets the transition switch at once";
+        let help = "write the condition; with TRUE the transition switches immediately";
         self.report(Code::MissingCondition, span, "a transition without a condition", "", help);
         self.broken = true;
         None
@@ -51,7 +51,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         Some(Condition::Expression(value))
     }
 
-    /// A condition with a body of its own, inline or in a transition of the POU.
+    /// A condition with its own body, inline or in a transition of the POU.
     pub fn condition_body(&mut self, holder: Node<'a, 'a>, name: Option<&str>, span: Span) -> Option<Condition> {
         let Some(content) = content(holder) else { return self.missing(span) };
         match content.tag_name().name() {
@@ -84,7 +84,7 @@ impl<'a> Sfc<'_, 'a, '_> {
             StatementKind::Error => Expr { kind: ExprKind::Error, span: last.span },
             _ => {
                 let text = "the statements of the transition do not end in a condition";
-                let help = "write the BOOL expression that counts as the last statement";
+                let help = "write the BOOL expression of the condition as the last statement";
                 self.report(Code::ConditionType, last.span, text, "not an expression", help);
                 Expr { kind: ExprKind::Error, span: place }
             }
@@ -121,7 +121,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         };
         let end = &mut objects[at];
         if end.modifiers.edge != Edge::None || end.modifiers.storage != Storage::None {
-            let text = "a transition takes the signal as it is: no edge, no set, no reset";
+            let text = "a transition reads the signal itself: no edge, no set, no reset";
             let help = "make it a plain coil";
             let span = end.span;
             self.report(Code::ConditionType, span, text, "", help);
@@ -143,7 +143,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         self.network(graph, if is_ladder { Language::Lad } else { Language::Fbd }, span)
     }
 
-    /// A network that is nothing but an expression is the expression, or the transition of the POU that it names.
+    /// A network that is only an expression is that expression, or the transition of the POU that it names.
     fn network(&self, graph: Graph, language: Language, span: Span) -> Condition {
         if let [element] = graph.elements.as_slice()
             && let [pin] = element.pins.as_slice()

@@ -1,4 +1,4 @@
-//! What is drawn: steps, transitions, branches and jumps, and the lines between them.
+//! The drawing: steps, transitions, branches and jumps, and the lines between them.
 
 use std::collections::{HashMap, HashSet};
 
@@ -22,7 +22,7 @@ pub struct Plan<'a> {
 
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
-    /// Place in the list of the kind.
+    /// Index in the list of its kind.
     Step(usize),
     Transition(usize),
     Branch(usize),
@@ -38,10 +38,10 @@ struct Item<'a> {
 struct Arm {
     from: usize,
     to: usize,
-    /// Places among the outputs of `from` and the inputs of `to`.
+    /// Indices of the output of `from` and the input of `to`.
     output: u32,
     input: u32,
-    /// The lesser goes first: priority, column, and place among the outputs as the file lists them.
+    /// The lesser comes first: priority, column, and index of the output in the file.
     rank: (u64, i64, usize),
     span: Span,
 }
@@ -75,8 +75,8 @@ impl<'a> Sfc<'_, 'a, '_> {
         plan
     }
 
-    /// Several lines from a step, or from the end of a simultaneous branch, begin an alternative branch that is not drawn: the branches by
-    /// what they stand behind.
+    /// Several lines from a step, or from the end of a simultaneous branch, begin an alternative branch that is not drawn. The key of the branches is
+    /// the node that they come after.
     fn hidden_branches(&self, items: &[Item<'a>], arms: &[Arm], plan: &mut Plan<'a>) -> HashMap<usize, usize> {
         let drawing = &mut plan.drawing;
         let mut counts = vec![0; items.len()];
@@ -118,11 +118,11 @@ impl<'a> Sfc<'_, 'a, '_> {
                 (name @ ("step" | "macroStep"), None) => {
                     if name == "macroStep" {
                         let text = match node.attribute("name").map(str::trim).filter(|name| !name.is_empty()) {
-                            Some(name) => format!("plcc does not read macro steps, here `{name}`"),
+                            Some(name) => format!("plcc does not read macro steps, such as `{name}`"),
                             None => "plcc does not read macro steps".to_string(),
                         };
                         let help = "draw the steps of the macro step in the chart itself";
-                        self.report(Code::ForeignContent, span, text, "what is inside is not executed", help);
+                        self.report(Code::ForeignContent, span, text, "its steps are not executed", help);
                         self.broken = true;
                     }
                     if let Some(id) = node.attribute("localId") {
@@ -145,7 +145,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         items
     }
 
-    /// The lines between items, with the places of their ends.
+    /// The lines between items, with the indices of their ends.
     fn arms(&mut self, items: &[Item<'a>]) -> Vec<Arm> {
         let mut ids: HashMap<&str, usize> = HashMap::new();
         for (at, item) in items.iter().enumerate() {
@@ -163,7 +163,7 @@ impl<'a> Sfc<'_, 'a, '_> {
                         let rank = (priority(item), position(item.node).1, output(items[from].node, line));
                         arms.push(Arm { from, to, output: 0, input: input as u32, rank, span });
                     }
-                    // Editors drop such lines as they open the project; what it leaves unreached is told.
+                    // Editors drop these lines when they open the project; parts that become unreachable are reported.
                     None => {
                         let text = format!("a line comes from object {id}, which is not a step, transition or branch");
                         let help = "connect the element again in the editor if something is missing";
@@ -172,7 +172,7 @@ impl<'a> Sfc<'_, 'a, '_> {
                 }
             }
         }
-        // Ties are as the file has them.
+        // Ties keep the order of the file.
         let mut order: Vec<usize> = (0..arms.len()).collect();
         order.sort_by_key(|at| arms[*at].rank);
         let mut outputs: HashMap<usize, u32> = HashMap::new();
@@ -201,7 +201,7 @@ impl<'a> Sfc<'_, 'a, '_> {
             Code::UnknownStep,
             span,
             format!("no step of the chart is called `{name}`"),
-            "a jump to here",
+            "the target of a jump",
             help,
         );
         self.broken = true;
@@ -223,13 +223,13 @@ impl<'a> Sfc<'_, 'a, '_> {
     }
 }
 
-/// Of a transition, as it is numbered; those without a number go last.
+/// The number of a transition; those without a number come last.
 fn priority(item: &Item) -> u64 {
     let priority = item.node.attribute("priority").filter(|_| matches!(item.kind, Kind::Transition(_)));
     priority.and_then(|text| text.trim().parse().ok()).unwrap_or(u64::MAX)
 }
 
-/// The place of the output that a line names, among those of the element.
+/// The index of the output that a line names.
 fn output(from: Node, line: Node) -> usize {
     let name = line.attribute("formalParameter").unwrap_or("");
     let points = elements(from).filter(|point| point.tag_name().name() == "connectionPointOut");

@@ -1,10 +1,10 @@
 //! SFC bodies as charts of GRAPH.
 //!
-//! - `drawing`: steps, transitions and branches with the lines between them, as [`chart::fold`](mod@fold) takes them.
-//! - `condition`: what transitions wait for.
-//! - `action`: what steps do.
+//! - `drawing`: steps, transitions and branches with the lines between them, as [`chart::fold`](mod@fold) expects them.
+//! - `condition`: the conditions of transitions.
+//! - `action`: the actions of steps.
 //!
-//! Steps and transitions have no numbers here, and transitions no names: they get them in the order of the file.
+//! Steps and transitions have no numbers here, and transitions have no names: they get them in the order of the file.
 //! Source: GRAPH reference, chapter C.
 
 mod action;
@@ -55,15 +55,15 @@ pub fn read<'a>(reader: &mut Reader<'a>, body: &mut Body, pou: Node<'a, 'a>, con
 struct Sfc<'r, 'a, 'b> {
     reader: &'r mut Reader<'a>,
     body: &'b mut Body,
-    /// Of the networks that stand in the chart.
+    /// The objects of the networks in the chart.
     objects: Vec<Object>,
-    /// Transitions of the POU that have a name, in lower case; none: could not be read.
+    /// Named transitions of the POU, by name in lower case; none: could not be read.
     transitions: HashMap<String, Option<Condition>>,
     /// Actions of the POU by their names in lower case, as rows; none: could not be read.
     actions: HashMap<String, Option<Vec<ActionBody>>>,
     /// BOOLs that keep an action going, by its name in lower case.
     stored: HashMap<String, Vec<Expr>>,
-    /// What happens behind the sequencer, in each call.
+    /// The networks after the sequencer, executed in each call.
     after: Vec<Permanent>,
     broken: bool,
 }
@@ -84,7 +84,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         steps.iter().enumerate().map(name).collect()
     }
 
-    /// `Init.X` is the step, even if a global variable is called so.
+    /// `Init.X` is the step, even if a global variable has this name.
     fn hide(&mut self, steps: &[Name]) {
         for name in steps {
             let key = name.text.to_lowercase();
@@ -165,7 +165,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         transitions
     }
 
-    /// Statements or networks of an action; none if they cannot be read, which is told.
+    /// Statements or networks of an action; none if they cannot be read, which is reported.
     fn code(&mut self, holder: Node<'a, 'a>) -> Option<Vec<ActionBody>> {
         let Some(content) = content(holder) else { return Some(Vec::new()) };
         let rows = match content.tag_name().name() {
@@ -196,7 +196,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         Some(networks.into_iter().map(ActionBody::Network).collect())
     }
 
-    /// Whether a network has a jump or a return, which is told.
+    /// Whether a network has a jump or a return, which is reported.
     fn leaves(&mut self, content: Node<'a, 'a>) -> bool {
         let Some(node) = elements(content).find(|node| matches!(node.tag_name().name(), "jump" | "return")) else {
             return false;
@@ -206,7 +206,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         true
     }
 
-    /// Tells of statements that would leave the whole chart.
+    /// Reports statements that would leave the whole chart.
     fn stays(&mut self, statements: &[Statement]) -> Option<()> {
         match leaving(statements) {
             Some(span) => {
@@ -268,7 +268,7 @@ fn comment(node: Node) -> Vec<String> {
     child(node, "documentation").map(plain_text).filter(|text| !text.is_empty()).into_iter().collect()
 }
 
-/// A statement that leaves the list it stands in.
+/// A statement that leaves its list.
 pub fn leaving(statements: &[Statement]) -> Option<Span> {
     statements.iter().find_map(|statement| match &statement.kind {
         StatementKind::Return(_) | StatementKind::Goto(_) | StatementKind::Label(_) => Some(statement.span),

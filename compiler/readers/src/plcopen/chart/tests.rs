@@ -273,7 +273,7 @@ fn qualifiers_of_iec_have_rows() {
 fn incomplete_actions_are_told() {
     let without_time = "<action qualifier=\"D\"><reference name=\"a\"/></action>";
     assert_eq!(told(&with_actions("", without_time)), one(Code::ActionText, "`D` without a time"));
-    assert_eq!(told(&with_actions("", "<action/>")), one(Code::ActionText, "an action that works on nothing"));
+    assert_eq!(told(&with_actions("", "<action/>")), one(Code::ActionText, "an action without an operand"));
     let leaves = "<action><inline><ST><p>IF a THEN RETURN; END_IF;</p></ST></inline></action>";
     let title = "plcc does not read jumps and returns in actions and transitions";
     assert_eq!(told(&with_actions("", leaves)), one(Code::ForeignContent, title));
@@ -333,5 +333,5 @@ fn lines_that_lead_nowhere_are_told() {
     let title = "a line comes from object 77, which is not a step, transition or branch";
     assert!(told(&lost).contains(&(Code::Tolerated, title.to_string())));
     let folded = with_condition("", condition, "").replace("<step ", "<macroStep ");
-    assert_eq!(told(&folded), one(Code::ForeignContent, "plcc does not read macro steps, here `S`"));
+    assert_eq!(told(&folded), one(Code::ForeignContent, "plcc does not read macro steps, such as `S`"));
 }

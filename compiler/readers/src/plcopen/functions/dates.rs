@@ -1,4 +1,4 @@
-//! Dates of open editors: DATE and DATE_AND_TIME count from 1970, and become numbers as seconds. Here both are an LDT, nanoseconds since 1970.
+//! Dates of open editors: DATE and DATE_AND_TIME count from 1970, and convert to numbers as seconds. Here both are an LDT, nanoseconds since 1970.
 
 use plcc_diag::{Code, Diagnostic};
 
@@ -48,7 +48,7 @@ pub fn function(make: &Make, upper: &str, values: &[Expr], tell: &mut dyn FnMut(
 
 /// The TIME between two dates.
 pub fn difference(make: &Make, left: &Expr, right: &Expr, tell: &mut dyn FnMut(Diagnostic)) -> ExprKind {
-    let text = "a TIME has room for 24 days: dates further apart have a wrong difference";
+    let text = "a TIME holds 24 days: if the dates are further apart, the difference is wrong";
     let message = Diagnostic::new(Code::Tolerated, make.name, text).label("the difference of dates is a TIME");
     tell(message.help("subtract the numbers of the dates, DATE_TO_DINT(a) - DATE_TO_DINT(b), where they may be"));
     let apart = make.binary(BinaryOp::Subtract, nanoseconds(make, left), nanoseconds(make, right));

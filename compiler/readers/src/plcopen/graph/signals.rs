@@ -1,4 +1,4 @@
-//! What feeds the pins of elements: lines as nets, and the order of pins.
+//! The sources of the pins of elements: lines as nets, and the order of pins.
 
 use std::collections::HashSet;
 
@@ -35,7 +35,7 @@ impl Build<'_, '_, '_> {
         PinValue::Net(self.net(vec![Origin::Pin(element, "out".to_string())], span))
     }
 
-    /// What feeds a connection: its lines, or the expression that stands at it.
+    /// What feeds a connection: its lines, or its expression.
     pub(super) fn sources(&mut self, input: &Connection) -> Vec<Origin> {
         match input.text.clone().filter(|_| input.from.is_empty()) {
             Some(range) => vec![Origin::Operand(self.expr(range), false)],
@@ -66,7 +66,7 @@ impl Build<'_, '_, '_> {
             Kind::InVariable | Kind::InOutVariable => match object.text.clone() {
                 Some(_) if object.modifiers.edge != Edge::None => {
                     let span = object.span;
-                    self.reader.unreadable(span, "an edge at a variable", "connect an R_TRIG or F_TRIG behind it");
+                    self.reader.unreadable(span, "an edge at a variable", "connect an R_TRIG or F_TRIG after it");
                     Vec::new()
                 }
                 Some(range) => vec![Origin::Operand(self.expr(range), object.modifiers.negated)],
@@ -94,7 +94,7 @@ impl Build<'_, '_, '_> {
                     ("", Some(first)) => first.formal.clone(),
                     _ => formal.to_string(),
                 };
-                // Behind an in-out stands the variable before it.
+                // The variable before an in-out is also after it.
                 let passed = |input: &&Connection| input.in_out && input.formal.eq_ignore_ascii_case(&formal);
                 match object.inputs.iter().any(|input| passed(&input)) && depth < DEPTH_MAX {
                     true => self.passed_on(at, &formal, depth),
@@ -121,7 +121,7 @@ impl Build<'_, '_, '_> {
         found
     }
 
-    /// An output of an object that ran; else the value that it had in the last cycle.
+    /// An output of an object that has run; otherwise its value of the last cycle.
     fn made_pin(&mut self, at: usize, formal: &str) -> Vec<Origin> {
         let object = &self.objects[at];
         if let Some(element) = self.made.get(&at).copied() {
@@ -148,7 +148,7 @@ impl Build<'_, '_, '_> {
                 matches!(row.kind, elements::Kind::Gate(_) | elements::Kind::Not | elements::Kind::Compare(_))
             });
         if !boolean {
-            let text = format!("the output of `{}` leads back to its own inputs", object.name);
+            let text = format!("the output of `{}` is connected to its own inputs", object.name);
             let message = Diagnostic::new(Code::ReverseFlow, object.span, text);
             let help = "write the output to a variable and read that one: it has the value of the last cycle";
             self.reader.messages.push(message.label("its value of the last cycle is not known").help(help));
@@ -159,7 +159,7 @@ impl Build<'_, '_, '_> {
         vec![Origin::Operand(hidden, false)]
     }
 
-    /// The type of an output that no net carries: a text or a structure.
+    /// The type of an output that no net can carry: a text or a structure.
     fn complex_output(&mut self, at: usize, formal: &str) -> Option<TypeRef> {
         let object = &self.objects[at];
         if object.kind != Kind::Block || formal.eq_ignore_ascii_case("ENO") {
@@ -177,7 +177,7 @@ impl Build<'_, '_, '_> {
         self.is_text(at, &mut HashSet::new()).then_some(text)
     }
 
-    /// A block of the standard whose output is a text.
+    /// A standard block whose output is a text.
     fn is_text(&self, at: usize, seen: &mut HashSet<usize>) -> bool {
         const TEXT: [&str; 7] = ["CONCAT", "LEFT", "RIGHT", "MID", "INSERT", "DELETE", "REPLACE"];
         const ANY: [&str; 6] = ["SEL", "MUX", "MOVE", "LIMIT", "MIN", "MAX"];
@@ -201,7 +201,7 @@ impl Build<'_, '_, '_> {
         ANY.contains(&upper.as_str()) && lines.into_iter().any(|(from, _)| is_text(*from))
     }
 
-    /// An output that no net carries, in temporary data; of an instance it is read there.
+    /// An output that no net can carry: kept in temporary data, or read from the instance.
     fn carried(&mut self, at: usize, element: usize, formal: &str, ty: TypeRef) -> Origin {
         let object = &self.objects[at];
         let span = object.span;
@@ -222,7 +222,7 @@ impl Build<'_, '_, '_> {
         Origin::Operand(variable, false)
     }
 
-    /// Signals that are read before they are computed are kept for the next cycle.
+    /// Keeps signals that are read before they are computed for the next cycle.
     pub(super) fn keep(&mut self) {
         let mut kept: Vec<((usize, String), Expr)> = std::mem::take(&mut self.kept).into_iter().collect();
         kept.sort_by_key(|((at, _), _)| *at);

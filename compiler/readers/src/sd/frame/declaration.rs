@@ -42,12 +42,12 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// An assignment is at hand: `a.b[1] := 5`.
+    /// Whether an assignment follows: `a.b[1] := 5`.
     fn value_begins(&self) -> bool {
         let mut after_name = false;
         for token in &self.tokens[self.at..] {
             match token.kind {
-                // Two words in a row are no path.
+                // Two words in a row are not a path.
                 RawKind::Word | RawKind::Quoted | RawKind::Local if after_name => return false,
                 RawKind::Word | RawKind::Quoted | RawKind::Local => after_name = true,
                 RawKind::Dot
@@ -63,7 +63,7 @@ impl Reader<'_, '_> {
         false
     }
 
-    /// The attributes behind the name of a data block are its own.
+    /// The attributes after the name of a data block belong to it.
     fn own_attributes(&mut self) {
         let attributes = self.taken_attributes();
         if let Some(block) = self.blocks.last_mut() {
@@ -71,7 +71,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// The types of a TYPE document. SCL wants TYPE and END_TYPE around each.
+    /// The types of a TYPE document. SCL needs TYPE and END_TYPE around each.
     pub(super) fn types(&mut self) {
         self.push();
         let mut first = true;
@@ -104,7 +104,7 @@ impl Reader<'_, '_> {
     /// `Name : STRUCT … END_STRUCT;`, `Name : Int;`, up to its `;`.
     fn type_of_document(&mut self) {
         if let Some(mut name) = self.token() {
-            // `Name : …` alone on its line is no field of a head.
+            // `Name : …` alone on its line is not a field of a head.
             name.first_on_line = false;
             self.out.push(name);
             self.at += 1;
@@ -147,9 +147,9 @@ impl Reader<'_, '_> {
     fn structure(&mut self) {
         let mut depth = 0usize;
         while let Some(token) = self.token() {
-            let behind_name = self.tokens.get(self.at + 1).is_some_and(|next| next.kind == RawKind::Colon);
+            let after_name = self.tokens.get(self.at + 1).is_some_and(|next| next.kind == RawKind::Colon);
             match token.keyword {
-                Some(Keyword::Struct) if !behind_name => depth += 1,
+                Some(Keyword::Struct) if !after_name => depth += 1,
                 Some(Keyword::EndStruct) => {
                     self.misplaced_attributes();
                     self.push();
@@ -166,7 +166,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// A token of a declaration; attributes belong to the name behind them.
+    /// A token of a declaration; attributes belong to the name after them.
     fn member(&mut self, token: RawToken) {
         if token.kind == RawKind::LeftBrace {
             return self.attributes();

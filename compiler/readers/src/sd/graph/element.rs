@@ -11,7 +11,7 @@ use plcc_syntax::network::absent;
 use plcc_syntax::network::ast::{Comparison, Element, Eno, Language, Pin, Storage, Target};
 use plcc_syntax::network::elements::{self, Gate, Kind, Row};
 
-/// What the text before the parentheses means.
+/// The meaning of the text before the parentheses.
 enum Meaning {
     Row {
         row: &'static Row,
@@ -64,7 +64,7 @@ impl Builder<'_, '_> {
             }
             Meaning::Unknown => {
                 self.report_unknown(node.target);
-                // What stands behind it is not to blame.
+                // The text after it is not the cause.
                 *carried = before;
             }
         }
@@ -88,12 +88,12 @@ impl Builder<'_, '_> {
             cases,
             span,
         });
-        // What feeds a net from a pin that is written `out => wire#w1`.
+        // The source of a net at a pin that is written `out => wire#w1`.
         self.feed_from_pins(self.graph.elements.len() - 1);
         self.graph.elements.len() - 1
     }
 
-    /// `Contact`, `#t1.TON`, `"DB".ctu.CTU`; the rest is a call of a block.
+    /// `Contact`, `#t1.TON`, `"DB".ctu.CTU`; anything else is a call of a block.
     fn meaning(&self, target: Span) -> Meaning {
         let text = self.slice(target);
         if let Some((row, negated)) = elements::find_sd(text) {
@@ -123,15 +123,16 @@ impl Builder<'_, '_> {
         }
         let help = match elements::nearest_sd(name) {
             Some(known) => {
-                format!("`{known}` was meant? FCs and instance DBs are called with quotes, `\"{name}\"( … )`")
+                format!("did you mean `{known}`? FCs and instance DBs are called with quotes, `\"{name}\"( … )`")
             }
             None => format!(
                 "FCs and instance DBs are called with quotes, `\"{name}\"( … )`; `docs/reference/lad-fbd.md` lists the elements"
             ),
         };
-        let diagnostic = Diagnostic::new(Code::UnknownElement, target, format!("`{name}` is no element of LAD or FBD"))
-            .label("not in the table of elements")
-            .help(help);
+        let diagnostic =
+            Diagnostic::new(Code::UnknownElement, target, format!("`{name}` is not an element of LAD or FBD"))
+                .label("not in the table of elements")
+                .help(help);
         self.report(diagnostic);
     }
 
@@ -154,7 +155,7 @@ impl Builder<'_, '_> {
         self.report(diagnostic);
     }
 
-    /// Connects the flow to the pin `name`, unless an argument has done it.
+    /// Connects the flow to the pin `name`, unless an argument has connected it.
     fn flow_in(&mut self, pins: &mut Pins, name: Option<String>, carried: Carried, target: Span) {
         let Some(name) = name else { return };
         let given = pins.given(&name);
@@ -168,7 +169,7 @@ impl Builder<'_, '_> {
                     Diagnostic::new(Code::DuplicateParameter, span, format!("the pin `{name}` is connected twice"))
                         .label("a second time")
                         .also(target, "the rung leads to this pin")
-                        .help("remove it here, or begin a rung of its own for the element"),
+                        .help("remove it here, or begin a separate rung for the element"),
                 );
             }
             return;
@@ -179,7 +180,7 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// The comparisons of SWITCH, one for each branch: of its attributes, or of the form `GE #x => label`.
+    /// The comparisons of SWITCH, one for each branch: from its attributes, or from the form `GE #x => label`.
     fn cases(&mut self, settings: &Settings, pins: &Pins) -> Vec<Comparison> {
         let mut cases = settings.cases.clone();
         cases.extend(pins.cases());

@@ -1,6 +1,6 @@
 //! Rungs to elements and nets: what feeds what.
 //!
-//! A rung carries a flow from item to item. An element takes it at its flow pin and gives its own; a wire is a net that the flow goes
+//! A rung carries a flow from item to item. An element receives it at its flow pin and passes its own flow on; a wire is a net that the flow goes
 //! into and comes out of. Source: LAD/FBD reference, A.5, A.6, A.8.
 
 mod element;
@@ -44,7 +44,7 @@ pub fn build(
     (labels, builder.graph)
 }
 
-/// What a rung carries between two items.
+/// The flow between two items of a rung.
 #[derive(Clone, Debug)]
 enum Flow {
     /// Nothing is connected.
@@ -52,9 +52,9 @@ enum Flow {
     Net(NetId),
     /// An operand that the rung begins with.
     Operand(Expr),
-    /// What the element of that index gives.
+    /// The output of the element with that index.
     Element(usize),
-    /// The element behind which nothing can stand, by its name.
+    /// Nothing can follow the element with this name.
     Ended(Span),
     /// An error was reported.
     Lost,
@@ -80,9 +80,9 @@ impl Builder<'_, '_> {
     fn label(&mut self, arguments: Vec<Argument>, span: Span, late: bool, labels: &mut Vec<Name>) {
         if late {
             self.report(
-                Diagnostic::new(Code::ElementPlace, span, "a label stands behind a rung")
-                    .label("not the first in its network")
-                    .help("write `Label( name )` directly behind `NETWORK`; a jump goes to the start of a network"),
+                Diagnostic::new(Code::ElementPlace, span, "a label must come before the first rung")
+                    .label("not first in its network")
+                    .help("write `Label( name )` directly after `NETWORK`; a jump leads to the start of a network"),
             );
         }
         for argument in arguments {
@@ -126,10 +126,10 @@ impl Builder<'_, '_> {
                         Diagnostic::new(
                             Code::Syntax,
                             span,
-                            format!("`{}` cannot stand here in a rung", self.slice(span)),
+                            format!("a rung cannot contain `{}` here", self.slice(span)),
                         )
                         .label("an operand without an element")
-                        .help("operands stand in the parentheses of an element; only a rung of FBD begins with one"),
+                        .help("write operands in the parentheses of an element; only a rung of FBD can begin with one"),
                     );
                     carried.flow = Flow::Lost;
                 }
@@ -142,7 +142,7 @@ impl Builder<'_, '_> {
                         carried.flow = Flow::Lost;
                     } else if self.language == Language::Lad {
                         self.report(
-                            Diagnostic::new(Code::ElementPlace, span, "LAD inverts the flow with an element")
+                            Diagnostic::new(Code::ElementPlace, span, "in LAD an element inverts the flow")
                                 .label("this form belongs to FBD")
                                 .help("write `Not()`"),
                         );
@@ -152,7 +152,7 @@ impl Builder<'_, '_> {
                 Item::Pragma(attributes, span) => {
                     settings.extend(attributes);
                     settings_span = Some(span);
-                    // It may stand before the wire or operand only by mistake; the element is what counts.
+                    // It is before the wire or operand only by mistake; the element counts.
                     continue;
                 }
                 Item::Element(node) => {
@@ -169,17 +169,17 @@ impl Builder<'_, '_> {
         }
         if let Some(span) = settings_span {
             self.report(
-                Diagnostic::new(Code::Syntax, span, "attributes that belong to no element")
+                Diagnostic::new(Code::Syntax, span, "these attributes belong to no element")
                     .label("no element follows")
-                    .help("write them directly before the element that they are about"),
+                    .help("write them directly before the element that they describe"),
             );
         }
         match rung.end {
             Some(wire) => self.end_in_wire(carried, wire, first_element),
             None if carried.inverted && !matches!(carried.flow, Flow::Lost) => self.report(
                 Diagnostic::new(Code::Syntax, rung.span, "the rung ends with `NOT`")
-                    .label("nothing takes the inverted flow")
-                    .help("write the element behind `NOT`, or remove it"),
+                    .label("nothing uses the inverted flow")
+                    .help("write the element after `NOT`, or remove it"),
             ),
             None => {}
         }
@@ -196,10 +196,10 @@ impl Builder<'_, '_> {
                 Diagnostic::new(
                     Code::Tolerated,
                     span,
-                    format!("the operand leads directly into the box `{}`", self.slice(node.target)),
+                    format!("the operand is connected directly to the box `{}`", self.slice(node.target)),
                 )
-                .label("taken as EN")
-                .help("write `A()` between them, as the TIA Portal wants it"),
+                .label("read as EN")
+                .help("write `A()` between them, as the TIA Portal requires"),
             );
         }
     }
@@ -207,8 +207,8 @@ impl Builder<'_, '_> {
     fn report_rung_start(&mut self, span: Span) {
         self.report(
             Diagnostic::new(Code::Syntax, span, "a rung of LAD begins with a wire")
-                .label("stands where the wire is wanted")
-                .help("write `RUNG wire#powerrail`, or the wire of the branch that this one begins at"),
+                .label("a wire is expected here")
+                .help("write `RUNG wire#powerrail`, or the wire where this branch begins"),
         );
     }
 
@@ -256,7 +256,7 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// An element that inverts the flow, for a net that other elements take it from.
+    /// An element that inverts the flow for a net that other elements use.
     fn inverter(&mut self, carried: Carried) -> Option<usize> {
         let (row, _) = elements::find_sd("Not")?;
         let (value, negated) = self.taken(Carried { inverted: false, ..carried })?;
@@ -278,7 +278,7 @@ impl Builder<'_, '_> {
         Some(self.graph.elements.len() - 1)
     }
 
-    /// What the flow pin of the next element is connected to, and whether inverted; none: to nothing.
+    /// The connection of the flow pin of the next element, and whether it is inverted; none: not connected.
     fn taken(&mut self, carried: Carried) -> Option<(PinValue, bool)> {
         let inverted = carried.inverted;
         let value = match carried.flow {
@@ -310,13 +310,13 @@ impl Builder<'_, '_> {
 
     fn report_ended(&mut self, name: Span) {
         self.report(
-            Diagnostic::new(Code::ElementPlace, name, format!("nothing can stand behind `{}`", self.slice(name)))
+            Diagnostic::new(Code::ElementPlace, name, format!("nothing can follow `{}`", self.slice(name)))
                 .label("ends its rung")
-                .help("write it last, and begin a rung of its own for what follows"),
+                .help("write it last, and begin a separate rung for the rest"),
         );
     }
 
-    /// A wire in the middle of a rung: the flow goes into its net, and the net's value goes on.
+    /// A wire in the middle of a rung: the flow enters its net, and continues with the value of the net.
     fn through_wire(&mut self, carried: &mut Carried, wire: Wire, first_element: usize) {
         let before = std::mem::replace(carried, Carried { flow: Flow::Lost, inverted: false });
         if matches!(before.flow, Flow::Nothing) && self.language == Language::Fbd {
@@ -326,7 +326,7 @@ impl Builder<'_, '_> {
                     wire.span,
                     format!("nothing feeds `{}` here", self.slice(wire.span)),
                 )
-                .label("no element stands before it")
+                .label("no element comes before it")
                 .help("write an operand, a wire or an element before it"),
             );
         }
@@ -345,7 +345,7 @@ impl Builder<'_, '_> {
         self.fed(wire, source, nets::Place::End, effect);
     }
 
-    /// Whether an element of the rung does more than to pass the flow.
+    /// Whether an element of the rung does more than pass the flow.
     fn has_effect(&self, first_element: usize) -> bool {
         self.graph.elements[first_element..].iter().any(|element| match &element.target {
             Target::Block { .. } => true,

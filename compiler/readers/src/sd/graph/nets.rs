@@ -1,4 +1,4 @@
-//! Wires by name: which nets they are, who feeds them and who takes from them.
+//! Wires by name: their nets, and what feeds and uses them.
 
 use std::collections::HashMap;
 
@@ -24,7 +24,7 @@ struct Known {
     inline: Vec<Source>,
     /// What feeds it at the end of a rung.
     ends: Vec<Source>,
-    /// Where it is fed, the second place too.
+    /// Where it is fed, including a second place.
     fed: Vec<Span>,
     used: Option<Span>,
     /// Rungs that end in it and do nothing else.
@@ -46,7 +46,7 @@ impl Nets {
         }
     }
 
-    /// The flow goes on behind the wire.
+    /// The flow continues after the wire.
     pub fn note_inline_use(&mut self, net: NetId) {
         if let Some(known) = self.wires.iter_mut().find(|known| known.net == net)
             && known.used.is_none()
@@ -57,7 +57,7 @@ impl Nets {
 }
 
 impl Builder<'_, '_> {
-    /// The net of a wire that something takes from.
+    /// The net of a wire that something uses.
     pub(super) fn consumed(&mut self, wire: Wire) -> NetId {
         let index = self.known(wire);
         let known = &mut self.nets.wires[index];
@@ -69,9 +69,9 @@ impl Builder<'_, '_> {
     pub(super) fn fed(&mut self, wire: Wire, source: Option<Source>, place: Place, effect: bool) -> Option<NetId> {
         if wire.name.eq_ignore_ascii_case(RAIL) {
             self.report(
-                Diagnostic::new(Code::ElementPlace, wire.span, "a rung leads into the power rail")
+                Diagnostic::new(Code::ElementPlace, wire.span, "a rung cannot end in the power rail")
                     .label("the power rail is always TRUE")
-                    .help("end the rung in a wire of its own, `wire#w1`, or in a coil"),
+                    .help("end the rung in its own wire, `wire#w1`, or in a coil"),
             );
             return None;
         }
@@ -110,14 +110,14 @@ impl Builder<'_, '_> {
         self.nets.wires.len() - 1
     }
 
-    /// Gives the nets their sources, and reports wires that lead from or to nowhere.
+    /// Gives the nets their sources, and reports wires without a source or without a use.
     pub(super) fn finish_nets(&mut self) {
         for known in std::mem::take(&mut self.nets.wires) {
             let name = self.graph.net(known.net).name.clone();
             if let (Some(used), []) = (known.used, known.fed.as_slice()) {
                 self.report(
                     Diagnostic::new(Code::NoSource, used, format!("nothing feeds `wire#{name}`"))
-                        .label("taken from here")
+                        .label("used here")
                         .help(match self.language {
                             Language::Lad => "end a rung in this wire, or let the rung begin at `wire#powerrail`",
                             _ => "end a rung in this wire, or write the operand at the pin",
@@ -127,8 +127,8 @@ impl Builder<'_, '_> {
             if known.used.is_none() {
                 for idle in known.idle {
                     self.report(
-                        Diagnostic::new(Code::OpenBranch, idle, format!("nothing takes from `wire#{name}`"))
-                            .label("the rung leads nowhere")
+                        Diagnostic::new(Code::OpenBranch, idle, format!("nothing uses `wire#{name}`"))
+                            .label("the rung is connected to nothing")
                             .help("connect the wire to an element, or end the rung with a coil"),
                     );
                 }
@@ -137,8 +137,8 @@ impl Builder<'_, '_> {
                 && !name.eq_ignore_ascii_case(RAIL)
             {
                 self.report(
-                    Diagnostic::new(Code::Tolerated, *second, format!("`wire#{name}` is fed twice"))
-                        .label("taken as OR")
+                    Diagnostic::new(Code::Tolerated, *second, format!("two rungs feed `wire#{name}`"))
+                        .label("read as OR")
                         .also(*first, "fed here first")
                         .help("FBD joins branches with `O( in2 := … )`"),
                 );

@@ -26,16 +26,14 @@ impl Builder<'_, '_> {
             return expr;
         }
         self.report(
-            Diagnostic::new(Code::Syntax, span, format!("`{}` is no operand", self.slice(span)))
+            Diagnostic::new(Code::Syntax, span, format!("`{}` is not an operand", self.slice(span)))
                 .label("neither a variable nor an address nor a constant")
-                .help(
-                    "write e.g. `#name`, `\"Tag\"`, `\"DB\".member`, `%I0.0` or a constant; CALCULATE takes a formula",
-                ),
+                .help("write e.g. `#name`, `\"Tag\"`, `\"DB\".member`, `%I0.0` or a constant; CALCULATE has a formula"),
         );
         Expr { kind: ExprKind::Error, span }
     }
 
-    /// A label; it may be called like a keyword.
+    /// A label; it may have the name of a keyword.
     pub(super) fn label_name(&self, span: Span) -> Name {
         let text = self.slice(span).trim_matches(['"', '#']).to_string();
         Name { text, form: NameForm::Bare, span }

@@ -12,9 +12,9 @@ use plcc_syntax::scl::ast::Expr;
 pub struct Pins {
     /// None: a call.
     row: Option<&'static Row>,
-    /// The operand is negated by the name of the element.
+    /// The name of the element negates the operand.
     negated: bool,
-    /// With its place in the table.
+    /// With its position in the table.
     pins: Vec<(Place, Pin)>,
     /// Comparisons of the form `GE #x => label`.
     cases: Vec<(usize, Comparison)>,
@@ -36,7 +36,7 @@ impl Pins {
         Pins { row: None, negated: false, pins: Vec::new(), cases: Vec::new() }
     }
 
-    /// The operand that stands before the element's name.
+    /// The operand before the name of the element.
     pub fn operand(&mut self, span: Span, value: Expr) {
         let Some(row) = self.row else { return };
         let wanted = match row.kind {
@@ -56,7 +56,7 @@ impl Pins {
         self.pins.push((Place::Flow, pin));
     }
 
-    /// Where a pin was given.
+    /// Where a pin was written.
     pub fn given(&self, name: &str) -> Option<Span> {
         self.pins.iter().find(|(_, pin)| pin.name.eq_ignore_ascii_case(name)).map(|(_, pin)| pin.span)
     }
@@ -66,7 +66,7 @@ impl Pins {
         self.cases.iter().copied()
     }
 
-    /// The pins in their order; open ones that may be missing are left out. Those of a call stay as written, behind the flow.
+    /// The pins in their order; open pins that may be missing are left out. Those of a call remain as written, after the flow.
     pub fn finish(mut self) -> Vec<Pin> {
         let row = self.row;
         self.pins.retain(|(_, pin)| {
@@ -90,14 +90,14 @@ impl Pins {
         let is = |pin: &PinRow, flow: &str| !flow.is_empty() && pin.matches(flow).is_some();
         let mut order: Vec<PinRow> = row.pins().filter(|pin| !is(pin, row.flow.0) && !is(pin, row.flow.1)).collect();
         if matches!(row.kind, Kind::FlipFlop { .. }) && count > 2 {
-            // `SR( operand, s, r )`: the pin of the flow is among them.
+            // `SR( operand, s, r )`: the flow pin is one of them.
             order.splice(1..1, row.pins().filter(|pin| is(pin, row.flow.0)));
         }
         order.into_iter().find(|pin| self.given(pin.name()).is_none()).map(|pin| (pin, pin.name().to_string()))
     }
 }
 
-/// The place of a pin in the table.
+/// The position of a pin in the table.
 fn place_of(row: &Row, name: &str) -> Place {
     if row.pin(row.flow.0).is_some_and(|(_, flow)| flow == name) {
         return Place::Flow;
@@ -109,7 +109,7 @@ fn place_of(row: &Row, name: &str) -> Place {
 
 /// The pin of a row that the text calls `name`.
 fn find_pin(row: &'static Row, name: &str) -> Option<(PinRow, String)> {
-    // `r` and `s` of flip-flops in short.
+    // `r` and `s` are short names at flip-flops.
     let dominant = || match row.kind {
         Kind::FlipFlop { .. } => row.pin(&format!("{name}1")),
         _ => None,
@@ -175,7 +175,7 @@ impl Builder<'_, '_> {
                 }
                 (Given::Case(..), _) => self.report(
                     Diagnostic::new(Code::Syntax, span, "only SWITCH has branches with a comparison")
-                        .label("no pin")
+                        .label("not a pin")
                         .help("write `pin := operand` or `pin => operand`"),
                 ),
             }
@@ -208,15 +208,16 @@ impl Builder<'_, '_> {
         };
         let first_operand = matches!(canonical.as_str(), "operand" | "timer" | "counter");
         if fits || first_operand && takes_both_signs(row) && output {
-            // As the table has it, or as the TIA Portal writes coils.
+            // As in the table, or as the TIA Portal writes coils.
         } else {
             let (sign, wanted) = if output { ("=>", ":=") } else { (":=", "=>") };
             let tolerated = first_operand && takes_both_signs(row);
             let code = if tolerated { Code::Tolerated } else { Code::Syntax };
             let kind = if output { "input" } else { "output" };
-            let diagnostic = Diagnostic::new(code, name, format!("`{text}` is an {kind}, but has the sign `{sign}`"))
-                .label(format!("an {kind} of `{}`", row.name))
-                .help(format!("write `{text} {wanted} …`"));
+            let diagnostic =
+                Diagnostic::new(code, name, format!("`{text}` is an {kind}, but is connected with `{sign}`"))
+                    .label(format!("an {kind} of `{}`", row.name))
+                    .help(format!("write `{text} {wanted} …`"));
             self.report(diagnostic);
         }
         self.row_pin(pins, row, known, canonical, value, span);
@@ -281,9 +282,9 @@ impl Builder<'_, '_> {
 
     fn report_twice(&mut self, name: &str, first: Span, second: Span) {
         self.report(
-            Diagnostic::new(Code::DuplicateParameter, second, format!("the pin `{name}` is given twice"))
+            Diagnostic::new(Code::DuplicateParameter, second, format!("the pin `{name}` appears twice"))
                 .label("a second time")
-                .also(first, "given here first")
+                .also(first, "first given here")
                 .help("remove one of them"),
         );
     }

@@ -8,18 +8,18 @@ use plcc_syntax::network::ast::{Comparison, Eno, Template, TemplateKey};
 use plcc_syntax::network::elements::{Kind, Row};
 use plcc_syntax::scl::ast::Expr;
 
-/// What the attributes of an element say.
+/// The contents of the attributes of an element.
 #[derive(Default)]
 pub struct Settings {
     pub templates: Vec<Template>,
-    /// None: not said.
+    /// None: not given.
     pub eno: Option<Eno>,
     pub equation: Option<Expr>,
     /// By the number of the branch.
     pub cases: Vec<(usize, Comparison)>,
 }
 
-/// Functions whose ENO always tells of errors (LAD/FBD reference B.9); the other boxes have a switch for it.
+/// Functions whose ENO always reports errors (LAD/FBD reference B.9); the other boxes have a switch for it.
 const ENO_ALWAYS: [&str; 17] = [
     "T_CONV",
     "T_ADD",
@@ -43,7 +43,7 @@ const ENO_ALWAYS: [&str; 17] = [
 /// Boxes without a value that have the switch (LAD/FBD reference B.5).
 const ENO_SWITCHED: [&str; 4] = ["MOVE_BLK", "UMOVE_BLK", "FILL_BLK", "UFILL_BLK"];
 
-/// Whether ENO of an element tells of errors. `inline`: its settings stand behind its name, as V20 writes them.
+/// Whether ENO of an element reports errors. `inline`: its settings come after its name, as V20 writes them.
 pub fn eno(row: &Row, said: Option<Eno>, inline: bool) -> Eno {
     let switch = row.flow.1 == "eno"
         && match row.kind {
@@ -60,7 +60,7 @@ pub fn eno(row: &Row, said: Option<Eno>, inline: bool) -> Eno {
 }
 
 impl Builder<'_, '_> {
-    /// Reads the attributes before an element and those behind its name.
+    /// Reads the attributes before an element and those after its name.
     pub(super) fn settings(&mut self, attributes: &[Attribute], inline: &[Attribute]) -> Settings {
         let mut settings = Settings::default();
         for attribute in attributes {
@@ -74,7 +74,7 @@ impl Builder<'_, '_> {
             match key {
                 _ if attribute.is("S7_Templates") => self.templates(attribute, &mut settings.templates),
                 TemplateKey::Other => self.setting(attribute, &mut settings),
-                // The pins tell how many there are.
+                // The pins show how many there are.
                 TemplateKey::Card => {}
                 _ => settings.templates.push(Template {
                     key,
@@ -105,9 +105,9 @@ impl Builder<'_, '_> {
                         Diagnostic::new(
                             Code::ElementType,
                             attribute.key_span.to(attribute.value_span),
-                            "no comparison of SWITCH",
+                            "not a comparison of SWITCH",
                         )
-                        .label("`==`, `<>`, `<`, `<=`, `>` or `>=` is wanted")
+                        .label("`==`, `<>`, `<`, `<=`, `>` or `>=` is expected")
                         .help("write e.g. `{ CASE0 := \"==\"; CASE1 := \">\" }`"),
                     ),
                 }
@@ -135,8 +135,8 @@ impl Builder<'_, '_> {
                     }
                 }
                 _ => self.report(
-                    Diagnostic::new(Code::ElementType, span, "no data type of an element")
-                        .label("`key := type` is wanted")
+                    Diagnostic::new(Code::ElementType, span, "not a data type of an element")
+                        .label("`key := type` is expected")
                         .help("write e.g. `\"SrcType := Int\"`, or `\"[SrcType := Int, DestType := Real]\"`"),
                 ),
             }

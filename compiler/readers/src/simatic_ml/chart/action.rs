@@ -1,4 +1,4 @@
-//! Rows of actions: the tokens of a row are written to their places in the overlay, and parsed there.
+//! Rows of actions: the tokens of a row are written to their positions in the overlay, and parsed there.
 
 use std::ops::Range;
 
@@ -46,14 +46,14 @@ fn event(reader: &mut Reader, node: Node) -> Option<Option<Event>> {
     let event = Event::of(text);
     if event.is_none() {
         let span = attribute_span(reader, node, "Event");
-        let title = format!("`{text}` is no event of GRAPH");
+        let title = format!("`{text}` is not an event of GRAPH");
         let message = Diagnostic::new(Code::ActionEvent, span, title).label("not known");
         reader.diagnostics.push(message.help("the events are S1, S0, V1, V0, L1, L0, A1 and R1"));
     }
     event.map(Some)
 }
 
-/// The qualifier; `None` if there is no such qualifier. Assumption: a row that names none is `N`, the one that the editor offers first.
+/// The qualifier; `None` if there is no such qualifier. Assumption: a row without one is `N`, which the editor offers first.
 fn qualifier(reader: &mut Reader, node: Node) -> Option<Qualifier> {
     let text = node.attribute("Qualifier").unwrap_or_default().trim();
     if text.is_empty() {
@@ -62,9 +62,10 @@ fn qualifier(reader: &mut Reader, node: Node) -> Option<Qualifier> {
     let qualifier = Qualifier::of(text);
     if qualifier.is_none() {
         let span = attribute_span(reader, node, "Qualifier");
-        let title = format!("`{text}` is no qualifier of GRAPH");
+        let title = format!("`{text}` is not a qualifier of GRAPH");
         let message = Diagnostic::new(Code::Qualifier, span, title).label("not known");
-        let help = "the qualifiers are N, S, R, D, L, ON, OFF, CS, CU, CD, CR, TL, TD, TR and TF; calls stand under N";
+        let help =
+            "the qualifiers are N, S, R, D, L, ON, OFF, CS, CU, CD, CR, TL, TD, TR and TF; calls have the qualifier N";
         reader.diagnostics.push(message.help(help));
     }
     qualifier
@@ -77,7 +78,7 @@ fn comment(node: Node) -> Option<String> {
     line.or(text).filter(|text| !text.is_empty())
 }
 
-/// Writes the tokens of an action. Tokens that are one word only together are written together.
+/// Writes the tokens of an action. Tokens that form one word are written together.
 fn write(reader: &mut Reader, node: Node, whose: &str) -> Result<(), Refused> {
     let mut word: Option<Word> = None;
     for part in elements(node) {
@@ -120,13 +121,13 @@ impl Word {
     }
 }
 
-/// Words that stand alone before a name.
+/// Words that are separate before a name.
 const OPERATORS: [&str; 7] = ["AND", "CALL", "DIV", "MOD", "NOT", "OR", "XOR"];
 
 /// Whether two tokens make one word: `#` and a name, `%` and an address, `T` and `#2S`.
-fn is_one_word(before: &str, behind: &str) -> bool {
-    let ends_open = before.ends_with(['#', '%', '.', ':']) && !behind.starts_with(char::is_whitespace);
+fn is_one_word(before: &str, after: &str) -> bool {
+    let ends_open = before.ends_with(['#', '%', '.', ':']) && !after.starts_with(char::is_whitespace);
     let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or_default();
     let is_prefix = !last.is_empty() && !OPERATORS.iter().any(|operator| operator.eq_ignore_ascii_case(last));
-    ends_open || behind.starts_with('.') || behind.starts_with('#') && is_prefix
+    ends_open || after.starts_with('.') || after.starts_with('#') && is_prefix
 }

@@ -1,6 +1,6 @@
 //! Conditions: networks that end in the coil of a transition, an interlock or a supervision.
 //!
-//! A coil that is wired straight to the power rail is what the editor shows as an empty network: the transition and the interlock are always
+//! The editor shows a coil that is wired directly to the power rail as an empty network: the transition and the interlock are always
 //! satisfied, and there is no supervision. Source: GRAPH reference B.2.
 
 use plcc_diag::Diagnostic;
@@ -13,18 +13,18 @@ use plcc_syntax::chart::ast::Condition;
 use plcc_syntax::network::ast::{Content, Element, Graph, Language, Network, PinValue, Source, Target};
 use plcc_syntax::network::elements::Kind;
 
-/// What a condition is.
+/// The result of reading a condition.
 pub enum Found {
     Network(Condition),
-    /// Its coil has nothing before it.
+    /// Nothing comes before its coil.
     Rail,
     /// There is no network.
     Nothing,
-    /// It cannot be read, which was told.
+    /// It cannot be read, which was reported.
     Refused,
 }
 
-/// Reads the condition in a node. `language`: that of networks which do not name theirs.
+/// Reads the condition in a node. `language`: that of networks which do not name their own.
 pub fn read(reader: &mut Reader, node: Node, language: &str, whose: &str) -> Found {
     let told = reader.diagnostics.len();
     let Some(network) = network(reader, node, language, whose) else { return Found::Nothing };
@@ -36,7 +36,7 @@ pub fn read(reader: &mut Reader, node: Node, language: &str, whose: &str) -> Fou
             1 if is_empty(graph) => Found::Rail,
             1 => Found::Network(Condition::Network(network)),
             0 => {
-                reader.refuse(node, whose, "a network without the coil that a condition ends in");
+                reader.refuse(node, whose, "a network without the coil of a condition");
                 Found::Refused
             }
             _ => {
@@ -80,7 +80,7 @@ fn coils(graph: &Graph) -> usize {
     graph.elements.iter().filter(is_coil).count()
 }
 
-/// Whether there is nothing but a coil, at the power rail or at nothing.
+/// Whether there is only a coil, at the power rail or not connected.
 fn is_empty(graph: &Graph) -> bool {
     let [coil] = graph.elements.as_slice() else { return false };
     coil.pins.iter().all(|pin| match &pin.value {

@@ -1,7 +1,7 @@
-//! Blocks in GRAPH: the chart that is their network.
+//! Blocks in GRAPH: their network is a chart.
 //!
-//! - `nodes`: steps, transitions and branches by number, and the lines between them, which [`plcc_syntax::chart::fold`] makes FROM and TO of.
-//! - `step`, `action`: what a step holds.
+//! - `nodes`: steps, transitions and branches by number, and the lines between them, which [`plcc_syntax::chart::fold`] turns into FROM and TO.
+//! - `step`, `action`: the parts of a step.
 //! - `condition`: networks of transitions, interlocks and supervisions.
 //! - `permanent`: permanent instructions.
 //!
@@ -45,7 +45,7 @@ pub fn read(reader: &mut Reader, object: Node, block: &str) -> Body {
     chart
 }
 
-/// Settings that name blocks which the chart calls besides its steps.
+/// Settings that name blocks which the chart calls in addition to its steps.
 const EXTENSIONS: [&str; 2] = ["ExtensionBlockName", "ExtensionBlocks"];
 
 /// Calls of the blocks that extend the chart, which run after the permanent instructions. See docs/decisions/0077.
@@ -58,7 +58,8 @@ fn extensions(reader: &mut Reader, object: Node, block: &str) -> Vec<Permanent> 
                 let callee = reader.expression(node, text.range().start, &operand::quoted(name));
                 let span = callee.span;
                 let title = format!("`{name}` is called at the end of each call of `{block}`");
-                let message = Diagnostic::new(Code::ExtensionBlock, span, title).label("extends the chart");
+                let message =
+                    Diagnostic::new(Code::ExtensionBlock, span, title).label("plcc adds this call to the chart");
                 let help = "if it must run earlier, call it in a permanent instruction and remove it here";
                 reader.diagnostics.push(message.help(help));
                 let call = Call { block: callee, instance: None, parameters: Vec::new(), span };
@@ -105,9 +106,9 @@ fn graph(reader: &mut Reader, source: Node, block: &str, language: &str, chart: 
                 chart.before.extend(permanent::read(reader, node, "before the sequencers", block, language))
             }
             "PostOperations" => {
-                chart.after.extend(permanent::read(reader, node, "behind the sequencers", block, language))
+                chart.after.extend(permanent::read(reader, node, "after the sequencers", block, language))
             }
-            // Their nodes are known.
+            // Their nodes exist.
             "Sequence" => {}
             other if is_text(other) => {}
             other => {
@@ -134,7 +135,7 @@ fn transition(
     let node = nodes.transitions[at];
     let name = nodes.transition_names[at].clone();
     let whose = format!("transition `{}` of `{block}`", name.text);
-    // A message about a step that it leaves or enters stands at the transition.
+    // A message about a step that it leaves or enters is at the transition.
     let steps = |places: &[usize]| -> Vec<Name> {
         places.iter().map(|step| Name { text: nodes.step_names[*step].text.clone(), ..name.clone() }).collect()
     };
@@ -173,19 +174,19 @@ fn transition(
     }
 }
 
-/// The name of a step or transition; its span is where it stands.
+/// The name of a step or transition; its span is its position.
 fn name(reader: &mut Reader, node: Node) -> Name {
     let text = node.attribute("Name").unwrap_or_default().trim().to_string();
     let span = reader.name_span(node, "Name");
     Name { text, form: NameForm::Bare, span }
 }
 
-/// Whether an element of that name holds texts for people: titles, translated names, alarms.
+/// Whether an element of that name contains texts for people: titles, translated names, alarms.
 fn is_text(element: &str) -> bool {
     matches!(element, "Title" | "Comment") || element.ends_with("Name") || element.contains("Alarm")
 }
 
-/// The place of an attribute's value.
+/// The position of an attribute's value.
 fn attribute_span(reader: &Reader, node: Node, name: &str) -> Span {
     reader.span(attribute_range(node, name))
 }

@@ -1,4 +1,4 @@
-//! Steps, transitions and branches of all sequencers by their numbers, and the drawing that lines make of them.
+//! Steps, transitions and branches of all sequencers by their numbers, and the drawing that the lines form.
 
 use std::collections::HashMap;
 
@@ -11,14 +11,14 @@ use crate::xml::{child, children, elements, head, text_of};
 use plcc_syntax::chart::fold::{Branch, BranchKind, Drawing, Line, Node};
 use plcc_syntax::scl::ast::Name;
 
-/// Nodes of a chart, in the order of the file. Those without a name or number are left out, which is told.
+/// Nodes of a chart, in the order of the file. Those without a name or number are left out, which is reported.
 pub struct Nodes<'a, 'i> {
     pub steps: Vec<Xml<'a, 'i>>,
     pub step_names: Vec<Name>,
     pub transitions: Vec<Xml<'a, 'i>>,
     pub transition_names: Vec<Name>,
     pub drawing: Drawing,
-    /// Places by number; of those that are there twice, the first.
+    /// Indices by number; if a number appears twice, the first.
     step_places: HashMap<u32, usize>,
     transition_places: HashMap<u32, usize>,
 }
@@ -42,7 +42,7 @@ impl<'a, 'i> Nodes<'a, 'i> {
         for sequence in sequences {
             nodes.list(reader, *sequence, block);
         }
-        // A line may lead to a step of another sequencer; branches are numbered in each of their own.
+        // A line may lead to a step of another sequencer; branches are numbered separately in each sequencer.
         for sequence in sequences {
             let branches = nodes.branches(reader, *sequence, block);
             for lines in children(*sequence, "Connections") {
@@ -128,7 +128,7 @@ impl<'a, 'i> Nodes<'a, 'i> {
         Some(Line { from: from?, to: to?, jump, span: reader.span(head(connection)) })
     }
 
-    /// An end of a line; `None` if the chart does not have it, which is told.
+    /// An end of a line; `None` if the chart does not have it, which is reported.
     fn node(&self, reader: &mut Reader, end: Xml, arm: &str, branches: &HashMap<u32, usize>) -> Option<Node> {
         let wanted = number(end, "Number");
         let at = |places: &HashMap<u32, usize>| wanted.and_then(|wanted| places.get(&wanted).copied());
@@ -146,9 +146,11 @@ impl<'a, 'i> Nodes<'a, 'i> {
             }
         };
         if found.is_none() {
-            let title = format!("a line leads to {what} {}, which the chart does not have", shown(end));
+            let title = format!("a line leads to {what} {}, which is not in the chart", shown(end));
             let message = Diagnostic::new(Code::UnknownStep, attribute_span(reader, end, "Number"), title);
-            reader.diagnostics.push(message.label(format!("no such {what}")).help("export the block again"));
+            reader
+                .diagnostics
+                .push(message.label(format!("there is no {what} with this number")).help("export the block again"));
         }
         found
     }
@@ -159,7 +161,7 @@ fn shown(node: Xml) -> String {
     node.attribute("Number").unwrap_or("without a number").to_string()
 }
 
-/// The number of a step or transition that has a name, too; `None` if one is missing, which is told.
+/// The number of a step or transition that has a name, too; `None` if one is missing, which is reported.
 fn named(reader: &mut Reader, node: Xml, what: &str, block: &str) -> Option<u32> {
     let named = node.attribute("Name").is_some_and(|name| !name.trim().is_empty());
     let number = number(node, "Number");

@@ -1,4 +1,4 @@
-//! Permanent instructions: networks before and behind the sequencers.
+//! Permanent instructions: networks before and after the sequencers.
 
 use plcc_diag::Diagnostic;
 use roxmltree::Node;
@@ -9,7 +9,7 @@ use crate::xml::{elements, is};
 use plcc_syntax::chart::ast::{Permanent, PermanentKind};
 use plcc_syntax::network::ast::{Content, Network};
 
-/// Reads the instructions of a list; `place` says where they stand. Empty ones are left out.
+/// Reads the instructions of a list; `place` says where they are. Empty ones are left out.
 pub fn read(reader: &mut Reader, list: Node, place: &str, block: &str, language: &str) -> Vec<Permanent> {
     let mut found = Vec::new();
     let mut number = 0;

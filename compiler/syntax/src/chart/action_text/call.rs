@@ -1,4 +1,4 @@
-//! `CALL "Ramp", "RampDB" (IN1 := 1, OUT1 := #x)`: parameters have commas or ends of lines between them.
+//! `CALL "Ramp", "RampDB" (IN1 := 1, OUT1 := #x)`: commas or line ends separate the parameters.
 
 use std::ops::Range;
 
@@ -9,14 +9,14 @@ use crate::chart::ast::{ActionBody, Call, Parameter};
 use crate::scl::ast::{Argument, Expr, ExprKind, Name, NameForm};
 
 impl Reader<'_> {
-    /// The call at `code`; `behind`: where what is behind the word CALL begins.
-    pub fn call(&mut self, code: Range<usize>, behind: usize) -> ActionBody {
-        let parentheses = self.source.parentheses(behind..code.end);
-        let head = behind..parentheses.map_or(code.end, |(open, _)| open);
+    /// The call at `code`; `after`: where the text after the word CALL begins.
+    pub fn call(&mut self, code: Range<usize>, after: usize) -> ActionBody {
+        let parentheses = self.source.parentheses(after..code.end);
+        let head = after..parentheses.map_or(code.end, |(open, _)| open);
         let parameters = match parentheses {
             None => None,
             Some((open, None)) => {
-                let help = "close it behind the last parameter";
+                let help = "close it after the last parameter";
                 return self.refuse(
                     open..open + 1,
                     "the parameters of a call are not closed".to_string(),
@@ -38,7 +38,7 @@ impl Reader<'_> {
             [] => (head, None),
             [comma] => (head.start..comma.start, Some(comma.end..head.end)),
             [_, second, ..] => {
-                let help = "write the block, and behind a comma its instance data block";
+                let help = "write the block, a comma, and its instance data block";
                 let title = "a call names a block and its instance".to_string();
                 return self.refuse(second.clone(), title, "one name too many", help);
             }
@@ -61,7 +61,7 @@ impl Reader<'_> {
     fn block(&mut self, range: Range<usize>, call: Range<usize>) -> Option<Expr> {
         let range = self.source.trimmed(range);
         if range.is_empty() {
-            let help = "write the name of the block behind CALL";
+            let help = "write the name of the block after CALL";
             self.refuse(call, "a call without a block".to_string(), "no name", help);
             return None;
         }
@@ -69,7 +69,7 @@ impl Reader<'_> {
         let (letters, number) =
             written.split_at(written.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(written.len()));
         let digits = number.trim_start();
-        // The number may stand apart.
+        // The number may be a separate word.
         if digits.len() < number.len() && !letters.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit()) {
             let span = self.span(range.clone());
             let name = Name { text: format!("{letters}{digits}"), form: NameForm::Bare, span };
@@ -88,7 +88,7 @@ impl Reader<'_> {
     fn parameter(&mut self, range: Range<usize>) -> Option<Parameter> {
         let Some(arrow) = self.source.arrow(range.clone()) else {
             let help = "write the parameter's name and `:=` before the value";
-            self.refuse(range, "a parameter without its name".to_string(), "what is it for?", help);
+            self.refuse(range, "a parameter without its name".to_string(), "which parameter is it for?", help);
             return None;
         };
         let name = self.source.trimmed(range.start..arrow.start);
@@ -118,7 +118,12 @@ impl Reader<'_> {
             let Some(name) = argument.name else {
                 let help = "write the parameter's name and `:=` before the value";
                 let place = argument.span.range();
-                return self.refuse(place, "a parameter without its name".to_string(), "what is it for?", help);
+                return self.refuse(
+                    place,
+                    "a parameter without its name".to_string(),
+                    "which parameter is it for?",
+                    help,
+                );
             };
             parameters.push(Parameter { name, value: argument.value, span: argument.span });
         }

@@ -1,8 +1,8 @@
-//! The text of actions without its comments, and where things in it begin and end. Quoted names and texts are never looked into.
+//! The text of actions without its comments, and where its parts begin and end. The contents of quoted names and texts are ignored.
 
 use std::ops::Range;
 
-/// A part of a text: ranges are places of the whole text.
+/// A part of a text; ranges refer to the whole text.
 pub struct Code {
     start: usize,
     /// The part, with blanks in place of comments.
@@ -11,7 +11,7 @@ pub struct Code {
     comments: Vec<(usize, String)>,
 }
 
-/// A sign outside of quotes.
+/// A character outside quotes.
 struct Sign {
     at: usize,
     sign: u8,
@@ -57,7 +57,7 @@ impl Code {
         self.code.get(place).unwrap_or_default()
     }
 
-    /// The signs in a range outside of quotes.
+    /// The characters of a range that are outside quotes.
     fn signs(&self, range: Range<usize>) -> Vec<Sign> {
         let bytes = self.text(range.clone()).as_bytes();
         let mut found = Vec::new();
@@ -80,7 +80,7 @@ impl Code {
         found
     }
 
-    /// Lines, where those inside of parentheses belong to the one that opens them.
+    /// Lines; those inside parentheses belong to the line that opens them.
     pub fn lines(&self) -> Vec<Range<usize>> {
         let all = self.start..self.start + self.code.len();
         let is_end = |sign: &Sign| sign.sign == b'\n' && sign.depth == 0;
@@ -103,15 +103,15 @@ impl Code {
         found.map(|(_, text)| text.clone())
     }
 
-    /// The word that a range begins with, and where what is behind it begins. It may be empty.
+    /// The word that a range begins with, and where the text after it begins. The word may be empty.
     pub fn word(&self, range: Range<usize>) -> (&str, usize) {
         let text = self.text(range.clone());
         let length = text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
-        let behind = text[length..].len() - text[length..].trim_start().len();
-        (&text[..length], range.start + length + behind)
+        let after = text[length..].len() - text[length..].trim_start().len();
+        (&text[..length], range.start + length + after)
     }
 
-    /// Commas and `:=` outside of parentheses.
+    /// Commas and `:=` outside parentheses.
     pub fn separators(&self, range: Range<usize>) -> Vec<Range<usize>> {
         let signs = self.signs(range);
         let mut found = Vec::new();
@@ -135,7 +135,7 @@ impl Code {
         Some((signs[open].at, close.map(|sign| sign.at)))
     }
 
-    /// What stands between commas and ends of lines in a range, blanks trimmed.
+    /// The parts of a range between commas and line ends, without outer blanks.
     pub fn parameters(&self, range: Range<usize>) -> Vec<Range<usize>> {
         let is_end = |sign: &Sign| sign.depth == 0 && matches!(sign.sign, b',' | b'\n' | b';');
         let ends: Vec<usize> =
@@ -144,7 +144,7 @@ impl Code {
         found.into_iter().map(|part| self.trimmed(part)).filter(|part| !part.is_empty()).collect()
     }
 
-    /// `:=` or `=>` outside of parentheses.
+    /// `:=` or `=>` outside parentheses.
     pub fn arrow(&self, range: Range<usize>) -> Option<Range<usize>> {
         let signs = self.signs(range);
         let is_arrow = |pair: &&[Sign]| {
@@ -156,7 +156,7 @@ impl Code {
     }
 }
 
-/// What is left of a range between the given ends.
+/// The part of a range between the given ends.
 fn parts(range: Range<usize>, ends: impl Iterator<Item = Range<usize>>) -> Vec<Range<usize>> {
     let mut start = range.start;
     let mut found = Vec::new();
@@ -168,7 +168,7 @@ fn parts(range: Range<usize>, ends: impl Iterator<Item = Range<usize>>) -> Vec<R
     found
 }
 
-/// Length of what is in quotes; one that nothing closes ends with the line.
+/// Length of a text in quotes; a text that is not closed ends with the line.
 fn quoted_length(rest: &[u8], quote: u8) -> usize {
     let inside = &rest[1..];
     match inside.iter().position(|sign| *sign == quote || *sign == b'\n') {

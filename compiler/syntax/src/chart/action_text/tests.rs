@@ -1,4 +1,4 @@
-//! Rows and what they are read as.
+//! Rows and how they are read.
 
 use plcc_diag::{Code, FileId};
 

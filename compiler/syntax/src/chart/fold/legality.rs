@@ -1,18 +1,18 @@
-//! Which drawings can be: neighbours of branches, numbers of arms, and circles.
+//! Which drawings are legal: neighbours of branches, numbers of arms, and circles.
 
 use plcc_diag::{Code, Diagnostic};
 
 use super::lines::Lines;
 use super::{Branch, BranchKind, Drawing, Line, Node};
 
-/// What a line stands behind: something between a step and its transitions, or between a transition and its steps.
+/// What a line comes after: something between a step and its transitions, or between a transition and its steps.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    BehindStep,
-    BehindTransition,
+    AfterStep,
+    AfterTransition,
 }
 
-/// Tells what is wrong with a drawing.
+/// Reports what is wrong with a drawing.
 pub fn check(drawing: &Drawing, diagnostics: &mut Vec<Diagnostic>) {
     for line in drawing.lines.iter().filter(|line| !is_legal(drawing, line)) {
         diagnostics.push(neighbour(drawing, line));
@@ -28,14 +28,14 @@ pub fn check(drawing: &Drawing, diagnostics: &mut Vec<Diagnostic>) {
 /// Whether the ends of a line may be neighbours.
 pub fn is_legal(drawing: &Drawing, line: &Line) -> bool {
     let side = match line.from {
-        Node::Step(_) => Side::BehindStep,
-        Node::Transition(_) => Side::BehindTransition,
+        Node::Step(_) => Side::AfterStep,
+        Node::Transition(_) => Side::AfterTransition,
         Node::Branch(branch, _) => drawing.branches[branch].kind.side(),
         Node::End => return false,
     };
     match line.to {
-        Node::Step(_) | Node::End => side == Side::BehindTransition,
-        Node::Transition(_) => side == Side::BehindStep,
+        Node::Step(_) | Node::End => side == Side::AfterTransition,
+        Node::Transition(_) => side == Side::AfterStep,
         Node::Branch(branch, _) => side == drawing.branches[branch].kind.side(),
     }
 }
@@ -52,41 +52,41 @@ fn name(drawing: &Drawing, node: Node) -> &'static str {
 
 fn kind_name(kind: BranchKind) -> &'static str {
     match kind {
-        BranchKind::AlternativeBegin => "the begin of an alternative branch",
+        BranchKind::AlternativeBegin => "the start of an alternative branch",
         BranchKind::AlternativeEnd => "the end of an alternative branch",
-        BranchKind::SimultaneousBegin => "the begin of a simultaneous branch",
+        BranchKind::SimultaneousBegin => "the start of a simultaneous branch",
         BranchKind::SimultaneousEnd => "the end of a simultaneous branch",
     }
 }
 
 fn neighbour(drawing: &Drawing, line: &Line) -> Diagnostic {
-    let title = format!("{} cannot stand behind {}", name(drawing, line.to), name(drawing, line.from));
+    let title = format!("{} cannot follow {}", name(drawing, line.to), name(drawing, line.from));
     let help = match (line.from, line.to) {
         (Node::Step(_), Node::Step(_)) => "insert a transition between the two steps",
         (Node::Transition(_), Node::Transition(_)) => "insert a step between the two transitions",
-        (_, Node::End) => "end the sequence behind a transition",
-        (Node::End, _) => "let the line begin at a step, a transition or a branch",
+        (_, Node::End) => "end the sequence after a transition",
+        (Node::End, _) => "begin the line at a step, a transition or a branch",
         _ => {
-            "steps and transitions take turns: alternative branches begin behind a step and end behind transitions, simultaneous ones begin behind a transition and end behind steps"
+            "steps and transitions alternate: an alternative branch begins after a step and ends after transitions, a simultaneous branch begins after a transition and ends after steps"
         }
     };
     Diagnostic::new(Code::BranchNeighbour, line.span, title).label("this line").help(help)
 }
 
-/// A transition has one line before it and one behind it; only branches join and part.
+/// A transition has one line before it and one after it; only branches join and split.
 fn transitions(drawing: &Drawing, lines: &Lines, diagnostics: &mut Vec<Diagnostic>) {
     for (at, span) in drawing.transitions.iter().enumerate() {
         if let [_, second, ..] = lines.before_transition(at) {
-            let title = "several lines lead to one transition";
+            let title = "several lines end at one transition";
             let message = Diagnostic::new(Code::BranchNeighbour, drawing.lines[*second].span, title);
             let help =
-                "join the paths by the end of a simultaneous branch, or give each of them a transition of its own";
+                "join the paths with the end of a simultaneous branch, or give each of them a separate transition";
             diagnostics.push(message.label("one more line").also(*span, "the transition").help(help));
         }
-        if let [_, second, ..] = lines.behind_transition(at) {
+        if let [_, second, ..] = lines.after_transition(at) {
             let title = "several lines leave one transition";
             let message = Diagnostic::new(Code::BranchNeighbour, drawing.lines[*second].span, title);
-            let help = "let the transition lead to the begin of a simultaneous branch";
+            let help = "connect the transition to the start of a simultaneous branch";
             diagnostics.push(message.label("one more line").also(*span, "the transition").help(help));
         }
     }
@@ -96,7 +96,7 @@ fn transitions(drawing: &Drawing, lines: &Lines, diagnostics: &mut Vec<Diagnosti
 fn arms(drawing: &Drawing, lines: &Lines, at: usize, branch: &Branch, diagnostics: &mut Vec<Diagnostic>) {
     let what = kind_name(branch.kind);
     let opens = branch.kind.opens();
-    let (incoming, outgoing) = (lines.before_branch(at), lines.behind_branch(at));
+    let (incoming, outgoing) = (lines.before_branch(at), lines.after_branch(at));
     let (single, many) = if opens { (incoming, outgoing) } else { (outgoing, incoming) };
     let mut tell = |title: String, label: String| {
         let message = Diagnostic::new(Code::BranchArms, branch.span, title).label(label);
@@ -120,7 +120,7 @@ fn arms(drawing: &Drawing, lines: &Lines, at: usize, branch: &Branch, diagnostic
         }
         _ if numbers.is_empty() => tell(format!("{what} has no arms"), "no arms".to_string()),
         _ => {
-            // The lines are in the order of their numbers.
+            // The lines are ordered by number.
             let gap = numbers.iter().zip(0..).find(|(number, wanted)| *number != wanted);
             if let Some((number, wanted)) = gap {
                 let title = if *number < wanted {
@@ -134,11 +134,11 @@ fn arms(drawing: &Drawing, lines: &Lines, at: usize, branch: &Branch, diagnostic
     }
 }
 
-/// Branches that lead to one another in a circle lead to no step.
+/// Branches that form a circle lead to no step.
 fn circles(drawing: &Drawing, lines: &Lines, diagnostics: &mut Vec<Diagnostic>) {
     let is_open = |line: &usize| is_legal(drawing, &drawing.lines[*line]);
     let next = |at: usize| {
-        let lines = lines.behind_branch(at).iter().filter(move |line| is_open(line));
+        let lines = lines.after_branch(at).iter().filter(move |line| is_open(line));
         lines.filter_map(|line| branch_of(drawing.lines[*line].to))
     };
     let previous = |at: usize| {
@@ -150,15 +150,15 @@ fn circles(drawing: &Drawing, lines: &Lines, diagnostics: &mut Vec<Diagnostic>) 
     take_out(&mut is_left, |at| previous(at).collect(), |at| next(at).collect());
     let mut circle = (0..drawing.branches.len()).filter(|at| is_left[*at]).map(|at| &drawing.branches[at]);
     let Some(first) = circle.next() else { return };
-    let title = "branches lead to one another in a circle";
+    let title = "these branches form a circle";
     let mut message = Diagnostic::new(Code::BranchNeighbour, first.span, title).label(kind_name(first.kind));
     for other in circle.take(3) {
         message = message.also(other.span, kind_name(other.kind));
     }
-    diagnostics.push(message.help("let a branch lead to steps or transitions in the end"));
+    diagnostics.push(message.help("connect at least one of the branches to steps or transitions"));
 }
 
-/// Takes out branches that no branch before them leads to, until there are none.
+/// Removes branches that no branch before them leads to, until none are left.
 fn take_out(is_left: &mut [bool], next: impl Fn(usize) -> Vec<usize>, previous: impl Fn(usize) -> Vec<usize>) {
     let count = |at: usize| previous(at).into_iter().filter(|other| is_left[*other]).count();
     let mut before: Vec<usize> = (0..is_left.len()).map(count).collect();

@@ -2,21 +2,21 @@
 
 use super::{Drawing, Line, Node};
 
-/// Places of lines in the list of lines. Those at arms of a branch are in the order of the arms, else of the list.
+/// Indices of lines. Those at arms of a branch are in the order of the arms, the others in the order of the list.
 pub struct Lines {
     before_transitions: Vec<Vec<usize>>,
-    behind_transitions: Vec<Vec<usize>>,
+    after_transitions: Vec<Vec<usize>>,
     before_branches: Vec<Vec<usize>>,
-    behind_branches: Vec<Vec<usize>>,
+    after_branches: Vec<Vec<usize>>,
 }
 
 impl Lines {
     pub fn of(drawing: &Drawing) -> Lines {
         let mut lines = Lines {
             before_transitions: vec![Vec::new(); drawing.transitions.len()],
-            behind_transitions: vec![Vec::new(); drawing.transitions.len()],
+            after_transitions: vec![Vec::new(); drawing.transitions.len()],
             before_branches: vec![Vec::new(); drawing.branches.len()],
-            behind_branches: vec![Vec::new(); drawing.branches.len()],
+            after_branches: vec![Vec::new(); drawing.branches.len()],
         };
         for (at, line) in drawing.lines.iter().enumerate() {
             match line.to {
@@ -25,8 +25,8 @@ impl Lines {
                 Node::Step(_) | Node::End => {}
             }
             match line.from {
-                Node::Transition(transition) => lines.behind_transitions[transition].push(at),
-                Node::Branch(branch, _) => lines.behind_branches[branch].push(at),
+                Node::Transition(transition) => lines.after_transitions[transition].push(at),
+                Node::Branch(branch, _) => lines.after_branches[branch].push(at),
                 Node::Step(_) | Node::End => {}
             }
         }
@@ -37,7 +37,7 @@ impl Lines {
             }
         };
         lines.before_branches.iter_mut().for_each(|own| own.sort_by_key(arm(|line| line.to)));
-        lines.behind_branches.iter_mut().for_each(|own| own.sort_by_key(arm(|line| line.from)));
+        lines.after_branches.iter_mut().for_each(|own| own.sort_by_key(arm(|line| line.from)));
         lines
     }
 
@@ -45,15 +45,15 @@ impl Lines {
         &self.before_transitions[transition]
     }
 
-    pub fn behind_transition(&self, transition: usize) -> &[usize] {
-        &self.behind_transitions[transition]
+    pub fn after_transition(&self, transition: usize) -> &[usize] {
+        &self.after_transitions[transition]
     }
 
     pub fn before_branch(&self, branch: usize) -> &[usize] {
         &self.before_branches[branch]
     }
 
-    pub fn behind_branch(&self, branch: usize) -> &[usize] {
-        &self.behind_branches[branch]
+    pub fn after_branch(&self, branch: usize) -> &[usize] {
+        &self.after_branches[branch]
     }
 }

@@ -131,8 +131,8 @@ fn branches_stand_between_the_right_neighbours() {
         (SimultaneousEnd, T(0), T(0)),
         (SimultaneousBegin, S(0), S(0)),
     ];
-    for (kind, before, behind) in kinds {
-        let chart = drawing(1, 1, &[(kind, 1)], &[(before, B(0, 0)), (B(0, 0), behind)]);
+    for (kind, before, after) in kinds {
+        let chart = drawing(1, 1, &[(kind, 1)], &[(before, B(0, 0)), (B(0, 0), after)]);
         assert_eq!(folded(&chart).1, [Code::BranchNeighbour], "{kind:?}");
     }
     for line in [(S(0), S(0)), (T(0), T(0)), (S(0), End), (End, S(0))] {

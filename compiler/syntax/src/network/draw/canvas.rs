@@ -22,7 +22,7 @@ impl Canvas {
         line[x] = c;
     }
 
-    /// Sets what is still blank.
+    /// Sets a character that is still blank.
     pub fn fill(&mut self, x: usize, y: usize, c: char) {
         if self.get(x, y) == ' ' {
             self.set(x, y, c);

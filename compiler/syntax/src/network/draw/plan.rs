@@ -1,4 +1,4 @@
-//! Which element stands where.
+//! The position of each element.
 
 use std::collections::{HashMap, HashSet, VecDeque};
 
@@ -7,7 +7,7 @@ use super::operand::operand;
 use super::shape::{Shape, flow, net_name};
 use crate::network::ast::{Element, Graph, NetId, PinValue, Source};
 
-/// Columns between a net and the element behind it, the net's own column included.
+/// Columns between a net and the element after it, the net's own column included.
 const LEAD: usize = 4;
 
 /// The elements to draw: the marked one and those nearest to it along the nets, at most `most`, in the order of the graph.
@@ -23,7 +23,7 @@ pub fn choose(graph: &Graph, mark: Option<usize>, most: usize) -> Vec<usize> {
     let mark = mark.filter(|at| *at < graph.elements.len());
     let mut chosen: HashSet<usize> = HashSet::new();
     let mut queue: VecDeque<usize> = mark.into_iter().collect();
-    // Without a mark, and when all neighbours are there: from the first element on.
+    // Without a mark, or when all neighbours are chosen: from the first element on.
     let mut rest = 0..graph.elements.len();
     while chosen.len() < most {
         let Some(at) = queue.pop_front().or_else(|| if mark.is_none() { rest.next() } else { None }) else { break };
@@ -64,7 +64,7 @@ struct NetPlan {
     rows: Vec<usize>,
 }
 
-/// The places of everything.
+/// The positions of all parts.
 pub struct Plan {
     lines: Vec<Line>,
     nets: HashMap<NetId, NetPlan>,
@@ -188,10 +188,10 @@ impl Plan {
             (low + 1..high).for_each(|x| canvas.fill(x, row, '-'));
         }
         if let Some(end) = line.end {
-            let behind = line.shapes.last().map_or(0, |last| self.columns[*last] + shapes[*last].width);
-            if self.column(end) < behind {
+            let after = line.shapes.last().map_or(0, |last| self.columns[*last] + shapes[*last].width);
+            if self.column(end) < after {
                 // It leads back to the left.
-                return canvas.write(behind, row, &format!("---> {}", net_name(graph, end)));
+                return canvas.write(after, row, &format!("---> {}", net_name(graph, end)));
             }
             self.meet(end, row);
             if self.nets.get(&end).is_some_and(|net| net.named) {
@@ -206,7 +206,7 @@ impl Plan {
         self.nets.iter().find(|(_, net)| net.flows.contains(next)).map(|(id, _)| *id)
     }
 
-    /// What stands before the first element of a line whose net no other line reaches.
+    /// The text before the first element of a line whose net no other line reaches.
     fn paint_lead(&self, graph: &Graph, id: NetId, row: usize, canvas: &mut Canvas) {
         let Some(net) = graph.nets.get(id.0 as usize) else { return };
         let column = self.column(id);
@@ -253,7 +253,7 @@ impl Plan {
     }
 }
 
-/// Lines: an element goes on behind the one that feeds it first, if no other did.
+/// Lines: an element continues the line of the one that feeds it first, if no other element did.
 fn lines(graph: &Graph, chosen: &[usize], nets: &HashMap<NetId, NetPlan>, columns: &[usize]) -> Vec<Line> {
     let mut lines = Vec::new();
     let mut placed = vec![false; chosen.len()];
@@ -300,12 +300,12 @@ fn lines(graph: &Graph, chosen: &[usize], nets: &HashMap<NetId, NetPlan>, column
     lines
 }
 
-/// Columns of nets and elements: each behind everything that feeds it.
+/// Columns of nets and elements: each one is to the right of everything that feeds it.
 struct Columns<'a> {
     graph: &'a Graph,
     chosen: &'a [usize],
     widths: &'a [usize],
-    /// None: being computed; a loop counts for nothing.
+    /// None: being computed; a loop does not count.
     known: HashMap<NetId, Option<usize>>,
 }
 
@@ -317,7 +317,7 @@ impl Columns<'_> {
         }
     }
 
-    /// Recursion goes from net to element to net, and no further than the elements of the drawing.
+    /// Recursion goes from net to element to net, and no deeper than the number of elements in the drawing.
     fn net(&mut self, id: NetId) -> usize {
         if let Some(known) = self.known.get(&id) {
             return known.unwrap_or(0);

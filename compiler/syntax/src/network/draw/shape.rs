@@ -37,7 +37,7 @@ pub fn flow(element: &Element) -> (&'static str, &'static str) {
     }
 }
 
-/// What a net is called where no line leads to it.
+/// The name of a net where no line leads to it.
 pub fn net_name(graph: &Graph, id: NetId) -> String {
     match graph.nets.get(id.0 as usize) {
         Some(net) if !net.name.is_empty() => net.name.chars().take(20).collect(),
@@ -45,7 +45,7 @@ pub fn net_name(graph: &Graph, id: NetId) -> String {
     }
 }
 
-/// The sign of elements without a box.
+/// The symbol of elements without a box.
 fn symbol(row: &Row, element: &Element, language: Language) -> Option<String> {
     let negated = element.pin("operand").is_some_and(|pin| pin.negated);
     let coil = |text: &str| {
@@ -167,7 +167,7 @@ fn boxed(graph: &Graph, element: &Element) -> Shape {
     let names = |pins: &[&Pin]| pins.iter().map(|pin| count(&pin.name)).max().unwrap_or(0);
     let inner = (names(&left) + names(&right) + 1).max(count(&title)).max(3);
 
-    // Flow without an output line of its own leaves on a first line that has no pin.
+    // If the flow has no output line, it leaves on a first line that has no pin.
     let right: Vec<Option<&Pin>> = match right.first() {
         Some(first) if !first.name.eq_ignore_ascii_case(flow_out) => {
             std::iter::once(None).chain(right.into_iter().map(Some)).collect()

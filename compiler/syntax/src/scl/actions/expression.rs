@@ -9,7 +9,7 @@ use crate::scl::address;
 use crate::scl::ast::{Argument, AssignOp, BinaryOp, Expr, ExprKind, Name, Statement, StatementKind, UnaryOp};
 use crate::scl::context::Context;
 
-/// How deep an expression may be nested. Whoever walks the tree may recurse.
+/// How deep an expression may be nested. Code that walks the tree may recurse.
 const DEPTH_MAX: usize = 1000;
 
 /// An expression and the depth of its tree.
@@ -43,7 +43,7 @@ impl Sub {
     }
 }
 
-/// A node over parts of depth `depth`; too deep a tree is reported and left out.
+/// A node over parts of depth `depth`; a tree that is too deep is reported and left out.
 fn build(context: &mut Context, depth: usize, span: Span, node: impl FnOnce() -> ExprKind) -> Sub {
     if depth >= DEPTH_MAX {
         too_deep(context, span);
@@ -56,7 +56,7 @@ fn too_deep(context: &mut Context, span: Span) {
     context.report(
         Diagnostic::new(Code::Syntax, Span { end: span.start + 1, ..span }, "this expression has too many parts")
             .label("begins here")
-            .help(format!("at most {DEPTH_MAX} operators may follow one another; keep a part of it in a variable")),
+            .help(format!("at most {DEPTH_MAX} operators may follow one another; store a part of it in a variable")),
     );
 }
 
@@ -120,7 +120,7 @@ pub fn member_absolute(context: &mut Context, base: Sub, operand: OperandKind, r
         _ => {
             let span = context.span(range.start, range.end);
             context.report(
-                Diagnostic::new(Code::Syntax, span, "only an address in a data block can stand behind a point")
+                Diagnostic::new(Code::Syntax, span, "only an address in a data block can follow a point")
                     .label("an address of another area")
                     .help("write e.g. `DB10.DX0.0` or `\"Data\".%DBW4`"),
             );
@@ -129,12 +129,12 @@ pub fn member_absolute(context: &mut Context, base: Sub, operand: OperandKind, r
     }
 }
 
-/// `DB10` of its letters and number.
+/// `DB10` from its prefix and number.
 pub fn block_word((prefix, number): (BlockPrefix, u32)) -> String {
     format!("{}{number}", prefix.letters())
 }
 
-/// What has been reported stays an error of its own.
+/// An error that has been reported remains an error node.
 pub fn expression_statement(value: Expr) -> StatementKind {
     if value.kind == ExprKind::Error { StatementKind::Error } else { StatementKind::Expression(value) }
 }
@@ -147,9 +147,9 @@ pub fn before_arms(context: &mut Context, statements: &[Statement]) {
         return;
     };
     context.report(
-        Diagnostic::new(Code::Syntax, first.span, "a statement stands before the first value of CASE")
+        Diagnostic::new(Code::Syntax, first.span, "this statement comes before the first value of CASE")
             .label("no value and `:` before it")
-            .help("write the value for which it is done before it, e.g. `1: a := b;`"),
+            .help("write the value that selects it before it, e.g. `1: a := b;`"),
     );
 }
 
@@ -186,9 +186,9 @@ pub fn check_target(context: &mut Context, target: &Expr) {
             format!("nothing can be assigned to `{text}`")
         };
         context.report(
-            Diagnostic::new(Code::Syntax, target.span, title)
-                .label("no variable")
-                .help("left of the assignment stands a variable, an element of an array, a component or an address"),
+            Diagnostic::new(Code::Syntax, target.span, title).label("not a variable").help(
+                "write a variable, an element of an array, a component or an address to the left of the assignment",
+            ),
         );
     }
 }

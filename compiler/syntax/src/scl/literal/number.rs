@@ -29,15 +29,15 @@ pub fn based(text: &str, base: &str, digits: &str) -> Result<(u64, u32), Literal
                 "8" => "octal digits are 0 to 7",
                 _ => "hexadecimal digits are 0 to 9 and A to F",
             };
-            LiteralError::malformed(text, format!("`{digit}` is no digit of base {base}"), help)
+            LiteralError::malformed(text, format!("`{digit}` is not a digit of base {base}"), help)
         }
-        Fault::Empty => LiteralError::malformed(text, "no digit", "write the digits behind `#`"),
+        Fault::Empty => LiteralError::malformed(text, "no digit", "write the digits after `#`"),
         Fault::Large => LiteralError::range(text, "more than 64 bits", "a constant has 64 bits at most"),
     })?;
     Ok((number.value, number.radix))
 }
 
-/// The constant of type `ty` behind `INT#`, `BYTE#` and their kin.
+/// The constant of type `ty` after `INT#`, `BYTE#` and similar prefixes.
 pub fn typed(text: &str, ty: Elementary, value: &str) -> Result<Read, LiteralError> {
     match ty.class() {
         Class::Float => float(text, ty, value).map(Read::from),
@@ -50,7 +50,11 @@ fn integer(text: &str, ty: Elementary, value: &str) -> Result<Read, LiteralError
     let name = ty.name();
     let (low, high) = range(ty);
     let out_of_range = || {
-        LiteralError::range(text, format!("no {name}"), format!("{name} goes from {} to {}", shown(low), shown(high)))
+        LiteralError::range(
+            text,
+            format!("outside the range of {name}"),
+            format!("{name} is from {} to {}", shown(low), shown(high)),
+        )
     };
     let (negative, unsigned) = match value.strip_prefix('-') {
         Some(rest) => (true, rest),
@@ -67,7 +71,7 @@ fn integer(text: &str, ty: Elementary, value: &str) -> Result<Read, LiteralError
         return Err(out_of_range());
     }
     let bits = number as u64 & bits_mask;
-    // Bits of a signed type that were written as such may make a negative number.
+    // Bits of a signed type that were written with a base may mean a negative number.
     let wrapped = (number > high).then(|| (number - (1 << ty.bits())) as i64);
     Ok(Read { value: Literal::Typed { ty, bits }, wrapped })
 }
@@ -85,7 +89,7 @@ fn boolean(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let bits = match value.to_ascii_uppercase().as_str() {
         "TRUE" | "1" | "2#1" | "8#1" | "16#1" => 1,
         "FALSE" | "0" | "2#0" | "8#0" | "16#0" => 0,
-        _ => return Err(LiteralError::malformed(text, "no BOOL", "write `TRUE` or `FALSE`")),
+        _ => return Err(LiteralError::malformed(text, "not a BOOL", "write `TRUE` or `FALSE`")),
     };
     Ok(Literal::Typed { ty: Elementary::Bool, bits })
 }
@@ -94,9 +98,13 @@ fn float(text: &str, ty: Elementary, value: &str) -> Result<Literal, LiteralErro
     let bits = if ty == Elementary::Real {
         let number = real(text, value)? as f32;
         if !number.is_finite() {
-            return Err(LiteralError::range(text, "no REAL", "a REAL lies between -3.402823e+38 and 3.402823e+38"));
+            return Err(LiteralError::range(
+                text,
+                "not a REAL",
+                "a REAL is a number from -3.402823e+38 to 3.402823e+38",
+            ));
         }
-        // Of the digits, not of the LREAL nearest to them.
+        // Parsed from the digits, not from the nearest LREAL.
         digits_of(value).parse::<f32>().unwrap_or(number).to_bits().into()
     } else {
         real(text, value)?.to_bits()
@@ -116,9 +124,13 @@ fn real(text: &str, value: &str) -> Result<f64, LiteralError> {
     let number: f64 = Some(&digits)
         .filter(|digits| well_formed && digits.contains(|c: char| c.is_ascii_digit()))
         .and_then(|digits| digits.parse().ok())
-        .ok_or_else(|| LiteralError::malformed(text, "no REAL", "write a REAL as `1.5` or `1.5e+3`"))?;
+        .ok_or_else(|| LiteralError::malformed(text, "not a REAL", "write a REAL as `1.5` or `1.5e+3`"))?;
     if !number.is_finite() {
-        return Err(LiteralError::range(text, "no REAL", "an LREAL lies between -1.797693e+308 and 1.797693e+308"));
+        return Err(LiteralError::range(
+            text,
+            "not a REAL",
+            "an LREAL is a number from -1.797693e+308 to 1.797693e+308",
+        ));
     }
     Ok(number)
 }
@@ -126,7 +138,7 @@ fn real(text: &str, value: &str) -> Result<f64, LiteralError> {
 /// A decimal number without sign.
 fn decimal(text: &str, digits: &str) -> Result<i128, LiteralError> {
     let help = "write decimal digits, e.g. `10`, or a base, e.g. `16#FF`";
-    number::decimal(digits).ok_or_else(|| LiteralError::malformed(text, "no whole number", help))
+    number::decimal(digits).ok_or_else(|| LiteralError::malformed(text, "not a whole number", help))
 }
 
 fn too_large(text: &str) -> LiteralError {

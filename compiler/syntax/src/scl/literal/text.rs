@@ -29,7 +29,7 @@ fn without_breaks(value: &str) -> Cow<'_, str> {
         let (before, escape) = rest.split_at(at);
         out.push_str(before);
         rest = match escape.strip_prefix("$>") {
-            Some(inside) => inside.split_once("$<").map_or("", |(_, behind)| behind),
+            Some(inside) => inside.split_once("$<").map_or("", |(_, after)| after),
             None => {
                 let length = escape.chars().take(2).map(char::len_utf8).sum();
                 out.push_str(&escape[..length]);
@@ -44,9 +44,9 @@ fn without_breaks(value: &str) -> Cow<'_, str> {
 /// Code units of `WSTRING#'text'`. Escapes are those of STRING, numbers have four hexadecimal digits.
 pub fn wide(text: &str, value: &str) -> Result<Vec<u16>, LiteralError> {
     let between = |quote: char| value.strip_prefix(quote).and_then(|rest| rest.strip_suffix(quote));
-    let inner = between('\'')
-        .or_else(|| between('"'))
-        .ok_or_else(|| LiteralError::malformed(text, "no text", "write a text in single quotes: `WSTRING#'ABCD'`"))?;
+    let inner = between('\'').or_else(|| between('"')).ok_or_else(|| {
+        LiteralError::malformed(text, "not a text", "write a text in single quotes: `WSTRING#'ABCD'`")
+    })?;
     let mut units = Vec::with_capacity(inner.len());
     let mut chars = inner.chars();
     while let Some(c) = chars.next() {
@@ -63,7 +63,7 @@ pub fn wide(text: &str, value: &str) -> Result<Vec<u16>, LiteralError> {
             Some('T' | 't') => 9,
             Some('>') => {
                 let rest = chars.as_str();
-                chars = rest.split_once("$<").map_or("", |(_, behind)| behind).chars();
+                chars = rest.split_once("$<").map_or("", |(_, after)| after).chars();
                 continue;
             }
             first => {
@@ -71,7 +71,7 @@ pub fn wide(text: &str, value: &str) -> Result<Vec<u16>, LiteralError> {
                 u16::from_str_radix(&digits, 16).ok().filter(|_| digits.len() == 4).ok_or_else(|| {
                     LiteralError::malformed(
                         text,
-                        format!("`${digits}` is no escape"),
+                        format!("`${digits}` is not an escape"),
                         "escapes are `$$ $' $L $N $P $R $T` and `$hhhh` with four hexadecimal digits",
                     )
                 })?

@@ -11,11 +11,11 @@ const TIME_FORM: &str = "write units in the order D, H, M, S, MS, each once: `T#
 const LTIME_FORM: &str = "write units in the order D, H, M, S, MS, US, NS, each once: `LT#1S_2MS_3US_4NS`";
 const NS_PER_DAY: u64 = 86_400_000_000_000;
 
-/// `T#-1S_100MS`: milliseconds; what lies below is cut off.
+/// `T#-1S_100MS`: milliseconds; smaller parts are cut off.
 pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let ms = nanoseconds(text, value, Smallest::Millisecond, Fraction::Last, TIME_FORM)? / 1_000_000;
     let ms = i32::try_from(ms).map_err(|_| {
-        LiteralError::range(text, "no TIME", "a TIME lies between T#-24D_20H_31M_23S_648MS and T#24D_20H_31M_23S_647MS")
+        LiteralError::range(text, "not a TIME", "a TIME is from T#-24D_20H_31M_23S_648MS to T#24D_20H_31M_23S_647MS")
     })?;
     Ok(Literal::Typed { ty: Elementary::Time, bits: u64::from(ms as u32) })
 }
@@ -23,7 +23,7 @@ pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
 /// `LT#1S_5US_7NS`: nanoseconds.
 pub fn long_duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let ns = i64::try_from(nanoseconds(text, value, Smallest::Nanosecond, Fraction::Last, LTIME_FORM)?).map_err(|_| {
-        LiteralError::range(text, "no LTIME", "an LTIME lies between LT#-106751D_23H_47M_16S_854MS_775US_808NS and LT#106751D_23H_47M_16S_854MS_775US_807NS")
+        LiteralError::range(text, "not an LTIME", "an LTIME is from LT#-106751D_23H_47M_16S_854MS_775US_808NS to LT#106751D_23H_47M_16S_854MS_775US_807NS")
     })?;
     Ok(Literal::Typed { ty: Elementary::Ltime, bits: ns as u64 })
 }
@@ -41,7 +41,7 @@ pub fn long_date_and_time(text: &str, value: &str) -> Result<Literal, LiteralErr
         .days_since(1970)
         .and_then(|days| u64::from(days).checked_mul(NS_PER_DAY)?.checked_add(clock.nanoseconds()));
     let ns = ns.filter(|ns| i64::try_from(*ns).is_ok()).ok_or_else(|| {
-        LiteralError::range(text, "no LDT", "an LDT lies between 1970-1-1 and 2262-4-11-23:47:16.854775807")
+        LiteralError::range(text, "not an LDT", "an LDT is from 1970-1-1 to 2262-4-11-23:47:16.854775807")
     })?;
     Ok(Literal::Typed { ty: Elementary::Ldt, bits: ns })
 }
@@ -52,7 +52,7 @@ pub fn date_from_1970(text: &str, value: &str) -> Result<Literal, LiteralError> 
     let (date, _) = date_and_clock(text, &format!("{value}-0:0:0"), FORM)?;
     let ns = date.days_since(1970).and_then(|days| u64::from(days).checked_mul(NS_PER_DAY));
     let ns = ns.filter(|ns| i64::try_from(*ns).is_ok());
-    let ns = ns.ok_or_else(|| LiteralError::range(text, "no DATE", "a DATE lies between 1970-1-1 and 2262-4-11"))?;
+    let ns = ns.ok_or_else(|| LiteralError::range(text, "not a DATE", "a DATE is from 1970-1-1 to 2262-4-11"))?;
     Ok(Literal::Typed { ty: Elementary::Ldt, bits: ns })
 }
 
@@ -64,7 +64,7 @@ pub fn dtl(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let weekday = date
         .weekday()
         .filter(|_| date.year <= 2554)
-        .ok_or_else(|| LiteralError::range(text, "no DTL", "a DTL lies between the years 1970 and 2554"))?;
+        .ok_or_else(|| LiteralError::range(text, "not a DTL", "a DTL is in the years 1970 to 2554"))?;
     let mut bytes = [0; 12];
     bytes[..2].copy_from_slice(&(date.year as u16).to_be_bytes());
     bytes[2..8].copy_from_slice(&[
@@ -83,7 +83,11 @@ fn date_and_clock(text: &str, value: &str, form: &str) -> Result<(Date, Clock), 
     let (date, time) = value.rsplit_once('-').ok_or_else(|| incomplete(text, form))?;
     let date = Date::parse(date).ok_or_else(|| incomplete(text, form))?;
     if !date.exists() || date.year > 9999 {
-        return Err(LiteralError::range(text, "no day of the calendar", "the order is year, month, day: `2000-6-20`"));
+        return Err(LiteralError::range(
+            text,
+            "not a day of the calendar",
+            "the order is year, month, day: `2000-6-20`",
+        ));
     }
     Ok((date, clock(text, time, form)?))
 }
@@ -91,8 +95,8 @@ fn date_and_clock(text: &str, value: &str, form: &str) -> Result<(Date, Clock), 
 /// `12:00:00.123456789`, cut off after nanoseconds.
 fn clock(text: &str, value: &str, form: &str) -> Result<Clock, LiteralError> {
     let clock = Clock::parse(value).ok_or_else(|| incomplete(text, form))?;
-    let bounds = "a time of day lies between 0:0:0.0 and 23:59:59.999999999";
-    Some(clock).filter(|clock| clock.exists()).ok_or_else(|| LiteralError::range(text, "no time of a day", bounds))
+    let bounds = "a time of day is from 0:0:0.0 to 23:59:59.999999999";
+    Some(clock).filter(|clock| clock.exists()).ok_or_else(|| LiteralError::range(text, "not a time of day", bounds))
 }
 
 fn incomplete(text: &str, form: &str) -> LiteralError {

@@ -1,15 +1,15 @@
-//! Layout of a block: its name, its header, and which part follows.
+//! Classifies the words of a block: its name, its header, and which part follows.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
 use super::expression::Run;
-use super::{Layout, unquoted};
+use super::{Classifier, unquoted};
 use crate::scl::address;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::{CodeKeyword, HeaderField, HeaderFlag, Tok};
 
-/// What stands behind a block's header.
+/// What follows a block's header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Frame {
     Code,
@@ -17,7 +17,7 @@ enum Frame {
     Type,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// A block from its keyword to its end.
     pub(super) fn block(&mut self) {
         let opening = self.raw[self.at];
@@ -102,7 +102,7 @@ impl<'a> Layout<'a> {
                 Diagnostic::new(
                     Code::LiteralRange,
                     self.span_of(token.start as usize, end as usize),
-                    "no block has such a number",
+                    "no block can have this number",
                 )
                 .label("too large")
                 .help("blocks are numbered 0 to 65535"),
@@ -123,7 +123,7 @@ impl<'a> Layout<'a> {
             || header_flag(word).is_some() && self.flag_stands_alone(index)
     }
 
-    /// The word at `index` is no operand of a statement.
+    /// The word at `index` is not an operand of a statement.
     fn flag_stands_alone(&self, index: usize) -> bool {
         !matches!(
             self.kind_at(index + 1),
@@ -139,7 +139,7 @@ impl<'a> Layout<'a> {
         )
     }
 
-    /// Everything behind the name: header, declarations, then statements or values.
+    /// Everything after the name: header, declarations, then statements or values.
     fn header(&mut self, frame: Frame) {
         let mut has_content = false;
         while let Some(token) = self.peek() {
@@ -187,7 +187,7 @@ impl<'a> Layout<'a> {
         match frame {
             Frame::Code => {
                 let start = self.raw[self.at].start;
-                // Pragmas between declarations do not stand among statements.
+                // Pragmas between declarations do not belong to statements.
                 self.file_pragmas(start);
                 self.take(Tok::Begin);
                 self.collect_labels();
@@ -224,7 +224,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Skips what no header has, up to the next line that begins with something known.
+    /// Skips text that no header has, up to the next line that begins with a known word.
     fn skip_in_header(&mut self, frame: Frame) {
         let token = self.raw[self.at];
         let what = if frame == Frame::Data { "data block" } else { "data type" };
@@ -232,13 +232,13 @@ impl<'a> Layout<'a> {
             Diagnostic::new(
                 Code::BlockFrame,
                 self.span(token),
-                format!("`{}` cannot stand in a {what}", self.slice(token)),
+                format!("a {what} cannot contain `{}`", self.slice(token)),
             )
-            .label("not a part of the header, and no declaration")
+            .label("neither a part of the header nor a declaration")
             .help(if frame == Frame::Data {
-                "a data block holds `STRUCT … END_STRUCT`, VAR sections, an ARRAY, or the name of a UDT or FB, then `BEGIN` and values"
+                "a data block consists of `STRUCT … END_STRUCT`, VAR sections, an ARRAY, or the name of a UDT or FB, then `BEGIN` and values"
             } else {
-                "a data type holds `STRUCT … END_STRUCT;`"
+                "a data type consists of `STRUCT … END_STRUCT;`"
             }),
         );
         self.at += 1;
@@ -309,9 +309,9 @@ impl<'a> Layout<'a> {
                         Diagnostic::new(
                             Code::DeclarationSyntax,
                             self.span(token),
-                            format!("`{}` cannot stand in a list of attributes", self.slice(token)),
+                            format!("a list of attributes cannot contain `{}`", self.slice(token)),
                         )
-                        .label("no name of an attribute")
+                        .label("not the name of an attribute")
                         .help("write attributes as `{ name := 'value'; name := 'value' }`"),
                     );
                     self.skip_attribute();
@@ -320,7 +320,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// `name := value`; the value may be a text, a word, a number, or several signs.
+    /// `name := value`; the value may be a text, a word, a number, or several tokens.
     fn attribute(&mut self, name: RawToken) {
         self.at += 1;
         let key = unquoted(self.slice(name));
@@ -366,7 +366,7 @@ impl<'a> Layout<'a> {
         );
     }
 
-    /// The block's own end, or whatever stands there instead of it.
+    /// The block's own end, or whatever is there instead.
     fn end_of_block(&mut self, opening: RawToken, keyword: Keyword) {
         let text = self.slice(opening);
         let end_word = match keyword {
@@ -395,18 +395,18 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), format!("the block is not closed with `{end}`"))
                 .label("begins here")
-                .help(format!("write `{end}` behind the last line of the block")),
+                .help(format!("write `{end}` after the last line of the block")),
         );
         self.push_here(Tok::EndBlock);
     }
 
-    /// Reports a form that STEP 7 does not take and that has one meaning only.
+    /// Reports a form that STEP 7 does not accept but that has only one meaning.
     pub(super) fn tolerate(&mut self, span: Span, title: &str, label: &str, help: &str) {
         self.report(Diagnostic::new(Code::Tolerated, span, title).label(label).help(help));
     }
 }
 
-/// Text behind `TITLE` and `=`, without quotes.
+/// Text after `TITLE` and `=`, without quotes.
 fn title_text(token: &str) -> &str {
     let text = token.get("TITLE".len()..).unwrap_or("").trim();
     let text = text.strip_prefix('=').unwrap_or(text).trim();
@@ -426,7 +426,7 @@ fn header_field(word: &str) -> Option<HeaderField> {
     FIELDS.iter().find(|(name, _)| name.eq_ignore_ascii_case(word)).map(|(_, field)| *field)
 }
 
-/// A word of the header that stands alone; RETAIN says what holds anyway.
+/// A single word of the header; RETAIN states the default.
 fn header_flag(word: &str) -> Option<Option<HeaderFlag>> {
     const FLAGS: [(&str, Option<HeaderFlag>); 7] = [
         ("KNOW_HOW_PROTECT", Some(HeaderFlag::KnowHowProtect)),

@@ -1,6 +1,6 @@
-//! Layout of a network in LAD or FBD: raw tokens to the tokens of the grammar.
+//! Classifies the words of a network in LAD or FBD: raw tokens to the tokens of the grammar.
 //!
-//! A word is an element, a pin, an operand or a label by the place where it stands. This pass gives each its meaning, joins the tokens of an
+//! Whether a word is an element, a pin, an operand or a label depends on where it is. This pass gives each word its meaning, joins the tokens of an
 //! operand into one, and closes rungs and parentheses that the source left open.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
@@ -10,20 +10,21 @@ use super::token::{Spanned, Tok};
 use plcc_syntax::network::ast::Comparison;
 use plcc_syntax::scl::raw::{RawKind, RawToken};
 
-/// What the layout of a network gives.
-pub struct Laid<'a> {
+/// The result of classifying a network.
+pub struct Classified<'a> {
     pub tokens: Vec<Spanned<'a>>,
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Lays out the tokens between `NETWORK` and `END_NETWORK`.
-pub fn lay_out<'a>(file: FileId, text: &'a str, raw: &[RawToken]) -> Laid<'a> {
-    let mut layout = Layout { file, text, raw, at: 0, out: Vec::with_capacity(raw.len()), diagnostics: Vec::new() };
-    layout.network();
-    Laid { tokens: layout.out, diagnostics: layout.diagnostics }
+/// Classifies the tokens between `NETWORK` and `END_NETWORK`.
+pub fn classify<'a>(file: FileId, text: &'a str, raw: &[RawToken]) -> Classified<'a> {
+    let mut classifier =
+        Classifier { file, text, raw, at: 0, out: Vec::with_capacity(raw.len()), diagnostics: Vec::new() };
+    classifier.network();
+    Classified { tokens: classifier.out, diagnostics: classifier.diagnostics }
 }
 
-struct Layout<'a, 'r> {
+struct Classifier<'a, 'r> {
     file: FileId,
     text: &'a str,
     raw: &'r [RawToken],
@@ -33,7 +34,7 @@ struct Layout<'a, 'r> {
     diagnostics: Vec<Diagnostic>,
 }
 
-impl<'a> Layout<'a, '_> {
+impl<'a> Classifier<'a, '_> {
     /// Labels and rungs.
     fn network(&mut self) {
         while let Some(token) = self.raw.get(self.at).copied() {
@@ -48,11 +49,11 @@ impl<'a> Layout<'a, '_> {
         }
     }
 
-    /// Skips what stands outside of rungs.
+    /// Skips tokens outside rungs.
     fn outside_of_rungs(&mut self, token: RawToken) {
         let diagnostic = if token.kind == RawKind::LeftBrace {
-            Diagnostic::new(Code::Syntax, self.span(token), "attributes stand between rungs")
-                .label("belongs to no element and no network")
+            Diagnostic::new(Code::Syntax, self.span(token), "attributes cannot stand between rungs")
+                .label("belongs neither to an element nor to a network")
                 .help("write attributes of a network directly before `NETWORK`, those of an element directly before it")
         } else if token.kind == RawKind::Semicolon {
             self.at += 1;
@@ -60,13 +61,13 @@ impl<'a> Layout<'a, '_> {
         } else {
             let text = &self.text[token.range()];
             let title = if self.is_word("END_RUNG") {
-                "`END_RUNG` stands without RUNG".to_owned()
+                "`END_RUNG` has no matching RUNG".to_owned()
             } else {
-                format!("`{text}` stands outside of a rung")
+                format!("`{text}` cannot stand outside a rung")
             };
             Diagnostic::new(Code::Syntax, self.span(token), title)
                 .label("no rung is open here")
-                .help("a network of LAD or FBD holds rungs from `RUNG` to `END_RUNG`")
+                .help("a network of LAD or FBD contains rungs from `RUNG` to `END_RUNG`")
         };
         self.diagnostics.push(diagnostic);
         self.at += 1;
@@ -90,12 +91,12 @@ impl<'a> Layout<'a, '_> {
             } else if let Some(name) = self.wire() {
                 self.push_up_to(Tok::Wire(name), self.at + 2);
             } else if token.kind == RawKind::LeftBrace {
-                let (attributes, behind) = pragma::read(self.file, self.text, self.raw, self.at, &mut self.diagnostics);
-                self.push_up_to(Tok::Pragma(attributes), behind);
+                let (attributes, after) = pragma::read(self.file, self.text, self.raw, self.at, &mut self.diagnostics);
+                self.push_up_to(Tok::Pragma(attributes), after);
             } else if self.is_word("NOT") && self.kind_at(self.at + 1) != Some(RawKind::LeftParen) {
                 self.take(Tok::Not);
-            } else if let Some(behind) = self.operand_end() {
-                self.operand_or_element(behind);
+            } else if let Some(after) = self.operand_end() {
+                self.operand_or_element(after);
             } else {
                 self.take(Tok::Stray);
             }
@@ -103,12 +104,12 @@ impl<'a> Layout<'a, '_> {
         self.diagnostics.push(
             Diagnostic::new(Code::Syntax, self.span(opening), "`END_RUNG` is missing")
                 .label("this rung is not closed")
-                .help("write `END_RUNG`, or `END_RUNG wire#w1`, behind its last element"),
+                .help("write `END_RUNG`, or `END_RUNG wire#w1`, after its last element"),
         );
         self.push_here(Tok::EndRung);
     }
 
-    /// The name of the wire at hand, `wire#w1`, which is two raw tokens.
+    /// The name of the current wire, `wire#w1`, which is two raw tokens.
     fn wire(&self) -> Option<&'a str> {
         let next = self.raw.get(self.at + 1).copied()?;
         let adjacent = self.raw[self.at].end == next.start;
@@ -116,18 +117,18 @@ impl<'a> Layout<'a, '_> {
         is_wire.then(|| self.text[next.range()].trim_start_matches('#').trim_matches('"'))
     }
 
-    /// An element with its pins, or an operand that leads a rung. The tokens of its name end before index `behind`.
-    fn operand_or_element(&mut self, behind: usize) {
-        match self.kind_at(behind) {
-            Some(RawKind::LeftParen) => self.push_up_to(Tok::Target, behind),
+    /// An element with its pins, or an operand that begins a rung. The tokens of its name end before index `after`.
+    fn operand_or_element(&mut self, after: usize) {
+        match self.kind_at(after) {
+            Some(RawKind::LeftParen) => self.push_up_to(Tok::Target, after),
             Some(RawKind::LeftBrace)
-                if pragma::end(self.raw, behind).is_some_and(|end| self.kind_at(end) == Some(RawKind::LeftParen)) =>
+                if pragma::end(self.raw, after).is_some_and(|end| self.kind_at(end) == Some(RawKind::LeftParen)) =>
             {
-                self.push_up_to(Tok::Target, behind);
-                let (attributes, end) = pragma::read(self.file, self.text, self.raw, behind, &mut self.diagnostics);
+                self.push_up_to(Tok::Target, after);
+                let (attributes, end) = pragma::read(self.file, self.text, self.raw, after, &mut self.diagnostics);
                 self.push_up_to(Tok::Inline(attributes), end);
             }
-            _ => return self.push_up_to(Tok::Operand, behind),
+            _ => return self.push_up_to(Tok::Operand, after),
         }
         self.arguments();
     }
@@ -155,7 +156,7 @@ impl<'a> Layout<'a, '_> {
         self.diagnostics.push(
             Diagnostic::new(Code::Syntax, self.span(opening), "`(` is not closed")
                 .label("opened here")
-                .help("write `)` behind the last pin"),
+                .help("write `)` after the last pin"),
         );
         self.push_here(Tok::RightParen);
     }
@@ -171,12 +172,12 @@ impl<'a> Layout<'a, '_> {
         self.value();
     }
 
-    /// The comparison at hand in `GE #limit => label`.
+    /// The current comparison in `GE #limit => label`.
     fn case(&self) -> Option<Comparison> {
         let word = self.raw[self.at];
-        let behind = self.kind_at(self.at + 1)?;
+        let after = self.kind_at(self.at + 1)?;
         let operand = matches!(
-            behind,
+            after,
             RawKind::Word | RawKind::Local | RawKind::Quoted | RawKind::Number | RawKind::Literal | RawKind::Absolute
         );
         if word.kind == RawKind::Word && operand {
@@ -186,7 +187,7 @@ impl<'a> Layout<'a, '_> {
         }
     }
 
-    /// An operand up to the next `,`, `)`, `:=` or `=>` outside of brackets.
+    /// An operand up to the next `,`, `)`, `:=` or `=>` outside brackets.
     fn value(&mut self) {
         let (first, mut depth) = (self.at, 0usize);
         while let Some(token) = self.raw.get(self.at) {
@@ -200,12 +201,12 @@ impl<'a> Layout<'a, '_> {
             }
             self.at += 1;
         }
-        let behind = self.at;
+        let after = self.at;
         self.at = first;
-        if behind == first { self.take(Tok::Stray) } else { self.push_up_to(Tok::Value, behind) }
+        if after == first { self.take(Tok::Stray) } else { self.push_up_to(Tok::Value, after) }
     }
 
-    /// Index behind the name or constant at hand: `#a.b[1]`, `"DB".x`, `%I0.0`, `TRUE`, `Contact`.
+    /// Index after the current name or constant: `#a.b[1]`, `"DB".x`, `%I0.0`, `TRUE`, `Contact`.
     fn operand_end(&self) -> Option<usize> {
         let mut at = self.at;
         match self.kind_at(at)? {
@@ -245,7 +246,7 @@ impl<'a> Layout<'a, '_> {
         self.raw.get(index).map(|token| token.kind)
     }
 
-    /// Whether `word` is at hand.
+    /// Whether the current token is `word`.
     fn is_word(&self, word: &str) -> bool {
         is_word(self.text, self.raw, self.at, word)
     }
@@ -256,26 +257,26 @@ impl<'a> Layout<'a, '_> {
 
     // Tokens of the grammar.
 
-    /// Pushes `token` for the raw token at hand and goes on.
+    /// Pushes `token` for the current raw token and advances.
     fn take(&mut self, token: Tok<'a>) {
         self.push_up_to(token, self.at + 1);
     }
 
-    /// Pushes `token` for the raw tokens from the one at hand to before index `behind`.
-    fn push_up_to(&mut self, token: Tok<'a>, behind: usize) {
-        let (start, end) = (self.raw[self.at].start, self.raw[behind - 1].end);
+    /// Pushes `token` for the raw tokens from the current one to index `after`, exclusive.
+    fn push_up_to(&mut self, token: Tok<'a>, after: usize) {
+        let (start, end) = (self.raw[self.at].start, self.raw[after - 1].end);
         self.out.push((start as usize, token, end as usize));
-        self.at = behind;
+        self.at = after;
     }
 
-    /// Pushes a token of no width behind what has been read.
+    /// Pushes a token of no width after what has been read.
     fn push_here(&mut self, token: Tok<'a>) {
         let end = self.at.checked_sub(1).map_or(0, |before| self.raw[before].end as usize);
         self.out.push((end, token, end));
     }
 }
 
-/// Whether `word` stands at `index`, as a word of its own.
+/// Whether `word` is at `index`, as a separate word.
 pub fn is_word(text: &str, tokens: &[RawToken], index: usize, word: &str) -> bool {
     tokens.get(index).is_some_and(|token| {
         token.kind == RawKind::Word

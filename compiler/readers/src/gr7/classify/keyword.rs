@@ -1,4 +1,4 @@
-//! Words that begin and end the parts of a chart. A variable may be called like one of them.
+//! Words that begin and end the parts of a chart. A variable may have the name of one of them.
 
 use crate::gr7::lexer::{RawKind, RawToken};
 
@@ -74,13 +74,13 @@ impl Keyword {
         )
     }
 
-    /// Whether a step, transition or list of permanent instructions ends here, if only because the next one begins.
+    /// Whether a step, transition or list of permanent instructions ends here, perhaps because the next one begins.
     pub const fn ends_part(self) -> bool {
         !matches!(self, Keyword::Condition | Keyword::Interlock | Keyword::Supervision)
     }
 }
 
-/// The keyword at `index`: one that begins something stands first on its line or behind an end, and is not used as an operand.
+/// The keyword at `index`: a keyword that begins a part is the first on its line or follows an end, and is not used as an operand.
 pub fn at(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {
     let token = raw.get(index).filter(|token| token.kind == RawKind::Word)?;
     let keyword = Keyword::of(&text[token.range()])?;
@@ -98,14 +98,14 @@ pub fn at(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {
     if keyword.is_end() || matches!(keyword, Keyword::EndFunctionBlock | Keyword::EndVar) {
         return Some(keyword);
     }
-    let behind_end = || {
+    let after_end = || {
         let Some(before) = before else { return true };
         matches!(before.kind, RawKind::Colon | RawKind::Semicolon | RawKind::Pragma | RawKind::RightParen)
             || before.kind == RawKind::Word
                 && Keyword::of(&text[before.range()])
                     .is_some_and(|word| word.is_end() || matches!(word, Keyword::Interlock | Keyword::Supervision))
     };
-    let begins = token.first_on_line || behind_end();
+    let begins = token.first_on_line || after_end();
     // `Step (N)` is an action.
     (begins && next != Some(RawKind::LeftParen)).then_some(keyword)
 }

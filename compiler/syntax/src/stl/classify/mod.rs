@@ -1,9 +1,9 @@
-//! Layout: raw tokens to the tokens of the grammar.
+//! Classifies words: raw tokens to the tokens of the grammar.
 //!
-//! A word means something else in a header, a declaration, before an operand and inside one; line ends end statements in code
-//! and nothing elsewhere. This pass follows the frame of the file (header, declarations, code, values) and gives each token
-//! its meaning. It also closes frames that the source left open, so that the grammar always sees balanced frames and one
-//! mistake stays one message.
+//! A word has different meanings in a header, a declaration, before an operand and inside one; line ends end statements in code
+//! and have no meaning elsewhere. This pass follows the frame of the file (header, declarations, code, values) and gives each token
+//! its meaning. It also closes frames that the source left open, so the grammar always sees balanced frames, and one
+//! mistake remains one message.
 //!
 //! ```text
 //! file ──► block ──► header ──► section (VAR … END_VAR, STRUCT … END_STRUCT)   declaration.rs
@@ -27,56 +27,61 @@ use crate::stl::raw::{RawKind, RawText, RawToken};
 use crate::stl::token::{Spanned, Tok};
 use crate::stl::{Mnemonics, pragma};
 
-/// How deep STRUCTs may stand in one another. STEP 7 takes 8 levels; the rest is for other tools.
+/// How deep STRUCTs may be nested. STEP 7 allows 8 levels; the rest is for other tools.
 const STRUCT_DEPTH_MAX: usize = 64;
-/// How many `ARRAY … OF` one declaration may have. STEP 7 takes one.
+/// How many `ARRAY … OF` one declaration may have. STEP 7 allows one.
 const ARRAY_DEPTH_MAX: usize = 8;
-/// How deep parentheses and brackets may stand in one another outside statements.
+/// How deep parentheses and brackets may be nested outside statements.
 const BRACKET_DEPTH_MAX: usize = 16;
 
-/// From this many lines that are no statements on, and more than there are statements, a text is taken for no source.
+/// A text is not a source if it has at least this many lines that are not statements, and more of them than statements.
 const NO_SOURCE_STATEMENTS_MIN: usize = 3;
 
-/// What the layout of a file gives.
-pub struct Laid<'a> {
+/// The result of classifying a file.
+pub struct Classified<'a> {
     pub tokens: Vec<Spanned<'a>>,
     pub diagnostics: Vec<Diagnostic>,
-    /// Pragmas that stand in no code.
+    /// Pragmas that are outside code.
     pub pragmas: Vec<Pragma>,
     pub comments: Vec<Comment>,
 }
 
-/// Lays out a file.
-pub fn lay_out<'a>(file: FileId, text: &'a str, raw: RawText, detected: &Detected, pragmas: bool) -> Laid<'a> {
-    let mut layout = Layout::new(file, text, raw, detected.set);
-    layout.obey_pragmas = pragmas;
-    layout.mixed = detected.first[1].is_some();
-    layout.file();
-    Laid { tokens: layout.out, diagnostics: layout.diagnostics, pragmas: layout.pragmas, comments: layout.comments }
+/// Classifies the words of a file.
+pub fn classify<'a>(file: FileId, text: &'a str, raw: RawText, detected: &Detected, pragmas: bool) -> Classified<'a> {
+    let mut classifier = Classifier::new(file, text, raw, detected.set);
+    classifier.obey_pragmas = pragmas;
+    classifier.mixed = detected.first[1].is_some();
+    classifier.file();
+    Classified {
+        tokens: classifier.out,
+        diagnostics: classifier.diagnostics,
+        pragmas: classifier.pragmas,
+        comments: classifier.comments,
+    }
 }
 
-/// Lays out the text of an assertion's side: operands, area letters of both sets. `offset`: where `text` begins in the file.
-pub fn lay_out_operand<'a>(
+/// Classifies the words of a side of an assertion: operands, area letters of both sets. `offset`: where `text` begins in the file.
+pub fn classify_operand<'a>(
     file: FileId,
     text: &'a str,
     raw: RawText,
     offset: usize,
 ) -> (Vec<Spanned<'a>>, Vec<Diagnostic>) {
-    let mut layout = Layout::new(file, text, raw, Mnemonics::En);
-    layout.both_sets = true;
-    layout.assert_side();
-    for (start, _, end) in &mut layout.out {
+    let mut classifier = Classifier::new(file, text, raw, Mnemonics::En);
+    classifier.both_sets = true;
+    classifier.assert_side();
+    for (start, _, end) in &mut classifier.out {
         *start += offset;
         *end += offset;
     }
-    for diagnostic in &mut layout.diagnostics {
+    for diagnostic in &mut classifier.diagnostics {
         diagnostic.primary.span.start += offset as u32;
         diagnostic.primary.span.end += offset as u32;
     }
-    (layout.out, layout.diagnostics)
+    (classifier.out, classifier.diagnostics)
 }
 
-/// What stands behind a block's header.
+/// What follows a block's header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Frame {
     Code,
@@ -84,7 +89,7 @@ enum Frame {
     Type,
 }
 
-struct Layout<'a> {
+struct Classifier<'a> {
     file: FileId,
     text: &'a str,
     raw: Vec<RawToken>,
@@ -97,16 +102,16 @@ struct Layout<'a> {
     diagnostics: Vec<Diagnostic>,
     pragmas: Vec<Pragma>,
     set: Mnemonics,
-    /// Area letters of both mnemonic sets are taken.
+    /// Area letters of both mnemonic sets are accepted.
     both_sets: bool,
     /// The file has mnemonics of both sets, which has been reported.
     mixed: bool,
     obey_pragmas: bool,
 }
 
-impl<'a> Layout<'a> {
-    fn new(file: FileId, text: &'a str, raw: RawText, set: Mnemonics) -> Layout<'a> {
-        Layout {
+impl<'a> Classifier<'a> {
+    fn new(file: FileId, text: &'a str, raw: RawText, set: Mnemonics) -> Classifier<'a> {
+        Classifier {
             file,
             text,
             out: Vec::with_capacity(raw.tokens.len() + raw.tokens.len() / 4),
@@ -123,7 +128,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// The whole file: blocks, and statements outside of them.
+    /// The whole file: blocks, and statements outside them.
     fn file(&mut self) {
         loop {
             let Some(token) = self.peek() else {
@@ -171,7 +176,7 @@ impl<'a> Layout<'a> {
             let span = self.span_of(*start, *end);
             self.out.truncate(first_token);
             self.diagnostics.truncate(first_message);
-            return self.report(not_a_source(span, "no statement of STL and no block begins here"));
+            return self.report(not_a_source(span, "neither a statement of STL nor a block begins here"));
         }
         let end = self.last_end();
         self.push(end, Tok::EndBlock, end);
@@ -195,7 +200,7 @@ impl<'a> Layout<'a> {
         &self.text[token.range()]
     }
 
-    /// The word at `index` in upper case; empty if no word stands there.
+    /// The word at `index` in upper case; empty if there is no word.
     fn upper(&self, index: usize) -> Upper {
         match self.raw.get(index) {
             Some(token) if token.kind == RawKind::Word => Upper::new(&self.text[token.range()]),
@@ -203,7 +208,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Whether nothing stands between the tokens at `index` and `index + 1`.
+    /// Whether nothing is between the tokens at `index` and `index + 1`.
     fn adjacent(&self, index: usize) -> bool {
         match (self.raw.get(index), self.raw.get(index + 1)) {
             (Some(token), Some(next)) => token.end == next.start,
@@ -225,7 +230,7 @@ impl<'a> Layout<'a> {
         self.out.push((start, token, end));
     }
 
-    /// Pushes `token` for the raw token at hand and goes on.
+    /// Pushes `token` for the current raw token and advances.
     fn take(&mut self, token: Tok<'a>) {
         let raw = self.raw[self.at];
         self.push(raw.start as usize, token, raw.end as usize);
@@ -236,7 +241,7 @@ impl<'a> Layout<'a> {
         self.out.last().map(|(_, token, _)| token)
     }
 
-    /// Where the last raw token before the one at hand ends.
+    /// The end of the last raw token before the current one.
     fn last_end(&self) -> usize {
         self.at.checked_sub(1).map_or(0, |before| self.raw[before].end as usize)
     }
@@ -247,7 +252,7 @@ impl<'a> Layout<'a> {
 
     // Keywords of frames.
 
-    /// The keyword at `index` that begins a block. A component named `TYPE` is none: a name follows a keyword.
+    /// The keyword at `index` that begins a block. A component named `TYPE` is not one: a name follows a keyword.
     fn block_keyword(&self, index: usize) -> Option<Tok<'static>> {
         use crate::stl::token::CodeKeyword;
         let keyword = match self.upper(index).as_str() {
@@ -274,7 +279,7 @@ impl<'a> Layout<'a> {
 
     // Pragmas.
 
-    /// The next comment line `//@` before byte `before`, if pragmas are obeyed.
+    /// The next comment line `//@` before byte `before`, if pragmas are read.
     fn next_pragma(&mut self, before: u32) -> Option<Comment> {
         if !self.obey_pragmas {
             return None;
@@ -288,7 +293,7 @@ impl<'a> Layout<'a> {
         pragma::parse(self.file, self.text, range, &mut self.diagnostics)
     }
 
-    /// Pragmas before byte `before` that stand in no code belong to the file.
+    /// Pragmas before byte `before` that are outside code belong to the file.
     fn file_pragmas(&mut self, before: u32) {
         while let Some(comment) = self.next_pragma(before) {
             let pragma = self.read_pragma(comment);
@@ -298,7 +303,7 @@ impl<'a> Layout<'a> {
 
     // Constants, common to declarations, values and operands.
 
-    /// Takes the constant at hand (a number, text or `#` constant), with the sign before it.
+    /// Takes the current constant (a number, text or `#` constant), with the sign before it.
     fn literal(&mut self) {
         let first = self.raw[self.at];
         let signed = matches!(first.kind, RawKind::Minus | RawKind::Plus);
@@ -338,14 +343,14 @@ impl<'a> Layout<'a> {
         if matches!(value, Literal::Date(_) | Literal::DateAndTime(_)) && text.contains([' ', '\t']) {
             let compact: String = text.chars().filter(|c| !c.is_whitespace()).collect();
             self.report(
-                Diagnostic::new(Code::BlanksInLiteral, span, "STEP 7 takes no blanks inside a constant")
-                    .label("taken as one constant")
+                Diagnostic::new(Code::BlanksInLiteral, span, "STEP 7 allows no blanks inside a constant")
+                    .label("read as one constant")
                     .help(format!("write `{compact}`")),
             );
         }
     }
 
-    /// Whether a constant begins at `index`: a value, or a sign with a number behind it.
+    /// Whether a constant begins at `index`: a value, or a sign with a number after it.
     fn is_literal(&self, index: usize) -> bool {
         match self.kind_at(index) {
             Some(RawKind::Number | RawKind::Real | RawKind::Text | RawKind::Literal) => true,
@@ -356,7 +361,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Reports the raw token at hand, which can stand nowhere, and goes on. Its place takes a `BadOperand`.
+    /// Reports the current raw token, which is allowed nowhere, and advances. A `BadOperand` takes its place.
     fn stray(&mut self) {
         let token = self.raw[self.at];
         let span = self.span(token);
@@ -365,7 +370,7 @@ impl<'a> Layout<'a> {
             RawKind::UnterminatedText => {
                 Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
                     .label("begins here")
-                    .help("close it with `'`; a quote inside is written `$'`")
+                    .help("close it with `'`; write a quote inside as `$'`")
             }
             RawKind::UnterminatedQuoted => {
                 Diagnostic::new(Code::UnterminatedText, span, "the symbol is not closed on its line")
@@ -377,7 +382,7 @@ impl<'a> Layout<'a> {
                 Diagnostic::new(
                     Code::UnexpectedCharacter,
                     span,
-                    format!("`{}` belongs to no statement", c.escape_debug()),
+                    format!("`{}` cannot be part of a statement", c.escape_debug()),
                 )
                 .label("not a character of STL outside texts and comments")
                 .help(stray_help(c))
@@ -389,7 +394,7 @@ impl<'a> Layout<'a> {
         self.report(diagnostic);
         self.take(Tok::BadOperand);
         if token.kind == RawKind::Stray {
-            // What follows a character of no meaning has none either.
+            // Text after a character without a meaning has no meaning either.
             while self.peek().is_some_and(|next| {
                 !next.first_on_line
                     && !matches!(
@@ -405,9 +410,9 @@ impl<'a> Layout<'a> {
 
 /// The text at `span` belongs to no PLC source.
 pub fn not_a_source(span: Span, label: &str) -> Diagnostic {
-    Diagnostic::new(Code::NotASource, span, "this file holds no PLC source")
+    Diagnostic::new(Code::NotASource, span, "this file does not contain a PLC source")
         .label(label)
-        .help("give a source in STL or SCL as STEP 7 or the TIA Portal exports it: blocks, or statements such as `A I 0.0`; a printout is none")
+        .help("pass a source in STL or SCL as STEP 7 or the TIA Portal exports it: blocks, or statements such as `A I 0.0`, but not a printout")
 }
 
 fn stray_help(c: char) -> &'static str {
@@ -416,7 +421,7 @@ fn stray_help(c: char) -> &'static str {
         '“' | '”' | '„' => "write symbols in straight quotes: `\"symbol\"`",
         '–' | '—' | '−' => "write the sign as `-`",
         '\\' => "comments begin with `//`",
-        _ => "remove it, or put it behind `//`",
+        _ => "remove it, or put it into a comment after `//`",
     }
 }
 

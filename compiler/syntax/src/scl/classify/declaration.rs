@@ -1,15 +1,15 @@
-//! Layout of declarations, types and the values of a data block.
+//! Classifies the words of declarations, types and the values of a data block.
 
 use plcc_diag::{Code, Diagnostic};
 
 use super::expression::Run;
-use super::{Layout, NESTING_MAX, unquoted};
+use super::{Classifier, NESTING_MAX, unquoted};
 use crate::ast::{Retain, SectionKind};
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::Tok;
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// A section from its keyword to its end.
     pub(super) fn section(&mut self) {
         let opening = self.raw[self.at];
@@ -19,7 +19,7 @@ impl<'a> Layout<'a> {
             Some(keyword) => self.variable_section(opening, keyword),
             None => self.at += 1,
         }
-        // A `;` behind the end has no meaning.
+        // A `;` after the end has no meaning.
         if self.is_at(RawKind::Semicolon) {
             self.at += 1;
         }
@@ -60,7 +60,7 @@ impl<'a> Layout<'a> {
         self.end_of_section(opening, Keyword::EndVar);
     }
 
-    /// `VAR CONSTANT`, `CONST`; the last word of the head is at hand.
+    /// `VAR CONSTANT`, `CONST`; the last word of the head is the current token.
     fn constant_section(&mut self, opening: RawToken, end: Keyword) {
         let last = self.raw[self.at];
         self.push(opening.start as usize, Tok::Constants, last.end as usize);
@@ -133,14 +133,14 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), format!("`{text}` is not closed with `{end}`"))
                 .label("the section begins here")
-                .help(format!("write `{end}` behind its last declaration")),
+                .help(format!("write `{end}` after its last declaration")),
         );
         self.push_here(Tok::EndVar);
     }
 
-    /// Whether a section ends at the token, by its end or by something that cannot stand in it.
+    /// Whether a section ends at the token, at its end or at a token that is not allowed in it.
     fn section_ends(&self, token: RawToken) -> bool {
-        // A variable may be called like a keyword.
+        // A variable may have the name of a keyword.
         if matches!(self.kind_at(self.at + 1), Some(RawKind::Colon)) {
             return false;
         }
@@ -167,7 +167,7 @@ impl<'a> Layout<'a> {
                         return;
                     }
                     self.report(
-                        Diagnostic::new(Code::BlockFrame, self.span(token), "`END_STRUCT` stands without STRUCT")
+                        Diagnostic::new(Code::BlockFrame, self.span(token), "`END_STRUCT` has no matching STRUCT")
                             .label("no structure is open here")
                             .help("remove it"),
                     );
@@ -224,7 +224,7 @@ impl<'a> Layout<'a> {
         });
     }
 
-    /// Whether what is at hand begins a line and looks like another declaration, or ends the section.
+    /// Whether the current token begins a line and looks like another declaration, or ends the section.
     fn next_declaration(&self) -> bool {
         let Some(token) = self.peek() else { return true };
         self.section_ends(token)
@@ -246,20 +246,16 @@ impl<'a> Layout<'a> {
             if !reported {
                 let text = self.slice(last);
                 self.report(
-                    Diagnostic::new(
-                        Code::DeclarationSyntax,
-                        self.span(last),
-                        format!("`;` is missing behind `{text}`"),
-                    )
-                    .label("the declaration ends here")
-                    .help("end each declaration with `;`"),
+                    Diagnostic::new(Code::DeclarationSyntax, self.span(last), format!("`;` is missing after `{text}`"))
+                        .label("the declaration ends here")
+                        .help("end each declaration with `;`"),
                 );
             }
         }
         self.push_here(Tok::End);
     }
 
-    /// A type, as far as it goes.
+    /// A type, up to its end.
     pub(super) fn type_tokens(&mut self) {
         self.type_at_depth(0);
     }
@@ -337,7 +333,7 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::DeclarationSyntax, self.span(opening), "`[` is not closed")
                 .label("opened here")
-                .help("write `]` behind the bounds"),
+                .help("write `]` after the bounds"),
         );
         self.push_here(Tok::RightBracket);
     }
@@ -354,17 +350,17 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), "`STRUCT` is not closed with `END_STRUCT`")
                 .label("the structure begins here")
-                .help("write `END_STRUCT;` behind its last component"),
+                .help("write `END_STRUCT;` after its last component"),
         );
         self.push_here(Tok::EndStruct);
     }
 
-    /// The rest of the section is not worth reading.
+    /// Reading the rest of the section makes no sense.
     fn too_deep_type(&mut self, token: RawToken) {
         self.report(
-            Diagnostic::new(Code::DeclarationSyntax, self.span(token), "types stand too deep in one another")
+            Diagnostic::new(Code::DeclarationSyntax, self.span(token), "types are nested too deeply")
                 .label(format!("inside {NESTING_MAX} others"))
-                .help("declare a data type (UDT) of its own for a part of it"),
+                .help("declare a separate data type (UDT) for a part of it"),
         );
         while let Some(token) = self.peek() {
             if token.keyword.is_some_and(|word| word.ends_section() || word.ends_block() || word == Keyword::Begin) {
@@ -374,7 +370,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// `a.b[3] := 5;` behind BEGIN of a data block.
+    /// `a.b[3] := 5;` after BEGIN of a data block.
     pub(super) fn values(&mut self) {
         while let Some(token) = self.peek() {
             self.file_pragmas(token.start);

@@ -1,4 +1,4 @@
-//! Layout of charts: raw tokens to the tokens of the grammar.
+//! Classifies the words of charts: raw tokens to the tokens of the grammar.
 //!
 //! ```text
 //! chart ──► permanent instructions ──► rows ───────────────┐
@@ -7,8 +7,8 @@
 //!   └─────► transition ──► FROM, TO, CONDITION ────────────┘
 //! ```
 //!
-//! Nothing ends an action or a permanent instruction but its line, so that this pass finds the ends. It closes parts and brackets that the
-//! source left open: the grammar always sees a balanced chart, and one mistake stays one message.
+//! Only its line ends an action or a permanent instruction, so this pass finds the ends. It closes parts and brackets that the
+//! source left open: the grammar always sees a balanced chart, and one mistake remains one message.
 
 mod expression;
 mod keyword;
@@ -22,19 +22,19 @@ use super::lexer::{RawKind, RawToken};
 use super::pragma::{self, Tag};
 use super::token::{Spanned, Tok};
 
-/// Lays out the tokens of a chart: all of a block but its head and declarations.
-pub fn lay_out<'a>(
+/// Classifies the tokens of a chart: the whole block except its head and declarations.
+pub fn classify<'a>(
     file: FileId,
     text: &'a str,
     raw: &[RawToken],
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Vec<Spanned<'a>> {
-    let mut layout = Layout { file, text, raw, at: 0, out: Vec::with_capacity(raw.len()), diagnostics };
-    layout.chart();
-    layout.out
+    let mut classifier = Classifier { file, text, raw, at: 0, out: Vec::with_capacity(raw.len()), diagnostics };
+    classifier.chart();
+    classifier.out
 }
 
-struct Layout<'a, 'r> {
+struct Classifier<'a, 'r> {
     file: FileId,
     text: &'a str,
     raw: &'r [RawToken],
@@ -44,7 +44,7 @@ struct Layout<'a, 'r> {
     diagnostics: &'r mut Vec<Diagnostic>,
 }
 
-impl<'a> Layout<'a, '_> {
+impl<'a> Classifier<'a, '_> {
     fn chart(&mut self) {
         while let Some(token) = self.peek() {
             match self.keyword_at(self.at) {
@@ -62,7 +62,7 @@ impl<'a> Layout<'a, '_> {
         }
     }
 
-    /// Brackets of a sequence mean nothing.
+    /// Brackets of a sequence have no meaning.
     fn sequence(&mut self) {
         self.at += 1;
         while let Some(token) = self.peek() {
@@ -90,18 +90,22 @@ impl<'a> Layout<'a, '_> {
             Some(keyword) if keyword.is_end() => {
                 Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` ends nothing"))
                     .label("no part of the chart is open here")
-                    .help("remove it, or write the head of what it ends")
+                    .help("remove it, or write the beginning of the part that it ends")
             }
-            _ => Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` stands outside of the chart"))
-                .label("neither a step nor a transition is open here")
-                .help("a GRAPH block holds permanent instructions, steps from `STEP` to `END_STEP`, then transitions"),
+            _ => Diagnostic::new(
+                Code::BlockFrame,
+                self.span(token),
+                format!("`{word}` cannot stand outside the chart"),
+            )
+            .label("neither a step nor a transition is open here")
+            .help("a GRAPH block contains permanent instructions, steps from `STEP` to `END_STEP`, then transitions"),
         };
         self.report(diagnostic);
         self.at += 1;
         self.skip_to_keyword();
     }
 
-    /// Goes on to what begins or ends a part.
+    /// Advances to the next token that begins or ends a part.
     fn skip_to_keyword(&mut self) {
         while let Some(token) = self.peek() {
             if self.keyword_at(self.at).is_some() || token.kind == RawKind::Pragma {
@@ -113,8 +117,8 @@ impl<'a> Layout<'a, '_> {
 
     // Parts.
 
-    fn permanents(&mut self, opening: RawToken, behind: bool) {
-        self.take(Tok::Permanents(behind));
+    fn permanents(&mut self, opening: RawToken, after: bool) {
+        self.take(Tok::Permanents(after));
         while let Some(token) = self.peek() {
             match self.keyword_at(self.at) {
                 _ if matches!(token.kind, RawKind::Semicolon | RawKind::Pragma) => self.at += 1,
@@ -165,7 +169,7 @@ impl<'a> Layout<'a, '_> {
             _ => {
                 let word = self.slice(opening);
                 self.report(
-                    Diagnostic::new(Code::Syntax, self.span(opening), format!("`{word}` names no {what}"))
+                    Diagnostic::new(Code::Syntax, self.span(opening), format!("no name of a {what} follows `{word}`"))
                         .label("the name is missing")
                         .help(format!("write `{word} Name (*$_NUM 1*)`")),
                 );
@@ -184,9 +188,9 @@ impl<'a> Layout<'a, '_> {
                         Diagnostic::new(
                             Code::BadLiteral,
                             self.span(token),
-                            format!("`{body}` is no number of a {what}"),
+                            format!("`{body}` is not the number of a {what}"),
                         )
-                        .label("a whole number from 1 to 999 is wanted here")
+                        .label("a whole number from 1 to 999 is expected here")
                         .help("write e.g. `(*$_NUM 3*)`"),
                     );
                     self.take(Tok::Number(0));
@@ -234,7 +238,7 @@ impl<'a> Layout<'a, '_> {
                             self.span(token),
                             format!("`{word}` begins without `CONDITION :=`"),
                         )
-                        .label("`CONDITION :=` is wanted here")
+                        .label("`CONDITION :=` is expected here")
                         .help(format!("write `{word}`, then `CONDITION := …`, then `{}`", end.word())),
                     );
                     self.skip_to_keyword();
@@ -253,7 +257,7 @@ impl<'a> Layout<'a, '_> {
         } else if self.is_at(RawKind::Equal) {
             let span = self.span(self.raw[self.at]);
             self.report(
-                Diagnostic::new(Code::AssignSign, span, "a condition is given with `:=`")
+                Diagnostic::new(Code::AssignSign, span, "a condition is written with `:=`")
                     .label("`=` compares")
                     .help("write `CONDITION := …`"),
             );
@@ -262,7 +266,7 @@ impl<'a> Layout<'a, '_> {
             && self.keyword_at(self.at).is_none()
         {
             self.report(
-                Diagnostic::new(Code::Syntax, self.span(word), "`:=` is missing behind `CONDITION`")
+                Diagnostic::new(Code::Syntax, self.span(word), "`:=` is missing after `CONDITION`")
                     .label("the condition follows without `:=`")
                     .help("write `CONDITION := …`"),
             );
@@ -275,7 +279,7 @@ impl<'a> Layout<'a, '_> {
         self.push_here(Tok::RowEnd);
     }
 
-    /// `FROM x`, `FROM ( x, y)`, `TO (x, y) :`, `TO x (*$_JUMP*)`, with the colon before or behind the mark.
+    /// `FROM x`, `FROM ( x, y)`, `TO (x, y) :`, `TO x (*$_JUMP*)`, with the colon before or after the mark.
     fn steps(&mut self, tok: Tok<'a>) {
         self.take(tok);
         let open = self.peek().filter(|token| token.kind == RawKind::LeftParen);
@@ -305,7 +309,7 @@ impl<'a> Layout<'a, '_> {
                     self.take(Tok::Comma);
                 }
                 kind if is_name(kind) => {
-                    // `TO` behind a list on the same line begins the next one.
+                    // `TO` after a list on the same line begins the next one.
                     if named && closed {
                         break;
                     }
@@ -330,7 +334,7 @@ impl<'a> Layout<'a, '_> {
     fn outside_of_clauses(&mut self, token: RawToken) {
         let word = self.slice(token);
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), format!("`{word}` cannot stand in a transition"))
+            Diagnostic::new(Code::Syntax, self.span(token), format!("a transition cannot contain `{word}`"))
                 .label("not expected here")
                 .help("a transition has `FROM steps`, `TO steps` and `CONDITION := …`"),
         );
@@ -344,12 +348,12 @@ impl<'a> Layout<'a, '_> {
         }
     }
 
-    /// Takes the end of a part; if another word is at hand, it is reported.
+    /// Takes the end of a part; any other word is reported.
     fn end(&mut self, opening: RawToken, end: Keyword) {
         let found = self.keyword_at(self.at).filter(|keyword| keyword.is_end() && *keyword != Keyword::EndSequence);
         match found {
             Some(keyword) if keyword == end => return self.take(Tok::End),
-            // The end of another kind of part, which is not open, was meant for this one.
+            // The end of another kind of part that is not open is meant for this one.
             Some(_) if !matches!(end, Keyword::EndInterlock | Keyword::EndSupervision) || self.inner_end() => {
                 let token = self.raw[self.at];
                 let (word, open) = (self.slice(token), self.slice(opening));
@@ -367,7 +371,7 @@ impl<'a> Layout<'a, '_> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), format!("`{}` is missing", end.word()))
                 .label(format!("this `{open}` is not closed"))
-                .help(format!("write `{}` behind it", end.word())),
+                .help(format!("write `{}` after it", end.word())),
         );
         self.push_here(Tok::End);
     }
@@ -415,14 +419,14 @@ impl<'a> Layout<'a, '_> {
 
     // Tokens of the grammar.
 
-    /// Pushes `tok` for the raw token at hand and goes on.
+    /// Pushes `tok` for the current raw token and advances.
     fn take(&mut self, tok: Tok<'a>) {
         let raw = self.raw[self.at];
         self.out.push((raw.start as usize, tok, raw.end as usize));
         self.at += 1;
     }
 
-    /// Pushes a token of no width behind what has been read.
+    /// Pushes a token of no width after what has been read.
     fn push_here(&mut self, tok: Tok<'a>) {
         let end = match self.at.checked_sub(1) {
             Some(before) => self.raw[before].end as usize,
@@ -436,7 +440,7 @@ impl<'a> Layout<'a, '_> {
     }
 }
 
-/// What a step may be called.
+/// Whether a step may have this name.
 fn is_name(kind: RawKind) -> bool {
     matches!(kind, RawKind::Word | RawKind::Number | RawKind::Quoted)
 }

@@ -1,8 +1,8 @@
-//! Layout of actions and permanent instructions: where a row ends, and what stands in parentheses behind its operand.
+//! Classifies the words of actions and permanent instructions: where a row ends, and what is in the parentheses after its operand.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
-use super::Layout;
+use super::Classifier;
 use super::expression::{Place, is_operator};
 use crate::gr7::lexer::RawKind;
 use crate::gr7::pragma::{self, Tag};
@@ -12,13 +12,13 @@ use plcc_syntax::chart::ast::Coil;
 
 /// Where a row ends.
 struct Extent {
-    /// Index behind its last token.
+    /// Index after its last token.
     end: usize,
     /// Index of the parenthesis before the qualifier.
     qualifier: Option<usize>,
 }
 
-impl<'a> Layout<'a, '_> {
+impl<'a> Classifier<'a, '_> {
     /// `operand := value (qualifier)`
     pub(super) fn action_row(&mut self) {
         let call = self.is_call();
@@ -49,7 +49,7 @@ impl<'a> Layout<'a, '_> {
             )
     }
 
-    /// A row ends behind its qualifier, or with its line.
+    /// A row ends after its qualifier, or at the end of its line.
     fn action_extent(&self, call: bool) -> Extent {
         let (mut depth, mut lists) = (0usize, 0usize);
         let mut index = self.at;
@@ -80,7 +80,7 @@ impl<'a> Layout<'a, '_> {
             index += 1;
         }
         if depth > 0 {
-            // What is not closed goes no further than its line.
+            // A part that is not closed ends with its line.
             let line = (self.at + 1..index).find(|next| self.raw[*next].first_on_line);
             index = line.unwrap_or(index);
             let open = (self.at..index).rev().take(4).find(|open| self.kind_at(*open) == Some(RawKind::LeftParen));
@@ -93,23 +93,23 @@ impl<'a> Layout<'a, '_> {
         Extent { end: index, qualifier: None }
     }
 
-    /// Whether nothing of a row can stand at `index`.
+    /// Whether no part of a row can be at `index`.
     fn ends_row(&self, index: usize) -> bool {
         matches!(self.raw[index].kind, RawKind::Semicolon | RawKind::Pragma) || self.keyword_at(index).is_some()
     }
 
-    /// Whether a line at `index` goes on with the row of the one before.
+    /// Whether a line at `index` continues the row of the previous line.
     fn continues(&self, index: usize) -> bool {
         self.joins(index) || self.kind_at(index) == Some(RawKind::LeftParen)
     }
 
-    /// Whether the token stands between two parts of a row.
+    /// Whether the token comes between two parts of a row.
     fn joins(&self, index: usize) -> bool {
         let token = self.raw[index];
         matches!(token.kind, RawKind::Comma | RawKind::Assign) || is_operator(token, self.slice(token))
     }
 
-    /// Index of the `)` of the qualifier that opens at `index`. `call`: parameters of a call may stand here.
+    /// Index of the `)` of the qualifier that opens at `index`. `call`: parameters of a call are possible here.
     fn qualifier_at(&self, index: usize, call: bool) -> Option<usize> {
         if self.kind_at(index) != Some(RawKind::LeftParen) {
             return None;
@@ -123,11 +123,11 @@ impl<'a> Layout<'a, '_> {
         let text = &self.text[self.raw[index].end as usize..self.raw[close].start as usize];
         let known = qualifier::parse(text).is_some();
         let next = self.raw.get(close + 1);
-        let behind = next.is_none_or(|next| {
+        let after = next.is_none_or(|next| {
             last || matches!(next.kind, RawKind::Word | RawKind::Quoted | RawKind::Local | RawKind::Absolute)
                 && !is_operator(*next, self.slice(*next))
         });
-        (if known { behind } else { last && !call }).then_some(close)
+        (if known { after } else { last && !call }).then_some(close)
     }
 
     /// The qualifier in the parenthesis at `open`.
@@ -144,14 +144,14 @@ impl<'a> Layout<'a, '_> {
             let span = if text.trim().is_empty() { self.span(first).to(self.span(last)) } else { span };
             self.report(
                 Diagnostic::new(Code::Qualifier, span, title)
-                    .label("no instruction of an action")
+                    .label("not an instruction of an action")
                     .help(qualifier::help(text)),
             );
         } else if alone {
             self.report(
                 Diagnostic::new(Code::ActionText, self.span(first).to(self.span(last)), "the action has no operand")
-                    .label("only a qualifier stands here")
-                    .help("write what it works on before it, e.g. `Q4.0 (N)`"),
+                    .label("there is only a qualifier here")
+                    .help("write its operand before it, e.g. `Q4.0 (N)`"),
             );
         }
         self.out.push((first.start as usize, Tok::Qualifier(mark.filter(|_| !alone)), last.end as usize));
@@ -160,18 +160,18 @@ impl<'a> Layout<'a, '_> {
 
     fn no_qualifier(&mut self) {
         let last = self.raw[self.at - 1];
-        // A bracket or character that was told of may have taken it.
+        // A bracket or character that was reported may include it.
         if !self.reported_in_row() {
             self.report(
                 Diagnostic::new(Code::Qualifier, self.span(last), "the action has no qualifier")
-                    .label("behind this")
+                    .label("after this")
                     .help(qualifier::help("")),
             );
         }
         self.push_here(Tok::Qualifier(None));
     }
 
-    /// Whether the last message is about the line at hand.
+    /// Whether the last message is about the current line.
     fn reported_in_row(&self) -> bool {
         let before = &self.raw[..self.at];
         let first = before.iter().rposition(|token| token.first_on_line).map_or(0, |first| before[first].start);
@@ -241,7 +241,7 @@ impl<'a> Layout<'a, '_> {
         index
     }
 
-    /// Whether a permanent instruction begins with the line at `index`: an unclosed bracket goes no further.
+    /// Whether a permanent instruction begins with the line at `index`: an unclosed bracket ends before it.
     fn begins_permanent(&self, index: usize) -> bool {
         let line = &self.raw[index..];
         let length = line.iter().skip(1).take_while(|token| !token.first_on_line).count() + 1;
@@ -264,10 +264,10 @@ impl<'a> Layout<'a, '_> {
             _ => None,
         };
         if coil.is_none() {
-            let title = format!("a permanent instruction has no form `({})`", self.slice(sign));
+            let title = format!("a permanent instruction cannot have the form `({})`", self.slice(sign));
             self.report(
                 Diagnostic::new(Code::Qualifier, self.span(sign), title)
-                    .label("neither `=` nor `S` nor `R`")
+                    .label("not `=`, `S` or `R`")
                     .help("write `operand (=) := condition`, or `(S)` or `(R)`"),
             );
         }
@@ -279,7 +279,7 @@ impl<'a> Layout<'a, '_> {
         let first = self.raw[self.at];
         let last = self.raw[end - 1];
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(first).to(self.span(last)), "this is no permanent instruction")
+            Diagnostic::new(Code::Syntax, self.span(first).to(self.span(last)), "this is not a permanent instruction")
                 .label("`(=)`, `(S)` or `(R)` and `:=` are missing")
                 .help("write `operand (=) := condition`, or `CALL FC1 ()`"),
         );

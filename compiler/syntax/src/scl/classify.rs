@@ -1,8 +1,8 @@
-//! Layout: raw tokens to the tokens of the grammar.
+//! Classifies words: raw tokens to the tokens of the grammar.
 //!
-//! A word means something else in a header, a declaration and an expression. This pass follows the frame of the file and gives each token its
+//! A word has different meanings in a header, a declaration and an expression. This pass follows the frame of the file and gives each token its
 //! meaning. It also closes frames, structured statements and brackets that the source left open, and ends each statement,
-//! so that the grammar always sees a balanced text and one mistake stays one message.
+//! so the grammar always sees a balanced text, and one mistake remains one message.
 //!
 //! ```text
 //! file ──► block ──► header                                                    header.rs
@@ -29,21 +29,21 @@ use crate::ast::Pragma;
 use crate::comment::{self, Comment};
 use crate::stl::pragma;
 
-/// How deep structured statements, STRUCTs and brackets may stand in one another.
+/// How deep structured statements, STRUCTs and brackets may be nested.
 const NESTING_MAX: usize = 200;
 
-/// What the layout of a file gives.
-pub struct Laid<'a> {
+/// The result of classifying a file.
+pub struct Classified<'a> {
     pub tokens: Vec<Spanned<'a>>,
     pub diagnostics: Vec<Diagnostic>,
-    /// Pragmas that stand in no code.
+    /// Pragmas that are outside code.
     pub pragmas: Vec<Pragma>,
     pub comments: Vec<Comment>,
 }
 
-/// Lays out a file.
-pub fn lay_out<'a>(file: FileId, text: &'a str, raw: RawText, obey_pragmas: bool) -> Laid<'a> {
-    let mut layout = Layout {
+/// Classifies the words of a file.
+pub fn classify<'a>(file: FileId, text: &'a str, raw: RawText, obey_pragmas: bool) -> Classified<'a> {
+    let mut classifier = Classifier {
         file,
         text,
         iec: raw.iec,
@@ -58,11 +58,16 @@ pub fn lay_out<'a>(file: FileId, text: &'a str, raw: RawText, obey_pragmas: bool
         labels: HashSet::new(),
         constants: HashSet::new(),
     };
-    layout.file();
-    Laid { tokens: layout.out, diagnostics: layout.diagnostics, pragmas: layout.pragmas, comments: layout.comments }
+    classifier.file();
+    Classified {
+        tokens: classifier.out,
+        diagnostics: classifier.diagnostics,
+        pragmas: classifier.pragmas,
+        comments: classifier.comments,
+    }
 }
 
-struct Layout<'a> {
+struct Classifier<'a> {
     file: FileId,
     text: &'a str,
     /// Structured text of IEC 61131-3.
@@ -83,8 +88,8 @@ struct Layout<'a> {
     constants: HashSet<String>,
 }
 
-impl<'a> Layout<'a> {
-    /// The whole file: blocks, and statements outside of them.
+impl<'a> Classifier<'a> {
+    /// The whole file: blocks, and statements outside them.
     fn file(&mut self) {
         loop {
             let Some(token) = self.peek() else {
@@ -176,20 +181,20 @@ impl<'a> Layout<'a> {
         self.out.push((start, token, end));
     }
 
-    /// Pushes `token` for the raw token at hand and goes on.
+    /// Pushes `token` for the current raw token and advances.
     fn take(&mut self, token: Tok<'a>) {
         let raw = self.raw[self.at];
         self.push(raw.start as usize, token, raw.end as usize);
         self.at += 1;
     }
 
-    /// Pushes a token of no width behind what has been read.
+    /// Pushes a token of no width after what has been read.
     fn push_here(&mut self, token: Tok<'a>) {
         let end = self.last_end();
         self.push(end, token, end);
     }
 
-    /// Where the last raw token before the one at hand ends.
+    /// The end of the last raw token before the current one.
     fn last_end(&self) -> usize {
         self.at.checked_sub(1).map_or(0, |before| self.raw[before].end as usize)
     }
@@ -204,7 +209,7 @@ impl<'a> Layout<'a> {
 
     // Pragmas.
 
-    /// The next comment line `//@` before byte `before`, if pragmas are obeyed.
+    /// The next comment line `//@` before byte `before`, if pragmas are read.
     fn next_pragma(&mut self, before: u32) -> Option<Comment> {
         if !self.obey_pragmas {
             return None;
@@ -218,7 +223,7 @@ impl<'a> Layout<'a> {
         pragma::parse(self.file, self.text, range, &mut self.diagnostics)
     }
 
-    /// Pragmas before byte `before` that stand in no code belong to the file.
+    /// Pragmas before byte `before` that are outside code belong to the file.
     fn file_pragmas(&mut self, before: u32) {
         while let Some(comment) = self.next_pragma(before) {
             let pragma = self.read_pragma(comment);

@@ -1,14 +1,14 @@
-//! Layout of declarations (`VAR … END_VAR`, `STRUCT … END_STRUCT`) and of the values of a data block.
+//! Classifies the words of declarations (`VAR … END_VAR`, `STRUCT … END_STRUCT`) and of the values of a data block.
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{ARRAY_DEPTH_MAX, BRACKET_DEPTH_MAX, Layout, STRUCT_DEPTH_MAX, is_end_of_block, is_section, unquoted};
+use super::{ARRAY_DEPTH_MAX, BRACKET_DEPTH_MAX, Classifier, STRUCT_DEPTH_MAX, is_end_of_block, is_section, unquoted};
 use crate::ast::SectionKind;
 use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// `VAR_INPUT … END_VAR`.
     pub(super) fn section(&mut self) {
         let opening = self.raw[self.at];
@@ -49,7 +49,7 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), format!("`{keyword}` is not closed with `END_VAR`"))
                 .label("the declarations begin here")
-                .help("write `END_VAR` behind the last declaration"),
+                .help("write `END_VAR` after the last declaration"),
         );
         let end = self.last_end();
         self.push(end, Tok::EndVar, end);
@@ -72,15 +72,15 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), "`STRUCT` is not closed with `END_STRUCT`")
                 .label("begins here")
-                .help("write `END_STRUCT;` behind its last component"),
+                .help("write `END_STRUCT;` after its last component"),
         );
         let end = self.last_end();
         self.push(end, Tok::EndStruct, end);
     }
 
-    /// Declarations up to `END_VAR`, or with `depth` 1 to the `END_STRUCT` that closes it, or to what cannot be inside.
+    /// Declarations up to `END_VAR`, or with `depth` 1 to the `END_STRUCT` that closes it, or to a token that is not allowed inside.
     ///
-    /// Leaves balanced STRUCTs and a `;` behind each declaration.
+    /// The result has balanced STRUCTs and a `;` after each declaration.
     fn declarations(&mut self, depth: usize) {
         let base = depth;
         let mut open: Vec<RawToken> = Vec::new();
@@ -168,7 +168,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Whether the word at hand (upper case) ends all declarations: `END_VAR`, or a keyword that stands in none.
+    /// Whether the current word (upper case) ends all declarations: `END_VAR`, or a keyword that no declaration contains.
     fn ends_declarations(&self, word: &str) -> bool {
         if word == "END_VAR" || is_end_of_block(word) {
             return true;
@@ -178,7 +178,7 @@ impl<'a> Layout<'a> {
         !declared && (is_section(word) || matches!(word, "BEGIN" | "NETWORK") || self.block_keyword(self.at).is_some())
     }
 
-    /// Reports the `;` that is missing, if the last declaration has none.
+    /// Reports a missing `;` of the last declaration.
     fn close_declaration(&mut self) {
         if !matches!(self.last(), Some(Tok::Semicolon | Tok::Struct | Tok::Section(_) | Tok::EndStruct)) {
             self.missing_semicolon("declaration");
@@ -194,7 +194,7 @@ impl<'a> Layout<'a> {
                 self.span_of(start, end),
                 format!("the {what} does not end with `;`"),
             )
-            .label("`;` is missing behind this")
+            .label("`;` is missing after this")
             .help(format!("end each {what} with `;`")),
         );
         self.push(end, Tok::Semicolon, end);
@@ -203,11 +203,11 @@ impl<'a> Layout<'a> {
     fn too_deep(&mut self, what: &str) {
         let token = self.raw[self.at];
         self.report(
-            Diagnostic::new(Code::DeclarationSyntax, self.span(token), format!("{what} are nested too deep"))
+            Diagnostic::new(Code::DeclarationSyntax, self.span(token), format!("{what} are nested too deeply"))
                 .label("too many levels")
-                .help("STEP 7 takes 8 levels; put inner ones into data types of their own"),
+                .help("STEP 7 allows 8 levels; put inner ones into separate data types"),
         );
-        // What follows belongs to no frame that can be known.
+        // The text that follows belongs to no known frame.
         while let Some(token) = self.peek() {
             let upper = self.upper(self.at);
             if is_end_of_block(upper.as_str()) || token.first_on_line && self.block_keyword(self.at).is_some() {
@@ -250,7 +250,7 @@ impl<'a> Layout<'a> {
                 None => {
                     self.stray();
                     if matches!(kind, RawKind::UnterminatedText | RawKind::UnterminatedQuoted) {
-                        // The `;` is inside what was not closed.
+                        // The `;` is inside the part that was not closed.
                         let end = self.last_end();
                         self.push(end, Tok::Semicolon, end);
                     }
@@ -259,7 +259,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// A word of a declaration: a type behind `:` and `OF`, a value behind `:=`, else a name.
+    /// A word of a declaration: a type after `:` and `OF`, a value after `:=`, otherwise a name.
     fn declaration_word(&mut self) {
         let token = self.raw[self.at];
         if matches!(self.last(), Some(Tok::Colon | Tok::Of)) {
@@ -307,14 +307,14 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Assignments behind BEGIN.
+    /// Assignments after BEGIN.
     pub(super) fn values(&mut self) {
         let mut brackets = 0usize;
         while let Some(token) = self.peek() {
             self.file_pragmas(token.start);
             let upper = self.upper(self.at);
             let at_start = matches!(self.last(), Some(Tok::Semicolon | Tok::Begin));
-            let behind_value = matches!(
+            let after_value = matches!(
                 self.last(),
                 Some(
                     Tok::Literal(_)
@@ -344,7 +344,7 @@ impl<'a> Layout<'a> {
                     let tok = self.literal_token(self.slice(token), self.span(token));
                     self.take(tok);
                 }
-                RawKind::Word | RawKind::Quoted if behind_value && token.first_on_line && brackets == 0 => {
+                RawKind::Word | RawKind::Quoted if after_value && token.first_on_line && brackets == 0 => {
                     self.missing_semicolon("assignment");
                 }
                 RawKind::Word if matches!(self.last(), Some(Tok::Assign)) && self.value_operand(token) => {}
@@ -385,7 +385,7 @@ impl<'a> Layout<'a> {
         true
     }
 
-    /// Reports `=` in place of `:=` and takes it as `:=`.
+    /// Reports `=` in place of `:=` and reads it as `:=`.
     pub(super) fn equal_for_assign(&mut self) {
         let token = self.raw[self.at];
         self.report(
@@ -397,7 +397,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// The grammar's token of a sign that means the same everywhere.
+/// The grammar's token for a character that means the same everywhere.
 pub(super) fn sign(kind: RawKind) -> Option<Tok<'static>> {
     Some(match kind {
         RawKind::Colon => Tok::Colon,

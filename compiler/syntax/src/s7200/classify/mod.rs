@@ -1,4 +1,4 @@
-//! Raw tokens to tokens with a meaning, line by line: the first word of a line tells what the line is.
+//! Raw tokens to tokens with a meaning, line by line: the first word of a line decides what the line is.
 
 mod operand;
 
@@ -22,13 +22,13 @@ pub fn is_block(word: &str) -> bool {
 }
 
 /// The tokens of a file, its pragmas, and what was wrong with its words.
-pub struct Laid<'a> {
+pub struct Classified<'a> {
     pub tokens: Vec<Spanned<'a>>,
     pub pragmas: Vec<Pragma>,
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// What lines without a keyword are.
+/// The kind of lines without a keyword.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Mode {
     Code,
@@ -38,59 +38,68 @@ enum Mode {
     Data,
 }
 
-/// Gives the raw tokens of a file their meaning. `data`: the file has lines of a data block and nothing else.
-pub fn lay_out<'a>(
+/// Gives the raw tokens of a file their meaning. `data`: the file has only lines of a data block.
+pub fn classify<'a>(
     file: FileId,
     text: &'a str,
     lines: &[Vec<RawToken>],
     detected: &Detected,
     pragmas: bool,
     data: bool,
-) -> Laid<'a> {
+) -> Classified<'a> {
     let mode = if data { Mode::Data } else { Mode::Code };
-    let laid = Laid { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
-    let mut layout = Layout { file, text, detected, pragmas, mode, place: Where::Statement, end: 0, laid };
+    let classified = Classified { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
+    let mut classifier =
+        Classifier { file, text, detected, pragmas, mode, place: Where::Statement, end: 0, classified };
     for line in lines {
-        layout.line(line);
+        classifier.line(line);
     }
-    layout.laid
+    classifier.classified
 }
 
 /// The tokens of the sides of an assertion, which begin at byte `offset` of the file.
-pub fn lay_out_assertion<'a>(
+pub fn classify_assertion<'a>(
     file: FileId,
     text: &'a str,
     tokens: &[RawToken],
     detected: &Detected,
 ) -> (Vec<Spanned<'a>>, Vec<Diagnostic>) {
-    let laid = Laid { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
-    let mut layout =
-        Layout { file, text, detected, pragmas: false, mode: Mode::Code, place: Where::Assertion, end: 0, laid };
-    layout.operands(tokens);
-    (layout.laid.tokens, layout.laid.diagnostics)
+    let classified = Classified { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
+    let mut classifier = Classifier {
+        file,
+        text,
+        detected,
+        pragmas: false,
+        mode: Mode::Code,
+        place: Where::Assertion,
+        end: 0,
+        classified,
+    };
+    classifier.operands(tokens);
+    (classifier.classified.tokens, classifier.classified.diagnostics)
 }
 
-struct Layout<'a, 'd> {
+struct Classifier<'a, 'd> {
     file: FileId,
     text: &'a str,
     detected: &'d Detected,
     pragmas: bool,
     mode: Mode,
-    /// Where the operands of the line stand.
+    /// Where the operands of the line are.
     place: Where,
     /// End of the last token.
     end: usize,
-    laid: Laid<'a>,
+    classified: Classified<'a>,
 }
 
-impl<'a> Layout<'a, '_> {
+impl<'a> Classifier<'a, '_> {
     fn push(&mut self, range: Range<usize>, token: Tok<'a>) {
         self.end = range.end.max(self.end);
-        self.laid.tokens.push((range.start, token, range.end));
+        self.classified.tokens.push((range.start, token, range.end));
     }
 
     fn report(&mut self, diagnostic: Diagnostic) {
-        self.laid.diagnostics.push(diagnostic);
+        self.classified.diagnostics.push(diagnostic);
     }
 
     fn span(&self, range: Range<usize>) -> Span {
@@ -157,9 +166,9 @@ impl<'a> Layout<'a, '_> {
             return;
         }
         let (pragma, assert) =
-            pragma::parse(self.file, self.text, comment.range(), self.detected, &mut self.laid.diagnostics);
+            pragma::parse(self.file, self.text, comment.range(), self.detected, &mut self.classified.diagnostics);
         if stl::pragma::is_for_file(&pragma) {
-            self.laid.pragmas.push(pragma);
+            self.classified.pragmas.push(pragma);
         } else {
             self.push(comment.range(), Tok::Pragma(Box::new(pragma), assert));
             self.end_line();
@@ -228,7 +237,7 @@ impl<'a> Layout<'a, '_> {
         };
         self.mode = mode;
         self.push(first.range(), token);
-        // `END_VAR;` is a habit from other controllers.
+        // Users of other controllers write `END_VAR;`.
         let rest = code.get(1..).unwrap_or_default();
         self.operands(without_semicolon(rest));
         true
@@ -239,7 +248,7 @@ impl<'a> Layout<'a, '_> {
         self.report(Diagnostic::new(Code::ForeignLanguage, span, title).label("not of the S7-200").help(help));
     }
 
-    /// `name:SBR3`, `SBR3` or a name behind the keyword of a block.
+    /// `name:SBR3`, `SBR3` or a name after the keyword of a block.
     fn header(&mut self, token: Tok<'a>, code: &[RawToken]) -> bool {
         self.mode = if token == Tok::DataHeader { Mode::Data } else { Mode::Code };
         let (Some(first), Some(last)) = (code.first(), code.last()) else { return false };
@@ -292,16 +301,16 @@ impl<'a> Layout<'a, '_> {
         self.mode = Mode::Code;
         self.push(first.range(), Tok::Network);
         let mut rest = code.get(1..).unwrap_or_default();
-        if let [number, behind @ ..] = rest
+        if let [number, after @ ..] = rest
             && number.kind == RawKind::Integer
         {
             self.operands(&rest[..1]);
-            rest = behind;
+            rest = after;
         }
-        if let [colon, behind @ ..] = rest
+        if let [colon, after @ ..] = rest
             && colon.kind == RawKind::Colon
         {
-            rest = behind;
+            rest = after;
         }
         // A title without `//`.
         if let (Some(from), Some(to)) = (rest.first(), rest.last()) {

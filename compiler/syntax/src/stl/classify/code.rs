@@ -1,17 +1,17 @@
-//! Layout of code: where statements begin and end, labels, mnemonics, calls, networks.
+//! Classifies the words of code: where statements begin and end, labels, mnemonics, calls, networks.
 //!
-//! A line end ends a statement unless the statement cannot be complete or the next line begins with `(`; `;` always ends it.
+//! A line end ends a statement unless the statement is incomplete or the next line begins with `(`; `;` always ends it.
 //! Source: docs/decisions/0001-both-statement-forms.md.
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{Layout, header, is_end_of_block, is_section, unquoted};
+use super::{Classifier, header, is_end_of_block, is_section, unquoted};
 use crate::stl::mnemonics::{instruction, other};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 use crate::stl::{OperandClass, StlInsn, messages, pragma, suggest};
 
-/// Words that begin statements of SCL, met in lists that are no STL.
+/// Words that begin statements of SCL, found in sources that are not STL.
 const FOREIGN_WORDS: &[&str] = &[
     "IF",
     "ELSIF",
@@ -34,7 +34,7 @@ const FOREIGN_WORDS: &[&str] = &[
     "END_REGION",
 ];
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// Statements up to the end of the block, another block, or the end of the file.
     pub(super) fn code(&mut self) {
         loop {
@@ -75,7 +75,7 @@ impl<'a> Layout<'a> {
         self.end_of_label();
     }
 
-    /// A label without an instruction is a statement of its own.
+    /// A label without an instruction is a separate statement.
     fn end_of_label(&mut self) {
         if matches!(self.last(), Some(Tok::Label(_))) {
             let end = self.last_end();
@@ -83,7 +83,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// `//@` lines before the raw token at hand.
+    /// `//@` lines before the current raw token.
     fn code_pragmas(&mut self) {
         let before = self.peek().map_or(u32::MAX, |token| token.start);
         while let Some(comment) = self.next_pragma(before) {
@@ -104,7 +104,7 @@ impl<'a> Layout<'a> {
         self.at += 2;
     }
 
-    /// `TITLE =` behind NETWORK or BEGIN; elsewhere it is reported.
+    /// `TITLE =` after NETWORK or BEGIN; elsewhere it is reported.
     fn code_title(&mut self) {
         let token = self.raw[self.at];
         if matches!(self.last(), Some(Tok::Network | Tok::Begin | Tok::ImpliedOb)) {
@@ -112,7 +112,7 @@ impl<'a> Layout<'a> {
             return self.take(Tok::Title(text));
         }
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), "a title belongs behind `NETWORK`, before its statements")
+            Diagnostic::new(Code::Syntax, self.span(token), "a title must follow `NETWORK`, before its statements")
                 .label("no network begins here")
                 .help("write `NETWORK` on a line before it"),
         );
@@ -121,7 +121,7 @@ impl<'a> Layout<'a> {
         self.end_statement();
     }
 
-    /// `NETWORK`; listings have a number and a title on its line.
+    /// `NETWORK`; listings have a number and a title on the same line.
     fn network(&mut self) {
         self.end_of_label();
         self.take(Tok::Network);
@@ -146,7 +146,7 @@ impl<'a> Layout<'a> {
         self.peek().is_some_and(|token| !token.first_on_line && token.kind == kind)
     }
 
-    /// The instruction that begins at hand, and how many raw tokens its mnemonic has.
+    /// The instruction that begins at the current token, and the number of raw tokens in its mnemonic.
     fn mnemonic(&self) -> Option<(StlInsn, usize)> {
         self.mnemonic_at(self.at)
     }
@@ -201,7 +201,7 @@ impl<'a> Layout<'a> {
         instruction(word, self.set).or_else(|| if self.mixed { instruction(word, other(self.set)) } else { None })
     }
 
-    /// Mnemonic of `count` raw tokens and its operand.
+    /// A mnemonic of `count` raw tokens, and its operand.
     fn instruction(&mut self, insn: StlInsn, count: usize) {
         let start = self.raw[self.at].start as usize;
         let end = self.raw[self.at + count - 1].end as usize;
@@ -226,12 +226,12 @@ impl<'a> Layout<'a> {
 
     /// Operand tokens up to the end of the statement.
     fn operands(&mut self, class: OperandClass) {
-        // A label is taken already, so that a line which begins with `+ 5` is a statement of its own.
+        // The label has been consumed, so a line that begins with `+ 5` is a separate statement.
         let required = class != OperandClass::Label && !class.may_be_missing();
         let first = self.out.len();
         let mut open_brackets = 0usize;
         while let Some(token) = self.peek() {
-            let behind_operand =
+            let after_operand =
                 self.out.len() > first && !matches!(self.last(), Some(Tok::Dot | Tok::LeftBracket | Tok::Comma));
             let continues = open_brackets > 0 || required && self.out.len() == first;
             if token.kind == RawKind::Semicolon
@@ -242,14 +242,14 @@ impl<'a> Layout<'a> {
             }
             match token.kind {
                 RawKind::LeftBrace
-                    if behind_operand && self.out[first - 1].1 == Tok::Insn(StlInsn::CallUnconditional) =>
+                    if after_operand && self.out[first - 1].1 == Tok::Insn(StlInsn::CallUnconditional) =>
                 {
                     return self.pointer_list(first - 1);
                 }
                 RawKind::LeftBracket => open_brackets += 1,
                 RawKind::RightBracket => open_brackets = open_brackets.saturating_sub(1),
                 RawKind::Word | RawKind::Equal | RawKind::RightParen
-                    if (behind_operand || class == OperandClass::None) && self.begins_statement(self.at) =>
+                    if (after_operand || class == OperandClass::None) && self.begins_statement(self.at) =>
                 {
                     return self.second_statement(token);
                 }
@@ -259,7 +259,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// `UC SFC 65097 { P#L 210.1, P#L 211.0 }`: how STEP 7 writes a call whose interface it does not know. A `CALL` with parameters that
+    /// `UC SFC 65097 { P#L 210.1, P#L 211.0 }`: how STEP 7 writes a call of a block with an unknown interface. It is a `CALL` with parameters that
     /// have no names, in the order of the interface. `insn`: the token of the instruction.
     fn pointer_list(&mut self, insn: usize) {
         self.out[insn].1 = Tok::Call;
@@ -363,23 +363,23 @@ impl<'a> Layout<'a> {
     fn call(&mut self) {
         self.take(Tok::Call);
         while let Some(token) = self.peek() {
-            let behind_operand = !matches!(self.last(), Some(Tok::Call | Tok::Comma | Tok::Dot | Tok::LeftBracket));
+            let after_operand = !matches!(self.last(), Some(Tok::Call | Tok::Comma | Tok::Dot | Tok::LeftBracket));
             match token.kind {
                 RawKind::Semicolon => break,
                 RawKind::LeftParen => {
                     self.parameters();
-                    self.behind_call();
+                    self.after_call();
                     break;
                 }
-                RawKind::LeftBrace if behind_operand => self.call_template(),
+                RawKind::LeftBrace if after_operand => self.call_template(),
                 RawKind::Comma => self.take(Tok::Comma),
                 _ if self.ends_code(self.at) => break,
-                _ if behind_operand && self.is_parameter(self.at) => {
+                _ if after_operand && self.is_parameter(self.at) => {
                     self.parameter_lines();
                     break;
                 }
-                _ if token.first_on_line && (behind_operand || self.begins_statement(self.at)) => break,
-                RawKind::Word if behind_operand && self.begins_statement(self.at) => {
+                _ if token.first_on_line && (after_operand || self.begins_statement(self.at)) => break,
+                RawKind::Word if after_operand && self.begins_statement(self.at) => {
                     self.second_statement(token);
                     break;
                 }
@@ -389,8 +389,8 @@ impl<'a> Layout<'a> {
         self.end_statement();
     }
 
-    /// `{time_type := Time}` of newer tools: the data type for which a block of the system is called. All that are here have
-    /// one type, so it is read over.
+    /// `{time_type := Time}` of newer tools: the data type for which a block of the system is called. All blocks here have
+    /// one type, so it is ignored.
     fn call_template(&mut self) {
         let opening = self.raw[self.at];
         while let Some(token) = self.peek() {
@@ -409,7 +409,7 @@ impl<'a> Layout<'a> {
         );
     }
 
-    /// Whether a `}` stands further on in this line.
+    /// Whether a `}` follows on this line.
     fn closes_brace(&self) -> bool {
         self.raw[self.at + 1..]
             .iter()
@@ -417,8 +417,8 @@ impl<'a> Layout<'a> {
             .any(|token| token.kind == RawKind::RightBrace)
     }
 
-    /// What stands on the line behind the `)` of a call.
-    fn behind_call(&mut self) {
+    /// The rest of the line after the `)` of a call.
+    fn after_call(&mut self) {
         if let Some(token) = self.peek()
             && !token.first_on_line
             && token.kind != RawKind::Semicolon
@@ -428,7 +428,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Whether `name :=` stands at `index`, or `name =` where no instruction can be meant.
+    /// Whether `name :=` is at `index`, or `name =` where it cannot be an instruction.
     fn is_parameter(&self, index: usize) -> bool {
         match (self.kind_at(index), self.kind_at(index + 1)) {
             (Some(RawKind::Word | RawKind::Quoted), Some(RawKind::Assign)) => true,
@@ -453,7 +453,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// One `name := operand` per line, ended by the first line that is none.
+    /// One `name := operand` per line, up to the first line that has another form.
     fn parameter_lines(&mut self) {
         while let Some(first) = self.peek() {
             if !self.is_parameter(self.at) || self.next_pragma(first.start).is_some() {
@@ -476,7 +476,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Whether the comma at hand is the last token of its line, outside brackets.
+    /// Whether the current comma is the last token of its line, outside brackets.
     fn comma_ends_line(&self) -> bool {
         self.raw_at(self.at + 1).is_none_or(|next| next.first_on_line)
     }
@@ -487,13 +487,13 @@ impl<'a> Layout<'a> {
         self.take(Tok::LeftParen);
         while let Some(token) = self.peek() {
             self.pragmas_in_call(token.start);
-            let behind_operand = !matches!(self.last(), Some(Tok::LeftParen | Tok::Comma | Tok::Assign));
+            let after_operand = !matches!(self.last(), Some(Tok::LeftParen | Tok::Comma | Tok::Assign));
             match token.kind {
                 RawKind::RightParen => return self.take(Tok::RightParen),
                 RawKind::Semicolon => break,
                 _ if self.ends_code(self.at) => break,
                 _ if self.is_parameter(self.at) => {
-                    if behind_operand {
+                    if after_operand {
                         let end = self.last_end();
                         if !token.first_on_line {
                             self.report(
@@ -510,20 +510,20 @@ impl<'a> Layout<'a> {
                     }
                     self.parameter_name();
                 }
-                RawKind::Word if behind_operand && token.first_on_line && self.begins_statement(self.at) => break,
+                RawKind::Word if after_operand && token.first_on_line && self.begins_statement(self.at) => break,
                 _ => self.operand_token(),
             }
         }
         self.report(
             Diagnostic::new(Code::Syntax, self.span(opening), "the parameter list is not closed with `)`")
                 .label("begins here")
-                .help("write `)` behind the last parameter"),
+                .help("write `)` after the last parameter"),
         );
         let end = self.last_end();
         self.push(end, Tok::RightParen, end);
     }
 
-    /// A pragma cannot be executed inside a statement.
+    /// A pragma inside a statement cannot be executed.
     fn pragmas_in_call(&mut self, before: u32) {
         while let Some(comment) = self.next_pragma(before) {
             self.next_comment += 1;
@@ -531,14 +531,14 @@ impl<'a> Layout<'a> {
             self.report(
                 Diagnostic::new(Code::Pragma, span, "a pragma cannot stand inside a statement")
                     .label("the call is not ended yet")
-                    .help("write it behind the call"),
+                    .help("write it after the call"),
             );
         }
     }
 
-    // What is no STL.
+    // Text that is not STL.
 
-    /// Whether `name.part[1] :=` stands at hand.
+    /// Whether `name.part[1] :=` follows.
     fn assigns_path(&self) -> bool {
         let mut before = RawKind::Dot;
         for index in self.at.. {
@@ -577,7 +577,7 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::ForeignLanguage, span, format!("`{word}` begins a statement of SCL, not of STL"))
                 .label("the rest of this block is not checked")
-                .help("write the block in one language: in STL `A`, `JC` and labels take the place of IF, `L` and `T` that of `:=`"),
+                .help("write the block in one language: in STL, `A`, `JC` and labels replace IF, and `L` and `T` replace `:=`"),
         );
         let start = token.start as usize;
         self.end_of_label();
@@ -588,7 +588,7 @@ impl<'a> Layout<'a> {
             }
             self.at += 1;
         }
-        // Pragmas in what was skipped are not obeyed.
+        // Pragmas in what was skipped are not read.
         let before = self.peek().map_or(u32::MAX, |token| token.start);
         while self.next_pragma(before).is_some() {
             self.next_comment += 1;
@@ -598,7 +598,7 @@ impl<'a> Layout<'a> {
         self.push(end, Tok::End, end);
     }
 
-    /// A statement that begins with no instruction.
+    /// A statement that does not begin with an instruction.
     fn no_instruction(&mut self, token: RawToken) {
         let span = self.span(token);
         let slice = self.slice(token);
@@ -607,7 +607,7 @@ impl<'a> Layout<'a> {
         match token.kind {
             RawKind::Word if is_section(upper.as_str()) || upper.as_str() == "END_VAR" => {
                 self.report(
-                    Diagnostic::new(Code::BlockFrame, span, "declarations stand before the statements")
+                    Diagnostic::new(Code::BlockFrame, span, "declarations must come before the statements")
                         .label("the code has begun already")
                         .help("move the declarations between the header and `BEGIN`"),
                 );
@@ -615,9 +615,9 @@ impl<'a> Layout<'a> {
             }
             RawKind::Word if upper.as_str() == "BEGIN" => {
                 self.report(
-                    Diagnostic::new(Code::BlockFrame, span, "`BEGIN` stands where the code has begun already")
+                    Diagnostic::new(Code::BlockFrame, span, "`BEGIN` must come before the code")
                         .label("no header before it")
-                        .help("write `BEGIN` once in a block, behind its declarations"),
+                        .help("write `BEGIN` once in a block, after its declarations"),
                 );
                 self.at += 1;
             }
@@ -645,7 +645,7 @@ impl<'a> Layout<'a> {
             }
             _ => {
                 self.report(
-                    Diagnostic::new(Code::Syntax, span, format!("`{slice}` begins no statement"))
+                    Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot begin a statement"))
                         .label("an instruction is expected here")
                         .help("a statement is a mnemonic and its operand, e.g. `L MW 10`"),
                 );

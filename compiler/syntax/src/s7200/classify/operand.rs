@@ -1,8 +1,8 @@
-//! Operands: what a word means by where it stands.
+//! Operands: what a word means depends on where it is.
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::Layout;
+use super::Classifier;
 use crate::ast::Width;
 use crate::s7200::address::{self, AddressError};
 use crate::s7200::ast::{Area, BlockKind};
@@ -10,11 +10,11 @@ use crate::s7200::constant::{self, ConstantError};
 use crate::s7200::raw::{RawKind, RawToken};
 use crate::s7200::token::Tok;
 
-/// Where operands stand.
+/// Where operands are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Where {
     Statement,
-    /// Names are names, whatever they look like.
+    /// Every word is a name, whatever it looks like.
     Declaration,
     /// The address of a line of a data block: `V40` has no size.
     DataAddress,
@@ -37,7 +37,7 @@ pub fn is_bool(word: &str) -> bool {
     matches!(word, "TRUE" | "FALSE" | "ON" | "OFF")
 }
 
-impl<'a> Layout<'a, '_> {
+impl<'a> Classifier<'a, '_> {
     /// The rest of a line.
     pub fn operands(&mut self, tokens: &[RawToken]) {
         let mut at = 0;
@@ -72,9 +72,9 @@ impl<'a> Layout<'a, '_> {
         let range = letters.start..number.end;
         let span = self.span(range.clone());
         self.report(
-            Diagnostic::new(Code::Tolerated, span, format!("a blank stands inside the address `{joined}`"))
-                .label(format!("taken as `{}`", address::text(&direct)))
-                .help("addresses of the S7-200 have no blanks"),
+            Diagnostic::new(Code::Tolerated, span, format!("the address `{joined}` contains a blank"))
+                .label(format!("read as `{}`", address::text(&direct)))
+                .help("write addresses of the S7-200 without blanks"),
         );
         self.push(range, Tok::Direct(direct));
         true
@@ -103,7 +103,7 @@ impl<'a> Layout<'a, '_> {
             RawKind::BadNumber => {
                 let span = self.span(token.range());
                 self.report(
-                    Diagnostic::new(Code::BadLiteral, span, format!("`{text}` is no constant"))
+                    Diagnostic::new(Code::BadLiteral, span, format!("`{text}` is not a constant"))
                         .label("begins like a number")
                         .help("write `100`, `16#7F`, `2#0101` or `1.5`; names do not begin with a digit"),
                 );
@@ -128,7 +128,7 @@ impl<'a> Layout<'a, '_> {
                 self.report(
                     Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
                         .label("begins here")
-                        .help("close it with the same quote; a quote inside is written `$'` or `$\"`"),
+                        .help("close it with the same quote; write a quote inside as `$'` or `$\"`"),
                 );
                 Tok::BadOperand
             }
@@ -169,7 +169,7 @@ impl<'a> Layout<'a, '_> {
                 let text = self.slice(token.range());
                 let title = match error.range {
                     true => format!("the constant `{text}` is too large"),
-                    false => format!("`{text}` is no constant of the S7-200"),
+                    false => format!("`{text}` is not a constant of the S7-200"),
                 };
                 let span = self.span(token.range());
                 self.report(Diagnostic::new(code, span, title).label(error.label).help(error.help));
@@ -181,12 +181,12 @@ impl<'a> Layout<'a, '_> {
     fn bad_character(&mut self, token: RawToken, text: &str) -> Tok<'a> {
         let (title, help) = match text {
             "(" | ")" => (
-                format!("`{text}` stands in a statement"),
+                format!("a statement cannot contain `{text}`"),
                 "STL of the S7-200 has no parentheses: begin the inner part with `LD` and join it with `ALD` or `OLD`",
             ),
             _ => (
-                format!("`{}` cannot stand in a statement", text.escape_debug()),
-                "a statement has names, addresses, constants and the signs `,` `*` `&` `#`",
+                format!("a statement cannot contain `{}`", text.escape_debug()),
+                "a statement contains names, addresses, constants and the characters `,` `*` `&` `#`",
             ),
         };
         let span = self.span(token.range());
@@ -197,7 +197,7 @@ impl<'a> Layout<'a, '_> {
     fn word(&mut self, token: RawToken, text: &'a str) -> Tok<'a> {
         let upper = text.to_ascii_uppercase();
         if self.place == Where::Declaration {
-            let value = matches!(self.laid.tokens.last(), Some((_, Tok::Assign, _)));
+            let value = matches!(self.classified.tokens.last(), Some((_, Tok::Assign, _)));
             return match value && is_bool(&upper) {
                 true => Tok::Bool(matches!(upper.as_str(), "TRUE" | "ON")),
                 false => Tok::Bare(text),
@@ -227,10 +227,10 @@ impl<'a> Layout<'a, '_> {
                     let plain = address::text(&address::without_width(direct));
                     let span = self.span(token.range());
                     self.report(
-                        Diagnostic::new(Code::Tolerated, span, format!("`{text}` is not written so on the S7-200"))
-                            .label("taken as the current value")
+                        Diagnostic::new(Code::Tolerated, span, format!("the S7-200 does not use the form `{text}`"))
+                            .label("read as the current value")
                             .help(format!(
-                                "write `{plain}`; the instruction tells whether its bit or its value is meant"
+                                "write `{plain}`; the instruction decides whether its bit or its value is meant"
                             )),
                     );
                 }
@@ -247,12 +247,12 @@ impl<'a> Layout<'a, '_> {
             AddressError::Bit => ("its bit is not 0 to 7", "a byte has the bits 0 to 7: `I0.7`, then `I1.0`"),
             AddressError::Number => ("no area has this address", "addresses are `I0.0`, `VB10`, `VW100`, `T37`, `AC0`"),
             AddressError::BitOfWord => {
-                ("a byte, word, double word or number has no bit", "name the bit by its byte: `V10.3`")
+                ("a byte, word, double word or number does not have a bit here", "name the bit by its byte: `V10.3`")
             }
             AddressError::DataBlock => ("not data block 1", "the S7-200 has one data block: `DB1.DBW100` is `VW100`"),
         };
         let span = self.span(token.range());
-        let title = format!("`{text}` is no address of the S7-200");
+        let title = format!("`{text}` is not an address of the S7-200");
         self.report(Diagnostic::new(Code::AddressRange, span, title).label(label).help(help));
         Tok::BadOperand
     }

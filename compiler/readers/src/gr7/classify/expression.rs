@@ -1,27 +1,27 @@
-//! Layout of expressions: operands, operators, balanced brackets.
+//! Classifies the words of expressions: operands, operators, balanced brackets.
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::Layout;
+use super::Classifier;
 use crate::gr7::lexer::{RawKind, RawToken};
 use crate::gr7::token::Tok;
 use plcc_syntax::scl::ast::BinaryOp;
 
-/// How deep brackets and signs may stand in one another.
+/// How deep brackets and signs may be nested.
 const NESTING_MAX: usize = 200;
 
-/// Where an expression stands.
+/// Where an expression is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     Condition,
-    /// An action: between operand and value nothing need stand.
+    /// An action: nothing is required between operand and value.
     Action,
     Permanent,
-    /// Block, instance and parameters of a call: between parameters a line end is enough.
+    /// Block, instance and parameters of a call: a line end is enough between parameters.
     Call,
 }
 
-impl<'a> Layout<'a, '_> {
+impl<'a> Classifier<'a, '_> {
     /// Takes the tokens before index `end` as operands and operators.
     pub(super) fn expression(&mut self, end: usize, place: Place) {
         let first = self.out.len();
@@ -59,7 +59,7 @@ impl<'a> Layout<'a, '_> {
         }
     }
 
-    /// Whether the source leaves a comma out before the token at hand.
+    /// Whether the source omits a comma before the current token.
     fn comma_is_missing(&self, place: Place, depth: usize) -> bool {
         let token = self.raw[self.at];
         let operand = matches!(
@@ -72,7 +72,7 @@ impl<'a> Layout<'a, '_> {
                 | RawKind::Local
                 | RawKind::Text
         ) && !is_operator(token, self.slice(token));
-        let follows = operand && self.behind_operand();
+        let follows = operand && self.after_operand();
         match place {
             Place::Condition | Place::Permanent => false,
             Place::Action => depth == 0 && follows,
@@ -118,24 +118,24 @@ impl<'a> Layout<'a, '_> {
         );
     }
 
-    /// Brackets that are too deep for whoever walks the tree: the expression becomes an error.
+    /// Brackets that are nested too deeply for code that walks the tree: the expression becomes an error.
     fn too_deep(&mut self, token: RawToken, first: usize, end: usize) {
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs stand too deep in one another")
+            Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs are nested too deeply")
                 .label(format!("more than {NESTING_MAX} of them"))
-                .help("keep a part of the expression in a memory bit"),
+                .help("store a part of the expression in a memory bit"),
         );
         self.out.truncate(first);
         self.out.push((token.start as usize, Tok::Bad, token.end as usize));
         self.at = end;
     }
 
-    /// Takes an operand, operator or sign that is no bracket.
+    /// Takes an operand, operator or sign that is not a bracket.
     fn element(&mut self, token: RawToken) {
         let slice = self.slice(token);
         let tok = match token.kind {
             RawKind::Word => self.word(slice),
-            RawKind::Number if self.behind_point() => Tok::Word(slice),
+            RawKind::Number if self.after_point() => Tok::Word(slice),
             RawKind::Number | RawKind::Literal | RawKind::Text => Tok::Literal(slice),
             RawKind::Absolute => Tok::Absolute(slice),
             RawKind::Quoted => Tok::Quoted(slice.trim_matches('"').trim()),
@@ -160,7 +160,7 @@ impl<'a> Layout<'a, '_> {
     }
 
     /// Whether an operand ends with the last token.
-    fn behind_operand(&self) -> bool {
+    fn after_operand(&self) -> bool {
         matches!(
             self.out.last(),
             Some((
@@ -178,13 +178,13 @@ impl<'a> Layout<'a, '_> {
         )
     }
 
-    fn behind_point(&self) -> bool {
+    fn after_point(&self) -> bool {
         self.at > 0 && self.raw[self.at - 1].kind == RawKind::Dot
     }
 
     fn word(&self, slice: &'a str) -> Tok<'a> {
         let formal = matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Arrow));
-        if self.behind_point() || formal {
+        if self.after_point() || formal {
             return Tok::Word(slice);
         }
         let is = |word: &str| word.eq_ignore_ascii_case(slice);
@@ -195,19 +195,19 @@ impl<'a> Layout<'a, '_> {
             () if is("NOT") => Tok::Not,
             () if is("MOD") => Tok::Factor(BinaryOp::Modulo),
             () if is("DIV") => Tok::Factor(BinaryOp::DivideInteger),
-            () if is_shift(slice) && self.behind_operand() => Tok::Shift(slice),
+            () if is_shift(slice) && self.after_operand() => Tok::Shift(slice),
             () => Tok::Word(slice),
         }
     }
 
-    /// Reports the raw token at hand, which can stand nowhere, and goes on. Its place takes a `Bad`.
+    /// Reports the current raw token, which is allowed nowhere, and advances. A `Bad` takes its place.
     fn stray(&mut self, token: RawToken) {
         let (span, slice) = (self.span(token), self.slice(token));
         let diagnostic = match token.kind {
             RawKind::UnterminatedText => {
                 Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
                     .label("begins here")
-                    .help("close it with `'`; a quote inside is written `$'`")
+                    .help("close it with `'`; write a quote inside as `$'`")
             }
             RawKind::UnterminatedQuoted => {
                 Diagnostic::new(Code::UnterminatedText, span, "the name is not closed on its line")
@@ -216,9 +216,9 @@ impl<'a> Layout<'a, '_> {
             }
             RawKind::Stray => {
                 let c = slice.chars().next().unwrap_or(' ');
-                let title = format!("`{}` belongs to no chart", c.escape_debug());
+                let title = format!("`{}` cannot be part of a chart", c.escape_debug());
                 Diagnostic::new(Code::UnexpectedCharacter, span, title)
-                    .label("not a character of GRAPH outside of comments")
+                    .label("not a character of GRAPH outside comments")
                     .help("remove it, or put it into a comment `(* … *)`")
             }
             _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
@@ -234,7 +234,7 @@ fn is_shift(word: &str) -> bool {
     ["SHL", "SHR", "ROL", "ROR"].iter().any(|known| known.eq_ignore_ascii_case(word))
 }
 
-/// Whether the token stands between two operands.
+/// Whether the token comes between two operands.
 pub(super) fn is_operator(token: RawToken, text: &str) -> bool {
     match token.kind {
         RawKind::Word => {

@@ -1,13 +1,13 @@
-//! Layout of a block: its name, its header, and which part follows.
+//! Classifies the words of a block: its name, its header, and which part follows.
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{Frame, Layout, is_end_of_block, is_section, unquoted};
+use super::{Classifier, Frame, is_end_of_block, is_section, unquoted};
 use crate::stl::mnemonics::{block_prefix, letters_and_digits};
 use crate::stl::raw::RawKind;
 use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag, Tok};
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// A block from its keyword to its end.
     pub(super) fn block(&mut self) {
         let opening = self.raw[self.at];
@@ -26,7 +26,7 @@ impl<'a> Layout<'a> {
             self.take(Tok::Colon);
             self.type_name();
         }
-        // `FUNCTION_BLOCK FB 1 : VOID`: returning nothing is what the others do.
+        // `FUNCTION_BLOCK FB 1 : VOID`: other blocks return nothing anyway.
         if !function
             && frame == Frame::Code
             && self.kind_at(self.at) == Some(RawKind::Colon)
@@ -63,7 +63,7 @@ impl<'a> Layout<'a> {
                     _ => self.span_of(end - keyword.len().min(end), end),
                 };
                 self.report(
-                    Diagnostic::new(Code::BlockFrame, span, format!("`{keyword}` names no block"))
+                    Diagnostic::new(Code::BlockFrame, span, format!("no block name follows `{keyword}`"))
                         .label("the block's number or name is missing")
                         .help("write e.g. `FUNCTION FC 1 : VOID`, `DATA_BLOCK DB 10` or `FUNCTION_BLOCK \"Motor\"`"),
                 );
@@ -98,7 +98,7 @@ impl<'a> Layout<'a> {
             Err(_) => {
                 let span = self.span_of(token.start as usize, end as usize);
                 self.report(
-                    Diagnostic::new(Code::LiteralRange, span, "no block has such a number")
+                    Diagnostic::new(Code::LiteralRange, span, "no block can have this number")
                         .label("too large")
                         .help("blocks are numbered 0 to 65535"),
                 );
@@ -121,7 +121,7 @@ impl<'a> Layout<'a> {
             || matches!(word, "BEGIN" | "NETWORK")
     }
 
-    /// Everything behind the name: header, declarations, then code or values.
+    /// Everything after the name: header, declarations, then code or values.
     fn header(&mut self, frame: Frame) {
         let mut has_content = false;
         while let Some(token) = self.peek() {
@@ -184,7 +184,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Skips what no header has, up to the next line that begins with something known.
+    /// Skips text that no header has, up to the next line that begins with a known word.
     fn skip_in_header(&mut self, frame: Frame) {
         let token = self.raw[self.at];
         let what = if frame == Frame::Data { "data block" } else { "data type" };
@@ -192,14 +192,14 @@ impl<'a> Layout<'a> {
             Diagnostic::new(
                 Code::BlockFrame,
                 self.span(token),
-                format!("`{}` cannot stand in a {what}", self.slice(token)),
+                format!("a {what} cannot contain `{}`", self.slice(token)),
             )
-            .label("not a part of the header, and no declaration")
+            .label("neither a part of the header nor a declaration")
             .help(match frame {
                 Frame::Data => {
-                    "a data block holds `STRUCT … END_STRUCT` or the name of a UDT or FB, then `BEGIN` and values"
+                    "a data block consists of `STRUCT … END_STRUCT` or the name of a UDT or FB, then `BEGIN` and values"
                 }
-                Frame::Code | Frame::Type => "a data type holds `STRUCT … END_STRUCT;`",
+                Frame::Code | Frame::Type => "a data type consists of `STRUCT … END_STRUCT;`",
             }),
         );
         self.at += 1;
@@ -314,7 +314,7 @@ impl<'a> Layout<'a> {
         self.push(end, Tok::RightBrace, end);
     }
 
-    /// The block's own end, or whatever stands there instead of it.
+    /// The block's own end, or whatever is there instead.
     fn end_of_block(&mut self, opening: crate::stl::raw::RawToken, end_word: &str) {
         let end = self.last_end();
         let keyword = self.slice(opening);
@@ -337,13 +337,13 @@ impl<'a> Layout<'a> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), format!("the block is not closed with `{end_word}`"))
                 .label("begins here")
-                .help(format!("write `{end_word}` behind the last line of the block")),
+                .help(format!("write `{end_word}` after the last line of the block")),
         );
         self.push(end, Tok::EndBlock, end);
     }
 }
 
-/// Text behind `TITLE =`.
+/// Text after `TITLE =`.
 pub(super) fn title_text(token: &str) -> &str {
     token.split_once('=').map_or("", |(_, text)| text.trim())
 }

@@ -1,8 +1,8 @@
-//! Layout of expressions: operands, operators, balanced brackets.
+//! Classifies the words of expressions: operands, operators, balanced brackets.
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{Layout, NESTING_MAX, unquoted};
+use super::{Classifier, NESTING_MAX, unquoted};
 use crate::scl::address;
 use crate::scl::ast::{AssignOp, BinaryOp, Literal};
 use crate::scl::keyword::Keyword;
@@ -10,7 +10,7 @@ use crate::scl::literal;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::Tok;
 
-/// Where a run of operands and operators stands, which tells where it ends.
+/// Where a run of operands and operators is, which decides where it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Run {
     /// A statement, up to `;`.
@@ -43,7 +43,7 @@ impl Run {
         }
     }
 
-    /// Two operands without an operator between them: the first one ends the run.
+    /// Two operands without an operator between them: the run ends after the first one.
     fn ends_at_second_operand(self, first_on_line: bool) -> bool {
         match self {
             Run::If | Run::While | Run::For | Run::Case | Run::Until => true,
@@ -53,8 +53,8 @@ impl Run {
     }
 }
 
-impl<'a> Layout<'a> {
-    /// Takes operands and operators up to where `run` ends; the token there stays at hand.
+impl<'a> Classifier<'a> {
+    /// Takes operands and operators up to the end of `run`; the token there is not consumed.
     pub(super) fn run(&mut self, run: Run) {
         let first = self.out.len();
         let mut open: Vec<RawToken> = Vec::new();
@@ -110,7 +110,7 @@ impl<'a> Layout<'a> {
             _ => {}
         }
         let Some(keyword) = token.keyword else { return false };
-        // A formal may be called like a keyword.
+        // A formal may have the name of a keyword.
         if !outside && matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Arrow)) {
             return false;
         }
@@ -173,12 +173,12 @@ impl<'a> Layout<'a> {
         self.push_here(if paren { Tok::RightParen } else { Tok::RightBracket });
     }
 
-    /// Brackets that are too deep for whoever walks the tree: the run becomes an error.
+    /// Brackets that are nested too deeply for code that walks the tree: the run becomes an error.
     fn too_deep(&mut self, run: Run, token: RawToken, first: usize) {
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs stand too deep in one another")
+            Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs are nested too deeply")
                 .label(format!("more than {NESTING_MAX} of them"))
-                .help("keep a part of the expression in a variable"),
+                .help("store a part of the expression in a variable"),
         );
         self.out.truncate(first);
         self.push(token.start as usize, Tok::Bad, token.end as usize);
@@ -190,7 +190,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Takes an operand, operator or sign that is no bracket.
+    /// Takes an operand, operator or sign that is not a bracket.
     pub(super) fn element(&mut self, run: Run) {
         let token = self.raw[self.at];
         let tok = match token.kind {
@@ -223,7 +223,12 @@ impl<'a> Layout<'a> {
             RawKind::Dot => Tok::Dot,
             RawKind::DotDot => Tok::DotDot,
             RawKind::Ellipsis => {
-                self.tolerate(self.span(token), "three points between bounds", "taken as two", "write `..`");
+                self.tolerate(
+                    self.span(token),
+                    "there are three points between the bounds",
+                    "read as two",
+                    "write `..`",
+                );
                 Tok::DotDot
             }
             RawKind::Equal => Tok::Equality(BinaryOp::Equal),
@@ -245,7 +250,7 @@ impl<'a> Layout<'a> {
         self.take(tok);
     }
 
-    /// `"tag"`, and `"tag":P`, which keeps its letter.
+    /// `"tag"`, and `"tag":P`, which keeps its `P`.
     fn quoted_name(&self, token: RawToken) -> &'a str {
         let text = self.slice(token);
         if text.ends_with('"') { unquoted(text) } else { text.trim_start_matches('"') }
@@ -303,7 +308,7 @@ impl<'a> Layout<'a> {
 
     fn literal(&mut self, token: RawToken) {
         let text = self.slice(token);
-        // `TOD#12:30` and `DT#2024-01-31-12:30`: IEC 61131-3 editors leave seconds of 0 out.
+        // `TOD#12:30` and `DT#2024-01-31-12:30`: IEC 61131-3 editors omit seconds that are 0.
         let date = |text: &str| if self.iec { literal::iec_date(text) } else { None };
         let parse = |text: &str| date(text).unwrap_or_else(|| literal::parse(text));
         let read = parse(text).or_else(|error| match self.iec && text.contains(':') {
@@ -316,7 +321,7 @@ impl<'a> Layout<'a> {
                     self.tolerate(
                         self.span(token),
                         &format!("`{}` is outside the range of its type", self.slice(token)),
-                        &format!("taken as {number}"),
+                        &format!("read as {number}"),
                         "write the negative number, or a bit string such as `16#FFFF`",
                     );
                 }
@@ -337,13 +342,13 @@ impl<'a> Layout<'a> {
         let bare = text.strip_prefix('%').unwrap_or(text);
         let tok = match address::token(text, self.span(token)) {
             Some(operand) => Tok::Absolute(operand),
-            // The carrier knows what `%QX1.0.2` stands for, and has a tag of that name.
+            // The file format knows what `%QX1.0.2` means, and has a tag of that name.
             None if self.iec => Tok::Quoted(text),
             // `%MW(#i)`, `%DB10.DBW(#i)`
             None if address::area_word(bare).is_some() || address::db_area_word(bare).is_some() => Tok::Name(bare),
             None => {
                 self.report(
-                    Diagnostic::new(Code::AddressRange, self.span(token), format!("`{text}` is no address"))
+                    Diagnostic::new(Code::AddressRange, self.span(token), format!("`{text}` is not an address"))
                         .label("no area has this address")
                         .help("write e.g. `%MW10`, `%I0.7`, `%DB1.DBX2.0`; bits go from 0 to 7"),
                 );
@@ -366,10 +371,15 @@ impl<'a> Layout<'a> {
             }
         }
         let span = self.span(opening);
-        self.tolerate(span, "an attribute list among statements", "skipped", "remove it; it has no meaning here");
+        self.tolerate(
+            span,
+            "an attribute list cannot stand among statements",
+            "skipped",
+            "remove it; it has no meaning here",
+        );
     }
 
-    /// Reports the raw token at hand, which can stand nowhere, and goes on. Its place takes a `Bad`.
+    /// Reports the current raw token, which is allowed nowhere, and advances. A `Bad` takes its place.
     fn stray(&mut self, token: RawToken) {
         let span = self.span(token);
         let slice = self.slice(token);
@@ -377,22 +387,22 @@ impl<'a> Layout<'a> {
             RawKind::UnterminatedText => {
                 Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
                     .label("begins here")
-                    .help("close it with `'`; a quote inside is written `$'`")
+                    .help("close it with `'`; write a quote inside as `$'`")
             }
             RawKind::UnterminatedQuoted => {
                 Diagnostic::new(Code::UnterminatedText, span, "the name is not closed on its line")
                     .label("begins here")
                     .help("close it with `\"`")
             }
-            RawKind::Hash => Diagnostic::new(Code::Syntax, span, "`#` stands before no name")
-                .label("a name must follow at once")
+            RawKind::Hash => Diagnostic::new(Code::Syntax, span, "no name follows `#`")
+                .label("a name must follow immediately")
                 .help("write `#name` without a blank, or `#\"name\"`"),
             RawKind::Stray => {
                 let c = slice.chars().next().unwrap_or(' ');
                 Diagnostic::new(
                     Code::UnexpectedCharacter,
                     span,
-                    format!("`{}` belongs to no statement", c.escape_debug()),
+                    format!("`{}` cannot be part of a statement", c.escape_debug()),
                 )
                 .label("not a character of SCL outside texts and comments")
                 .help(stray_help(c))
@@ -430,6 +440,6 @@ fn stray_help(c: char) -> &'static str {
         '“' | '”' | '„' => "write names in straight quotes: `\"name\"`",
         '–' | '—' | '−' => "write the sign as `-`",
         '\\' => "comments begin with `//`",
-        _ => "remove it, or put it behind `//`",
+        _ => "remove it, or put it into a comment after `//`",
     }
 }

@@ -1,16 +1,16 @@
-//! Layout of operands: area letters and addresses, block numbers, registers, names.
+//! Classifies the words of operands: area letters and addresses, block numbers, registers, names.
 
 use plcc_diag::{Code, Diagnostic};
 
 use super::declaration::sign;
-use super::{Layout, unquoted};
+use super::{Classifier, unquoted};
 use crate::ast::{Area, AssertRegister, BlockPrefix, StatusOperand, Width};
 use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 use crate::stl::{Mnemonics, messages};
 
-impl<'a> Layout<'a> {
+impl<'a> Classifier<'a> {
     /// A side of an assertion.
     pub(super) fn assert_side(&mut self) {
         while self.peek().is_some() {
@@ -66,7 +66,7 @@ impl<'a> Layout<'a> {
             RawKind::Number | RawKind::Real if matches!(self.last(), Some(Tok::Area(..) | Tok::Cell(_))) => {
                 self.address(token);
             }
-            RawKind::Number | RawKind::Real if matches!(self.last(), Some(Tok::Dot)) => self.number_behind_dot(token),
+            RawKind::Number | RawKind::Real if matches!(self.last(), Some(Tok::Dot)) => self.number_after_dot(token),
             _ if self.is_literal(self.at) => self.literal(),
             RawKind::Word => self.operand_word(token),
             RawKind::Quoted => {
@@ -115,8 +115,8 @@ impl<'a> Layout<'a> {
             _ => {
                 let span = self.span(self.raw[self.at]);
                 self.report(
-                    Diagnostic::new(Code::Syntax, span, "`#` stands before no name")
-                        .label("a local name is expected behind it")
+                    Diagnostic::new(Code::Syntax, span, "no name follows `#`")
+                        .label("a local name is expected after it")
                         .help("write `#` and the name without a blank, e.g. `#speed`"),
                 );
                 self.take(Tok::BadOperand);
@@ -143,7 +143,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// The set whose area letters are taken; `None`: both.
+    /// The set whose area letters are accepted; `None`: both.
     fn letters_of(&self) -> Option<Mnemonics> {
         if self.both_sets { None } else { Some(self.set) }
     }
@@ -168,7 +168,7 @@ impl<'a> Layout<'a> {
         }
         let bracket = next == Some(RawKind::LeftBracket);
         let numbered = bracket || matches!(next, Some(RawKind::Number | RawKind::Real));
-        // Area letters are reserved; without a number their address is missing. In assertions a name may be meant.
+        // Area letters are reserved; without a number the address is missing. In assertions they may be a name.
         let alone = !self.both_sets && !matches!(next, Some(RawKind::Dot));
         if digits.is_empty() && (numbered || alone) {
             if let Some((area, width)) = mnemonics::area(letters, set) {
@@ -246,7 +246,7 @@ impl<'a> Layout<'a> {
         self.push(start, Tok::BadOperand, end);
     }
 
-    /// A word behind a dot: a component, or `DBW 2` behind a data block.
+    /// A word after a dot: a component, or `DBW 2` after a data block.
     fn member(&mut self, token: RawToken) {
         let text = self.slice(token);
         let root = self.out.len().checked_sub(2).map(|root| &self.out[root].1);
@@ -268,7 +268,7 @@ impl<'a> Layout<'a> {
         self.take(Tok::Name(text));
     }
 
-    /// `MW10`, `I0.0`, `T5`: letters and number in one word, the bit number behind it.
+    /// `MW10`, `I0.0`, `T5`: letters and number in one word, followed by the bit number.
     fn glued(&mut self, token: RawToken, letters: Tok<'a>, letter_count: usize, digits: &str) {
         let start = token.start as usize;
         let cell = matches!(letters, Tok::Cell(_));
@@ -291,7 +291,7 @@ impl<'a> Layout<'a> {
         self.push_address(start + letter_count, digits, bit_text, end);
     }
 
-    /// `10`, `0.0` behind area letters.
+    /// `10`, `0.0` after area letters.
     fn address(&mut self, token: RawToken) {
         let text = self.slice(token);
         self.at += 1;
@@ -310,7 +310,7 @@ impl<'a> Layout<'a> {
         self.peripheral();
     }
 
-    /// `I 0,1`: reported and taken; `false`: something else stands here.
+    /// `I 0,1`: reported and accepted; `false`: this is something else.
     fn comma_for_point(&mut self, byte: &str) -> bool {
         let (Some(comma), Some(bit)) = (self.raw_at(self.at), self.raw_at(self.at + 1)) else { return false };
         let slip = matches!(self.last(), Some(Tok::Area(_, Width::Bit)))
@@ -325,10 +325,10 @@ impl<'a> Layout<'a> {
         let end = bit.end as usize;
         let letters = &self.text[begin..letters_end];
         let meant = format!("{letters} {byte}.{}", self.slice(bit));
-        let title = format!("`{}` is no address", &self.text[begin..end]);
+        let title = format!("`{}` is not an address", &self.text[begin..end]);
         self.report(
             Diagnostic::new(Code::Syntax, self.span_of(begin, end), title)
-                .label("byte and bit stand on both sides of a point")
+                .label("a point separates byte and bit")
                 .help(format!("write `{meant}`")),
         );
         self.at += 2;
@@ -355,14 +355,14 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Whether `%X3`, `%B1`, `%W0` or `%D1` stands at hand: a part of the variable before the point.
+    /// Whether `%X3`, `%B1`, `%W0` or `%D1` follows: a part of the variable before the point.
     fn is_slice(&self) -> bool {
         let upper = self.upper(self.at + 1);
         let (letters, digits) = letters_and_digits(upper.as_str());
         matches!(letters, "X" | "B" | "W" | "D") && !digits.is_empty() && self.adjacent(self.at)
     }
 
-    /// Whether `:P` stands at hand, no label behind it.
+    /// Whether `:P` follows, and no label after it.
     fn is_peripheral_mark(&self) -> bool {
         self.kind_at(self.at) == Some(RawKind::Colon)
             && self.adjacent(self.at)
@@ -379,20 +379,20 @@ impl<'a> Layout<'a> {
             (byte, _) => {
                 let letters = self.out.pop();
                 let begin = letters.map_or(start, |(begin, ..)| begin);
-                let title = format!("`{}` is no address", &self.text[begin..end]);
+                let title = format!("`{}` is not an address", &self.text[begin..end]);
                 let diagnostic = Diagnostic::new(Code::AddressRange, self.span_of(begin, end), title);
                 self.report(if byte.is_some() {
-                    diagnostic.label("a byte has the bits 0 to 7").help("write the bit number behind the dot, 0 to 7")
+                    diagnostic.label("a byte has the bits 0 to 7").help("write the bit number after the dot, 0 to 7")
                 } else {
-                    diagnostic.label("the number is too large").help("no area has so many bytes")
+                    diagnostic.label("the number is too large").help("no area has that many bytes")
                 });
                 self.push(begin, Tok::BadOperand, end);
             }
         }
     }
 
-    /// `MO.0`: a number where a component's name should stand.
-    fn number_behind_dot(&mut self, token: RawToken) {
+    /// `MO.0`: a number where the name of a component is expected.
+    fn number_after_dot(&mut self, token: RawToken) {
         self.at += 1;
         self.out.pop();
         let (begin, end) = (self.out.pop().map_or(token.start as usize, |(begin, ..)| begin), token.end as usize);
@@ -403,18 +403,22 @@ impl<'a> Layout<'a> {
             }
             _ => match self.own_letters(text) {
                 Some(address) => format!("write `{address}`: the file has {} mnemonics", messages::set_name(self.set)),
-                None => "components have names; an address is written as `M 10.0`".to_owned(),
+                None => "a component has a name; an address is written like `M 10.0`".to_owned(),
             },
         };
         self.report(
-            Diagnostic::new(Code::Syntax, self.span_of(begin, end), format!("`{text}` is no address and no name"))
-                .label("a number cannot follow this name")
-                .help(help),
+            Diagnostic::new(
+                Code::Syntax,
+                self.span_of(begin, end),
+                format!("`{text}` is neither an address nor a name"),
+            )
+            .label("a number cannot follow this name")
+            .help(help),
         );
         self.push(begin, Tok::BadOperand, end);
     }
 
-    /// `E0.0` with the letters of the file's set: `I0.0`; `None` if the letters name no area of the other set.
+    /// `E0.0` with the letters of the file's set: `I0.0`; `None` if the other set does not have the letters.
     fn own_letters(&self, text: &str) -> Option<String> {
         let letters = text.find(|c: char| !c.is_ascii_alphabetic())?;
         let (area, width) = mnemonics::area(&text[..letters].to_ascii_uppercase(), Some(mnemonics::other(self.set)))?;

@@ -1,9 +1,9 @@
-//! Layout of statements: where each ends, and which structured statement is closed by what.
+//! Classifies the words of statements: where each ends, and what closes each structured statement.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
 use super::expression::{Run, ends_operand};
-use super::{Layout, NESTING_MAX};
+use super::{Classifier, NESTING_MAX};
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::Tok;
@@ -20,14 +20,14 @@ struct Open {
     otherwise: bool,
     /// CASE: a value has been seen.
     arm: bool,
-    /// IF directly behind the ELSE of this one: ELSIF may have been meant.
+    /// IF directly after the ELSE of this one: ELSIF may have been meant.
     else_if: Option<Span>,
     /// REPEAT: UNTIL has been seen.
     until: bool,
 }
 
-impl<'a> Layout<'a> {
-    /// Statements up to the end of the block, which stays at hand.
+impl<'a> Classifier<'a> {
+    /// Statements up to the end of the block, which is not consumed.
     pub(super) fn code(&mut self) {
         let mut open: Vec<Open> = Vec::new();
         loop {
@@ -158,14 +158,14 @@ impl<'a> Layout<'a> {
             return self.take(tok);
         }
         let word = wanted.word();
-        let behind = self.last_token().unwrap_or(statement);
+        let after = self.last_token().unwrap_or(statement);
         self.report(
             Diagnostic::new(
                 Code::Syntax,
-                self.span(behind),
-                format!("`{word}` is missing behind the head of {}", self.slice(statement).to_uppercase()),
+                self.span(after),
+                format!("`{word}` is missing after the head of {}", self.slice(statement).to_uppercase()),
             )
-            .label(format!("`{word}` expected behind this"))
+            .label(format!("`{word}` expected after this"))
             .help(match wanted {
                 Keyword::Then => "write `IF condition THEN statements END_IF;`",
                 Keyword::Of => "write `CASE number OF 1: statements END_CASE;`",
@@ -208,9 +208,9 @@ impl<'a> Layout<'a> {
                         Diagnostic::new(
                             Code::Syntax,
                             self.span(token),
-                            format!("`{}` is no word of SCL", self.slice(token)),
+                            format!("SCL does not have the word `{}`", self.slice(token)),
                         )
-                        .label("taken as ELSIF")
+                        .label("read as ELSIF")
                         .help("write `ELSIF`"),
                     );
                 }
@@ -274,8 +274,8 @@ impl<'a> Layout<'a> {
             let text = self.slice(word);
             self.tolerate(
                 self.span(word),
-                &format!("`;` is missing behind `{text}`"),
-                "STEP 7 wants `;` here",
+                &format!("`;` is missing after `{text}`"),
+                "STEP 7 requires `;` here",
                 &format!("write `{text};`"),
             );
         }
@@ -292,14 +292,14 @@ impl<'a> Layout<'a> {
             _ => "IF",
         };
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), format!("`{text}` stands without {opener}"))
-                .label("nothing is open that it could belong to")
+            Diagnostic::new(Code::Syntax, self.span(token), format!("`{text}` has no matching {opener}"))
+                .label("it belongs to nothing that is open")
                 .help("remove it, or write the beginning of its statement"),
         );
         self.at += 1;
         match word {
             Keyword::Elsif | Keyword::ElseIf | Keyword::Until => {
-                // Its condition has been reported with it.
+                // The missing condition was reported with it.
                 let first = self.out.len();
                 self.run(if word == Keyword::Until { Run::Until } else { Run::If });
                 self.out.truncate(first);
@@ -345,19 +345,19 @@ impl<'a> Layout<'a> {
         diagnostic = match else_if {
             Some(span) => diagnostic
                 .also(span, "`ELSE IF` opens a second IF")
-                .help("write `ELSIF` for another condition; `ELSE IF` needs an `END_IF` of its own"),
-            None => diagnostic.help(format!("write `{end};` behind its last statement")),
+                .help("write `ELSIF` for another condition; `ELSE IF` needs a separate `END_IF`"),
+            None => diagnostic.help(format!("write `{end};` after its last statement")),
         };
         self.report(diagnostic);
     }
 
     fn too_deep_statement(&mut self, token: RawToken) {
         self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), "statements stand too deep in one another")
+            Diagnostic::new(Code::Syntax, self.span(token), "statements are nested too deeply")
                 .label(format!("inside {NESTING_MAX} others"))
-                .help("move a part of them to a function of its own"),
+                .help("move a part of them to a separate function"),
         );
-        // The rest of the block is not worth reading.
+        // Reading the rest of the block makes no sense.
         while let Some(token) = self.peek() {
             let ends = token
                 .keyword
@@ -369,7 +369,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// `VAR` behind BEGIN; false: an ordinary word.
+    /// `VAR` after BEGIN; false: an ordinary word.
     fn section_in_code(&mut self, token: RawToken) -> bool {
         if token.keyword == Some(Keyword::Label)
             && !matches!(self.kind_at(self.at + 1), Some(RawKind::Word | RawKind::Quoted))
@@ -380,9 +380,9 @@ impl<'a> Layout<'a> {
             Diagnostic::new(
                 Code::BlockFrame,
                 self.span(token),
-                format!("`{}` stands among the statements", self.slice(token)),
+                format!("`{}` cannot stand among the statements", self.slice(token)),
             )
-            .label("declarations end before BEGIN")
+            .label("declarations must come before BEGIN")
             .help("move the section to the other declarations of the block"),
         );
         while let Some(token) = self.peek() {
@@ -398,7 +398,7 @@ impl<'a> Layout<'a> {
         true
     }
 
-    /// A keyword that belongs to something that is not open.
+    /// A keyword that belongs to a statement that is not open.
     fn misplaced(&mut self, token: RawToken) {
         self.report(
             Diagnostic::new(
@@ -444,7 +444,7 @@ impl<'a> Layout<'a> {
         self.end_of_statement();
     }
 
-    /// Whether values and `:` stand at hand rather than a statement.
+    /// Whether values and `:` follow rather than a statement.
     fn arm_begins(&self) -> bool {
         let mut depth = 0usize;
         for (index, token) in self.raw[self.at..].iter().take(ARM_TOKENS_MAX).enumerate() {
@@ -470,7 +470,7 @@ impl<'a> Layout<'a> {
         false
     }
 
-    /// The `;` of a simple statement. It may be left out before a word that closes something.
+    /// The `;` of a simple statement. It may be omitted before a word that closes a statement.
     fn end_of_statement(&mut self) {
         let token = self.peek();
         if self.is_at(RawKind::Semicolon) {
@@ -488,7 +488,7 @@ impl<'a> Layout<'a> {
             let last = self.last_token().expect("a statement has been read");
             let text = self.slice(last);
             self.report(
-                Diagnostic::new(Code::Syntax, self.span(last), format!("`;` is missing behind `{text}`"))
+                Diagnostic::new(Code::Syntax, self.span(last), format!("`;` is missing after `{text}`"))
                     .label("the statement ends here")
                     .help("end each statement with `;`"),
             );
