@@ -107,7 +107,7 @@ pub struct SystemBlock {
     pub source: &'static str,
     /// The comment above it, or at its head, as it stands there: what the block does.
     pub comment: &'static str,
-    /// Where its behaviour is described: what stands behind `Source:` at the head of its file, `//` of following lines included.
+    /// Where its behaviour is described: what stands after `Source:` at the head of its file, `//` of following lines included.
     pub origin: &'static str,
     pub form: Form,
     pub language: Language,
@@ -194,7 +194,7 @@ pub fn find_tia(name: &str) -> Option<&'static SystemBlock> {
     blocks().iter().find(|block| block.is_tia() && block.name.eq_ignore_ascii_case(name))
 }
 
-/// An attribute line of an FB that is an SFB, too, and its number behind it.
+/// An attribute line of an FB that is an SFB, too, and its number after it.
 const ALSO_SFB: &str = "{ plcc_also := 'SFB ";
 
 /// Cuts a source at its block frames, which begin and end at the start of a line.

@@ -59,7 +59,7 @@ impl Mismatch {
 }
 
 impl Type {
-    /// The type behind `as`.
+    /// The type after `as`.
     pub fn from_word(word: &str) -> Option<Type> {
         match word.to_ascii_uppercase().as_str() {
             "STRING" => Some(Type::Text),
@@ -188,7 +188,7 @@ pub fn is_trap<S>(condition: &AssertCondition, comparisons: &[Comparison<S>]) ->
     }
 }
 
-/// A literal with `as TYPE` behind it.
+/// A literal with `as TYPE` after it.
 pub fn typed_literal<S>(literal: &Literal, ty: Type, span: Span) -> Result<Side<S>, Mismatch> {
     let (_, own, constant) = beside(ty, literal, AssertOp::Lt, span)?;
     if own != ty {
@@ -267,7 +267,7 @@ fn with_bits(ty: Type, width: u8, op: AssertOp, typed: Span, bits: Span) -> Resu
     let refused = Mismatch {
         span: bits,
         title: format!("these {width} bits are no {}", ty.name()),
-        help: format!("write the type behind it, e.g. `as {}`", if ty.is_in_memory() { ty.name() } else { "INT" }),
+        help: format!("write the type after it, e.g. `as {}`", if ty.is_in_memory() { ty.name() } else { "INT" }),
     };
     match ty {
         Type::Elementary(own) if !own.is_float() => {

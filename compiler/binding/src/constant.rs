@@ -38,7 +38,7 @@ pub enum Constant {
 pub type Constants = FxHashMap<String, Constant>;
 
 impl Constant {
-    /// A constant as STL writes it. Errors: pointers, which are no values of variables.
+    /// A constant as STL writes it. Errors: pointers, which are not values of variables.
     pub fn of_stl(value: &literal::Literal) -> Option<Constant> {
         use literal::Literal;
         let typed = |ty, bits| Some(Constant::Typed { ty, bits });

@@ -42,7 +42,7 @@ pub fn file_pragma(report: &mut Report, pragma: &Pragma, settings: &mut TestSett
             report,
             pragma.span,
             &format!("`{word}` must stand between the statements of a block"),
-            "move it behind the statement after which it holds",
+            "move it after the statement after which it holds",
         ),
         _ if word.starts_with('^') => {}
         _ => unknown_pragma(report, pragma),
@@ -64,7 +64,7 @@ pub fn unknown_pragma(report: &mut Report, pragma: &Pragma) {
     bad_pragma(
         report,
         pragma.span,
-        &format!("`{}` is no pragma", split(&pragma.text).0),
+        &format!("`{}` is not a pragma", split(&pragma.text).0),
         "the pragmas are assert, sleep, cpu and test; a plain comment begins with `//`",
     );
 }

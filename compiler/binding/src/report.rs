@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{fold, similar};
 
-/// Up to here a block number alone is no hint at a library block.
+/// Up to here a block number alone is not a hint at a library block.
 const LOW_NUMBERS: u16 = 40;
 
 /// The messages so far.
@@ -72,7 +72,7 @@ impl Report {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Notes a use of something that is defined nowhere; it is told of once, at its first use in the sources.
+    /// Notes a use of something that is defined nowhere; it is reported once, at its first use in the sources.
     pub fn missing(&mut self, key: MissingKey, span: Span, make: impl FnOnce() -> Diagnostic) {
         match self.index.get(&key) {
             Some(&at) => {
@@ -163,7 +163,7 @@ impl Report {
             let name = format!("{} {number}", prefix.letters());
             let message = Diagnostic::new(Code::UnknownBlock, span, format!("{name} is not defined"))
                 .label("no source of the program defines this block");
-            // Low numbers are mostly the user's own.
+            // Low numbers are usually the user's own.
             let library = plcc_stdlib::LIBRARY.iter().find(|block| {
                 block.number == number && block.fb == (prefix == BlockPrefix::Fb) && number > LOW_NUMBERS
             });

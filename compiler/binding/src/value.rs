@@ -19,7 +19,7 @@ pub enum Mismatch {
 /// Where a constant stands: declarations take a little more than calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// An initial value or a value behind BEGIN.
+    /// An initial value or a value after BEGIN.
     Declaration,
     /// An actual parameter.
     Call,

@@ -377,7 +377,7 @@ impl Context<'_, '_> {
         self.write_target(target, width, value);
     }
 
-    /// Runs `store` on the target's address, behind its checks.
+    /// Runs `store` on the target's address, after its checks.
     fn store_at(&mut self, target: Target, store: impl FnOnce(&mut Self, Address)) {
         let guard = self.begin_guard(target.checks, Substitute::None);
         let TargetKind::Memory { addr, .. } = target.kind else { unreachable!("instances lie in memory") };

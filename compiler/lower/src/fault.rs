@@ -1,7 +1,7 @@
 //! Cold paths: synchronous errors, STOP, safepoints.
 //!
 //! A check that fails leaves the straight path for a cold block, which calls the runtime there and then. If OB 121 (OB 122)
-//! has run, the faulty instruction counts as skipped and the program goes on behind it; if the CPU goes to STOP, the block returns
+//! has run, the faulty instruction counts as skipped and the program goes on after it; if the CPU goes to STOP, the block returns
 //! at once. Source: STL reference, synchronous errors.
 
 use plcc_abi::RuntimeFn;

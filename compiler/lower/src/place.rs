@@ -528,7 +528,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// In what the POINTER at `pointer` of this FB's instance points at, `offset` bits behind it.
+    /// In what the POINTER at `pointer` of this FB's instance points at, `offset` bits after it.
     fn through_pointer(&mut self, pointer: u32, offset: u32, width: Width, direction: Direction) -> Target {
         let db = self.read(&Place::Instance { byte: pointer, bit: 0 }, Width::Word);
         let address = self.read(&Place::Instance { byte: pointer + 2, bit: 0 }, Width::Dword);

@@ -129,7 +129,7 @@ impl<'a> Plan<'a> {
         local_bytes(block) + if self.handles_errors(block.key()) { codes::local_error::BYTES } else { 0 }
     }
 
-    /// Where the blocks that handle their errors keep the first one: behind their local data.
+    /// Where the blocks that handle their errors keep the first one: after their local data.
     pub fn error_slots(&self) -> Vec<ErrorSlot> {
         let blocks = self.program.blocks.iter().filter(|block| self.handles_errors(block.key()));
         blocks.map(|block| ErrorSlot { kind: block.kind, number: block.number, offset: local_bytes(block) }).collect()
@@ -568,7 +568,7 @@ pub fn changes_ar2(insn: StlInsn, operand: &Operand) -> bool {
     }
 }
 
-/// Local data that the block's code can reach: declared TEMP, and what is addressed directly behind it, as code from the
+/// Local data that the block's code can reach: declared TEMP, and what is addressed directly after it, as code from the
 /// graphic editors does.
 pub fn local_bytes(block: &CodeBlock) -> u32 {
     let mut bytes = block.temp_bytes;

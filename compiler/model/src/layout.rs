@@ -6,14 +6,14 @@
 use crate::types::{ArrayType, DataType, Elementary, ParameterType, StructType};
 use plcc_syntax::ast::Width;
 
-/// More than this cannot lie in a DB, in local data or behind a pointer.
+/// More than this cannot lie in a DB, in local data or after a pointer.
 pub const BYTES_MAX: u64 = 65_536;
 
 /// Gives places to one component after the other.
 #[derive(Clone, Debug, Default)]
 pub struct Placer {
     next: u32,
-    /// Byte and next free bit behind a BOOL.
+    /// Byte and next free bit after a BOOL.
     bits: Option<(u32, u8)>,
 }
 

@@ -92,7 +92,7 @@ impl CodeBlock {
 /// Parameters and static data of a block.
 #[derive(Clone, Debug, Default)]
 pub struct Interface {
-    /// IN, OUT, IN_OUT in this order, each as declared; the result of an FC is the OUT parameter RET_VAL behind the other
+    /// IN, OUT, IN_OUT in this order, each as declared; the result of an FC is the OUT parameter RET_VAL after the other
     /// OUTs (before them for system functions, as they are documented).
     pub parameters: Vec<Parameter>,
     /// FB, SFB: whole instance memory, rounded up to even. FC, SFC: the parameters laid out like a structure (the form in
@@ -141,7 +141,7 @@ pub enum Passing {
     Number,
     Pointer,
     Any,
-    /// As an ANY, with more behind it.
+    /// As an ANY, with more after it.
     Variant,
     /// ARRAY[*]. FC: reference to the actual, then low and high bound of each dimension. FB IN_OUT: a POINTER in the instance, then the
     /// bounds, a DINT each.
@@ -321,7 +321,7 @@ pub enum Place {
         byte: u32,
         bit: u8,
     },
-    /// FC: `byte`.`bit` behind the start of what the parameter refers to; both 0 for an elementary one.
+    /// FC: `byte`.`bit` after the start of what the parameter refers to; both 0 for an elementary one.
     Parameter {
         parameter: usize,
         byte: u32,
@@ -407,7 +407,7 @@ impl Actual {
 /// What a VARIANT says after its ANY.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pointed {
-    /// Number of elements, 0 of what is no array; [`crate::layout::type_number`] of them.
+    /// Number of elements, 0 of what is not an array; [`crate::layout::type_number`] of them.
     Known { elements: u32, ty: u32 },
     /// As many elements as the ARRAY[*] at which the ANY points has; [`crate::layout::type_number`] of them.
     Counted { ty: u32 },

@@ -372,7 +372,7 @@ pub enum IndexBounds {
     /// Inclusive.
     Known(i32, i32),
     /// Of the ARRAY[*] formal `parameter`, in its dimension. Distances of all but the last dimension multiply by the lengths of those
-    /// behind; `stride` is that of an element.
+    /// after; `stride` is that of an element.
     Open { parameter: usize, dimension: u8 },
 }
 
@@ -402,7 +402,7 @@ impl Access {
     }
 }
 
-/// A value that is no elementary one.
+/// A value that is not an elementary one.
 #[derive(Clone, Debug)]
 pub enum Complex {
     Variable(Access),

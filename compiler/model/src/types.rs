@@ -17,7 +17,7 @@ pub enum ParameterType {
     Pointer,
     /// 10 bytes.
     Any,
-    /// An ANY with number and type of its elements behind it, 18 bytes. See [`crate::layout::VARIANT_ELEMENTS`].
+    /// An ANY with number and type of its elements after it, 18 bytes. See [`crate::layout::VARIANT_ELEMENTS`].
     Variant,
 }
 

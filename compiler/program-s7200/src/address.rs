@@ -53,7 +53,7 @@ pub fn size(area: Area, profile: &Profile, row: &CpuRow) -> u32 {
     }
 }
 
-/// Whether the CPU has the address up to `count` elements behind its first one.
+/// Whether the CPU has the address up to `count` elements after its first one.
 fn exists(direct: Direct, width: Width, count: u32, profile: &Profile, row: &CpuRow) -> bool {
     let size = u64::from(size(direct.area, profile, row));
     let (number, count) = (u64::from(direct.number), u64::from(count));

@@ -76,7 +76,7 @@ impl Binder<'_> {
         let classes = insn.operands();
         // `NOP` is written with and without its number.
         let optional = insn == Insn::Nop && operands.is_empty();
-        // What was left of a line that could not be read is no count.
+        // What was left of a line that could not be read is not a count.
         let unread = operands.iter().any(|operand| operand.kind == ast::OperandKind::Error);
         if operands.len() < classes.len() && !optional && !unread {
             let what = classes.get(operands.len()).map_or("one", |class| describe(*class));

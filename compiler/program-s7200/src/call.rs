@@ -232,7 +232,7 @@ impl Binder<'_> {
         });
     }
 
-    /// An operand is missing behind a mnemonic.
+    /// An operand is missing after a mnemonic.
     pub fn missing_operand(&mut self, what: &str, mnemonic: Span) {
         self.push(
             Diagnostic::new(Code::MissingOperand, mnemonic, "an operand is missing")

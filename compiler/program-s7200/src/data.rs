@@ -87,7 +87,7 @@ impl Binder<'_> {
                     Diagnostic::new(Code::DataOverlap, value.span, title)
                         .label("this value wins")
                         .also(first, "written here")
-                        .help("begin the line at an address behind it"),
+                        .help("begin the line at an address after it"),
                 );
             }
             cursor.byte = cursor.byte.saturating_add(count);

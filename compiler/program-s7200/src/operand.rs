@@ -120,7 +120,7 @@ fn wanted(class: OperandClass) -> &'static str {
     }
 }
 
-/// A place in memory, as it is bound; `None`: it is no memory.
+/// A place in memory, as it is bound; `None`: it is not a memory.
 pub fn memory(direct: Direct, width: Width) -> Option<Operand> {
     let area = match direct.area {
         Area::I => model::Area::I,

@@ -66,7 +66,7 @@ pub fn complete(input: &BindInput) -> Completed {
             look_at(block, &missing, &mut things, &mut highest);
         }
         for line in &source.data {
-            // Values behind each other have four bytes at most.
+            // Values after each other have four bytes at most.
             let start = line.address.as_ref().map_or(highest, |operand| end_of(operand).unwrap_or(0));
             highest = highest.max(start.saturating_add(4 * line.values.len() as u32));
         }

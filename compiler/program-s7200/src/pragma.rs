@@ -74,7 +74,7 @@ impl Binder<'_> {
             Some((word, at)) => match Type::from_word(word) {
                 Some(ty @ Type::Elementary(_)) if ty.width() <= 32 => Some((ty, *at)),
                 _ => {
-                    let title = format!("`{word}` is no type of values of up to 32 bits");
+                    let title = format!("`{word}` is not a type of values of up to 32 bits");
                     bad_pragma(&mut self.report, *at, &title, "write e.g. `as INT`, `as DINT`, `as REAL` or `as TIME`");
                     return None;
                 }

@@ -71,7 +71,7 @@ impl Binder<'_> {
                     format!("`{name}` cannot stand in a sequence step (0096)"),
                 )
                 .label("not allowed between LSCR and SCRE")
-                .help("move it behind SCRE"),
+                .help("move it after SCRE"),
             );
         }
         self.check_cpu(insn, &name, span);

@@ -132,7 +132,7 @@ impl Binder<'_> {
         let direct = match self.settle(locals, pointer, false)? {
             Settled::Direct(direct) | Settled::StringVariable(direct) => direct,
             Settled::Constant(_) | Settled::Pointer(_) | Settled::Indirect(_) | Settled::Block(_) => {
-                self.no_pointer("this is no place of a pointer", pointer.span);
+                self.no_pointer("this is not a place of a pointer", pointer.span);
                 return None;
             }
         };
@@ -158,7 +158,7 @@ impl Binder<'_> {
     fn no_pointer(&mut self, title: &str, span: Span) {
         self.push(
             Diagnostic::new(Code::OperandKind, span, format!("{title} (0090)"))
-                .label("behind `*` stands the place of a pointer")
+                .label("after `*` stands the place of a pointer")
                 .help("pointers are in double words of V or L, or in AC1, AC2, AC3: `*VD200`, `*AC1`"),
         );
     }

@@ -120,7 +120,7 @@ impl Structure {
                         .also(*step, "the step begins here")
                         .help("put FOR and NEXT into the step, or both around it"),
                 );
-                // A loop around the step counts as closed, so that it is told of once.
+                // A loop around the step counts as closed, so that it is reported once.
                 if let Some(at) = self.open.iter().rposition(|open| matches!(open, Open::Loop(_))) {
                     self.open.remove(at);
                 }

@@ -81,7 +81,7 @@ pub fn bytes(constant: &Constant, ty: &DataType) -> Result<Vec<u8>, Mismatch> {
 
 /// The character of a byte of Windows-1252.
 fn wide(letter: u8) -> u16 {
-    // A single byte above ASCII is no UTF-8.
+    // A single byte above ASCII is not an UTF-8.
     plcc_syntax::decode(&[letter]).encode_utf16().next().unwrap_or(u16::from(letter))
 }
 

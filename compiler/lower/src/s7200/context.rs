@@ -152,7 +152,7 @@ impl<'p, 'o> Context<'p, 'o> {
         self.index = index;
         self.on_error = OnError::Skip;
         if !self.b.is_reachable() {
-            // Behind an unconditional end; kept apart, so that the rest still has a place to stand in.
+            // After an unconditional end; kept apart, so that the rest still has a place to stand in.
             let unreachable = self.b.create_block();
             self.b.seal_block(unreachable);
             self.b.switch_to(unreachable);

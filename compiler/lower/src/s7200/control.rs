@@ -38,7 +38,7 @@ impl<'p> Context<'p, '_> {
         }
     }
 
-    /// `FOR INDX, INIT, FINAL`: with S0 = 0, or nothing to do, it goes on behind its NEXT. It has ENO as a box has.
+    /// `FOR INDX, INIT, FINAL`: with S0 = 0, or nothing to do, it goes on after its NEXT. It has ENO as a box has.
     pub fn begin_loop(&mut self, operands: &[Operand]) {
         // The operands live as long as the body of the block; NEXT reads them again.
         let body = self.body;

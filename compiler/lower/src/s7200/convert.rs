@@ -137,7 +137,7 @@ impl Context<'_, '_> {
         });
     }
 
-    /// SM1.6 tells of what has no BCD form; OUT stays.
+    /// SM1.6 reports what has no BCD form; OUT stays.
     fn bcd(&mut self, operands: &[Operand], compute: impl FnOnce(&mut Self, Value) -> (Value, Value)) {
         self.boxed(|context| {
             let target = context.target(&operands[0], Width::Word);

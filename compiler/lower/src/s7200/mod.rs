@@ -2,7 +2,7 @@
 //!
 //! - `plan`: numbers of functions and edge memories, string constants, whether calls must be counted.
 //! - `context`: one block while it is lowered: logic stack and ENO as SSA variables, boxes, errors, labels.
-//! - `operand`: operands to memory accesses; `pointer`: what stands behind `*`.
+//! - `operand`: operands to memory accesses; `pointer`: what stands after `*`.
 //! - One file a family of instructions; `operations` are those that the runtime does.
 
 mod assert;

@@ -18,7 +18,7 @@ use crate::pointer::{ANY_HEAD_BYTES, PointerFields, moved};
 pub struct Given<'m> {
     pub parameter: usize,
     pub supply: Supply<'m>,
-    /// Where the formal's value goes behind the call.
+    /// Where the formal's value goes after the call.
     pub back: Option<Back<'m>>,
 }
 
@@ -265,7 +265,7 @@ impl Context<'_, '_> {
 
     // Functions: references.
 
-    /// What an FC gets for a formal; see [`crate::plan::parameter_types`]. Puts into `temporaries` what is brought back behind the call.
+    /// What an FC gets for a formal; see [`crate::plan::parameter_types`]. Puts into `temporaries` what is brought back after the call.
     pub fn references<'m>(
         &mut self,
         parameter: &Parameter,
@@ -450,7 +450,7 @@ impl Context<'_, '_> {
 
     // Instances and structures of parameters: copies.
 
-    /// Writes what goes in to the formal's place behind `base`. Of a system function all complex values are copies.
+    /// Writes what goes in to the formal's place after `base`. Of a system function all complex values are copies.
     pub fn fill(&mut self, base: Address, parameter: &Parameter, given: &Given, system: bool) {
         let addr = moved(base, parameter.byte);
         match (&given.supply, parameter.passing) {
@@ -518,7 +518,7 @@ impl Context<'_, '_> {
         self.end_guard(guard);
     }
 
-    /// Brings the formal's value from its place behind `base` to the actual.
+    /// Brings the formal's value from its place after `base` to the actual.
     pub fn take(&mut self, base: Address, parameter: &Parameter, back: &Back) {
         let addr = moved(base, parameter.byte);
         match (parameter.passing, &parameter.ty) {

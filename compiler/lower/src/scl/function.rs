@@ -82,7 +82,7 @@ impl Context<'_, '_> {
         if !ty.is_float() {
             return result;
         }
-        // One input that is no number makes the result none; an infinite one that is limited does no harm.
+        // One input that is not a number makes the result none; an infinite one that is limited does no harm.
         let limits = self.b.fcmp(FloatCc::Uno, low, high);
         let input = self.b.fcmp(FloatCc::Uno, value, value);
         let nan = self.b.or(limits, input);

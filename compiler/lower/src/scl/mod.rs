@@ -191,7 +191,7 @@ impl Context<'_, '_> {
         self.finish()
     }
 
-    /// Code that is built behind a jump belongs to a block that nothing reaches.
+    /// Code that is built after a jump belongs to a block that nothing reaches.
     fn reachable(&mut self) {
         if !self.b.is_reachable() {
             let nowhere = self.b.create_block();

@@ -183,7 +183,7 @@ impl Visitor for Seen {
             }
             _ => {
                 if let Base::Place(place) = &access.base {
-                    // From where the access begins; what an index reaches lies behind, inside of the variable.
+                    // From where the access begins; what an index reaches lies after, inside of the variable.
                     let bits = if access.indices.is_empty() {
                         8 * layout::bytes(&access.ty)
                     } else {

@@ -16,11 +16,11 @@ pub enum Role {
     Memory,
 }
 
-/// What a walk tells of.
+/// What a walk reports.
 pub trait Visitor {
     /// An access; its indices are walked on their own.
     fn access(&mut self, _access: &Access, _role: Role) {}
-    /// A place that is no access: a number in memory.
+    /// A place that is not an access: a number in memory.
     fn place(&mut self, _place: &Place) {}
     /// A call, after what its arguments contain.
     fn call(&mut self, _call: &Call) {}
@@ -29,9 +29,9 @@ pub trait Visitor {
     fn assert(&mut self, _assert: &Assert) {}
     /// Before each statement, those inside of others too.
     fn statement(&mut self, _statement: &Statement) {}
-    /// Behind what belongs to the statement itself, before those inside of it.
+    /// After what belongs to the statement itself, before those inside of it.
     fn own_part_done(&mut self) {}
-    /// So many paths meet: behind IF and CASE.
+    /// So many paths meet: after IF and CASE.
     fn paths_meet(&mut self, _paths: usize) {}
 }
 

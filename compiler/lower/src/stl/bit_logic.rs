@@ -51,7 +51,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// `O` without operand: the AND groups before and behind it are ORed.
+    /// `O` without operand: the AND groups before and after it are ORed.
     pub fn or_of_ands(&mut self) {
         let (rlo, fc, or_) = (self.rlo(), self.get(self.regs.fc), self.get(self.regs.or_));
         let any = self.b.or(rlo, or_);

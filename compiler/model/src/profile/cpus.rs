@@ -20,7 +20,7 @@ pub(super) struct Row {
     pub(super) block_depth: u32,
     pub(super) error_depth: u32,
     pub(super) checked: bool,
-    /// What the order numbers begin with behind `6ES7`, which tells the CPU whatever its version.
+    /// What the order numbers begin with after `6ES7`, which tells the CPU whatever its version.
     pub(super) orders: &'static [&'static str],
 }
 

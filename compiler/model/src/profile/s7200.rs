@@ -130,7 +130,7 @@ const CPUS: &[Cpu] = &[
 /// Short forms and variants that mean a row of the table.
 pub(super) const ALIASES: &[(&str, &str)] = &[("224XPSI", "224XP"), ("226XM", "226")];
 
-/// What the order numbers of a CPU begin with behind `6ES7`.
+/// What the order numbers of a CPU begin with after `6ES7`.
 pub(super) fn orders(name: &str) -> &'static [&'static str] {
     match name {
         "212" => &["212-1AA", "212-1BA", "212-1CA", "212-1FA"],

@@ -237,7 +237,7 @@ impl Binder<'_> {
         let name = self.text(mnemonic);
         let Some(ast::Operand { kind: OperandKind::Label(default), span }) = operand else {
             self.report.push(
-                Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{name}` needs the label behind its list"))
+                Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{name}` needs the label after its list"))
                     .label("the label is missing"),
             );
             return (0, None);
@@ -282,7 +282,7 @@ impl Binder<'_> {
                 Diagnostic::new(Code::JumpList, place, title)
                     .label("only unconditional jumps stand between it and its label")
                     .also(mnemonic, "the jump distributor")
-                    .help(format!("write the jumps directly behind it, then `{default}:`")),
+                    .help(format!("write the jumps directly after it, then `{default}:`")),
             );
         }
         let kind = match default_label {

@@ -86,7 +86,7 @@ impl Binder<'_> {
         Some((key, multi, bound))
     }
 
-    /// Names in a call that cannot be checked are looked up all the same, so that all undefined ones are told of.
+    /// Names in a call that cannot be checked are looked up all the same, so that all undefined ones are reported.
     fn note_names(&mut self, ctx: &mut Ctx, call: &ast::Call) {
         let actuals = call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref());
         for operand in call.instance.iter().chain(actuals) {
@@ -150,7 +150,7 @@ impl Binder<'_> {
             _ => {
                 let text = self.text(operand.span);
                 self.report.push(
-                    Diagnostic::new(Code::OperandKind, operand.span, format!("`{text}` is no data block"))
+                    Diagnostic::new(Code::OperandKind, operand.span, format!("`{text}` is not a data block"))
                         .label("the instance data block is wanted here"),
                 );
                 return None;
@@ -173,7 +173,7 @@ impl Binder<'_> {
                 None => format!("DB {number} is a shared data block"),
             };
             self.report.push(
-                Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is no instance of {key}"))
+                Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is not an instance of {key}"))
                     .label(what)
                     .also(defined, "the data block")
                     .help(format!("name a data block of {key}; one that is not defined is made for the call")),

@@ -149,12 +149,12 @@ fn initial(source: &'static str, name: &str) -> &'static str {
         .map_or("", |(_, value)| value.split(';').next().unwrap_or("").trim())
 }
 
-/// The comment behind the declaration of a variable.
+/// The comment after the declaration of a variable.
 fn meaning(source: &'static str, name: &str) -> &'static str {
     declaration(source, name).and_then(|text| text.split_once("//")).map_or("", |(_, comment)| comment.trim())
 }
 
-/// What stands behind the name in the declaration of a variable. Components of structures stand further right than variables.
+/// What stands after the name in the declaration of a variable. Components of structures stand further right than variables.
 fn declaration(source: &'static str, name: &str) -> Option<&'static str> {
     source
         .lines()

@@ -1,4 +1,4 @@
-//! Constants of declarations and statements: names are looked up, and what is no constant is reported.
+//! Constants of declarations and statements: names are looked up, and what is not a constant is reported.
 
 use plcc_binding::constant::fold::{self, Fault};
 use plcc_binding::constant::{Constant, Constants, fit};
@@ -13,7 +13,7 @@ use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
 use super::Binder;
 
 impl Binder<'_> {
-    /// The value of a constant expression; what is no constant is reported.
+    /// The value of a constant expression; what is not a constant is reported.
     pub fn constant(&mut self, constants: &Constants, value: &Expr) -> Option<Constant> {
         match &value.kind {
             ExprKind::Literal(literal) => {
@@ -90,11 +90,11 @@ impl Binder<'_> {
         None
     }
 
-    /// A name that is no constant. Nothing may define it (`local`: only the block itself could), or it means something else.
+    /// A name that is not a constant. Nothing may define it (`local`: only the block itself could), or it means something else.
     fn unknown_constant(&mut self, name: &str, local: bool, span: Span) {
         if local || self.globals.contains_key(&plcc_binding::fold(name)) {
             self.report.push(
-                Diagnostic::new(Code::ConstantRequired, span, format!("`{name}` is no constant of this block"))
+                Diagnostic::new(Code::ConstantRequired, span, format!("`{name}` is not a constant of this block"))
                     .label("a value that is known when the program is compiled must stand here")
                     .help("declare it before in VAR CONSTANT or CONST, or write the number"),
             );
@@ -164,7 +164,7 @@ impl Binder<'_> {
                     return None;
                 }
                 self.report.push(
-                    Diagnostic::new(Code::ConstantRequired, *span, format!("`{name}` is no constant"))
+                    Diagnostic::new(Code::ConstantRequired, *span, format!("`{name}` is not a constant"))
                         .label("a number must stand here")
                         .help("for an index that changes at run time use a pointer, e.g. `L DBW [AR1,P#0.0]`"),
                 );
@@ -185,7 +185,7 @@ impl Binder<'_> {
     pub fn bad_initial(&mut self, what: &str, ty: &DataType, problem: Mismatch, span: Span) {
         let name = layout::type_name(ty);
         let message = match problem {
-            Mismatch::Type => Diagnostic::new(Code::InitialValue, span, format!("{what} is no value of type {name}"))
+            Mismatch::Type => Diagnostic::new(Code::InitialValue, span, format!("{what} is not a value of type {name}"))
                 .label(format!("the variable is of type {name}")),
             Mismatch::Range => {
                 Diagnostic::new(Code::InitialValue, span, format!("this value does not fit type {name}"))

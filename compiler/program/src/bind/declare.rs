@@ -335,7 +335,7 @@ impl<'a> Binder<'a> {
             }
             _ => {
                 self.report.push(
-                    Diagnostic::new(Code::UnknownType, span, "this block is no data type")
+                    Diagnostic::new(Code::UnknownType, span, "this block is not a data type")
                         .label("a UDT, or in VAR of a function block an FB or SFB, is wanted"),
                 );
                 None
@@ -446,7 +446,7 @@ impl<'a> Binder<'a> {
 
     pub fn declare_name(&mut self, names: &mut FxHashMap<String, Span>, name: &str, span: Span) {
         if let Some(first) = names.insert(fold(name), span) {
-            // What a language declares by itself stands behind everything that the source declares.
+            // What a language declares by itself stands after everything that the source declares.
             if span.file == SYSTEM_FILE && first.file != SYSTEM_FILE {
                 self.report.push(
                     Diagnostic::new(Code::DuplicateName, first, format!("`{name}` is a name of GRAPH in this block"))

@@ -1,4 +1,4 @@
-//! Initial values of declarations and values behind BEGIN: lists, structures, single constants, into the bytes of a variable.
+//! Initial values of declarations and values after BEGIN: lists, structures, single constants, into the bytes of a variable.
 //!
 //! Source: STL reference, declarations and data blocks; SCL reference, declarations.
 
@@ -124,7 +124,7 @@ impl Binder<'_> {
                 ParameterType::Any | ParameterType::Variant => "P#M 10.0 BYTE 4",
             };
             self.report.push(
-                Diagnostic::new(Code::InitialValue, span, format!("this is no value of type {name}"))
+                Diagnostic::new(Code::InitialValue, span, format!("this is not a value of type {name}"))
                     .label(format!("the parameter is of type {name}"))
                     .help(format!("write it as `{example}`")),
             );
@@ -277,7 +277,7 @@ impl Binder<'_> {
                             "an array of structures takes no list of values",
                         )
                         .label("not possible here")
-                        .help("give the components their values in the structure or behind BEGIN"),
+                        .help("give the components their values in the structure or after BEGIN"),
                     );
                     return None;
                 }

@@ -270,7 +270,7 @@ impl<'a> Binder<'a> {
                 } else {
                     self.with_initial(typed, variable)
                 };
-                // The bounds of an ARRAY[*] lie behind its POINTER.
+                // The bounds of an ARRAY[*] lie after its POINTER.
                 let stored = if pointer && !open {
                     Typed { ty: DataType::Parameter(ParameterType::Pointer), image: Rc::from([0u8; 6]) }
                 } else {
@@ -458,7 +458,7 @@ impl Binder<'_> {
 
     /// TEMP has no initial values; sources of the TIA Portal may hold some, which do nothing.
     fn no_temporary_initial(&mut self, variable: &ast::Variable) {
-        let why = "temporary data begins anew at each call";
+        let why = "temporary data begins again at each call";
         if self.scope.tia { self.ignored_initial(variable, why) } else { self.no_initial(variable, why) }
     }
 

@@ -110,7 +110,7 @@ fn scl_number(value: &scl::Expr, numbers: &mut Vec<(BlockPrefix, u32)>) {
     }
 }
 
-/// Calls of a function block with a data block behind it, `FB10.DB20(…)`, `"Fb"."Db"(…)`: both names.
+/// Calls of a function block with a data block after it, `FB10.DB20(…)`, `"Fb"."Db"(…)`: both names.
 pub fn instance_calls(code: &Code) -> Vec<(scl::Name, scl::Name)> {
     let mut found = Vec::new();
     if let Code::Graphic(body) = code {

@@ -227,7 +227,7 @@ struct Binder<'a> {
 struct Ctx {
     key: BlockKey,
     bound: Rc<BoundInterface>,
-    /// Folded; each is told of once.
+    /// Folded; each is reported once.
     unknown_locals: FxHashSet<String>,
     /// End of the local data that direct addresses touch.
     local_bytes: u32,
@@ -354,7 +354,7 @@ impl<'a> Binder<'a> {
     }
 
     fn no_main_block(&mut self) {
-        // A text in which no block was found is no source, which was told when it was read.
+        // A text in which no block was found is not a source, which was told when it was read.
         let is_code = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
         let unread = self.input.units.iter().any(|(file, unit)| {
             let source = self.input.sources.files().nth(file.0 as usize);

@@ -174,7 +174,7 @@ fn own_global<'g>(globals: &'g FxHashMap<String, Global>, prefix: BlockPrefix, n
     }
 }
 
-/// Whether blocks of these kinds may have one name, as each can be told by where the name stands: a data type and what is no type.
+/// Whether blocks of these kinds may have one name, as each can be told by where the name stands: a data type and what is not a type.
 fn share_name(one: BlockPrefix, other: BlockPrefix) -> bool {
     let is_type = |prefix| matches!(prefix, BlockPrefix::Udt | BlockPrefix::Fb | BlockPrefix::Sfb);
     one != other && (one == BlockPrefix::Udt) != (other == BlockPrefix::Udt) && !(is_type(one) && is_type(other))
@@ -466,7 +466,7 @@ impl<'a> Binder<'a> {
                         Diagnostic::new(
                             Code::AddressRange,
                             span,
-                            format!("{} {number} is no block number", prefix.letters()),
+                            format!("{} {number} is not a block number", prefix.letters()),
                         )
                         .label(format!("numbers go up to {limit}"))
                         .help("take another number; DB 0 is reserved"),
@@ -680,7 +680,7 @@ impl<'a> Binder<'a> {
                         Diagnostic::new(
                             Code::AddressRange,
                             *span,
-                            format!("{} {number} is no block number", prefix.letters()),
+                            format!("{} {number} is not a block number", prefix.letters()),
                         )
                         .label("numbers go up to 65535"),
                     );
@@ -696,7 +696,7 @@ impl<'a> Binder<'a> {
             Some(SymbolTarget::Block { prefix, number }) => Some((prefix, number as u16)),
             Some(_) => {
                 self.report.push(
-                    Diagnostic::new(Code::OperandKind, span, format!("`{name}` is no block"))
+                    Diagnostic::new(Code::OperandKind, span, format!("`{name}` is not a block"))
                         .label("a block is wanted here"),
                 );
                 None

@@ -51,7 +51,7 @@ impl Binder<'_> {
                         Diagnostic::new(
                             Code::BlockFrame,
                             block.name.span(),
-                            format!("`{text}` is no class of organization blocks"),
+                            format!("`{text}` is not a class of organization blocks"),
                         )
                         .label(format!("what starts OB {number} cannot be known"))
                         .help(format!("one of {}", names.join(", "))),
@@ -114,7 +114,7 @@ impl Binder<'_> {
         }
     }
 
-    /// The input parameters of an OB, behind the start information.
+    /// The input parameters of an OB, after the start information.
     pub(super) fn start_inputs(
         &mut self,
         number: u16,
@@ -129,7 +129,7 @@ impl Binder<'_> {
         if variables.is_empty() {
             return;
         }
-        // Where TEMP is not already behind the start information, the inputs are.
+        // Where TEMP is not already after the start information, the inputs are.
         placer.reserve(OB_START_INFORMATION_BYTES);
         for variable in variables {
             self.declare_name(names, &variable.name, variable.name_span);

@@ -345,7 +345,7 @@ impl Binder<'_> {
                 let (code, title, help) = match literal {
                     Literal::Int(_) => (
                         Code::LiteralRange,
-                        "this number is no INT",
+                        "this number is not an INT",
                         "write `L#` before it for a double integer, or `W#16#` for a bit pattern",
                     ),
                     _ => (Code::OperandKind, "this constant cannot be loaded", "`L` takes constants of up to 32 bits"),

@@ -34,7 +34,7 @@ pub enum Base {
     Instance,
     /// A parameter of this FC.
     Parameter(usize),
-    /// Behind the POINTER at this byte of the instance.
+    /// After the POINTER at this byte of the instance.
     ThroughPointer(u32),
 }
 
@@ -339,7 +339,7 @@ impl Binder<'_> {
                 }
                 (PathPart::Index { span, .. }, ty) => {
                     self.report.push(
-                        Diagnostic::new(Code::UnknownMember, *span, "this is no array")
+                        Diagnostic::new(Code::UnknownMember, *span, "this is not an array")
                             .label(format!("what stands before it is of type {}", layout::type_name(ty))),
                     );
                     return None;

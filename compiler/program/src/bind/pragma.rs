@@ -77,7 +77,7 @@ impl Binder<'_> {
             Some((word, at)) => match Type::from_word(word) {
                 Some(ty) => Some((ty, *at)),
                 None => {
-                    let title = format!("`{word}` is no type of values");
+                    let title = format!("`{word}` is not a type of values");
                     self.bad_pragma(*at, &title, "write e.g. `as INT`, `as DINT`, `as REAL` or `as TIME`");
                     return None;
                 }

@@ -159,7 +159,7 @@ impl Binder<'_> {
         let own = [trimmed];
         let candidates =
             INSTANCES.iter().find(|(ty, _)| ty.eq_ignore_ascii_case(trimmed)).map_or(&own[..], |row| row.1);
-        // A function is no type: `RTM` is a hardware identifier where a type stands.
+        // A function is not a type: `RTM` is a hardware identifier where a type stands.
         let is_type = |block: &&plcc_stdlib::SystemBlock| matches!(block.class, BlockClass::Fb | BlockClass::Sfb);
         let tia = || candidates.iter().find_map(|name| plcc_stdlib::find_tia(name).filter(is_type));
         let classic = || candidates.iter().find_map(|name| plcc_stdlib::find_name(name).filter(is_type));
@@ -168,7 +168,7 @@ impl Binder<'_> {
         Some((names::kind_prefix(key.kind), key.number))
     }
 
-    /// A type of the language or the CPU that is no block.
+    /// A type of the language or the CPU that is not a block.
     pub fn predefined(&mut self, name: &str, span: Span) -> Option<Typed> {
         let name = name.trim();
         let numbers = NUMBERS.iter().find(|(_, names)| names.iter().any(|own| own.eq_ignore_ascii_case(name)));

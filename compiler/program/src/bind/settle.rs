@@ -124,7 +124,7 @@ impl Binder<'_> {
         let (prefix, number) = self.block_number(db)?;
         if prefix != BlockPrefix::Db {
             self.report.push(
-                Diagnostic::new(Code::OperandKind, db.span(), "this is no data block")
+                Diagnostic::new(Code::OperandKind, db.span(), "this is not a data block")
                     .label("a data block is wanted before the point"),
             );
             return None;
@@ -135,14 +135,14 @@ impl Binder<'_> {
         Some(Settled::Memory { place: Place::Db { number, byte, bit }, width, ty: None })
     }
 
-    /// Tells of an address behind the end of its data block, up to byte `end`.
+    /// Reports an address after the end of its data block, up to byte `end`.
     pub fn check_db_end(&mut self, number: u16, end: u32, span: Span) {
         if let Some(db) = self.dbs.get(&number) {
             let length = db.block.data.len() as u32;
             if end > length {
                 let defined = db.block.span;
                 self.report.push(
-                    Diagnostic::new(Code::DbRange, span, format!("this address is behind the end of DB {number}"))
+                    Diagnostic::new(Code::DbRange, span, format!("this address is after the end of DB {number}"))
                         .label(format!("the data block has {length} bytes"))
                         .also(defined, "the data block")
                         .help("at run time this is an error (OB 121)"),
@@ -187,7 +187,7 @@ impl Binder<'_> {
             None => {
                 let text = self.text(span);
                 self.report.push(
-                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` is no input and no output"))
+                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` is not an input and no output"))
                         .label("`:P` reads an input or writes an output past the process image")
                         .help("remove `:P`"),
                 );
@@ -292,7 +292,7 @@ impl Binder<'_> {
                     _ => "write a pointer constant such as `P#DBX 4.0`".to_string(),
                 };
                 self.report.push(
-                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` is no variable of this block"))
+                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` is not a variable of this block"))
                         .label("`P##` takes the address of parameters, static and temporary data")
                         .help(help),
                 );

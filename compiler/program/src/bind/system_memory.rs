@@ -51,7 +51,7 @@ fn byte_of(target: SymbolTarget, bit: Option<u8>) -> Option<u16> {
 }
 
 impl Binder<'_> {
-    /// Settles the bytes that the configuration leaves open, and tells of it.
+    /// Settles the bytes that the configuration leaves open, and reports it.
     pub(super) fn system_memory(&mut self) {
         for memory in [Memory::Clock, Memory::System] {
             let configured = match memory {
@@ -96,7 +96,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Tells of the use of a tag that the system sets by its name, but not at its address.
+    /// Reports the use of a tag that the system sets by its name, but not at its address.
     pub(super) fn check_system_tag(&mut self, name: &str, target: SymbolTarget, span: Span) {
         let Some((memory, bit)) = meaning(name) else { return };
         let (configured, what, key) = match memory {

@@ -103,7 +103,7 @@ const TANK: &str = "DATA_BLOCK DB 5\nSTRUCT\n b : BOOL := TRUE;\n c : BOOL;\n d 
 fn current_values() {
     let program = good(TANK);
     let data = &program.db(5).expect("defined").data;
-    // b and d; ch starts with a blank; i := 3 behind BEGIN.
+    // b and d; ch starts with a blank; i := 3 after BEGIN.
     assert_eq!(data[..4], [0b101, b' ', 0, 3]);
     assert_eq!(data[4..8], [0x3F, 0x80, 0, 0]);
     // STRING[3]: header, two characters, one free, one to make it even.

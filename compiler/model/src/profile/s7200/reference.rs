@@ -124,7 +124,7 @@ fn write_cpus(page: &mut String) {
     }
 }
 
-/// Heading of a table with a column for each CPU behind the columns `first`.
+/// Heading of a table with a column for each CPU after the columns `first`.
 fn write_head(page: &mut String, first: &str, cpus: &[(Profile, CpuRow)]) {
     let names: Vec<&str> = cpus.iter().map(|(profile, _)| profile.name.as_str()).collect();
     let columns = first.matches('|').count() + 1 + cpus.len();

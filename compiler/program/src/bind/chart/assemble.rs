@@ -35,7 +35,7 @@ pub struct Parts {
 /// What the chart needs of the engine.
 pub struct Features {
     pub monitoring: bool,
-    /// Transitions switch behind phase 6 only.
+    /// Transitions switch after phase 6 only.
     pub selection: bool,
     pub all_conditions: bool,
     pub skipping: bool,
@@ -55,7 +55,7 @@ pub struct Assembly<'a, 'c> {
     pub results: Vec<Variable>,
     /// Transitions that a step's arm evaluates, best first.
     owned: Vec<Vec<usize>>,
-    /// Transitions that compete with a join for a step, best first: they switch behind all others.
+    /// Transitions that compete with a join for a step, best first: they switch after all others.
     competing: Vec<usize>,
 }
 
@@ -153,7 +153,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         vec![Statement { kind, span: self.engine.span }]
     }
 
-    /// The call behind the one that left a step.
+    /// The call after the one that left a step.
     fn forget(&self, step: usize) -> Vec<Statement> {
         let span = self.engine.chart.steps[step].span;
         self.owned[step].iter().map(|at| self.set_flags(*at, number(0, Elementary::Byte, span))).collect()
@@ -348,7 +348,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         statements
     }
 
-    /// A plain transition of step `k` switches; what does not depend on it stands once, behind the code of all steps.
+    /// A plain transition of step `k` switches; what does not depend on it stands once, after the code of all steps.
     fn fire_plain(&self, at: usize) -> Vec<Statement> {
         let span = self.engine.chart.transitions[at].span;
         let target = number(self.parts.to[at][0] as u64 + 1, Elementary::Int, span);

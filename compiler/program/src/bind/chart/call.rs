@@ -85,7 +85,7 @@ impl Binder<'_> {
                     BlockPrefix::Fc | BlockPrefix::Sfc => "a function has no instance: leave the data block out",
                     _ => "call a function, or a function block with its instance",
                 };
-                let title = format!("`{text}` is no function block");
+                let title = format!("`{text}` is not a function block");
                 self.refuse(Code::ActionText, instance.span, &title, "the instance of a function block", help);
                 None
             }

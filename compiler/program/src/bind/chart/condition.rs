@@ -48,7 +48,7 @@ impl Binder<'_> {
         }
         let (text, is) = (self.text(node.span), described(&value));
         self.report.push(
-            Diagnostic::new(Code::ConditionType, node.span, format!("`{text}` is {is}, but {what} wants a BOOL"))
+            Diagnostic::new(Code::ConditionType, node.span, format!("`{text}` is {is}, but {what} needs a BOOL"))
                 .label(is)
                 .help("compare it, for example with `> 0`, or name a bit"),
         );
@@ -127,7 +127,7 @@ impl Binder<'_> {
         Some((statements, value))
     }
 
-    /// The target is no variable, so that it stands for the transition.
+    /// The target is not a variable, so that it stands for the transition.
     fn is_own_value(&self, ctx: &Ctx, targets: &[(Node, AssignOp)]) -> bool {
         let [(Node { kind: NodeKind::Name(Name { text, form, .. }), .. }, AssignOp::Set)] = targets else {
             return false;
@@ -141,7 +141,7 @@ impl Binder<'_> {
 
     fn no_condition_at_end(&mut self, span: Span, what: &str) {
         self.report.push(
-            Diagnostic::new(Code::ConditionType, span, format!("the last statement of {what} is no condition"))
+            Diagnostic::new(Code::ConditionType, span, format!("the last statement of {what} is not a condition"))
                 .label("it has no value")
                 .help("end with the condition alone, `a AND b;`, or assign it to the name of the transition"),
         );

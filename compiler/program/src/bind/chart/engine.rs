@@ -459,12 +459,12 @@ fn elements(array: &Variable) -> Vec<Variable> {
     (0..layout::element_count(&ty.bounds)).map(element).collect()
 }
 
-/// What lies so many bytes behind the start of a variable, as another type.
+/// What lies so many bytes after the start of a variable, as another type.
 fn typed(variable: &Variable, byte: u32, ty: DataType) -> Variable {
     Variable { base: variable.base, byte: variable.byte + byte, bit: 0, ty, untyped: false }
 }
 
-/// Structures that lie one behind the other, from the first one on, as an array from 1.
+/// Structures that lie one after the other, from the first one on, as an array from 1.
 fn list(first: &Variable, count: usize, element: DataType) -> Variable {
     let bounds = vec![(1, count as i32)];
     let bytes = layout::array_bytes(&bounds, &element) as u32;

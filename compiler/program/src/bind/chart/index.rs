@@ -45,7 +45,7 @@ impl Index {
     }
 }
 
-/// The number behind a letter: `S002`.
+/// The number after a letter: `S002`.
 fn number(text: &str, letter: char) -> Option<u32> {
     let digits = text.strip_prefix([letter, letter.to_ascii_lowercase()])?;
     if digits.is_empty() || !digits.bytes().all(|digit| digit.is_ascii_digit()) {

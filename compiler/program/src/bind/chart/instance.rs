@@ -83,7 +83,7 @@ pub fn clashes(block: &ast::CodeBlock, chart: &Chart) -> bool {
     })
 }
 
-/// The block with everything declared that its chart brings: operating parameters before those of the block, data of the chart behind
+/// The block with everything declared that its chart brings: operating parameters before those of the block, data of the chart after
 /// its static data.
 pub fn expanded(block: &ast::CodeBlock, chart: &Chart) -> ast::CodeBlock {
     let members = Members::new(block, chart);
@@ -239,7 +239,7 @@ fn variable(name: &str, kind: TypeKind) -> Variable {
     }
 }
 
-/// Numbers beyond INT are told of by the analysis.
+/// Numbers beyond INT are reported by the analysis.
 fn number(value: u32) -> Expr {
     let value = u64::from(value.min(i16::MAX as u32));
     Expr { kind: ExprKind::Literal(Literal::Integer { value, based: false }), span: nowhere() }

@@ -1,4 +1,4 @@
-//! Code of a chart does not end the block: what stands behind it must run in each call.
+//! Code of a chart does not end the block: what stands after it must run in each call.
 
 use plcc_diag::{Code, Span};
 use plcc_syntax::stl::StlInsn;
@@ -8,7 +8,7 @@ use plcc_model::StlStatementKind;
 use plcc_model::scl::{Statement, StatementKind};
 
 impl Binder<'_> {
-    /// Tells of RETURN and the like among statements of an action, a condition or a permanent instruction.
+    /// Reports RETURN and the like among statements of an action, a condition or a permanent instruction.
     pub(super) fn check_leaving(&mut self, statements: &[Statement]) {
         if let Some(span) = block_end(statements) {
             self.refuse(

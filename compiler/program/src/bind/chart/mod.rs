@@ -76,7 +76,7 @@ const SWITCH_OVER: &str = "IF #target > 0 THEN
   END_IF;
 END_IF;";
 
-/// Goes on in a loop if `k` is no place of a step.
+/// Goes on in a loop if `k` is not a place of a step.
 const ONLY_STEPS: &str = "IF DINT_TO_UDINT(INT_TO_DINT(#k) - 1) <= #last_step THEN ; ELSE CONTINUE; END_IF;";
 
 impl Binder<'_> {

@@ -123,7 +123,7 @@ pub const PARAMETERS: &[Parameter] = &[
     row("LMODE_ENABLED", "BOOL", Output, Set::Tia, Nothing, "always 0"),
 ];
 
-/// Bits of MOP, four bytes of them. Those behind the start values are requests, levels or modes as `engine.scl` treats them.
+/// Bits of MOP, four bytes of them. Those after the start values are requests, levels or modes as `engine.scl` treats them.
 pub const OPERATING_BITS: [&str; 32] = [
     "AUTO",
     "TAP",

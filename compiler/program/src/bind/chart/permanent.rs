@@ -1,4 +1,4 @@
-//! Permanent instructions, before and behind the sequencers. Source: GRAPH reference A.2, perm.
+//! Permanent instructions, before and after the sequencers. Source: GRAPH reference A.2, perm.
 
 use plcc_syntax::chart::ast::{Coil, Permanent, PermanentKind};
 

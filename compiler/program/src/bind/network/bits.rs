@@ -365,7 +365,7 @@ impl BitArray {
         (i128::from(layout::element_count(&self.ty.bounds)) - self.position).max(0)
     }
 
-    /// The element `distance` behind this one.
+    /// The element `distance` after this one.
     fn element(&self, distance: i128) -> Option<Access> {
         let index = u64::try_from(self.position + distance).ok()?;
         let (byte, bit) = layout::element_place(&self.ty, index);
@@ -373,7 +373,7 @@ impl BitArray {
     }
 }
 
-/// The place `bits` behind a bit: the whole byte, if `whole` and it begins there.
+/// The place `bits` after a bit: the whole byte, if `whole` and it begins there.
 fn moved_bit(access: &Access, bits: u32, whole: bool) -> Option<(Access, Width)> {
     let Base::Place(place) = &access.base else { return None };
     let mut place = place.clone();

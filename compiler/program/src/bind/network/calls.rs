@@ -316,7 +316,7 @@ impl Binder<'_> {
         Some(())
     }
 
-    /// An output that is no single value cannot feed a wire.
+    /// An output that is not a single value cannot feed a wire.
     fn wire_without_type(&mut self, span: Span) {
         self.report.push(
             Diagnostic::new(Code::MissingOperand, span, "this output needs an operand")

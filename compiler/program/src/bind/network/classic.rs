@@ -310,7 +310,7 @@ impl Binder<'_> {
         self.passed(ctx, sheet, at, flow)
     }
 
-    /// The flow behind a coil is that before it.
+    /// The flow after a coil is that before it.
     fn passed(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, flow: Option<Expr>) -> Option<()> {
         match flow {
             Some(flow) => self.output(ctx, sheet, at, "out", Value::Elementary(flow)),

@@ -319,7 +319,7 @@ impl Binder<'_> {
     }
 }
 
-/// The message tells of a name that is not defined.
+/// The message reports a name that is not defined.
 fn is_about_names(code: Code) -> bool {
     matches!(
         code,
@@ -332,7 +332,7 @@ fn is_about_names(code: Code) -> bool {
     )
 }
 
-/// The message tells of something that nobody has drawn yet.
+/// The message reports something that nobody has drawn yet.
 pub const fn is_about_drafts(code: Code) -> bool {
     matches!(
         code,

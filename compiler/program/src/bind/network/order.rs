@@ -2,7 +2,7 @@
 
 use plcc_syntax::network::ast::{Graph, NetId, PinValue, Source};
 
-/// All elements of a graph: each in its place, but behind those that it needs. In a circle the first one goes first.
+/// All elements of a graph: each in its place, but after those that it needs. In a circle the first one goes first.
 pub fn order(graph: &Graph) -> Vec<usize> {
     let mut order = Vec::with_capacity(graph.elements.len());
     let mut seen = vec![false; graph.elements.len()];

@@ -142,7 +142,7 @@ impl Binder<'_> {
         }
     }
 
-    /// An input as an expression of the syntax tree: what is no plain operand goes through a hidden variable.
+    /// An input as an expression of the syntax tree: what is not a plain operand goes through a hidden variable.
     pub fn pin_node(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, pin: &Pin) -> Option<Node> {
         match &pin.value {
             PinValue::Operand(node) if pin.negated => Some(negation(node)),
@@ -225,7 +225,7 @@ impl Binder<'_> {
         }
     }
 
-    /// A value that is no single one cannot go along a wire.
+    /// A value that is not a single one cannot go along a wire.
     fn needs_operand(&mut self, span: Span) {
         self.report.push(
             Diagnostic::new(Code::MissingOperand, span, "this output needs an operand")
@@ -322,7 +322,7 @@ impl Binder<'_> {
     }
 }
 
-/// The box tells of errors; of a call of a block ENO is the block's own.
+/// The box reports errors; of a call of a block ENO is the block's own.
 fn has_eno(element: &Element) -> bool {
     match &element.target {
         Target::Element { row, .. } => row.is_box(),

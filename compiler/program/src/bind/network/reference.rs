@@ -109,7 +109,7 @@ fn does(row: &Row) -> String {
                 "the operand is TRUE for the cycle of a falling edge of the flow; `bit` then holds the flow",
             );
         }
-        Kind::Coil => "writes the flow to the operand; `I_Coil`: the inverted flow. Behind it the flow goes on",
+        Kind::Coil => "writes the flow to the operand; `I_Coil`: the inverted flow. After it the flow goes on",
         Kind::SetCoil => "with flow: writes TRUE",
         Kind::ResetCoil => "with flow: writes FALSE; resets a timer or counter of the S7-300/400",
         Kind::BitField { set: true } => {
@@ -124,7 +124,7 @@ fn does(row: &Row) -> String {
         Kind::Range { inside: true } => "flow AND `min <= in <= max`",
         Kind::Range { inside: false } => "flow AND (`in < min` or `in > max`)",
         Kind::Valid { valid: true } => "flow AND the operand is a valid floating-point number",
-        Kind::Valid { valid: false } => "flow AND the operand is no valid floating-point number",
+        Kind::Valid { valid: false } => "flow AND the operand is not a valid floating-point number",
         Kind::Instance(name) => return format!("calls [{name}](stdlib.md) with its instance"),
         Kind::TimerCoil(name) => {
             return format!("[{name}](stdlib.md) with the flow as IN; Q and ET are read from its data");
@@ -187,7 +187,7 @@ const fn status(flag: Flag) -> &'static str {
     match flag {
         Flag::Ov => "OV: the last box had an error",
         Flag::Os => "OS: a box of the block has had an error",
-        Flag::Uo => "the last result was no number",
+        Flag::Uo => "the last result was not a number",
         Flag::Br => "BR, ENO of the block so far",
         Flag::Equal => "the last result was 0",
         Flag::NotEqual => "the last result was above or below 0",
@@ -198,23 +198,23 @@ const fn status(flag: Flag) -> &'static str {
     }
 }
 
-/// Errors that ENO tells of, EN = 1. Empty: the element has no ENO.
+/// Errors that ENO reports, EN = 1. Empty: the element has no ENO.
 fn eno(row: &Row) -> &'static str {
     if row.pin("eno").is_none() {
         return "";
     }
     match row.kind {
         Kind::Calculate | Kind::Formula => "a step of the formula has an error",
-        Kind::Operator("/" | "MOD") => "division by 0; the result does not fit, or is no number",
+        Kind::Operator("/" | "MOD") => "division by 0; the result does not fit, or is not a number",
         Kind::Operator("AND" | "OR" | "XOR") | Kind::Move | Kind::Invert => "never",
-        Kind::Operator(_) | Kind::Step { .. } | Kind::Negate => "the result does not fit, or is no number",
-        Kind::Convert | Kind::Round(_) => "the value does not fit the destination type, or is no number",
+        Kind::Operator(_) | Kind::Step { .. } | Kind::Negate => "the result does not fit, or is not a number",
+        Kind::Convert | Kind::Round(_) => "the value does not fit the destination type, or is not a number",
         Kind::Mux | Kind::Demux => "`k` is the number of no pin",
         Kind::Function("SHL" | "SHR" | "ROL" | "ROR" | "SEL" | "SWAP" | "DECO") => "never",
         Kind::Function("ABS") => "the result does not fit",
         Kind::Function(
             "SQR" | "SQRT" | "LN" | "LOG" | "EXP" | "SIN" | "COS" | "TAN" | "ASIN" | "ACOS" | "ATAN" | "FRAC",
-        ) => "the result is no number, or infinite",
+        ) => "the result is not a number, or infinite",
         Kind::Function(name) | Kind::Procedure(name) | Kind::Instance(name) if scl::effect(name).is_none() => {
             "the block says so"
         }

@@ -114,7 +114,7 @@ impl Shape {
         &mut self.members[at].1
     }
 
-    /// An element of the array; an index that is no constant is none.
+    /// An element of the array; an index that is not a constant is none.
     pub fn element(&mut self, indices: &[Option<i64>]) -> &mut Shape {
         let elements = self
             .elements

@@ -88,7 +88,7 @@ impl<'a> Look<'_, 'a> {
         clean.then_some(hint)
     }
 
-    /// Steps of an SCL expression that names a place, outermost last; none if it is no place.
+    /// Steps of an SCL expression that names a place, outermost last; none if it is not a place.
     pub fn steps(&mut self, ctx: &mut Ctx, node: &Node) -> Option<(Start, Vec<Step>, Span)> {
         let mut steps = Vec::new();
         let mut at = node;

@@ -377,7 +377,7 @@ impl Look<'_, '_> {
     }
 }
 
-/// The name of a data block behind that of its function block.
+/// The name of a data block after that of its function block.
 fn quoted(name: &Name) -> Name {
     let form = if plcc_syntax::scl::absolute(&name.text).is_some() { name.form } else { NameForm::Quoted };
     Name { form, ..name.clone() }

@@ -414,7 +414,7 @@ impl Look<'_, '_> {
     }
 }
 
-/// The data block behind a function block.
+/// The data block after a function block.
 /// A block that is called by its name. Its number may become another one, as long as no source tells it.
 fn block_named(node: &Node) -> Option<Missing> {
     let NodeKind::Name(name) = &node.kind else { return None };

@@ -129,7 +129,7 @@ impl Look<'_, '_> {
             Some('R') => Some(typed(Elementary::Real)),
             _ => None,
         };
-        // Behind a load: the first operation or transfer; before a transfer: the operation or load.
+        // After a load: the first operation or transfer; before a transfer: the operation or load.
         let range: Vec<usize> =
             if loads { (at + 1..at + 1 + FAR).collect() } else { (at.saturating_sub(FAR)..at).rev().collect() };
         for other in range {

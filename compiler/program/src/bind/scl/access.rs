@@ -52,7 +52,7 @@ impl Binder<'_> {
                 self.refuse(
                     Code::OperandKind,
                     node.span,
-                    &format!("`{text}` is no variable"),
+                    &format!("`{text}` is not a variable"),
                     "a variable is wanted here",
                     "name a variable or an address such as `MW10`",
                 );
@@ -108,7 +108,7 @@ impl Binder<'_> {
                         self.indexed(ctx, area, width, indices, span)
                     }
                     _ => {
-                        self.refuse(Code::UnknownMember, span, "this is no array", "an index stands behind it", "");
+                        self.refuse(Code::UnknownMember, span, "this is not an array", "an index stands after it", "");
                         None
                     }
                 }
@@ -117,7 +117,7 @@ impl Binder<'_> {
                 Some(thing) => thing,
                 None => {
                     let help = "assign the result to a variable first";
-                    self.refuse(Code::OperandKind, span, "the result of a call is no variable", "a call", help);
+                    self.refuse(Code::OperandKind, span, "the result of a call is not a variable", "a call", help);
                     None
                 }
             },
@@ -130,7 +130,7 @@ impl Binder<'_> {
                 self.refuse(
                     Code::OperandKind,
                     span,
-                    &format!("`{text}` is no variable"),
+                    &format!("`{text}` is not a variable"),
                     "a variable is wanted here",
                     "name a variable or an address such as `MW10`",
                 );
@@ -199,7 +199,7 @@ impl Binder<'_> {
         }
     }
 
-    /// `"tag":P`: what stands behind an input or output, without the process image.
+    /// `"tag":P`: what stands after an input or output, without the process image.
     fn peripheral_tag(&mut self, ctx: &mut Ctx, tag: &str, span: Span) -> Option<Thing> {
         let Some(global) = self.globals.get(&fold(tag)) else {
             self.unknown_name(tag, span);
@@ -519,7 +519,7 @@ impl Binder<'_> {
         self.refuse(
             Code::OperandKind,
             span,
-            &format!("`{text}` alone is no address"),
+            &format!("`{text}` alone is not an address"),
             "the number is missing",
             "write for example `MW10`, `MW[i]` or `DB10.DW[i]`",
         );

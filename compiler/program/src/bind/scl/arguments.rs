@@ -249,7 +249,7 @@ impl Binder<'_> {
                 format!("the call of {key} drops {}", dropped.join(", ")),
             )
             .label("what the function gives there is lost")
-            .help(format!("add `{} => ...`; empty behind `=>` if it is not wanted", dropped[0]));
+            .help(format!("add `{} => ...`; empty after `=>` if it is not wanted", dropped[0]));
             message.severity = Severity::Warning;
             self.report.push(message);
         }

@@ -82,7 +82,7 @@ impl Binder<'_> {
         let copy = copied(target.at(&to, offset()), &source.at(&from, offset()), &source.element);
         let (zero, last) = (|| number(0, span), || minus_one(load(&left, Elementary::Dint)));
         let (start, end, step) = match may_overlap(&source.array, &target.array) {
-            // Backwards if the target lies behind the source, as if through a buffer.
+            // Backwards if the target lies after the source, as if through a buffer.
             true => {
                 let behind = || Expr {
                     kind: ExprKind::Compare {
@@ -170,7 +170,7 @@ impl Binder<'_> {
     fn no_element<T>(&mut self, span: Span) -> Option<T> {
         let text = self.text(span);
         self.report.push(
-            Diagnostic::new(Code::OperandKind, span, format!("`{text}` is no element of an array"))
+            Diagnostic::new(Code::OperandKind, span, format!("`{text}` is not an element of an array"))
                 .label("the first of the elements is wanted")
                 .help("name an element of an array of one dimension, for example `#data[0]`"),
         );
@@ -214,7 +214,7 @@ impl Binder<'_> {
         None
     }
 
-    /// CountOfElements: an UDINT, 0 for what is no array.
+    /// CountOfElements: an UDINT, 0 for what is not an array.
     pub fn count_of_elements(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Value> {
         let udint = |value: u64| Expr { kind: ExprKind::Const(value), ty: Elementary::Udint, span };
         let count = match self.scl_value(ctx, pins.get("IN")?)? {

@@ -84,7 +84,7 @@ impl Binder<'_> {
         let bound = self.interface(key, name)?;
         let supplied = |argument: &Argument| is_result(key, &bound.interface.parameters[argument.parameter]);
         if call.arguments.iter().any(supplied) {
-            let label = "its value goes to the variable behind `RET_VAL =>` already";
+            let label = "its value goes to the variable after `RET_VAL =>` already";
             self.refuse(
                 Code::UnknownParameter,
                 name,
@@ -107,7 +107,7 @@ impl Binder<'_> {
                             BlockKind::Fb | BlockKind::Sfb => "the call of a function block is a statement",
                             _ => "a function without a result that an expression could use",
                         })
-                        .help("call it in a statement of its own, and read its outputs behind it"),
+                        .help("call it in a statement of its own, and read its outputs after it"),
                 );
                 None
             }
@@ -115,7 +115,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Arguments of a call that cannot be checked are bound all the same, so that all undefined names are told of.
+    /// Arguments of a call that cannot be checked are bound all the same, so that all undefined names are reported.
     pub fn note_arguments(&mut self, ctx: &mut Ctx, given: &[Given]) {
         let known = ctx.scl.temp_reads.len();
         for value in given.iter().filter_map(|argument| argument.value.as_ref()) {
@@ -260,7 +260,7 @@ impl Binder<'_> {
                     None => {
                         let defined = db.block.span;
                         self.report.push(
-                            Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is no instance"))
+                            Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is not an instance"))
                                 .label("a shared data block cannot be called")
                                 .also(defined, "the data block")
                                 .help("call the data block of a function block"),
@@ -308,7 +308,7 @@ impl Binder<'_> {
         }
     }
 
-    /// The block that an instruction's name behind an instance means: that of the instance, or one for the common data of IEC timers and
+    /// The block that an instruction's name after an instance means: that of the instance, or one for the common data of IEC timers and
     /// counters.
     fn instruction_of(
         &mut self,
@@ -357,7 +357,7 @@ impl Binder<'_> {
         let message = match own {
             Some(key) => {
                 let known = self.library_block(key).map_or(key.to_string(), |block| block.name.to_string());
-                Diagnostic::new(Code::NoBlockFits, name.span, format!("{what} is no instance of `{}`", name.text))
+                Diagnostic::new(Code::NoBlockFits, name.span, format!("{what} is not an instance of `{}`", name.text))
                     .label(format!("what stands before it is an instance of {known}"))
                     .help(format!("write `{known}` here, or call the instance by its name alone"))
             }
@@ -378,14 +378,14 @@ impl Binder<'_> {
         None
     }
 
-    /// The instance data block behind a function block: `FB10.DB20`, `"Motor"."Motor 3"`.
+    /// The instance data block after a function block: `FB10.DB20`, `"Motor"."Motor 3"`.
     fn instance_db(&mut self, key: BlockKey, name: &Name) -> Option<Callee> {
         let block =
             block_of_name(name).unwrap_or_else(|| BlockName::Symbol { name: name.text.clone(), span: name.span });
         let (prefix, number) = self.block_number(&block)?;
         if prefix != BlockPrefix::Db || number == 0 {
             self.report.push(
-                Diagnostic::new(Code::OperandKind, name.span, format!("`{}` is no data block", name.text))
+                Diagnostic::new(Code::OperandKind, name.span, format!("`{}` is not a data block", name.text))
                     .label("the instance data block is wanted here"),
             );
             return None;
@@ -408,7 +408,7 @@ impl Binder<'_> {
                     Diagnostic::new(Code::OperandKind, node.span, format!("`{text}` cannot be called"))
                         .label(format!("a variable of type {name}"))
                         .help(
-                            "a call wants a function, a data block of a function block, or a variable of such a type",
+                            "a call needs a function, a data block of a function block, or a variable of such a type",
                         ),
                 );
                 None

@@ -130,7 +130,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Tells of values that an arm before has taken.
+    /// Reports values that an arm before has taken.
     fn doubled(&mut self, seen: Vec<(i128, i128, Span)>) {
         let mut sorted: Vec<(usize, (i128, i128, Span))> = seen.into_iter().enumerate().collect();
         sorted.sort_by_key(|(order, (low, _, _))| (*low, *order));

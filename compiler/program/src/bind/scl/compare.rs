@@ -127,7 +127,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Tells of a comparison with a constant outside the other side's type.
+    /// Reports a comparison with a constant outside the other side's type.
     fn decided_before(&mut self, op: CompareOp, op_span: Span, left: &Value, right: &Value, ty: Elementary) {
         let unsigned = |value: &Value| match Shape::of(value) {
             Shape::Of(ty) => matches!(ty.class(), Class::Unsigned),

@@ -221,7 +221,7 @@ pub fn float_bits(value: f64, ty: Elementary) -> u64 {
 pub fn wide(bytes: &[u8]) -> Vec<u16> {
     let letter = |byte: u8| match byte.is_ascii() {
         true => u16::from(byte),
-        // A single byte above ASCII is no UTF-8.
+        // A single byte above ASCII is not an UTF-8.
         false => plcc_syntax::decode(&[byte]).encode_utf16().next().unwrap_or(u16::from(byte)),
     };
     bytes.iter().map(|&byte| letter(byte)).collect()

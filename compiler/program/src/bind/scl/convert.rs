@@ -38,7 +38,7 @@ macro_rules! rows {
     };
 }
 
-/// Conversions to STRING and among dates of several words are no rows: they are calls.
+/// Conversions to STRING and among dates of several words are not rows: they are calls.
 #[rustfmt::skip]
 const IMPLICIT: &[Row] = rows! {
     Classic Bool:   Byte Word Dword;    ;

@@ -72,7 +72,7 @@ impl Binder<'_> {
         }
     }
 
-    /// The variable behind `ENO =>`.
+    /// The variable after `ENO =>`.
     fn result_of_enable(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Access> {
         let target = self.scl_access(ctx, node, Intent::Write)?;
         if target.elementary() == Some(Elementary::Bool) {
@@ -83,7 +83,7 @@ impl Binder<'_> {
         None
     }
 
-    /// Statements, and behind them whether each of their operations was possible. The bit of the block stays FALSE if it was.
+    /// Statements, and after them whether each of their operations was possible. The bit of the block stays FALSE if it was.
     fn with_result(&mut self, ctx: &mut Ctx, body: Vec<Statement>, target: &Access, span: Span) -> Vec<Statement> {
         ctx.scl.sets_flag = true;
         let before = self.temp(ctx, Elementary::Bool, span);

@@ -267,7 +267,7 @@ impl Binder<'_> {
             self.operator_types(op_span, &left, &right, "both sides must be BOOL, or both bit strings");
             return None;
         };
-        // Bits go by pattern here: a negative INT beside a longer bit string is no loss.
+        // Bits go by pattern here: a negative INT beside a longer bit string is not a loss.
         self.combined(ctx, binary_op(op), left, right, ty, span)
     }
 
@@ -343,6 +343,6 @@ pub fn binary_op(op: Operator) -> BinaryOp {
         | Operator::LessEqual
         | Operator::GreaterEqual
         | Operator::Equal
-        | Operator::NotEqual => unreachable!("comparisons are no operations"),
+        | Operator::NotEqual => unreachable!("comparisons are not operations"),
     }
 }

@@ -96,7 +96,7 @@ impl Binder<'_> {
         Some(label.id)
     }
 
-    /// Tells of TEMP data that is read and never written, and of a function without a value. `empty`: the block has no statements.
+    /// Reports TEMP data that is read and never written, and of a function without a value. `empty`: the block has no statements.
     pub(in crate::bind) fn unused_data(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, empty: bool) {
         let reads = std::mem::take(&mut ctx.scl.temp_reads);
         let supplied = ctx.bound.interface.start_bytes;

@@ -1,7 +1,7 @@
 //! The functions of the language: one row each, found by name with or without the suffix of a type.
 //!
-//! Pins are a list of words: `?` before one that may be missing, `>` before an output, `|` between spellings, `+` behind the first of
-//! numbered ones (`IN1+` is IN1, IN2, …). What each function computes stands in `number`, `timer`, `memory`, `text`; what is no row and
+//! Pins are a list of words: `?` before one that may be missing, `>` before an output, `|` between spellings, `+` after the first of
+//! numbered ones (`IN1+` is IN1, IN2, …). What each function computes stands in `number`, `timer`, `memory`, `text`; what is not a row and
 //! no conversion is a block of the standard library.
 //! Source: SCL reference, functions.
 
@@ -93,7 +93,7 @@ pub struct Row {
     pub name: &'static str,
     pub pins: &'static str,
     pub kind: Kind,
-    /// The name may carry a type behind `_`.
+    /// The name may carry a type after `_`.
     pub suffix: bool,
 }
 
@@ -204,7 +204,7 @@ pub enum Named {
     },
     /// Upper case.
     Bcd(String),
-    /// `INT_TO_STRING`, `DTL_TO_DATE`: of types that are no single value. Upper case.
+    /// `INT_TO_STRING`, `DTL_TO_DATE`: of types that are not single value. Upper case.
     Text(String),
 }
 

@@ -38,7 +38,7 @@ impl Binder<'_> {
         let positions: Vec<Position> = positions.into_iter().collect::<Option<_>>()?;
         match spot.ty.clone() {
             _ if spot.part.is_some() => {
-                self.refuse(Code::UnknownMember, span, "this is no array", "a slice has no elements", "");
+                self.refuse(Code::UnknownMember, span, "this is not an array", "a slice has no elements", "");
                 None
             }
             DataType::Array(array) => self.array_element(spot, &array, positions, indices, span),
@@ -53,7 +53,7 @@ impl Binder<'_> {
             }
             other => {
                 let label = format!("what stands before it is of type {}", layout::type_name(&other));
-                self.refuse(Code::UnknownMember, span, "this is no array", &label, "");
+                self.refuse(Code::UnknownMember, span, "this is not an array", &label, "");
                 None
             }
         }
@@ -299,7 +299,7 @@ impl Binder<'_> {
 
     pub(super) fn no_db(&mut self, span: Span) {
         let label = "a data block is wanted before the point";
-        self.refuse(Code::OperandKind, span, "this is no data block", label, "");
+        self.refuse(Code::OperandKind, span, "this is not a data block", label, "");
     }
 
     /// Texts that look like a call and are an address: `WORD_TO_BLOCK_DB(w)`, and `%MW(i)`, `%DB10.DW(i)` as the TIA Portal prints

@@ -227,7 +227,7 @@ impl Binder<'_> {
         Some(Value::Elementary(computed(function, arguments, ty, span)))
     }
 
-    /// MUX of what is no single value: INELSE, unless K is the number of an input.
+    /// MUX of what is not a single value: INELSE, unless K is the number of an input.
     fn mux_by_selection(
         &mut self,
         ctx: &mut Ctx,
@@ -382,7 +382,7 @@ impl Binder<'_> {
     fn bad_suffix<T>(&mut self, row: &Row, ty: Elementary, name: Span) -> Option<T> {
         self.report.push(
             Diagnostic::new(Code::TypeMismatch, name, format!("{} has no form for type {}", row.name, ty.name()))
-                .label("this type is not possible behind the name")
+                .label("this type is not possible after the name")
                 .help(format!("write {} alone, and convert its result", row.name)),
         );
         None
@@ -443,7 +443,7 @@ impl Binder<'_> {
                 "this function takes one value",
             )
             .label(format!("{} arguments are given", given.len()))
-            .help("write the value in parentheses behind the name"),
+            .help("write the value in parentheses after the name"),
         );
         self.note_arguments(ctx, given);
         None
@@ -501,12 +501,12 @@ impl Binder<'_> {
     }
 }
 
-/// The block of MIN, MAX and LIMIT for a value that is no single one.
+/// The block of MIN, MAX and LIMIT for a value that is not a single one.
 fn ordered_kind(value: &Value) -> Option<&'static str> {
     complex_kind(value).filter(|kind| *kind != "DT")
 }
 
-/// The block of SEL for a value that is no single one.
+/// The block of SEL for a value that is not a single one.
 fn complex_kind(value: &Value) -> Option<&'static str> {
     match value {
         Value::Complex { ty: DataType::DateAndTime, .. } => Some("DT"),

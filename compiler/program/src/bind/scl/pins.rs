@@ -173,7 +173,7 @@ impl Binder<'_> {
         let names = list.iter().map(|pin| pin.name());
         let all: Vec<&str> = names.clone().collect();
         self.report.push(match similar(&name.text, names) {
-            _ if eno => message.help("read `ENO` in the statement behind it"),
+            _ if eno => message.help("read `ENO` in the statement after it"),
             Some(other) => message.help(format!("is `{other}` meant?")),
             None => message.help(format!("its parameters are {}", all.join(", "))),
         });

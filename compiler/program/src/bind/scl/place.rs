@@ -83,7 +83,7 @@ pub enum Thing {
         prefix: BlockPrefix,
         number: Number,
     },
-    /// `number`: as a parameter takes it; none behind `WORD_TO_BLOCK_DB`.
+    /// `number`: as a parameter takes it; none after `WORD_TO_BLOCK_DB`.
     Db {
         db: Db,
         number: Option<Number>,
@@ -98,7 +98,7 @@ pub enum Thing {
     DbArea(Db, Width),
 }
 
-/// A component of a place, at `byte`.`bit` behind its start; none of one that has no fixed start.
+/// A component of a place, at `byte`.`bit` after its start; none of one that has no fixed start.
 pub fn shifted(access: &Access, byte: u32, bit: u8, ty: &DataType) -> Option<Access> {
     use plcc_model::Place;
     let Base::Place(place) = &access.base else { return None };

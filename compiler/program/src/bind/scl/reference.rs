@@ -221,7 +221,7 @@ const fn float(function: Function) -> &'static str {
         Function::Asin => "arc sine, in radians",
         Function::Acos => "arc cosine, in radians",
         Function::Atan => "arc tangent, in radians",
-        _ => "what stands behind the point",
+        _ => "what stands after the point",
     }
 }
 

@@ -140,7 +140,7 @@ impl Binder<'_> {
                 self.refuse(
                     Code::Syntax,
                     node.span,
-                    &format!("`{text}` alone is no statement"),
+                    &format!("`{text}` alone is not a statement"),
                     "its value goes nowhere",
                     "assign it, or call the block with parentheses: `name();`",
                 );
@@ -243,7 +243,7 @@ impl Binder<'_> {
         }
         let label = match step {
             0 => "the step is 0".to_string(),
-            _ => format!("behind {end} the variable of type {} begins again at its other end", ty.name()),
+            _ => format!("after {end} the variable of type {} begins again at its other end", ty.name()),
         };
         self.refuse(Code::EndlessLoop, span, "this loop cannot end", &label, "take a longer type for its variable");
         None

@@ -1,4 +1,4 @@
-//! Texts and dates: CONCAT of many, and conversions to and from types that are no single value. Each is a call of a block of the
+//! Texts and dates: CONCAT of many, and conversions to and from types that are not single value. Each is a call of a block of the
 //! standard library. Source: SCL reference, strings, conversions.
 
 use plcc_diag::{Code, Diagnostic, Span};
@@ -32,7 +32,7 @@ const CLASSIC: &[(&str, &str)] = &[
     ("DT_TO_TOD", "DT_TOD"),
 ];
 
-/// True of `X_TO_Y` (upper case) where one of the types is no single value.
+/// True of `X_TO_Y` (upper case) where one of the types is not a single value.
 pub fn is_conversion(name: &str) -> bool {
     if let Some(to) = name.strip_prefix("*_TO_") {
         return WORDS.contains(&to);

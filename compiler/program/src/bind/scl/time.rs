@@ -149,7 +149,7 @@ impl Binder<'_> {
             }
             (Dtl, _) | (_, Dtl) => {
                 let help = "a DTL goes with a TIME, which is added or subtracted, and two have a difference";
-                self.refuse(Code::TypeMismatch, op_span, "this is no arithmetic of a DTL", "DTL", help);
+                self.refuse(Code::TypeMismatch, op_span, "this is not an arithmetic of a DTL", "DTL", help);
                 None
             }
             (Of(_) | DateAndTime, _) | (_, Of(_) | DateAndTime) => {

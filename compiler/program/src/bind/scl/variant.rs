@@ -31,7 +31,7 @@ const ARRAY: u64 = 1 << 30;
 pub enum Question {
     /// TypeOf.
     Type,
-    /// TypeOfElements; 0 of what is no array.
+    /// TypeOfElements; 0 of what is not an array.
     ElementType,
     /// IS_ARRAY.
     IsArray,

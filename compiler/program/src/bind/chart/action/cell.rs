@@ -107,7 +107,7 @@ impl Binder<'_> {
         guarded(moment.value(span), body, span)
     }
 
-    /// TF: the timer runs out behind the step.
+    /// TF: the timer runs out after the step.
     pub(super) fn off_delay_row(
         &mut self,
         ctx: &mut Ctx,
@@ -176,7 +176,7 @@ impl Binder<'_> {
             }
             _ => {
                 let (text, is) = (self.text(node.span), described(&value));
-                let title = format!("`{text}` is no value of a counter");
+                let title = format!("`{text}` is not a value of a counter");
                 self.refuse(
                     Code::ActionOperand,
                     node.span,
@@ -210,7 +210,7 @@ impl Binder<'_> {
             }
             _ => {
                 let (text, is) = (self.text(node.span), described(&value));
-                let title = format!("`{text}` is no time of a timer");
+                let title = format!("`{text}` is not a time of a timer");
                 let help = "write a time, `S5T#5S` or `T#5S`, or a variable of type S5TIME, WORD or TIME";
                 self.refuse(Code::ActionOperand, node.span, &title, &is, help);
                 None

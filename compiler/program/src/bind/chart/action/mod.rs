@@ -32,7 +32,7 @@ pub struct StepCode {
     pub active: Vec<Statement>,
     /// In the call that leaves it: rows of S0, then operands of N, D and L become 0.
     pub leave: Vec<Statement>,
-    /// At the begin of the call behind events: what they have set for one call becomes 0.
+    /// At the begin of the call after events: what they have set for one call becomes 0.
     pub expire: Vec<Statement>,
 }
 
@@ -74,11 +74,11 @@ struct Rows {
     active: Vec<Statement>,
     /// Rows of S0.
     leaving: Vec<Statement>,
-    /// What timers and the like do behind the rows of S0.
+    /// What timers and the like do after the rows of S0.
     left: Vec<Statement>,
-    /// Operands that are 0 behind the step.
+    /// Operands that are 0 after the step.
     zero: Vec<(Spot, Span)>,
-    /// What becomes 0 in the call behind an event.
+    /// What becomes 0 in the call after an event.
     expire: Vec<Statement>,
 }
 
@@ -228,7 +228,7 @@ impl Binder<'_> {
         }
     }
 
-    /// D and L: the operand is 1 behind the time, or up to it. `late`: behind it.
+    /// D and L: the operand is 1 after the time, or up to it. `late`: after it.
     #[allow(clippy::too_many_arguments, reason = "the parts of one row")]
     fn timed_row(
         &mut self,
@@ -264,7 +264,7 @@ impl Binder<'_> {
                 self.refuse(
                     Code::ActionOperand,
                     node.span,
-                    &format!("`{text}` is no step"),
+                    &format!("`{text}` is not a step"),
                     "ON and OFF want a step",
                     "name one, or write its number: `S002`",
                 );
@@ -322,14 +322,14 @@ fn wrong_body(qualifier: Qualifier, body: &ActionBody, span: Span) -> Diagnostic
             "write OFF S_ALL with an event",
         ),
         (Qualifier::D | Qualifier::L | Qualifier::Tl | Qualifier::Td | Qualifier::Tf, _) if alone => {
-            (format!("`{name}` needs a time"), "only an operand", "write the time behind the operand: `Q4.0 := T#5S`")
+            (format!("`{name}` needs a time"), "only an operand", "write the time after the operand: `Q4.0 := T#5S`")
         }
         (Qualifier::Cs, _) if alone => {
-            ("`CS` needs a value".to_string(), "only a counter", "write the value behind the counter: `C5 := C#20`")
+            ("`CS` needs a value".to_string(), "only a counter", "write the value after the counter: `C5 := C#20`")
         }
         _ => (
             format!("`{name}` takes an operand and nothing else"),
-            "a value stands behind the operand",
+            "a value stands after the operand",
             "an assignment is an action of N",
         ),
     };

@@ -60,7 +60,7 @@ impl Binder<'_> {
             }
             _ => {
                 let (text, is) = (self.text(node.span), described(&value));
-                let title = format!("`{text}` is no time");
+                let title = format!("`{text}` is not a time");
                 let help = "write a time, `T#5S`, or a variable of type TIME; DWORD and DINT hold milliseconds";
                 self.refuse(Code::ActionOperand, node.span, &title, &is, help);
                 None

@@ -114,13 +114,13 @@ fn unsafe_branch(checked: &Checked, entry: &Entry, severity: Severity) -> Diagno
     let (transition, step) = (&chart.transitions[entry.transition], &chart.steps[entry.step]);
     let text = format!("{} may enter {} while it is active", transition_title(transition), step_title(step));
     let mut message = Diagnostic::new(Code::UnsafeBranch, transition.name.span, text)
-        .label("switches although the step behind it may still be active")
+        .label("switches although the step after it may still be active")
         .also(step.name.span, "this step");
     if let Some(opener) = entry.opener {
         message = message.also(chart.transitions[opener].name.span, "opens simultaneous paths");
     }
     message.severity = if is_jumped_into(checked, entry) { Severity::Warning } else { severity };
-    message.help("end simultaneous paths in one transition with all their last steps behind FROM, not one by one")
+    message.help("end simultaneous paths in one transition with all their last steps after FROM, not one by one")
 }
 
 /// Jumps from other sequencers, which may not know that this one is running, lead to the steps here. Sequencers are drawn without jumps.
@@ -138,7 +138,7 @@ fn unproven(checked: &Checked, opener: usize) -> Diagnostic {
     let text = format!("the paths that {} opens do not end in one join", transition_title(transition));
     let mut message = Diagnostic::new(Code::UnsafeBranch, transition.name.span, text)
         .label("a step of these paths may be entered while it is active: the chart is too large to find out")
-        .help("end these paths in one transition with the last step of each behind FROM");
+        .help("end these paths in one transition with the last step of each after FROM");
     message.severity = Severity::Warning;
     message
 }
@@ -149,7 +149,7 @@ fn dead_join(checked: &Checked, at: usize, together: &[StepSet], severity: Sever
     let text = format!("{} can never switch", transition_title(transition));
     let mut message = Diagnostic::new(Code::DeadJoin, transition.name.span, text)
         .label("the steps before it are never active together")
-        .help("open their paths by one transition with several steps behind TO, or lead each path on by a transition of its own");
+        .help("open their paths by one transition with several steps after TO, or lead each path on by a transition of its own");
     let pairs = from.iter().flat_map(|&a| from.iter().map(move |&b| (a, b))).filter(|(a, b)| a < b);
     if let Some((a, b)) = pairs.into_iter().find(|&(a, b)| !together[a].has(b)) {
         for (step, other) in [(a, b), (b, a)] {

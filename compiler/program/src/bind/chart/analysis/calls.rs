@@ -34,12 +34,12 @@ impl Binder<'_> {
                 step.name.span,
                 format!("a fault of {} can never be acknowledged", step_title(step)),
             )
-            .label("has a supervision; once it tells of a fault, the chart stays here")
+            .label("has a supervision; once it reports a fault, the chart stays here")
             .help("declare the parameter ACK_EF and connect a button, or switch off the setting AckReq"),
         );
     }
 
-    /// Tells of instances of this block that one block calls twice.
+    /// Reports instances of this block that one block calls twice.
     pub(super) fn called_twice(&mut self, ctx: &Ctx) {
         let mut messages = Vec::new();
         for block in self.blocks() {

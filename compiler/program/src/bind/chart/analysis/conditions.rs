@@ -11,7 +11,7 @@ use super::{Facts, TRANSITIONS_MAX, step_title, transition_title};
 use crate::bind::mentions::{condition_expressions, permanent_expressions};
 use plcc_binding::fold;
 
-/// Transitions behind one step whose conditions are compared. GRAPH allows 125.
+/// Transitions after one step whose conditions are compared. GRAPH allows 125.
 const PATHS_MAX: usize = 125;
 
 pub fn check(chart: &Chart, net: &Net, facts: &Facts, messages: &mut Vec<Diagnostic>) {
@@ -31,7 +31,7 @@ pub fn check(chart: &Chart, net: &Net, facts: &Facts, messages: &mut Vec<Diagnos
                 condition,
                 transition.name.span,
                 format!("the condition of {} is always TRUE", transition_title(transition)),
-                "the step before it is left in the call behind the one that enters it",
+                "the step before it is left in the call after the one that enters it",
                 "leave the condition empty if this is wanted",
             )),
             Some(false) => messages.push(constant(
@@ -144,7 +144,7 @@ fn temporary(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>) {
                     format!("the condition of {} reads the temporary variable #{name}", transition_title(transition));
                 messages.push(
                     Diagnostic::new(Code::TemporaryCondition, value.span, text)
-                        .label("actions run behind the conditions, and temporary data are lost at the end of the call")
+                        .label("actions run after the conditions, and temporary data are lost at the end of the call")
                         .help("declare it in VAR, as static data"),
                 );
             }

@@ -1,6 +1,6 @@
 //! Conditions as formulas over what they read: which are always the same, and which follow from others.
 //!
-//! Operands, comparisons and everything else that is no AND, OR, XOR or NOT is an atom, known by its text. A formula of few atoms is
+//! Operands, comparisons and everything else that is not an AND, OR, XOR or NOT is an atom, known by its text. A formula of few atoms is
 //! decided by its truth table; of more, only what its shape shows is known.
 
 use plcc_syntax::Elementary;
@@ -86,7 +86,7 @@ impl Formula {
                 _ => build.unknown(),
             },
         };
-        // Behind the value are only parts that were not used.
+        // After the value are only parts that were not used.
         let mut parts = build.parts;
         parts.truncate(root + 1);
         let plain = match condition {

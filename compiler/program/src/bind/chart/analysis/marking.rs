@@ -95,7 +95,7 @@ pub fn search(net: &Net, markings_max: usize) -> Search {
     found
 }
 
-/// The last transition on the way to a state that has several steps behind it.
+/// The last transition on the way to a state that has several steps after it.
 fn opener(net: &Net, states: &[State], at: usize) -> Option<usize> {
     let mut before = states[at].before;
     while let Some((state, transition)) = before {

@@ -3,7 +3,7 @@
 //! - `names`: names, numbers and limits.
 //! - `structure`: where sequencers begin and end, and how their steps are connected.
 //! - `branches`: simultaneous branches, with `regions` for their paths and `marking` for a search through all sets of active steps.
-//! - `conditions`: what `logic` tells of conditions.
+//! - `conditions`: what `logic` reports conditions.
 //! - `operands`: what rows of actions write.
 //! - `calls`: calls of the block.
 //!

@@ -20,13 +20,13 @@ const BRANCHES_MAX: usize = 256;
 const ALTERNATIVES_MAX: usize = 125;
 /// Paths of a simultaneous branch.
 const SIMULTANEOUS_MAX: usize = 249;
-/// Permanent instructions before the sequencers, and behind them.
+/// Permanent instructions before the sequencers, and after them.
 const PERMANENT_MAX: usize = 250;
 
 /// Unknown names for which a similar one is looked for.
 const SIMILAR_MAX: usize = 50;
 
-/// Tells of names, numbers and limits. False if it is not clear which steps the transitions name.
+/// Reports names, numbers and limits. False if it is not clear which steps the transitions name.
 pub fn check(chart: &Chart, index: &Index, messages: &mut Vec<Diagnostic>) -> bool {
     let clear = duplicates(chart, messages);
     if chart.dialect != Dialect::Sfc {
@@ -136,7 +136,7 @@ fn counts(chart: &Chart, messages: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Tells of more sequencers, or of more branches in one, than GRAPH allows. `sequencer` has the first step of each step's.
+/// Reports more sequencers, or of more branches in one, than GRAPH allows. `sequencer` has the first step of each step's.
 pub fn check_sequencers(chart: &Chart, sequencer: &[usize], net: &Net, messages: &mut Vec<Diagnostic>) {
     if chart.dialect == Dialect::Sfc {
         return;
@@ -181,7 +181,7 @@ fn names(chart: &Chart, messages: &mut Vec<Diagnostic>) {
             messages.push(limit(entry.span, title, label, "choose a shorter name; the comment has room for the rest"));
         }
         if entry.number == 0 || entry.number > number_max {
-            let title = format!("{} is no number of a step or transition", entry.number);
+            let title = format!("{} is not a number of a step or transition", entry.number);
             let help = "number steps, and transitions, from 1 on";
             messages.push(limit(entry.span, title, format!("1 to {number_max} are possible"), help));
         }

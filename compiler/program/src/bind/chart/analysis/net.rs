@@ -80,7 +80,7 @@ impl Net {
     }
 }
 
-/// Steps that are reached, and the transitions behind them.
+/// Steps that are reached, and the transitions after them.
 pub struct Reach {
     pub steps: Vec<bool>,
     passed: Vec<bool>,

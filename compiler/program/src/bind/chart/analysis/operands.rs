@@ -75,7 +75,7 @@ pub fn check_shared(chart: &Chart, together: &[StepSet], facts: &Facts, messages
             Diagnostic::new(Code::SharedOperand, second.span, text)
                 .label(label)
                 .also(first.span, format!("written by {}, too", step_title(a)))
-                .help("write it in one of these paths only, or give each path a bit of its own and join them behind the sequencers"),
+                .help("write it in one of these paths only, or give each path a bit of its own and join them after the sequencers"),
         );
     }
 }

@@ -1,6 +1,6 @@
 //! Simultaneous branches by their drawing: which steps a path has, and where it is left or entered beside the branch and its join.
 //!
-//! A path has the steps behind its first one, up to the join. A chart in which each branch has a join that takes one step of every
+//! A path has the steps after its first one, up to the join. A chart in which each branch has a join that takes one step of every
 //! path, and no other way out or in, has nothing that could go wrong: then its paths tell which steps are active together, without a
 //! search. Source: GRAPH reference, chapter I, "Detection".
 
@@ -79,7 +79,7 @@ fn sequencers(net: &Net, inside: StepSet, found: &mut Branches) {
 struct Branch<'n> {
     net: &'n Net,
     opener: usize,
-    /// By path: what comes behind its first step, joins and ways out not minded.
+    /// By path: what comes after its first step, joins and ways out not minded.
     behind: Vec<StepSet>,
     /// By path: those of `behind` that lead to the join.
     toward: Vec<StepSet>,
@@ -162,7 +162,7 @@ impl<'n> Branch<'n> {
         for (at, arcs) in self.net.transitions.iter().enumerate() {
             let from = StepSet::of(&arcs.from);
             let beside = at != self.opener && !self.joins.contains(&at);
-            // Where paths have run into each other, all that comes behind follows from that.
+            // Where paths have run into each other, all that comes after follows from that.
             let mut of = (0..self.paths.len()).filter(|&path| from.within(self.path_of(path)));
             let (Some(path), None) = (of.next(), of.next()) else { continue };
             for &step in arcs.to.iter().filter(|_| beside) {
@@ -204,7 +204,7 @@ impl<'n> Branch<'n> {
     }
 }
 
-/// Steps that may come behind `start`, up to those of `stop`, which are included. A transition passes when all steps before it are there.
+/// Steps that may come after `start`, up to those of `stop`, which are included. A transition passes when all steps before it are there.
 fn forward(net: &Net, start: StepSet, stop: StepSet, skip: &[usize]) -> StepSet {
     let mut found = start;
     let mut open: Vec<usize> = start.iter().collect();

@@ -23,7 +23,7 @@ pub fn check_transitions(checked: &Checked, messages: &mut Vec<Diagnostic>) {
             messages.push(
                 Diagnostic::new(Code::NoFromStep, span, format!("{title} leaves no step"))
                     .label("it can never switch")
-                    .help("name the step before it behind FROM, or connect it to a step"),
+                    .help("name the step before it after FROM, or connect it to a step"),
             );
         }
     }
@@ -65,7 +65,7 @@ fn unmarked_jumps(checked: &Checked, messages: &mut Vec<Diagnostic>) {
         Done,
     }
     let Checked { chart, net, .. } = checked;
-    // Nodes are steps, and behind them transitions.
+    // Nodes are steps, and after them transitions.
     let steps = net.steps();
     let none: &[usize] = &[];
     let nodes_behind = |node: usize| match node.checked_sub(steps) {
@@ -79,7 +79,7 @@ fn unmarked_jumps(checked: &Checked, messages: &mut Vec<Diagnostic>) {
             continue;
         }
         marks[start] = Mark::Open;
-        // A node, and how many of those behind it were looked at.
+        // A node, and how many of those after it were looked at.
         let mut open = vec![(start, 0)];
         while let Some((node, looked)) = open.pop() {
             let Some(&next) = nodes_behind(node).get(looked) else {
@@ -99,19 +99,19 @@ fn unmarked_jumps(checked: &Checked, messages: &mut Vec<Diagnostic>) {
                     Diagnostic::new(Code::UnmarkedJump, transition.name.span, text)
                         .label("closes a circle")
                         .also(target.name.span, "this step comes before it")
-                        .help("draw it as a jump; in source text, write (*$_JUMP*) behind the name of the step"),
+                        .help("draw it as a jump; in source text, write (*$_JUMP*) after the name of the step"),
                 );
             }
         }
     }
 }
 
-/// A step is before it and behind it.
+/// A step is before it and after it.
 fn leads_back(arcs: &Arcs) -> bool {
     common(arcs).is_some()
 }
 
-/// The first step that is both before and behind a transition.
+/// The first step that is both before and after a transition.
 fn common(arcs: &Arcs) -> Option<usize> {
     arcs.from.iter().copied().find(|step| arcs.to.binary_search(step).is_ok())
 }
@@ -133,7 +133,7 @@ pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
 
     // What is reached, or has been explained.
     let mut known = Reach::new(net, net.initial.iter().chain(&requests.on).copied());
-    // Steps that nothing enters first: they explain what comes behind them.
+    // Steps that nothing enters first: they explain what comes after them.
     let roots = (0..net.steps()).filter(|&step| net.entering[step].is_empty()).chain(0..net.steps());
     let mut unreachable = Vec::new();
     for step in roots {
@@ -153,8 +153,8 @@ pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
             let step = &chart.steps[step];
             messages.push(
                 Diagnostic::new(Code::DeadEnd, step.name.span, format!("nothing leaves {}", step_title(step)))
-                    .label("active for ever once it is entered; a join behind it would never switch")
-                    .help("add a transition behind it: to the next step, as a jump, or to the end of the sequence"),
+                    .label("active for ever once it is entered; a join after it would never switch")
+                    .help("add a transition after it: to the next step, as a jump, or to the end of the sequence"),
             );
         }
     }
@@ -162,7 +162,7 @@ pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
     if no_start.is_empty() && together { Start::Good } else { Start::Wrong }
 }
 
-/// Tells of sequencers that nothing starts; the first steps of those.
+/// Reports sequencers that nothing starts; the first steps of those.
 fn sequencers_without_start(
     checked: &Checked,
     sequencer: &[usize],

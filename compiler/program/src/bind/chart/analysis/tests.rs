@@ -217,7 +217,7 @@ fn conditions() {
     assert_eq!(codes_of(&other, &[], &["t"]), ["(P0578)"]);
 }
 
-/// Two paths, each of two steps, and the step behind them.
+/// Two paths, each of two steps, and the step after them.
 const PATHS: [&str; 6] = ["*A", "B", "C", "D", "E", "F"];
 
 fn paths(transitions: &[&'static str]) -> Vec<&'static str> {

@@ -57,7 +57,7 @@ impl Block {
         self.instances.clear();
     }
 
-    /// A local variable that was read between two coils is used again, which is no mistake.
+    /// A local variable that was read between two coils is used again, which is not a mistake.
     fn read(&mut self, value: &Expr) {
         if let Some(key) = key(value).filter(|_| is_local(value)) {
             self.coils.remove(&key);

@@ -124,7 +124,7 @@ fn dead_end(check: &mut Check, at: usize, element: &Element, told: &mut [bool]) 
         (Language::Lad | Language::Scl | Language::Stl, Some(net)) => {
             let text = format!("{} leads nowhere", called(net));
             let help = "end the branch at a coil or a box, or where another branch goes on";
-            check.report(Code::OpenBranch, element.span, Some(at), text, "the branch is not closed behind this", help);
+            check.report(Code::OpenBranch, element.span, Some(at), text, "the branch is not closed after this", help);
         }
         (Language::Lad | Language::Scl | Language::Stl, None) => {
             let text = format!("the rung ends in {name} and has no output");
@@ -150,7 +150,7 @@ fn operands_for_nothing(check: &mut Check) {
     }
 }
 
-/// NOT at the rail; elements behind one that has no output.
+/// NOT at the rail; elements after one that has no output.
 fn place(check: &mut Check, at: usize, element: &Element) {
     let graph = check.graph;
     let Some(row) = row(element) else { return };
@@ -173,13 +173,13 @@ fn place(check: &mut Check, at: usize, element: &Element) {
         Source::Rail | Source::Operand { .. } | Source::Net(_) => None,
     });
     if let Some(before) = before {
-        let text = format!("{} stands behind {}, which has no output", title(element), title(before));
+        let text = format!("{} stands after {}, which has no output", title(element), title(before));
         let help = "put it into a branch of its own, or before the other one";
         check.report(Code::ElementPlace, element.span, Some(at), text, "no power can come here", help);
     }
 }
 
-/// A jump ends its network: what stands behind it would depend on the way that the editor draws.
+/// A jump ends its network: what stands after it would depend on the way that the editor draws.
 fn last(check: &mut Check) {
     let graph = check.graph;
     let leaves =
@@ -187,8 +187,8 @@ fn last(check: &mut Check) {
     let Some(at) = graph.elements.iter().position(leaves) else { return };
     let element = &graph.elements[at];
     let Some(after) = graph.elements[at + 1..].iter().find(|other| !only_logic(other)) else { return };
-    let text = format!("{} is not the last element of its network: {} comes behind it", title(element), title(after));
-    let help = "move what comes behind it to a network of its own";
+    let text = format!("{} is not the last element of its network: {} comes after it", title(element), title(after));
+    let help = "move what comes after it to a network of its own";
     check.report(Code::ElementPlace, element.span, Some(at), text, "leaves the network here", help);
 }
 
@@ -199,7 +199,7 @@ fn loops(check: &mut Check) {
         let Some(at) = group.iter().copied().filter(|node| *node < count).max() else {
             let Some(net) = group.first().and_then(|node| check.graph.nets.get(node - count)) else { continue };
             let text = format!("{} has no element and leads back to itself", called(net));
-            let help = "begin the branch at the power rail or behind an element";
+            let help = "begin the branch at the power rail or after an element";
             check.report(Code::ReverseFlow, net.span, None, text, "a circle of branches", help);
             continue;
         };
