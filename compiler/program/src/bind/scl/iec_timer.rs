@@ -24,7 +24,7 @@ impl Binder<'_> {
         members.into_iter().map(zero).collect()
     }
 
-    /// The time that runs ends with the new PT, too.
+    /// The running time then also ends with the new PT.
     pub(super) fn preset_timer(&mut self, ctx: &mut Ctx, pins: &Pins) -> Option<Vec<StatementKind>> {
         let value = self.scl_of_type(ctx, pins.get("PT")?, Elementary::Time);
         let members = self.timer_members(ctx, pins.get("TIMER")?, &["PT", "LATCHED"])?;
