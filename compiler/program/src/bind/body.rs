@@ -150,10 +150,14 @@ impl Binder<'_> {
         if let Some(first) = flow.labels.get(label.name.as_str()) {
             let first = first.span;
             self.report.push(
-                Diagnostic::new(Code::DuplicateLabel, label.span, format!("the label `{}` is defined twice", label.name))
-                    .label("the second one")
-                    .also(first, "the first one")
-                    .help("labels are unique in their block; upper and lower case are different"),
+                Diagnostic::new(
+                    Code::DuplicateLabel,
+                    label.span,
+                    format!("the label `{}` is defined twice", label.name),
+                )
+                .label("the second one")
+                .also(first, "the first one")
+                .help("labels are unique in their block; upper and lower case are different"),
             );
             return;
         }
@@ -205,7 +209,9 @@ impl Binder<'_> {
             let other = flow.labels.keys().copied().find(|other| other.eq_ignore_ascii_case(name));
             let other = other.or_else(|| plcc_binding::similar(name, flow.labels.keys().copied()));
             self.report.push(match other {
-                Some(other) => message.help(format!("is `{other}` meant? upper and lower case are different in labels")),
+                Some(other) => {
+                    message.help(format!("is `{other}` meant? upper and lower case are different in labels"))
+                }
                 None => message.help(format!("write `{name}:` before the statement to jump to")),
             });
             return None;

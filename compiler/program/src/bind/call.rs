@@ -333,14 +333,10 @@ impl Binder<'_> {
                 if clash && outputs > 0 && !(same && outputs == 1) {
                     let name = &bound.interface.parameters[first.parameter].name;
                     self.report.push(
-                        Diagnostic::new(
-                            Code::OverlappingActuals,
-                            second.span,
-                            "two actual parameters overlap",
-                        )
-                        .label("these bytes are also part of another actual")
-                        .also(first.span, format!("the actual of `{name}`"))
-                        .help("give each output its own address"),
+                        Diagnostic::new(Code::OverlappingActuals, second.span, "two actual parameters overlap")
+                            .label("these bytes are also part of another actual")
+                            .also(first.span, format!("the actual of `{name}`"))
+                            .help("give each output its own address"),
                     );
                 }
             }

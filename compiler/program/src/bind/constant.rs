@@ -61,11 +61,13 @@ impl Binder<'_> {
             Err(problem) => {
                 let name = ty.name();
                 self.report.push(match problem {
-                    Mismatch::Type => {
-                        Diagnostic::new(Code::TypeMismatch, span, format!("{} is not of type {name}", constant.describe()))
-                            .label(format!("a value of type {name} is expected here"))
-                            .help(format!("write it as {}", value::example(ty)))
-                    }
+                    Mismatch::Type => Diagnostic::new(
+                        Code::TypeMismatch,
+                        span,
+                        format!("{} is not of type {name}", constant.describe()),
+                    )
+                    .label(format!("a value of type {name} is expected here"))
+                    .help(format!("write it as {}", value::example(ty))),
                     Mismatch::Range => {
                         Diagnostic::new(Code::LiteralRange, span, format!("this value does not fit type {name}"))
                             .label("out of range")
@@ -185,8 +187,10 @@ impl Binder<'_> {
     pub fn bad_initial(&mut self, what: &str, ty: &DataType, problem: Mismatch, span: Span) {
         let name = layout::type_name(ty);
         let message = match problem {
-            Mismatch::Type => Diagnostic::new(Code::InitialValue, span, format!("{what} is not a value of type {name}"))
-                .label(format!("the variable is of type {name}")),
+            Mismatch::Type => {
+                Diagnostic::new(Code::InitialValue, span, format!("{what} is not a value of type {name}"))
+                    .label(format!("the variable is of type {name}"))
+            }
             Mismatch::Range => {
                 Diagnostic::new(Code::InitialValue, span, format!("this value does not fit type {name}"))
                     .label("out of range")

@@ -391,9 +391,13 @@ impl<'a> Binder<'a> {
             let name = profile.name.clone();
             let limit = profile.local_data;
             self.report.push(
-                Diagnostic::new(code, block.name.span(), "the temporary data of this block is more than the CPU has room for")
-                    .label(format!("{bytes} bytes; the profile {name} has {limit} bytes of local data"))
-                    .help("move data to a data block, or name a larger CPU with --cpu"),
+                Diagnostic::new(
+                    code,
+                    block.name.span(),
+                    "the temporary data of this block is more than the CPU has room for",
+                )
+                .label(format!("{bytes} bytes; the profile {name} has {limit} bytes of local data"))
+                .help("move data to a data block, or name a larger CPU with --cpu"),
             );
         }
         if key.kind == BlockKind::Ob {

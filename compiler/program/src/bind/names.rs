@@ -393,11 +393,10 @@ impl<'a> Binder<'a> {
                 Some(body) => {
                     let span = frame(block).1.span();
                     let name = self.text(span);
-                    let mut message =
-                        Diagnostic::new(Code::DuplicateBlock, span, format!("{name} has no body here"))
-                            .label("this one is dropped")
-                            .also(*body, "the definition that is used")
-                            .help("remove the empty one");
+                    let mut message = Diagnostic::new(Code::DuplicateBlock, span, format!("{name} has no body here"))
+                        .label("this one is dropped")
+                        .also(*body, "the definition that is used")
+                        .help("remove the empty one");
                     message.severity = Severity::Warning;
                     self.report.push(message);
                 }
@@ -534,8 +533,12 @@ impl<'a> Binder<'a> {
     /// What starts an OB that does not state it: the TIA Portal makes it a program cycle OB. None in other sources, where the number
     /// is unknown; that is reported.
     fn unsaid_class(&mut self, block: &ast::Block, name: &str, span: Span) -> Option<ObClass> {
-        let message = Diagnostic::new(Code::BlockFrame, span, format!("the number of the organization block `{name}` is unknown"))
-            .help("write `ORGANIZATION_BLOCK OB 35`, or give the name its number in the symbol table");
+        let message = Diagnostic::new(
+            Code::BlockFrame,
+            span,
+            format!("the number of the organization block `{name}` is unknown"),
+        )
+        .help("write `ORGANIZATION_BLOCK OB 35`, or give the name its number in the symbol table");
         let tia = match block {
             ast::Block::Code(code) => super::declare::dialect(code).map_or(self.tia_sources, |of| of == Dialect::Tia),
             ast::Block::Data(_) | ast::Block::Type(_) => false,

@@ -348,7 +348,9 @@ impl Binder<'_> {
                         "this number is not an INT",
                         "write `L#` before it for a double integer, or `W#16#` for a bit pattern",
                     ),
-                    _ => (Code::OperandKind, "this constant cannot be loaded", "`L` accepts constants of up to 32 bits"),
+                    _ => {
+                        (Code::OperandKind, "this constant cannot be loaded", "`L` accepts constants of up to 32 bits")
+                    }
                 };
                 self.report.push(Diagnostic::new(code, span, title).label(why).help(help));
                 None

@@ -261,7 +261,13 @@ impl Binder<'_> {
         let flow = self.flow(ctx, sheet, at, "in")?;
         let node = self.operand_node(element, "operand")?;
         let Some(Thing::Db { db, .. }) = self.thing(ctx, &node, Intent::Read) else {
-            self.refuse(Code::OperandKind, node.span, "OPN opens data blocks", "this is not a data block", "name one: DB10");
+            self.refuse(
+                Code::OperandKind,
+                node.span,
+                "OPN opens data blocks",
+                "this is not a data block",
+                "name one: DB10",
+            );
             return None;
         };
         let number = match db {

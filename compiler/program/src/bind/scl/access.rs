@@ -540,7 +540,13 @@ impl Binder<'_> {
         let reads = intent != Intent::Write || (spot.part.is_some() && !is_bit);
         if area == Some(Area::Pq) && reads {
             let title = format!("`{text}` cannot be read");
-            self.refuse(Code::OperandKind, span, &title, "this is a peripheral output", "use the process image, e.g. `QW4`");
+            self.refuse(
+                Code::OperandKind,
+                span,
+                &title,
+                "this is a peripheral output",
+                "use the process image, e.g. `QW4`",
+            );
             return None;
         }
         if intent == Intent::Read {
@@ -553,7 +559,13 @@ impl Binder<'_> {
         }
         if area == Some(Area::Pi) {
             let title = format!("`{text}` cannot be written");
-            self.refuse(Code::Protected, span, &title, "this is a peripheral input", "peripheral outputs are written: `PQW`");
+            self.refuse(
+                Code::Protected,
+                span,
+                &title,
+                "this is a peripheral input",
+                "peripheral outputs are written: `PQW`",
+            );
             return None;
         }
         if let DataType::Struct(structure) = &spot.ty

@@ -257,13 +257,10 @@ impl Binder<'_> {
             return true;
         }
         let help = format!("add `{} := ...`", missing[0]);
-        let message = Diagnostic::new(
-            Code::MissingParameter,
-            name,
-            format!("the call of {key} omits {}", missing.join(", ")),
-        )
-        .label("a function needs all its parameters")
-        .help(self.with_library_note(key, help));
+        let message =
+            Diagnostic::new(Code::MissingParameter, name, format!("the call of {key} omits {}", missing.join(", ")))
+                .label("a function needs all its parameters")
+                .help(self.with_library_note(key, help));
         self.report.push(message);
         false
     }

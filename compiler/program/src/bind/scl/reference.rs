@@ -153,7 +153,9 @@ fn described(row: &Row) -> (usize, &'static str) {
             1,
             "the one of IN0, IN1, … with number K; if there is none, INELSE and an error; without INELSE a variable to which TIA assigns the result keeps its value, otherwise the result is 0",
         ),
-        Kind::Demux => (1, "writes IN to the one of OUT0, OUT1, … with number K; if there is none, to OUTELSE, with an error"),
+        Kind::Demux => {
+            (1, "writes IN to the one of OUT0, OUT1, … with number K; if there is none, to OUTELSE, with an error")
+        }
         Kind::Shift(BinaryOp::ShiftLeft) => (2, "shifted left by N"),
         Kind::Shift(BinaryOp::ShiftRight) => {
             (2, "shifted right by N; a signed number keeps its sign on S7-1200/1500, elsewhere zeros enter")
@@ -166,24 +168,29 @@ fn described(row: &Row) -> (usize, &'static str) {
         Kind::BitSum => (2, "how many bits are 1, an INT"),
         Kind::Scatter => (2, "writes the bits of IN to an array or structure of BOOL"),
         Kind::Gather => (2, "writes an array or structure of BOOL to a bit string"),
-        Kind::ScatterBlock { to_bits: true } => {
-            (2, "as SCATTER, for COUNT_IN elements beginning with array element IN; elements that do not fit are an error")
-        }
-        Kind::ScatterBlock { to_bits: false } => {
-            (2, "as GATHER, to COUNT_OUT elements beginning with array element OUT; elements that do not fit are an error")
-        }
+        Kind::ScatterBlock { to_bits: true } => (
+            2,
+            "as SCATTER, for COUNT_IN elements beginning with array element IN; elements that do not fit are an error",
+        ),
+        Kind::ScatterBlock { to_bits: false } => (
+            2,
+            "as GATHER, to COUNT_OUT elements beginning with array element OUT; elements that do not fit are an error",
+        ),
         Kind::Bound { upper: false } => (3, "lower bound of dimension DIM, a DINT"),
         Kind::Bound { upper: true } => (3, "upper bound of dimension DIM, a DINT"),
-        Kind::CountOfElements => (3, "number of elements of an array, a UDINT; for a VARIANT, of the array it points at"),
+        Kind::CountOfElements => {
+            (3, "number of elements of an array, a UDINT; for a VARIANT, of the array it points at")
+        }
         Kind::Type(Question::Type) => (
             3,
             "the type of a variable, or of the data a VARIANT points at, to be compared with `=`, `<>` and CASE: `TypeOf(v) = Int`",
         ),
         Kind::Type(Question::ElementType) => (3, "the type of the elements of an array"),
         Kind::Type(Question::IsArray) => (3, "TRUE of an array, or of a VARIANT that points at one"),
-        Kind::MoveBlock => {
-            (3, "copies COUNT elements, beginning with array element IN, to OUT, as if through a buffer; too many are an error")
-        }
+        Kind::MoveBlock => (
+            3,
+            "copies COUNT elements, beginning with array element IN, to OUT, as if through a buffer; too many are an error",
+        ),
         Kind::FillBlock => (3, "writes IN to COUNT elements, beginning with array element OUT; too many are an error"),
         Kind::Peek { bit: true } => (3, "bit at an address"),
         Kind::Peek { bit: false } => (3, "byte at an address, or TYPE; AREA is 16#81 I, 82 Q, 83 M, 84 DB, 1 PI"),

@@ -153,8 +153,7 @@ impl Binder<'_> {
                 None
             }
             (Of(_) | DateAndTime, _) | (_, Of(_) | DateAndTime) => {
-                let help =
-                    "TIME can be combined with TIME and integers, dates with TIME; two dates of one type can be subtracted";
+                let help = "TIME can be combined with TIME and integers, dates with TIME; two dates of one type can be subtracted";
                 self.operator_types(op_span, &left, &right, help);
                 None
             }

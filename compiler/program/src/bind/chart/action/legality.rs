@@ -54,9 +54,13 @@ pub fn messages(action: &Action, programmed: bool) -> Vec<Diagnostic> {
     }
     match action.event {
         Some(event) if action.interlock && !has_interlock(event) => messages.push(
-            Diagnostic::new(Code::ActionInterlock, span, format!("the event {} cannot have an interlock", event.name()))
-                .label("the letter C is possible with S1, V1, A1 and R1, and without an event")
-                .help("remove the C"),
+            Diagnostic::new(
+                Code::ActionInterlock,
+                span,
+                format!("the event {} cannot have an interlock", event.name()),
+            )
+            .label("the letter C is possible with S1, V1, A1 and R1, and without an event")
+            .help("remove the C"),
         ),
         _ if action.interlock && !programmed => messages.push(
             Diagnostic::new(Code::NoInterlock, span, "this step has no interlock")

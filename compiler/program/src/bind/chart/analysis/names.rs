@@ -145,7 +145,8 @@ pub fn check_sequencers(chart: &Chart, sequencer: &[usize], net: &Net, messages:
     if let Some(&first) = firsts.get(SEQUENCERS_MAX) {
         let title = format!("{} sequencers are too many for a GRAPH block", firsts.len());
         let label = format!("S7-GRAPH allows {SEQUENCERS_MAX}; another one begins here");
-        let help = "divide them among several function blocks; steps that no transition connects are separate sequencers";
+        let help =
+            "divide them among several function blocks; steps that no transition connects are separate sequencers";
         messages.push(limit(chart.steps[first].name.span, title, label, help));
     }
     let mut branches: FxHashMap<usize, usize> = FxHashMap::default();

@@ -98,7 +98,9 @@ pub fn check_reset(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>)
                 format!("`{name}` is set in {step} and reset nowhere in the block"),
             )
             .label("stays 1 once this step was active")
-            .help("add a row with R to the step in which it goes off, or write it with N in the steps in which it is on"),
+            .help(
+                "add a row with R to the step in which it goes off, or write it with N in the steps in which it is on",
+            ),
         );
     }
 }

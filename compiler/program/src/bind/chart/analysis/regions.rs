@@ -95,7 +95,8 @@ impl<'n> Branch<'n> {
         let firsts = &net.transitions[opener].to;
         let forward = |start: StepSet, stop: StepSet, skip: &[usize]| forward(net, start, stop, skip);
         let none = StepSet::default();
-        let following: Vec<StepSet> = firsts.iter().map(|&step| forward(StepSet::of(&[step]), none, &[opener])).collect();
+        let following: Vec<StepSet> =
+            firsts.iter().map(|&step| forward(StepSet::of(&[step]), none, &[opener])).collect();
         let joins: Vec<usize> = (0..net.transitions.len())
             .filter(|&at| {
                 let from = StepSet::of(&net.transitions[at].from);

@@ -129,7 +129,14 @@ fn dead_end(check: &mut Check, at: usize, element: &Element, told: &mut [bool]) 
         (Language::Lad | Language::Scl | Language::Stl, None) => {
             let text = format!("the rung ends in {name} and has no output");
             let help = "put a coil or a box at the end of the rung";
-            check.report(Code::ElementPlace, element.span, Some(at), text, "cannot be the last element of a rung", help);
+            check.report(
+                Code::ElementPlace,
+                element.span,
+                Some(at),
+                text,
+                "cannot be the last element of a rung",
+                help,
+            );
         }
     }
 }
