@@ -1,6 +1,6 @@
 //! Places of the bound program as checked memory accesses.
 //!
-//! What can be proved at compile time is not checked: direct addresses inside their areas, parameters, instances. The
+//! Anything proved at compile time is not checked: direct addresses inside their areas, parameters, instances. The
 //! rest carries [`Check`]s for the synchronous errors of OB 121. Source: STL reference, addressing and OB 121.
 
 use plcc_abi::codes::{access, access_area, sync};
@@ -45,10 +45,10 @@ pub enum TargetKind {
     /// Peripheral byte address, an i32.
     Peripheral {
         address: Value,
-        /// Of a bit: its number in the byte.
+        /// For a bit: its number in the byte.
         bit: u8,
     },
-    /// Area found at run time: peripheral if `is_peripheral` (i1), else memory.
+    /// Area known at run time: peripheral if `is_peripheral` (i1), otherwise memory.
     Either {
         is_peripheral: Value,
         address: Value,
@@ -57,7 +57,7 @@ pub enum TargetKind {
     },
 }
 
-/// An effective address found at run time.
+/// An effective address that is known at run time.
 struct Effective {
     /// i32.
     byte: Value,
@@ -76,7 +76,7 @@ impl Target {
 }
 
 impl Context<'_, '_> {
-    /// Reads `place`: an i32, zero-extended, an i1 with width Bit, an i64 with width Lword. Faults give what the error OB supplies.
+    /// Reads `place`: an i32, zero-extended, an i1 with width Bit, an i64 with width Lword. After a fault, the value that the error OB supplies.
     pub fn read(&mut self, place: &Place, width: Width) -> Value {
         let target = self.target(place, width, Direction::Read);
         self.read_target(target, width)
@@ -139,7 +139,7 @@ impl Context<'_, '_> {
 
     fn read_peripheral(&mut self, address: Value, bit: u8, width: Width) -> Value {
         if width == Width::Lword {
-            // Modules hand over double words at most.
+            // Modules transfer at most double words.
             let high = self.read_peripheral(address, 0, Width::Dword);
             let next = self.b.binary_imm(BinaryOp::Iadd, address, 4);
             let low = self.read_peripheral(next, 0, Width::Dword);
@@ -235,8 +235,8 @@ impl Context<'_, '_> {
             let high = self.b.binary_imm(BinaryOp::Lshr, value, 32);
             let (high, low) = (self.b.trunc(Type::I32, high), self.b.trunc(Type::I32, value));
             self.write_peripheral(address, Width::Dword, high);
-            let behind = self.b.binary_imm(BinaryOp::Iadd, address, 4);
-            return self.write_peripheral(behind, Width::Dword, low);
+            let after = self.b.binary_imm(BinaryOp::Iadd, address, 4);
+            return self.write_peripheral(after, Width::Dword, low);
         }
         let value = if width == Width::Bit { self.b.zext(Type::I32, value) } else { value };
         let bytes = self.b.i32_const(width.bytes());
@@ -358,13 +358,13 @@ impl Context<'_, '_> {
         self.b.i32_const(access_byte(width, area_code(area)))
     }
 
-    /// The access to `area` at a bit address that is found at run time.
+    /// The access to `area` at a bit address that is known at run time.
     pub fn in_area_at(&mut self, area: PlaceArea, address: Value, width: Width, direction: Direction) -> Target {
         let effective = self.effective(address, 0);
         self.in_area(area, effective, width, direction)
     }
 
-    /// An address in `area` that is found at run time.
+    /// An address in `area` that is known at run time.
     fn in_area(&mut self, area: PlaceArea, effective: Effective, width: Width, direction: Direction) -> Target {
         let profile = &self.plan.program.profile;
         let (region, limit) = match area {

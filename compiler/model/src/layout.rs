@@ -78,18 +78,18 @@ pub fn bytes(ty: &DataType) -> u32 {
 /// Bits from the beginning of a variable to the end of its last component, without padding. An odd number of bytes, which an
 /// an array or structure rounds up, counts as it is.
 pub fn used_bits(ty: &DataType) -> u32 {
-    let behind = |byte: u32, bit: u8, ty: &DataType| 8 * byte + u32::from(bit) + used_bits(ty);
+    let after = |byte: u32, bit: u8, ty: &DataType| 8 * byte + u32::from(bit) + used_bits(ty);
     match ty {
         DataType::Elementary(elementary) => elementary.bits(),
         DataType::Array(array) => match element_count(&array.bounds) {
             0 => 0,
             count => {
                 let (byte, bit) = element_place(array, count - 1);
-                behind(byte, bit, &array.element)
+                after(byte, bit, &array.element)
             }
         },
         DataType::Struct(structure) => {
-            structure.members.iter().map(|member| behind(member.byte, member.bit, &member.ty)).max().unwrap_or(0)
+            structure.members.iter().map(|member| after(member.byte, member.bit, &member.ty)).max().unwrap_or(0)
         }
         _ => 8 * bytes(ty),
     }
@@ -241,11 +241,11 @@ pub fn element_place(array: &ArrayType, index: u64) -> (u32, u8) {
 
 /// Distance of adjacent elements in a dimension, in bits.
 pub fn distance(array: &ArrayType, dimension: usize) -> u32 {
-    let behind = array.bounds.get(dimension + 1..).unwrap_or(&[]);
+    let after = array.bounds.get(dimension + 1..).unwrap_or(&[]);
     let bits = match rows(&array.bounds, &array.element) {
-        Some(_) if behind.is_empty() => 1,
-        Some((_, row_bytes)) => row_bytes.saturating_mul(8).saturating_mul(element_count(&behind[..behind.len() - 1])),
-        None => u64::from(stride(&array.element)).saturating_mul(8).saturating_mul(element_count(behind)),
+        Some(_) if after.is_empty() => 1,
+        Some((_, row_bytes)) => row_bytes.saturating_mul(8).saturating_mul(element_count(&after[..after.len() - 1])),
+        None => u64::from(stride(&array.element)).saturating_mul(8).saturating_mul(element_count(after)),
     };
     u32::try_from(bits).unwrap_or(u32::MAX)
 }

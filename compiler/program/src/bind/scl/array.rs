@@ -84,7 +84,7 @@ impl Binder<'_> {
         let (start, end, step) = match may_overlap(&source.array, &target.array) {
             // Backwards if the target comes after the source, as if through a buffer.
             true => {
-                let behind = || Expr {
+                let after = || Expr {
                     kind: ExprKind::Compare {
                         op: CompareOp::Greater,
                         left: Box::new(to.clone()),
@@ -94,7 +94,7 @@ impl Binder<'_> {
                     span,
                 };
                 let choose = |no: Expr, yes: Expr| Expr {
-                    kind: ExprKind::Function { function: Function::Select, arguments: vec![behind(), no, yes] },
+                    kind: ExprKind::Function { function: Function::Select, arguments: vec![after(), no, yes] },
                     ty: Elementary::Dint,
                     span,
                 };
