@@ -569,7 +569,7 @@ impl Context<'_, '_> {
                 (addr, bit, checks)
             }
             TargetKind::Peripheral { .. } => {
-                unreachable!("the binder gives no peripheral address where memory is needed")
+                unreachable!("the binder passes no peripheral address where memory is needed")
             }
         }
     }

@@ -249,7 +249,7 @@ impl<'c> Engine<'c> {
     }
 
     /// Removes from the sets what nothing uses: whether a step is left matters for competing joins and for OFF, whether it is
-    /// entered matters where several transitions lead to it.
+    /// entered matters where several transitions enter it.
     pub fn restrict_sets(&mut self, features: &Features, parts: &Parts, competing: &[usize]) {
         let steps = 0..self.steps.len();
         let left = competing.iter().flat_map(|at| &parts.from[*at]).copied();
@@ -318,7 +318,7 @@ impl<'c> Engine<'c> {
         })
     }
 
-    /// Statements for the word that holds step `k`, and its bit there.
+    /// Statements for the word that contains step `k`, and its bit there.
     fn by_word(&self, make: &dyn Fn(usize, Expr) -> Vec<Statement>) -> Vec<Statement> {
         let step = || self.value("k");
         let mut statements = Vec::new();

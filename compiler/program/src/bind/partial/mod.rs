@@ -1,4 +1,4 @@
-//! Partial programs: declarations stand in for what no source defines, so that the rest compiles and runs.
+//! Partial programs: declarations stand in for names that no source defines, so that the rest compiles and runs.
 //!
 //! 1. The program is bound as it is. There is one warning for all names that are defined nowhere.
 //! 2. [`look`], [`scl`], [`stl`] and [`network`] examine the uses of missing names; [`evidence`] collects what they show. [`write`] makes

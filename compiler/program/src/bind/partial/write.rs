@@ -411,7 +411,7 @@ fn named(word: &str, span: Span) -> TypeRef {
     TypeRef { kind: TypeKind::Named(word.to_string()), span }
 }
 
-/// The elementary type that the uses of a thing show.
+/// The elementary type that the uses of a name show.
 fn elementary_of(shape: &Shape) -> Option<Elementary> {
     if !shape.members.is_empty() || shape.elements.is_some() {
         return None;
@@ -429,7 +429,7 @@ fn elementary_of(shape: &Shape) -> Option<Elementary> {
     }
 }
 
-/// The type that the uses of a thing show, as written in a declaration.
+/// The type that the uses of a name show, as written in a declaration.
 fn type_of(shape: &Shape, span: Span) -> TypeRef {
     if !shape.members.is_empty() {
         return TypeRef { kind: TypeKind::Struct(members(shape, span)), span };

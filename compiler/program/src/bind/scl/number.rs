@@ -158,7 +158,7 @@ impl Binder<'_> {
         self.scl_convert(ctx, value, ty)
     }
 
-    /// A value as a bit string: of its own type, or of the suffix.
+    /// A value as a bit string: with its own type, or that of the suffix.
     fn bits_value(&mut self, ctx: &mut Ctx, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
         let value = self.scl_value(ctx, node)?;
         let ty = match (suffix, Shape::of(&value)) {
@@ -472,7 +472,7 @@ impl Binder<'_> {
             },
             _ => (left, right),
         };
-        // T_DIFF gives a TIME on every CPU.
+        // T_DIFF yields a TIME on every CPU.
         if op == NodeOp::Subtract && Self::is_dtl_value(&left) && Self::is_dtl_value(&right) {
             return self.dtl_difference(ctx, left, right, Elementary::Time, span);
         }

@@ -1,6 +1,6 @@
 //! Simultaneous branches as drawn: which steps a path has, and where it is left or entered other than by the branch and its join.
 //!
-//! A path has the steps after its first one, up to the join. A chart in which each branch has a join that takes one step of every
+//! A path has the steps after its first one, up to the join. A chart in which each branch has a join with one step of every
 //! path, and no other way out or in, cannot go wrong: its paths show which steps are active together, without a
 //! search. Source: GRAPH reference, chapter I, "Detection".
 
@@ -81,7 +81,7 @@ struct Branch<'n> {
     opener: usize,
     /// By path: what comes after its first step, ignoring joins and ways out.
     following: Vec<StepSet>,
-    /// By path: those of `following` that lead to the join.
+    /// By path: those of `following` on the way to the join.
     toward: Vec<StepSet>,
     /// Steps that are active without the branch, or after it.
     outside: StepSet,
@@ -228,7 +228,7 @@ fn forward(net: &Net, start: StepSet, stop: StepSet, skip: &[usize]) -> StepSet 
     found
 }
 
-/// Steps that lead to those of `ends`, not through the transition `skip`.
+/// Steps on the way to those of `ends`, not through the transition `skip`.
 fn backward(net: &Net, ends: StepSet, skip: usize) -> StepSet {
     let mut found = ends;
     let mut open: Vec<usize> = ends.iter().collect();
