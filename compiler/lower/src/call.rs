@@ -115,7 +115,7 @@ impl Context<'_, '_> {
                     | Actual::PointerTo { .. }
                     | Actual::PointerCopy(_)
                     | Actual::Variant(..) => {
-                        unreachable!("the binder passes elementary formals values")
+                        unreachable!("the binder gives elementary formals values")
                     }
                 };
                 references.push(reference);
@@ -130,7 +130,7 @@ impl Context<'_, '_> {
             }
             Passing::Complex { .. } => self.complex_argument(actual, references),
             Passing::Number => {
-                let Actual::Number(number) = actual else { unreachable!("the binder passes numbers") };
+                let Actual::Number(number) = actual else { unreachable!("the binder gives numbers") };
                 references.push(self.number(number));
             }
             Passing::Pointer | Passing::Any | Passing::Variant => {
@@ -138,7 +138,7 @@ impl Context<'_, '_> {
                 self.store_pointer(temporary, actual, parameter.passing != Passing::Pointer);
                 references.push(self.b.i32_const(temporary.offset));
             }
-            Passing::OpenArray { .. } => unreachable!("the binder passes an ARRAY[*] to calls from SCL only"),
+            Passing::OpenArray { .. } => unreachable!("the binder gives an ARRAY[*] to calls from SCL only"),
         }
     }
 
@@ -168,7 +168,7 @@ impl Context<'_, '_> {
             | Actual::PointerTo { .. }
             | Actual::PointerCopy(_)
             | Actual::Variant(..) => {
-                unreachable!("the binder passes complex formals variables")
+                unreachable!("the binder gives complex formals variables")
             }
         }
     }
@@ -292,7 +292,7 @@ impl Context<'_, '_> {
                 self.write_instance(base, byte, bit, width, value);
             }
             (Passing::Complex { .. }, actual) if is_reference(parameter) => {
-                let Actual::Place(place) = actual else { unreachable!("the binder passes IN_OUT variables") };
+                let Actual::Place(place) = actual else { unreachable!("the binder gives IN_OUT variables") };
                 let fields = self.pointer_fields(place);
                 let target = self.instance_target(base, byte, Width::Dword);
                 self.store_at(target, |context, addr| context.store_pointer_fields(addr, fields));
@@ -315,7 +315,7 @@ impl Context<'_, '_> {
                 self.store_at(target, |context, addr| context.store_pointer(addr, actual, any));
             }
             (Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number | Passing::OpenArray { .. }, _) => {
-                unreachable!("the binder passes each formal an actual of its kind")
+                unreachable!("the binder gives each formal an actual of its kind")
             }
         }
     }
@@ -453,7 +453,7 @@ impl Context<'_, '_> {
                 self.store_pointer(addr, actual, parameter.passing != Passing::Pointer);
             }
             (Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number | Passing::OpenArray { .. }, _) => {
-                unreachable!("the binder passes each formal an actual of its kind")
+                unreachable!("the binder gives each formal an actual of its kind")
             }
         }
     }

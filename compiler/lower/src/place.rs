@@ -398,7 +398,7 @@ impl Context<'_, '_> {
         Target { kind: TargetKind::Memory { addr, bit: BitNumber::Dynamic(effective.bit) }, checks }
     }
 
-    /// The bytes from `byte` on lie below `limit`.
+    /// The bytes from `byte` on are below `limit`.
     fn length_check(&mut self, byte: Value, limit: Value, width: Width, area: Value, direction: Direction) -> Check {
         let end = self.b.binary_imm(BinaryOp::Iadd, byte, i64::from(width.bytes()));
         let ok = self.b.icmp(IntCc::Ule, end, limit);
@@ -480,7 +480,7 @@ impl Context<'_, '_> {
             let length = self.b.db_length(number_value);
             self.b.icmp_imm(IntCc::Ne, length, 0)
         };
-        // An OPN that fails leaves the register as it was.
+        // An OPN that fails does not change the register.
         let before = self.get(self.regs.db);
         let opened = self.b.select(loaded, number_value, before);
         self.set(self.regs.db, number_value);
@@ -504,7 +504,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// In what a formal parameter of this FC refers to.
+    /// In the target of a formal parameter of this FC.
     fn in_parameter(&mut self, parameter: usize, byte: u32, bit: u8) -> Target {
         match self.passing(parameter) {
             Passing::Elementary(Width::Bit) => {
@@ -528,7 +528,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// In what the POINTER at `pointer` of this FB's instance points at, `offset` bits after it.
+    /// In the target of the POINTER at `pointer` of this FB's instance, `offset` bits after its start.
     fn through_pointer(&mut self, pointer: u32, offset: u32, width: Width, direction: Direction) -> Target {
         let db = self.read(&Place::Instance { byte: pointer, bit: 0 }, Width::Word);
         let address = self.read(&Place::Instance { byte: pointer + 2, bit: 0 }, Width::Dword);
@@ -536,7 +536,7 @@ impl Context<'_, '_> {
         self.area_crossing(address, offset, db, di, width, direction)
     }
 
-    /// Area V below the caller's frame, where the pointers of its callers point that it hands on: whether `byte` lies there
+    /// Area V below the caller's frame, the target of pointers from its callers that it passes on: whether `byte` is there
     /// (i1), and the offset from the memory base. Addresses wrap inside the L stack of the priority class.
     fn below_caller(&mut self, caller: Value, byte: Value, width: Width) -> (Value, Value) {
         let inside = i64::from(layout::L_CLASS_BYTES) - 1;
@@ -549,7 +549,7 @@ impl Context<'_, '_> {
         (is_below, address)
     }
 
-    /// A target that is memory. What turns out to be peripheral is the error of a wrong area.
+    /// A target in memory. A peripheral target is the error of a wrong area.
     pub fn in_memory(
         &mut self,
         target: Target,

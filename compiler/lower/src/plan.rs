@@ -1,4 +1,4 @@
-//! What the blocks of a program must know of each other before one of them is lowered.
+//! What the blocks of a program must know about each other before any of them is lowered.
 
 use plcc_abi::Type;
 use plcc_abi::codes;
@@ -23,7 +23,7 @@ const SFC_STP: u16 = 46;
 /// Facts about the whole program.
 pub struct Plan<'a> {
     pub program: &'a Program,
-    /// Registers that block functions take, in order.
+    /// Parameters of block functions that are registers, in order.
     pub registers: Vec<CpuRegister>,
     /// DBs in memory, sorted by number.
     pub dbs: Vec<StaticDb>,
@@ -32,10 +32,10 @@ pub struct Plan<'a> {
     pub protected_dbs: Vec<u16>,
     /// A call names its block at run time: every FC and FB needs an entry.
     pub has_dynamic_calls: bool,
-    /// Calls must count depth and local data at run time, since neither is bounded at compile time.
+    /// Calls must count depth and local data at run time, because neither is bounded at compile time.
     pub checks_depth: bool,
     pub stops_itself: bool,
-    /// A block gives a pointer that it was given to a block that it calls: area V then reaches beyond the caller.
+    /// A block passes a pointer that it received to a block that it calls: area V then reaches beyond the caller.
     pub hands_on_pointers: bool,
     functions: Vec<Option<FuncId>>,
     index: FxHashMap<BlockKey, usize>,

@@ -169,7 +169,7 @@ impl Context<'_, '_> {
                     (Pointed::Copied, _) => unreachable!("the binder only copies pointers"),
                 }
             }
-            Actual::Place(_) | Actual::Number(_) => unreachable!("the binder passes pointer formals pointers"),
+            Actual::Place(_) | Actual::Number(_) => unreachable!("the binder gives pointer formals pointers"),
         }
     }
 

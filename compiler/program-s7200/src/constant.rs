@@ -38,7 +38,7 @@ impl Binder<'_> {
             (Target::Bool, Constant::Bool(value)) => Some(u32::from(*value)),
             (Target::Bool, _) => match whole(constant) {
                 Some(value @ (0 | 1)) => Some(value as u32),
-                _ => self.wrong_constant("a BOOL takes TRUE, FALSE, 1 or 0", "", span),
+                _ => self.wrong_constant("a BOOL is TRUE, FALSE, 1 or 0", "", span),
             },
             (Target::Real, Constant::Real(value)) => Some(value.to_bits()),
             (Target::Real, Constant::Integer(value)) => {
@@ -84,7 +84,7 @@ impl Binder<'_> {
             let low = if width == Width::Byte { 0 } else { low };
             self.push(
                 Diagnostic::new(Code::LiteralRange, span, format!("`{value}` does not fit into {name} (0090)"))
-                    .label(format!("{name} holds {low} to {high}"))
+                    .label(format!("{name} can be {low} to {high}"))
                     .help("use an instruction of a larger width, or a smaller value"),
             );
             return None;

@@ -258,7 +258,7 @@ impl Binder<'_> {
         let title = format!("{} is {own}, the instruction needs {} (0090)", address::text(direct), name(width));
         self.push(
             Diagnostic::new(Code::OperandKind, span, title)
-                .label(format!("wanted: {}", wanted(class)))
+                .label(format!("expected: {}", wanted(class)))
                 .help(format!("use the instruction for {own}, or an operand such as {same}")),
         );
         None
@@ -267,7 +267,7 @@ impl Binder<'_> {
     fn misfit(&mut self, class: OperandClass, help: &str, span: Span) -> Option<Operand> {
         self.push(
             Diagnostic::new(Code::OperandKind, span, "this operand does not fit the instruction (0090)")
-                .label(format!("wanted: {}", wanted(class)))
+                .label(format!("expected: {}", wanted(class)))
                 .help(help),
         );
         None

@@ -183,7 +183,7 @@ impl Binder<'_> {
             return Some(Settled::Pointer(pointer));
         }
         self.push(
-            Diagnostic::new(Code::OperandKind, span, "this has no address that a pointer can hold (0090)")
+            Diagnostic::new(Code::OperandKind, span, "this has no address for a pointer (0090)")
                 .label("bits, local memory, accumulators, high-speed counters and constants cannot be the target of a pointer")
                 .help("use the address of a byte, word or double word: `&VB100`"),
         );

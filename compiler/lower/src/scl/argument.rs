@@ -101,7 +101,7 @@ impl Context<'_, '_> {
                 let back = Back { access, located, conversion: *back };
                 let supply = if parameter.direction == Direction::InOut {
                     let value = self.read_back(&back);
-                    let ty = access.elementary().expect("the binder passes elementary formals elementary variables");
+                    let ty = access.elementary().expect("the binder gives elementary formals elementary variables");
                     Supply::Value(self.untyped(value, ty))
                 } else {
                     Supply::Nothing
@@ -431,7 +431,7 @@ impl Context<'_, '_> {
                 let high = self.read(&Place::Instance { byte: byte + 4, bit: 0 }, Width::Dword);
                 (low, high)
             }
-            _ => unreachable!("the binder passes ARRAY[*] arrays"),
+            _ => unreachable!("the binder gives ARRAY[*] arrays"),
         }
     }
 
@@ -485,7 +485,7 @@ impl Context<'_, '_> {
                 }
             }
             (Supply::Value(_) | Supply::Complex(_), _) => {
-                unreachable!("the binder passes each formal an actual of its kind")
+                unreachable!("the binder gives each formal an actual of its kind")
             }
         }
     }

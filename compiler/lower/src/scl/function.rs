@@ -66,7 +66,7 @@ impl Context<'_, '_> {
             }
             (Function::BitSum, &[x]) => self.bit_sum(x),
             (Function::IsValid, &[x]) => self.is_finite(x),
-            _ => unreachable!("the binder passes each function its arguments"),
+            _ => unreachable!("the binder gives each function its arguments"),
         }
     }
 

@@ -172,7 +172,7 @@ impl Binder<'_> {
             self.report.push(
                 Diagnostic::new(Code::CpuInstruction, mnemonic, format!("`{name}` needs a CPU with 4 accumulators"))
                     .label(format!("the profile {profile} has 2 accumulators"))
-                    .help("name such a CPU, e.g. --cpu s7-400, or store the value in a double word"),
+                    .help("name a CPU with 4 accumulators, e.g. --cpu s7-400, or store the value in a double word"),
             );
         }
     }

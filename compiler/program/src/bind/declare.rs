@@ -128,7 +128,7 @@ impl<'a> Binder<'a> {
             TypeKind::String(Some(bound)) => match self.bound(bound)? {
                 length @ 0..=254 => Some(string(length as u8)),
                 _ => {
-                    self.bad_type(ty.span, "a STRING holds up to 254 characters", "this length is not possible");
+                    self.bad_type(ty.span, "a STRING can have up to 254 characters", "this length is not possible");
                     None
                 }
             },
@@ -136,7 +136,7 @@ impl<'a> Binder<'a> {
             TypeKind::WideString(Some(bound)) => match self.bound(bound)? {
                 length @ 0..=16_382 => Some(wide_string(length as u16)),
                 _ => {
-                    self.bad_type(ty.span, "a WSTRING holds up to 16382 characters", "this length is not possible");
+                    self.bad_type(ty.span, "a WSTRING can have up to 16382 characters", "this length is not possible");
                     None
                 }
             },

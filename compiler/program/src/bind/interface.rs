@@ -270,7 +270,7 @@ impl<'a> Binder<'a> {
                 } else {
                     self.with_initial(typed, variable)
                 };
-                // The bounds of an ARRAY[*] lie after its POINTER.
+                // The bounds of an ARRAY[*] are after its POINTER.
                 let stored = if pointer && !open {
                     Typed { ty: DataType::Parameter(ParameterType::Pointer), image: Rc::from([0u8; 6]) }
                 } else {
@@ -326,7 +326,7 @@ impl<'a> Binder<'a> {
             }
             for variable in variables(block, kind).filter(|variable| variable.at.is_none()) {
                 self.declare_name(names, &variable.name, variable.name_span);
-                self.ignored_initial(variable, "a function has no memory of its own, so the value has no effect");
+                self.ignored_initial(variable, "a function has no static data, so the value has no effect");
                 let ty = self.variable_type(variable, Use::Parameter(kind)).map_or(DataType::Void, |typed| typed.ty);
                 let direction = direction(kind).expect("the three sections of this loop are parameters");
                 add_parameter(bound, &mut placer, variable.name.clone(), direction, ty);

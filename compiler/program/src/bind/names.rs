@@ -162,7 +162,7 @@ struct Unnumbered<'a> {
     class: Option<ObClass>,
 }
 
-/// Attributes that hold the number of a block which is written with a name.
+/// Attributes with the number of a block that is written with a name.
 const NUMBER_ATTRIBUTES: [&str; 2] = ["S7_BlockNumber", "BlockNumber"];
 
 /// A global symbol of the block's kind. A data type may have the name of a block of another kind.
@@ -180,7 +180,7 @@ fn share_name(one: BlockPrefix, other: BlockPrefix) -> bool {
     one != other && (one == BlockPrefix::Udt) != (other == BlockPrefix::Udt) && !(is_type(one) && is_type(other))
 }
 
-/// The name of a block with its number, if the text states it: `FC10` in one word, a number beside the name, the attribute `S7_BlockNumber`, an OB by its usual
+/// The name of a block with its number, if the text states it: `FC10` in one word, a number next to the name, the attribute `S7_BlockNumber`, an OB by its usual
 /// name. A symbol table has priority. Also whether the number may change if a block already has it.
 fn numbered(
     block: &ast::Block,
@@ -222,7 +222,7 @@ fn header_of(block: &ast::Block) -> &ast::Header {
     }
 }
 
-/// Whether the sources hold organization blocks that only CPUs of the TIA Portal have: from OB 123 on, by their numbers, or because there are
+/// Whether the sources contain organization blocks that only CPUs of the TIA Portal have: from OB 123 on, by their numbers, or because there are
 /// more of a class than it has numbers.
 pub fn has_free_obs(units: &[(plcc_diag::FileId, ast::SourceUnit)]) -> bool {
     let none = FxHashMap::default();
@@ -278,7 +278,7 @@ fn is_forward(block: &ast::Block) -> bool {
 }
 
 impl<'a> Binder<'a> {
-    /// Reads the symbol tables and gives every block of the sources its number.
+    /// Reads the symbol tables and assigns a number to every block of the sources.
     pub fn collect(&mut self) {
         self.collect_tables();
         self.collect_constants();

@@ -16,7 +16,7 @@ use plcc_model::{BlockKey, Number, Operand, Place};
 /// What an instruction needs, as half a sentence.
 fn wanted(class: OperandClass) -> (&'static str, &'static str) {
     match class {
-        OperandClass::None => ("takes no operand", "remove the operand"),
+        OperandClass::None => ("cannot have an operand", "remove the operand"),
         OperandClass::Bit | OperandClass::BitOrNone => {
             ("combines one bit", "name one bit, e.g. `M 10.0`, a timer, a counter or a status bit")
         }
@@ -76,7 +76,7 @@ impl Binder<'_> {
         if class == OperandClass::None {
             let name = self.text(mnemonic);
             self.report.push(
-                Diagnostic::new(Code::SurplusOperand, operand.span, format!("`{name}` takes no operand"))
+                Diagnostic::new(Code::SurplusOperand, operand.span, format!("`{name}` cannot have an operand"))
                     .label("this operand is not possible")
                     .help("remove the operand, or end the statement before it"),
             );

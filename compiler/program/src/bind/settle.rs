@@ -165,7 +165,7 @@ impl Binder<'_> {
                 self.report.push(
                     Diagnostic::new(Code::OperandKind, pointer.span, format!("`{text}` cannot hold this address"))
                         .label(format!("{what} of M, L, DB or DI is expected here"))
-                        .help(format!("write for example {example}, or name such a variable")),
+                        .help(format!("write for example {example}, or name a variable of this width")),
                 );
                 None
             }
@@ -245,7 +245,7 @@ impl Binder<'_> {
     fn address_of(&mut self, ctx: &mut Ctx, path: &Path, span: Span) -> Option<Settled<'static>> {
         let Resolved::Variable(variable) = self.resolve(ctx, path)? else {
             self.report.push(
-                Diagnostic::new(Code::OperandKind, span, "`P##` takes the address of a variable of this block")
+                Diagnostic::new(Code::OperandKind, span, "`P##` needs a variable of this block")
                     .label("this is not a variable of this block"),
             );
             return None;
@@ -293,7 +293,7 @@ impl Binder<'_> {
                 };
                 self.report.push(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` is not a variable of this block"))
-                        .label("`P##` takes the address of parameters, static and temporary data")
+                        .label("`P##` needs a parameter, static or temporary data")
                         .help(help),
                 );
                 None

@@ -43,7 +43,7 @@ impl Binder<'_> {
             Constant::Typed { ty, bits } if !ty.is_float() => Some(constant::integer(ty, bits)),
             _ => {
                 let text = self.text(node.span);
-                self.wrong_type(node.span, &format!("`{text}`"), "a whole number", None);
+                self.wrong_type(node.span, &format!("`{text}`"), "an integer", None);
                 None
             }
         }

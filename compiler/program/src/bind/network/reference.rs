@@ -130,7 +130,7 @@ fn does(row: &Row) -> String {
             return format!("[{name}](stdlib.md) with the flow as IN; Q and ET are read from its data");
         }
         Kind::ResetTimer => "with flow: ends an IEC timer: Q FALSE, ET 0",
-        Kind::PresetTimer => "with flow: gives an IEC timer another duration",
+        Kind::PresetTimer => "with flow: sets another duration for an IEC timer",
         Kind::Formula => "a standard function of PLCopen XML that SCL writes differently, such as MULTIME",
         Kind::Calculate => "the formula over the inputs, each of which is read once",
         Kind::Operator("MOD") => "remainder of the division, with the sign of `in1`",

@@ -108,7 +108,7 @@ impl Binder<'_> {
                         self.indexed(ctx, area, width, indices, span)
                     }
                     _ => {
-                        self.refuse(Code::UnknownMember, span, "this is not an array", "an index stands after it", "");
+                        self.refuse(Code::UnknownMember, span, "this is not an array", "there is an index after it", "");
                         None
                     }
                 }

@@ -188,7 +188,7 @@ impl Binder<'_> {
     fn wrong_arrow(&mut self, key: BlockKey, formal: &Parameter, argument: &Given) {
         self.report.push(
             Diagnostic::new(Code::AssignSign, argument.span, format!("`{}` of {key} is an input", formal.name))
-                .label("`=>` takes a value out of the block")
+                .label("`=>` is for outputs of the block")
                 .help(format!("write `{} := ...`", formal.name)),
         );
     }

@@ -107,7 +107,7 @@ impl Binder<'_> {
                             BlockKind::Fb | BlockKind::Sfb => "the call of a function block is a statement",
                             _ => "this function has no result that an expression could use",
                         })
-                        .help("call it in a statement of its own, and read its outputs after it"),
+                        .help("call it in a separate statement, and read its outputs after it"),
                 );
                 None
             }
@@ -178,7 +178,7 @@ impl Binder<'_> {
         }
     }
 
-    /// True if a global symbol can stand before `(`. One that cannot does not hide a function: `LEN(…)` next to the tag `"Len"`.
+    /// True if a global symbol is possible before `(`. One that cannot does not hide a function: `LEN(…)` next to the tag `"Len"`.
     fn is_called(&self, target: SymbolTarget) -> bool {
         match target {
             SymbolTarget::Block { prefix: BlockPrefix::Db | BlockPrefix::Di, number } => u16::try_from(number)

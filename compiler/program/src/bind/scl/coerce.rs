@@ -235,7 +235,7 @@ impl Binder<'_> {
                 Code::LiteralRange,
                 span,
                 "this text is too long",
-                "a STRING holds up to 254 characters",
+                "a STRING can have up to 254 characters",
                 "split it into two texts",
             );
         }

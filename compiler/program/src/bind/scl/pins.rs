@@ -98,7 +98,7 @@ impl Binder<'_> {
                 good = false;
                 self.report.push(
                     Diagnostic::new(Code::AssignSign, argument.span, format!("`{}` is an input", pin.name()))
-                        .label("`=>` takes a value out of the function")
+                        .label("`=>` is for outputs of the function")
                         .help(format!("write `{} := ...`", pin.name())),
                 );
             }
@@ -186,7 +186,7 @@ impl Binder<'_> {
         self.report.push(
             Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` has no value"))
                 .label("this function has no result that an expression could use")
-                .help("call it in a statement of its own"),
+                .help("call it in a separate statement"),
         );
     }
 }

@@ -201,7 +201,7 @@ fn described(row: &Row) -> (usize, &'static str) {
         Kind::Concat => (4, "texts one after the other"),
         Kind::TextNumber(_) => (4, "between texts and numbers, by the types of IN and OUT"),
         Kind::ResetTimer => (5, "ends an IEC timer: Q FALSE, ET 0"),
-        Kind::PresetTimer => (5, "gives an IEC timer another duration"),
+        Kind::PresetTimer => (5, "sets another duration for an IEC timer"),
         Kind::Operator(plcc_syntax::scl::ast::BinaryOp::Add) => (5, "`IN1 + IN2`"),
         Kind::Operator(_) => (5, "`IN1 - IN2`"),
         Kind::Identity => (5, "IN, converted to the required type"),

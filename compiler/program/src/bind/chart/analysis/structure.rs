@@ -46,7 +46,7 @@ pub fn check_ways(checked: &Checked, messages: &mut Vec<Diagnostic>) {
             let text = format!("{title} leaves and enters {}", step_title(step));
             Diagnostic::new(Code::SelfLoop, span, text)
                 .label(
-                    "the step is entered again, and its time starts again, in each call in which the condition holds",
+                    "the step is entered again, and its time starts again, in each call in which the condition is TRUE",
                 )
                 .help("insert an empty step on the way back, or remove the transition")
         };
@@ -205,7 +205,7 @@ fn unreachable_step(checked: &Checked, step: usize, manual: bool) -> Diagnostic 
         Some(&at) => {
             let transition = &chart.transitions[at];
             let text = format!("{} leads here, but is not reached either", transition_title(transition));
-            message.label("no way from an initial step leads here").also(transition.name.span, text)
+            message.label("no path from an initial step reaches it").also(transition.name.span, text)
         }
     };
     // In a circle, another way in may be missing; by hand, every step can be activated.
