@@ -6,7 +6,7 @@
 //!    [`call`] and [`actual`] check calls, [`pragma`] binds assertions, [`assertion`] compares by type. That is STL; [`scl`] does the same for SCL.
 //! 4. Blocks of the [`library`] are added when something uses them.
 //!
-//! [`constant`] computes constants of all languages; [`catalog`] prints the reference of the library.
+//! [`constant`] computes constants of all languages; [`library_reference`] prints the reference of the library.
 //!
 //! With errors the program is incomplete and must not be lowered; the same applies to `partial` runs with warnings about
 //! undefined names.
@@ -14,7 +14,6 @@
 mod actual;
 mod body;
 mod call;
-mod catalog;
 mod chart;
 mod constant;
 mod data;
@@ -24,6 +23,7 @@ mod hardware;
 mod initial;
 mod interface;
 mod library;
+mod library_reference;
 mod mentions;
 mod move_call;
 mod names;
@@ -56,10 +56,10 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, Width};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-pub use catalog::standard_library;
 pub use chart::reference as graph_reference;
 use declare::{BoundInterface, Scope, Typed, TypedStruct};
 pub use family::implied_family;
+pub use library_reference::standard_library;
 use names::Global;
 pub use names::has_free_obs;
 pub use network::{is_about_drafts, reference as lad_fbd_reference};

@@ -108,7 +108,13 @@ impl Binder<'_> {
                         self.indexed(ctx, area, width, indices, span)
                     }
                     _ => {
-                        self.refuse(Code::UnknownMember, span, "this is not an array", "there is an index after it", "");
+                        self.refuse(
+                            Code::UnknownMember,
+                            span,
+                            "this is not an array",
+                            "there is an index after it",
+                            "",
+                        );
                         None
                     }
                 }
