@@ -12,7 +12,7 @@ use plcc_syntax::scl::ast::{
     AssignOp, Expr as Node, ExprKind as NodeKind, Name, NameForm, Statement as Tree, StatementKind as TreeKind,
 };
 
-use super::engine::Engine;
+use super::engine_data::Engine;
 use crate::bind::network::Page;
 use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;

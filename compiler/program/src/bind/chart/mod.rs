@@ -3,7 +3,7 @@
 //! - `parameters`: the operating parameters, one row for each; `instance`: data of the chart in the instance.
 //! - `index`: steps and transitions by name and number; `names`: their names in expressions.
 //! - `engine.scl`, `monitor.scl`: one call of the block as SCL with placeholders; `template` reads them.
-//! - `engine`: the data that statements of the chart use: where it is, sets of steps; `build`: pieces of the typed tree.
+//! - `engine_data`: the data that statements of the chart use: where it is, sets of steps; `build`: pieces of the typed tree.
 //! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `numbers`: the numbers that they compare and
 //!   rows compute with; `call`: block calls of the first two; `leaving`: statements that are not possible in them.
 //! - `assemble`: the code of steps and transitions, put into the placeholders.
@@ -18,7 +18,7 @@ mod assemble;
 mod build;
 mod call;
 mod condition;
-mod engine;
+mod engine_data;
 mod index;
 mod instance;
 mod leaving;
@@ -45,7 +45,7 @@ use super::scl::temporary;
 use super::{Binder, Ctx};
 use assemble::{Assembly, Condition, Features, Parts};
 use build::number;
-use engine::Engine;
+use engine_data::Engine;
 use index::Index;
 use instance::Members;
 use parameters::{Effect, PARAMETERS, Parameter};

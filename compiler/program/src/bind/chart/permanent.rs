@@ -2,7 +2,7 @@
 
 use plcc_syntax::chart::ast::{Coil, Permanent, PermanentKind};
 
-use super::engine::Engine;
+use super::engine_data::Engine;
 use crate::bind::network::{no, yes};
 use crate::bind::{Binder, Ctx};
 use plcc_model::scl::{Statement, StatementKind};

@@ -18,7 +18,7 @@ use plcc_syntax::Elementary;
 use plcc_syntax::chart::ast::{Action, ActionBody, Event, Qualifier};
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 
-use super::engine::Engine;
+use super::engine_data::Engine;
 use crate::bind::network::{Page, and, inverted, no, yes};
 use crate::bind::scl::place::Spot;
 use crate::bind::{Binder, Ctx};
