@@ -210,7 +210,7 @@ impl Binder<'_> {
             let other = other.or_else(|| plcc_binding::similar(name, flow.labels.keys().copied()));
             self.report.push(match other {
                 Some(other) => {
-                    message.help(format!("is `{other}` meant? upper and lower case are different in labels"))
+                    message.help(format!("is `{other}` meant? Upper and lower case are different in labels"))
                 }
                 None => message.help(format!("write `{name}:` before the statement to jump to")),
             });

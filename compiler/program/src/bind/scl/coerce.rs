@@ -61,7 +61,7 @@ impl Binder<'_> {
             Value::Constant(constant, _) => constant::default_type(ctx.scl.rules, constant),
             Value::Cell { .. } => Elementary::Bool,
             other => {
-                self.wrong_type(other.span(), &message::described(other), "expected a single value", None);
+                self.wrong_type(other.span(), &message::described(other), "a single value", None);
                 return None;
             }
         };
