@@ -86,7 +86,7 @@ impl Constant {
         }
     }
 
-    /// What it is, for messages.
+    /// A description of it, for messages.
     pub fn describe(&self) -> String {
         match self {
             Constant::Integer { .. } => "an integer constant".to_string(),

@@ -99,7 +99,7 @@ pub struct Told {
     pub what: String,
 }
 
-/// What happened to the parts of a program.
+/// The stand-ins of a program, and the parts that were left out.
 pub struct Parts {
     pub told: Vec<Told>,
     /// Components that data blocks got: the position of the data block's name, and a line.

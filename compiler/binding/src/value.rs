@@ -121,7 +121,7 @@ pub const fn example(ty: Elementary) -> &'static str {
     }
 }
 
-/// What a constant is, for messages.
+/// A description of a constant, for messages.
 pub const fn literal_kind(literal: &Literal) -> &'static str {
     match literal {
         Literal::Bool(_) => "a BOOL constant",
@@ -146,7 +146,7 @@ pub const fn literal_kind(literal: &Literal) -> &'static str {
     }
 }
 
-/// What `L literal` leaves in ACCU1, and whether all 32 bits belong to the constant.
+/// The value that `L literal` leaves in ACCU1, and whether all 32 bits belong to the constant.
 ///
 /// An INT is zero-extended, even if negative. Source: STL reference, loading literals.
 /// Errors: why it cannot be loaded, as text for a label.

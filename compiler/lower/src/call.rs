@@ -1,7 +1,7 @@
 //! Block calls: registers, parameters, instances. Source: STL reference, block call model.
 //!
 //! - FC: each formal is a reference to its actual, so the FC sees changes during its run and an OUT that it does not write
-//!   leaves the actual as it is. Constants and peripheral inputs are put into the caller's frame first.
+//!   does not change the actual. Constants and peripheral inputs are put into the caller's frame first.
 //! - FB: elementary and complex values are copied into the instance and back; complex IN_OUT are POINTERs there.
 //! - System functions get a structure of parameters in the caller's frame.
 
@@ -70,7 +70,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// What an FC gets for one parameter; see [`plan::parameter_types`]. `pointers`: the FC also needs the area pointer of the
+    /// The values that an FC gets for one parameter; see [`plan::parameter_types`]. `pointers`: the FC also needs the area pointer of the
     /// actual. An actual without one in the FC is copied into the caller's frame and back, as STEP 7 does.
     fn fc_argument(
         &mut self,

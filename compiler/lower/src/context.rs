@@ -142,11 +142,11 @@ pub struct Context<'p, 'o> {
     /// Result of an access that may fault, 32 bits or a bit.
     pub result: Var,
     pub result_bit: Var,
-    /// As `result`, 64 bits.
+    /// Like `result`, with 64 bits.
     pub result_long: Var,
     /// Reference to an actual parameter whose address may be faulty.
     pub reference: Var,
-    /// Of blocks in SCL.
+    /// For blocks in SCL.
     pub scl: SclState,
 }
 

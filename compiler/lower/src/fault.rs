@@ -125,7 +125,7 @@ impl Context<'_, '_> {
         SafepointBlocks { cold: self.b.create_cold_block(), next: self.b.create_block() }
     }
 
-    /// As [`Context::safepoint`], with blocks created before.
+    /// Like [`Context::safepoint`], with blocks created before.
     pub fn safepoint_in(&mut self, SafepointBlocks { cold, next }: SafepointBlocks) {
         let attention = self.b.load_state(state::ATTENTION);
         let due = self.b.icmp_imm(IntCc::Ne, attention, 0);

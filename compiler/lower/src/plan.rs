@@ -124,7 +124,7 @@ impl<'a> Plan<'a> {
         self.block_index(key).map_or(&[], |index| &self.pointed[index])
     }
 
-    /// As [`local_bytes`], with the room for the first error of a block that handles its errors.
+    /// Like [`local_bytes`], with the room for the first error of a block that handles its errors.
     pub fn local_bytes(&self, block: &CodeBlock) -> u32 {
         local_bytes(block) + if self.handles_errors(block.key()) { codes::local_error::BYTES } else { 0 }
     }
@@ -279,7 +279,7 @@ pub fn takes_references(block: &CodeBlock) -> bool {
     matches!(block.kind, BlockKind::Fc | BlockKind::Sfc) && !matches!(block.body, Body::Runtime)
 }
 
-/// What an FC gets for a parameter.
+/// The values that an FC gets for a parameter.
 ///
 /// - elementary: a reference: offset of the actual from the memory base; for a BOOL, eight times that plus the bit
 /// - complex: the position of its POINTER in the caller's frame, and the offset of the variable from the memory base

@@ -29,7 +29,7 @@ pub struct Program {
     pub symbols: Vec<SymbolEntry>,
     /// `//@ test cycles=N`, `//@ test expect=fail` and `//@ cpu`, found in the sources.
     pub test: TestSettings,
-    /// Lines that every run of the program prints at its start: that it is not what its sources say.
+    /// Lines that every run of the program prints at its start: that it is not the same as its sources.
     pub notices: Vec<String>,
     /// Limits of the CPU, if it is an S7-200.
     pub s7200: Option<CpuRow>,
@@ -47,7 +47,7 @@ impl Program {
     }
 }
 
-/// What the pragmas of a test file request.
+/// The settings in the pragmas of a test file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TestSettings {
     pub cycles: Option<u32>,
@@ -141,7 +141,7 @@ pub enum Passing {
     Number,
     Pointer,
     Any,
-    /// As an ANY, with more after it.
+    /// Like an ANY, with more data after it.
     Variant,
     /// ARRAY[*]. FC: reference to the actual, then low and high bound of each dimension. FB IN_OUT: a POINTER in the instance, then the
     /// bounds, each a DINT.
@@ -375,7 +375,7 @@ pub struct Argument {
     pub span: Span,
 }
 
-/// What is passed.
+/// The passed value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Actual {
     /// A constant: its bytes as in memory; a BOOL is one byte, 0 or 1.
@@ -409,7 +409,7 @@ impl Actual {
 pub enum Pointed {
     /// Number of elements, 0 if it is not an array; [`crate::layout::type_number`] of them.
     Known { elements: u32, ty: u32 },
-    /// As many elements as the ARRAY[*] at which the ANY points has; [`crate::layout::type_number`] of them.
+    /// As many elements as the ARRAY[*] that the ANY points at; [`crate::layout::type_number`] of them.
     Counted { ty: u32 },
     /// The contents of the VARIANT that the ANY is a copy of.
     Copied,

@@ -208,7 +208,7 @@ pub enum BinaryOp {
     ShiftRight,
     RotateLeft,
     RotateRight,
-    /// As Add and Subtract, of a TIME_OF_DAY and milliseconds: modulo 24 hours, which clears the bit. The same for LTOD in nanoseconds.
+    /// Like Add and Subtract, for a TIME_OF_DAY and milliseconds: modulo 24 hours, which clears the bit. The same for LTOD in nanoseconds.
     AddDay,
     SubtractDay,
     /// The smaller or the greater; NaN yields NaN.
@@ -233,7 +233,7 @@ pub enum Conversion {
     /// By value: integer to integer (low bits), integer to float, float to float, float to integer (to nearest, ties to even), TIME to
     /// integer and back. Float to integer out of range: see [`Overflow`].
     Value(Overflow),
-    /// As `Value` from float, towards zero, up, down.
+    /// Like `Value` from a float, towards zero, up, down.
     Truncate(Overflow),
     Ceil(Overflow),
     Floor(Overflow),
@@ -244,7 +244,7 @@ pub enum Conversion {
     },
     /// Anything to BOOL: bit 0; other bits that are 1 clear the bit.
     ToBool,
-    /// WORD or DWORD in BCD to INT or DINT; a bad digit is OB 121 16#21 if `fault`, else 0 and the bit cleared.
+    /// WORD or DWORD in BCD to INT or DINT; a bad digit is OB 121 16#21 if `fault`, otherwise 0 and the bit cleared.
     FromBcd {
         fault: bool,
     },
@@ -446,7 +446,7 @@ pub struct Argument {
     pub span: Span,
 }
 
-/// What is passed.
+/// The passed value.
 #[derive(Clone, Debug)]
 pub enum Actual {
     /// IN, elementary: a value of the formal's type.

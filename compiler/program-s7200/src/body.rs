@@ -119,7 +119,7 @@ fn count(operands: usize) -> String {
     }
 }
 
-/// What is missing, in one word.
+/// The missing operand, in a few words.
 fn describe(class: OperandClass) -> &'static str {
     match class {
         OperandClass::Bit

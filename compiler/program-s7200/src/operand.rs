@@ -19,7 +19,7 @@ const TEXT_MAX: usize = 126;
 const MEMORY: &[Area] = &[Area::I, Area::Q, Area::V, Area::M, Area::Sm, Area::S, Area::L];
 const BITS: &[Area] = &[Area::I, Area::Q, Area::V, Area::M, Area::Sm, Area::S, Area::L, Area::T, Area::C];
 
-/// What a class accepts.
+/// The operands that a class accepts.
 struct Shape {
     width: Width,
     areas: &'static [Area],
@@ -81,7 +81,7 @@ pub fn width(class: OperandClass) -> Option<Width> {
     shape(class).map(|shape| shape.width)
 }
 
-/// What a class needs, in words.
+/// The operand that a class needs, in words.
 fn wanted(class: OperandClass) -> &'static str {
     use OperandClass as C;
     match class {

@@ -20,7 +20,7 @@ use plcc_syntax::symbols::{S7200Symbol, SymbolTable};
 /// Limit of passes that leave out parts.
 const ROUNDS_MAX: u32 = 40;
 
-/// What a missing name is.
+/// The kind of a missing name.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Use {
     Bit,

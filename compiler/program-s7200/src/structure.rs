@@ -12,7 +12,7 @@ use plcc_model::s7200::Operand;
 /// Limit of nested FOR loops.
 const LOOPS_MAX: usize = 8;
 
-/// What is open.
+/// Open loops and steps.
 enum Open {
     Loop(Span),
     Step(Span),

@@ -15,7 +15,7 @@ const INTERRUPT_DEPTH_MAX: u32 = 1;
 /// Limit of EU and ED in a program. Source: S7-200 system manual, memory ranges and features.
 const EDGES_MAX: usize = 256;
 
-/// What instructions drive by number.
+/// Something that instructions drive by number.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 enum Cell {
     Timer(u8),
@@ -33,7 +33,7 @@ impl std::fmt::Display for Cell {
     }
 }
 
-/// What the statements of all blocks use.
+/// The timers, counters, steps and calls in the statements of all blocks.
 #[derive(Default)]
 pub struct Uses {
     cells: FxHashMap<Cell, Vec<(Insn, Span)>>,

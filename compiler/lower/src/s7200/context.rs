@@ -217,7 +217,7 @@ impl<'p, 'o> Context<'p, 'o> {
         self.enabled(true, body);
     }
 
-    /// As a box, but the instruction has no ENO.
+    /// Like a box, but the instruction has no ENO.
     pub fn conditional(&mut self, body: impl FnOnce(&mut Self)) {
         self.enabled(false, body);
     }
@@ -278,7 +278,7 @@ impl<'p, 'o> Context<'p, 'o> {
         }
     }
 
-    /// As [`Context::guarded`], for a `body` that ends its block; an error goes to `after`.
+    /// Like [`Context::guarded`], for a `body` that ends its block; an error goes to `after`.
     pub fn guarded_to(&mut self, after: Block, body: impl FnOnce(&mut Self)) {
         let outer = self.failure.take();
         body(self);

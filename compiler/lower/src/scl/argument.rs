@@ -265,7 +265,7 @@ impl Context<'_, '_> {
 
     // Functions: references.
 
-    /// What an FC gets for a formal; see [`crate::plan::parameter_types`]. Adds to `temporaries` what is copied back after the call.
+    /// The values that an FC gets for a formal; see [`crate::plan::parameter_types`]. Adds to `temporaries` what is copied back after the call.
     pub fn references<'m>(
         &mut self,
         parameter: &Parameter,
@@ -310,7 +310,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// What an FC gets for an elementary formal whose area pointer it loads: the reference and that pointer. `place`: the actual is the
+    /// The values that an FC gets for an elementary formal whose area pointer it loads: the reference and that pointer. `place`: the actual is the
     /// variable there.
     pub fn pointed_reference<'m>(
         &mut self,
@@ -340,7 +340,7 @@ impl Context<'_, '_> {
         pointer
     }
 
-    /// A reference to the variable that receives the value, if it can be used as it is.
+    /// A reference to the variable that receives the value, if it can be used directly.
     fn direct_reference(&mut self, width: Width, back: Option<&Back>) -> Option<Value> {
         let Some(Back { access, located: Some(located), conversion: None }) = back else { return None };
         let fits = access.part.is_none()

@@ -94,7 +94,7 @@ impl Context<'_, '_> {
         self.b.select(small, zero, result)
     }
 
-    /// As `float_result`, for results that cannot underflow to 0.
+    /// Like `float_result`, for results that cannot underflow to 0.
     pub fn checked_float(&mut self, result: Value) -> Value {
         let ty = self.b.ty(result);
         let result = if self.flushes(ty) { self.flushed(result) } else { result };

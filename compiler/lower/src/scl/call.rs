@@ -173,7 +173,7 @@ impl Context<'_, '_> {
         self.returned(callee, room)
     }
 
-    /// What an FC gets for its result.
+    /// The values that an FC gets for its result.
     fn result_reference(&mut self, parameter: &Parameter, room: Address) -> Vec<Value> {
         match &parameter.ty {
             DataType::Elementary(ty) => {

@@ -26,7 +26,7 @@ impl Context<'_, '_> {
         self.set_comparison(result);
     }
 
-    /// As REAL. An operand that is NaN: CC 11, OV, OS, and the result is 0 for any comparison.
+    /// As REAL. With a NaN operand: CC 11, OV, OS, and the result is 0 for any comparison.
     pub fn compare_real(&mut self, cc: FloatCc) {
         let (a, b) = (self.accu2(), self.accu1());
         let (a, b) = (self.b.bitcast(Type::F32, a), self.b.bitcast(Type::F32, b));

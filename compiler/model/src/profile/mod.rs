@@ -8,7 +8,7 @@ use plcc_abi::layout;
 
 use cpus::{PROFILES, Row};
 
-/// What an S7-1200 has on board, by the name of its row: fast counters, pulse generators, bytes of digital inputs and outputs from
+/// The hardware on board of an S7-1200, by row name: fast counters, pulse generators, bytes of digital inputs and outputs from
 /// address 0, analog inputs and outputs from address 64.
 ///
 /// Source: LAD/FBD reference for S7-1200, CPU limits; two more pulse generators and 1215C, 1217C from the firmware V4 on.
@@ -35,7 +35,7 @@ const ON_BOARD: &[OnBoard] = &[
     OnBoard { name: "1217C",   fast_counters: 6, pulse_generators: 4, input_bytes: 2, output_bytes: 2, analog_inputs: 2, analog_outputs: 2 },
 ];
 
-/// What the CPU of a profile has on board; `None`: nothing.
+/// The hardware on board of a profile's CPU; `None`: nothing.
 pub fn on_board(profile: &Profile) -> Option<&'static OnBoard> {
     ON_BOARD.iter().find(|board| board.name == profile.name)
 }
@@ -84,7 +84,7 @@ fn ordered(number: &str) -> Option<Profile> {
     row.or_else(|| s7200::cpus().iter().find(|cpu| matches(s7200::orders(cpu.name))).map(s7200::profile))
 }
 
-/// What to write instead of a name that is not a CPU.
+/// Help for a name that is not a CPU.
 pub fn help(name: &str) -> String {
     let wanted = normalized(name);
     let near = PROFILES

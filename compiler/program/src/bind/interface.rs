@@ -535,7 +535,7 @@ fn passing(ty: &DataType) -> Option<Passing> {
     }
 }
 
-/// Of several values.
+/// A type with several values.
 const fn is_composite(ty: &DataType) -> bool {
     matches!(ty, DataType::Array(_) | DataType::Struct(_))
 }

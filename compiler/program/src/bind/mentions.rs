@@ -142,7 +142,7 @@ pub fn instance_calls(code: &Code) -> Vec<(scl::Name, scl::Name)> {
     found
 }
 
-/// What a call names.
+/// The names in a call.
 pub enum Called {
     Number(BlockPrefix, u32),
     Name(String),

@@ -337,7 +337,7 @@ impl<'a> Binder<'a> {
                 continue;
             }
             let number = next.entry(prefix).or_insert(1);
-            // An OB of which only the class is known: the usual number of the class, otherwise a free one.
+            // An OB with only a known class: the usual number of the class, otherwise a free one.
             if let Some(class) = class {
                 let (first, last) = class.row().numbers;
                 // OB 101 and 102 start differently.
@@ -621,7 +621,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// What to do about two definitions: plcc does not guess which version of a block counts.
+    /// The advice about two definitions: plcc does not guess which version of a block counts.
     fn choice(&self, first: Span, second: Span, same_file: &str) -> String {
         let name =
             |span: Span| self.input.sources.files().nth(span.file.0 as usize).map(|(_, file)| file.name.as_str());

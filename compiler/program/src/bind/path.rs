@@ -87,7 +87,7 @@ impl Variable {
     }
 }
 
-/// What a path means.
+/// The meaning of a path.
 #[derive(Clone, Debug)]
 pub enum Resolved {
     Variable(Variable),

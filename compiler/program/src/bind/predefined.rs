@@ -115,7 +115,7 @@ const NUMBERS: &[(Elementary, &[&str])] = &[
 
 /// Data types of timers and counters: the blocks whose instances they are; the first available one counts.
 ///
-/// The four timers have one layout, of which that of TONR names all components; and so do the counters with CTUD.
+/// The four timers have one layout, and that of TONR names all components; CTUD does so for the counters.
 #[rustfmt::skip]
 const INSTANCES: &[(&str, &[&str])] = &[
     ("IEC_TIMER",      &["IEC_TIMER", "TONR", "TON"]),

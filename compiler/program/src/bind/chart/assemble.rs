@@ -1,6 +1,6 @@
 //! Code of a chart, put into the placeholders of the engine. Source: GRAPH reference, chapters D and G.
 //!
-//! What happens in a call follows the active steps: each placeholder in a loop over them is one CASE over the step's position, with an arm for each
+//! A call processes the active steps: each placeholder in a loop over them is one CASE over the step's position, with an arm for each
 //! step that has code there.
 
 use plcc_syntax::Elementary;

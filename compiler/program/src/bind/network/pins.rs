@@ -118,7 +118,7 @@ impl Binder<'_> {
         self.pin_value(ctx, sheet, pin)
     }
 
-    /// As `input`, with a type.
+    /// Like `input`, with a type.
     pub fn input_of(
         &mut self,
         ctx: &mut Ctx,

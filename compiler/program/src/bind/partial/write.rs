@@ -49,7 +49,7 @@ pub struct Line {
     pub what: String,
 }
 
-/// What can be declared for a missing name.
+/// The possible declarations for a missing name.
 enum Kind {
     Constant,
     Type,

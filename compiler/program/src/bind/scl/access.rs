@@ -507,7 +507,7 @@ impl Binder<'_> {
             Thing::Cell { kind, number } => Value::Cell { kind, number, span },
             Thing::Block { prefix, number } => Value::Block { prefix, number, span },
             Thing::Db { number: Some(number), .. } => Value::Block { prefix: BlockPrefix::Db, number, span },
-            // What this code reads must be set somewhere.
+            // This code reads it, so it must be set somewhere.
             Thing::Flag => {
                 ctx.scl.sets_flag = true;
                 Value::Elementary(Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span })

@@ -114,7 +114,7 @@ impl Binder<'_> {
         good.then_some(list)
     }
 
-    /// What the name of an argument means.
+    /// The meaning of an argument's name.
     fn formal(&mut self, key: BlockKey, bound: &BoundInterface, name: &Name, output: bool) -> Formal {
         let folded = fold(&name.text);
         let instance = matches!(key.kind, BlockKind::Sfb).then_some((true, key.number));

@@ -21,7 +21,7 @@ use plcc_model::types::{DataType, Member, StructType};
 use plcc_model::{BlockKey, Direction, Parameter, Place};
 use plcc_syntax::symbols::SymbolTarget;
 
-/// What a call refers to.
+/// The target of a call.
 pub enum Callee {
     Block { key: BlockKey, instance: Option<Instance> },
     Function(Named),
@@ -233,7 +233,7 @@ impl Binder<'_> {
         block.filter(|block| !self.is_foreign(block)).map(|block| self.library_key(block))
     }
 
-    /// A block by itself: a function, or the instance that a data block is.
+    /// A block alone: a function, or a data block that is an instance.
     fn block_callee(&mut self, prefix: BlockPrefix, number: u16, span: Span) -> Option<Callee> {
         match prefix {
             BlockPrefix::Fc | BlockPrefix::Sfc => {

@@ -253,7 +253,7 @@ pub fn is_dtl(structure: &StructType) -> bool {
     structure.name.eq_ignore_ascii_case("DTL")
 }
 
-/// A text in memory, with its own length; an empty one has room for a character, since no STRING has the maximum 0. `None`: too
+/// A text in memory, with its own length; an empty one has room for a character, because no STRING has the maximum 0. `None`: too
 /// long.
 pub fn text_bytes(text: &[u8]) -> Option<Vec<u8>> {
     match text {
@@ -321,7 +321,7 @@ pub fn has_call(expr: &Expr) -> bool {
     }
 }
 
-/// As [`has_call`], of a variable.
+/// Like [`has_call`], for a variable.
 pub fn access_has_call(access: &Access) -> bool {
     use plcc_model::scl::IndexedArea;
     let base = match &access.base {

@@ -141,7 +141,7 @@ pub fn narrows(from: Elementary, to: Elementary) -> bool {
     }
 }
 
-/// What `from_TO_to` computes; `None` if there is no such function, or it takes more than one step ([`explicit_expr`]).
+/// The conversion `from_TO_to`; `None` if there is no such function, or it takes more than one step ([`explicit_expr`]).
 pub fn explicit(rules: Rules, from: Elementary, to: Elementary) -> Option<Conversion> {
     let overflow = if rules.is_300() { Overflow::Pattern } else { Overflow::LowBits };
     let value = Conversion::Value(overflow);
@@ -273,7 +273,7 @@ pub fn pair(name: &str) -> Option<(Elementary, Elementary)> {
     Some((Elementary::from_word(from)?, Elementary::from_word(to)?))
 }
 
-/// What ROUND, TRUNC, CEIL and FLOOR (upper case, without suffix) compute of a float whose result is an integer.
+/// The rounding of ROUND, TRUNC, CEIL and FLOOR (upper case, without suffix) from a float to an integer.
 pub fn rounding(rules: Rules, name: &str) -> Option<Conversion> {
     let overflow = if rules.is_300() { Overflow::Pattern } else { Overflow::LowBits };
     Some(match name {

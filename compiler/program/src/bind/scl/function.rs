@@ -15,12 +15,12 @@ use super::{convert, text};
 use crate::bind::{Binder, Ctx};
 use plcc_model::scl::{BinaryOp, Function, TimerKind};
 
-/// What a function computes.
+/// The computation of a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
-    /// Of a float, a float.
+    /// From a float, a float.
     Float(Function),
-    /// Of a number, of the same type.
+    /// From a number, a number of the same type.
     Absolute,
     /// The least or greatest of several values.
     Extreme(BinaryOp),

@@ -210,7 +210,7 @@ impl Binder<'_> {
         }
     }
 
-    /// As [`Self::position`], always as an expression.
+    /// Like [`Self::position`], always as an expression.
     fn address(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
         Some(match self.position(ctx, node)? {
             Position::Known(value) => {

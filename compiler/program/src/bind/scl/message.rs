@@ -72,7 +72,7 @@ fn short_name(ty: Elementary) -> &'static str {
     }
 }
 
-/// What a value is, for messages: `of type INT`, `a block`.
+/// A description of a value, for messages: `of type INT`, `a block`.
 pub fn described(value: &Value) -> String {
     match value {
         Value::Elementary(expr) => format!("of type {}", expr.ty.name()),

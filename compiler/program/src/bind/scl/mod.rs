@@ -61,7 +61,7 @@ use plcc_model::scl::Body;
 pub use reference::{effect, reference};
 pub use rules::{Rules, Scope};
 
-/// What an access is for.
+/// The purpose of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Intent {
     Read,

@@ -7,7 +7,7 @@ use super::constant;
 use super::value::Value;
 use plcc_binding::constant::Constant;
 
-/// What is known of an operand's type.
+/// The known facts about an operand's type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     Of(Elementary),

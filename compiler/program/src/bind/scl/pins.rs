@@ -51,7 +51,7 @@ impl Pin {
 pub struct Pins<'n> {
     /// Name of the pin, position among numbered ones, argument.
     given: Vec<(&'static str, usize, &'n Node)>,
-    /// Of the call's name.
+    /// The position of the call's name.
     pub name: Span,
     /// The variable of `ENO => x`, of functions that are calls of a block.
     pub eno: Option<&'n Node>,

@@ -69,7 +69,7 @@ pub enum Db {
     Dynamic(Expr),
 }
 
-/// What a name refers to.
+/// The meaning of a name.
 #[derive(Clone, Debug)]
 pub enum Thing {
     Spot(Spot),

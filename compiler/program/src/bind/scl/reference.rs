@@ -53,7 +53,7 @@ fn implicit_table() -> String {
     table
 }
 
-/// What `from` becomes by itself; in italics if it may not be intended.
+/// The types to which `from` converts implicitly; in italics if it may not be intended.
 fn targets(rules: Rules, from: Elementary) -> String {
     let (mut always, mut relaxed) = (Vec::new(), Vec::new());
     let known = |&to: &Elementary| to != from && (on_300(to) || !rules.is_300());

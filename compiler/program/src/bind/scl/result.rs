@@ -1,7 +1,7 @@
 //! Results that a library function writes into the target of an assignment itself, without an intermediate buffer.
 //!
 //! Texts: the maximum length of the target counts, not the longest STRING, so that a result that is too long is an error of the
-//! function. Numbers: FC 37 to FC 39 write nothing if the text has no number, and the target stays as it is.
+//! function. Numbers: FC 37 to FC 39 write nothing if the text has no number, and the target does not change.
 //! Source: STL reference, IEC function library; SCL reference, explicit conversions.
 
 use plcc_abi::image::BlockKind;

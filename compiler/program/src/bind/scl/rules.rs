@@ -69,7 +69,7 @@ pub struct TempUse {
     pub span: Span,
 }
 
-/// What is known while the statements of a block are bound.
+/// State while the statements of a block are bound.
 #[derive(Default)]
 pub struct Scope {
     pub rules: Rules,

@@ -73,7 +73,7 @@ pub fn type_word(value: &Value) -> Option<String> {
     Some(word.to_string())
 }
 
-/// As [`type_word`], of a type.
+/// Like [`type_word`], for a type.
 pub fn type_word_of(ty: &DataType) -> Option<String> {
     let word = match ty {
         DataType::Elementary(ty) => short(ty.name()),
@@ -106,7 +106,7 @@ pub fn is_wide_text(value: &Value) -> bool {
     }
 }
 
-/// What selects among the blocks of an instruction.
+/// The key that selects among the blocks of an instruction.
 enum Overload<'n> {
     Clock,
     /// A text.

@@ -35,7 +35,7 @@ const fn has_interlock(event: Event) -> bool {
     }
 }
 
-/// What is wrong with the event and the interlock of a row. `programmed`: its step has an interlock.
+/// Mistakes in the event and the interlock of a row. `programmed`: its step has an interlock.
 pub fn messages(action: &Action, programmed: bool) -> Vec<Diagnostic> {
     let (qualifier, span) = (action.qualifier.name(), action.qualifier_span);
     let mut messages = Vec::new();

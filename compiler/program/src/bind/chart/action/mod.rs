@@ -25,7 +25,7 @@ use crate::bind::{Binder, Ctx};
 use plcc_binding::similar;
 use plcc_model::scl::{CompareOp, Expr, ExprKind, Statement, StatementKind};
 
-/// What a step does, in the order of its rows.
+/// The code of a step, in order of its rows.
 #[derive(Default)]
 pub struct StepCode {
     /// In each call while it is active.
@@ -74,7 +74,7 @@ struct Rows {
     active: Vec<Statement>,
     /// Rows of S0.
     leaving: Vec<Statement>,
-    /// What timers and counters do after the rows of S0.
+    /// Statements of timers and counters after the rows of S0.
     left: Vec<Statement>,
     /// Operands that become 0 after the step.
     zero: Vec<(Spot, Span)>,

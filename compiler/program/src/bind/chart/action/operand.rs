@@ -90,7 +90,7 @@ pub fn plain_time(node: &Node) -> Cow<'_, Node> {
     }
 }
 
-/// What is used where something else is expected.
+/// A description of the operand, where something else is expected.
 pub fn thing_text(thing: &Thing) -> &'static str {
     match thing {
         Thing::Spot(_) => "a variable",

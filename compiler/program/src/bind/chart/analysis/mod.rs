@@ -81,7 +81,7 @@ struct Checked<'a> {
     manual: bool,
 }
 
-/// Mistakes in a chart by itself.
+/// Mistakes in a chart alone.
 fn check(chart: &Chart, span: Span, index: &Index, facts: &Facts) -> Vec<Diagnostic> {
     let mut messages = Vec::new();
     let known = names::check(chart, index, &mut messages);
