@@ -215,7 +215,7 @@ impl Binder<'_> {
         })
     }
 
-    /// A value with type `ty`; a bit string of the same width has it too.
+    /// A value as one of type `ty`; a bit string of the same width counts as one.
     fn of_width(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Expr> {
         let value = self.as_width(ctx, value, ty)?;
         self.scl_convert(ctx, value, ty)

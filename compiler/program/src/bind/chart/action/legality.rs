@@ -3,7 +3,7 @@
 use plcc_diag::{Code, Diagnostic};
 use plcc_syntax::chart::ast::{Action, Event, Qualifier};
 
-/// Whether a row must have an event.
+/// Whether a row must, may or must not have an event.
 #[derive(PartialEq)]
 enum Rule {
     Needed,

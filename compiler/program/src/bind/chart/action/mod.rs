@@ -298,7 +298,7 @@ fn moment(engine: &Engine, step: usize, action: &Action) -> Moment {
         (Some(event), Some(interlock)) => Some(and(event, interlock.clone(), span)),
         (event, _) => event,
     };
-    // Rows of S0 are where it occurs.
+    // Rows of S0 already run where the event occurs.
     let condition = pulse.clone().filter(|_| !leaving).or(interlock);
     Moment { condition, pulse, zeroed: engine.zeroed(span), leaving }
 }

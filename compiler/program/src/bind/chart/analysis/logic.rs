@@ -14,7 +14,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// Atoms of a truth table.
 const ATOMS_MAX: usize = 10;
 
-/// Largest number of parts in a formula that is decided with a truth table.
+/// Limit of parts in a formula that is decided with a truth table.
 const PARTS_MAX: usize = 1000;
 
 /// Largest number of elements in a network that is analyzed.

@@ -26,7 +26,7 @@ const PERMANENT_MAX: usize = 250;
 /// Limit of unknown names for which a similar name is searched.
 const SIMILAR_MAX: usize = 50;
 
-/// Reports names, numbers and limits. False if it is not clear which steps the transitions name.
+/// Checks names, numbers and limits. False if it is not clear which steps the transitions name.
 pub fn check(chart: &Chart, index: &Index, messages: &mut Vec<Diagnostic>) -> bool {
     let clear = duplicates(chart, messages);
     if chart.dialect != Dialect::Sfc {
@@ -136,7 +136,7 @@ fn counts(chart: &Chart, messages: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Reports more sequencers, or of more branches in one, than GRAPH allows. `sequencer` has, for each step, the first step of its sequencer.
+/// Reports more sequencers, or more branches in one, than GRAPH allows. `sequencer` has, for each step, the first step of its sequencer.
 pub fn check_sequencers(chart: &Chart, sequencer: &[usize], net: &Net, messages: &mut Vec<Diagnostic>) {
     if chart.dialect == Dialect::Sfc {
         return;
