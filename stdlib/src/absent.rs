@@ -1,6 +1,6 @@
-//! Instructions of the TIA Portal that plcc knows by name only.
+//! Instructions of the TIA Portal of which plcc only knows the name.
 
-/// Functions that the tools of the vendor have and plcc has not, unless a block of the standard library is called so.
+/// Functions that the vendor's tools have but plcc does not, unless a block of the standard library has the name.
 pub const NOT_SUPPORTED: &[&str] = &[
     "ReadFromArrayDB",
     "WriteToArrayDB",
@@ -39,7 +39,7 @@ pub const NOT_SUPPORTED: &[&str] = &[
     "Program_Alarm",
 ];
 
-/// True of a function that plcc knows by name only.
+/// True of a function of which plcc only knows the name.
 pub fn not_supported(name: &str) -> bool {
     NOT_SUPPORTED.iter().any(|known| known.eq_ignore_ascii_case(name.trim()))
 }

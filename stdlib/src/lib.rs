@@ -1,11 +1,11 @@
 //! Standard library: system functions and function blocks, and blocks of the libraries, as PLC source where possible.
 //!
-//! The sources are the declarations of all these blocks; the attribute `plcc` says where the code is. They are told apart by block
-//! once, without parsing them: a program pays only for what it names.
+//! The sources are the declarations of all these blocks; the attribute `plcc` states where the code is. They are split into blocks
+//! once, without parsing them: a program only pays for the blocks that it names.
 //!
 //! - SFC, SFB below [`TIA_NUMBERS`]: blocks of the CPU, by number and name.
-//! - FC, FB: blocks of the libraries of STEP 7 V5, by number and name. A block of the program by the same number replaces one.
-//! - SFC, SFB from [`TIA_NUMBERS`] on: instructions of the TIA Portal, which have a name and no number; see [`find_tia`].
+//! - FC, FB: blocks of the libraries of STEP 7 V5, by number and name. A block of the program with the same number replaces it.
+//! - SFC, SFB from [`TIA_NUMBERS`] on: instructions of the TIA Portal, which have a name but no number; see [`find_tia`].
 
 mod absent;
 mod library;
@@ -58,9 +58,9 @@ const SOURCES: &[(Language, &str)] = &[
 /// SFCs and SFBs from this number on are instructions of the TIA Portal. No program calls them by number.
 pub const TIA_NUMBERS: u16 = 1000;
 
-/// The own name of a component of an SFB's instance that programs call by another one, as exports of the TIA Portal do.
+/// The actual name of a component of an SFB's instance that programs call by another name, as exports of the TIA Portal do.
 ///
-/// `instance`: whether an SFB, and the number. The counters of one type share a layout, in which QU and QD are outputs of their own.
+/// `instance`: whether an SFB, and the number. The counters of one type share a layout, in which QU and QD are separate outputs.
 pub fn own_member(instance: Option<(bool, u16)>, name: &str) -> Option<&'static str> {
     let Some((true, number)) = instance else { return None };
     if number < TIA_NUMBERS {
@@ -83,7 +83,7 @@ pub enum Form {
     Source,
     /// In the runtime, under the block's number.
     Runtime,
-    /// Nowhere: a program that uses it is told so.
+    /// Nowhere: using it is reported.
     NotShipped,
 }
 
@@ -105,9 +105,9 @@ pub struct SystemBlock {
     pub name: &'static str,
     /// The block's own source.
     pub source: &'static str,
-    /// The comment above it, or at its head, as it stands there: what the block does.
+    /// The comment above it, or at its head, as written there: what the block does.
     pub comment: &'static str,
-    /// Where its behaviour is described: what stands behind `Source:` at the head of its file, `//` of following lines included.
+    /// Where its behaviour is described: the text after `Source:` at the head of its file, including `//` of following lines.
     pub origin: &'static str,
     pub form: Form,
     pub language: Language,
@@ -126,12 +126,12 @@ pub fn blocks() -> &'static [SystemBlock] {
     BLOCKS.get_or_init(|| SOURCES.iter().flat_map(|(language, source)| index(*language, source)).collect())
 }
 
-/// A block by kind and number.
+/// The block with this kind and number.
 pub fn find(class: BlockClass, number: u16) -> Option<&'static SystemBlock> {
     blocks().iter().find(|block| block.class == class && block.number == number)
 }
 
-/// Names that symbol tables have for the IEC functions, FC 1 to FC 40, with their standard names.
+/// Names of the IEC functions in symbol tables, FC 1 to FC 40, with their standard names.
 #[rustfmt::skip]
 const LONG_NAMES: &[(&str, &str)] = &[
     ("ADD DT TIME", "AD_DT_TM"),
@@ -175,12 +175,12 @@ const LONG_NAMES: &[(&str, &str)] = &[
     ("TIME to S5TIME", "TIM_S5TI"),
 ];
 
-/// The standard name of a block that symbol tables call by a longer one, `DT to DATE` for DT_DATE; else the name itself.
+/// The standard name of a block that symbol tables call by a longer one, `DT to DATE` for DT_DATE; otherwise the name itself.
 pub fn standard_name(name: &str) -> &str {
     LONG_NAMES.iter().find(|(long, _)| long.eq_ignore_ascii_case(name.trim())).map_or(name, |(_, short)| short)
 }
 
-/// A block of the CPU or of a library of STEP 7 V5 by standard name, in any letter case. A block of the CPU comes first.
+/// A block of the CPU or of a library of STEP 7 V5 by standard name, in any letter case. A block of the CPU has priority.
 pub fn find_name(name: &str) -> Option<&'static SystemBlock> {
     let name = standard_name(name);
     blocks()
@@ -194,10 +194,10 @@ pub fn find_tia(name: &str) -> Option<&'static SystemBlock> {
     blocks().iter().find(|block| block.is_tia() && block.name.eq_ignore_ascii_case(name))
 }
 
-/// An attribute line of an FB that is an SFB, too, and its number behind it.
+/// An attribute line of an FB that is also an SFB, followed by its number.
 const ALSO_SFB: &str = "{ plcc_also := 'SFB ";
 
-/// Cuts a source at its block frames, which begin and end at the start of a line.
+/// Splits a source at its block frames, which begin and end at the start of a line.
 fn index(language: Language, source: &'static str) -> Vec<SystemBlock> {
     let mut found = Vec::new();
     let origin = source.split_once("Source: ").map_or("", |(_, rest)| rest.split("\n//\n").next().unwrap_or(""));
@@ -221,7 +221,7 @@ fn index(language: Language, source: &'static str) -> Vec<SystemBlock> {
                 ..block
             });
             found.extend(block);
-            // The CPU has some library FBs as SFBs, too.
+            // The CPU also has some library FBs as SFBs.
             let also = block.and_then(|block| block.source.lines().find_map(|line| line.strip_prefix(ALSO_SFB)));
             let number = also.and_then(|rest| rest.split('\'').next()?.parse().ok());
             found.extend(block.zip(number).map(|(block, number)| SystemBlock {
@@ -238,7 +238,7 @@ fn index(language: Language, source: &'static str) -> Vec<SystemBlock> {
     found
 }
 
-/// The first comment inside a block: lines one after the other.
+/// The first comment inside a block: consecutive lines.
 fn inner_comment(source: &'static str) -> &'static str {
     let Some(start) = source.find("\n//") else { return "" };
     let text = &source[start + 1..];

@@ -1,6 +1,6 @@
-//! Blocks of the Siemens libraries that are known by name and not shipped yet.
+//! Blocks of the Siemens libraries that are known by name but not included yet.
 //!
-//! Their numbers belong to the user; only their standard names mean them.
+//! Their numbers belong to the user; only their standard names refer to them.
 
 /// A function (FC) or function block (FB) of a library.
 #[derive(Clone, Copy, Debug)]

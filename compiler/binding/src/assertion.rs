@@ -1,4 +1,4 @@
-//! By what types the sides of an assertion compare. The rules are those of docs/testing.md, the same for every language.
+//! By which types the sides of an assertion compare. The rules are in docs/testing.md and are the same for every language.
 
 use plcc_abi::image::{AssertCondition, AssertConstant, AssertKind, AssertOp, AssertType};
 use plcc_diag::{Code, Diagnostic, Span};
@@ -18,11 +18,11 @@ pub enum Type {
     WideText,
 }
 
-/// A constant whose type the other side tells.
+/// A constant that gets its type from the other side.
 #[derive(Clone, Debug)]
 pub struct Literal {
     pub constant: Option<Constant>,
-    /// The bits that `L` brings; `None`: it cannot be loaded, or the width of the other side decides.
+    /// The bits that `L` loads; `None`: it cannot be loaded, or the width of the other side decides.
     pub loaded: Option<u64>,
 }
 
@@ -45,7 +45,7 @@ pub enum What<S> {
     },
 }
 
-/// Why sides cannot be compared: place, what is wrong, what to write.
+/// Why sides cannot be compared: position, what is wrong, what to write.
 pub struct Mismatch {
     pub span: Span,
     pub title: String,
@@ -54,12 +54,12 @@ pub struct Mismatch {
 
 impl Mismatch {
     pub fn message(self) -> Diagnostic {
-        Diagnostic::new(Code::Pragma, self.span, self.title).label("cannot be compared so").help(self.help)
+        Diagnostic::new(Code::Pragma, self.span, self.title).label("cannot be compared like this").help(self.help)
     }
 }
 
 impl Type {
-    /// The type behind `as`.
+    /// The type after `as`.
     pub fn from_word(word: &str) -> Option<Type> {
         match word.to_ascii_uppercase().as_str() {
             "STRING" => Some(Type::Text),
@@ -80,12 +80,12 @@ impl Type {
         }
     }
 
-    /// Code brings where the value is, not the value.
+    /// Code supplies the address of the value, not the value.
     pub const fn is_in_memory(self) -> bool {
         matches!(self, Type::Dtl | Type::Text | Type::WideText)
     }
 
-    /// In bits; of what is in memory that of a byte, which is where it begins.
+    /// In bits; for a value in memory that of a byte, where it begins.
     pub const fn width(self) -> u8 {
         match self {
             Type::Elementary(ty) => ty.bits() as u8,
@@ -126,7 +126,7 @@ impl Type {
         }
     }
 
-    /// What its values are compared as, with others of their kind.
+    /// The type as which its values compare with others of its kind.
     const fn kind(self) -> AssertKind {
         match self {
             Type::DateAndTime | Type::Dtl => AssertKind::Moment,
@@ -177,7 +177,7 @@ pub const fn op(op: ast::AssertOp) -> AssertOp {
     }
 }
 
-/// True for an assertion that marks a place which must not be reached.
+/// True for an assertion that marks code that must not be reached.
 pub fn is_trap<S>(condition: &AssertCondition, comparisons: &[Comparison<S>]) -> bool {
     match (condition, comparisons) {
         (AssertCondition::Compare(_), [Comparison { left, right, .. }]) => match (&left.value, &right.value) {
@@ -188,7 +188,7 @@ pub fn is_trap<S>(condition: &AssertCondition, comparisons: &[Comparison<S>]) ->
     }
 }
 
-/// A literal with `as TYPE` behind it.
+/// A literal with `as TYPE` after it.
 pub fn typed_literal<S>(literal: &Literal, ty: Type, span: Span) -> Result<Side<S>, Mismatch> {
     let (_, own, constant) = beside(ty, literal, AssertOp::Lt, span)?;
     if own != ty {
@@ -243,7 +243,7 @@ pub fn compare<S>(op: AssertOp, left: Side<S>, right: Side<S>) -> Result<Compari
                     (kind, other, ty.compared())
                 }
                 (Some(left), Some(right)) => {
-                    // A bit string is the pattern of the other side's type, if they are of one width.
+                    // A bit string is a pattern of the other side's type if the widths are the same.
                     let same = left.width() == right.width() && left.is_bits() != right.is_bits();
                     let same = same && !left.is_in_memory() && !right.is_in_memory();
                     let (left, right) = match (same, left.is_bits()) {
@@ -259,15 +259,15 @@ pub fn compare<S>(op: AssertOp, left: Side<S>, right: Side<S>) -> Result<Compari
     }
 }
 
-/// A value of type `ty` beside bits without a type.
+/// A value of type `ty` next to bits without a type.
 fn with_bits(ty: Type, width: u8, op: AssertOp, typed: Span, bits: Span) -> Result<(AssertKind, AssertType), Mismatch> {
     if width == ty.width() && !ty.is_in_memory() {
         return Ok((if ty.is_bits() { AssertKind::Bits } else { ty.kind() }, ty.compared()));
     }
     let refused = Mismatch {
         span: bits,
-        title: format!("these {width} bits are no {}", ty.name()),
-        help: format!("write the type behind it, e.g. `as {}`", if ty.is_in_memory() { ty.name() } else { "INT" }),
+        title: format!("these {width} bits are not a value of type {}", ty.name()),
+        help: format!("write the type after it, e.g. `as {}`", if ty.is_in_memory() { ty.name() } else { "INT" }),
     };
     match ty {
         Type::Elementary(own) if !own.is_float() => {
@@ -300,7 +300,7 @@ fn between(left: Type, right: Type, left_span: Span, right_span: Span) -> Result
         _ => Err(Mismatch {
             span: left_span.to(right_span),
             title: format!("{} and {} cannot be compared", left.name(), right.name()),
-            help: "compare values of related types, or take the bits of one side for another type: `as INT`"
+            help: "compare values of related types, or interpret the bits of one side as another type: `as INT`"
                 .to_string(),
         }),
     }
@@ -309,7 +309,7 @@ fn between(left: Type, right: Type, left_span: Span, right_span: Span) -> Result
 /// Kind, type of the value, type and value of the constant.
 type WithLiteral = (AssertKind, AssertType, (AssertType, AssertConstant));
 
-/// A value beside a constant, which takes its type.
+/// A value next to a constant, which gets its type.
 fn with_literal(
     ty: Option<Type>,
     width: u8,
@@ -330,7 +330,7 @@ fn is_order(op: AssertOp) -> bool {
     !matches!(op, AssertOp::Eq | AssertOp::Ne)
 }
 
-/// Bits beside a constant: as `L` loads it.
+/// Bits next to a constant: as `L` loads it.
 fn with_untyped(width: u8, literal: &Literal, op: AssertOp, span: Span) -> Result<WithLiteral, Mismatch> {
     let bits = AssertType::Bits(width);
     if let Some(Constant::Real(value)) = literal.constant {
@@ -357,7 +357,7 @@ fn with_untyped(width: u8, literal: &Literal, op: AssertOp, span: Span) -> Resul
         });
     }
     let value = match (whole, literal.loaded) {
-        // What `L -5` brings is 16 bits wide, with zeros before them; a byte keeps its own.
+        // `L -5` loads 16 bits, with zeros before them; a byte keeps its own bits.
         (Some(value), Some(loaded)) if value >= 0 || width >= 16 => Some(i128::from(loaded)),
         (Some(value), _) => (value >= -limit / 2).then(|| value.rem_euclid(limit)).filter(|_| value < limit),
         (None, Some(loaded)) => Some(i128::from(loaded)),
@@ -375,7 +375,7 @@ fn does_not_fit(what: &str, span: Span) -> Mismatch {
     Mismatch {
         span,
         title: format!("this constant does not fit {what}"),
-        help: "an assertion that no value can meet, or that every value meets, tests nothing".to_string(),
+        help: "an assertion that no value or every value satisfies tests nothing".to_string(),
     }
 }
 
@@ -401,7 +401,7 @@ fn is_pattern(constant: &Constant) -> bool {
     }
 }
 
-/// A constant beside a value of type `ty`: how they compare, and the constant with its type.
+/// A constant next to a value of type `ty`: how they compare, and the constant with its type.
 fn beside(
     ty: Type,
     literal: &Literal,
@@ -410,7 +410,7 @@ fn beside(
 ) -> Result<(AssertKind, Type, AssertConstant), Mismatch> {
     let wrong = || Mismatch {
         span,
-        title: format!("this constant is no {}", ty.name()),
+        title: format!("this constant is not of type {}", ty.name()),
         help: match ty {
             Type::Elementary(own) => format!("write it as {}", crate::value::example(own)),
             Type::DateAndTime | Type::Dtl => "write it as DT#2000-6-20-5:45:00 or DTL#2000-6-20-5:45:00".to_string(),
@@ -419,7 +419,7 @@ fn beside(
     };
     let bits = |kind, own, bits| Ok((kind, Type::Elementary(own), AssertConstant::Bits(bits)));
     let Some(constant) = &literal.constant else {
-        // `B#(1,8)`, a pointer: what its bits are.
+        // `B#(1,8)`, a pointer: its bits.
         return match (ty, literal.loaded) {
             (Type::Elementary(own), Some(loaded)) if loaded < 1 << own.bits().min(63) && !is_order(op) => {
                 bits(AssertKind::Bits, own, loaded)
@@ -441,7 +441,7 @@ fn beside(
         }
         Type::DateAndTime | Type::Dtl => return moment(constant).ok_or_else(wrong),
     };
-    // A pattern is equal to what has its bits, a NaN included.
+    // A pattern is equal to anything with its bits, even a NaN.
     let number = constant.integer();
     let raw = |kind: AssertKind| {
         let value = number.ok_or_else(wrong)?;
@@ -503,7 +503,7 @@ fn moment(constant: &Constant) -> Option<(AssertKind, Type, AssertConstant)> {
     Some((AssertKind::Moment, ty, constant))
 }
 
-/// A constant beside another constant: its own type.
+/// A constant next to another constant: its own type.
 fn natural(literal: &Literal, span: Span) -> Result<(Type, AssertConstant), Mismatch> {
     let elementary = |ty, bits| Ok((Type::Elementary(ty), AssertConstant::Bits(bits)));
     let none = || Mismatch {

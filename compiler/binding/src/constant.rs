@@ -1,6 +1,6 @@
-//! Values that are known when a program is compiled: constants of blocks, array bounds, CASE labels, initial values.
+//! Values that are known at compile time: constants of blocks, array bounds, CASE labels, initial values.
 //!
-//! [`fold`] computes operators, [`fit`] gives a constant the type of its place.
+//! [`fold`] computes operators, [`fit`] gives a constant the type of its context.
 
 pub mod fit;
 pub mod fold;
@@ -24,7 +24,7 @@ pub enum Constant {
         ty: Elementary,
         bits: u64,
     },
-    /// In Windows-1252; not `typed` and one character long it may be a CHAR.
+    /// In Windows-1252; if not `typed` and one character long, it may be a CHAR.
     Text {
         bytes: Vec<u8>,
         typed: bool,
@@ -38,7 +38,7 @@ pub enum Constant {
 pub type Constants = FxHashMap<String, Constant>;
 
 impl Constant {
-    /// A constant as STL writes it. Errors: pointers, which are no values of variables.
+    /// A constant as STL writes it. Errors: pointers, which are not values of variables.
     pub fn of_stl(value: &literal::Literal) -> Option<Constant> {
         use literal::Literal;
         let typed = |ty, bits| Some(Constant::Typed { ty, bits });
@@ -63,7 +63,7 @@ impl Constant {
         }
     }
 
-    /// The constant that a literal of SCL is; none for pointers, NIL and NULL.
+    /// The constant for a literal of SCL; none for pointers, NIL and NULL.
     pub fn of_literal(value: &Literal) -> Option<Constant> {
         match value {
             Literal::Integer { value, based } => Some(Constant::Integer { value: i128::from(*value), based: *based }),
@@ -86,7 +86,7 @@ impl Constant {
         }
     }
 
-    /// What it is, for messages.
+    /// A description of it, for messages.
     pub fn describe(&self) -> String {
         match self {
             Constant::Integer { .. } => "an integer constant".to_string(),

@@ -1,11 +1,11 @@
-//! What binders share, whatever the family: what they are given and give, constants, assertions, messages about missing things.
+//! Parts that binders of all families share: their input and output, constants, assertions, messages about missing names.
 //!
-//! - [`BindInput`], [`Bound`]: what is bound, and what comes of it.
+//! - [`BindInput`], [`Bound`]: what is bound, and the result.
 //! - [`constant`], [`value`]: constants with their exact values, and their bytes as values of a type.
 //! - [`assertion`], [`pragma`]: the types by which assertions compare, and pragmas of files.
-//! - [`report`]: messages, with one list of what is named and defined nowhere; [`stand_ins`]: what takes its place.
+//! - [`report`]: messages, with one list of names that are defined nowhere; [`stand_ins`]: what replaces them.
 //!
-//! **Invariant**: knows no language's rules; no binder names another.
+//! **Invariant**: independent of the rules of a language; no binder refers to another.
 
 pub mod assertion;
 pub mod constant;
@@ -23,7 +23,7 @@ use plcc_model::Program;
 use plcc_syntax::ast::SourceUnit;
 use plcc_syntax::symbols::SymbolTable;
 
-/// What is bound.
+/// The input of a binder.
 pub struct BindInput<'a> {
     /// Name of the program.
     pub name: String,
@@ -32,11 +32,11 @@ pub struct BindInput<'a> {
     pub tables: &'a [SymbolTable],
     pub profile: Profile,
     pub config: Config,
-    /// Undefined names and blocks are warnings, and what depends on them goes unchecked.
+    /// Undefined names and blocks are warnings, and parts that depend on them are not checked.
     pub partial: bool,
-    /// The file of declarations that stand in for what is missing, whose tags lie beyond the CPU's memory.
+    /// The file of declarations that stand in for missing names; its tags are beyond the CPU's memory.
     pub stand_ins: Option<FileId>,
-    /// Obey assertion pragmas.
+    /// Honor assertion pragmas.
     pub pragmas: bool,
     /// A program without OB 1 is an error.
     pub require_main: bool,
@@ -48,6 +48,6 @@ pub struct BindInput<'a> {
 pub struct Bound {
     pub program: Program,
     pub diagnostics: Vec<Diagnostic>,
-    /// What is named and defined nowhere; each has a message among the others.
+    /// Names that are defined nowhere; each has a message among the others.
     pub missing: Vec<report::Uses>,
 }

@@ -2,17 +2,17 @@
 
 use plcc_syntax::distance;
 
-/// Names in the form in which they are compared: letter case and outer blanks do not matter.
+/// A name in the form in which names are compared: without letter case and outer blanks.
 pub fn fold(name: &str) -> String {
     let name = name.trim();
     if name.is_ascii() { name.to_ascii_lowercase() } else { name.to_lowercase() }
 }
 
-/// The name that differs least from `name`, if it differs by a slip only.
+/// The name that differs least from `name`, if it only differs by a slip.
 pub fn similar<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     const CANDIDATES: usize = 500;
     let wanted = fold(name);
-    // Names of one letter resemble each other always.
+    // Names of one letter always resemble each other.
     let limit = match wanted.chars().count() {
         0 | 1 => return None,
         2 | 3 => 1,

@@ -33,7 +33,7 @@ pub fn file_pragma(report: &mut Report, pragma: &Pragma, settings: &mut TestSett
                 bad_pragma(
                     report,
                     pragma.span,
-                    "`test` takes `cycles=N`, `expect=fail CODE` or `partial`",
+                    "`test` needs `cycles=N`, `expect=fail CODE` or `partial`",
                     "write `//@ test cycles=10`, `//@ test expect=fail 16#2521` or `//@ test partial`",
                 );
             }
@@ -41,8 +41,8 @@ pub fn file_pragma(report: &mut Report, pragma: &Pragma, settings: &mut TestSett
         "assert" | "sleep" => bad_pragma(
             report,
             pragma.span,
-            &format!("`{word}` must stand between the statements of a block"),
-            "move it behind the statement after which it holds",
+            &format!("`{word}` must be between the statements of a block"),
+            "move it after the statement that it checks",
         ),
         _ if word.starts_with('^') => {}
         _ => unknown_pragma(report, pragma),
@@ -59,17 +59,17 @@ fn is_code(text: &str) -> bool {
     text.is_empty() || text.starts_with(char::is_whitespace) && known
 }
 
-/// A line `//@` that is none of the pragmas.
+/// A line `//@` that is not a pragma.
 pub fn unknown_pragma(report: &mut Report, pragma: &Pragma) {
     bad_pragma(
         report,
         pragma.span,
-        &format!("`{}` is no pragma", split(&pragma.text).0),
+        &format!("`{}` is not a pragma", split(&pragma.text).0),
         "the pragmas are assert, sleep, cpu and test; a plain comment begins with `//`",
     );
 }
 
-/// A pragma that is not built as it must be.
+/// A pragma with an invalid form.
 pub fn bad_pragma(report: &mut Report, span: Span, title: &str, help: &str) {
     report.push(Diagnostic::new(Code::Pragma, span, title).label("not understood").help(help));
 }

@@ -1,4 +1,4 @@
-//! Messages of binding, with one list of everything that is named and defined nowhere.
+//! Messages of binding, with one list of all names that are defined nowhere.
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::BlockPrefix;
@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{fold, similar};
 
-/// Up to here a block number alone is no hint at a library block.
+/// Up to this number, a block number alone does not point to a library block.
 const LOW_NUMBERS: u16 = 40;
 
 /// The messages so far.
@@ -15,11 +15,11 @@ pub struct Report {
     missing: Vec<Missing>,
     index: FxHashMap<MissingKey, usize>,
     partial: bool,
-    /// Data blocks of which no source tells the number.
+    /// Data blocks whose number no source states.
     pub unnumbered_dbs: Vec<String>,
 }
 
-/// Something that is used and defined nowhere.
+/// A name or block that is used but defined nowhere.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum MissingKey {
     /// A symbol or a data type, folded.
@@ -30,7 +30,7 @@ pub enum MissingKey {
     Local(String),
     /// A block to call.
     Block(BlockPrefix, u16),
-    /// A block of the CPU or of a library that is not here, by number.
+    /// A block of the CPU or of a library that plcc does not have, by number.
     NotShipped(BlockPrefix, u16),
     /// A data block addressed by number.
     Db(u16),
@@ -38,7 +38,7 @@ pub enum MissingKey {
     DbLayout(u16),
 }
 
-/// Something that is missing, and where it is used.
+/// A missing name or block, and where it is used.
 pub struct Uses {
     pub key: MissingKey,
     pub diagnostic: Diagnostic,
@@ -48,7 +48,7 @@ pub struct Uses {
 struct Missing {
     key: MissingKey,
     diagnostic: Diagnostic,
-    /// Where it is used, each place once however often it is looked at.
+    /// Where it is used, each position once even if it is visited several times.
     places: FxHashSet<Span>,
 }
 
@@ -63,7 +63,7 @@ impl Report {
         }
     }
 
-    /// No error was told of, and nothing is undefined.
+    /// No error was reported, and nothing is undefined.
     pub fn is_clean(&self) -> bool {
         self.missing.is_empty() && !self.diagnostics.iter().any(Diagnostic::is_error)
     }
@@ -72,7 +72,7 @@ impl Report {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Notes a use of something that is defined nowhere; it is told of once, at its first use in the sources.
+    /// Notes a use of an undefined name or block; it is reported once, at its first use in the sources.
     pub fn missing(&mut self, key: MissingKey, span: Span, make: impl FnOnce() -> Diagnostic) {
         match self.index.get(&key) {
             Some(&at) => {
@@ -95,27 +95,27 @@ impl Report {
             let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
                 .label("no symbol table and no block has this name");
             match misread_address(name) {
-                Some(address) => message.help(format!("if the address is meant, write `{address}`")),
+                Some(address) => message.help(format!("if you mean the address, write `{address}`")),
                 None => message.help("add the symbol table of the project to the sources, or define the block"),
             }
         });
     }
 
-    /// A constant by a name that nothing defines.
+    /// A constant with a name that nothing defines.
     pub fn missing_constant(&mut self, name: &str, span: Span) {
         self.missing(MissingKey::Constant(fold(name)), span, || {
             Diagnostic::new(Code::ConstantRequired, span, format!("the constant `{name}` is not defined"))
-                .label("a value that is known when the program is compiled must stand here")
-                .help("declare it before in VAR CONSTANT or CONST, add the tag table that has it, or write the number")
+                .label("a value that is known at compile time is expected here")
+                .help("declare it first, in VAR CONSTANT or CONST, add the tag table that has it, or write the number")
         });
     }
 
-    /// A function of SCL by a name that means nothing, or that plcc does not have.
+    /// A function of SCL whose name means nothing, or that plcc does not have.
     pub fn missing_function(&mut self, name: &str, span: Span, meant: Option<String>, known: bool) {
         self.missing(MissingKey::Symbol(fold(name)), span, || match known {
             true => Diagnostic::new(Code::NotShipped, span, format!("the function `{name}` is not supported"))
-                .label("plcc knows this function but does not have it")
-                .help("do without it, or write a function that does the work"),
+                .label("plcc knows this function but does not support it")
+                .help("avoid it, or write a function that does the same"),
             false => {
                 let message =
                     Diagnostic::new(Code::UnknownBlock, span, format!("the function `{name}` is not defined"))
@@ -128,11 +128,11 @@ impl Report {
         });
     }
 
-    /// A block of the program by the name of a library block, whose parameters it does not have.
+    /// A block of the program with the name of a library block, but other parameters.
     pub fn missing_own(&mut self, name: &str, span: Span) {
         self.missing(MissingKey::Symbol(fold(name)), span, || {
             Diagnostic::new(Code::UnknownBlock, span, format!("the block `{name}` is not defined"))
-                .label("the block of the library by this name has other parameters, so one of the program is meant")
+                .label("the library block with this name has other parameters, so this must be a block of the program")
                 .help("add the source that defines it")
         });
     }
@@ -146,8 +146,8 @@ impl Report {
             }
             if plcc_stdlib::not_supported(name) {
                 return Diagnostic::new(Code::UnknownType, span, format!("plcc does not have `{name}`"))
-                    .label("an instruction of the TIA Portal that plcc knows by its name only")
-                    .help("do without it, or write an FB of this name that does the work");
+                    .label("plcc only knows the name of this instruction of the TIA Portal")
+                    .help("avoid it, or write an FB with this name that does the same");
             }
             Diagnostic::new(Code::UnknownType, span, format!("the data type `{name}` is not defined"))
                 .label("neither a type of STL nor a UDT or FB of the program")
@@ -163,13 +163,13 @@ impl Report {
             let name = format!("{} {number}", prefix.letters());
             let message = Diagnostic::new(Code::UnknownBlock, span, format!("{name} is not defined"))
                 .label("no source of the program defines this block");
-            // Low numbers are mostly the user's own.
+            // Low numbers are usually the user's own.
             let library = plcc_stdlib::LIBRARY.iter().find(|block| {
                 block.number == number && block.fb == (prefix == BlockPrefix::Fb) && number > LOW_NUMBERS
             });
             match (prefix, library) {
                 (BlockPrefix::Fc | BlockPrefix::Fb, Some(block)) => message.help(format!(
-                    "add the source that defines it; {name} is often the number of the library block `{}`, which is not shipped yet",
+                    "add the source that defines it; {name} is often the number of the library block `{}`, which plcc does not include yet",
                     block.name
                 )),
                 (BlockPrefix::Sfc | BlockPrefix::Sfb, _) => message.help("no S7-300/400 CPU is known to have it"),
@@ -178,14 +178,14 @@ impl Report {
         });
     }
 
-    /// A block that the CPU or a Siemens library has and plcc has not.
+    /// A block that the CPU or a Siemens library has but plcc does not.
     pub fn not_shipped(&mut self, prefix: BlockPrefix, number: u16, name: &str, span: Span) {
         self.missing(MissingKey::NotShipped(prefix, number), span, || {
             let block = format!("{} {number}", prefix.letters());
-            Diagnostic::new(Code::NotShipped, span, format!("{block} `{name}` is not shipped yet"))
-                .label("plcc knows this block but does not have it")
+            Diagnostic::new(Code::NotShipped, span, format!("{block} `{name}` is not included yet"))
+                .label("plcc knows this block but does not include it")
                 .help(match prefix {
-                    BlockPrefix::Sfc | BlockPrefix::Sfb => "do without it, or call another block that does the work",
+                    BlockPrefix::Sfc | BlockPrefix::Sfb => "avoid it, or call another block that does the same",
                     _ => "add a source that defines it",
                 })
         });
@@ -200,15 +200,15 @@ impl Report {
         });
     }
 
-    /// A DB whose components cannot be known.
+    /// A DB with unknown components.
     pub fn missing_db_layout(&mut self, number: u16, span: Span) {
         let help = match self.unnumbered_dbs.as_slice() {
             [] => "add the source that defines it".to_string(),
             [name] => format!(
-                "if it is `{name}`, write the number into that source, or name `{name}` here; else add its source"
+                "if it is `{name}`, write the number into that source, or name `{name}` here; otherwise add its source"
             ),
             [name, ..] => format!(
-                "if it is one without a number, such as `{name}`, write the number into that source; else add its source"
+                "if it is one without a number, such as `{name}`, write the number into that source; otherwise add its source"
             ),
         };
         self.missing(MissingKey::DbLayout(number), span, || {
@@ -222,13 +222,13 @@ impl Report {
         });
     }
 
-    /// All messages, with what is defined nowhere last, in one list; that list comes by itself, too.
+    /// All messages, followed by the undefined names in one list; also returns that list separately.
     pub fn finish(self) -> (Vec<Diagnostic>, Vec<Uses>) {
         let Report { mut diagnostics, missing, index, partial, unnumbered_dbs: _ } = self;
         let mut list = Vec::with_capacity(missing.len());
         for Missing { key, mut diagnostic, places } in missing {
             let uses = places.len();
-            // That a DB is not there is told once.
+            // A missing DB is reported once.
             if let MissingKey::Db(number) = key
                 && index.contains_key(&MissingKey::DbLayout(number))
             {
@@ -236,7 +236,7 @@ impl Report {
             }
             if uses > 1 {
                 let label = std::mem::take(&mut diagnostic.primary.text);
-                diagnostic.primary.text = format!("{label}; the first of {uses} places");
+                diagnostic.primary.text = format!("{label}; the first of {uses} uses");
             }
             if partial && !matches!(key, MissingKey::Db(_)) {
                 diagnostic.severity = Severity::Warning;
@@ -248,7 +248,7 @@ impl Report {
     }
 }
 
-/// Names that are addresses with a slip: `MO.0`, `Q01`.
+/// Names that are misspelt addresses: `MO.0`, `Q01`.
 fn misread_address(name: &str) -> Option<String> {
     let upper = name.trim().to_ascii_uppercase();
     let letters: String = upper.chars().take_while(|letter| "IQEAM".contains(*letter)).take(1).collect();

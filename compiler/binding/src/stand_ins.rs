@@ -1,4 +1,4 @@
-//! Programs with missing parts: what stands in for them, what is left out, and what is told about both.
+//! Programs with missing parts: their stand-ins, the parts that are left out, and the messages about both.
 
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use plcc_model::Program;
@@ -9,20 +9,20 @@ use rustc_hash::FxHashSet;
 use crate::report::{MissingKey, Uses};
 use crate::{BindInput, Bound, fold};
 
-/// A partial program that was made whole.
+/// A partial program that has been completed.
 pub struct Completed {
     pub program: Program,
     pub diagnostics: Vec<Diagnostic>,
-    /// Text of the file in which the stand-ins have their places: the next one of the source map.
+    /// Text of the file with the positions of the stand-ins: the next file of the source map.
     pub stand_ins: String,
 }
 
-/// Something that is defined nowhere.
+/// A name or block that is defined nowhere.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Missing {
     /// A name, folded.
     Name(String),
-    /// A block by its number; UDTs too.
+    /// A block by its number; also UDTs.
     Block(u8, u16),
 }
 
@@ -35,14 +35,14 @@ impl Missing {
         Missing::Name(fold(name))
     }
 
-    /// A block by its number; none for kinds that nothing can stand in for.
+    /// A block by its number; none for kinds without stand-ins.
     pub fn block(prefix: BlockPrefix, number: u32) -> Option<Missing> {
         let prefix = if prefix == BlockPrefix::Di { BlockPrefix::Db } else { prefix };
         let at = PREFIXES.iter().position(|known| *known == prefix)?;
         Some(Missing::Block(at as u8, u16::try_from(number).ok()?))
     }
 
-    /// Letters and number, if it is a block by its number.
+    /// Prefix and number, if it is a block by its number.
     pub fn numbered(&self) -> Option<(BlockPrefix, u16)> {
         match self {
             Missing::Block(at, number) => Some((PREFIXES[usize::from(*at)], *number)),
@@ -82,7 +82,7 @@ pub struct LeftOut {
     pub what: &'static str,
 }
 
-/// Codes and places of the errors.
+/// Codes and positions of the errors.
 pub fn errors(diagnostics: &[Diagnostic]) -> impl Iterator<Item = (Code, Span)> {
     diagnostics
         .iter()
@@ -90,29 +90,29 @@ pub fn errors(diagnostics: &[Diagnostic]) -> impl Iterator<Item = (Code, Span)> 
         .map(|diagnostic| (diagnostic.code, diagnostic.primary.span))
 }
 
-/// What stands in for one thing, in words.
+/// The stand-in for one name, in words.
 pub struct Told {
     pub missing: Missing,
     /// The whole line.
     pub line: String,
-    /// Without the name of the thing.
+    /// Without the name.
     pub what: String,
 }
 
-/// What became of the parts of a program.
+/// The stand-ins of a program, and the parts that were left out.
 pub struct Parts {
     pub told: Vec<Told>,
-    /// Components that data blocks got: the place of the data block's name, and a line.
+    /// Components that data blocks got: the position of the data block's name, and a line.
     pub added: Vec<(Span, String)>,
     pub left: Vec<LeftOut>,
-    /// An empty main program stands in for one that is missing.
+    /// An empty main program stands in for a missing one.
     pub no_main: bool,
     /// Text of the file of stand-ins.
     pub stand_ins: String,
 }
 
-/// The program with its messages: those of the first binding but for errors that only came of what was missing, what stands in and what is left
-/// out. `places`: what could not be left out, and remains an error.
+/// The program with its messages: those of the first binding except errors that missing names caused, the stand-ins, and the parts left
+/// out. `places`: parts that could not be left out, which remain errors.
 pub fn finish(
     input: &BindInput,
     first: Bound,
@@ -144,7 +144,7 @@ pub fn finish(
 
 fn missing_of(key: &MissingKey) -> Option<Missing> {
     match key {
-        // What is local to statements without a header has no type that could be known.
+        // A local name of statements without a header has no type that could be known.
         MissingKey::Local(_) => None,
         MissingKey::Symbol(name) | MissingKey::Constant(name) => Some(Missing::Name(name.clone())),
         MissingKey::Block(prefix, number) | MissingKey::NotShipped(prefix, number) => {
@@ -154,7 +154,7 @@ fn missing_of(key: &MissingKey) -> Option<Missing> {
     }
 }
 
-/// Lists what stands in and what is left out: in the messages, and in lines for the start of a run.
+/// Lists the stand-ins and the parts left out: in the messages, and in lines for the start of a run.
 fn tell(input: &BindInput, missing: &[Uses], parts: &Parts, diagnostics: &mut Vec<Diagnostic>) -> Vec<String> {
     let mut lines = Vec::new();
     if parts.no_main {
@@ -194,7 +194,7 @@ fn tell(input: &BindInput, missing: &[Uses], parts: &Parts, diagnostics: &mut Ve
         lines.push(format!("{}:{line}: {} is left out", source.name, part.what.trim_end_matches(',')));
         diagnostics.push(
             Diagnostic::new(Code::LeftOut, part.span, format!("{} is left out", part.what))
-                .label("it needs something that is missing, and no type fits all its uses")
+                .label("it needs a missing name, and no type fits all uses of that name")
                 .help("add the sources and symbol tables that define what is missing"),
         );
     }

@@ -7,19 +7,19 @@ use plcc_model::types::Elementary;
 /// `DT#1990-1-1-0:0:0.0`, a Monday.
 pub const DT_DEFAULT: [u8; 8] = [0x90, 0x01, 0x01, 0, 0, 0, 0, 0x02];
 
-/// Why a constant cannot stand for a type.
+/// Why a constant is not a value of a type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mismatch {
     /// Another type.
     Type,
-    /// The type's range does not hold it.
+    /// The value is outside the range of the type.
     Range,
 }
 
-/// Where a constant stands: declarations take a little more than calls.
+/// Where a constant is: declarations accept a little more than calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// An initial value or a value behind BEGIN.
+    /// An initial value or a value after BEGIN.
     Declaration,
     /// An actual parameter.
     Call,
@@ -55,7 +55,7 @@ pub fn elementary_bytes(ty: Elementary, literal: &Literal, place: Place) -> Resu
             i16::try_from(*value).map(|value| value.to_be_bytes().to_vec()).map_err(|_| Mismatch::Range)
         }
         (Elementary::Dint, Literal::Dint(value)) => dword(*value as u32),
-        // Sources of the portal tool write DINT values without `L#`.
+        // Sources of the TIA Portal write DINT values without `L#`.
         (Elementary::Dint, Literal::Int(value)) if declaration => {
             i32::try_from(*value).map(|value| value.to_be_bytes().to_vec()).map_err(|_| Mismatch::Range)
         }
@@ -69,7 +69,7 @@ pub fn elementary_bytes(ty: Elementary, literal: &Literal, place: Place) -> Resu
 }
 
 /// The bytes of a number without a type as an actual of type `ty`, as sources of the TIA Portal have them: `Rev := 0`, `LADDR := 320`.
-/// `None`: it is no such number, or does not fit.
+/// `None`: it is not a number of this kind, or does not fit.
 pub fn untyped_bytes(ty: Elementary, literal: &Literal) -> Option<Vec<u8>> {
     let value = match literal {
         Literal::Int(value) => *value,
@@ -91,7 +91,7 @@ pub fn untyped_bytes(ty: Elementary, literal: &Literal) -> Option<Vec<u8>> {
     (low..=high).contains(&value).then(|| value.to_be_bytes()[8 - bytes..].to_vec())
 }
 
-/// How a constant of `ty` is written.
+/// How to write a constant of `ty`.
 pub const fn example(ty: Elementary) -> &'static str {
     match ty {
         Elementary::Bool => "TRUE or FALSE",
@@ -121,7 +121,7 @@ pub const fn example(ty: Elementary) -> &'static str {
     }
 }
 
-/// What a constant is, for messages.
+/// A description of a constant, for messages.
 pub const fn literal_kind(literal: &Literal) -> &'static str {
     match literal {
         Literal::Bool(_) => "a BOOL constant",
@@ -146,10 +146,10 @@ pub const fn literal_kind(literal: &Literal) -> &'static str {
     }
 }
 
-/// What `L literal` leaves in ACCU1, and whether all 32 bits are the constant's own.
+/// The value that `L literal` leaves in ACCU1, and whether all 32 bits belong to the constant.
 ///
-/// An INT is zero-extended, a negative one too. Source: STL reference, loading literals.
-/// Errors: what cannot be loaded, as text for a label.
+/// An INT is zero-extended, even if negative. Source: STL reference, loading literals.
+/// Errors: why it cannot be loaded, as text for a label.
 pub fn loaded(literal: &Literal) -> Result<(u32, bool), String> {
     Ok(match literal {
         Literal::Int(value) => match i16::try_from(*value) {

@@ -27,7 +27,7 @@ fn what_stands_in_is_told_at_the_start_of_every_run() {
     let lines = [
         "partial: OB 1 is missing: an empty one",
         "partial: FC 405 is missing: a stub that does nothing",
-        "partial: `Start` is missing: a variable of its own of type BOOL",
+        "partial: `Start` is missing: a substitute variable of type BOOL",
     ];
     for line in lines {
         assert_eq!(errors(&run).matches(line).count(), 1, "{line} in {}", errors(&run));

@@ -1,11 +1,11 @@
-//! Assertions: what the program image says of them, and the calls that bring values.
+//! Assertions: their entries in the program image, and the calls that supply values.
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::image::{AssertComparison, AssertSide, AssertType};
 use plcc_ir::{BinaryOp, FunctionBuilder, Type, Value};
 use plcc_model::{Compared, ComparedValue, Comparison};
 
-/// A comparison as the program image has it.
+/// A comparison as in the program image.
 pub fn compared<S>(comparison: &Comparison<S>) -> AssertComparison {
     let side = |side: &Compared<S>| AssertSide {
         ty: side.ty,
@@ -18,12 +18,12 @@ pub fn compared<S>(comparison: &Comparison<S>) -> AssertComparison {
     AssertComparison { op: comparison.op, kind: comparison.kind, left, right }
 }
 
-/// True if code brings where the value is.
+/// True if code supplies the address of the value.
 fn is_in_memory(ty: AssertType) -> bool {
     matches!(ty, AssertType::Dtl | AssertType::Text | AssertType::WideText)
 }
 
-/// The runtime function for a comparison whose sides code has brought, as i32 or i64 (`None`: constant), and their values.
+/// The runtime function for a comparison whose values code has supplied, as i32 or i64 (`None`: constant), and these values.
 pub fn call<S>(
     b: &mut FunctionBuilder,
     comparison: &Comparison<S>,

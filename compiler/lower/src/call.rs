@@ -1,7 +1,7 @@
 //! Block calls: registers, parameters, instances. Source: STL reference, block call model.
 //!
 //! - FC: each formal is a reference to its actual, so the FC sees changes during its run and an OUT that it does not write
-//!   leaves the actual as it is. Constants and peripheral inputs are put into the caller's frame first.
+//!   does not change the actual. Constants and peripheral inputs are put into the caller's frame first.
 //! - FB: elementary and complex values are copied into the instance and back; complex IN_OUT are POINTERs there.
 //! - System functions get a structure of parameters in the caller's frame.
 
@@ -17,7 +17,7 @@ use crate::fault::{Check, Substitute};
 use crate::place::{self, BitNumber, Target, TargetKind};
 use crate::plan;
 
-/// The SFC that has a runtime function of its own: timers ask it in every call.
+/// The SFC with a separate runtime function: timers use it in every call.
 const TIME_TCK: u16 = 64;
 
 impl Context<'_, '_> {
@@ -25,7 +25,7 @@ impl Context<'_, '_> {
     pub fn call(&mut self, call: &Call) {
         let plan = self.plan;
         let Some((callee, function)) = plan.block(call.target) else {
-            unreachable!("the binder lets calls of known blocks through only");
+            unreachable!("the binder only passes calls of known blocks");
         };
         match (function, &call.instance) {
             (Some(function), Some(instance)) => self.call_instance(callee, function, instance, &call.arguments),
@@ -70,8 +70,8 @@ impl Context<'_, '_> {
         }
     }
 
-    /// What an FC gets for one parameter; see [`plan::parameter_types`]. `pointers`: the FC wants the area pointer of the actual,
-    /// too. What has none in the FC is copied into the caller's frame and back, as STEP 7 does.
+    /// The values that an FC gets for one parameter; see [`plan::parameter_types`]. `pointers`: the FC also needs the area pointer of the
+    /// actual. An actual without one in the FC is copied into the caller's frame and back, as STEP 7 does.
     fn fc_argument(
         &mut self,
         parameter: &Parameter,
@@ -173,7 +173,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// `UC` of an FC with parameters hands nothing over: reads give 0, writes go nowhere.
+    /// `UC` of an FC with parameters passes nothing: reads yield 0, writes have no effect.
     fn no_argument(&mut self, parameter: &Parameter, references: &mut Vec<Value>) {
         let scratch = match parameter.passing {
             Passing::Elementary(Width::Bit) => layout::SCRATCH * 8,
@@ -207,7 +207,7 @@ impl Context<'_, '_> {
         references.push(self.b.i32_const(scratch));
     }
 
-    /// A reference to `target` as an FC takes it. Where the address is faulty it refers to scratch memory.
+    /// A reference to `target` for an FC. If the address is faulty, it refers to scratch memory.
     pub fn reference(&mut self, target: Target, width: Width, direction: place::Direction) -> Value {
         let (addr, bit, mut checks) = self.in_memory(target, width, direction);
         checks.retain(|check| self.b.constant_bits(check.ok) != Some(1));
@@ -265,7 +265,7 @@ impl Context<'_, '_> {
         self.call_function(callee, function, Vec::new());
         self.set(self.regs.di, di);
         self.set(self.regs.ar[1], ar2);
-        // Actuals that lie in the open DB mean the one that was open at the call.
+        // Actuals in the open DB mean the one that was open at the call.
         self.set(self.regs.db, db);
         for argument in arguments {
             let parameter = &callee.interface.parameters[argument.parameter];
@@ -320,7 +320,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Brings a result from the instance to its actual.
+    /// Copies a result from the instance to its actual.
     fn copy_out(&mut self, parameter: &Parameter, actual: &Actual, base: &Place) {
         let Actual::Place(place) = actual else { return };
         match parameter.passing {
@@ -347,7 +347,7 @@ impl Context<'_, '_> {
         self.set(self.regs.db, db);
         let instance_checks = instance.checks;
         let (variable, _, mut checks) = self.in_memory(variable, Width::Byte, direction);
-        let TargetKind::Memory { addr: instance, .. } = instance.kind else { unreachable!("instances lie in memory") };
+        let TargetKind::Memory { addr: instance, .. } = instance.kind else { unreachable!("instances are in memory") };
         checks.extend(instance_checks);
         let guard = self.begin_guard(checks, Substitute::None);
         let (to, from) = if inward { (instance, variable) } else { (variable, instance) };
@@ -360,7 +360,7 @@ impl Context<'_, '_> {
         let place = match base {
             Place::Instance { byte: start, .. } => Place::Instance { byte: start + byte, bit },
             Place::Db { number, .. } => Place::Db { number: *number, byte, bit },
-            _ => unreachable!("instances lie in a DB or in this block's instance"),
+            _ => unreachable!("instances are in a DB or in this block's instance"),
         };
         let db = self.get(self.regs.db);
         let target = self.target(&place, width, place::Direction::Write);
@@ -377,10 +377,10 @@ impl Context<'_, '_> {
         self.write_target(target, width, value);
     }
 
-    /// Runs `store` on the target's address, behind its checks.
+    /// Runs `store` on the target's address, after its checks.
     fn store_at(&mut self, target: Target, store: impl FnOnce(&mut Self, Address)) {
         let guard = self.begin_guard(target.checks, Substitute::None);
-        let TargetKind::Memory { addr, .. } = target.kind else { unreachable!("instances lie in memory") };
+        let TargetKind::Memory { addr, .. } = target.kind else { unreachable!("instances are in memory") };
         store(self, addr);
         self.end_guard(guard);
     }
@@ -408,7 +408,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Calls the runtime for a system function whose parameters lie in `structure`; its BR is the block's.
+    /// Calls the runtime for a system function whose parameters are in `structure`; its BR is the block's.
     pub fn run_system_function(&mut self, callee: &CodeBlock, structure: Address) {
         if callee.kind == BlockKind::Sfc && callee.number == TIME_TCK {
             let now = self.b.call_runtime(RuntimeFn::TimeTck, &[]).expect("time_tck has a result");
@@ -475,7 +475,7 @@ impl Context<'_, '_> {
 
     // The call itself.
 
-    /// Calls a block of the program with the registers as they stand, and takes over those that it returns.
+    /// Calls a block of the program with the current registers, and takes over those that it returns.
     pub fn call_function(&mut self, callee: &CodeBlock, function: FuncId, references: Vec<Value>) {
         let plan = self.plan;
         let mut arguments: Vec<Value> =
@@ -493,7 +493,7 @@ impl Context<'_, '_> {
         self.safepoint();
     }
 
-    /// Counts the block depth and the local data, where they are not bounded at compile time. Gives the depth before.
+    /// Counts the block depth and the local data if they are not bounded at compile time. Returns the depth before.
     fn enter_call(&mut self, callee: &CodeBlock) -> Option<Value> {
         if !self.plan.checks_depth {
             return None;
@@ -507,7 +507,7 @@ impl Context<'_, '_> {
         Some(depth)
     }
 
-    /// Goes one block deeper, or to STOP. Gives the depth before.
+    /// Goes one block deeper, or to STOP. Returns the depth before.
     fn count_depth(&mut self) -> Value {
         let depth = self.b.load_state(state::DEPTH);
         let depth_max = self.b.load_state(state::DEPTH_MAX);
@@ -524,11 +524,11 @@ impl Context<'_, '_> {
         }
     }
 
-    /// `UC` of an FC or FB: no parameters. An FB finds its instance in DI at AR2 as they stand.
+    /// `UC` of an FC or FB: no parameters. An FB has its instance in the current DI, at the current AR2.
     pub fn call_as_it_stands(&mut self, target: BlockKey) {
         let plan = self.plan;
         let Some((callee, Some(function))) = plan.block(target) else {
-            unreachable!("the binder lets calls of known blocks through only");
+            unreachable!("the binder only passes calls of known blocks");
         };
         let (db, di) = (self.get(self.regs.db), self.get(self.regs.di));
         let ar2 = self.get(self.regs.ar[1]);
@@ -547,7 +547,7 @@ impl Context<'_, '_> {
         self.end_guard(guard);
     }
 
-    /// Calls the FC or FB whose number is known at run time only. Registers travel in the CPU state.
+    /// Calls the FC or FB whose number is only known at run time. Registers are passed in the CPU state.
     pub fn call_by_number(&mut self, kind: BlockKind, number: Value) {
         let plan = self.plan;
         for &register in &plan.registers {
@@ -624,7 +624,7 @@ pub fn has_area_pointer(place: &Place) -> bool {
     }
 }
 
-/// True for what is copied by value; numbers and pointers are handed in only.
+/// True for parameters that are copied by value; numbers and pointers are only passed in.
 fn is_value(passing: Passing) -> bool {
     matches!(passing, Passing::Elementary(_) | Passing::Complex { .. })
 }

@@ -42,7 +42,7 @@ pub struct Registers {
     pub sta: Var,
     pub rlo: Var,
     pub fc: Var,
-    /// `MCRA` is in force.
+    /// `MCRA` is active.
     pub mcr_active: Var,
     /// Stacked bits of the MCR, the newest lowest; all higher bits are 1.
     pub mcr_bits: Var,
@@ -76,7 +76,7 @@ impl Registers {
         }
     }
 
-    /// The variable of a register that travels with calls.
+    /// The variable of a register that calls pass on.
     pub fn var(&self, register: CpuRegister) -> Var {
         match register {
             CpuRegister::Accu1 => self.accu[0],
@@ -96,14 +96,14 @@ impl Registers {
     }
 }
 
-/// Jumps to a label: where its block is, and how many of its jumps are still to come.
+/// Jumps to a label: where its block is, and how many of its jumps are not built yet.
 struct LabelState {
     block: Block,
     jumps_left: u32,
     placed: bool,
 }
 
-/// A jump to a label: the block that it goes to, and those of the safepoint on the way.
+/// A jump to a label: the block that it goes to, and the blocks of the safepoint on the way.
 #[derive(Clone, Copy)]
 pub struct JumpEdge {
     label: LabelId,
@@ -111,7 +111,7 @@ pub struct JumpEdge {
     safepoint: Option<SafepointBlocks>,
 }
 
-/// What lowering one block needs at hand.
+/// The data for lowering one block.
 pub struct Context<'p, 'o> {
     pub plan: &'p Plan<'p>,
     pub output: &'o mut Output<'p>,
@@ -122,7 +122,7 @@ pub struct Context<'p, 'o> {
     spare_nesting: Vec<Nesting>,
     /// Values of the formal parameters of an FC, in their order.
     pub parameters: Vec<Vec<Value>>,
-    /// Elementary parameters of a function whose area pointers are handed over, too.
+    /// Elementary parameters of a function whose area pointers are also passed.
     area_pointers: Vec<(usize, Value)>,
     /// Copies of elementary parameters that pointers of the current call point at.
     pub pointed_copies: Vec<(Place, Width, Address)>,
@@ -142,16 +142,16 @@ pub struct Context<'p, 'o> {
     /// Result of an access that may fault, 32 bits or a bit.
     pub result: Var,
     pub result_bit: Var,
-    /// As `result`, 64 bits.
+    /// Like `result`, with 64 bits.
     pub result_long: Var,
     /// Reference to an actual parameter whose address may be faulty.
     pub reference: Var,
-    /// Of blocks in SCL.
+    /// For blocks in SCL.
     pub scl: SclState,
 }
 
 impl<'p, 'o> Context<'p, 'o> {
-    /// A context at the start of the block's function, with registers as the caller hands them over.
+    /// A context at the start of the block's function, with registers as the caller passes them.
     pub fn new(plan: &'p Plan<'p>, output: &'o mut Output<'p>, block: &'p CodeBlock) -> Context<'p, 'o> {
         let mut b = FunctionBuilder::new(
             plan::function_name(block),
@@ -240,7 +240,7 @@ impl<'p, 'o> Context<'p, 'o> {
         }
     }
 
-    /// The area pointer of the actual of elementary parameter `index` of this function, whose code asks for it.
+    /// The area pointer of the actual of elementary parameter `index` of this function, whose code uses it.
     pub fn area_pointer(&self, index: usize) -> Value {
         let found = self.area_pointers.iter().find(|(parameter, _)| *parameter == index);
         found.expect("the plan lists each parameter whose pointer is loaded").1
@@ -339,16 +339,16 @@ impl<'p, 'o> Context<'p, 'o> {
         Some(nesting)
     }
 
-    // Places in the source.
+    // Positions in the source.
 
     /// Instructions built from now on belong to `statement`.
     pub fn set_statement(&mut self, statement: &StlStatement) {
         self.set_place(statement.span, statement.network);
     }
 
-    /// Instructions built from now on belong to what stands at `span`; temporaries are free again.
+    /// Instructions built from now on belong to the code at `span`; temporaries are free again.
     pub fn set_place(&mut self, span: plcc_diag::Span, network: u16) {
-        // What stands in a block of the standard library belongs to the place that uses the block.
+        // Code in a block of the standard library belongs to the position that uses the block.
         let span = if span.file == self.block.span.file { span } else { self.block.span };
         let (file, line) = self.output.place(span);
         let site = Site { file, line, block: self.block.kind, block_number: self.block.number, network };
@@ -378,18 +378,18 @@ impl<'p, 'o> Context<'p, 'o> {
 
     // Control flow.
 
-    /// Where the block leaves when the CPU goes to STOP; values returned from there mean nothing.
+    /// Where the block leaves when the CPU goes to STOP; values returned from there have no meaning.
     pub fn exit(&mut self) -> Block {
         *self.exit.get_or_insert_with(|| self.b.create_cold_block())
     }
 
-    /// Makes the block of a label that `jumps` statements jump to.
+    /// Creates the block of a label that `jumps` statements jump to.
     pub fn declare_label(&mut self, label: LabelId, jumps: u32) {
         let block = self.b.create_block();
         self.labels.insert(label, LabelState { block, jumps_left: jumps, placed: false });
     }
 
-    /// Code built from now on stands at `label`.
+    /// Code built from now on is at `label`.
     pub fn place_label(&mut self, label: LabelId) {
         let Some(state) = self.labels.get_mut(&label) else { return };
         state.placed = true;
@@ -403,7 +403,7 @@ impl<'p, 'o> Context<'p, 'o> {
         self.b.switch_to(block);
     }
 
-    /// Whether a jump to `label` goes back.
+    /// Whether a jump to `label` goes backward.
     pub fn is_backward(&self, label: LabelId) -> bool {
         self.labels.get(&label).is_some_and(|state| state.placed)
     }
@@ -418,7 +418,7 @@ impl<'p, 'o> Context<'p, 'o> {
         JumpEdge { label, block, safepoint: Some(self.safepoint_blocks()) }
     }
 
-    /// The jump by `edge` has been built; seals the label's block after the last one. No block is current after it.
+    /// The jump over `edge` has been built; seals the label's block after the last one. There is no current block after it.
     pub fn jump_done(&mut self, edge: JumpEdge) {
         let target = self.labels[&edge.label].block;
         if let Some(safepoint) = edge.safepoint {
@@ -430,7 +430,7 @@ impl<'p, 'o> Context<'p, 'o> {
         self.jump_skipped(edge.label);
     }
 
-    /// A jump to `label` stands where it cannot be reached, or has been built.
+    /// A jump to `label` is unreachable, or has been built.
     pub fn jump_skipped(&mut self, label: LabelId) {
         let state = self.labels.get_mut(&label).expect("labels are declared before statements are lowered");
         state.jumps_left -= 1;
@@ -440,7 +440,7 @@ impl<'p, 'o> Context<'p, 'o> {
         }
     }
 
-    /// Returns to the caller with the registers as they are.
+    /// Returns to the caller with the current registers.
     pub fn return_registers(&mut self) {
         let values: Vec<Value> = match self.block.kind {
             BlockKind::Ob => Vec::new(),

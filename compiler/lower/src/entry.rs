@@ -1,6 +1,6 @@
 //! Functions through which the runtime calls FCs and FBs by number.
 //!
-//! They take nothing: CPU registers come from the CPU state and go back there. DB and DI are the caller's own after the call.
+//! They have no parameters: CPU registers come from the CPU state and go back there. DB and DI are the caller's own after the call.
 
 use plcc_abi::layout::{self, CpuRegister, state};
 use plcc_abi::{RuntimeFn, Type};
@@ -10,7 +10,7 @@ use plcc_model::{CodeBlock, Passing, Width};
 use crate::call;
 use crate::plan::{self, Plan};
 
-/// Bytes of the ANY or POINTER of 0 that stands for each one that nobody hands over.
+/// Bytes of the zero ANY or POINTER that replaces each one that is not passed.
 const NO_POINTER_BYTES: u32 = 18;
 
 /// The entry of `block`, whose function is `function`.
@@ -35,7 +35,7 @@ pub fn lower_entry(plan: &Plan<'_>, block: &CodeBlock, function: FuncId) -> Func
     b.finish()
 }
 
-/// Nothing is handed over for the formals of an FC: reads give 0, writes go nowhere.
+/// Nothing is passed for the formals of an FC: reads yield 0, writes have no effect.
 fn no_arguments(b: &mut FunctionBuilder, block: &CodeBlock, arguments: &mut Vec<Value>) {
     for parameter in &block.interface.parameters {
         if !matches!(parameter.passing, Passing::Elementary(_) | Passing::Number) {
@@ -66,8 +66,7 @@ fn no_arguments(b: &mut FunctionBuilder, block: &CodeBlock, arguments: &mut Vec<
     }
 }
 
-/// An FB whose instance does not lie in DI at AR2 is not run: a synchronous error instead. A STOP is seen by the runtime, which made the
-/// call.
+/// An FB whose instance is not in DI at AR2 is not run: a synchronous error instead. The runtime, which made the call, sees a STOP.
 fn check_instance(b: &mut FunctionBuilder, plan: &Plan<'_>, block: &CodeBlock, words: &[Value]) {
     let word = |wanted| {
         let index = plan.registers.iter().position(|&register| register == wanted);

@@ -1,7 +1,7 @@
 //! Cold paths: synchronous errors, STOP, safepoints.
 //!
-//! A check that fails leaves the straight path for a cold block, which calls the runtime there and then. If OB 121 (OB 122)
-//! has run, the faulty instruction counts as skipped and the program goes on behind it; if the CPU goes to STOP, the block returns
+//! A check that fails leaves the straight path for a cold block, which calls the runtime immediately. If OB 121 (OB 122)
+//! has run, the faulty instruction counts as skipped and the program continues after it; if the CPU goes to STOP, the block returns
 //! at once. Source: STL reference, synchronous errors.
 
 use plcc_abi::RuntimeFn;
@@ -10,7 +10,7 @@ use plcc_ir::{Block, IntCc, Value};
 
 use crate::context::Context;
 
-/// A condition without which an instruction is a synchronous error.
+/// A condition; if it is false, an instruction is a synchronous error.
 pub struct Check {
     /// i1: 1 if all is well.
     pub ok: Value,
@@ -22,7 +22,7 @@ pub struct Check {
     pub info: Value,
 }
 
-/// What an instruction that faulted leaves behind.
+/// What remains after an instruction that faulted.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Substitute {
     /// Nothing: it is skipped.
@@ -35,7 +35,7 @@ pub enum Substitute {
     Long,
 }
 
-/// The blocks of a safepoint: what is due runs in the cold one, and both paths meet at the next.
+/// The blocks of a safepoint: events that are due run in the cold one, and both paths meet at the next.
 #[derive(Clone, Copy)]
 pub struct SafepointBlocks {
     cold: Block,
@@ -43,28 +43,28 @@ pub struct SafepointBlocks {
 }
 
 impl Context<'_, '_> {
-    /// The path on which all `checks` hold begins here; what failed goes on at the block that is given back, for
+    /// Begins the path on which all `checks` hold; a failed check continues at the returned block, for
     /// [`Context::end_guard`]. `None`: nothing can fail.
     pub fn begin_guard(&mut self, checks: Vec<Check>, substitute: Substitute) -> Option<Block> {
-        let mut behind = None;
+        let mut after = None;
         for check in checks {
             if self.b.constant_bits(check.ok) == Some(1) {
                 continue;
             }
-            let behind = *behind.get_or_insert_with(|| self.b.create_block());
+            let after = *after.get_or_insert_with(|| self.b.create_block());
             let (good, bad) = (self.b.create_block(), self.b.create_cold_block());
             self.b.branch(check.ok, good, bad);
             self.b.seal_block(good);
             self.b.seal_block(bad);
             self.b.switch_to(bad);
-            self.raise(&check, substitute, behind);
+            self.raise(&check, substitute, after);
             self.b.switch_to(good);
         }
-        behind
+        after
     }
 
-    /// Calls the error OB, then goes on at `behind`.
-    fn raise(&mut self, check: &Check, substitute: Substitute, behind: Block) {
+    /// Calls the error OB, then continues at `after`.
+    fn raise(&mut self, check: &Check, substitute: Substitute, after: Block) {
         let site = self.b.i32_const(self.site);
         let mut arguments = vec![site, check.code, check.access, check.info];
         let mut function = RuntimeFn::SyncError;
@@ -88,19 +88,19 @@ impl Context<'_, '_> {
                 self.b.def_var(self.result_long, zero);
             }
         }
-        self.leave_if(stop, behind);
+        self.leave_if(stop, after);
     }
 
     /// Ends the path that [`Context::begin_guard`] began; both paths meet.
-    pub fn end_guard(&mut self, behind: Option<Block>) {
-        if let Some(behind) = behind {
-            self.b.jump(behind, &[]);
-            self.b.seal_block(behind);
-            self.b.switch_to(behind);
+    pub fn end_guard(&mut self, after: Option<Block>) {
+        if let Some(after) = after {
+            self.b.jump(after, &[]);
+            self.b.seal_block(after);
+            self.b.switch_to(after);
         }
     }
 
-    /// Leaves the function if `stop`, an i32, is not 0; else goes to `next`. Ends the current block.
+    /// Leaves the function if `stop`, an i32, is not 0; otherwise goes to `next`. Ends the current block.
     fn leave_if(&mut self, stop: Value, next: Block) {
         let stops = self.b.icmp_imm(IntCc::Ne, stop, 0);
         let exit = self.exit();
@@ -115,7 +115,7 @@ impl Context<'_, '_> {
         self.b.switch_to(next);
     }
 
-    /// Runs what is due: one load, one test, one branch that is rarely taken.
+    /// Runs events that are due: one load, one test, one branch that is rarely taken.
     pub fn safepoint(&mut self) {
         let blocks = self.safepoint_blocks();
         self.safepoint_in(blocks);
@@ -125,7 +125,7 @@ impl Context<'_, '_> {
         SafepointBlocks { cold: self.b.create_cold_block(), next: self.b.create_block() }
     }
 
-    /// As [`Context::safepoint`], with blocks made before.
+    /// Like [`Context::safepoint`], with blocks created before.
     pub fn safepoint_in(&mut self, SafepointBlocks { cold, next }: SafepointBlocks) {
         let attention = self.b.load_state(state::ATTENTION);
         let due = self.b.icmp_imm(IntCc::Ne, attention, 0);

@@ -1,12 +1,12 @@
-//! Lowers the bound program to the SSA IR; the place where PLC semantics are written.
+//! Lowers the bound program to the SSA IR; this is where PLC semantics are defined.
 //!
-//! - `plan` settles what blocks must know of each other: addresses of DBs, functions, depth of calls.
+//! - `plan` settles what blocks must know about each other: addresses of DBs, functions, depth of calls.
 //! - `context` holds the state of one block while it is lowered: the virtual CPU's registers as SSA variables.
 //! - `place` turns addresses into checked memory accesses, `fault` builds the cold paths.
-//! - `call` hands parameters over; `stl` has one function a family of instructions, `scl` one a kind of node of the typed tree.
-//! - `s7200` lowers programs of an S7-200, which share the IR only.
-//! - `assertion`: what assertions of all languages share.
-//! - `entry` makes the functions that the runtime calls.
+//! - `call` passes parameters; `stl` has one function per family of instructions, `scl` one per kind of node of the typed tree.
+//! - `s7200` lowers programs of an S7-200, which only share the IR.
+//! - `assertion`: code that assertions of all languages share.
+//! - `entry` creates the functions that the runtime calls.
 //!
 //! **Invariant**: a program that was bound without errors lowers without errors.
 
@@ -31,7 +31,7 @@ use plcc_model::{Assert, Body};
 
 use crate::plan::Plan;
 
-/// A lowered program: its code, and what the runtime must know about it.
+/// A lowered program: its code, and data about it for the runtime.
 #[derive(Clone, Debug)]
 pub struct Lowered {
     pub module: Module,
@@ -59,7 +59,7 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
         };
         if let Some(function) = function {
             let id = output.module.functions.push(function);
-            debug_assert_eq!(Some(id), plan.function(index), "functions are numbered in the order of the blocks");
+            debug_assert_eq!(Some(id), plan.function(index), "functions are numbered in order of the blocks");
             let frame = output.module.functions[id].frame_bytes;
             debug_assert!(
                 frame <= plan.frame_estimate(block.key()),
@@ -92,16 +92,16 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
     output.finish()
 }
 
-/// What the image says of the program as a whole.
+/// The data in the image about the program as a whole.
 pub(crate) struct Facts {
-    /// DBs with their places.
+    /// DBs with their addresses.
     pub dbs: Vec<StaticDb>,
     pub db_end: u32,
     pub error_slots: Vec<ErrorSlot>,
     pub stops_itself: bool,
 }
 
-/// What grows while blocks are lowered.
+/// Data that grows while blocks are lowered.
 pub(crate) struct Output<'s> {
     pub module: Module,
     pub image: ProgramImage,
@@ -149,7 +149,7 @@ impl<'s> Output<'s> {
         (span.file.0, self.sources.file(span.file).line(span.start))
     }
 
-    /// Enters an assertion in the program's list; its number there.
+    /// Enters an assertion in the program's list; returns its number there.
     pub fn register_assert<S>(&mut self, assert: &Assert<S>, span: plcc_diag::Span) -> u32 {
         let (file, line) = self.place(span);
         let asserts = &mut self.image.asserts;

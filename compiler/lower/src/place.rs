@@ -1,6 +1,6 @@
 //! Places of the bound program as checked memory accesses.
 //!
-//! What can be proved at compile time is not checked: direct addresses inside their areas, parameters, instances. The
+//! Anything proved at compile time is not checked: direct addresses inside their areas, parameters, instances. The
 //! rest carries [`Check`]s for the synchronous errors of OB 121. Source: STL reference, addressing and OB 121.
 
 use plcc_abi::codes::{access, access_area, sync};
@@ -45,10 +45,10 @@ pub enum TargetKind {
     /// Peripheral byte address, an i32.
     Peripheral {
         address: Value,
-        /// Of a bit: its number in the byte.
+        /// For a bit: its number in the byte.
         bit: u8,
     },
-    /// Area found at run time: peripheral if `is_peripheral` (i1), else memory.
+    /// Area known at run time: peripheral if `is_peripheral` (i1), otherwise memory.
     Either {
         is_peripheral: Value,
         address: Value,
@@ -57,7 +57,7 @@ pub enum TargetKind {
     },
 }
 
-/// An effective address found at run time.
+/// An effective address that is known at run time.
 struct Effective {
     /// i32.
     byte: Value,
@@ -76,7 +76,7 @@ impl Target {
 }
 
 impl Context<'_, '_> {
-    /// Reads `place`: an i32, zero-extended, an i1 with width Bit, an i64 with width Lword. Faults give what the error OB supplies.
+    /// Reads `place`: an i32, zero-extended, an i1 with width Bit, an i64 with width Lword. After a fault, the value that the error OB supplies.
     pub fn read(&mut self, place: &Place, width: Width) -> Value {
         let target = self.target(place, width, Direction::Read);
         self.read_target(target, width)
@@ -139,7 +139,7 @@ impl Context<'_, '_> {
 
     fn read_peripheral(&mut self, address: Value, bit: u8, width: Width) -> Value {
         if width == Width::Lword {
-            // Modules hand over double words at most.
+            // Modules transfer at most double words.
             let high = self.read_peripheral(address, 0, Width::Dword);
             let next = self.b.binary_imm(BinaryOp::Iadd, address, 4);
             let low = self.read_peripheral(next, 0, Width::Dword);
@@ -235,8 +235,8 @@ impl Context<'_, '_> {
             let high = self.b.binary_imm(BinaryOp::Lshr, value, 32);
             let (high, low) = (self.b.trunc(Type::I32, high), self.b.trunc(Type::I32, value));
             self.write_peripheral(address, Width::Dword, high);
-            let behind = self.b.binary_imm(BinaryOp::Iadd, address, 4);
-            return self.write_peripheral(behind, Width::Dword, low);
+            let after = self.b.binary_imm(BinaryOp::Iadd, address, 4);
+            return self.write_peripheral(after, Width::Dword, low);
         }
         let value = if width == Width::Bit { self.b.zext(Type::I32, value) } else { value };
         let bytes = self.b.i32_const(width.bytes());
@@ -358,13 +358,13 @@ impl Context<'_, '_> {
         self.b.i32_const(access_byte(width, area_code(area)))
     }
 
-    /// The access to `area` at a bit address that is found at run time.
+    /// The access to `area` at a bit address that is known at run time.
     pub fn in_area_at(&mut self, area: PlaceArea, address: Value, width: Width, direction: Direction) -> Target {
         let effective = self.effective(address, 0);
         self.in_area(area, effective, width, direction)
     }
 
-    /// An address in `area` that is found at run time.
+    /// An address in `area` that is known at run time.
     fn in_area(&mut self, area: PlaceArea, effective: Effective, width: Width, direction: Direction) -> Target {
         let profile = &self.plan.program.profile;
         let (region, limit) = match area {
@@ -398,7 +398,7 @@ impl Context<'_, '_> {
         Target { kind: TargetKind::Memory { addr, bit: BitNumber::Dynamic(effective.bit) }, checks }
     }
 
-    /// The bytes from `byte` on lie below `limit`.
+    /// The bytes from `byte` on are below `limit`.
     fn length_check(&mut self, byte: Value, limit: Value, width: Width, area: Value, direction: Direction) -> Check {
         let end = self.b.binary_imm(BinaryOp::Iadd, byte, i64::from(width.bytes()));
         let ok = self.b.icmp(IntCc::Ule, end, limit);
@@ -480,7 +480,7 @@ impl Context<'_, '_> {
             let length = self.b.db_length(number_value);
             self.b.icmp_imm(IntCc::Ne, length, 0)
         };
-        // An OPN that fails leaves the register as it was.
+        // An OPN that fails does not change the register.
         let before = self.get(self.regs.db);
         let opened = self.b.select(loaded, number_value, before);
         self.set(self.regs.db, number_value);
@@ -504,7 +504,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// In what a formal parameter of this FC refers to.
+    /// In the target of a formal parameter of this FC.
     fn in_parameter(&mut self, parameter: usize, byte: u32, bit: u8) -> Target {
         match self.passing(parameter) {
             Passing::Elementary(Width::Bit) => {
@@ -528,7 +528,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// In what the POINTER at `pointer` of this FB's instance points at, `offset` bits behind it.
+    /// In the target of the POINTER at `pointer` of this FB's instance, `offset` bits after its start.
     fn through_pointer(&mut self, pointer: u32, offset: u32, width: Width, direction: Direction) -> Target {
         let db = self.read(&Place::Instance { byte: pointer, bit: 0 }, Width::Word);
         let address = self.read(&Place::Instance { byte: pointer + 2, bit: 0 }, Width::Dword);
@@ -536,7 +536,7 @@ impl Context<'_, '_> {
         self.area_crossing(address, offset, db, di, width, direction)
     }
 
-    /// Area V below the caller's frame, where the pointers of its callers point that it hands on: whether `byte` lies there
+    /// Area V below the caller's frame, the target of pointers from its callers that it passes on: whether `byte` is there
     /// (i1), and the offset from the memory base. Addresses wrap inside the L stack of the priority class.
     fn below_caller(&mut self, caller: Value, byte: Value, width: Width) -> (Value, Value) {
         let inside = i64::from(layout::L_CLASS_BYTES) - 1;
@@ -549,7 +549,7 @@ impl Context<'_, '_> {
         (is_below, address)
     }
 
-    /// A target that is memory. What turns out to be peripheral is the error of a wrong area.
+    /// A target in memory. A peripheral target is the error of a wrong area.
     pub fn in_memory(
         &mut self,
         target: Target,
@@ -569,7 +569,7 @@ impl Context<'_, '_> {
                 (addr, bit, checks)
             }
             TargetKind::Peripheral { .. } => {
-                unreachable!("the binder gives no peripheral address where memory is needed")
+                unreachable!("the binder passes no peripheral address where memory is needed")
             }
         }
     }

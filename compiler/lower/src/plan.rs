@@ -1,4 +1,4 @@
-//! What the blocks of a program must know of each other before one of them is lowered.
+//! What the blocks of a program must know about each other before any of them is lowered.
 
 use plcc_abi::Type;
 use plcc_abi::codes;
@@ -23,7 +23,7 @@ const SFC_STP: u16 = 46;
 /// Facts about the whole program.
 pub struct Plan<'a> {
     pub program: &'a Program,
-    /// Registers that block functions take, in order.
+    /// Parameters of block functions that are registers, in order.
     pub registers: Vec<CpuRegister>,
     /// DBs in memory, sorted by number.
     pub dbs: Vec<StaticDb>,
@@ -32,10 +32,10 @@ pub struct Plan<'a> {
     pub protected_dbs: Vec<u16>,
     /// A call names its block at run time: every FC and FB needs an entry.
     pub has_dynamic_calls: bool,
-    /// Calls must count depth and local data at run time, since neither is bounded at compile time.
+    /// Calls must count depth and local data at run time, because neither is bounded at compile time.
     pub checks_depth: bool,
     pub stops_itself: bool,
-    /// A block gives a pointer that it was given to a block that it calls: area V then reaches beyond the caller.
+    /// A block passes a pointer that it received to a block that it calls: area V then reaches beyond the caller.
     pub hands_on_pointers: bool,
     functions: Vec<Option<FuncId>>,
     index: FxHashMap<BlockKey, usize>,
@@ -114,22 +114,22 @@ impl<'a> Plan<'a> {
         self.block_index(key).is_some_and(|index| self.changes_ar2[index])
     }
 
-    /// True if the block keeps its synchronous errors for itself.
+    /// True if the block handles its synchronous errors itself.
     pub fn handles_errors(&self, key: BlockKey) -> bool {
         self.block_index(key).is_some_and(|index| self.handles_errors[index])
     }
 
-    /// Elementary parameters of a function whose area pointer its code loads, in order: its callers hand the pointers over, too.
+    /// Elementary parameters of a function whose area pointers its code loads, in order: its callers also pass the pointers.
     pub fn pointed(&self, key: BlockKey) -> &[usize] {
         self.block_index(key).map_or(&[], |index| &self.pointed[index])
     }
 
-    /// As [`local_bytes`], with the room for the first error of a block that handles its errors.
+    /// Like [`local_bytes`], with the room for the first error of a block that handles its errors.
     pub fn local_bytes(&self, block: &CodeBlock) -> u32 {
         local_bytes(block) + if self.handles_errors(block.key()) { codes::local_error::BYTES } else { 0 }
     }
 
-    /// Where the blocks that handle their errors keep the first one: behind their local data.
+    /// Where blocks that handle their errors store the first one: after their local data.
     pub fn error_slots(&self) -> Vec<ErrorSlot> {
         let blocks = self.program.blocks.iter().filter(|block| self.handles_errors(block.key()));
         blocks.map(|block| ErrorSlot { kind: block.kind, number: block.number, offset: local_bytes(block) }).collect()
@@ -140,7 +140,7 @@ impl<'a> Plan<'a> {
         self.block_index(key).map_or(0, |index| self.frame_estimates[index])
     }
 
-    /// The DB's place, if it is in memory before the first cycle.
+    /// The DB's address, if it is in memory before the first cycle.
     pub fn static_db(&self, number: u16) -> Option<&StaticDb> {
         self.dbs.binary_search_by_key(&number, |db| db.number).ok().map(|index| &self.dbs[index])
     }
@@ -161,12 +161,12 @@ impl<'a> Plan<'a> {
         types
     }
 
-    /// The registers that a block's function returns. DB and DI are the caller's own again after a call.
+    /// The registers that a block's function returns. After a call, DB and DI are those of the caller again.
     pub fn returned_registers(&self) -> impl Iterator<Item = CpuRegister> + '_ {
         self.registers.iter().copied().filter(|register| !matches!(register, CpuRegister::Db | CpuRegister::Di))
     }
 
-    /// Types of what a block's function returns.
+    /// Types of the values that a block's function returns.
     pub fn function_returns(&self, block: &CodeBlock) -> Vec<Type> {
         match block.kind {
             BlockKind::Ob => Vec::new(),
@@ -174,7 +174,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Every block that changes AR2 or calls one that does and passes AR2 on.
+    /// Every block that changes AR2, or that calls one that does and passes on AR2.
     fn find_ar2_changes(&self, facts: &[BlockFacts]) -> Vec<bool> {
         let mut changes: Vec<bool> = facts.iter().map(|facts| facts.changes_ar2 || facts.dynamic_calls).collect();
         loop {
@@ -213,7 +213,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Height of the call tree below block `root`; `None` if it is not bounded. Walks without recursion: the tree of a program
-    /// may be as deep as it likes.
+    /// may have any depth.
     fn height(&self, root: usize, facts: &[BlockFacts], heights: &mut [Option<Height>]) -> Option<Height> {
         let mut on_path = vec![false; facts.len()];
         let mut stack = vec![(root, 0)];
@@ -250,7 +250,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// Size of a call tree: blocks on the longest path, bytes of local data at most.
+/// Size of a call tree: blocks on the longest path, limit of the local data in bytes.
 #[derive(Clone, Copy)]
 struct Height {
     depth: u32,
@@ -279,12 +279,12 @@ pub fn takes_references(block: &CodeBlock) -> bool {
     matches!(block.kind, BlockKind::Fc | BlockKind::Sfc) && !matches!(block.body, Body::Runtime)
 }
 
-/// What an FC gets for a parameter.
+/// The values that an FC gets for a parameter.
 ///
-/// - elementary: a reference: offset of the actual from the memory base; of a BOOL eight times that plus the bit
-/// - complex: where its POINTER lies in the caller's frame, and the offset of the variable from the memory base
+/// - elementary: a reference: offset of the actual from the memory base; for a BOOL, eight times that plus the bit
+/// - complex: the position of its POINTER in the caller's frame, and the offset of the variable from the memory base
 /// - TIMER, COUNTER, BLOCK_x: the number
-/// - POINTER, ANY: where it lies in the caller's frame
+/// - POINTER, ANY: its position in the caller's frame
 /// - ARRAY[*]: as complex, then low and high bound of each dimension (at most 6)
 pub fn parameter_types(passing: Passing) -> &'static [Type] {
     match passing {
@@ -294,23 +294,23 @@ pub fn parameter_types(passing: Passing) -> &'static [Type] {
     }
 }
 
-/// What matters of one block for the others.
+/// The properties of a block that matter to others.
 struct BlockFacts {
     /// Blocks that it calls, without repeats.
     calls: Vec<BlockKey>,
-    /// Those of them that leave their AR2 behind: all calls but those of FBs with an instance.
+    /// Those of them that may change AR2 for their caller: all calls except those of FBs with an instance.
     passes_ar2_to: Vec<BlockKey>,
     changes_ar2: bool,
     dynamic_calls: bool,
     stops: bool,
     hands_on_pointers: bool,
-    /// Parameters of which it loads the pointer (`P##x`).
+    /// Parameters whose pointer it loads (`P##x`).
     pointers: Vec<usize>,
     /// Upper bound of its frame.
     frame_estimate: u32,
 }
 
-/// Room that the first error takes in a frame, at most.
+/// Limit of the room for the first error in a frame.
 const ERROR_SLOT_BYTES: u32 = layout::frame_bytes(codes::local_error::BYTES);
 
 impl BlockFacts {
@@ -368,7 +368,7 @@ impl BlockFacts {
         let mut scan = SclScan { facts: self, program, index, statement: 0, most: 0 };
         walk::statements(&body.statements, &mut scan);
         let temporaries = scan.most;
-        // Inputs that do not live in SSA values are copied to the frame.
+        // Inputs that are not in SSA values are copied to the frame.
         let inputs: u32 = match takes_references(block) {
             true => block.interface.parameters.iter().map(|_| 8 + 1).sum(),
             false => 0,
@@ -416,12 +416,12 @@ struct SclScan<'f, 'a> {
     facts: &'f mut BlockFacts,
     program: &'a Program,
     index: &'a FxHashMap<BlockKey, usize>,
-    /// Upper bound of the temporaries of the current statement, and the most of any statement.
+    /// Upper bound of the temporaries of the current statement, and the maximum over all statements.
     statement: u32,
     most: u32,
 }
 
-/// Distance to the next even address, at most.
+/// Largest distance to the next even address.
 const ALIGNMENT: u32 = 1;
 
 impl Visitor for SclScan<'_, '_> {
@@ -480,7 +480,7 @@ impl Visitor for SclScan<'_, '_> {
 fn scl_temporary_bytes(callee: &CodeBlock) -> u32 {
     let result =
         crate::scl::result(callee).map_or(0, |(_, parameter)| crate::scl::result_bytes(&parameter.ty) + ALIGNMENT);
-    // Values that pointers point at, too.
+    // Also values that pointers point at.
     let of_parameter = |parameter: &Parameter| match parameter.passing {
         Passing::Elementary(_) => 8 + ALIGNMENT,
         Passing::Complex { .. } => 6 + crate::scl::result_bytes(&parameter.ty) + 2 * ALIGNMENT,
@@ -495,7 +495,7 @@ fn scl_temporary_bytes(callee: &CodeBlock) -> u32 {
 /// Bytes of the copy of an elementary parameter that a pointer points at.
 pub const POINTED_COPY_BYTES: u32 = 8;
 
-/// Most that a call puts into the frame of the calling block, in bytes: pointers, constants and copies for an FC, the structure
+/// Maximum that a call puts into the frame of the calling block, in bytes: pointers, constants and copies for an FC, the structure
 /// of parameters for a system function, copies that pointers point at for all.
 fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
     let points_at_copy = |argument: &Argument| match argument.actual.pointer() {
@@ -534,8 +534,8 @@ fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
     copies + callee.interface.parameters.iter().enumerate().map(of_parameter).sum::<u32>()
 }
 
-/// True for actuals of functions that may be handed over as a copy in the caller's frame: peripheral ones, and those without an area
-/// pointer of their own if the function asks for it.
+/// True for actuals of functions that may be passed as a copy in the caller's frame: peripheral ones, and those without a separate
+/// area pointer if the function uses it.
 fn is_copied(place: &Place) -> bool {
     matches!(
         place,
@@ -548,7 +548,7 @@ fn is_copied(place: &Place) -> bool {
     )
 }
 
-/// True if the actual parameter may be a pointer that the calling block was given itself.
+/// True if the actual parameter may be a pointer that the calling block itself received.
 fn hands_on_pointer(actual: &Actual) -> bool {
     match actual.pointer() {
         Actual::PointerCopy(_) => true,
@@ -568,7 +568,7 @@ pub fn changes_ar2(insn: StlInsn, operand: &Operand) -> bool {
     }
 }
 
-/// Local data that the block's code can reach: declared TEMP, and what is addressed directly behind it, as code from the
+/// Local data that the block's code can reach: declared TEMP, and directly addressed data after it, as code from the
 /// graphic editors does.
 pub fn local_bytes(block: &CodeBlock) -> u32 {
     let mut bytes = block.temp_bytes;

@@ -12,7 +12,7 @@ use crate::plan;
 
 /// Syntax id of an ANY for S7.
 const ANY_S7: u32 = 0x10;
-/// Data type ids inside an ANY stand before its POINTER: id, type, repetition factor.
+/// Data type ids inside an ANY come before its POINTER: id, type, repetition factor.
 pub const ANY_HEAD_BYTES: u32 = 4;
 /// Byte and bit address of a pointer.
 const POINTER_BITS: i64 = 0x0007_FFFF;
@@ -27,7 +27,7 @@ pub struct PointerFields {
 }
 
 impl Context<'_, '_> {
-    /// A pointer to `place` as a called block sees it: local data of this block are the callee's area V.
+    /// A pointer to `place` for a called block: local data of this block is the callee's area V.
     pub fn pointer_fields(&mut self, place: &Place) -> PointerFields {
         let known = |code: u8, byte: u32, bit: u8| (u32::from(code) << 24) | (byte << 3) | u32::from(bit);
         let (db, pointer) = match *place {
@@ -49,7 +49,7 @@ impl Context<'_, '_> {
                 return PointerFields { db, pointer };
             }
             Place::Indirect { .. } | Place::Register { .. } => {
-                unreachable!("the binder lets no indirect address through as an actual parameter")
+                unreachable!("the binder passes no indirect address as an actual parameter")
             }
         };
         let db = db.unwrap_or_else(|| self.b.i32_const(0));
@@ -65,8 +65,8 @@ impl Context<'_, '_> {
         PointerFields { db, pointer }
     }
 
-    /// What a formal parameter of this FC refers to: its own POINTER, moved on. An elementary one has none: the pointer leads to a
-    /// copy in this frame, which [`bring_back`](Context::bring_back) takes after the call.
+    /// The target of a formal parameter of this FC: its own POINTER, moved on. An elementary one has none: the pointer goes to a
+    /// copy in this frame, which [`bring_back`](Context::bring_back) copies back after the call.
     fn parameter_pointer(&mut self, parameter: usize, byte: u32, bit: u8) -> PointerFields {
         match self.passing(parameter) {
             Passing::Complex { .. } | Passing::OpenArray { .. } => {
@@ -81,7 +81,7 @@ impl Context<'_, '_> {
                 let copy = self.temporary(plan::POINTED_COPY_BYTES);
                 let value = self.read(&place, width);
                 self.write_target(Target::at(copy, BitNumber::Known(0)), width, value);
-                // What a function does to its input stays in it.
+                // A function's changes to its input stay inside it.
                 if self.block.interface.parameters[parameter].direction != Direction::Input {
                     self.pointed_copies.push((place, width, copy));
                 }
@@ -93,7 +93,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Brings back the copies that pointers of a call pointed at.
+    /// Copies back the copies that pointers of a call pointed at.
     pub fn bring_back(&mut self) {
         for (place, width, copy) in std::mem::take(&mut self.pointed_copies) {
             let value = self.read_target(Target::at(copy, BitNumber::Known(0)), width);
@@ -101,7 +101,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// A pointer that this block was given, as a block that it calls sees it. Area V is the caller's local data here, but this
+    /// A pointer that this block was given, for a block that it calls. Area V is the caller's local data here, but this
     /// block's there, so its addresses are moved by the distance of the two frames. They wrap inside the L stack.
     fn handed_on(&mut self, pointer: Value) -> Value {
         let frame = self.b.address_of(Address::direct(Region::L, 0));
@@ -166,14 +166,14 @@ impl Context<'_, '_> {
                         }
                         self.end_guard(guard);
                     }
-                    (Pointed::Copied, _) => unreachable!("the binder copies pointers only"),
+                    (Pointed::Copied, _) => unreachable!("the binder only copies pointers"),
                 }
             }
             Actual::Place(_) | Actual::Number(_) => unreachable!("the binder gives pointer formals pointers"),
         }
     }
 
-    /// Writes what a VARIANT at `addr` says after its ANY.
+    /// Writes the contents of a VARIANT at `addr` after its ANY.
     pub fn store_pointed(&mut self, addr: Address, elements: Value, ty: u32) {
         let ty = self.b.i32_const(ty);
         for (at, field) in [(layout::VARIANT_ELEMENTS, elements), (layout::VARIANT_TYPE, ty)] {
@@ -181,7 +181,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Copies what the VARIANT at `from` says after its ANY.
+    /// Copies the contents of the VARIANT at `from` after its ANY.
     pub fn copy_pointed(&mut self, addr: Address, from: Address) {
         let bytes = Passing::Variant.pointer_bytes() - layout::ANY_BYTES;
         self.b.copy(moved(addr, layout::ANY_BYTES), moved(from, layout::ANY_BYTES), bytes);
@@ -217,7 +217,7 @@ impl Context<'_, '_> {
     }
 }
 
-/// `addr` moved on by `bytes`.
+/// `addr` plus `bytes`.
 pub fn moved(addr: Address, bytes: u32) -> Address {
     Address { offset: addr.offset + bytes, ..addr }
 }

@@ -1,24 +1,24 @@
-//! Where components lie: the layout rules of DBs, UDTs, structures, arrays and local data.
+//! Where components are: the layout rules of DBs, UDTs, structures, arrays and local data.
 //!
 //! Source: STL reference, layout rules. BOOLs fill bytes from bit 0, BYTE and CHAR take the next byte, everything else begins at
-//! an even byte; arrays and structures are rounded up to even. The rows of an array of BOOL begin at a byte each.
+//! an even byte; arrays and structures are rounded up to even. Each row of an array of BOOL begins at a new byte.
 
 use crate::types::{ArrayType, DataType, Elementary, ParameterType, StructType};
 use plcc_syntax::ast::Width;
 
-/// More than this cannot lie in a DB, in local data or behind a pointer.
+/// No DB, local data or target of a pointer can have more bytes.
 pub const BYTES_MAX: u64 = 65_536;
 
-/// Gives places to one component after the other.
+/// Assigns addresses to components in sequence.
 #[derive(Clone, Debug, Default)]
 pub struct Placer {
     next: u32,
-    /// Byte and next free bit behind a BOOL.
+    /// Byte and next free bit after a BOOL.
     bits: Option<(u32, u8)>,
 }
 
 impl Placer {
-    /// The place of the next component, which is of type `ty`.
+    /// The address of the next component, which is of type `ty`.
     pub fn place(&mut self, ty: &DataType) -> (u32, u8) {
         if *ty == DataType::Elementary(Elementary::Bool) {
             let (byte, bit) = match self.bits {
@@ -53,14 +53,14 @@ impl Placer {
         self.next
     }
 
-    /// Keeps the first `bytes` bytes free.
+    /// Reserves the first `bytes` bytes.
     pub fn reserve(&mut self, bytes: u32) {
         self.bits = None;
         self.next = self.next.max(bytes);
     }
 }
 
-/// Bytes that a variable of `ty` takes; a BOOL takes 1.
+/// Bytes that a variable of `ty` needs; a BOOL needs 1.
 pub fn bytes(ty: &DataType) -> u32 {
     match ty {
         DataType::Elementary(elementary) => elementary.bits().div_ceil(8),
@@ -75,33 +75,33 @@ pub fn bytes(ty: &DataType) -> u32 {
     }
 }
 
-/// Bits from the beginning of a variable to the end of its last component, without fillers. An odd number of bytes, which
-/// an array or structure makes even, counts as it is.
+/// Bits from the beginning of a variable to the end of its last component, without padding. An odd number of bytes, which an
+/// an array or structure rounds up, counts as it is.
 pub fn used_bits(ty: &DataType) -> u32 {
-    let behind = |byte: u32, bit: u8, ty: &DataType| 8 * byte + u32::from(bit) + used_bits(ty);
+    let after = |byte: u32, bit: u8, ty: &DataType| 8 * byte + u32::from(bit) + used_bits(ty);
     match ty {
         DataType::Elementary(elementary) => elementary.bits(),
         DataType::Array(array) => match element_count(&array.bounds) {
             0 => 0,
             count => {
                 let (byte, bit) = element_place(array, count - 1);
-                behind(byte, bit, &array.element)
+                after(byte, bit, &array.element)
             }
         },
         DataType::Struct(structure) => {
-            structure.members.iter().map(|member| behind(member.byte, member.bit, &member.ty)).max().unwrap_or(0)
+            structure.members.iter().map(|member| after(member.byte, member.bit, &member.ty)).max().unwrap_or(0)
         }
         _ => 8 * bytes(ty),
     }
 }
 
-/// Bytes of an ANY, with which a VARIANT begins.
+/// Bytes of the ANY at the beginning of a VARIANT.
 pub const ANY_BYTES: u32 = 10;
 
-/// Where a VARIANT says how many elements the array has at which it points, a double word; 0: it points at no array.
+/// Where a VARIANT has the number of elements of the array that it points at, a double word; 0: not an array.
 pub const VARIANT_ELEMENTS: u32 = ANY_BYTES;
 
-/// Where a VARIANT says what it points at, or what the elements of the array are, a double word: see [`type_number`].
+/// Where a VARIANT has the type of the data that it points at, or of the elements of the array, a double word: see [`type_number`].
 pub const VARIANT_TYPE: u32 = ANY_BYTES + 4;
 
 /// Type codes of an ANY. Source: STL reference, table of type codes.
@@ -134,8 +134,8 @@ pub const fn type_code(ty: Elementary) -> u8 {
     }
 }
 
-/// The number by which a VARIANT tells types apart: of elementary ones and texts their code in an ANY, of structures and function blocks
-/// one that follows from their name, or without one from their components. The length of a text does not count.
+/// The number by which a VARIANT distinguishes types: for elementary types and texts their code in an ANY, for structures and function
+/// blocks one derived from their name, or without a name from their components. The length of a text does not count.
 pub fn type_number(ty: &DataType) -> u32 {
     const STRUCTURE: u32 = 1 << 31;
     match ty {
@@ -193,7 +193,7 @@ const fn even(bytes: u32) -> u32 {
     bytes + (bytes & 1)
 }
 
-/// How the elements of an array lie: elements in a row and bytes of a row, or `None` for one element after the other.
+/// The layout of an array's elements: elements in a row and bytes of a row, or `None` for one element after the other.
 fn rows(array_bounds: &[(i32, i32)], element: &DataType) -> Option<(u64, u64)> {
     let last = array_bounds.last().map_or(1, |&(low, high)| (i64::from(high) - i64::from(low) + 1).max(0) as u64);
     match element {
@@ -228,7 +228,7 @@ pub fn array_bytes(bounds: &[(i32, i32)], element: &DataType) -> u64 {
     total.saturating_add(total & 1)
 }
 
-/// Place of element number `index` (0-based, last dimension fastest) relative to the start of the array.
+/// Address of element number `index` (0-based, last dimension fastest) relative to the start of the array.
 pub fn element_place(array: &ArrayType, index: u64) -> (u32, u8) {
     match rows(&array.bounds, &array.element) {
         Some((in_row, row_bytes)) => {
@@ -239,13 +239,13 @@ pub fn element_place(array: &ArrayType, index: u64) -> (u32, u8) {
     }
 }
 
-/// Distance of neighbours in a dimension, in bits.
+/// Distance of adjacent elements in a dimension, in bits.
 pub fn distance(array: &ArrayType, dimension: usize) -> u32 {
-    let behind = array.bounds.get(dimension + 1..).unwrap_or(&[]);
+    let after = array.bounds.get(dimension + 1..).unwrap_or(&[]);
     let bits = match rows(&array.bounds, &array.element) {
-        Some(_) if behind.is_empty() => 1,
-        Some((_, row_bytes)) => row_bytes.saturating_mul(8).saturating_mul(element_count(&behind[..behind.len() - 1])),
-        None => u64::from(stride(&array.element)).saturating_mul(8).saturating_mul(element_count(behind)),
+        Some(_) if after.is_empty() => 1,
+        Some((_, row_bytes)) => row_bytes.saturating_mul(8).saturating_mul(element_count(&after[..after.len() - 1])),
+        None => u64::from(stride(&array.element)).saturating_mul(8).saturating_mul(element_count(after)),
     };
     u32::try_from(bits).unwrap_or(u32::MAX)
 }
@@ -262,7 +262,7 @@ pub fn element_index(array: &ArrayType, indices: &[i64]) -> Result<u64, usize> {
     Ok(number)
 }
 
-/// The same data in memory, whatever the types are called. An FC or FB takes an actual of such a type.
+/// The same data in memory, with any type names. An FC or FB accepts an actual of this type.
 pub fn same_type(a: &DataType, b: &DataType) -> bool {
     match (a, b) {
         (DataType::Array(a), DataType::Array(b)) => a.bounds == b.bounds && same_type(&a.element, &b.element),
@@ -282,7 +282,7 @@ fn same_structure(a: &StructType, b: &StructType) -> bool {
                 .all(|(a, b)| (a.byte, a.bit) == (b.byte, b.bit) && same_type(&a.ty, &b.ty)))
 }
 
-/// The type as a source writes it.
+/// The type as written in a source.
 pub fn type_name(ty: &DataType) -> String {
     match ty {
         DataType::Elementary(elementary) => elementary.name().to_string(),
@@ -396,7 +396,7 @@ mod tests {
         assert_eq!(place(&REAL), 20, "GAIN");
     }
 
-    /// Source: published instance layout of FB 58: the sections begin even.
+    /// Source: published instance layout of FB 58: the sections begin at even addresses.
     #[test]
     fn sections_begin_even() {
         let mut placer = Placer::default();

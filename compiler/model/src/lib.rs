@@ -1,11 +1,11 @@
-//! The bound program: what binding gives and lowering takes.
+//! The bound program: the output of binding and the input of lowering.
 //!
-//! - [`Program`]: blocks, data blocks and symbols, every name, type and address settled. Bodies differ by language: STL keeps its
+//! - [`Program`]: blocks, data blocks and symbols, with every name, type and address settled. Bodies differ by language: STL keeps its
 //!   statements, all others are the typed tree [`scl`], and the S7-200 has its own ([`s7200`]).
-//! - [`types`], [`layout`]: data types, and where their components lie.
+//! - [`types`], [`layout`]: data types, and the addresses of their components.
 //! - [`profile`]: the CPUs and their limits.
 //!
-//! **Invariant**: data only; knows neither how a program is bound nor how it is lowered.
+//! **Invariant**: data only; independent of how a program is bound and lowered.
 
 pub mod layout;
 pub mod profile;

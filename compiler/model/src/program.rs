@@ -21,7 +21,7 @@ pub struct Program {
     pub name: String,
     pub profile: Profile,
     pub config: Config,
-    /// Blocks with code, those of the standard library that are used included; sorted by kind and number.
+    /// Blocks with code, including the blocks of the standard library that are used; sorted by kind and number.
     pub blocks: Vec<CodeBlock>,
     /// Sorted by number.
     pub dbs: Vec<DataBlock>,
@@ -29,11 +29,11 @@ pub struct Program {
     pub symbols: Vec<SymbolEntry>,
     /// `//@ test cycles=N`, `//@ test expect=fail` and `//@ cpu`, found in the sources.
     pub test: TestSettings,
-    /// What every run of the program begins with, a line each: that it is not what its sources are.
+    /// Lines that every run of the program prints at its start: that it is not the same as its sources.
     pub notices: Vec<String>,
     /// Limits of the CPU, if it is an S7-200.
     pub s7200: Option<CpuRow>,
-    /// What stands in for missing parts, and what is left out for want of them: a line each.
+    /// The stand-ins for missing parts, and the parts that are left out for lack of them: one line each.
     pub partial: Vec<String>,
 }
 
@@ -47,7 +47,7 @@ impl Program {
     }
 }
 
-/// What the pragmas of a test file ask for.
+/// The settings in the pragmas of a test file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TestSettings {
     pub cycles: Option<u32>,
@@ -92,19 +92,19 @@ impl CodeBlock {
 /// Parameters and static data of a block.
 #[derive(Clone, Debug, Default)]
 pub struct Interface {
-    /// IN, OUT, IN_OUT in this order, each as declared; the result of an FC is the OUT parameter RET_VAL behind the other
-    /// OUTs (before them for system functions, as they are documented).
+    /// IN, OUT, IN_OUT in this order, each as declared; the result of an FC is the OUT parameter RET_VAL after the other
+    /// OUTs (before them for system functions, as documented).
     pub parameters: Vec<Parameter>,
     /// FB, SFB: whole instance memory, rounded up to even. FC, SFC: the parameters laid out like a structure (the form in
     /// which system functions get them).
     pub bytes: u32,
-    /// FB, SFB: parameters and STAT with their places in the instance.
+    /// FB, SFB: parameters and STAT with their addresses in the instance.
     pub instance: Vec<Member>,
     /// OB: bytes at the head of its local data that the CPU writes when it starts: start information, then the input parameters.
     pub start_bytes: u32,
-    /// OB: its input parameters and their places in its local data.
+    /// OB: its input parameters and their addresses in its local data.
     pub start_inputs: Vec<StartInput>,
-    /// FB: `CODE_VERSION1`, not for multi-instances.
+    /// FB: `CODE_VERSION1`, no multi-instance is possible.
     pub code_version1: bool,
 }
 
@@ -122,18 +122,18 @@ pub struct Parameter {
     pub name: String,
     pub direction: Direction,
     pub ty: DataType,
-    /// FB, SFB: place in the instance. FC, SFC: place in the structure of parameters.
+    /// FB, SFB: address in the instance. FC, SFC: address in the structure of parameters.
     pub byte: u32,
     pub bit: u8,
     pub passing: Passing,
 }
 
-/// How a parameter travels.
+/// How a parameter is passed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Passing {
     /// Elementary. FC: reference to the actual. FB: copy in the instance. SFC: copy in the structure of parameters.
     Elementary(Width),
-    /// Complex. FC: a POINTER in the caller's frame. FB IN, OUT: copy of so many bytes. FB IN_OUT: a POINTER in the instance.
+    /// Complex. FC: a POINTER in the caller's frame. FB IN, OUT: copy with this many bytes. FB IN_OUT: a POINTER in the instance.
     Complex {
         bytes: u32,
     },
@@ -141,10 +141,10 @@ pub enum Passing {
     Number,
     Pointer,
     Any,
-    /// As an ANY, with more behind it.
+    /// Like an ANY, with more data after it.
     Variant,
     /// ARRAY[*]. FC: reference to the actual, then low and high bound of each dimension. FB IN_OUT: a POINTER in the instance, then the
-    /// bounds, a DINT each.
+    /// bounds, each a DINT.
     OpenArray {
         dimensions: u8,
     },
@@ -193,7 +193,7 @@ pub struct DataBlock {
 #[derive(Clone, Debug)]
 pub struct StlStatement {
     pub span: Span,
-    /// 1-based; 0 before the first network.
+    /// From 1; 0 before the first network.
     pub network: u16,
     pub kind: StlStatementKind,
 }
@@ -210,7 +210,7 @@ pub enum StlStatementKind {
         insn: StlInsn,
         operand: Operand,
     },
-    /// `JL`: `targets` are the labels of the list; the JU statements of the list are not statements of their own any more.
+    /// `JL`: `targets` are the labels of the list; the JU statements of the list are no longer separate statements.
     JumpList {
         targets: Vec<LabelId>,
         default: LabelId,
@@ -225,7 +225,7 @@ pub enum StlStatementKind {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Operand {
     None,
-    /// Value as `L` loads it; also counts, pointer constants and the operands of `+`. `+ -5` is 16#0000_FFFB with `wide` false.
+    /// The value that `L` loads; also counts, pointer constants and the operands of `+`. `+ -5` is 16#0000_FFFB with `wide` false.
     Const {
         value: u32,
         wide: bool,
@@ -240,7 +240,7 @@ pub enum Operand {
         kind: CellKind,
         number: Number,
     },
-    /// A block to call: FC, FB, SFC, SFB. `kind` tells which table `number` names.
+    /// A block to call: FC, FB, SFC, SFB. `kind` is the table of `number`.
     Block {
         kind: BlockKind,
         number: Number,
@@ -254,14 +254,14 @@ pub enum Operand {
     Special(SpecialRegister),
     Register(AddressRegister),
     Label(LabelId),
-    /// `L P##p` of a parameter of an FC: of a complex, POINTER or ANY one a V pointer to what the caller hands over, of an elementary one
+    /// `L P##p` of a parameter of an FC: for a complex, POINTER or ANY one a V pointer to what the caller passes, for an elementary one
     /// the area pointer of the actual.
     ParameterPointer {
         parameter: usize,
     },
 }
 
-/// A number that is known, or found at run time.
+/// A number, known or read at run time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Number {
     Known(u16),
@@ -295,7 +295,7 @@ pub enum Place {
         byte: u32,
         bit: u8,
     },
-    /// Local data; declared TEMP variables too.
+    /// Local data; also declared TEMP variables.
     L {
         byte: u32,
         bit: u8,
@@ -321,7 +321,7 @@ pub enum Place {
         byte: u32,
         bit: u8,
     },
-    /// FC: `byte`.`bit` behind the start of what the parameter refers to; both 0 for an elementary one.
+    /// FC: `byte`.`bit` after the start of what the parameter refers to; both 0 for an elementary one.
     Parameter {
         parameter: usize,
         byte: u32,
@@ -338,7 +338,7 @@ pub enum Place {
         area: PlaceArea,
         pointer: Box<Place>,
     },
-    /// `MW [AR1,P#4.3]`; without area the register names it. `offset` in bits.
+    /// `MW [AR1,P#4.3]`; without an area the register contains it. `offset` in bits.
     Register {
         area: Option<PlaceArea>,
         register: AddressRegister,
@@ -375,10 +375,10 @@ pub struct Argument {
     pub span: Span,
 }
 
-/// What is handed over.
+/// The passed value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Actual {
-    /// A constant: its bytes as they lie in memory; a BOOL is one byte, 0 or 1.
+    /// A constant: its bytes as in memory; a BOOL is one byte, 0 or 1.
     Const(Vec<u8>),
     /// A variable of the width (elementary) or size (complex) of the formal.
     Place(Place),
@@ -388,14 +388,14 @@ pub enum Actual {
     PointerBytes(Vec<u8>),
     /// POINTER and ANY formals: points at `place`. For an ANY, `type_code` and `count` are its bytes 1 to 3.
     PointerTo { place: Place, type_code: u8, count: u16 },
-    /// POINTER and ANY formals: the structure itself lies at `place` (a TEMP variable of type ANY, a formal of the same type).
+    /// POINTER and ANY formals: the structure itself is at `place` (a TEMP variable of type ANY, a formal of the same type).
     PointerCopy(Place),
     /// VARIANT formals: an ANY, and what it points at.
     Variant(Box<Actual>, Pointed),
 }
 
 impl Actual {
-    /// The ANY of a VARIANT; everything else itself.
+    /// The ANY of a VARIANT; otherwise the actual itself.
     pub fn pointer(&self) -> &Actual {
         match self {
             Actual::Variant(any, _) => any,
@@ -404,14 +404,14 @@ impl Actual {
     }
 }
 
-/// What a VARIANT says after its ANY.
+/// The contents of a VARIANT after its ANY.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pointed {
-    /// Number of elements, 0 of what is no array; [`crate::layout::type_number`] of them.
+    /// Number of elements, 0 if it is not an array; [`crate::layout::type_number`] of them.
     Known { elements: u32, ty: u32 },
-    /// As many elements as the ARRAY[*] at which the ANY points has; [`crate::layout::type_number`] of them.
+    /// As many elements as the ARRAY[*] that the ANY points at; [`crate::layout::type_number`] of them.
     Counted { ty: u32 },
-    /// What the VARIANT says of which the ANY is a copy.
+    /// The contents of the VARIANT that the ANY is a copy of.
     Copied,
 }
 
@@ -427,7 +427,7 @@ pub struct Assert<S = AssertSide> {
     pub text: String,
 }
 
-/// A comparison whose types are settled.
+/// A comparison with settled types.
 #[derive(Clone, Debug)]
 pub struct Comparison<S> {
     pub op: AssertOp,
@@ -436,7 +436,7 @@ pub struct Comparison<S> {
     pub right: Compared<S>,
 }
 
-/// A side of a comparison with the type that it is taken for.
+/// A side of a comparison with the type that it has there.
 #[derive(Clone, Debug)]
 pub struct Compared<S> {
     pub ty: AssertType,
@@ -450,7 +450,7 @@ pub enum ComparedValue<S> {
 }
 
 impl<S> Assert<S> {
-    /// What code brings for the sides, in the order of the text.
+    /// The values that code supplies for the sides, in source order.
     pub fn sides(&self) -> impl Iterator<Item = &S> {
         self.comparisons.iter().flat_map(|comparison| [&comparison.left, &comparison.right]).filter_map(|side| {
             match &side.value {

@@ -12,7 +12,7 @@ pub struct Body {
     pub statements: Vec<Statement>,
 }
 
-/// A formal parameter, with its place in local data.
+/// A formal parameter, with its address in local data.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parameter {
     pub name: String,
@@ -40,7 +40,7 @@ pub struct Statement {
     pub kind: StatementKind,
 }
 
-/// Forms of statements. Labels, jumps, loops and sequence steps are instructions; they are known to pair.
+/// Forms of statements. Labels, jumps, loops and sequence steps are instructions; they are known to be paired.
 #[derive(Clone, Debug)]
 pub enum StatementKind {
     /// Any but `CALL`.
@@ -48,7 +48,7 @@ pub enum StatementKind {
         insn: Insn,
         operands: Vec<Operand>,
     },
-    /// `CALL`: an argument for each parameter of subroutine `number`.
+    /// `CALL`: with an argument for each parameter of subroutine `number`.
     Call {
         number: u16,
         arguments: Vec<Operand>,
@@ -61,7 +61,7 @@ pub enum StatementKind {
 /// An operand.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Operand {
-    /// A constant of the width that the instruction wants: its bits. Also label numbers, interrupt routines, events and addresses of
+    /// A constant of the width that the instruction needs: its bits. Also label numbers, interrupt routines, events and addresses of
     /// operands (`&VB100`: a pointer).
     Const(u32),
     /// A string constant, without its length byte.
@@ -95,7 +95,7 @@ pub enum Operand {
     AnalogOutput {
         byte: u32,
     },
-    /// `*VD200`: what the pointer at the place `pointer` (width Dword) points at.
+    /// `*VD200`: the target of the pointer at the place `pointer` (width Dword).
     Indirect {
         pointer: Box<Operand>,
         width: Width,

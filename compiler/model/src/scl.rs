@@ -1,5 +1,5 @@
 //! Bound SCL: a typed tree. Every name and address is settled, every expression has its final type, and implicit conversions are
-//! nodes of their own.
+//! separate nodes.
 
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
@@ -11,18 +11,18 @@ use crate::types::DataType;
 #[derive(Clone, Debug, Default)]
 pub struct Body {
     pub statements: Vec<Statement>,
-    /// Overflows, failed conversions and the like clear the block's OK/ENO bit; else only assignments change it.
+    /// Overflows, failed conversions and similar errors clear the block's OK/ENO bit; otherwise only assignments change it.
     pub sets_flag: bool,
-    /// A call ANDs the callee's ENO into the bit, if `sets_flag` (TIA); else it leaves the bit alone (classic).
+    /// A call ANDs the callee's ENO into the bit, if `sets_flag` (TIA); otherwise it does not change the bit (classic).
     pub calls_set_flag: bool,
-    /// STRING and WSTRING variables in VAR_TEMP, also inside of structures and arrays: their heads are set when the block begins.
+    /// STRING and WSTRING variables in VAR_TEMP, also inside of structures and arrays: their headers are set when the block begins.
     pub temporary_texts: Vec<TemporaryText>,
-    /// Of a block in LAD or FBD: where its networks begin in the source, in order.
+    /// For a block in LAD or FBD: where its networks begin in the source, in order.
     pub networks: Vec<u32>,
 }
 
 impl Body {
-    /// Number of the network at a place, 1 for the first; 0 if the block has none.
+    /// Number of the network at a position, 1 for the first; 0 if the block has none.
     pub fn network_at(&self, start: u32) -> u16 {
         self.networks.partition_point(|begin| *begin <= start) as u16
     }
@@ -41,7 +41,7 @@ pub struct TemporaryText {
 #[derive(Clone, Debug)]
 pub struct Statement {
     pub kind: StatementKind,
-    /// What a message at run time and a debugger show: of compound statements the head.
+    /// The text for messages at run time and debuggers: for compound statements the first line.
     pub span: Span,
 }
 
@@ -65,7 +65,7 @@ pub enum StatementKind {
     },
     /// `OK := e`, `ENO := e`.
     SetFlag(Expr),
-    /// A call whose value, if any, goes nowhere.
+    /// A call whose value, if any, is not used.
     Call(Box<Call>),
     /// An expression for its effects: a timer or counter function.
     Evaluate(Expr),
@@ -76,14 +76,14 @@ pub enum StatementKind {
     Case {
         /// Integer, bit string or character.
         selector: Expr,
-        /// The first arm that holds the value runs.
+        /// The first arm that contains the value runs.
         arms: Vec<Arm>,
         otherwise: Vec<Statement>,
     },
     For {
         /// Integer; evaluated once.
         variable: Access,
-        /// All of the variable's type.
+        /// All have the type of the variable.
         start: Expr,
         end: Expr,
         step: Expr,
@@ -130,19 +130,19 @@ pub struct Expr {
 pub enum ExprKind {
     /// The value's bits, zero-extended from the width of the type.
     Const(u64),
-    /// Of a parameter of type BLOCK_DB: the number, a WORD.
+    /// For a parameter of type BLOCK_DB: the number, a WORD.
     Load(Box<Access>),
     Unary {
         op: UnaryOp,
         operand: Box<Expr>,
     },
-    /// Both operands are of the expression's type; for a shift or rotate the right one is an integer.
+    /// Both operands have the type of the expression; for a shift or rotate the right one is an integer.
     Binary {
         op: BinaryOp,
         left: Box<Expr>,
         right: Box<Expr>,
     },
-    /// Both operands are of one type; the expression is a BOOL.
+    /// Both operands have one type; the expression is a BOOL.
     Compare {
         op: CompareOp,
         left: Box<Expr>,
@@ -167,7 +167,7 @@ pub enum ExprKind {
         kind: super::CellKind,
         number: Number,
     },
-    /// Bound of dimension `dimension` (0-based; a DINT expression, so that it may be computed) of the ARRAY[*] formal `parameter`: a DINT, 0
+    /// Bound of dimension `dimension` (0-based; a DINT expression, so it may be computed) of the ARRAY[*] formal `parameter`: a DINT, 0
     /// and the bit cleared if there is no such dimension.
     Bound {
         parameter: usize,
@@ -186,11 +186,11 @@ pub enum UnaryOp {
     Negate,
     /// All bits of the type.
     Not,
-    /// Least integer stays; floats lose their sign.
+    /// The smallest integer stays; floats lose their sign.
     Abs,
 }
 
-/// Integers wrap; a division by 0 gives 0. What clears the bit stands in the SCL reference, operators.
+/// Integers wrap; a division by 0 yields 0. The SCL reference, operators, lists what clears the bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BinaryOp {
     Add,
@@ -208,10 +208,10 @@ pub enum BinaryOp {
     ShiftRight,
     RotateLeft,
     RotateRight,
-    /// As Add and Subtract, of a TIME_OF_DAY and milliseconds: modulo 24 hours, which clears the bit. LTOD likewise in nanoseconds.
+    /// Like Add and Subtract, for a TIME_OF_DAY and milliseconds: modulo 24 hours, which clears the bit. The same for LTOD in nanoseconds.
     AddDay,
     SubtractDay,
-    /// The lesser, the greater; NaN gives NaN.
+    /// The smaller or the greater; NaN yields NaN.
     Min,
     Max,
 }
@@ -227,24 +227,24 @@ pub enum CompareOp {
     GreaterEqual,
 }
 
-/// How a value becomes one of another type. What clears the bit stands in the SCL reference, explicit conversions.
+/// How a value is converted to another type. The SCL reference, explicit conversions, lists what clears the bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Conversion {
     /// By value: integer to integer (low bits), integer to float, float to float, float to integer (to nearest, ties to even), TIME to
-    /// integer and back. Float to integer out of range: as [`Overflow`] says.
+    /// integer and back. Float to integer out of range: see [`Overflow`].
     Value(Overflow),
-    /// As `Value` from float, towards zero, up, down.
+    /// Like `Value` from a float, towards zero, up, down.
     Truncate(Overflow),
     Ceil(Overflow),
     Floor(Overflow),
-    /// The bits: zero-extended from a bit string, sign-extended from a signed integer, cut to the target. `checked`: lost bits clear the
+    /// The bits: zero-extended from a bit string, sign-extended from a signed integer, truncated to the target. `checked`: lost bits clear the
     /// bit.
     Bits {
         checked: bool,
     },
-    /// Anything to BOOL: bit 0; others that are 1 clear the bit.
+    /// Anything to BOOL: bit 0; other bits that are 1 clear the bit.
     ToBool,
-    /// WORD or DWORD in BCD to INT or DINT; a bad digit is OB 121 16#21 if `fault`, else 0 and the bit cleared.
+    /// WORD or DWORD in BCD to INT or DINT; a bad digit is OB 121 16#21 if `fault`, otherwise 0 and the bit cleared.
     FromBcd {
         fault: bool,
     },
@@ -252,12 +252,12 @@ pub enum Conversion {
     ToBcd,
     /// S5TIME to TIME.
     FromS5Time,
-    /// TIME to S5TIME: cut to the time base; out of range clears the bit.
+    /// TIME to S5TIME: truncated to the time base; out of range clears the bit.
     ToS5Time,
     /// TIME to LTIME, TIME_OF_DAY to LTOD and back: milliseconds and nanoseconds.
     MillisToNanos,
     NanosToMillis,
-    /// Pattern stays; out of 0..=`max` clears the bit (DATE, TIME_OF_DAY).
+    /// The pattern stays; out of 0..=`max` clears the bit (DATE, TIME_OF_DAY).
     Ranged {
         max: u32,
     },
@@ -295,7 +295,7 @@ pub enum Function {
     Limit,
     /// `(G, IN0, IN1)`
     Select,
-    /// `(K, IN0, …, INn)`; K outside: the last argument if `has_else`, else 0; both clear the bit.
+    /// `(K, IN0, …, INn)`; no input for K: the last argument if `has_else`, otherwise 0; both clear the bit.
     Mux {
         has_else: bool,
     },
@@ -315,13 +315,13 @@ pub enum Function {
     IsValid,
 }
 
-/// A place in memory that code reads, writes or hands over.
+/// A place in memory that code reads, writes or passes.
 #[derive(Clone, Debug)]
 pub struct Access {
     pub base: Base,
-    /// Run-time indices, in the order of the text. Their distances from the lowest elements add to the base.
+    /// Run-time indices, in source order. Their distances from the lowest elements add to the base.
     pub indices: Vec<Index>,
-    /// Type of what lies there, before `part`.
+    /// The type there, before `part`.
     pub ty: DataType,
     /// A slice `.%X3` of it.
     pub part: Option<Part>,
@@ -348,9 +348,9 @@ pub enum IndexedArea {
     /// I, Q, M, PI, PQ.
     Memory(PlaceArea),
     Db(u16),
-    /// WORD: the number of the DB, found at run time.
+    /// WORD: the number of the DB, known at run time.
     DynamicDb(Box<Expr>),
-    /// BYTE: the area as PEEK names it (16#81 I, 16#82 Q, 16#83 M, 16#84 DB, 1 PI, 2 PQ), and WORD: the number of the DB.
+    /// BYTE: the area in the code of PEEK (16#81 I, 16#82 Q, 16#83 M, 16#84 DB, 1 PI, 2 PQ), and WORD: the number of the DB.
     Coded {
         area: Box<Expr>,
         db: Box<Expr>,
@@ -363,7 +363,7 @@ pub struct Index {
     /// DINT.
     pub value: Expr,
     pub bounds: IndexBounds,
-    /// Distance of neighbours, in bits.
+    /// Distance of adjacent elements, in bits.
     pub stride: u32,
 }
 
@@ -371,8 +371,8 @@ pub struct Index {
 pub enum IndexBounds {
     /// Inclusive.
     Known(i32, i32),
-    /// Of the ARRAY[*] formal `parameter`, in its dimension. Distances of all but the last dimension multiply by the lengths of those
-    /// behind; `stride` is that of an element.
+    /// A bound of the ARRAY[*] formal `parameter`, in its dimension. Distances of all but the last dimension are multiplied by the lengths of
+    /// the later ones; `stride` is that of an element.
     Open { parameter: usize, dimension: u8 },
 }
 
@@ -384,7 +384,7 @@ pub struct Part {
 }
 
 impl Access {
-    /// The elementary type of what is read or written, the slice taken: BOOL, BYTE, WORD, DWORD for slices. None if it is complex.
+    /// The elementary type that is read or written, including the slice: BOOL, BYTE, WORD, DWORD for slices. None if it is complex.
     pub fn elementary(&self) -> Option<Elementary> {
         match self.part {
             Some(part) => Some(match part.width {
@@ -402,13 +402,13 @@ impl Access {
     }
 }
 
-/// A value that is no elementary one.
+/// A value that is not elementary.
 #[derive(Clone, Debug)]
 pub enum Complex {
     Variable(Access),
     /// Its bytes in memory; a STRING with its two length bytes.
     Const(Vec<u8>),
-    /// Result of an FC: it lies in the frame until the end of the statement.
+    /// Result of an FC: it is in the frame until the end of the statement.
     Call(Box<Call>),
     /// A CHAR or WCHAR as a text of one character.
     Character(Box<Expr>),
@@ -419,7 +419,7 @@ pub enum Complex {
 pub struct Call {
     pub target: BlockKey,
     pub instance: Option<Instance>,
-    /// In the order of the text, each parameter at most once. RET_VAL is one of them, the last, only in a statement that assigns what a
+    /// In source order, each parameter at most once. RET_VAL is one of them, the last, only in a statement that assigns what a
     /// function of the library writes into its target itself.
     pub arguments: Vec<Argument>,
     /// `EN := e`: FALSE skips the arguments and the call; the value is 0.
@@ -446,17 +446,17 @@ pub struct Argument {
     pub span: Span,
 }
 
-/// What is handed over.
+/// The passed value.
 #[derive(Clone, Debug)]
 pub enum Actual {
     /// IN, elementary: a value of the formal's type.
     Value(Expr),
-    /// OUT or IN_OUT, elementary. The variable may be of another type than the formal: then `back` converts what comes out; an IN_OUT
+    /// OUT or IN_OUT, elementary. The variable may have a different type than the formal: then `back` converts the output; an IN_OUT
     /// has the formal's type (or width). Slices are copied in and back.
     Variable { access: Access, back: Option<Conversion> },
     /// IN, complex. A text may be longer or shorter than the formal; the rest has the formal's layout.
     Complex(Complex),
-    /// OUT or IN_OUT, complex. ARRAY[*] too.
+    /// OUT or IN_OUT, complex. also ARRAY[*].
     Reference(Access),
     /// TIMER, COUNTER, BLOCK_x.
     Number(Number),
@@ -464,20 +464,20 @@ pub enum Actual {
     PointerBytes(Vec<u8>),
     /// POINTER, ANY: points at the variable; for an ANY, with bytes 1 to 3. Of an ARRAY[*], `count` is that of one element.
     PointerTo { access: Access, type_code: u8, count: u16 },
-    /// POINTER, ANY: the structure lies at the place.
+    /// POINTER, ANY: the structure is at the place.
     PointerCopy(Access),
-    /// ANY formal that takes a value: it lies in the frame.
+    /// ANY formal that receives a value: it is in the frame.
     PointerToValue { value: Expr, type_code: u8 },
-    /// ANY formal that takes a constant or a result: it lies in the frame.
+    /// ANY formal that receives a constant or a result: it is in the frame.
     PointerToComplex { value: Complex, type_code: u8, count: u16 },
     /// VARIANT: an ANY, and what it points at.
     Variant(Box<Actual>, Pointed),
-    /// OUT of which the result is dropped (`o => `).
+    /// OUT with an unused result (`o => `).
     Dropped,
 }
 
 impl Actual {
-    /// The ANY of a VARIANT; everything else itself.
+    /// The ANY of a VARIANT; otherwise the actual itself.
     pub fn pointer(&self) -> &Actual {
         match self {
             Actual::Variant(any, _) => any,
@@ -515,7 +515,7 @@ pub struct TimerCall {
 #[derive(Clone, Debug)]
 pub struct CounterCall {
     pub counter: Number,
-    /// BOOL each; CU, then CD, then S, then R.
+    /// Each a BOOL; CU, then CD, then S, then R.
     pub up: Option<Expr>,
     pub down: Option<Expr>,
     pub set: Option<Expr>,

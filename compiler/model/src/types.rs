@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 pub use plcc_syntax::{Class, Elementary};
 
-/// Types that exist for parameters only.
+/// Types that only parameters have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ParameterType {
     Timer,
@@ -17,11 +17,11 @@ pub enum ParameterType {
     Pointer,
     /// 10 bytes.
     Any,
-    /// An ANY with number and type of its elements behind it, 18 bytes. See [`crate::layout::VARIANT_ELEMENTS`].
+    /// An ANY followed by the number and type of its elements, 18 bytes. See [`crate::layout::VARIANT_ELEMENTS`].
     Variant,
 }
 
-/// Name of the structure that a date and time of S7-1200/1500 is, 12 bytes.
+/// Name of the structure for date and time of S7-1200/1500, 12 bytes.
 pub const DTL: &str = "DTL";
 
 /// A data type.
@@ -30,14 +30,14 @@ pub enum DataType {
     Elementary(Elementary),
     /// 8 bytes.
     DateAndTime,
-    /// Largest length; 2 more bytes in memory.
+    /// Maximum length; 2 more bytes in memory.
     String(u8),
-    /// Largest length in characters of two bytes; 4 more bytes in memory, two words.
+    /// Maximum length in characters of two bytes; 4 more bytes in memory, two words.
     WideString(u16),
     Array(Rc<ArrayType>),
     Struct(Rc<StructType>),
     Parameter(ParameterType),
-    /// `ARRAY[*]`, a formal parameter whose bounds come with the actual.
+    /// `ARRAY[*]`, a formal parameter that gets its bounds from the actual.
     OpenArray(Rc<OpenArrayType>),
     /// VOID, the type of an FC without a result.
     Void,
@@ -52,7 +52,7 @@ pub struct ArrayType {
     pub bytes: u32,
 }
 
-/// An array whose bounds are known at run time.
+/// An array with bounds that are known at run time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OpenArrayType {
     pub dimensions: u8,
@@ -71,7 +71,7 @@ pub struct StructType {
     pub bytes: u32,
 }
 
-/// A component with its place, relative to the start of the structure.
+/// A component with its address, relative to the start of the structure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Member {
     pub name: String,

@@ -1,4 +1,4 @@
-//! Direct addresses: their text, the range that the CPU has, and their pointers.
+//! Direct addresses: their text, their range on the CPU, and their pointers.
 
 use plcc_abi::image::Profile;
 use plcc_abi::s7200::image::CpuRow;
@@ -10,10 +10,10 @@ use plcc_syntax::s7200::ast::{Area, Direct};
 use super::Binder;
 use plcc_model::profile;
 
-/// SMB0 to SMB29 are written by the CPU alone.
+/// Only the CPU writes SMB0 to SMB29.
 pub const SM_READ_ONLY_BYTES: u32 = 30;
 
-/// An address as it is written.
+/// An address as written.
 pub fn text(direct: Direct) -> String {
     let Direct { area, width, number, bit } = direct;
     let letters = area.letters();
@@ -35,7 +35,7 @@ pub fn letter(width: Width) -> &'static str {
     }
 }
 
-/// Size of an area on a CPU: bytes, or how many timers and the like.
+/// Size of an area on a CPU: in bytes, or the number of timers, counters and so on.
 pub fn size(area: Area, profile: &Profile, row: &CpuRow) -> u32 {
     match area {
         Area::I => profile.inputs,
@@ -53,7 +53,7 @@ pub fn size(area: Area, profile: &Profile, row: &CpuRow) -> u32 {
     }
 }
 
-/// Whether the CPU has the address up to `count` elements behind its first one.
+/// Whether the CPU has the address up to `count` elements after its first one.
 fn exists(direct: Direct, width: Width, count: u32, profile: &Profile, row: &CpuRow) -> bool {
     let size = u64::from(size(direct.area, profile, row));
     let (number, count) = (u64::from(direct.number), u64::from(count));
@@ -65,7 +65,7 @@ fn exists(direct: Direct, width: Width, count: u32, profile: &Profile, row: &Cpu
     }
 }
 
-/// The pointer to an operand; `None`: the area cannot be pointed at.
+/// The pointer to an operand; `None`: a pointer to the area is not possible.
 pub fn pointer_to(direct: Direct) -> Option<u32> {
     let (tag, offset) = match direct.area {
         Area::I => (pointer::I, direct.number),
@@ -87,7 +87,7 @@ pub fn pointer_to(direct: Direct) -> Option<u32> {
 }
 
 impl Binder<'_> {
-    /// Checks that the CPU has `count` elements from an address on; `None` if not, which is reported.
+    /// Checks that the CPU has `count` elements beginning with an address; `None` if not, which is reported.
     pub fn check_range(&mut self, direct: Direct, width: Width, count: u32, span: Span) -> Option<()> {
         if direct.bit > 7 {
             let title = format!("`{}` has no bit {} (0091)", text(direct), direct.bit);
@@ -138,7 +138,7 @@ impl Binder<'_> {
         };
         let title = match count {
             1 => format!("{name} is outside the memory of the CPU (0091)"),
-            _ => format!("{name} reach beyond the memory of the CPU (0091)"),
+            _ => format!("{name} extend beyond the memory of the CPU (0091)"),
         };
         self.push(Diagnostic::new(Code::AddressRange, span, title).label(label).help(help));
         None

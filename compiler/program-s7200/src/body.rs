@@ -55,7 +55,7 @@ impl Binder<'_> {
         Some(Body { parameters: locals.formals(), statements })
     }
 
-    /// The mnemonic as the sources write it.
+    /// The mnemonic as the sources spell it.
     pub fn mnemonic(&self, insn: Insn) -> String {
         let german = self.input.units.iter().find(|(_, unit)| unit.s7200.is_some());
         let set = german.map_or(Mnemonics::En, |(_, unit)| unit.mnemonics);
@@ -76,7 +76,7 @@ impl Binder<'_> {
         let classes = insn.operands();
         // `NOP` is written with and without its number.
         let optional = insn == Insn::Nop && operands.is_empty();
-        // What was left of a line that could not be read is no count.
+        // The rest of a line that could not be read is not a count.
         let unread = operands.iter().any(|operand| operand.kind == ast::OperandKind::Error);
         if operands.len() < classes.len() && !optional && !unread {
             let what = classes.get(operands.len()).map_or("one", |class| describe(*class));
@@ -86,8 +86,8 @@ impl Binder<'_> {
             let title = format!("`{}` has {}", self.mnemonic(insn), count(classes.len()));
             self.push(
                 Diagnostic::new(Code::SurplusOperand, surplus.span, title)
-                    .label("the first one too many")
-                    .help("leave it out"),
+                    .label("the first surplus operand")
+                    .help("remove it"),
             );
         }
         let bound: Vec<Option<Operand>> = classes
@@ -119,7 +119,7 @@ fn count(operands: usize) -> String {
     }
 }
 
-/// What is missing, in a word.
+/// The missing operand, in a few words.
 fn describe(class: OperandClass) -> &'static str {
     match class {
         OperandClass::Bit

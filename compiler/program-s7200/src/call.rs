@@ -31,7 +31,7 @@ impl Binder<'_> {
         let (number, name, formals) = (block.number, block.name.clone(), block.locals.clone());
         let title = if name.is_empty() { format!("SBR{number}") } else { format!("`{name}`") };
         let wanted = formals.parameters().count();
-        // Where the EN of the box is declared, it is S0, and calls may leave it out.
+        // If the EN of the box is declared, it is S0, and calls may omit it.
         let is_enable = |local: &Local| {
             local.section == Section::Input && local.ty == Type::Bool && local.name.eq_ignore_ascii_case("EN")
         };
@@ -44,7 +44,7 @@ impl Binder<'_> {
                 Diagnostic::new(
                     Code::MissingParameter,
                     mnemonic,
-                    format!("{title} has {wanted} parameters, the call gives {} (0090)", actuals.len()),
+                    format!("{title} has {wanted} parameters, the call has {} (0090)", actuals.len()),
                 )
                 .label(format!("missing: {}", missing.join(", ")))
                 .help("write all parameters in the order of the declarations: inputs, in/outs, outputs"),
@@ -55,10 +55,10 @@ impl Binder<'_> {
                 Diagnostic::new(
                     Code::UnknownParameter,
                     surplus.span,
-                    format!("{title} has {wanted} parameters, the call gives {} (0090)", actuals.len()),
+                    format!("{title} has {wanted} parameters, the call has {} (0090)", actuals.len()),
                 )
-                .label("the first one too many")
-                .help("leave out what the subroutine does not declare, or declare it"),
+                .label("the first surplus argument")
+                .help("remove what the subroutine does not declare, or declare it"),
             );
         }
         let mut arguments: Vec<Option<Operand>> = Vec::new();
@@ -110,14 +110,14 @@ impl Binder<'_> {
         };
         let told = self.report.diagnostics.len();
         let bound = self.operand(locals, class, actual);
-        // The messages tell which parameter it is.
+        // The messages name the parameter.
         for message in self.report.diagnostics.iter_mut().skip(told) {
             message.title.push_str(&format!(", parameter `{}`", formal.name));
         }
         bound
     }
 
-    /// What the operand is if that is known without a message.
+    /// What the operand is, if known; no message otherwise.
     fn settle_quietly(&mut self, locals: &Locals, operand: &ast::Operand) -> Option<Settled> {
         match &operand.kind {
             ast::OperandKind::Constant(constant) => Some(Settled::Constant(constant.clone())),
@@ -140,13 +140,13 @@ impl Binder<'_> {
             Settled::Direct(direct) => self.string_pointer(direct, span),
             Settled::StringVariable(pointer) => memory(pointer, plcc_syntax::ast::Width::Dword),
             Settled::Pointer(pointer) => Some(Operand::Const(pointer)),
-            // What `*` names is a string: its pointer is what lies there.
+            // The value that `*` refers to is a string: its pointer is the value of the pointer variable.
             Settled::Indirect(pointer) => Some(pointer),
             Settled::Constant(Constant::Text(bytes)) => self.text(bytes, span),
             Settled::Constant(_) | Settled::Block(_) => {
                 self.push(
-                    Diagnostic::new(Code::TypeMismatch, span, "a STRING parameter takes a string (0090)")
-                        .label("no string")
+                    Diagnostic::new(Code::TypeMismatch, span, "a STRING parameter needs a string (0090)")
+                        .label("this is not a string")
                         .help("name its first byte (`VB100`), a pointer (`*VD200`), or write it in double quotes"),
                 );
                 None
@@ -168,7 +168,7 @@ impl Binder<'_> {
     }
 
     fn block_operand(&mut self, locals: &Locals, operand: &ast::Operand, kind: BlockKind) -> Option<usize> {
-        // A block that is called by its name may have the name of a local variable, too.
+        // A block that is called by name may share its name with a local variable.
         if let ast::OperandKind::Symbol { name, form } = &operand.kind
             && *form != ast::SymbolForm::Local
             && let Some(&index) = self.by_name.get(&super::names::fold(name))
@@ -186,7 +186,7 @@ impl Binder<'_> {
         self.settled_block(settled, kind, operand.span)
     }
 
-    /// A block of `kind`: by name, or by a constant that is its number.
+    /// A block of `kind`: by name, or by a constant with its number.
     fn settled_block(&mut self, settled: Settled, kind: BlockKind, span: Span) -> Option<usize> {
         let index = match settled {
             Settled::Block(index) => index,
@@ -211,7 +211,7 @@ impl Binder<'_> {
             _ => ("a subroutine", "CALL SBR0"),
         };
         self.push(
-            Diagnostic::new(Code::OperandKind, span, format!("{what} is wanted here (0087)"))
+            Diagnostic::new(Code::OperandKind, span, format!("{what} is expected here (0087)"))
                 .label(format!("this is not {what}"))
                 .help(format!("write its name or its number: `{example}`")),
         );
@@ -232,7 +232,7 @@ impl Binder<'_> {
         });
     }
 
-    /// An operand is missing behind a mnemonic.
+    /// Reports that an operand is missing after a mnemonic.
     pub fn missing_operand(&mut self, what: &str, mnemonic: Span) {
         self.push(
             Diagnostic::new(Code::MissingOperand, mnemonic, "an operand is missing")

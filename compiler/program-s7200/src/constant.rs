@@ -1,4 +1,4 @@
-//! Constants: the bits that they have at an operand.
+//! Constants: their bits as an operand.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
@@ -6,12 +6,12 @@ use plcc_syntax::s7200::ast::Constant;
 
 use super::Binder;
 
-/// What a place that takes constants makes of them.
+/// How a place that accepts constants interprets them.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Target {
     /// An integer of this width.
     Integer(Width),
-    /// Bits of this width: a REAL is taken as it lies in memory.
+    /// Bits of this width: a REAL has the bits that it has in memory.
     Bits(Width),
     /// A byte with or without a sign.
     Signed,
@@ -19,7 +19,7 @@ pub enum Target {
     Bool,
 }
 
-/// Value of a constant that is a whole number.
+/// Value of an integer constant.
 pub fn whole(constant: &Constant) -> Option<i64> {
     match constant {
         Constant::Integer(value) => Some(*value),
@@ -32,38 +32,38 @@ pub fn whole(constant: &Constant) -> Option<i64> {
 }
 
 impl Binder<'_> {
-    /// The bits of a constant; `None` if it cannot stand there, which is reported.
+    /// The bits of a constant; `None` if it is not possible there, which is reported.
     pub fn constant(&mut self, constant: &Constant, target: Target, span: Span) -> Option<u32> {
         match (target, constant) {
             (Target::Bool, Constant::Bool(value)) => Some(u32::from(*value)),
             (Target::Bool, _) => match whole(constant) {
                 Some(value @ (0 | 1)) => Some(value as u32),
-                _ => self.wrong_constant("a BOOL takes TRUE, FALSE, 1 or 0", "", span),
+                _ => self.wrong_constant("a BOOL is TRUE, FALSE, 1 or 0", "", span),
             },
             (Target::Real, Constant::Real(value)) => Some(value.to_bits()),
             (Target::Real, Constant::Integer(value)) => {
                 self.push(
-                    Diagnostic::new(Code::Tolerated, span, format!("`{value}` is taken for the REAL {value}.0"))
+                    Diagnostic::new(Code::Tolerated, span, format!("`{value}` is read as the REAL {value}.0"))
                         .label("a REAL has a point or an exponent")
                         .help(format!("write `{value}.0`")),
                 );
                 Some((*value as f32).to_bits())
             }
             (Target::Real, Constant::Bits { value, .. }) => Some(*value),
-            (Target::Real, _) => self.wrong_constant("a REAL is wanted here", "write it as `1.5`", span),
+            (Target::Real, _) => self.wrong_constant("a REAL is expected here", "write it as `1.5`", span),
             (Target::Bits(Width::Dword), Constant::Real(value)) => Some(value.to_bits()),
             (Target::Signed, Constant::Integer(value @ -128..=-1)) => Some(*value as u32 & 0xFF),
             (Target::Signed, _) => self.constant(constant, Target::Integer(Width::Byte), span),
             (Target::Integer(_) | Target::Bits(_), Constant::Real(_)) => self.wrong_constant(
-                "a REAL cannot stand here",
+                "a REAL is not possible here",
                 "REALs are moved with MOVR and converted with ROUND",
                 span,
             ),
             (Target::Integer(_) | Target::Bits(_), Constant::Bool(_)) => {
-                self.wrong_constant("a BOOL cannot stand here", "write a number", span)
+                self.wrong_constant("a BOOL is not possible here", "write a number", span)
             }
             (Target::Integer(_) | Target::Bits(_), Constant::Text(_)) => {
-                self.wrong_constant("a string cannot stand here", "write characters in single quotes: 'AB'", span)
+                self.wrong_constant("a string is not possible here", "write characters in single quotes: 'AB'", span)
             }
             (Target::Integer(width) | Target::Bits(width), _) => match whole(constant) {
                 Some(value) => self.integer(value, width, span),
@@ -84,7 +84,7 @@ impl Binder<'_> {
             let low = if width == Width::Byte { 0 } else { low };
             self.push(
                 Diagnostic::new(Code::LiteralRange, span, format!("`{value}` does not fit into {name} (0090)"))
-                    .label(format!("{name} holds {low} to {high}"))
+                    .label(format!("{name} can be {low} to {high}"))
                     .help("use an instruction of a larger width, or a smaller value"),
             );
             return None;
@@ -92,7 +92,7 @@ impl Binder<'_> {
         let bits = value as u32 & mask(width);
         if width == Width::Byte && value < 0 {
             self.push(
-                Diagnostic::new(Code::Tolerated, span, format!("`{value}` is taken for the byte {bits}"))
+                Diagnostic::new(Code::Tolerated, span, format!("`{value}` is read as the byte {bits}"))
                     .label("a byte has no sign")
                     .help(format!("write {bits} or 16#{bits:02X}")),
             );
@@ -107,11 +107,11 @@ impl Binder<'_> {
             Some(value) => {
                 self.push(
                     Diagnostic::new(Code::LiteralRange, span, format!("`{value}` is outside the range (0090)"))
-                        .label(format!("0 to {max} can stand here")),
+                        .label(format!("0 to {max} are possible here")),
                 );
                 None
             }
-            None => self.wrong_constant("a whole number is wanted here", "", span),
+            None => self.wrong_constant("an integer is expected here", "", span),
         }
     }
 
@@ -122,7 +122,7 @@ impl Binder<'_> {
     }
 }
 
-/// The bits that a width has.
+/// All bits of a width.
 pub fn mask(width: Width) -> u32 {
     match width {
         Width::Bit => 1,

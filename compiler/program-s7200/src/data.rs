@@ -24,7 +24,7 @@ struct Memory {
     lines: Vec<Span>,
 }
 
-/// Where the next value goes, and the width of each value.
+/// Where the next value is stored, and the width of each value.
 #[derive(Clone, Copy)]
 struct Cursor {
     byte: u32,
@@ -64,7 +64,7 @@ impl Binder<'_> {
             (None, None) => {
                 self.push(
                     Diagnostic::new(Code::MissingOperand, line.span, "the first line of a data block needs an address")
-                        .label("there is no line before that it could follow")
+                        .label("there is no line before it that it could continue")
                         .help("begin it with an address such as `VB0`"),
                 );
                 return None;
@@ -82,12 +82,12 @@ impl Binder<'_> {
                 && !told
             {
                 told = true;
-                let title = format!("V memory from VB{} has a value already", cursor.byte);
+                let title = format!("V memory from VB{} already has a value", cursor.byte);
                 self.push(
                     Diagnostic::new(Code::DataOverlap, value.span, title)
-                        .label("this value wins")
+                        .label("this value is used")
                         .also(first, "written here")
-                        .help("begin the line at an address behind it"),
+                        .help("begin the line at an address after it"),
                 );
             }
             cursor.byte = cursor.byte.saturating_add(count);
@@ -104,8 +104,8 @@ impl Binder<'_> {
             }
             _ => {
                 self.push(
-                    Diagnostic::new(Code::OperandKind, address.span, "a data block holds V memory only (0090)")
-                        .label("no byte, word or double word of V")
+                    Diagnostic::new(Code::OperandKind, address.span, "a data block can only contain V memory (0090)")
+                        .label("not a byte, word or double word of V")
                         .help("write the bits of a byte as one value: `VB10 2#00000101`"),
                 );
                 None
@@ -121,8 +121,8 @@ impl Binder<'_> {
             Settled::Pointer(pointer) => Constant::Bits { value: pointer, width: Some(Width::Dword) },
             _ => {
                 self.push(
-                    Diagnostic::new(Code::ConstantRequired, span, "a data block holds constants (0090)")
-                        .label("no constant")
+                    Diagnostic::new(Code::ConstantRequired, span, "a data block can only contain constants (0090)")
+                        .label("not a constant")
                         .help("write a number, a text, or the name of a constant"),
                 );
                 return None;
@@ -145,7 +145,7 @@ impl Binder<'_> {
                     let title = "the characters do not fill whole elements (0090)";
                     self.push(
                         Diagnostic::new(Code::LiteralRange, span, title)
-                            .label(format!("each element holds {}", width.bytes()))
+                            .label(format!("each element has room for {}", width.bytes()))
                             .help("write texts at byte addresses: `VB10 'text'`"),
                     );
                     return None;
@@ -169,7 +169,7 @@ impl Binder<'_> {
                 };
                 let number = whole(&constant)?;
                 match width {
-                    // A negative byte is meant here: the size follows the value.
+                    // This is a negative byte: the size follows the value.
                     Width::Byte => Some(vec![number as u8]),
                     _ => {
                         let bits = self.constant(&constant, Target::Integer(width), span)?;
@@ -182,7 +182,7 @@ impl Binder<'_> {
 }
 
 impl Memory {
-    /// Writes bytes; the line that has written one of them before.
+    /// Writes bytes; returns the line that has written one of them before.
     fn write(&mut self, byte: u32, bytes: &[u8]) -> Option<Span> {
         let line = u32::try_from(self.lines.len()).unwrap_or(u32::MAX);
         let mut first = None;

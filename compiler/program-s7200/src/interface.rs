@@ -1,4 +1,4 @@
-//! Declarations of blocks: types, and the places of parameters and variables in local memory.
+//! Declarations of blocks: types, and the addresses of parameters and variables in local memory.
 
 use std::rc::Rc;
 
@@ -14,7 +14,7 @@ use super::names::fold;
 use plcc_binding::similar;
 use plcc_model::s7200::{Direction, Parameter};
 
-/// Parameters that a subroutine may have.
+/// Limit of parameters of a subroutine.
 const PARAMETERS_MAX: usize = 16;
 
 /// Data types of local variables.
@@ -55,7 +55,7 @@ impl Type {
     }
 }
 
-/// A local variable with its place.
+/// A local variable with its address.
 pub struct Local {
     pub name: String,
     pub section: Section,
@@ -66,7 +66,7 @@ pub struct Local {
 /// The local variables of a block.
 #[derive(Default)]
 pub struct Locals {
-    /// In the order of their places: IN, IN_OUT, OUT, temporary ones.
+    /// In order of their addresses: IN, IN_OUT, OUT, temporary ones.
     pub list: Vec<Local>,
     index: FxHashMap<String, usize>,
 }
@@ -81,7 +81,7 @@ impl Locals {
         self.list.iter().filter(|local| local.section != Section::Temp)
     }
 
-    /// As the bound program has them. Who gets the pointer to a string writes through it, so that it is an input always.
+    /// As in the bound program. A block that gets the pointer to a string writes through it, so it is always an input.
     pub fn formals(&self) -> Vec<Parameter> {
         let formal = |local: &Local| Parameter {
             name: local.name.clone(),
@@ -98,11 +98,11 @@ impl Locals {
     }
 }
 
-/// Gives out local memory: up to eight BOOLs share a byte, other variables begin with the next whole byte.
+/// Allocates local memory: up to eight BOOLs share a byte, other variables begin with the next whole byte.
 #[derive(Default)]
 struct Layout {
     byte: u32,
-    /// The next bit of `byte`, while BOOLs follow each other.
+    /// The next bit of `byte`, while BOOLs follow one another.
     bit: u8,
 }
 
@@ -125,7 +125,7 @@ impl Layout {
 }
 
 impl Binder<'_> {
-    /// The declarations of all blocks, since calls need them.
+    /// The declarations of all blocks, because calls need them.
     pub fn bind_interfaces(&mut self) {
         for index in 0..self.blocks.len() {
             let Some((ast, kind)) = self.blocks.get(index).map(|block| (block.ast, block.kind)) else { continue };
@@ -144,15 +144,19 @@ impl Binder<'_> {
         for section in [Section::Input, Section::InOut, Section::Output, Section::Temp] {
             for declaration in block.declarations.iter().filter(|declaration| declaration.section == section) {
                 let span = declaration.name_span;
-                // Of a block with a header it was told when it was read.
+                // In a block with a header, the parser has reported it.
                 if section != Section::Temp && kind != BlockKind::Sbr && block.is_bare {
                     self.section_not_allowed(kind, span);
                 }
                 if let Some(initial) = &declaration.initial {
                     self.push(
-                        Diagnostic::new(Code::InitialValue, initial.span, "a local variable has no initial value")
-                            .label("local memory is new at each call")
-                            .help("write the value by an instruction at the beginning of the block"),
+                        Diagnostic::new(
+                            Code::InitialValue,
+                            initial.span,
+                            "a local variable cannot have an initial value",
+                        )
+                        .label("local memory is new at each call")
+                        .help("write the value with an instruction at the beginning of the block"),
                     );
                 }
                 if let Some(&first) = spans.get(&fold(&declaration.name)) {
@@ -177,16 +181,16 @@ impl Binder<'_> {
         }
         if let Some(span) = overflow {
             self.push(
-                Diagnostic::new(Code::LayoutTooLarge, span, "the local variables take more than 64 bytes (0090)")
-                    .label(format!("all of them take {} bytes", layout.end()))
+                Diagnostic::new(Code::LayoutTooLarge, span, "the local variables need more than 64 bytes (0090)")
+                    .label(format!("all of them need {} bytes", layout.end()))
                     .help("keep some of them in V memory"),
             );
         } else if let Some(first) = block.declarations.first().filter(|_| self.input.profile.local_data == 0) {
             let cpu = &self.input.profile.name;
             self.push(
                 Diagnostic::new(Code::CpuInstruction, first.name_span, format!("the CPU {cpu} has no local variables"))
-                    .label("local memory came with the 22x")
-                    .help("take V memory, or name a CPU 22x with --cpu"),
+                    .label("CPUs have local memory from the 22x on")
+                    .help("use V memory, or name a CPU 22x with --cpu"),
             );
         }
         if locals.parameters().count() > PARAMETERS_MAX {
@@ -194,7 +198,7 @@ impl Binder<'_> {
             self.push(
                 Diagnostic::new(Code::LayoutTooLarge, span, "a subroutine has at most 16 parameters (0090)")
                     .label(format!("this one has {}", locals.parameters().count()))
-                    .help("hand over the address of data in V memory instead"),
+                    .help("pass the address of data in V memory instead"),
             );
         }
         locals
@@ -203,7 +207,7 @@ impl Binder<'_> {
     fn section_not_allowed(&mut self, kind: BlockKind, span: Span) {
         let block = if kind == BlockKind::Ob { "the main program" } else { "an interrupt routine" };
         self.push(
-            Diagnostic::new(Code::SectionNotAllowed, span, format!("{block} has no parameters"))
+            Diagnostic::new(Code::SectionNotAllowed, span, format!("{block} cannot have parameters"))
                 .label("nothing calls it with parameters")
                 .help("declare it between VAR and END_VAR"),
         );
@@ -218,7 +222,7 @@ impl Binder<'_> {
                 None => "the types are BOOL, BYTE, WORD, DWORD, INT, DINT, REAL and STRING".to_string(),
             };
             let title = format!("the S7-200 has no data type `{}`", declaration.ty);
-            self.push(Diagnostic::new(Code::UnknownType, declaration.ty_span, title).label("not known").help(help));
+            self.push(Diagnostic::new(Code::UnknownType, declaration.ty_span, title).label("unknown").help(help));
         }
         known.map(|(_, ty)| *ty)
     }

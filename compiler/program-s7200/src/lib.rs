@@ -2,10 +2,10 @@
 //!
 //! 1. [`names`] finds the blocks, numbers those that have only a name, and reads the symbol tables.
 //! 2. [`interface`] places parameters and variables in local memory.
-//! 3. [`body`] binds statements: [`settle`] finds out what an operand is, [`operand`] whether the instruction takes it, [`constant`]
+//! 3. [`body`] binds statements: [`settle`] determines what an operand is, [`operand`] whether the instruction accepts it, [`constant`]
 //!    its bits; [`call`] binds calls, [`pragma`] assertions. [`stack`] counts levels of the logic stack, [`structure`] pairs loops, steps
-//!    and jumps, [`rules`] knows where instructions may stand and what their constants may be.
-//! 4. [`whole`] looks at the whole program: timers, counters, steps, depth of calls. [`data`] fills V memory.
+//!    and jumps, [`rules`] checks where instructions are allowed and which constants they accept.
+//! 4. [`whole`] checks the whole program: timers, counters, steps, depth of calls. [`data`] fills V memory.
 //!
 //! Messages name the error number that the CPU's own programming tool shows.
 //! Source: S7-200 system manual, instruction set and compile rule violations.
@@ -116,7 +116,7 @@ impl<'a> Binder<'a> {
                 self.report.push(
                     Diagnostic::new(Code::MixedFamilies, block.span(), "this block is not for the S7-200")
                         .label("the other sources are those of Micro/WIN")
-                        .help("compile the programs of the two CPUs each by itself; they can talk over the network"),
+                        .help("compile the programs of the two CPUs separately; they can communicate over the network"),
                 );
             }
         }
@@ -145,7 +145,7 @@ impl<'a> Binder<'a> {
         self.report.push(
             Diagnostic::new(Code::NoMainBlock, span, "the program has no main program OB 1 (0083)")
                 .label("the CPU executes OB 1 in each scan; this program has none")
-                .help("add it; of files without block headers the one called `main` or `OB1` is the main program"),
+                .help("add it; among files without block headers, the one called `main` or `OB1` is the main program"),
         );
     }
 

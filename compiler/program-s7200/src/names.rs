@@ -15,7 +15,7 @@ use super::interface::Locals;
 use plcc_syntax::distance;
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
-/// Names of files without block headers that hold the main program, folded.
+/// Names of files without block headers that contain the main program, folded.
 const MAIN_FILES: &[&str] = &[
     "main",
     "ob1",
@@ -47,7 +47,7 @@ pub struct Block<'a> {
 /// A row of a symbol table.
 pub struct Global {
     pub name: String,
-    /// An address, a constant, or a block; `Error`: the row was told of.
+    /// An address, a constant, or a block; `Error`: the row has been reported.
     pub target: OperandKind,
     pub span: Span,
 }
@@ -62,7 +62,7 @@ struct Found<'a> {
     span: Span,
 }
 
-/// The form in which names are compared: letter case does not matter, and blanks are `_`.
+/// The form in which names are compared: in one letter case, with `_` for blanks.
 pub fn fold(name: &str) -> String {
     name.trim().to_lowercase().replace(' ', "_")
 }
@@ -106,7 +106,7 @@ impl<'a> Binder<'a> {
             (true, _) => bare.clone(),
             (false, false) => by_name,
             (false, true) if has_main => Vec::new(),
-            // The one that nothing calls.
+            // The one that no block calls.
             (false, true) => {
                 let is_root = |index: &usize| {
                     let stem = fold(&stems[*index]);
@@ -131,18 +131,18 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// Name of a file without folder and suffix.
+    /// Name of a file without folder and extension.
     fn stem(&self, file: FileId) -> String {
         let name = self.input.sources.files().nth(file.0 as usize).map(|(_, source)| source.name.as_str());
         let stem = name.and_then(|name| Path::new(name).file_stem());
         stem.map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
     }
 
-    /// Takes over the blocks: those with a number first, then the others get the free ones in the order of the sources.
+    /// Takes over the blocks: those with a number first, then the others get the free ones in order of the sources.
     fn number_blocks(&mut self, found: Vec<Found<'a>>) {
         let mut taken: FxHashMap<(BlockKind, u16), Span> = FxHashMap::default();
         let mut numbers: Vec<Option<u16>> = Vec::new();
-        // A number that the sources or symbol tables name is that of a block which may be missing.
+        // A number that the sources or symbol tables name belongs to a block that may be missing.
         let mut mentioned: FxHashSet<(BlockKind, u16)> = FxHashSet::default();
         for block in &found {
             numbered_blocks(block.ast, &mut mentioned);
@@ -184,7 +184,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// The number that a symbol table gives to the block of this name.
+    /// The number that a symbol table gives to the block with this name.
     fn number_in_tables(&self, kind: BlockKind, name: &str) -> Option<u16> {
         let folded = fold(name);
         let mut rows = self.input.tables.iter().flat_map(|table| &table.s7200);
@@ -232,8 +232,8 @@ impl<'a> Binder<'a> {
                 "keep one; a file without block headers becomes a subroutine if it is named after it",
             ),
             kind => (
-                format!("{}{number} is there twice (008C)", kind.prefix()),
-                "give one of them another number; the programs of two CPUs are compiled each by itself",
+                format!("{}{number} is defined twice (008C)", kind.prefix()),
+                "give one of them another number; compile the programs of two CPUs separately",
             ),
         };
         let message = Diagnostic::new(Code::DuplicateBlock, block.span, title);
@@ -276,7 +276,7 @@ impl<'a> Binder<'a> {
 
     fn add_global(&mut self, name: &str, span: Span, target: OperandKind) {
         if let OperandKind::Block { kind, number } = &target {
-            // The table tells the name of a block that the source only numbers.
+            // The table has the name of a block that the source only numbers.
             let key = (block_kind(*kind), u16::try_from(*number).unwrap_or(u16::MAX));
             if let Some(&index) = self.by_number.get(&key)
                 && let Some(block) = self.blocks.get_mut(index)
@@ -313,7 +313,7 @@ impl<'a> Binder<'a> {
         };
         let mut near: Vec<(usize, String)> = Vec::new();
         let mut look_at = |folded: &str, name: &dyn Fn() -> String| {
-            // Names of another length are far away; tables are long.
+            // Names of very different length are not similar; tables are long.
             if folded.len().abs_diff(wanted.len()) <= limit * 4 {
                 let distance = distance::between(&wanted, folded);
                 if distance <= limit {
@@ -362,7 +362,7 @@ pub fn block_kind(kind: ast::BlockKind) -> BlockKind {
     }
 }
 
-/// Whether a file of this name (folded) holds the main program: `main`, `ob1`, `ob1_main`.
+/// Whether a file with this name (folded) contains the main program: `main`, `ob1`, `ob1_main`.
 fn is_main_file(folded: &str) -> bool {
     MAIN_FILES.contains(&folded)
         || folded.starts_with("ob1_")
@@ -382,7 +382,7 @@ fn default_name(folded: &str) -> Option<(BlockKind, u32)> {
     Some((kind, digits.parse().ok()?))
 }
 
-/// Blocks that operands name by their numbers.
+/// Blocks that operands name by number.
 fn numbered_blocks(block: &ast::Block, numbers: &mut FxHashSet<(BlockKind, u16)>) {
     for operand in instructions(block).flat_map(|(_, operands)| operands) {
         if let OperandKind::Block { kind, number } = &operand.kind
@@ -404,7 +404,7 @@ fn has(block: &ast::Block, wanted: impl Fn(Insn) -> bool) -> bool {
     instructions(block).any(|(insn, _)| wanted(insn))
 }
 
-/// Names of blocks at the instruction `wanted`, folded.
+/// Names of blocks that the instruction `wanted` can name, folded.
 fn named_blocks(block: &ast::Block, wanted: Insn, names: &mut FxHashSet<String>) {
     for (_, operands) in instructions(block).filter(|(insn, _)| *insn == wanted) {
         if let Some(OperandKind::Symbol { name, .. }) = operands.first().map(|operand| &operand.kind) {

@@ -1,4 +1,4 @@
-//! Operands of instructions: whether the class of the instruction table takes them, and their bound form.
+//! Operands of instructions: whether the class of the instruction table accepts them, and their bound form.
 
 use plcc_abi::s7200::pointer;
 use plcc_diag::{Code, Diagnostic, Span};
@@ -13,13 +13,13 @@ use super::interface::Locals;
 use super::settle::Settled;
 use plcc_model::s7200::{self as model, Operand};
 
-/// Characters of a string constant in an instruction.
+/// Limit of characters of a string constant in an instruction.
 const TEXT_MAX: usize = 126;
 
 const MEMORY: &[Area] = &[Area::I, Area::Q, Area::V, Area::M, Area::Sm, Area::S, Area::L];
 const BITS: &[Area] = &[Area::I, Area::Q, Area::V, Area::M, Area::Sm, Area::S, Area::L, Area::T, Area::C];
 
-/// What a class takes.
+/// The operands that a class accepts.
 struct Shape {
     width: Width,
     areas: &'static [Area],
@@ -27,7 +27,7 @@ struct Shape {
     /// Accumulators.
     ac: bool,
     indirect: bool,
-    /// What becomes of constants.
+    /// How constants are interpreted.
     constant: Option<Target>,
 }
 
@@ -37,7 +37,7 @@ const WORDS_WRITTEN: &[Area] =
     &[Area::I, Area::Q, Area::V, Area::M, Area::Sm, Area::S, Area::L, Area::T, Area::C, Area::Aq];
 const DWORDS_READ: &[Area] = &[Area::I, Area::Q, Area::V, Area::M, Area::Sm, Area::S, Area::L, Area::Hc];
 
-/// The shape of a class that takes places; `None`: constants, blocks and the like.
+/// The shape of a class that accepts places; `None`: constants, blocks and others.
 fn shape(class: OperandClass) -> Option<Shape> {
     use OperandClass as C;
     let shape = |width, areas, write, ac, constant| {
@@ -76,12 +76,12 @@ fn shape(class: OperandClass) -> Option<Shape> {
     }
 }
 
-/// The width of what a class takes; none of timers, blocks, labels and constants.
+/// The width of the operands of a class; none for timers, blocks, labels and constants.
 pub fn width(class: OperandClass) -> Option<Width> {
     shape(class).map(|shape| shape.width)
 }
 
-/// What a class wants, in words.
+/// The operand that a class needs, in words.
 fn wanted(class: OperandClass) -> &'static str {
     use OperandClass as C;
     match class {
@@ -120,7 +120,7 @@ fn wanted(class: OperandClass) -> &'static str {
     }
 }
 
-/// A place in memory, as it is bound; `None`: it is no memory.
+/// A bound place in memory; `None`: it is not in memory.
 pub fn memory(direct: Direct, width: Width) -> Option<Operand> {
     let area = match direct.area {
         Area::I => model::Area::I,
@@ -135,7 +135,7 @@ pub fn memory(direct: Direct, width: Width) -> Option<Operand> {
     Some(Operand::Memory { area, byte: direct.number, bit: direct.bit, width })
 }
 
-/// Any address as it is bound.
+/// Any bound address.
 pub fn place(direct: Direct, width: Width) -> Operand {
     let number = direct.number.min(255) as u8;
     match direct.area {
@@ -158,7 +158,7 @@ impl Binder<'_> {
         let Some(shape) = shape(class) else { return self.number_operand(class, settled, span) };
         match settled {
             Settled::Direct(direct) => self.direct(class, &shape, direct, span),
-            // The instruction works with the string; `MOVD` with its pointer.
+            // The instruction uses the string; `MOVD` uses its pointer.
             Settled::StringVariable(place) => match class {
                 OperandClass::StringIn | OperandClass::StringOut => {
                     let pointer = memory(place, Width::Dword)?;
@@ -170,7 +170,7 @@ impl Binder<'_> {
                 Some(Operand::Indirect { pointer: Box::new(pointer), width: shape.width })
             }
             Settled::Indirect(_) => {
-                let help = "bits and operands that the instruction fixes cannot be reached through a pointer";
+                let help = "bits, and operands that the instruction fixes, cannot be reached through a pointer";
                 self.misfit(class, help, span)
             }
             Settled::Constant(Constant::Text(bytes)) if text => self.text(bytes, span),
@@ -184,23 +184,23 @@ impl Binder<'_> {
                     );
                     None
                 }
-                None => self.misfit(class, "a constant cannot stand here", span),
+                None => self.misfit(class, "a constant is not possible here", span),
             },
             Settled::Pointer(value) if class == OperandClass::DwordInAddress => Some(Operand::Const(value)),
             Settled::Pointer(_) => {
-                let help = "addresses of operands are for MOVD and for parameters: `MOVD &VB100, AC1`";
+                let help = "an address of an operand is only possible for MOVD and for parameters: `MOVD &VB100, AC1`";
                 self.misfit(class, help, span)
             }
-            Settled::Block(_) => self.misfit(class, "the name of a block cannot stand here", span),
+            Settled::Block(_) => self.misfit(class, "the name of a block is not possible here", span),
         }
     }
 
-    /// A direct address at an operand that takes places.
+    /// A direct address at an operand that accepts places.
     fn direct(&mut self, class: OperandClass, shape: &Shape, direct: Direct, span: Span) -> Option<Operand> {
         let width = shape.width;
         if direct.area == Area::Ac {
             return match direct.width {
-                _ if !shape.ac => self.misfit(class, "an accumulator cannot stand here", span),
+                _ if !shape.ac => self.misfit(class, "an accumulator is not possible here", span),
                 None => {
                     self.check_range(direct, width, 1, span)?;
                     Some(place(direct, width))
@@ -215,18 +215,16 @@ impl Binder<'_> {
         if !shape.areas.contains(&direct.area) {
             let written = matches!(direct.area, Area::Hc | Area::Ai) && shape.write;
             if written {
-                return self.protected(direct, "the CPU alone writes it", span);
+                return self.protected(direct, "only the CPU writes it", span);
             }
             let help = match direct.area {
-                Area::Aq => {
-                    "analog outputs are written by MOVW and other moves only; keep the value in V memory to read it"
-                }
-                _ => "operands of this area cannot stand here",
+                Area::Aq => "only MOVW and other moves write analog outputs; store the value in V memory to read it",
+                _ => "operands of this area are not possible here",
             };
             return self.misfit(class, help, span);
         }
         let natural = match direct.area {
-            // The bit or the current value, as the instruction wants it.
+            // The bit or the current value, as the instruction needs it.
             Area::T | Area::C => direct.width.unwrap_or(width),
             Area::Ai | Area::Aq => Width::Word,
             Area::Hc => Width::Dword,
@@ -244,7 +242,7 @@ impl Binder<'_> {
 
     fn protected(&mut self, direct: Direct, label: &str, span: Span) -> Option<Operand> {
         let title = format!("{} cannot be written (0090)", address::text(direct));
-        self.push(Diagnostic::new(Code::Protected, span, title).label(label).help("write to another place"));
+        self.push(Diagnostic::new(Code::Protected, span, title).label(label).help("write to another address"));
         None
     }
 
@@ -257,11 +255,11 @@ impl Binder<'_> {
         };
         let own = direct.width.map_or("of another width", name);
         let same = address::text(Direct { width: Some(width), bit: 0, ..direct });
-        let title = format!("{} is {own}, the instruction takes {} (0090)", address::text(direct), name(width));
+        let title = format!("{} is {own}, the instruction needs {} (0090)", address::text(direct), name(width));
         self.push(
             Diagnostic::new(Code::OperandKind, span, title)
-                .label(format!("wanted: {}", wanted(class)))
-                .help(format!("take the instruction for {own}, or an operand such as {same}")),
+                .label(format!("expected: {}", wanted(class)))
+                .help(format!("use the instruction for {own}, or an operand such as {same}")),
         );
         None
     }
@@ -269,7 +267,7 @@ impl Binder<'_> {
     fn misfit(&mut self, class: OperandClass, help: &str, span: Span) -> Option<Operand> {
         self.push(
             Diagnostic::new(Code::OperandKind, span, "this operand does not fit the instruction (0090)")
-                .label(format!("wanted: {}", wanted(class)))
+                .label(format!("expected: {}", wanted(class)))
                 .help(help),
         );
         None
@@ -281,7 +279,7 @@ impl Binder<'_> {
             let title = format!("a string of {} characters is too long (0090)", bytes.len());
             self.push(
                 Diagnostic::new(Code::LiteralRange, span, title)
-                    .label(format!("an instruction holds up to {TEXT_MAX}"))
+                    .label(format!("an instruction has room for {TEXT_MAX}"))
                     .help("put it into the data block, and name its address"),
             );
             return None;
@@ -289,7 +287,7 @@ impl Binder<'_> {
         Some(Operand::Text(bytes))
     }
 
-    /// Timers, counters, labels and other constants that name something.
+    /// Timers, counters, labels and other constants that identify something.
     fn number_operand(&mut self, class: OperandClass, settled: Settled, span: Span) -> Option<Operand> {
         use OperandClass as C;
         match (class, settled) {
@@ -312,21 +310,21 @@ impl Binder<'_> {
                         let cpu = &self.input.profile.name;
                         let message = Diagnostic::new(Code::NumberRange, span, "no label has this number (008D)")
                             .label(format!("the CPU {cpu} has the labels 0 to {}", labels.saturating_sub(1)))
-                            .help("take a smaller number");
+                            .help("use a smaller number");
                         self.push(message);
                         None
                     }
                 }
             }
             (C::Interrupt, settled) => self.interrupt(settled, span),
-            _ => self.misfit(class, "nothing else can stand here", span),
+            _ => self.misfit(class, "nothing else is possible here", span),
         }
     }
 
     /// The pointer that a string parameter gets from a string in V memory.
     pub fn string_pointer(&mut self, direct: Direct, span: Span) -> Option<Operand> {
         if direct.area != Area::V || direct.width != Some(Width::Byte) {
-            let help = "a string parameter takes a string in V memory (`VB100`), its address, a pointer or a text";
+            let help = "a string parameter needs a string in V memory (`VB100`), its address, a pointer or a text";
             return self.misfit(OperandClass::StringIn, help, span);
         }
         self.check_range(direct, Width::Byte, 1, span)?;

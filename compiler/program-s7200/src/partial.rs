@@ -1,5 +1,5 @@
-//! Stand-ins for what is missing in a program of an S7-200: subroutines and interrupt routines that do nothing, and addresses of
-//! their own for symbols, at the end of V memory. Meaning: docs/decisions/0082 and 0083.
+//! Stand-ins for missing parts of an S7-200 program: subroutines and interrupt routines that do nothing, and separate addresses
+//! for symbols, at the end of V memory. Meaning: docs/decisions/0082 and 0083.
 
 use std::collections::BTreeMap;
 
@@ -17,10 +17,10 @@ use plcc_binding::{BindInput, Bound};
 use plcc_model::profile;
 use plcc_syntax::symbols::{S7200Symbol, SymbolTable};
 
-/// Rounds of leaving out.
+/// Limit of passes that leave out parts.
 const ROUNDS_MAX: u32 = 40;
 
-/// What a missing name is.
+/// The kind of a missing name.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Use {
     Bit,
@@ -32,7 +32,7 @@ enum Use {
     Block(BlockKind),
 }
 
-/// Something that is missing.
+/// A missing name or block.
 struct Thing {
     name: String,
     /// A block by its number.
@@ -66,7 +66,7 @@ pub fn complete(input: &BindInput) -> Completed {
             look_at(block, &missing, &mut things, &mut highest);
         }
         for line in &source.data {
-            // Values behind each other have four bytes at most.
+            // Consecutive values have four bytes at most.
             let start = line.address.as_ref().map_or(highest, |operand| end_of(operand).unwrap_or(0));
             highest = highest.max(start.saturating_add(4 * line.values.len() as u32));
         }
@@ -106,7 +106,7 @@ pub fn complete(input: &BindInput) -> Completed {
     unreachable!("the loop returns at the latest after its last round")
 }
 
-/// Notes what the statements of a block use of what is missing. Calls of missing subroutines lose their arguments: nobody takes them.
+/// Notes the missing names and blocks that a block uses. Calls of missing subroutines lose their arguments: nothing uses them.
 fn look_at(
     block: &mut ast::Block,
     missing: &FxHashSet<String>,
@@ -200,7 +200,7 @@ fn note(
     };
     let thing = things.entry(key).or_insert(Thing { name, number: block.map(|(_, number)| number), used: None });
     thing.used = match (thing.used, used) {
-        // A timer's bit and its value are used by its name, too.
+        // A timer's bit and its value are also used by its name.
         (Some(known @ (Use::Timer | Use::Counter | Use::Block(_))), _) => Some(known),
         (_, Some(better @ (Use::Timer | Use::Counter | Use::Block(_)))) => Some(better),
         (known, used) => known.or(used),
@@ -210,7 +210,7 @@ fn note(
     }
 }
 
-/// Rows and blocks that stand in, and a line for each.
+/// Rows and blocks that stand in, with a line for each.
 fn stand_ins(
     input: &BindInput,
     things: &BTreeMap<String, Thing>,
@@ -265,7 +265,7 @@ fn stand_ins(
             None => None,
         };
         let Some(address) = address else { continue };
-        let what = format!("{address}, which nothing else names");
+        let what = format!("{address}, which nothing else uses");
         let line = format!("`{}` is missing: {what}", thing.name);
         lines.push(Told { missing: Missing::Name(key.clone()), line, what });
         table.s7200.push(S7200Symbol {

@@ -29,17 +29,17 @@ impl Binder<'_> {
         }
         let (word, rest) = split(&pragma.text);
         match word {
-            // One that is not built as `assert LHS OP RHS` was reported when it was read.
+            // If it is not a valid `assert LHS OP RHS`, the parser has reported it.
             "assert" => self.assert(locals, pragma, assert?),
             "sleep" => match rest.parse::<u32>() {
                 Ok(milliseconds) => Some(StatementKind::Sleep(milliseconds)),
                 Err(_) => {
-                    let title = "`sleep` takes a number of milliseconds";
+                    let title = "`sleep` needs a number of milliseconds";
                     bad_pragma(&mut self.report, pragma.span, title, "write `//@ sleep 100`");
                     None
                 }
             },
-            // Those of the whole file, which the file lists by itself.
+            // Those of the whole file, which the file lists separately.
             "cpu" | "test" => None,
             _ if word.starts_with('^') => None,
             _ => {
@@ -74,7 +74,7 @@ impl Binder<'_> {
             Some((word, at)) => match Type::from_word(word) {
                 Some(ty @ Type::Elementary(_)) if ty.width() <= 32 => Some((ty, *at)),
                 _ => {
-                    let title = format!("`{word}` is no type of values of up to 32 bits");
+                    let title = format!("`{word}` is not a type of values of up to 32 bits");
                     bad_pragma(&mut self.report, *at, &title, "write e.g. `as INT`, `as DINT`, `as REAL` or `as TIME`");
                     return None;
                 }
@@ -153,7 +153,7 @@ impl Binder<'_> {
     }
 }
 
-/// A constant whose bits the width of the other side tells.
+/// A constant whose bits depend on the width of the other side.
 fn literal_of(written: &Written) -> Literal {
     let constant = match written {
         Written::Integer(value) => Constant::Integer { value: i128::from(*value), based: false },

@@ -1,4 +1,4 @@
-//! Where instructions may stand, which CPUs have them, and what their constants may be.
+//! Where instructions are allowed, which CPUs have them, and which constants they accept.
 //!
 //! Source: S7-200 system manual, instruction set; restrictions of interrupt routines and of the 21x generation.
 
@@ -13,17 +13,17 @@ use super::Binder;
 use super::body::block_name;
 use plcc_model::s7200::{self as model, Operand};
 
-/// Bits of a shift register.
+/// Limit of bits of a shift register.
 const SHIFT_REGISTER_MAX: u32 = 64;
-/// Bits that SI and RI change at once.
+/// Limit of bits that SI and RI change at once.
 const IMMEDIATE_MAX: u32 = 128;
 
-/// Modes of each high-speed counter, a bit each.
+/// Modes of each high-speed counter, one bit for each.
 const MODES: [u16; 6] =
     [0b1_0110_1101_1011, 0b1111_1111_1111, 0b1111_1111_1111, 0b1_0000_0000_0001, 0b110_1101_1011, 0b1];
 
 impl Binder<'_> {
-    /// An instruction in a block of `kind`, in a sequence step or not.
+    /// Checks an instruction in a block of `kind`, in a sequence step or not.
     pub fn check_place(&mut self, insn: Insn, kind: BlockKind, in_step: bool, span: Span) {
         let main = kind == BlockKind::Ob;
         let interrupt = kind == BlockKind::Int;
@@ -49,18 +49,18 @@ impl Binder<'_> {
                 }
                 Insn::End | Insn::Mend => "leave the subroutine with CRET; END ends the scan of the main program",
                 Insn::Cret | Insn::Ret if main => "END ends the scan of the main program",
-                Insn::Cret | Insn::Ret => "an interrupt routine is left with CRETI",
+                Insn::Cret | Insn::Ret => "leave an interrupt routine with CRETI",
                 Insn::Creti | Insn::Reti if main => "END ends the scan of the main program",
-                Insn::Creti | Insn::Reti => "a subroutine is left with CRET",
+                Insn::Creti | Insn::Reti => "leave a subroutine with CRET",
                 _ => "do it in the main program or in a subroutine that it calls",
             };
             self.push(
                 Diagnostic::new(
                     Code::InstructionPlace,
                     span,
-                    format!("`{name}` cannot stand in {} ({code})", block_name(kind)),
+                    format!("`{name}` is not allowed in {} ({code})", block_name(kind)),
                 )
-                .label("not allowed here")
+                .label("not possible here")
                 .help(help),
             );
         } else if in_step && matches!(insn, Insn::End | Insn::Mend) {
@@ -68,16 +68,16 @@ impl Binder<'_> {
                 Diagnostic::new(
                     Code::InstructionPlace,
                     span,
-                    format!("`{name}` cannot stand in a sequence step (0096)"),
+                    format!("`{name}` is not allowed in a sequence step (0096)"),
                 )
-                .label("not allowed between LSCR and SCRE")
-                .help("move it behind SCRE"),
+                .label("not possible between LSCR and SCRE")
+                .help("move it after SCRE"),
             );
         }
         self.check_cpu(insn, &name, span);
     }
 
-    /// Instructions that came with the 22x, and those that small CPUs lack.
+    /// Instructions that only the 22x has, and those that small CPUs lack.
     fn check_cpu(&mut self, insn: Insn, name: &str, span: Span) {
         if !self.row.old {
             return;
@@ -96,13 +96,13 @@ impl Binder<'_> {
         if lacks {
             let cpu = &self.input.profile.name;
             let message = Diagnostic::new(Code::CpuInstruction, span, format!("the CPU {cpu} has no `{name}` (0082)"))
-                .label("an instruction of larger or newer CPUs")
-                .help("name the CPU of the plant with --cpu, or do without the instruction");
+                .label("only larger or newer CPUs have this instruction")
+                .help("name the CPU of the plant with --cpu, or write the network without the instruction");
             self.push(message);
         }
     }
 
-    /// Constants of an instruction whose operands are bound; `None`: reported.
+    /// Checks constants of an instruction with bound operands; `None`: reported.
     pub fn check_values(
         &mut self,
         insn: Insn,
@@ -162,7 +162,7 @@ impl Binder<'_> {
                     self.push(
                         Diagnostic::new(Code::NumberRange, span(1), title)
                             .label(format!("its modes: {}", bits(modes.into(), 13)))
-                            .help("take one of its modes, or another high-speed counter"),
+                            .help("use one of its modes, or another high-speed counter"),
                     );
                     return None;
                 }
@@ -185,7 +185,7 @@ impl Binder<'_> {
             Insn::Dtch | Insn::Cevnt => self.event(constant(0)?, span(0))?,
             _ => {}
         }
-        // Buffers whose length is fixed.
+        // Buffers of fixed length.
         let bytes = match insn {
             Insn::Todr | Insn::Todw => 8,
             Insn::Todrx | Insn::Todwx => 19,
@@ -199,7 +199,7 @@ impl Binder<'_> {
         if (1..=max).contains(&count) {
             return Some(());
         }
-        let title = format!("`{}` does not take a count of {count} (0092)", self.mnemonic(insn));
+        let title = format!("`{}` cannot have a count of {count} (0092)", self.mnemonic(insn));
         self.push(
             Diagnostic::new(Code::ElementCount, span, title)
                 .label(format!("1 to {max}"))
@@ -208,7 +208,7 @@ impl Binder<'_> {
         None
     }
 
-    /// The CPU has `count` elements from an operand on.
+    /// The CPU has `count` elements beginning with an operand.
     fn elements(&mut self, first: &Operand, count: u32, span: Span) -> Option<()> {
         let direct = |area, width, number, bit| Direct { area, width, number, bit };
         let (direct, width) = match first {
@@ -262,7 +262,7 @@ impl Binder<'_> {
         let has = bits(self.row.high_speed_counters.into(), 6);
         let message = Diagnostic::new(Code::NumberRange, span, format!("there is no HSC{number} (0090)"))
             .label(format!("the CPU {} has the high-speed counters {has}", self.input.profile.name))
-            .help("take one of them, or name another CPU with --cpu");
+            .help("use one of them, or name another CPU with --cpu");
         self.push(message);
         None
     }
@@ -273,7 +273,7 @@ impl Binder<'_> {
         }
         let message = Diagnostic::new(Code::NumberRange, span, format!("there is no event {event} (0090)"))
             .label(format!("the CPU {} has the events {}", self.input.profile.name, bits(self.row.events, 34)))
-            .help("take one of them, or name another CPU with --cpu");
+            .help("use one of them, or name another CPU with --cpu");
         self.push(message);
         None
     }
@@ -285,12 +285,12 @@ impl Binder<'_> {
         let cpu = &self.input.profile.name;
         let label = match limit {
             0 => format!("the CPU {cpu} has no {what}"),
-            1 => format!("the CPU {cpu} has the number 0 only"),
+            1 => format!("the CPU {cpu} only has the number 0"),
             _ => format!("the CPU {cpu} has the numbers 0 to {}", limit - 1),
         };
         let message = Diagnostic::new(Code::NumberRange, span, format!("{number} is beyond the {what} (0090)"))
             .label(label)
-            .help("take a smaller number, or name another CPU with --cpu");
+            .help("use a smaller number, or name another CPU with --cpu");
         self.push(message);
         None
     }

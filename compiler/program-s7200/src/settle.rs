@@ -1,4 +1,4 @@
-//! What an operand is, whatever the instruction wants: symbols become what they stand for, addresses are in the CPU's range.
+//! What an operand is, whatever the instruction needs: symbols are replaced by their addresses, addresses are in the CPU's range.
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
@@ -15,7 +15,7 @@ use plcc_model::s7200::Operand;
 /// An operand whose names are settled.
 #[derive(Clone, Debug)]
 pub enum Settled {
-    /// Its range is checked when its width is known.
+    /// Its range is checked once its width is known.
     Direct(Direct),
     /// A variable of type STRING: the place of its pointer.
     StringVariable(Direct),
@@ -93,7 +93,7 @@ impl Binder<'_> {
             Diagnostic::new(Code::UnknownLocal, span, format!("the block declares no local variable `{name}`"))
                 .label("`#` means a variable of this block");
         self.push(match near.as_slice() {
-            [] => message.help("declare it, or leave out the `#` if a global symbol is meant"),
+            [] => message.help("declare it, or remove the `#` if a global symbol is meant"),
             _ => message.help(format!("is {} meant?", near.join(" or "))),
         });
     }
@@ -112,7 +112,7 @@ impl Binder<'_> {
         });
     }
 
-    /// The block of a number.
+    /// The block with a number.
     pub fn settle_block(&mut self, kind: BlockKind, number: u32, span: Span) -> Option<Settled> {
         let key = u16::try_from(number).ok().map(|number| (kind, number));
         if let Some(&index) = key.and_then(|key| self.by_number.get(&key)) {
@@ -127,12 +127,12 @@ impl Binder<'_> {
         None
     }
 
-    /// The place of a pointer: a double word of V or L, or AC1 to AC3.
+    /// The variable with a pointer: a double word of V or L, or AC1 to AC3.
     fn settle_pointer(&mut self, locals: &Locals, pointer: &ast::Operand) -> Option<Operand> {
         let direct = match self.settle(locals, pointer, false)? {
             Settled::Direct(direct) | Settled::StringVariable(direct) => direct,
             Settled::Constant(_) | Settled::Pointer(_) | Settled::Indirect(_) | Settled::Block(_) => {
-                self.no_pointer("this is no place of a pointer", pointer.span);
+                self.no_pointer("this cannot hold a pointer", pointer.span);
                 return None;
             }
         };
@@ -158,7 +158,7 @@ impl Binder<'_> {
     fn no_pointer(&mut self, title: &str, span: Span) {
         self.push(
             Diagnostic::new(Code::OperandKind, span, format!("{title} (0090)"))
-                .label("behind `*` stands the place of a pointer")
+                .label("a pointer must follow `*`")
                 .help("pointers are in double words of V or L, or in AC1, AC2, AC3: `*VD200`, `*AC1`"),
         );
     }
@@ -183,15 +183,15 @@ impl Binder<'_> {
             return Some(Settled::Pointer(pointer));
         }
         self.push(
-            Diagnostic::new(Code::OperandKind, span, "this has no address that a pointer can hold (0090)")
-                .label("bits, local memory, accumulators, high-speed counters and constants cannot be pointed at")
-                .help("point at bytes, words or double words: `&VB100`"),
+            Diagnostic::new(Code::OperandKind, span, "this has no address for a pointer (0090)")
+                .label("bits, local memory, accumulators, high-speed counters and constants cannot be the target of a pointer")
+                .help("use the address of a byte, word or double word: `&VB100`"),
         );
         None
     }
 }
 
-/// The characters of a name as a string of the CPU holds them, a byte each where they have one.
+/// The characters of a name as in a string of the CPU, one byte each if they have one.
 fn characters(text: &str) -> Vec<u8> {
     let mut bytes = Vec::new();
     for letter in text.chars() {

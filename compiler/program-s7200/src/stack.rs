@@ -1,7 +1,7 @@
 //! The logic stack of a network: how many levels statements push and need.
 //!
-//! A network may hold several rungs, and each begins with a load that pushes one more level; levels that nobody needs any more are
-//! simply lost at the bottom. Networks do not clear the stack, but each is counted by itself.
+//! A network may contain several rungs, and each begins with a load that pushes one more level; levels that nobody needs any more are
+//! simply lost at the bottom. Networks do not clear the stack, but each is counted separately.
 //! Source: S7-200 system manual, logic stack instructions and compile rule violations.
 
 use plcc_abi::image::BlockKind;
@@ -11,13 +11,13 @@ use plcc_syntax::s7200::{Acts, Contact, Insn};
 
 use plcc_binding::report::Report;
 
-/// What an instruction does with the stack.
+/// The effect of an instruction on the stack.
 enum Effect {
     /// One more level.
     Push,
     /// One more level, a copy of level n.
     Copy(usize),
-    /// Works on so many levels, which stay.
+    /// Uses this many levels, which stay.
     Combine(usize),
     /// Two levels become one.
     Join,
@@ -70,9 +70,9 @@ pub struct Stack {
     depth: usize,
     /// Levels at the bottom that were pushed out.
     lost: usize,
-    /// The block has pushed something: what is below is not that of its caller any more.
+    /// The block has pushed something: levels below it are no longer those of its caller.
     loaded: bool,
-    /// A message was given in this network; the count is not sure any more.
+    /// A message was given in this network; the count is no longer certain.
     told: bool,
     /// A message about a missing contact was given in this network.
     read_told: bool,
@@ -143,13 +143,9 @@ impl Stack {
         let given = self.kind != BlockKind::Ob && !self.loaded;
         if !given && !self.read_told && !self.told {
             report.push(
-                Diagnostic::new(
-                    Code::NoContact,
-                    span,
-                    format!("`{name}` stands in its network without a contact before it"),
-                )
-                .label("it acts on what the network before has left")
-                .help("begin the network with a load; `LD SM0.0` is always 1"),
+                Diagnostic::new(Code::NoContact, span, format!("`{name}` has no contact before it in its network"))
+                    .label("it uses the result of the network before")
+                    .help("begin the network with a load; `LD SM0.0` is always 1"),
             );
         }
         self.read_told = true;
@@ -175,7 +171,7 @@ impl Stack {
 fn underflow(depth: usize, levels: usize, name: &str, span: Span) -> Diagnostic {
     if depth == 0 && levels == 1 {
         return Diagnostic::new(Code::StackUnderflow, span, format!("the network begins with `{name}` (0081)"))
-            .label("there is nothing yet that it could work on")
+            .label("there is no value yet that it could use")
             .help("begin the network with a load such as `LD I0.0`");
     }
     let has = match depth {
@@ -185,7 +181,7 @@ fn underflow(depth: usize, levels: usize, name: &str, span: Span) -> Diagnostic 
     Diagnostic::new(
         Code::StackUnderflow,
         span,
-        format!("`{name}` needs {levels} levels of the logic stack, the network has pushed {has} (0081)"),
+        format!("`{name}` needs {levels} levels of the logic stack, but the network has pushed {has} (0081)"),
     )
     .label("too few levels")
     .help(match name {

@@ -1,4 +1,4 @@
-//! Loops, sequence steps, labels and jumps of a block: they pair, and jumps stay where they may go.
+//! Loops, sequence steps, labels and jumps of a block: they must be paired, and jumps must have a possible target.
 //!
 //! Source: S7-200 system manual, program control and sequence control relay instructions.
 
@@ -9,10 +9,10 @@ use rustc_hash::FxHashMap;
 use plcc_binding::report::Report;
 use plcc_model::s7200::Operand;
 
-/// FOR loops inside each other.
+/// Limit of nested FOR loops.
 const LOOPS_MAX: usize = 8;
 
-/// What is open.
+/// Open loops and steps.
 enum Open {
     Loop(Span),
     Step(Span),
@@ -25,7 +25,7 @@ pub struct Structure {
     steps: u32,
     /// The open step, from 1; 0: none.
     step: u32,
-    /// Step and place of each label.
+    /// Step and position of each label.
     labels: FxHashMap<u32, (u32, Span)>,
     jumps: Vec<(u32, u32, Span)>,
 }
@@ -58,11 +58,11 @@ impl Structure {
                 if let Some(first) = self.open_step() {
                     report.push(
                         Diagnostic::new(Code::StepPair, span, "a sequence step begins inside another one (0096)")
-                            .label("the step before has no SCRE yet")
+                            .label("the previous step has no SCRE yet")
                             .also(first, "this step")
-                            .help("end the step before with SCRE"),
+                            .help("end the previous step with SCRE"),
                     );
-                    // The new one takes its place.
+                    // The new one replaces it.
                     self.open.retain(|open| !matches!(open, Open::Step(_)));
                 }
                 self.open.push(Open::Step(span));
@@ -73,7 +73,7 @@ impl Structure {
             Insn::Scrt | Insn::Cscre if self.step == 0 => {
                 let name = if insn == Insn::Scrt { "SCRT" } else { "CSCRE" };
                 report.push(
-                    Diagnostic::new(Code::StepPair, span, format!("`{name}` stands outside of a sequence step (0095)"))
+                    Diagnostic::new(Code::StepPair, span, format!("`{name}` is outside of a sequence step (0095)"))
                         .label("no LSCR is open here")
                         .help("move it between LSCR and SCRE"),
                 );
@@ -86,11 +86,11 @@ impl Structure {
                         Diagnostic::new(
                             Code::DuplicateLabel,
                             span,
-                            format!("the label {number} is there twice (008C)"),
+                            format!("the label {number} is defined twice (008C)"),
                         )
                         .label("the second one")
                         .also(first, "the first one")
-                        .help("take another number for one of them"),
+                        .help("use another number for one of them"),
                     ),
                     None => {
                         self.labels.insert(number, (self.step, span));
@@ -118,9 +118,9 @@ impl Structure {
                     Diagnostic::new(Code::LoopPair, span, "NEXT without FOR in this sequence step (0085)")
                         .label("a loop begins and ends in the same step")
                         .also(*step, "the step begins here")
-                        .help("put FOR and NEXT into the step, or both around it"),
+                        .help("put both FOR and NEXT inside the step, or both around it"),
                 );
-                // A loop around the step counts as closed, so that it is told of once.
+                // A loop around the step counts as closed, so that it is reported once.
                 if let Some(at) = self.open.iter().rposition(|open| matches!(open, Open::Loop(_))) {
                     self.open.remove(at);
                 }
@@ -165,7 +165,7 @@ impl Structure {
             match self.labels.get(&number) {
                 None => report.push(
                     Diagnostic::new(Code::UnknownLabel, span, format!("the block has no label {number} (0087)"))
-                        .label("this jump leads nowhere")
+                        .label("this jump has no target")
                         .help(format!("add `LBL {number}` to the same block")),
                 ),
                 Some(&(other, label)) if other != step => report.push(
@@ -176,7 +176,7 @@ impl Structure {
                     )
                     .label("the jump")
                     .also(label, "its label")
-                    .help("jump inside the step only; leave a step with SCRT, or end it early with CSCRE"),
+                    .help("only jump inside the step; leave a step with SCRT, or end it early with CSCRE"),
                 ),
                 Some(_) => {}
             }

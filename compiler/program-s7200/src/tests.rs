@@ -1,4 +1,4 @@
-//! Programs from syntax trees made by hand.
+//! Programs from syntax trees built by hand.
 
 mod build;
 mod legality;

@@ -1,4 +1,4 @@
-//! Rules that only the whole program shows: what runs a timer, steps of S bits, how deep calls go.
+//! Rules that only show in the whole program: what drives a timer, steps of S bits, how deep calls are nested.
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
@@ -8,14 +8,14 @@ use rustc_hash::FxHashMap;
 use super::Binder;
 use plcc_model::s7200::Operand;
 
-/// Subroutines inside each other that the main program may call.
+/// Limit of nested subroutines that the main program may call.
 const DEPTH_MAX: u32 = 8;
-/// Those that an interrupt routine may call.
+/// The same for an interrupt routine.
 const INTERRUPT_DEPTH_MAX: u32 = 1;
-/// EU and ED of a program. Source: S7-200 system manual, memory ranges and features.
+/// Limit of EU and ED in a program. Source: S7-200 system manual, memory ranges and features.
 const EDGES_MAX: usize = 256;
 
-/// What is run by number.
+/// Something that instructions drive by number.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 enum Cell {
     Timer(u8),
@@ -33,7 +33,7 @@ impl std::fmt::Display for Cell {
     }
 }
 
-/// What the statements of all blocks use.
+/// The timers, counters, steps and calls in the statements of all blocks.
 #[derive(Default)]
 pub struct Uses {
     cells: FxHashMap<Cell, Vec<(Insn, Span)>>,
@@ -45,7 +45,7 @@ pub struct Uses {
 }
 
 impl Uses {
-    /// An instruction that is right by itself.
+    /// Checks an instruction that is correct by itself.
     pub fn instruction(&mut self, insn: Insn, operands: &[Operand], span: Span) {
         let cell = match (insn, operands) {
             (Insn::Ton | Insn::Tonr | Insn::Tof, [Operand::Timer { number, .. }, ..]) => Cell::Timer(*number),
@@ -76,7 +76,7 @@ impl Binder<'_> {
                     Diagnostic::new(Code::DuplicateSequenceStep, *second, title)
                         .label("the second LSCR of this bit")
                         .also(*first, "the first one")
-                        .help("give each step an S bit of its own"),
+                        .help("give each step its own S bit"),
                 );
             }
         }
@@ -86,7 +86,7 @@ impl Binder<'_> {
             let title = format!("the program has {} EU and ED", uses.edges.len());
             let message = Diagnostic::new(Code::CpuLimit, *span, title)
                 .label("a CPU 22x has room for 256 of them")
-                .help("build edges from a bit of V memory: compare it with its value of the scan before");
+                .help("build edges from a bit of V memory: compare it with its value in the previous scan");
             self.push(message);
         }
         self.check_depth(&uses);
@@ -97,25 +97,25 @@ impl Binder<'_> {
             let Some((&(first, first_span), rest)) = places.split_first() else { continue };
             if let Some(&(other, span)) = rest.iter().find(|(insn, _)| *insn != first) {
                 let (first, other) = (self.mnemonic(first), self.mnemonic(other));
-                let title = format!("{cell} is run by {first} and by {other} (0090)");
+                let title = format!("{cell} is driven by {first} and by {other} (0090)");
                 self.push(
                     Diagnostic::new(Code::MixedCells, span, title)
                         .label(format!("{other} here"))
                         .also(first_span, format!("{first} here"))
-                        .help("take another number for one of them"),
+                        .help("use another number for one of them"),
                 );
             } else if let Some(&(_, span)) = rest.first() {
                 self.push(
-                    Diagnostic::new(Code::CellTwice, span, format!("{cell} is run at {} places", places.len()))
+                    Diagnostic::new(Code::CellTwice, span, format!("{cell} is driven at {} places", places.len()))
                         .label("the second one")
                         .also(first_span, "the first one")
-                        .help("they disturb each other if both are executed in one scan; take another number for one of them"),
+                        .help("they interfere if both are executed in one scan; use another number for one of them"),
                 );
             }
         }
     }
 
-    /// Recursion, and calls that go deeper than the CPU allows.
+    /// Recursion, and calls nested deeper than the CPU allows.
     fn check_depth(&mut self, uses: &Uses) {
         let mut calls: Vec<(usize, usize, Span)> =
             uses.calls.iter().map(|(&(caller, callee), &span)| (caller, callee, span)).collect();
@@ -123,7 +123,7 @@ impl Binder<'_> {
         if let Some(span) = circle(&calls, self.blocks.len()) {
             self.push(
                 Diagnostic::new(Code::CallDepth, span, "a subroutine calls itself, directly or through others")
-                    .label("this call is part of the circle")
+                    .label("this call is part of the recursion")
                     .help("the CPU skips a call that is nested more than 8 deep (0008); use FOR and NEXT to repeat"),
             );
             return;
@@ -148,7 +148,7 @@ impl Binder<'_> {
                         _ => ("an interrupt routine", "one level"),
                     };
                     self.push(
-                        Diagnostic::new(Code::CallDepth, span, format!("this call is nested too deeply from {from}"))
+                        Diagnostic::new(Code::CallDepth, span, format!("from {from}, this call is nested too deeply"))
                             .label(format!("{from} can call {levels} of subroutines"))
                             .help("the CPU skips the call (0008): call the subroutine from a higher level"),
                     );
@@ -159,14 +159,14 @@ impl Binder<'_> {
     }
 }
 
-/// Entries in the order of their keys.
+/// Entries in order of their keys.
 fn sorted<K: Copy + Ord, V>(map: &FxHashMap<K, V>) -> Vec<(K, &V)> {
     let mut entries: Vec<(K, &V)> = map.iter().map(|(key, value)| (*key, value)).collect();
     entries.sort_by_key(|(key, _)| *key);
     entries
 }
 
-/// The first call that is part of a circle.
+/// The first call that is part of a recursion.
 fn circle(calls: &[(usize, usize, Span)], blocks: usize) -> Option<Span> {
     let mut left = calls.to_vec();
     loop {
@@ -181,7 +181,7 @@ fn circle(calls: &[(usize, usize, Span)], blocks: usize) -> Option<Span> {
             }
         }
         let before = left.len();
-        // A block that calls nothing, or that nothing calls, is in no circle.
+        // A block that calls nothing, or that nothing calls, is not in a recursion.
         left.retain(|&(caller, callee, _)| called.get(caller) == Some(&true) && calls_out.get(callee) == Some(&true));
         if left.len() == before {
             return left.first().map(|(_, _, span)| *span);

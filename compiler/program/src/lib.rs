@@ -1,9 +1,9 @@
 //! Symbols, names, types and checks: syntax trees in, the bound program out.
 //!
 //! - [`symbols`]: symbol tables.
-//! - [`bind()`] settles every name, type and address; [`plcc_model`] is what it gives.
+//! - [`bind()`] settles every name, type and address; its result is [`plcc_model`].
 //!
-//! **Invariant**: what binds without errors lowers without errors.
+//! **Invariant**: a program that binds without errors lowers without errors.
 
 mod bind;
 

@@ -1,7 +1,7 @@
-//! Constants as values of the type that their place has.
+//! Constants as values of the type that their context has.
 //!
-//! Source: SCL reference, implicit conversion and type of a literal. What an implicit conversion can lose is refused for
-//! constants: the value is known.
+//! Source: SCL reference, implicit conversion and type of a literal. Unlike variables, constants must not lose anything in an
+//! implicit conversion: their value is known.
 
 use plcc_syntax::{Class, Elementary};
 
@@ -81,7 +81,7 @@ pub fn bytes(constant: &Constant, ty: &DataType) -> Result<Vec<u8>, Mismatch> {
 
 /// The character of a byte of Windows-1252.
 fn wide(letter: u8) -> u16 {
-    // A single byte above ASCII is no UTF-8.
+    // A single byte above ASCII is not valid UTF-8.
     plcc_syntax::decode(&[letter]).encode_utf16().next().unwrap_or(u16::from(letter))
 }
 
@@ -96,7 +96,7 @@ pub const fn signed(ty: Elementary, bits: u64) -> i128 {
     ((bits << unused) as i64 >> unused) as i128
 }
 
-/// The number that bits of an integer or bit string type are.
+/// The value of bits of an integer or bit string type.
 pub const fn integer_of(ty: Elementary, bits: u64) -> Option<i128> {
     match ty.class() {
         Class::Signed => Some(signed(ty, bits)),
@@ -106,7 +106,7 @@ pub const fn integer_of(ty: Elementary, bits: u64) -> Option<i128> {
     }
 }
 
-/// The bits of `value` as a number of type `ty`, if the type holds it.
+/// The bits of `value` as a number of type `ty`, if it fits the type.
 pub fn in_range(ty: Elementary, value: i128) -> Option<u64> {
     let width = ty.bits();
     let (low, high) =
@@ -114,7 +114,7 @@ pub fn in_range(ty: Elementary, value: i128) -> Option<u64> {
     (low..=high).contains(&value).then_some(value as u64 & mask(ty))
 }
 
-/// An integer without a type. Bits (`16#FFFF`) also stand for the negative number with this pattern.
+/// An integer without a type. Bits (`16#FFFF`) also mean the negative number with this pattern.
 fn untyped(value: i128, based: bool, ty: Elementary) -> Result<u64, Mismatch> {
     match ty.class() {
         Class::Float if ty == Elementary::Real => real(value as f64),
@@ -133,7 +133,7 @@ fn real(value: f64) -> Result<u64, Mismatch> {
     if narrow.is_infinite() && value.is_finite() { Err(Mismatch::Range) } else { Ok(u64::from(narrow.to_bits())) }
 }
 
-/// A value of type `own` where one of type `ty` is wanted.
+/// A value of type `own` where one of type `ty` is needed.
 fn convert(own: Elementary, bits: u64, ty: Elementary) -> Result<u64, Mismatch> {
     if own == ty {
         return Ok(bits);
@@ -176,7 +176,7 @@ fn convert(own: Elementary, bits: u64, ty: Elementary) -> Result<u64, Mismatch> 
     }
 }
 
-/// Milliseconds in the finest time base that holds them; digits below it are cut off. Source: STL reference, S5TIME.
+/// Milliseconds in the finest time base that has room for them; digits below it are cut off. Source: STL reference, S5TIME.
 fn s5time(ms: i128) -> Option<u64> {
     if !(0..=9_990_000).contains(&ms) {
         return None;

@@ -1,6 +1,6 @@
 //! Operators of constant expressions.
 //!
-//! Integers without a type are computed exactly; one with a type gives its type to the other. Source: SCL reference, arithmetic
+//! Integers without a type are computed exactly; an integer with a type gives its type to the other. Source: SCL reference, arithmetic
 //! and type of a mixed expression.
 
 use plcc_syntax::scl::ast::{BinaryOp, UnaryOp};
@@ -13,7 +13,7 @@ use super::fit;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     Type,
-    /// The type of the result does not hold it.
+    /// The result does not fit its type.
     Overflow,
     /// Division by zero.
     Zero,
@@ -149,7 +149,7 @@ fn integers(op: BinaryOp, a: i128, b: i128) -> Result<i128, Fault> {
     result.ok_or(Fault::Overflow)
 }
 
-/// `**` gives a REAL, or an LREAL if one side is one.
+/// `**` yields a REAL, or an LREAL if one side is one.
 fn power(left: &Constant, right: &Constant) -> Result<Constant, Fault> {
     let (left, right) = (number(left).ok_or(Fault::Type)?, number(right).ok_or(Fault::Type)?);
     if matches!(left, Number::Duration { .. }) || matches!(right, Number::Duration { .. }) {

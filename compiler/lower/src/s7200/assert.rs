@@ -1,4 +1,4 @@
-//! Assertion pragmas: they look at the CPU without touching it.
+//! Assertion pragmas: they read the CPU without changing it.
 
 use plcc_abi::RuntimeFn;
 use plcc_diag::Span;
@@ -52,7 +52,7 @@ impl Context<'_, '_> {
     }
 }
 
-/// The width with which an operand is written down.
+/// The width with which an operand is written.
 fn width_of(operand: &Operand) -> Width {
     match operand {
         Operand::Memory { width, .. }

@@ -8,9 +8,9 @@ use plcc_model::s7200::{Area, Operand, Width};
 use super::context::Context;
 use super::operand::{Use, area_address};
 
-/// Bits that S and R with a constant count write directly.
+/// Limit of bits that S and R with a constant count write directly.
 const DIRECT_BITS: u32 = 64;
-/// Timers and counters likewise.
+/// The same for timers and counters.
 const DIRECT_CELLS: u32 = 4;
 
 impl Context<'_, '_> {
@@ -38,11 +38,11 @@ impl Context<'_, '_> {
         self.set_top(result);
     }
 
-    /// The input as the module has it now, an i1.
+    /// The current value of the input at the module, an i1.
     fn bit_now(&mut self, operands: &[Operand], negated: bool) -> Value {
         let Operand::Memory { byte, bit, .. } = operands[0] else { return self.b.bool_const(false) };
         let (address, bytes) = (self.b.i32_const(byte), self.b.i32_const(1));
-        let value = self.b.call_runtime(RuntimeFn::PeripheralRead, &[address, bytes]).expect("it gives a value");
+        let value = self.b.call_runtime(RuntimeFn::PeripheralRead, &[address, bytes]).expect("it returns a value");
         let value = self.b.trunc(Type::I8, value);
         let value = self.b.binary_imm(BinaryOp::And, value, 1 << bit);
         self.b.icmp_imm(if negated { IntCc::Eq } else { IntCc::Ne }, value, 0)
@@ -66,7 +66,7 @@ impl Context<'_, '_> {
         self.set_top(value);
     }
 
-    /// `EU`. The memory is 1 when RUN begins, so that the first execution sees no edge.
+    /// `EU`. The memory is 1 when RUN begins, so the first execution sees no edge.
     pub fn rising_edge(&mut self) {
         let edge = self.plan.rising_edges.take();
         let top = self.top();
@@ -74,7 +74,7 @@ impl Context<'_, '_> {
         self.set_top(rising);
     }
 
-    /// Whether `value` has risen since the edge memory last saw it.
+    /// Whether `value` has risen since the last update of the edge memory.
     pub fn edge_of(&mut self, edge: u32, value: Value) -> Value {
         let old = self.swap_edge(edge, value);
         let was_off = self.b.not(old);
@@ -91,7 +91,7 @@ impl Context<'_, '_> {
         self.set_top(falling);
     }
 
-    /// Stores a value in an edge memory; what it was before.
+    /// Stores a value in an edge memory; returns the one before.
     fn swap_edge(&mut self, edge: u32, value: Value) -> Value {
         let at = Address::direct(Region::System, system::EDGES + edge);
         let old = self.b.load(Type::I8, at);
@@ -194,7 +194,7 @@ impl Context<'_, '_> {
         self.run(operation, &[first, count]);
     }
 
-    /// S sets the bits only, R clears current values too.
+    /// S only sets the bits, R also clears current values.
     fn write_counters(&mut self, first: u8, count: u32, value: bool) {
         for number in u32::from(first)..(u32::from(first) + count).min(plcc_abi::s7200::COUNTERS) {
             let bit = self.b.iconst(Type::I8, i64::from(value));
@@ -206,7 +206,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// A byte at a time. The binder has seen that the area is large enough.
+    /// A byte at a time. The binder has checked that the area is large enough.
     fn write_known_bits(&mut self, area: Area, byte: u32, bit: u8, count: u32, value: bool) {
         let end = u32::from(bit) + count;
         for index in 0..end.div_ceil(8) {
@@ -251,7 +251,7 @@ impl Context<'_, '_> {
         self.b.store_bit(Address::direct(Region::System, system::SM + 1), bit, value);
     }
 
-    /// Where an operand of the runtime's operations lies, a byte that is read or written.
+    /// The address of an operand for operations of the runtime: a byte that is read or written.
     pub fn operand_address(&mut self, operand: &Operand, purpose: Use) -> Value {
         self.address_value(operand, Width::Byte, purpose)
     }

@@ -1,6 +1,6 @@
 //! Timers and counters. Source: S7-200 system manual, timer and counter instructions.
 //!
-//! A timer box of 100 ms and all counters are computed here; timers of 1 ms and 10 ms run by themselves, in the runtime.
+//! A timer box of 100 ms and all counters are computed here; timers of 1 ms and 10 ms run independently, in the runtime.
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::s7200::{Operation, Resolution, TimerKind, system, timer_resolution};
@@ -37,15 +37,15 @@ impl Context<'_, '_> {
     fn reset_in_inactive_step(&mut self, number: u8) {
         let Some(step) = self.step else { return };
         let active = self.get(step.gate);
-        let (inactive, behind) = (self.b.create_block(), self.b.create_block());
-        self.b.branch(active, behind, inactive);
+        let (inactive, after) = (self.b.create_block(), self.b.create_block());
+        self.b.branch(active, after, inactive);
         self.b.seal_block(inactive);
         self.b.switch_to(inactive);
         let (number, count) = (self.b.i32_const(u32::from(number)), self.b.i32_const(1));
         self.run_raw(Operation::ResetTimers, &[number, count]);
-        self.b.jump(behind, &[]);
-        self.b.seal_block(behind);
-        self.b.switch_to(behind);
+        self.b.jump(after, &[]);
+        self.b.seal_block(after);
+        self.b.switch_to(after);
     }
 
     /// The box adds the ticks between the last two scans, if it was on before.
@@ -82,7 +82,7 @@ impl Context<'_, '_> {
     pub fn begin_interval(&mut self, operands: &[Operand]) {
         self.boxed(|context| {
             let target = context.target(&operands[0], Width::Dword);
-            let now = context.b.call_runtime(RuntimeFn::S7200Milliseconds, &[]).expect("it gives a value");
+            let now = context.b.call_runtime(RuntimeFn::S7200Milliseconds, &[]).expect("it returns a value");
             context.store(target, Width::Dword, now);
         });
     }
@@ -92,7 +92,7 @@ impl Context<'_, '_> {
         self.boxed(|context| {
             let from = context.read(&operands[0], Width::Dword);
             let target = context.target(&operands[1], Width::Dword);
-            let now = context.b.call_runtime(RuntimeFn::S7200Milliseconds, &[]).expect("it gives a value");
+            let now = context.b.call_runtime(RuntimeFn::S7200Milliseconds, &[]).expect("it returns a value");
             let passed = context.b.isub(now, from);
             context.store(target, Width::Dword, passed);
         });
@@ -110,7 +110,7 @@ impl Context<'_, '_> {
         self.b.store(Address::direct(Region::System, system::COUNTER_BITS + number), bit);
     }
 
-    /// Level `level` of the stack, and whether it has risen. Edges that come while the counter is held are consumed.
+    /// Level `level` of the stack, and whether it has risen. Edges while the counter is held are lost.
     fn counting_edge(&mut self, level: usize) -> Value {
         let edge = self.plan.rising_edges.take();
         let input = self.get(self.stack[level]);

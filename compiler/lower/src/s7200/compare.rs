@@ -8,7 +8,7 @@ use super::context::{Context, OnError};
 use super::operand::Use;
 
 impl Context<'_, '_> {
-    /// `LDW>=` and its kin. Both operands are read whatever S0 is; a bad pointer stops the CPU.
+    /// `LDW>=` and other compare contacts. Both operands are read with any S0; a bad pointer stops the CPU.
     pub fn compare(&mut self, compare: Compare, operands: &[Operand]) {
         let [left, right] = operands else { return };
         self.on_error = OnError::Stop;

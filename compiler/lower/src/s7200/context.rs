@@ -12,7 +12,7 @@ use rustc_hash::FxHashMap;
 use super::plan::{self, Plan};
 use crate::Output;
 
-/// What an error of an instruction does besides being noted.
+/// The effect of an instruction's error, apart from being noted.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum OnError {
     /// The instruction does nothing.
@@ -21,7 +21,7 @@ pub enum OnError {
     Stop,
 }
 
-/// A label: its block, and how many of its jumps are still to come.
+/// A label: its block, and how many of its jumps are not built yet.
 pub struct Label {
     pub block: Block,
     jumps_left: u32,
@@ -32,21 +32,21 @@ pub struct Label {
 pub struct Loop<'p> {
     pub operands: &'p [Operand],
     pub body: Block,
-    pub behind: Block,
+    pub after: Block,
 }
 
-/// The step of a sequence in which statements stand.
+/// The sequence step around the statements.
 #[derive(Clone, Copy)]
 pub struct Step<'p> {
     /// Its S bit.
     pub relay: &'p Operand,
-    /// Where CSCRE leaves to.
+    /// The target of CSCRE.
     pub end: Block,
     /// The latched S bit.
     pub gate: Var,
 }
 
-/// What lowering one block needs at hand.
+/// The data for lowering one block.
 pub struct Context<'p, 'o> {
     pub plan: &'o mut Plan<'p>,
     pub output: &'o mut Output<'p>,
@@ -56,13 +56,13 @@ pub struct Context<'p, 'o> {
     /// The logic stack, S0 first.
     pub stack: [Var; STACK_LEVELS],
     pub eno: Var,
-    /// Results that two paths give.
+    /// Results of two paths.
     pub result: Var,
     pub site: u32,
     /// Index of the statement.
     pub index: usize,
     pub on_error: OnError,
-    /// Where an error of this statement leads to, if one is possible.
+    /// The target of an error of this statement, if one is possible.
     failure: Option<Block>,
     exit: Option<Block>,
     pub labels: FxHashMap<u32, Label>,
@@ -103,7 +103,7 @@ impl<'p, 'o> Context<'p, 'o> {
         context
     }
 
-    /// OB1 begins with an empty stack, other blocks with S0 = 1. Local data are 0 but for what is copied in.
+    /// OB1 begins with an empty stack, other blocks with S0 = 1. Local data is 0, except for copied parameters.
     fn start(&mut self) {
         let zero = self.b.bool_const(false);
         for var in self.stack.into_iter().chain([self.eno]) {
@@ -152,7 +152,7 @@ impl<'p, 'o> Context<'p, 'o> {
         self.index = index;
         self.on_error = OnError::Skip;
         if !self.b.is_reachable() {
-            // Behind an unconditional end; kept apart, so that the rest still has a place to stand in.
+            // After an unconditional end; kept apart, so the rest still has a block to be in.
             let unreachable = self.b.create_block();
             self.b.seal_block(unreachable);
             self.b.switch_to(unreachable);
@@ -212,12 +212,12 @@ impl<'p, 'o> Context<'p, 'o> {
 
     // Boxes and errors.
 
-    /// A box: `body` runs if S0 is 1, with ENO 1 unless it says otherwise; without that ENO is 0.
+    /// A box: `body` runs if S0 is 1, with ENO 1 unless it changes it; otherwise ENO is 0.
     pub fn boxed(&mut self, body: impl FnOnce(&mut Self)) {
         self.enabled(true, body);
     }
 
-    /// As a box, but the instruction has no ENO.
+    /// Like a box, but the instruction has no ENO.
     pub fn conditional(&mut self, body: impl FnOnce(&mut Self)) {
         self.enabled(false, body);
     }
@@ -230,7 +230,7 @@ impl<'p, 'o> Context<'p, 'o> {
         if constant == Some(0) {
             return self.set(self.eno, skipped);
         }
-        let behind = self.b.create_block();
+        let after = self.b.create_block();
         match constant {
             Some(_) => {}
             None => {
@@ -240,7 +240,7 @@ impl<'p, 'o> Context<'p, 'o> {
                 self.b.seal_block(skip);
                 self.b.switch_to(skip);
                 self.set(self.eno, skipped);
-                self.b.jump(behind, &[]);
+                self.b.jump(after, &[]);
                 self.b.switch_to(run);
             }
         }
@@ -251,45 +251,45 @@ impl<'p, 'o> Context<'p, 'o> {
         let outer = self.failure.take();
         body(self);
         if self.b.is_reachable() {
-            self.b.jump(behind, &[]);
+            self.b.jump(after, &[]);
         }
         if let Some(failure) = std::mem::replace(&mut self.failure, outer) {
             self.b.seal_block(failure);
             self.b.switch_to(failure);
             self.set(self.eno, skipped);
-            self.b.jump(behind, &[]);
+            self.b.jump(after, &[]);
         }
-        self.b.seal_block(behind);
-        self.b.switch_to(behind);
+        self.b.seal_block(after);
+        self.b.switch_to(after);
     }
 
-    /// An instruction that acts whatever S0 is, and may have an error that makes it do nothing.
+    /// An instruction that acts with any S0, and does nothing after an error.
     pub fn guarded(&mut self, body: impl FnOnce(&mut Self)) {
         let outer = self.failure.take();
         body(self);
         if let Some(failure) = std::mem::replace(&mut self.failure, outer) {
-            let behind = self.b.create_block();
-            self.b.jump(behind, &[]);
+            let after = self.b.create_block();
+            self.b.jump(after, &[]);
             self.b.seal_block(failure);
             self.b.switch_to(failure);
-            self.b.jump(behind, &[]);
-            self.b.seal_block(behind);
-            self.b.switch_to(behind);
+            self.b.jump(after, &[]);
+            self.b.seal_block(after);
+            self.b.switch_to(after);
         }
     }
 
-    /// As [`Context::guarded`], for a `body` that ends its block; an error leads to `behind`.
-    pub fn guarded_to(&mut self, behind: Block, body: impl FnOnce(&mut Self)) {
+    /// Like [`Context::guarded`], for a `body` that ends its block; an error goes to `after`.
+    pub fn guarded_to(&mut self, after: Block, body: impl FnOnce(&mut Self)) {
         let outer = self.failure.take();
         body(self);
         if let Some(failure) = std::mem::replace(&mut self.failure, outer) {
             self.b.seal_block(failure);
             self.b.switch_to(failure);
-            self.b.jump(behind, &[]);
+            self.b.jump(after, &[]);
         }
     }
 
-    /// Non-fatal error `code` unless `ok`: it is noted, the instruction does nothing more. A compare contact stops the CPU with `fatal`.
+    /// Non-fatal error `code` unless `ok`: it is noted, and the instruction does nothing more. A compare contact stops the CPU with `fatal`.
     pub fn error_unless(&mut self, ok: Value, code: u16, fatal: u16) {
         if self.b.constant_bits(ok) == Some(1) {
             return;
@@ -319,7 +319,7 @@ impl<'p, 'o> Context<'p, 'o> {
 
     // Control flow.
 
-    /// Where the block leaves when the CPU goes to STOP; values returned from there mean nothing.
+    /// Where the block leaves when the CPU goes to STOP; values returned from there have no meaning.
     pub fn exit(&mut self) -> Block {
         *self.exit.get_or_insert_with(|| self.b.create_cold_block())
     }
@@ -333,7 +333,7 @@ impl<'p, 'o> Context<'p, 'o> {
         self.b.switch_to(next);
     }
 
-    /// Runs what is due: one load, one test, one branch that is rarely taken.
+    /// Runs events that are due: one load, one test, one branch that is rarely taken.
     pub fn safepoint(&mut self) {
         let attention = self.b.load_state(state::ATTENTION);
         let due = self.b.icmp_imm(IntCc::Ne, attention, 0);
@@ -366,7 +366,7 @@ impl<'p, 'o> Context<'p, 'o> {
         }
     }
 
-    /// The label's block has its place, and is the current one.
+    /// The label's block is at its position, and is the current one.
     pub fn label_placed(&mut self, number: u32) {
         let Some(label) = self.labels.get_mut(&number) else { return };
         label.placed = true;
@@ -378,7 +378,7 @@ impl<'p, 'o> Context<'p, 'o> {
         self.b.switch_to(block);
     }
 
-    /// Returns, with what is copied back.
+    /// Returns, with the values to copy back.
     pub fn leave(&mut self) {
         let copied_back = self.body.parameters.iter().filter(|parameter| parameter.direction != Direction::In);
         let values: Vec<Value> = copied_back

@@ -8,7 +8,7 @@ use super::context::{Context, Loop};
 use super::operand::Place;
 use super::plan;
 
-/// Calls that may be nested. Source: S7-200 system manual, subroutines.
+/// Limit of nested calls. Source: S7-200 system manual, subroutines.
 const NESTING_MAX: i64 = 8;
 
 impl<'p> Context<'p, '_> {
@@ -38,23 +38,23 @@ impl<'p> Context<'p, '_> {
         }
     }
 
-    /// `FOR INDX, INIT, FINAL`: with S0 = 0, or nothing to do, it goes on behind its NEXT. It has ENO as a box has.
+    /// `FOR INDX, INIT, FINAL`: with S0 = 0, or nothing to do, it continues after its NEXT. It has ENO like a box.
     pub fn begin_loop(&mut self, operands: &[Operand]) {
-        // The operands live as long as the body of the block; NEXT reads them again.
+        // The operands are needed for the whole body; NEXT reads them again.
         let body = self.body;
         let own = body.statements.get(self.index).and_then(|statement| match &statement.kind {
             plcc_model::s7200::StatementKind::Instruction { operands, .. } => Some(operands.as_slice()),
             _ => None,
         });
         let ([index, initial, last], Some(own)) = (operands, own) else { return };
-        let (start, body, behind) = (self.b.create_block(), self.b.create_block(), self.b.create_block());
+        let (start, body, after) = (self.b.create_block(), self.b.create_block(), self.b.create_block());
         let enable = self.top();
         let failed = self.b.bool_const(false);
         self.set(self.eno, failed);
-        self.b.branch(enable, start, behind);
+        self.b.branch(enable, start, after);
         self.b.seal_block(start);
         self.b.switch_to(start);
-        self.guarded_to(behind, |context| {
+        self.guarded_to(after, |context| {
             let initial = context.read(initial, Width::Word);
             let last = context.read(last, Width::Word);
             let target = context.target(index, Width::Word);
@@ -62,20 +62,20 @@ impl<'p> Context<'p, '_> {
             let one = context.b.bool_const(true);
             context.set(context.eno, one);
             let runs = context.b.icmp(IntCc::Sle, initial, last);
-            context.b.branch(runs, body, behind);
+            context.b.branch(runs, body, after);
         });
         self.b.switch_to(body);
-        self.loops.push(Loop { operands: own, body, behind });
+        self.loops.push(Loop { operands: own, body, after });
     }
 
-    /// `NEXT`: counts, then compares, so that the index is one more than the last value in the end. At 32767 it stays.
+    /// `NEXT`: counts, then compares, so the index is one more than the last value at the end. At 32767 it stays.
     pub fn end_loop(&mut self) {
-        let Some(Loop { operands, body, behind }) = self.loops.pop() else { return };
+        let Some(Loop { operands, body, after }) = self.loops.pop() else { return };
         let [index, _, last] = operands else { return };
         let one = self.b.bool_const(true);
         self.set_top(one);
         self.safepoint();
-        self.guarded_to(behind, |context| {
+        self.guarded_to(after, |context| {
             let target = context.target(index, Width::Word);
             let value = context.load(target, Width::Word);
             let last = context.read(last, Width::Word);
@@ -85,11 +85,11 @@ impl<'p> Context<'p, '_> {
             context.store(target, Width::Word, next);
             let within = context.b.icmp(IntCc::Sle, next, last);
             let again = context.b.and(within, more);
-            context.b.branch(again, body, behind);
+            context.b.branch(again, body, after);
         });
         self.b.seal_block(body);
-        self.b.seal_block(behind);
-        self.b.switch_to(behind);
+        self.b.seal_block(after);
+        self.b.switch_to(after);
     }
 
     /// `END`, `CRET`, `CRETI`.
@@ -112,7 +112,7 @@ impl<'p> Context<'p, '_> {
         });
     }
 
-    /// `CALL`: IN and IN_OUT are copied in, IN_OUT and OUT back. With S0 = 0 nothing is.
+    /// `CALL`: IN and IN_OUT are copied in, IN_OUT and OUT back. With S0 = 0, nothing is copied.
     pub fn call(&mut self, number: u16, arguments: &[Operand]) {
         let Some((function, callee)) = self.plan.subroutine(number) else { return };
         self.boxed(|context| {
@@ -141,7 +141,7 @@ impl<'p> Context<'p, '_> {
         });
     }
 
-    /// Counts a call, where the compiler cannot bound the depth; what the depth was before. Too deep: error 0008, no call.
+    /// Counts a call, if the compiler cannot bound the depth; returns the depth before. Too deep: error 0008, no call.
     fn enter_call(&mut self) -> Option<Value> {
         if !self.plan.counts_calls {
             return None;

@@ -8,7 +8,7 @@ use super::context::Context;
 use super::math::{NOT_BCD, OVERFLOW};
 use super::plan::ir_type;
 
-/// What BCD_TO_INT sets for a digit above 9.
+/// Set in the result of `BCD_TO_INT` if a digit is above 9.
 const BAD_DIGIT: i64 = 0x8000_0000;
 /// Segments of the digits 0 to 7 and 8 to F, the first one lowest. Source: S7-200 system manual, segment instruction.
 const SEGMENTS_LOW: u64 = 0x077D_6D66_4F5B_063F;
@@ -50,7 +50,7 @@ impl Context<'_, '_> {
         });
     }
 
-    /// A conversion that may not fit: SM1.1 tells, OUT stays, ENO is 0. `compute` gives the result and whether it fits.
+    /// A conversion that may not fit: SM1.1 is set, OUT stays, ENO is 0. `compute` returns the result and whether it fits.
     fn checked_conversion(
         &mut self,
         operands: &[Operand],
@@ -137,7 +137,7 @@ impl Context<'_, '_> {
         });
     }
 
-    /// SM1.6 tells of what has no BCD form; OUT stays.
+    /// SM1.6 reports a value without a BCD form; OUT stays.
     fn bcd(&mut self, operands: &[Operand], compute: impl FnOnce(&mut Self, Value) -> (Value, Value)) {
         self.boxed(|context| {
             let target = context.target(&operands[0], Width::Word);
@@ -170,7 +170,7 @@ impl Context<'_, '_> {
             let negated = context.b.isub(zero, value);
             let lowest = context.b.and(value, negated);
             let mut number = context.b.iconst(Type::I8, 0);
-            // Bit n of the number: the lowest bit stands at a place with that bit.
+            // Bit n of the number: the position of the lowest bit has that bit.
             for (shift, places) in [0xAAAA, 0xCCCC, 0xF0F0, 0xFF00].into_iter().enumerate() {
                 let masked = context.b.binary_imm(BinaryOp::And, lowest, places);
                 let set = context.b.icmp_imm(IntCc::Ne, masked, 0);

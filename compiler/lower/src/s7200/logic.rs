@@ -1,4 +1,4 @@
-//! Logical operations. They write SM1.0 only. Source: S7-200 system manual, logical operations.
+//! Logical operations. They only write SM1.0. Source: S7-200 system manual, logical operations.
 
 use plcc_ir::{BinaryOp, IntCc, Value};
 use plcc_model::s7200::{Operand, Width};
@@ -8,7 +8,7 @@ use super::math::ZERO;
 use super::operand::Place;
 
 impl Context<'_, '_> {
-    /// `ANDW` and its kin.
+    /// `ANDW` and other operations with two operands.
     pub fn word_logic(&mut self, operands: &[Operand], width: Width, op: BinaryOp) {
         let [input, output] = operands else { return };
         self.boxed(|context| {
@@ -20,7 +20,7 @@ impl Context<'_, '_> {
         });
     }
 
-    /// `INVW` and its kin.
+    /// `INVW` and other inversions.
     pub fn invert(&mut self, operands: &[Operand], width: Width) {
         self.boxed(|context| {
             let target = context.target(&operands[0], width);
@@ -30,7 +30,7 @@ impl Context<'_, '_> {
         });
     }
 
-    /// Stores a result; SM1.0 tells whether it is 0.
+    /// Stores a result; SM1.0 shows whether it is 0.
     pub fn finish_logic(&mut self, target: Place, width: Width, result: Value) {
         self.store(target, width, result);
         let zero = self.b.icmp_imm(IntCc::Eq, result, 0);

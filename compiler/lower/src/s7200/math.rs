@@ -1,6 +1,6 @@
 //! Integer and real mathematics. Source: S7-200 system manual, math instructions.
 //!
-//! A result that does not fit leaves OUT as it is: SM1.1 is 1, SM1.0 and SM1.2 are 0. A division by zero sets SM1.3 and touches nothing else.
+//! A result that does not fit leaves OUT unchanged: SM1.1 is 1, SM1.0 and SM1.2 are 0. A division by zero sets SM1.3 and changes nothing else.
 
 use plcc_abi::RuntimeFn;
 use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
@@ -44,7 +44,7 @@ impl Context<'_, '_> {
         });
     }
 
-    /// OUT := OUT op IN for integers; `compute` gives the result and whether it does not fit.
+    /// OUT := OUT op IN for integers; `compute` returns the result and whether it does not fit.
     fn in_place(
         &mut self,
         operands: &[Operand],
@@ -88,7 +88,7 @@ impl Context<'_, '_> {
             let old = context.load(target, width);
             let zero = context.b.icmp_imm(IntCc::Eq, divisor, 0);
             context.unless_zero(zero, |context| {
-                // One step wider, so that the least number divided by -1 is representable.
+                // One step wider, so the smallest number divided by -1 is representable.
                 let wide = if width == Width::Word { Type::I32 } else { Type::I64 };
                 let (a, b) = (context.b.sext(wide, old), context.b.sext(wide, divisor));
                 let quotient = context.b.binary(BinaryOp::Sdiv, a, b);
@@ -100,9 +100,9 @@ impl Context<'_, '_> {
         });
     }
 
-    /// A division: with a divisor of 0 only SM1.3 is set and ENO is 0, else SM1.3 is cleared and `body` runs.
+    /// A division: with a divisor of 0 only SM1.3 is set and ENO is 0, otherwise SM1.3 is cleared and `body` runs.
     fn unless_zero(&mut self, zero: Value, body: impl FnOnce(&mut Self)) {
-        let (cold, divide, behind) = (self.b.create_cold_block(), self.b.create_block(), self.b.create_block());
+        let (cold, divide, after) = (self.b.create_cold_block(), self.b.create_block(), self.b.create_block());
         self.b.branch(zero, cold, divide);
         self.b.seal_block(cold);
         self.b.seal_block(divide);
@@ -111,14 +111,14 @@ impl Context<'_, '_> {
         self.set_flag(DIVIDE_BY_ZERO, one);
         let no = self.b.bool_const(false);
         self.set(self.eno, no);
-        self.b.jump(behind, &[]);
+        self.b.jump(after, &[]);
         self.b.switch_to(divide);
         let no = self.b.bool_const(false);
         self.set_flag(DIVIDE_BY_ZERO, no);
         body(self);
-        self.b.jump(behind, &[]);
-        self.b.seal_block(behind);
-        self.b.switch_to(behind);
+        self.b.jump(after, &[]);
+        self.b.seal_block(after);
+        self.b.switch_to(after);
     }
 
     /// `MUL`: 32 bits of product; it always fits.
@@ -136,7 +136,7 @@ impl Context<'_, '_> {
         });
     }
 
-    /// `DIV`: remainder in the high word, with the sign of the dividend; quotient in the low word, which gives the flags.
+    /// `DIV`: remainder in the high word, with the sign of the dividend; quotient in the low word, which sets the flags.
     pub fn division_with_remainder(&mut self, operands: &[Operand]) {
         let [input, output] = operands else { return };
         self.boxed(|context| {
@@ -163,7 +163,7 @@ impl Context<'_, '_> {
         });
     }
 
-    /// `INCB` and its kin: the value wraps, and the flags are those of what is stored. Bytes have no sign.
+    /// `INCB` and the other increments and decrements: the value wraps, and the flags are those of the stored value. Bytes have no sign.
     pub fn step(&mut self, operands: &[Operand], width: Width, by: i64) {
         self.boxed(|context| {
             let target = context.target(&operands[0], width);
@@ -253,12 +253,12 @@ impl Context<'_, '_> {
         });
     }
 
-    /// `SQRT`: of a negative number it is NaN, an overflow.
+    /// `SQRT`: NaN for a negative number, an overflow.
     pub fn square_root(&mut self, operands: &[Operand]) {
         self.real_unary(operands, |context, x| context.b.unary(UnaryOp::Fsqrt, x));
     }
 
-    /// `LN`: of 0 it is infinite, of a negative number NaN.
+    /// `LN`: infinite for 0, NaN for a negative number.
     pub fn logarithm(&mut self, operands: &[Operand]) {
         self.real_function(operands, RuntimeFn::LnLong);
     }

@@ -2,8 +2,8 @@
 //!
 //! - `plan`: numbers of functions and edge memories, string constants, whether calls must be counted.
 //! - `context`: one block while it is lowered: logic stack and ENO as SSA variables, boxes, errors, labels.
-//! - `operand`: operands to memory accesses; `pointer`: what stands behind `*`.
-//! - One file a family of instructions; `operations` are those that the runtime does.
+//! - `operand`: operands to memory accesses; `pointer`: the operand after `*`.
+//! - One file per family of instructions; `operations` are those that the runtime performs.
 
 mod assert;
 mod bits;
@@ -54,7 +54,7 @@ pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap) -> Lowe
         let Body::S7200(body) = &block.body else { continue };
         let function = lower_block(&mut plan, &mut output, block, body);
         let id = output.module.functions.push(function);
-        debug_assert_eq!(Some(id), plan.function(index), "functions are numbered in the order of the blocks");
+        debug_assert_eq!(Some(id), plan.function(index), "functions are numbered in order of the blocks");
         if matches!(block.kind, BlockKind::Ob | BlockKind::Int) {
             add_entry(&mut output, block, id);
         }
@@ -223,7 +223,7 @@ impl Context<'_, '_> {
 
             Insn::End => self.end_if_enabled(),
             Insn::Cret | Insn::Creti => self.end_if_enabled(),
-            // They stand at the end of a block or section, which returns anyway.
+            // They are at the end of a block or section, which returns anyway.
             Insn::Mend | Insn::Ret | Insn::Reti => {}
             Insn::Stop => self.stop(),
             Insn::Jmp => self.jump(operands),

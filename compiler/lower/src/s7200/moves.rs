@@ -27,12 +27,13 @@ impl Context<'_, '_> {
         });
     }
 
-    /// `BIR`: the image stays as it is.
+    /// `BIR`: the image does not change.
     pub fn read_input_now(&mut self, operands: &[Operand]) {
         let [Operand::Memory { byte, .. }, output] = operands else { return };
         self.boxed(|context| {
             let (address, bytes) = (context.b.i32_const(*byte), context.b.i32_const(1));
-            let value = context.b.call_runtime(RuntimeFn::PeripheralRead, &[address, bytes]).expect("it gives a value");
+            let value =
+                context.b.call_runtime(RuntimeFn::PeripheralRead, &[address, bytes]).expect("it returns a value");
             let value = context.b.trunc(Type::I8, value);
             let target = context.target(output, Width::Byte);
             context.store(target, Width::Byte, value);

@@ -19,7 +19,7 @@ pub enum Place<'a> {
     At(Value),
 }
 
-/// What is done to a place.
+/// The use of a place.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Use {
     Read,
@@ -76,7 +76,7 @@ impl Context<'_, '_> {
             Operand::Counter { .. } => self.load_cell(operand, width),
             Operand::HighSpeedCounter(number) => {
                 let number = self.b.i32_const(u32::from(*number));
-                self.b.call_runtime(RuntimeFn::S7200Counter, &[number]).expect("it gives a value")
+                self.b.call_runtime(RuntimeFn::S7200Counter, &[number]).expect("it returns a value")
             }
             Operand::AnalogInput { byte } => self.read_analog(*byte),
             _ => {
@@ -116,7 +116,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// The program has written `bytes` bytes of special memory from `byte` on.
+    /// The program has written `bytes` bytes of special memory beginning with `byte`.
     pub fn special_written(&mut self, byte: u32, bytes: u32) {
         for special in SPECIAL_WITH_EFFECT.into_iter().filter(|special| (byte..byte + bytes).contains(special)) {
             let byte = self.b.i32_const(special);
@@ -126,7 +126,7 @@ impl Context<'_, '_> {
 
     fn read_analog(&mut self, byte: u32) -> Value {
         let (address, bytes) = (self.b.i32_const(ANALOG_ADDRESS + byte), self.b.i32_const(2));
-        let value = self.b.call_runtime(RuntimeFn::PeripheralRead, &[address, bytes]).expect("it gives a value");
+        let value = self.b.call_runtime(RuntimeFn::PeripheralRead, &[address, bytes]).expect("it returns a value");
         self.b.trunc(Type::I16, value)
     }
 
@@ -136,7 +136,7 @@ impl Context<'_, '_> {
         self.b.call_runtime(RuntimeFn::PeripheralWrite, &[address, bytes, value]);
     }
 
-    /// Brings a timer of 1 ms up to date.
+    /// Updates a timer of 1 ms.
     pub fn sync_timer(&mut self, number: u8) {
         if plcc_abi::s7200::timer_resolution(number) == plcc_abi::s7200::Resolution::Ms1 {
             let number = self.b.i32_const(u32::from(number));
@@ -144,7 +144,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Where a direct operand lies, accessed with `width`: the low part of an accumulator, the byte of a bit.
+    /// The address of a direct operand, accessed with `width`: the low part of an accumulator, the byte of a bit.
     fn address(&mut self, operand: &Operand, width: Width) -> Address {
         match operand {
             Operand::Memory { area, byte, .. } => area_address(*area, *byte),
@@ -162,7 +162,7 @@ impl Context<'_, '_> {
                 Address::direct(Region::Db(plcc_abi::s7200::CONSTANTS_DB), self.plan.texts.offset(text))
             }
             Operand::Const(_) | Operand::HighSpeedCounter(_) | Operand::Indirect { .. } => {
-                unreachable!("the binder lets no such operand through where an address is wanted")
+                unreachable!("the binder passes no operand of this kind where an address is needed")
             }
         }
     }
@@ -184,7 +184,7 @@ impl Context<'_, '_> {
     }
 }
 
-/// Where a byte of an area lies.
+/// The address of a byte of an area.
 pub fn area_address(area: Area, byte: u32) -> Address {
     match area {
         Area::I => Address::direct(Region::I, byte),

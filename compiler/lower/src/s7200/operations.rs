@@ -1,4 +1,4 @@
-//! Instructions that the runtime does: which operation, and how its operands travel.
+//! Instructions that the runtime performs: which operation, and how its operands are passed.
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::s7200::{Operation, result};
@@ -21,7 +21,7 @@ enum Give {
     From(usize),
     /// Address of operand n, which is written.
     To(usize),
-    /// Address of a bit, eight times its byte's.
+    /// Address of a bit, eight times that of its byte plus the bit.
     BitAddress(usize),
     Fixed(u32),
 }
@@ -30,7 +30,7 @@ enum Give {
 struct Row {
     operation: Operation,
     give: &'static [Give],
-    /// The operand that takes the value.
+    /// The operand that receives the value.
     takes: Option<(usize, Width)>,
 }
 
@@ -120,9 +120,9 @@ impl Context<'_, '_> {
                     let result = context.run_raw(row.operation, &given);
                     context.take_eno(result);
                     let value = context.value_of(result);
-                    let (store, behind) = (context.b.create_block(), context.b.create_block());
+                    let (store, after) = (context.b.create_block(), context.b.create_block());
                     let valid = context.result_bit(result, result::VALUE);
-                    context.b.branch(valid, store, behind);
+                    context.b.branch(valid, store, after);
                     context.b.seal_block(store);
                     context.b.switch_to(store);
                     let value = match width {
@@ -130,9 +130,9 @@ impl Context<'_, '_> {
                         width => context.b.trunc(super::plan::ir_type(width), value),
                     };
                     context.store(target, width, value);
-                    context.b.jump(behind, &[]);
-                    context.b.seal_block(behind);
-                    context.b.switch_to(behind);
+                    context.b.jump(after, &[]);
+                    context.b.seal_block(after);
+                    context.b.switch_to(after);
                 }
             }
         };
@@ -168,7 +168,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Address of what several bytes may follow. Words of timers and counters are named by their first byte.
+    /// Address of a byte that others may follow. Words of timers and counters are named by their first byte.
     fn long_address(&mut self, operand: &Operand, purpose: Use) -> Value {
         match operand {
             Operand::Timer { .. } | Operand::Counter { .. } => self.address_value(operand, Width::Word, purpose),
@@ -179,7 +179,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// PID: the loop must see that it is switched off, too.
+    /// PID: the loop must also see that it is switched off.
     fn pid(&mut self, operands: &[Operand]) {
         let [table, number] = operands else { return };
         let enable = self.top();
@@ -195,7 +195,7 @@ impl Context<'_, '_> {
         });
     }
 
-    /// `ENI`: what waits runs now.
+    /// `ENI`: waiting interrupts run now.
     pub fn enable_interrupts(&mut self) {
         self.boxed(|context| {
             context.run(Operation::EnableInterrupts, &[]);
@@ -203,7 +203,7 @@ impl Context<'_, '_> {
         });
     }
 
-    /// Runs an operation; its ENO is the instruction's.
+    /// Runs an operation; its ENO is that of the instruction.
     pub fn run(&mut self, operation: Operation, given: &[Value]) {
         let result = self.run_raw(operation, given);
         self.take_eno(result);
@@ -236,7 +236,7 @@ impl Context<'_, '_> {
         self.b.trunc(Type::I32, high)
     }
 
-    /// Leaves the block if the operation says so.
+    /// Leaves the block if the operation requires it.
     pub fn stop_if_told(&mut self, result: Value) {
         let stop = self.result_bit(result, result::STOP);
         self.stop_if(stop);

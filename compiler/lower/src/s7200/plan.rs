@@ -1,4 +1,4 @@
-//! What blocks must know of each other before any is lowered.
+//! What blocks must know about each other before any of them is lowered.
 
 use std::collections::BTreeSet;
 
@@ -15,11 +15,11 @@ use rustc_hash::FxHashMap;
 use crate::plan::place_dbs;
 
 /// Depth of calls that needs no counting: from the main program, from an interrupt routine. Source: S7-200 system manual, subroutines; from
-/// interrupt routines one level, more is run with a warning.
+/// interrupt routines one level, more levels run with a warning.
 const DEPTH_MAIN: u32 = 8;
 const DEPTH_INTERRUPT: u32 = 4;
 
-/// Edge memories are given out one after the other.
+/// Edge memories are allocated in sequence.
 #[derive(Clone, Copy, Default)]
 pub struct Edges {
     pub first: u32,
@@ -106,7 +106,7 @@ impl<'p> Plan<'p> {
         plan
     }
 
-    /// Notes what a statement uses; the number of its edge memories for rising edges.
+    /// Notes what a statement uses; returns the number of its edge memories for rising edges.
     fn look_at(&mut self, kind: &StatementKind) -> u32 {
         let (operands, rising) = match kind {
             StatementKind::Instruction { insn, operands } => {
@@ -168,7 +168,7 @@ impl<'p> Plan<'p> {
         })
     }
 
-    /// Levels of calls below a block; `None`: no end is known.
+    /// Levels of calls below a block; `None`: not bounded.
     fn depth(&self, body: &model::Body, depths: &mut FxHashMap<u16, Option<u32>>) -> Option<u32> {
         let mut deepest = 0;
         for statement in &body.statements {
@@ -176,7 +176,7 @@ impl<'p> Plan<'p> {
             let below = match depths.get(&number) {
                 Some(known) => *known,
                 None => {
-                    // What is being looked at has no known depth: a recursion ends here.
+                    // A block in progress has no known depth: a recursion ends here.
                     depths.insert(number, None);
                     let below = self.subroutine(number).map_or(Some(0), |(_, body)| self.depth(body, depths));
                     depths.insert(number, below);
@@ -199,13 +199,13 @@ pub fn ir_type(width: Width) -> Type {
     }
 }
 
-/// Parameters of a block's function: what is copied in.
+/// Parameters of a block's function: the values to copy in.
 pub fn parameters(body: &model::Body) -> Vec<Type> {
     let copied_in = body.parameters.iter().filter(|parameter| parameter.direction != Direction::Out);
     copied_in.map(|parameter| ir_type(parameter.width)).collect()
 }
 
-/// What a block's function returns: what is copied back.
+/// The return values of a block's function: the values to copy back.
 pub fn returns(body: &model::Body) -> Vec<Type> {
     let copied_back = body.parameters.iter().filter(|parameter| parameter.direction != Direction::In);
     copied_back.map(|parameter| ir_type(parameter.width)).collect()

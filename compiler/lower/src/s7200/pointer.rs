@@ -8,7 +8,7 @@ use super::context::Context;
 use super::operand::Use;
 
 impl Context<'_, '_> {
-    /// Offset from the memory base of what `pointer` points at, an i32, where `bytes` bytes may be accessed. On a bad pointer the
+    /// Offset of the target of `pointer` from the memory base, an i32, with access to `bytes` bytes. On a bad pointer the
     /// instruction ends here.
     pub fn follow(&mut self, pointer: Value, bytes: u32, purpose: Use) -> Value {
         let v = self.plan.dbs.iter().find(|db| db.number == V_DB);
@@ -19,26 +19,27 @@ impl Context<'_, '_> {
             return self.follow_anywhere(pointer, bytes, purpose);
         }
         let in_v = self.b.icmp_imm(IntCc::Ule, offset, last);
-        let (fast, slow, behind) = (self.b.create_block(), self.b.create_cold_block(), self.b.create_block());
+        let (fast, slow, after) = (self.b.create_block(), self.b.create_cold_block(), self.b.create_block());
         self.b.branch(in_v, fast, slow);
         self.b.seal_block(fast);
         self.b.seal_block(slow);
         self.b.switch_to(fast);
         let base = self.b.binary_imm(BinaryOp::Iadd, offset, i64::from(v_address));
         self.set(self.result, base);
-        self.b.jump(behind, &[]);
+        self.b.jump(after, &[]);
         self.b.switch_to(slow);
         let base = self.follow_anywhere(pointer, bytes, purpose);
         self.set(self.result, base);
-        self.b.jump(behind, &[]);
-        self.b.seal_block(behind);
-        self.b.switch_to(behind);
+        self.b.jump(after, &[]);
+        self.b.seal_block(after);
+        self.b.switch_to(after);
         self.get(self.result)
     }
 
     fn follow_anywhere(&mut self, pointer: Value, bytes: u32, purpose: Use) -> Value {
         let (bytes, write) = (self.b.i32_const(bytes), self.b.i32_const(u32::from(purpose == Use::Write)));
-        let base = self.b.call_runtime(RuntimeFn::S7200Pointer, &[pointer, bytes, write]).expect("it gives an address");
+        let base =
+            self.b.call_runtime(RuntimeFn::S7200Pointer, &[pointer, bytes, write]).expect("it returns an address");
         let ok = self.b.icmp_imm(IntCc::Ne, base, 0);
         self.pointer_error_unless(ok);
         base

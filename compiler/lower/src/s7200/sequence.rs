@@ -1,7 +1,7 @@
 //! Sequence control: steps that begin with LSCR and end with SCRE. Source: S7-200 system manual, SCR instructions.
 //!
-//! LSCR latches the S bit of the step as a gate. While it is 0 every value that reaches S0 is 0, so that conditional instructions do
-//! nothing, coils drop, timers and counters see 0.
+//! LSCR latches the S bit of the step as a gate. While it is 0, every value that reaches S0 is 0, so conditional instructions do
+//! nothing, coils are off, timers and counters see 0.
 
 use plcc_ir::Type;
 use plcc_model::s7200::{Operand, StatementKind, Width};

@@ -1,4 +1,4 @@
-//! Shift and rotate. SM1.1 is the last bit that was shifted out; it stays as it is if nothing was shifted. Source: S7-200 system manual,
+//! Shift and rotate. SM1.1 is the last bit that was shifted out; it does not change if nothing is shifted. Source: S7-200 system manual,
 //! shift and rotate instructions.
 
 use plcc_abi::s7200::system;
@@ -10,7 +10,7 @@ use super::math::OVERFLOW;
 use super::plan::ir_type;
 
 impl Context<'_, '_> {
-    /// `SRB SRW SRD SLB SLW SLD`: by the width at most.
+    /// `SRB SRW SRD SLB SLW SLD`: by at most the width.
     pub fn shift(&mut self, operands: &[Operand], width: Width, op: BinaryOp) {
         let [output, count] = operands else { return };
         self.boxed(|context| {
@@ -27,7 +27,7 @@ impl Context<'_, '_> {
                 let shifted = context.b.binary(BinaryOp::Shl, wide, count);
                 (shifted, context.bit_of(shifted, bits))
             } else {
-                // One place to the left first, so that the bit shifted out last is bit 0.
+                // One position to the left first, so that the bit shifted out last is bit 0.
                 let doubled = context.b.binary_imm(BinaryOp::Shl, wide, 1);
                 let shifted = context.b.binary(BinaryOp::Lshr, doubled, count);
                 (context.b.binary_imm(BinaryOp::Lshr, shifted, 1), context.bit_of(shifted, 0))

@@ -15,7 +15,7 @@ use crate::fault::Check;
 use crate::place::{BitNumber, Direction, Target, TargetKind};
 use crate::pointer::PointerFields;
 
-/// An access whose indices are computed: the place may be reached several times.
+/// An access with computed indices: the place may be reached several times.
 pub struct Located<'m> {
     base: LocatedBase<'m>,
     /// Distance from the base, in bits; none if it is 0.
@@ -46,7 +46,7 @@ enum LocatedArea {
 }
 
 impl Located<'_> {
-    /// False for what lies in the peripheral area, or may.
+    /// False for places that are, or may be, in the peripheral area.
     pub fn is_memory(&self) -> bool {
         match &self.base {
             LocatedBase::Place(place) => !matches!(place, Place::Pi { .. } | Place::Pq { .. }),
@@ -105,7 +105,7 @@ impl Context<'_, '_> {
         if self.b.ty(value).bits() < 32 { self.b.zext(Type::I32, value) } else { value }
     }
 
-    /// An integer as an i32, by the sign of its type; 64 bits keep the low half.
+    /// An integer as an i32, with the sign of its type; 64 bits keep the low half.
     pub fn as_i32(&mut self, value: Value, ty: Elementary) -> Value {
         match self.b.ty(value).bits() {
             32 => value,
@@ -115,7 +115,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Area code of a pointer for the code of PEEK and POKE; 0 stays what it is: no area.
+    /// Area code of a pointer for the code of PEEK and POKE; 0 stays 0: not an area.
     fn peek_area(&mut self, code: Value) -> Value {
         let low = self.b.binary_imm(BinaryOp::And, code, 0xFF);
         let one = self.b.icmp_imm(IntCc::Eq, low, 1);
@@ -126,7 +126,7 @@ impl Context<'_, '_> {
     }
 
     /// Distance of an index from the first element in bits, and whether it is within its bounds.
-    fn index(&mut self, index: &Index, behind: &[Index]) -> (Value, Value) {
+    fn index(&mut self, index: &Index, after: &[Index]) -> (Value, Value) {
         let value = self.signed_index(&index.value);
         match index.bounds {
             IndexBounds::Known(low, high) => {
@@ -141,7 +141,7 @@ impl Context<'_, '_> {
                 let below = self.b.icmp(IntCc::Sle, value, high);
                 let ok = self.b.and(above, below);
                 let mut distance = self.b.isub(value, low);
-                for inner in behind {
+                for inner in after {
                     if let IndexBounds::Open { parameter, dimension } = inner.bounds {
                         let (low, high) = self.open_bounds(parameter, dimension);
                         let length = self.b.isub(high, low);
@@ -220,7 +220,7 @@ impl Context<'_, '_> {
                 self.b.iadd(shifted, bit)
             }
         };
-        // A byte address beyond what a pointer holds would wrap.
+        // A byte address that does not fit a pointer would wrap.
         let ok = self.b.icmp_imm(IntCc::Ule, byte, 0xFFFF);
         let code = if direction == Direction::Read { sync::LENGTH_READ } else { sync::LENGTH_WRITE };
         let code = self.b.i32_const(u32::from(code));
@@ -253,7 +253,7 @@ impl Context<'_, '_> {
         Target { kind: target.kind, checks }
     }
 
-    /// Moves a target on by `offset` bits.
+    /// Adds `offset` bits to a target.
     fn move_target(&mut self, target: &mut Target, offset: Value) {
         let (addr, bit) = match &mut target.kind {
             TargetKind::Memory { addr, bit } | TargetKind::Either { addr, bit, .. } => (addr, bit),
@@ -276,7 +276,7 @@ impl Context<'_, '_> {
         *bit = BitNumber::Dynamic(self.b.binary_imm(BinaryOp::And, total, 7));
     }
 
-    /// A pointer to a located place, as a called block sees it.
+    /// A pointer to a located place, for a called block.
     pub fn located_pointer(&mut self, located: &Located) -> PointerFields {
         let fields = match &located.base {
             LocatedBase::Place(place) => {
@@ -330,7 +330,7 @@ impl Context<'_, '_> {
         self.read_located(access, &located)
     }
 
-    /// Number of the data block that a formal parameter BLOCK_DB stands for, an i16.
+    /// Number of the data block of a formal parameter BLOCK_DB, an i16.
     fn block_number(&mut self, place: &Place) -> Value {
         let number = match place {
             Place::Parameter { parameter, .. } => self.parameters[*parameter][0],
@@ -394,7 +394,7 @@ impl Context<'_, '_> {
         self.write_target(target, width, value);
     }
 
-    /// True if the variable does not lie in memory.
+    /// True if the variable is not in memory.
     pub fn is_promoted(&self, access: &Access) -> bool {
         self.promoted(access).is_some()
     }
@@ -404,7 +404,7 @@ impl Context<'_, '_> {
         self.scl.promoted.get(&slot).copied()
     }
 
-    /// What a read of memory gives (i1, i32 or i64) as a value of `ty`.
+    /// The result of a read of memory (i1, i32 or i64) as a value of `ty`.
     pub fn typed(&mut self, value: Value, ty: Elementary) -> Value {
         match value_type(ty) {
             Type::I1 | Type::I32 | Type::I64 => value,
@@ -413,7 +413,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// A value of `ty` as memory takes it: i1, i32 or i64.
+    /// A value of `ty` in the form for memory: i1, i32 or i64.
     pub fn untyped(&mut self, value: Value, ty: Elementary) -> Value {
         match value_type(ty) {
             Type::I1 | Type::I32 | Type::I64 => value,
@@ -458,7 +458,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// The address of a located place, and what must hold before it is used.
+    /// The address of a located place, and the conditions for its use.
     pub fn located_address(&mut self, located: &Located, direction: Direction) -> (Address, Vec<Check>) {
         let target = self.located_target(located, Width::Byte, direction);
         let (addr, _, checks) = self.in_memory(target, Width::Byte, direction);

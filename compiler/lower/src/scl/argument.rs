@@ -1,4 +1,4 @@
-//! Actual parameters of calls from SCL: evaluated first, from left to right, then handed over. Source: SCL reference, parameters.
+//! Actual parameters of calls from SCL: evaluated first, from left to right, then passed. Source: SCL reference, parameters.
 
 use plcc_ir::{Address, BinaryOp, IntCc, Type, Value};
 use plcc_model::layout;
@@ -14,18 +14,18 @@ use crate::fault::Substitute;
 use crate::place::{self, BitNumber, Target};
 use crate::pointer::{ANY_HEAD_BYTES, PointerFields, moved};
 
-/// An argument whose expressions are evaluated.
+/// An argument with evaluated expressions.
 pub struct Given<'m> {
     pub parameter: usize,
     pub supply: Supply<'m>,
-    /// Where the formal's value goes behind the call.
+    /// Where the formal's value goes after the call.
     pub back: Option<Back<'m>>,
 }
 
-/// What goes in.
+/// The input.
 pub enum Supply<'m> {
     Nothing,
-    /// Elementary, as memory takes it.
+    /// Elementary, in the form for memory.
     Value(Value),
     Complex(Source<'m>),
     /// A number of a timer, counter or block, an i32.
@@ -50,7 +50,7 @@ pub enum PointerSource<'m> {
         head: u32,
         fields: PointerFields,
     },
-    /// An ARRAY[*]: its number of elements, an i32, and how many of the type of the ANY one of them is.
+    /// An ARRAY[*]: its number of elements, an i32, and how many units of the ANY's type each of them is.
     Counted {
         type_code: u8,
         elements: Value,
@@ -64,12 +64,12 @@ pub enum PointerSource<'m> {
 /// A variable that a result goes to.
 pub struct Back<'m> {
     pub access: &'m Access,
-    /// None: the variable does not lie in memory.
+    /// None: the variable is not in memory.
     pub located: Option<Located<'m>>,
     pub conversion: Option<Conversion>,
 }
 
-/// The place of the variable that an elementary actual is, if it is known before the program runs.
+/// The place of the variable of an elementary actual, if it is known before the program runs.
 pub fn place_of(actual: &Actual) -> Option<&Place> {
     let access = match actual {
         Actual::Value(value) => match &value.kind {
@@ -174,11 +174,11 @@ impl Context<'_, '_> {
                 PointerSource::Fields { head: head(*type_code, *count), fields }
             }
             Actual::Variant(any, pointed) => PointerSource::Variant(Box::new(self.pointer_source(any)), *pointed),
-            _ => unreachable!("asked for pointers only"),
+            _ => unreachable!("only used for pointers"),
         }
     }
 
-    /// The width of the access if it is one of a whole elementary formal of this FC. The FC knows where the actual lies in
+    /// The width of the access if it is one of a whole elementary formal of this FC. The FC knows the address of the actual in
     /// memory, but has no POINTER to it.
     fn elementary_formal(&self, access: &Access) -> Option<Width> {
         match access.base {
@@ -195,7 +195,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// A pointer to a copy in this frame, which is brought back after the call.
+    /// A pointer to a copy in this frame, which is copied back after the call.
     fn pointer_to_copy(&mut self, access: &Access, width: Width) -> PointerFields {
         let ty = access.elementary().expect("an elementary formal has an elementary type");
         let value = self.read_access(access);
@@ -206,7 +206,7 @@ impl Context<'_, '_> {
         self.pointer_fields(&Place::L { byte: copy.offset, bit: 0 })
     }
 
-    /// Brings back the copies that pointers of a call pointed at: those that were made after the first `before`.
+    /// Copies back the copies that pointers of a call pointed at: those that were made after the first `before`.
     pub fn take_pointed_copies(&mut self, before: usize) {
         for (access, copy) in self.scl.pointed_copies.split_off(before) {
             let ty = access.elementary().expect("an elementary formal has an elementary type");
@@ -250,14 +250,14 @@ impl Context<'_, '_> {
                     (Pointed::Counted { ty }, PointerSource::Counted { elements, .. }) => {
                         self.store_pointed(addr, *elements, *ty);
                     }
-                    (Pointed::Counted { .. }, _) => unreachable!("the binder counts elements of ARRAY[*] only"),
+                    (Pointed::Counted { .. }, _) => unreachable!("the binder only counts elements of ARRAY[*]"),
                     (Pointed::Copied, PointerSource::Copy(located)) => {
                         let (from, checks) = self.located_address(located, place::Direction::Read);
                         let guard = self.begin_guard(checks, Substitute::None);
                         self.copy_pointed(addr, from);
                         self.end_guard(guard);
                     }
-                    (Pointed::Copied, _) => unreachable!("the binder copies pointers only"),
+                    (Pointed::Copied, _) => unreachable!("the binder only copies pointers"),
                 }
             }
         }
@@ -265,7 +265,7 @@ impl Context<'_, '_> {
 
     // Functions: references.
 
-    /// What an FC gets for a formal; see [`crate::plan::parameter_types`]. Puts into `temporaries` what is brought back behind the call.
+    /// The values that an FC gets for a formal; see [`crate::plan::parameter_types`]. Adds to `temporaries` what is copied back after the call.
     pub fn references<'m>(
         &mut self,
         parameter: &Parameter,
@@ -310,8 +310,8 @@ impl Context<'_, '_> {
         }
     }
 
-    /// What an FC gets for an elementary formal whose area pointer it loads: the reference, and that pointer. `place`: the actual is
-    /// the variable there.
+    /// The values that an FC gets for an elementary formal whose area pointer it loads: the reference and that pointer. `place`: the actual is the
+    /// variable there.
     pub fn pointed_reference<'m>(
         &mut self,
         width: Width,
@@ -320,7 +320,7 @@ impl Context<'_, '_> {
         temporaries: &mut Vec<(Back<'m>, Address)>,
     ) -> (Value, Value) {
         let (supply, back) = given.map_or((Supply::Nothing, None), |given| (given.supply, given.back));
-        // Local data of SCL may have no address at all.
+        // Local data of SCL may have no address.
         let place = place.filter(|place| has_area_pointer(place) && !matches!(place, Place::L { .. }));
         if let Some(place) = place
             && let Some(reference) = self.direct_reference(width, back.as_ref())
@@ -340,7 +340,7 @@ impl Context<'_, '_> {
         pointer
     }
 
-    /// A reference to the variable that takes the value, if it can be used as it is.
+    /// A reference to the variable that receives the value, if it can be used directly.
     fn direct_reference(&mut self, width: Width, back: Option<&Back>) -> Option<Value> {
         let Some(Back { access, located: Some(located), conversion: None }) = back else { return None };
         let fits = access.part.is_none()
@@ -415,7 +415,7 @@ impl Context<'_, '_> {
         values
     }
 
-    /// Bounds of an array that is handed over: declared ones, or those that this block was given itself.
+    /// Bounds of an array that is passed: declared bounds, or those that this block was given.
     fn bounds_of(&mut self, access: &Access, dimension: u8) -> (Value, Value) {
         match (&access.ty, &access.base) {
             (DataType::Array(array), _) => {
@@ -437,7 +437,7 @@ impl Context<'_, '_> {
 
     /// Number of elements of an ARRAY[*], an i32; none if it was not supplied.
     fn elements_of(&mut self, access: &Access) -> Value {
-        let DataType::OpenArray(array) = &access.ty else { unreachable!("asked for ARRAY[*] only") };
+        let DataType::OpenArray(array) = &access.ty else { unreachable!("only used for ARRAY[*]") };
         let mut elements = self.b.i32_const(1);
         for dimension in 0..array.dimensions {
             let (low, high) = self.bounds_of(access, dimension);
@@ -450,7 +450,7 @@ impl Context<'_, '_> {
 
     // Instances and structures of parameters: copies.
 
-    /// Writes what goes in to the formal's place behind `base`. Of a system function all complex values are copies.
+    /// Writes the input to the formal's place, relative to `base`. For a system function, all complex values are copies.
     pub fn fill(&mut self, base: Address, parameter: &Parameter, given: &Given, system: bool) {
         let addr = moved(base, parameter.byte);
         match (&given.supply, parameter.passing) {
@@ -518,7 +518,7 @@ impl Context<'_, '_> {
         self.end_guard(guard);
     }
 
-    /// Brings the formal's value from its place behind `base` to the actual.
+    /// Copies the formal's value from its place, relative to `base`, to the actual.
     pub fn take(&mut self, base: Address, parameter: &Parameter, back: &Back) {
         let addr = moved(base, parameter.byte);
         match (parameter.passing, &parameter.ty) {
@@ -541,7 +541,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Brings back what an FC left in a temporary.
+    /// Copies back the value that an FC left in a temporary.
     pub fn take_temporary(&mut self, parameter: &Parameter, back: &Back, temporary: Address) {
         let Passing::Elementary(width) = parameter.passing else { return };
         let value = self.read_target(Target::at(temporary, BitNumber::Known(0)), width);
@@ -556,7 +556,7 @@ impl Context<'_, '_> {
         let value = match back.conversion {
             Some(conversion) => self.convert(conversion, value, formal, actual),
             None => {
-                // Of one width, so the bits are the value.
+                // The widths are the same, so the bits are the value.
                 let bits = self.as_bits(value);
                 match super::value_type(actual) {
                     float @ (Type::F32 | Type::F64) => self.b.bitcast(float, bits),

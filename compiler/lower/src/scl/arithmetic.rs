@@ -1,4 +1,4 @@
-//! Operators: integers wrap, a division by 0 gives 0. Source: SCL reference, arithmetic, bit and comparison operators.
+//! Operators: integers wrap, a division by 0 yields 0. Source: SCL reference, arithmetic, bit and comparison operators.
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::image::Family;
@@ -13,7 +13,7 @@ use crate::context::Context;
 /// A day in the units of TIME_OF_DAY and of LTOD.
 const DAY_MS: i64 = 86_400_000;
 const DAY_NS: i64 = DAY_MS * 1_000_000;
-/// Least normal magnitude and infinity of REAL.
+/// Smallest normal magnitude and infinity of REAL.
 const LEAST_NORMAL: i64 = 0x0080_0000;
 const INFINITY: i64 = 0x7F80_0000;
 const LEAST_NORMAL_LONG: i64 = 0x0010_0000_0000_0000;
@@ -22,7 +22,7 @@ const INFINITY_LONG: i64 = 0x7FF0_0000_0000_0000;
 pub const NAN: i64 = 0xFFFF_FFFF;
 
 impl Context<'_, '_> {
-    /// `a op b`; `right` is the type of `b` where it is another one (shift counts, milliseconds).
+    /// `a op b`; `right` is the type of `b` if it differs (shift counts, milliseconds).
     pub fn binary(&mut self, op: BinaryOp, a: Value, b: Value, ty: Elementary, right: Elementary) -> Value {
         match op {
             BinaryOp::And => self.b.and(a, b),
@@ -49,7 +49,7 @@ impl Context<'_, '_> {
             BinaryOp::ShiftLeft | BinaryOp::ShiftRight => self.shift_by(op, a, b, ty, right),
             BinaryOp::RotateLeft | BinaryOp::RotateRight => {
                 let op = if op == BinaryOp::RotateLeft { Ir::Rotl } else { Ir::Rotr };
-                // The IR takes the count modulo the width, which is a power of two: low bits are enough.
+                // The IR takes the count modulo the width, which is a power of two: the low bits are enough.
                 let count = self.count_as(b, value_type(ty));
                 self.b.binary(op, a, count)
             }
@@ -78,7 +78,7 @@ impl Context<'_, '_> {
         value
     }
 
-    /// True if the CPU has no denormal numbers of this type: an S7-1200 makes them 0 without an error.
+    /// True if the CPU has no denormal numbers of this type: an S7-1200 turns them into 0 without an error.
     /// Source: S7-1200 reference, math; see decision 46.
     fn flushes(&self, ty: Type) -> bool {
         ty == Type::F32 && self.plan.program.profile.family == Family::S71200
@@ -94,7 +94,7 @@ impl Context<'_, '_> {
         self.b.select(small, zero, result)
     }
 
-    /// As `float_result` for what cannot underflow to 0.
+    /// Like `float_result`, for results that cannot underflow to 0.
     pub fn checked_float(&mut self, result: Value) -> Value {
         let ty = self.b.ty(result);
         let result = if self.flushes(ty) { self.flushed(result) } else { result };
@@ -148,7 +148,7 @@ impl Context<'_, '_> {
         result
     }
 
-    /// i1: the exact result, computed in 64 bits, is another one.
+    /// i1: the exact result, computed in 64 bits, is different.
     fn overflow_narrow(&mut self, op: Ir, a: Value, b: Value, result: Value, ty: Elementary) -> Value {
         let widen = |context: &mut Self, value| match ty.is_signed() {
             true => context.b.sext(Type::I64, value),
@@ -174,7 +174,7 @@ impl Context<'_, '_> {
             }
             (Ir::Iadd, false) => self.b.icmp(IntCc::Ult, result, a),
             (Ir::Isub, false) => self.b.icmp(IntCc::Ult, a, b),
-            // The product divided by a factor is the other factor; 0 is always right, and -1 only wrong for the least number.
+            // The product divided by a factor is the other factor; 0 is always right, and -1 only wrong for the smallest number.
             (_, signed) => {
                 let zero = self.b.icmp_imm(IntCc::Eq, a, 0);
                 let minus = if signed { self.b.icmp_imm(IntCc::Eq, a, -1) } else { self.b.bool_const(false) };
@@ -201,7 +201,7 @@ impl Context<'_, '_> {
         (self.b.select(special, one, b), zero, minus)
     }
 
-    /// Towards zero; by 0: 0; the least number by -1: itself.
+    /// Towards zero; by 0: 0; the smallest number by -1: itself.
     fn divide(&mut self, a: Value, b: Value, ty: Elementary) -> Value {
         let (divisor, by_zero, by_minus) = self.divisor(b, ty);
         let op = if ty.is_signed() { Ir::Sdiv } else { Ir::Udiv };
@@ -237,7 +237,7 @@ impl Context<'_, '_> {
         if have < want { self.b.zext(ty, count) } else { self.narrowed(count, ty) }
     }
 
-    /// From the width on zeros are left, or copies of the sign. A negative count is taken modulo 256.
+    /// A count of at least the width leaves zeros, or copies of the sign. A negative count is taken modulo 256.
     fn shift_by(&mut self, op: BinaryOp, a: Value, count: Value, ty: Elementary, count_ty: Elementary) -> Value {
         let signed = op == BinaryOp::ShiftRight && ty.is_signed();
         let count = match self.b.ty(count) {
@@ -317,7 +317,7 @@ impl Context<'_, '_> {
         self.b.icmp(cc, a, b)
     }
 
-    /// False beside a NaN, `<>` too.
+    /// False with a NaN, even `<>`.
     fn compare_float(&mut self, op: CompareOp, a: Value, b: Value) -> Value {
         let cc = match op {
             CompareOp::Equal => FloatCc::Eq,

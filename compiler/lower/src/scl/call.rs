@@ -18,11 +18,11 @@ use crate::place::{self, BitNumber, Target};
 pub struct Returned {
     /// Of an elementary type.
     pub value: Option<Value>,
-    /// Where a complex one lies in the frame.
+    /// Where a complex result is in the frame.
     pub place: Option<Address>,
 }
 
-/// Instance memory of a call: where it lies, and the registers that name it.
+/// Instance memory of a call: its address, and the registers that contain it.
 struct InstanceAt {
     addr: Address,
     checks: Vec<Check>,
@@ -33,7 +33,7 @@ struct InstanceAt {
 impl Context<'_, '_> {
     pub fn scl_call(&mut self, call: &Call) -> Returned {
         let plan = self.plan;
-        let (callee, function) = plan.block(call.target).expect("the binder lets calls of known blocks through only");
+        let (callee, function) = plan.block(call.target).expect("the binder only passes calls of known blocks");
         let result = result(callee);
         let result = result.filter(|&(index, _)| !supplies(call, index));
         let room = result.map(|(_, parameter)| self.result_room(&parameter.ty));
@@ -94,14 +94,14 @@ impl Context<'_, '_> {
             && matches!(parameter.ty, DataType::String(_))
             && supplies(call, index)
         {
-            // A text that is cut clears the bit, also where other calls leave it alone.
+            // A truncated text clears the bit, even if other calls do not change it.
             let failed = self.b.not(br);
             self.fail_if(failed);
         }
         returned
     }
 
-    /// ENO of a callee, or of one that was skipped.
+    /// ENO of a callee, or of a skipped callee.
     fn note_eno(&mut self, call: &Call, eno: Value) {
         let last = self.last_eno();
         self.b.def_var(last, eno);
@@ -173,7 +173,7 @@ impl Context<'_, '_> {
         self.returned(callee, room)
     }
 
-    /// What an FC gets for its result.
+    /// The values that an FC gets for its result.
     fn result_reference(&mut self, parameter: &Parameter, room: Address) -> Vec<Value> {
         match &parameter.ty {
             DataType::Elementary(ty) => {
@@ -223,7 +223,7 @@ impl Context<'_, '_> {
         self.end_guard(guard);
     }
 
-    /// In the order of the declaration.
+    /// In order of declaration.
     fn take_back(&mut self, base: Address, callee: &CodeBlock, given: &[Given]) {
         for (index, parameter) in callee.interface.parameters.iter().enumerate() {
             let back = given.iter().find(|given| given.parameter == index).and_then(|given| given.back.as_ref());
@@ -282,7 +282,7 @@ impl Context<'_, '_> {
     }
 }
 
-/// True if the call says where parameter `index` lies.
+/// True if the call determines where parameter `index` is.
 fn supplies(call: &Call, index: usize) -> bool {
     call.arguments.iter().any(|argument| argument.parameter == index)
 }

@@ -1,4 +1,4 @@
-//! Timer and counter functions: they are what the STL instructions of the same names are. Source: SCL reference, timers and counters.
+//! Timer and counter functions: they do the same as the STL instructions of the same names. Source: SCL reference, timers and counters.
 
 use plcc_abi::RuntimeFn;
 use plcc_ir::{Type, Value};
@@ -9,7 +9,7 @@ use plcc_syntax::stl::StlInsn;
 use crate::context::Context;
 
 impl Context<'_, '_> {
-    /// `S_ODT` and its kin: the start with its edge, the reset, then what is read: an S5TIME.
+    /// `S_ODT` and other timers: the start with its edge, the reset, then the time that is read, an S5TIME.
     pub fn timer_function(&mut self, call: &TimerCall) -> Value {
         let operand = Operand::Cell { kind: CellKind::Timer, number: call.timer.clone() };
         let start = call.start.as_ref().map(|start| self.value(start));

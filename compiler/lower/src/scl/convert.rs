@@ -9,7 +9,7 @@ use super::value_type;
 use crate::context::Context;
 use crate::fault::Substitute;
 
-/// Nanoseconds of a millisecond.
+/// Nanoseconds in a millisecond.
 const MS: i64 = 1_000_000;
 /// Longest S5TIME, and the longest of each finer time base, in milliseconds.
 const S5_MAX: i64 = 9_990_000;
@@ -152,7 +152,7 @@ impl Context<'_, '_> {
 
     // Patterns.
 
-    /// The bit falls where `result`, the bits of `value` in another width, is another number. A bit string that becomes a signed
+    /// Clears the bit if `result`, the bits of `value` in another width, is a different number. A bit string converted to a signed
     /// integer is read as signed: 16#FFFF_8000 fits an INT, 16#0000_8000 does not.
     fn check_bits(&mut self, value: Value, result: Value, from: Elementary, to: Elementary) {
         let before = match (from.class(), to.is_signed(), self.b.ty(value)) {
@@ -178,7 +178,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// The bits as an i64: sign-extended from a signed integer or TIME, else zero-extended.
+    /// The bits as an i64: sign-extended from a signed integer or TIME, otherwise zero-extended.
     pub fn wide(&mut self, value: Value, ty: Elementary) -> Value {
         let bits = self.as_bits(value);
         match (self.b.ty(bits), ty.is_signed()) {
@@ -188,7 +188,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// The bits, extended by the source's sign or cut, as a value of `to`.
+    /// The bits, extended by the source's sign or truncated, as a value of `to`.
     fn resized(&mut self, value: Value, from: Elementary, to: Elementary) -> Value {
         let bits = self.as_bits(value);
         let target = match value_type(to) {
@@ -277,7 +277,7 @@ impl Context<'_, '_> {
         self.b.binary(BinaryOp::Imul, number, factor)
     }
 
-    /// With the finest base that holds the time, the rest cut off. A negative time gives 0, one that is too long the longest.
+    /// With the finest base that fits the time, truncated. A negative time yields 0, one that is too long the longest.
     fn s5time_of(&mut self, value: Value) -> Value {
         let negative = self.b.icmp_imm(IntCc::Slt, value, 0);
         let too_long = self.b.icmp_imm(IntCc::Sgt, value, S5_MAX);

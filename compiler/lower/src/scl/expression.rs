@@ -81,7 +81,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// The least number has no counterpart; of unsigned ones only 0 has one.
+    /// The smallest number has no counterpart; among unsigned numbers only 0 has one.
     fn fail_if_least(&mut self, value: Value, ty: Elementary) {
         if !self.wants_flag() {
             return;
@@ -98,7 +98,7 @@ impl Context<'_, '_> {
     fn array_bound(&mut self, parameter: usize, dimension: &Expr, upper: bool) -> Value {
         let number = self.value(dimension);
         let plcc_model::Passing::OpenArray { dimensions } = self.passing(parameter) else {
-            unreachable!("the binder asks for bounds of ARRAY[*] only")
+            unreachable!("the binder only uses bounds of ARRAY[*]")
         };
         let mut result = self.b.i32_const(0);
         let mut known = self.b.bool_const(false);
@@ -118,13 +118,13 @@ impl Context<'_, '_> {
         if self.b.ty(value) == ty { value } else { self.b.trunc(ty, value) }
     }
 
-    /// The value with `bits` as all of its bits, masked where a shift goes on.
+    /// The value with `bits` as all of its bits, masked if a shift continues.
     pub fn masked(&mut self, value: Value, mask: i64) -> Value {
         self.b.binary_imm(BinaryOp::And, value, mask)
     }
 }
 
-/// The least value of a signed type.
+/// The smallest value of a signed type.
 pub const fn least(ty: Elementary) -> i64 {
     i64::MIN >> (64 - ty.bits())
 }

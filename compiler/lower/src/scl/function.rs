@@ -70,7 +70,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Between two limits; the wrong way round they are an error, and the value stays.
+    /// Between two limits; limits in the wrong order are an error, and the value stays.
     fn limit(&mut self, low: Value, value: Value, high: Value, ty: Elementary) -> Value {
         let wrong = self.compare(CompareOp::Greater, low, high, ty);
         self.fail_if(wrong);
@@ -82,7 +82,7 @@ impl Context<'_, '_> {
         if !ty.is_float() {
             return result;
         }
-        // One input that is no number makes the result none; an infinite one that is limited does no harm.
+        // If one input is not a number, neither is the result; an infinite input that is limited does no harm.
         let limits = self.b.fcmp(FloatCc::Uno, low, high);
         let input = self.b.fcmp(FloatCc::Uno, value, value);
         let nan = self.b.or(limits, input);
@@ -131,7 +131,7 @@ impl Context<'_, '_> {
         let wrong = self.compare(CompareOp::LessEqual, high, low, result);
         self.fail_if(wrong);
         let float = if self.b.ty(value) == Type::F64 { Elementary::Lreal } else { Elementary::Real };
-        // Limits of wide integers keep their digits in LREAL only.
+        // Limits of wide integers only keep their digits in LREAL.
         let inner = if result == Elementary::Real && float == result { result } else { Elementary::Lreal };
         let of_inner = |context: &mut Self, x, ty: Elementary| {
             if ty == inner { x } else { context.convert(Conversion::Value(Overflow::LowBits), x, ty, inner) }
@@ -165,7 +165,7 @@ impl Context<'_, '_> {
         self.b.trunc(Type::I16, number)
     }
 
-    /// Adds neighbouring bits, then pairs, then nibbles, then bytes.
+    /// Adds adjacent bits, then pairs, then nibbles, then bytes.
     fn bit_sum(&mut self, x: Value) -> Value {
         let mut sum = if self.b.ty(x) == Type::I64 { x } else { self.b.zext(Type::I64, x) };
         for (shift, mask) in [(1, 0x5555_5555_5555_5555), (2, 0x3333_3333_3333_3333), (4, 0x0F0F_0F0F_0F0F_0F0F)] {

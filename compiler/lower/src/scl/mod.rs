@@ -1,7 +1,7 @@
 //! Statements of SCL: the typed tree to SSA IR. Source: SCL reference.
 //!
 //! - `statement`: control flow and assignments; `expression`, `arithmetic`, `convert`, `function`: values.
-//! - `access`: variables; `promote`: those that live in SSA values; `walk`: walks over the tree.
+//! - `access`: variables; `promote`: those in SSA values; `walk`: walks over the tree.
 //! - `call`, `argument`: calls of blocks; `text`: STRING and WSTRING; `cell`: timers and counters.
 
 mod access;
@@ -34,7 +34,7 @@ pub use self::call::result;
 use self::promote::Slot;
 pub use self::text::result_bytes;
 
-/// What lowering SCL keeps of its block.
+/// Data about the block while SCL is lowered.
 #[derive(Default)]
 pub struct SclState {
     pub promoted: FxHashMap<Slot, Var>,
@@ -44,7 +44,7 @@ pub struct SclState {
     sets_flag: bool,
     calls_set_flag: bool,
     loops: Vec<Loop>,
-    /// Elementary formals to which pointers are handed on, and the copies in the frame at which these point.
+    /// Elementary formals whose pointers are passed on, and the copies in the frame that these point at.
     pointed_copies: Vec<(Access, Address)>,
     /// The promoted result, written when the block ends.
     result: Option<(usize, Elementary, Var)>,
@@ -109,7 +109,7 @@ impl Context<'_, '_> {
         self.copy_inputs();
     }
 
-    /// Elementary inputs of an FC are its own: those that do not live in SSA values get a place in the frame.
+    /// Elementary inputs of an FC are its own: those not in SSA values get an address in the frame.
     fn copy_inputs(&mut self) {
         let block = self.block;
         if self.parameters.is_empty() {
@@ -142,7 +142,7 @@ impl Context<'_, '_> {
 
     /// The value that a variable of `ty` has before it is written.
     pub fn zero(&mut self, ty: Elementary) -> Value {
-        // All bits 0 are 0.0 as well.
+        // All bits 0 also means 0.0.
         self.b.iconst(value_type(ty), 0)
     }
 
@@ -154,7 +154,7 @@ impl Context<'_, '_> {
         self.scl.last_eno.expect("blocks in SCL have the bit")
     }
 
-    /// Clears OK/ENO if `failed`, an i1, where operations do so.
+    /// Clears OK/ENO if `failed`, an i1, if operations do so.
     pub fn fail_if(&mut self, failed: Value) {
         if !self.scl.sets_flag {
             return;
@@ -166,7 +166,7 @@ impl Context<'_, '_> {
         self.b.def_var(flag, after);
     }
 
-    /// Whether anything looks at what [`Context::fail_if`] does.
+    /// Whether anything uses the effect of [`Context::fail_if`].
     pub fn wants_flag(&self) -> bool {
         self.scl.sets_flag
     }
@@ -191,7 +191,7 @@ impl Context<'_, '_> {
         self.finish()
     }
 
-    /// Code that is built behind a jump belongs to a block that nothing reaches.
+    /// Code that is built after a jump belongs to a block that is never reached.
     fn reachable(&mut self) {
         if !self.b.is_reachable() {
             let nowhere = self.b.create_block();
@@ -214,7 +214,7 @@ pub fn value_type(ty: Elementary) -> Type {
     }
 }
 
-/// Jumps to each label that has any, in the order of the first ones.
+/// Jumps to each label that has any, in order of the first jumps.
 fn count_jumps(body: &Body) -> Vec<(LabelId, u32)> {
     #[derive(Default)]
     struct Jumps {

@@ -1,8 +1,8 @@
-//! Variables that live in SSA values instead of memory: elementary TEMPs, inputs and the result of an FC that nothing can reach but
-//! the reads and writes of their own names.
+//! Variables in SSA values instead of memory: elementary TEMPs, inputs and the result of an FC that are only reached by
+//! reads and writes of their own names.
 //!
-//! Values that many statements lie between cost the register allocator time for each of them, and a parameter for each path where
-//! paths meet. So a block with thousands of variables that it uses all over keeps those in memory that span most of it.
+//! Values that span many statements cost the register allocator time for each statement, and a parameter for each path where
+//! paths meet. So a block with thousands of variables that it uses everywhere keeps the ones in memory that span most of it.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use super::walk::{self, Role, Visitor};
 
 /// Statements that all promoted variables of a block may span together: some tenths of a second of register allocation.
 const SPANS_MAX: u64 = 1_000_000;
-/// What a path counts that meets others, in statements.
+/// The cost of a path that meets others, in statements.
 const PATH_WEIGHT: u64 = 20;
 
 /// A variable that may be promoted.
@@ -52,7 +52,7 @@ pub fn promotable(block: &CodeBlock, statements: &[Statement]) -> Vec<(Slot, Ele
     seen.keep_short(slots)
 }
 
-/// The slot of an access, if it is one of a whole elementary variable. A slice counts as the variable that it is a part of.
+/// The slot of an access, if it is one of a whole elementary variable. A slice counts as the variable that it is part of.
 pub fn slot(access: &Access) -> Option<(Slot, Elementary)> {
     let DataType::Elementary(ty) = access.ty else { return None };
     if !access.indices.is_empty() {
@@ -83,7 +83,7 @@ struct Seen {
 
 impl Seen {
     fn locals(&self, block: &CodeBlock) -> Vec<(Slot, Elementary)> {
-        // What the runtime writes at the start of an OB.
+        // Data that the runtime writes at the start of an OB.
         let first = 8 * block.interface.start_bytes;
         let mut overlapped: FxHashSet<u32> = FxHashSet::default();
         let extents: FxHashMap<u32, u32> =
@@ -114,7 +114,7 @@ impl Seen {
             .collect()
     }
 
-    /// Those variables that span the fewest statements, as far as all together span no more than [`SPANS_MAX`].
+    /// The variables that span the fewest statements, as many as together span at most [`SPANS_MAX`].
     fn keep_short(&self, slots: Vec<(Slot, Elementary)>) -> Vec<(Slot, Elementary)> {
         let span = |slot: &Slot| self.spans.get(slot).map_or(0, |(first, last)| last - first);
         if slots.iter().map(|(slot, _)| span(slot)).sum::<u64>() <= SPANS_MAX {
@@ -149,7 +149,7 @@ impl Seen {
 }
 
 impl Visitor for Seen {
-    /// STL reaches local data and parameters by address, also by one that it computes.
+    /// STL reaches local data and parameters by address, even a computed one.
     fn statement(&mut self, statement: &Statement) {
         self.position += match statement.kind {
             StatementKind::Exit | StatementKind::Continue | StatementKind::Goto(_) => PATH_WEIGHT,
@@ -161,7 +161,7 @@ impl Visitor for Seen {
     }
 
     fn paths_meet(&mut self, paths: usize) {
-        // Two paths make at most a parameter.
+        // Two paths need at most a parameter.
         self.position += 1 + PATH_WEIGHT * (paths as u64 - 2);
     }
 
@@ -183,7 +183,7 @@ impl Visitor for Seen {
             }
             _ => {
                 if let Base::Place(place) = &access.base {
-                    // From where the access begins; what an index reaches lies behind, inside of the variable.
+                    // From where the access begins; indices reach further, inside the variable.
                     let bits = if access.indices.is_empty() {
                         8 * layout::bytes(&access.ty)
                     } else {

@@ -11,9 +11,9 @@ use crate::context::Context;
 use crate::fault::Substitute;
 use crate::place::Direction;
 
-/// Values of CASE from which on a table may pay.
+/// Number of CASE values from which a table may pay off.
 const TABLE_MIN: usize = 4;
-/// Largest distance of the lowest and the highest value of a table, for each value that it has.
+/// Limit of the distance between the lowest and the highest value of a table, per value.
 const TABLE_SPREAD: i128 = 8;
 /// Largest table.
 const TABLE_MAX: i128 = 4096;
@@ -82,7 +82,7 @@ impl Context<'_, '_> {
     }
 
     fn innermost_loop(&self) -> Loop {
-        *self.scl.loops.last().expect("the binder lets EXIT and CONTINUE through in loops only")
+        *self.scl.loops.last().expect("the binder only passes EXIT and CONTINUE in loops")
     }
 
     /// Indices of the target, then the value, then the store.
@@ -120,7 +120,7 @@ impl Context<'_, '_> {
                 self.b.copy(to, from, bytes);
                 self.end_guard(guard);
             }
-            Complex::Character(_) => unreachable!("the binder makes texts of characters only"),
+            Complex::Character(_) => unreachable!("the binder only makes texts of characters"),
         }
     }
 
@@ -134,7 +134,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// What is built from now on belongs to what stands at `span`.
+    /// Code built from now on belongs to the position `span`.
     fn place_statement(&mut self, span: plcc_diag::Span) {
         let network = match &self.block.body {
             plcc_model::Body::Scl(body) => body.network_at(span.start),
@@ -179,7 +179,7 @@ impl Context<'_, '_> {
         self.b.switch_to(end);
     }
 
-    /// A jump table, if the values lie close together.
+    /// A jump table, if the values are close together.
     fn case_table(&mut self, value: Value, ty: Elementary, ranges: &[Range], blocks: &[Block], default: Block) -> bool {
         let (Some(first), Some(last)) = (ranges.first(), ranges.last()) else { return false };
         let count: i128 = ranges.iter().map(|(low, high, _)| (high - low + 1).min(TABLE_MAX)).sum();
@@ -190,7 +190,7 @@ impl Context<'_, '_> {
         let wide = if ty.bits() == 64 { value } else { self.as_i32(value, ty) };
         let from_low = self.b.binary_imm(BinaryOp::Isub, wide, first.0 as i64);
         let number = if ty.bits() == 64 {
-            // What is beyond the table must not come back into it when it is cut to 32 bits.
+            // A value beyond the table must not get back into it when truncated to 32 bits.
             let inside = self.b.icmp_imm(IntCc::Ult, from_low, spread as i64);
             let low = self.b.trunc(Type::I32, from_low);
             let outside = self.b.i32_const(u32::MAX);
@@ -332,7 +332,7 @@ impl Context<'_, '_> {
 
 /// The ranges of all arms in order of value, without overlaps: a value belongs to the first arm that names it.
 fn disjoint(arms: &[Arm]) -> Vec<Range> {
-    // By their low ends.
+    // Sorted by their low ends.
     let mut taken: BTreeMap<i128, (i128, usize)> = BTreeMap::new();
     for (arm, content) in arms.iter().enumerate() {
         for &(low, high) in content.ranges.iter().filter(|(low, high)| low <= high) {

@@ -11,7 +11,7 @@ use crate::context::Context;
 use crate::fault::Substitute;
 use crate::place::Direction;
 
-/// A limit that says: the maximum in the text's own head.
+/// A limit that means the maximum in the text's own header.
 const OWN_MAXIMUM: u32 = u32::MAX;
 /// Longest text without a declared length.
 const TEXT_MAX: u32 = 254;
@@ -19,9 +19,9 @@ const TEXT_MAX: u32 = 254;
 /// Kind of a text.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Text {
-    /// Two bytes of head, characters of a byte.
+    /// Two bytes of header, characters of one byte.
     Narrow,
-    /// Two words of head, characters of a word.
+    /// Two words of header, characters of one word.
     Wide,
 }
 
@@ -66,7 +66,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Room in the frame for a result of type `ty`: 0, a text empty.
+    /// Room in the frame for a result of type `ty`: 0, or an empty text.
     pub fn result_room(&mut self, ty: &DataType) -> Address {
         let bytes = result_bytes(ty);
         let addr = self.temporary(bytes);
@@ -85,7 +85,7 @@ impl Context<'_, '_> {
         self.store_text(&located, limit, kind, value);
     }
 
-    /// Brings a text to a located place.
+    /// Copies a text to a located place.
     pub fn store_text(&mut self, to: &Located, limit: u32, kind: Text, value: &Complex) {
         let (from, mut checks) = match value {
             Complex::Variable(access) => {
@@ -101,7 +101,7 @@ impl Context<'_, '_> {
         self.end_guard(guard);
     }
 
-    /// Copies characters; what does not fit is cut, which clears the bit.
+    /// Copies characters; characters that do not fit are dropped, which clears the bit.
     pub fn copy_text(&mut self, to: Address, from: Address, limit: u32, kind: Text) {
         let (to, from) = (self.b.address_of(to), self.b.address_of(from));
         let limit = self.b.i32_const(limit);
@@ -111,10 +111,10 @@ impl Context<'_, '_> {
         self.fail_if(cut);
     }
 
-    /// A constant, a result or a character: where it lies in the frame.
+    /// A constant, a result or a character: its address in the frame.
     pub fn complex_value(&mut self, value: &Complex) -> Address {
         match value {
-            Complex::Variable(_) => unreachable!("variables are located by whoever reads them"),
+            Complex::Variable(_) => unreachable!("whoever reads variables locates them"),
             Complex::Const(bytes) => {
                 let addr = self.temporary(bytes.len() as u32);
                 self.store_bytes(addr, bytes);
@@ -137,14 +137,14 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Where the complex result of a call lies.
+    /// The address of the complex result of a call.
     pub fn complex_result(&mut self, value: &Complex) -> Address {
-        let Complex::Call(call) = value else { unreachable!("asked for calls only") };
-        self.scl_call(call).place.expect("the binder takes complex values of functions that have one")
+        let Complex::Call(call) = value else { unreachable!("only used for calls") };
+        self.scl_call(call).place.expect("the binder only accepts complex values of functions that have one")
     }
 }
 
-/// Largest length that a text may get. A formal parameter's is that of its actual.
+/// Maximum length of a text. For a formal parameter it is that of its actual.
 pub fn text_limit(target: &Access) -> u32 {
     match (&target.base, &target.ty) {
         (Base::Place(Place::Parameter { .. } | Place::ThroughPointer { .. }), _) if target.indices.is_empty() => {

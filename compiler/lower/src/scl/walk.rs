@@ -16,22 +16,22 @@ pub enum Role {
     Memory,
 }
 
-/// What a walk tells of.
+/// What a walk reports.
 pub trait Visitor {
-    /// An access; its indices are walked on their own.
+    /// An access; its indices are walked separately.
     fn access(&mut self, _access: &Access, _role: Role) {}
-    /// A place that is no access: a number in memory.
+    /// A place that is not an access: a number in memory.
     fn place(&mut self, _place: &Place) {}
     /// A call, after what its arguments contain.
     fn call(&mut self, _call: &Call) {}
     /// A complex value that needs room in the frame.
     fn complex(&mut self, _complex: &Complex) {}
     fn assert(&mut self, _assert: &Assert) {}
-    /// Before each statement, those inside of others too.
+    /// Before each statement, including those inside others.
     fn statement(&mut self, _statement: &Statement) {}
-    /// Behind what belongs to the statement itself, before those inside of it.
+    /// After the parts of the statement itself, before the statements inside it.
     fn own_part_done(&mut self) {}
-    /// So many paths meet: behind IF and CASE.
+    /// This many paths meet: after IF and CASE.
     fn paths_meet(&mut self, _paths: usize) {}
 }
 
@@ -168,7 +168,7 @@ fn call(value: &Call, visitor: &mut dyn Visitor) {
     for argument in &value.arguments {
         match argument.actual.pointer() {
             Actual::Value(value) | Actual::PointerToValue { value, .. } => expr(value, visitor),
-            // An FB gets and gives copies.
+            // An FB receives and returns copies.
             Actual::Variable { access: variable, .. } if value.instance.is_some() => {
                 access(variable, Role::Value, visitor);
             }

@@ -6,7 +6,7 @@ use plcc_model::Operand;
 use crate::context::Context;
 
 impl Context<'_, '_> {
-    /// Constant of an instruction that takes one.
+    /// Constant of an instruction that has one.
     pub fn constant(operand: &Operand) -> Option<(u32, bool)> {
         match operand {
             Operand::Const { value, wide } => Some((*value, *wide)),
@@ -25,7 +25,7 @@ impl Context<'_, '_> {
         self.set(b, value_a);
     }
 
-    /// Copies accumulators: each `(to, from)` with the values from before, 0-based.
+    /// Copies accumulators: each `(to, from)` with the previous values, from 0.
     fn move_accumulators(&mut self, moves: &[(usize, usize)]) {
         let values: Vec<Value> = moves.iter().map(|&(_, from)| self.b.use_var(self.regs.accu[from])).collect();
         for (&(to, _), value) in moves.iter().zip(values) {
@@ -33,7 +33,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// A value comes into ACCU1; the old ACCU1 goes to ACCU2. `L` does so with 4 accumulators too.
+    /// A value is loaded into ACCU1; the old ACCU1 goes to ACCU2. `L` does this even with 4 accumulators.
     pub fn load_accu1(&mut self, value: Value) {
         let old = self.accu1();
         self.set(self.regs.accu[1], old);

@@ -8,7 +8,7 @@ use crate::context::Context;
 
 /// Every NaN that an instruction produces has this pattern.
 pub const NAN: u32 = 0xFFFF_FFFF;
-/// Bits of a REAL without its sign: infinity, the least normal number.
+/// Bits of a REAL without its sign: infinity, the smallest normal number.
 const INFINITY: i64 = 0x7F80_0000;
 const LEAST_NORMAL: i64 = 0x0080_0000;
 
@@ -101,7 +101,7 @@ impl Context<'_, '_> {
     /// `/D`: the quotient.
     pub fn div_dint(&mut self) {
         let (a, b) = (self.accu2(), self.accu1());
-        // In 64 bits, so that the least number divided by -1 is representable.
+        // In 64 bits, so the smallest number divided by -1 is representable.
         let (a, b) = (self.b.sext(Type::I64, a), self.b.sext(Type::I64, b));
         let (zero, divisor) = self.guard_divisor(b);
         let quotient = self.b.binary(BinaryOp::Sdiv, a, divisor);
@@ -122,14 +122,14 @@ impl Context<'_, '_> {
         self.set_quotient(zero, low, remainder, never);
     }
 
-    /// Whether `divisor` is 0, and a divisor that can be used: 1 instead of 0.
+    /// Whether `divisor` is 0, and a usable divisor: 1 instead of 0.
     fn guard_divisor(&mut self, divisor: Value) -> (Value, Value) {
         let zero = self.b.icmp_imm(IntCc::Eq, divisor, 0);
         let one = self.b.iconst(self.b.ty(divisor), 1);
         (zero, self.b.select(zero, one, divisor))
     }
 
-    /// Result of a division: `result` into ACCU1, CC by `sign_of`; a divisor of 0 gives 0, CC 11 and OV.
+    /// Result of a division: `result` into ACCU1, CC by `sign_of`; a divisor of 0 yields 0, CC 11 and OV.
     fn set_quotient(&mut self, zero: Value, result: Value, sign_of: Value, too_large: Value) {
         let nothing = self.b.i32_const(0);
         let accu1 = self.b.select(zero, nothing, result);
@@ -187,7 +187,7 @@ impl Context<'_, '_> {
     pub fn real_function(&mut self, function: RuntimeFn) {
         let x = self.accu1_real();
         let result = self.b.call_pure(function, &[x]);
-        // Of the functions only EXP comes so near to 0; the others are 0 where their argument is, or LN and ACOS of 1.
+        // Of the functions, only EXP gets this close to 0; the others are 0 if their argument is, or LN and ACOS of 1.
         let inexact_zero = match function {
             RuntimeFn::Exp => self.is_not(x, f32::NEG_INFINITY),
             _ => self.b.bool_const(false),
@@ -201,7 +201,7 @@ impl Context<'_, '_> {
         self.b.fcmp(FloatCc::Ne, x, value)
     }
 
-    /// `ABS`, `NEGR`: the sign alone, NaN included; no status.
+    /// `ABS`, `NEGR`: only the sign, even of NaN; no status.
     pub fn real_sign(&mut self, clear: bool) {
         let accu1 = self.accu1();
         let value = if clear {
@@ -213,7 +213,7 @@ impl Context<'_, '_> {
     }
 
     /// A REAL result into ACCU1 with its status bits. Infinities, NaN, denormal numbers, and a zero where `inexact_zero` (an i1)
-    /// says that the true result is another, set OV; a denormal number counts as 0 for CC1 and CC0.
+    /// shows that the true result differs, set OV; a denormal number counts as 0 for CC1 and CC0.
     fn set_real(&mut self, result: Value, inexact_zero: Value) {
         let nan = self.b.fcmp(FloatCc::Uno, result, result);
         let bits = self.b.bitcast(Type::I32, result);
@@ -227,7 +227,7 @@ impl Context<'_, '_> {
         let (above, below) = (self.b.or(positive, nan), self.b.or(negative, nan));
         let (cc1, cc0) = (self.b.and(counts, above), self.b.and(counts, below));
         self.set_conditions(cc1, cc0);
-        // Not 0, and not from the least normal number up to below infinity.
+        // Not 0, and not between the smallest normal number and infinity.
         let not_zero = self.b.icmp_imm(IntCc::Ne, magnitude, 0);
         let above_least = self.b.binary_imm(BinaryOp::Isub, magnitude, LEAST_NORMAL);
         let not_normal = self.b.icmp_imm(IntCc::Uge, above_least, INFINITY - LEAST_NORMAL);

@@ -1,4 +1,4 @@
-//! Assertion pragmas: they look at the CPU state without touching it.
+//! Assertion pragmas: they read the CPU state without changing it.
 
 use plcc_abi::RuntimeFn;
 use plcc_diag::Span;
@@ -28,7 +28,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// What code brings for a side.
+    /// The value that code supplies for a side.
     fn compared(&mut self, side: &Compared<AssertSide>, checks: &mut Vec<Check>) -> Option<Value> {
         match &side.value {
             ComparedValue::Constant(_) => None,
@@ -43,7 +43,7 @@ impl Context<'_, '_> {
         checks.extend(target.checks);
         match target.kind {
             TargetKind::Memory { addr, .. } | TargetKind::Either { addr, .. } => self.b.address_of(addr),
-            TargetKind::Peripheral { .. } => unreachable!("the binder lets places in memory through only"),
+            TargetKind::Peripheral { .. } => unreachable!("the binder only passes places in memory"),
         }
     }
 
@@ -63,7 +63,7 @@ impl Context<'_, '_> {
                 self.b.zext(Type::I32, bit)
             }
             AssertSide::Operand(operand) => self.load_value(operand),
-            AssertSide::Memory(_) => unreachable!("its place was asked for"),
+            AssertSide::Memory(_) => unreachable!("its place is used instead"),
             AssertSide::Register(register) => self.assert_register(*register),
         }
     }

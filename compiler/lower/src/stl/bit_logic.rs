@@ -26,7 +26,7 @@ impl Context<'_, '_> {
         self.set_bit(self.regs.fc, true);
     }
 
-    /// Combines `value` with what `rlo`, `fc`, `or_` say of the logic string so far; sets RLO and OR.
+    /// Combines `value` with the logic string so far, in `rlo`, `fc`, `or_`; sets RLO and OR.
     fn combine_value(&mut self, how: Combine, value: Value, rlo: Value, fc: Value, or_: Value) {
         match how {
             Combine::And => {
@@ -51,7 +51,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// `O` without operand: the AND groups before and behind it are ORed.
+    /// `O` without operand: the AND groups before and after it are ORed.
     pub fn or_of_ands(&mut self) {
         let (rlo, fc, or_) = (self.rlo(), self.get(self.regs.fc), self.get(self.regs.or_));
         let any = self.b.or(rlo, or_);
@@ -76,7 +76,7 @@ impl Context<'_, '_> {
             | Operand::Special(_)
             | Operand::Register(_)
             | Operand::Label(_)
-            | Operand::ParameterPointer { .. } => unreachable!("the binder lets bit operands through only"),
+            | Operand::ParameterPointer { .. } => unreachable!("the binder only passes bit operands"),
         }
     }
 
@@ -106,7 +106,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// `A(` and the like.
+    /// `A(` and other instructions with a parenthesis.
     pub fn open_nesting(&mut self, insn: StlInsn) {
         let nesting = self.new_nesting(insn);
         let pairs = [
@@ -145,7 +145,7 @@ impl Context<'_, '_> {
         self.set_bit(self.regs.fc, true);
     }
 
-    /// Parentheses in code that cannot be reached: only their number counts.
+    /// Parentheses in unreachable code: only their number counts.
     pub fn skip_nesting(&mut self, insn: StlInsn) {
         match insn {
             insn if insn.opens_nesting() => {
@@ -163,7 +163,7 @@ impl Context<'_, '_> {
     fn written(operand: &Operand) -> &Place {
         match operand {
             Operand::Memory { place, .. } => place,
-            _ => unreachable!("the binder lets bits in memory through only"),
+            _ => unreachable!("the binder only passes bits in memory"),
         }
     }
 
@@ -182,7 +182,7 @@ impl Context<'_, '_> {
         let rlo = self.rlo();
         let on = self.mcr_on();
         let acts = self.b.and(rlo, on);
-        // The address is computed, and faults, whatever the RLO is; the bit keeps its value if RLO is 0.
+        // The address is computed, and may fault, with any RLO; the bit keeps its value if RLO is 0.
         let place = Self::written(operand);
         let target = self.target(place, Width::Bit, Direction::Write);
         let guard = self.begin_guard(target.checks, crate::fault::Substitute::None);
@@ -196,20 +196,20 @@ impl Context<'_, '_> {
         };
         self.write_target(inner, Width::Bit, value);
         self.set(self.regs.sta, value);
-        if let Some(behind) = guard {
-            self.end_guard(Some(behind));
+        if let Some(after) = guard {
+            self.end_guard(Some(after));
         }
         self.end_logic_string();
     }
 
-    /// Current value of a bit whose checks have been made.
+    /// Current value of a bit after its checks.
     pub fn peek(&mut self, target: &crate::place::Target) -> Value {
         match target.kind {
             crate::place::TargetKind::Memory { addr, bit } => {
                 let copy = crate::place::Target::at(addr, bit);
                 self.read_target(copy, Width::Bit)
             }
-            // An output: what was written last is in its process image.
+            // An output: its process image has the last written value.
             crate::place::TargetKind::Peripheral { address, bit } => {
                 let byte = self.b.constant_bits(address).expect("bits of outputs have addresses that are known");
                 self.b.load_bit(plcc_ir::Address::direct(plcc_ir::Region::Q, byte as u32), bit)
@@ -256,9 +256,9 @@ impl Context<'_, '_> {
         };
         let result = match guard {
             None => result,
-            Some(behind) => {
+            Some(after) => {
                 self.set(self.result_bit, result);
-                self.end_guard(Some(behind));
+                self.end_guard(Some(after));
                 self.get(self.result_bit)
             }
         };
@@ -279,7 +279,7 @@ impl Context<'_, '_> {
         (self.b.icmp_imm(IntCc::Sgt, value, 0), self.b.icmp_imm(IntCc::Slt, value, 0))
     }
 
-    /// OV := `ov`, which OS remembers.
+    /// OV := `ov`, which OS stores.
     pub fn set_overflow(&mut self, ov: Value) {
         let os = self.get(self.regs.os);
         let os = self.b.or(os, ov);

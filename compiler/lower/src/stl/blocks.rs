@@ -11,8 +11,8 @@ use crate::fault::{Check, Substitute};
 use crate::plan;
 
 impl Context<'_, '_> {
-    /// Settles how the block reaches its instance. As long as nothing changes AR2 or DI, the instance has one address, whose
-    /// extent every caller has checked; else each access goes by AR2 and DI as they stand then.
+    /// Determines how the block reaches its instance. As long as nothing changes AR2 or DI, the instance has one address, whose
+    /// extent every caller has checked; otherwise each access uses the current AR2 and DI.
     pub fn prepare_instance(&mut self, statements: &[StlStatement]) {
         if !matches!(self.block.kind, BlockKind::Fb | BlockKind::Sfb)
             || statements.iter().any(|statement| self.moves_instance(statement))
@@ -84,7 +84,7 @@ impl Context<'_, '_> {
         self.b.switch_to(next);
     }
 
-    /// `BEC`: ends if the RLO is 1, else goes on with RLO 1.
+    /// `BEC`: ends if the RLO is 1, otherwise continues with RLO 1.
     pub fn conditional_end(&mut self) {
         let rlo = self.rlo();
         self.set_bit(self.regs.rlo, true);
@@ -99,7 +99,7 @@ impl Context<'_, '_> {
         self.b.switch_to(next);
     }
 
-    /// `OPN`: number 0 closes; a DB that is not loaded is an error and leaves the register.
+    /// `OPN`: number 0 closes; a DB that is not loaded is an error and does not change the register.
     pub fn open_db(&mut self, operand: &Operand) {
         let Operand::Db { di, number } = operand else { return };
         let register = if *di { self.regs.di } else { self.regs.db };
@@ -123,7 +123,7 @@ impl Context<'_, '_> {
         self.end_guard(guard);
     }
 
-    /// Offset from the memory base of what AR2 points at in DB `di`.
+    /// Offset of the target of AR2 in DB `di` from the memory base.
     pub fn instance_address(&mut self, di: plcc_ir::Value, ar2: plcc_ir::Value) -> plcc_ir::Value {
         let base = self.b.db_base(di);
         let bits = self.b.binary_imm(BinaryOp::And, ar2, 0x00FF_FFFF);

@@ -11,7 +11,7 @@ use crate::context::Context;
 use crate::fault::{Check, Substitute};
 
 impl Context<'_, '_> {
-    /// A number found at compile time or run time, an i32.
+    /// A number known at compile time or run time, an i32.
     pub fn number(&mut self, number: &Number) -> Value {
         match number {
             Number::Known(number) => self.b.i32_const(u32::from(*number)),
@@ -39,10 +39,10 @@ impl Context<'_, '_> {
         (value, guard)
     }
 
-    /// Value that `function` gives for the cell, an i32.
+    /// Value that `function` returns for the cell, an i32.
     pub fn cell_value(&mut self, kind: CellKind, number: &Number, function: RuntimeFn) -> Value {
         let (number, guard) = self.begin_cell(kind, number, Substitute::Word);
-        let value = self.b.call_runtime(function, &[number]).expect("it gives a value");
+        let value = self.b.call_runtime(function, &[number]).expect("it returns a value");
         if guard.is_none() {
             return value;
         }
@@ -74,7 +74,7 @@ impl Context<'_, '_> {
                 let digits = self.b.i32_const(3);
                 self.b.call_pure(RuntimeFn::IntToBcd, &[value, digits])
             }
-            _ => unreachable!("the binder lets timers and counters through only"),
+            _ => unreachable!("the binder only passes timers and counters"),
         };
         self.load_accu1(value);
     }
@@ -109,7 +109,7 @@ impl Context<'_, '_> {
         self.end_logic_string();
     }
 
-    /// SD alone touches OV: bit 1 of the answer says so, bit 2 is the value.
+    /// Only SD changes OV: bit 1 of the result shows this, bit 2 is the value.
     fn set_overflow_if_told(&mut self, answer: Value) {
         let told = self.bit_is_clear(answer, 1);
         let value = self.bit_is_clear(answer, 2);

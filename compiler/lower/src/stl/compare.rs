@@ -5,14 +5,14 @@ use plcc_ir::{FloatCc, IntCc, Type, Value};
 use crate::context::Context;
 
 impl Context<'_, '_> {
-    /// ACCU2-L against ACCU1-L.
+    /// ACCU2-L with ACCU1-L.
     pub fn compare_int(&mut self, cc: IntCc) {
         let (a, b) = (self.accu2(), self.accu1());
         let (a, b) = (self.low_word(a), self.low_word(b));
         self.compare_signed(cc, a, b);
     }
 
-    /// ACCU2 against ACCU1.
+    /// ACCU2 with ACCU1.
     pub fn compare_dint(&mut self, cc: IntCc) {
         let (a, b) = (self.accu2(), self.accu1());
         self.compare_signed(cc, a, b);
@@ -26,7 +26,7 @@ impl Context<'_, '_> {
         self.set_comparison(result);
     }
 
-    /// As REAL. An operand that is NaN: CC 11, OV, OS, and the result is 0 whatever is compared.
+    /// As REAL. With a NaN operand: CC 11, OV, OS, and the result is 0 for any comparison.
     pub fn compare_real(&mut self, cc: FloatCc) {
         let (a, b) = (self.accu2(), self.accu1());
         let (a, b) = (self.b.bitcast(Type::F32, a), self.b.bitcast(Type::F32, b));

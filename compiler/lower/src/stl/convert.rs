@@ -10,7 +10,7 @@ use crate::fault::{Check, Substitute};
 /// Largest magnitudes of three and of seven BCD digits.
 const BCD3_MAX: i64 = 999;
 const BCD7_MAX: i64 = 9_999_999;
-/// REALs that a DINT can hold: from -2^31 to the greatest single below 2^31.
+/// REALs that a DINT can hold: from -2^31 to the greatest REAL below 2^31.
 const DINT_MIN: f32 = -2_147_483_648.0;
 const DINT_MAX: f32 = 2_147_483_520.0;
 
@@ -45,7 +45,7 @@ impl Context<'_, '_> {
         Check { ok, code, access: zero, info: zero }
     }
 
-    /// `ITB`, `DTB`. What does not fit leaves ACCU1 and sets OV.
+    /// `ITB`, `DTB`. A value that does not fit leaves ACCU1 unchanged and sets OV.
     pub fn int_to_bcd(&mut self, double: bool) {
         let accu1 = self.accu1();
         let value = if double {
@@ -116,7 +116,7 @@ impl Context<'_, '_> {
         self.set_accu1(result);
     }
 
-    /// Two's complement with its status bits; the least number stays and sets OV.
+    /// Two's complement with its status bits; the smallest number stays and sets OV.
     fn negate(&mut self, value: Value) -> Value {
         let ty = self.b.ty(value);
         let zero = self.b.iconst(ty, 0);
@@ -129,7 +129,7 @@ impl Context<'_, '_> {
         result
     }
 
-    /// `RND RND+ RND- TRUNC`. NaN and what a DINT cannot hold leave ACCU1 and set OV.
+    /// `RND RND+ RND- TRUNC`. NaN and values that a DINT cannot hold leave ACCU1 unchanged and set OV.
     pub fn real_to_dint(&mut self, rounding: UnaryOp) {
         let accu1 = self.accu1();
         let x = self.accu1_real();

@@ -5,7 +5,7 @@ use plcc_model::{LabelId, Operand, StatusOperand};
 
 use crate::context::Context;
 
-/// Conditions of jumps that leave the status word alone.
+/// Conditions of jumps that do not change the status word.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Condition {
     Always,
@@ -23,7 +23,7 @@ impl Context<'_, '_> {
     fn label(operand: &Operand) -> LabelId {
         match operand {
             Operand::Label(label) => *label,
-            _ => unreachable!("the binder lets labels through only"),
+            _ => unreachable!("the binder only passes labels"),
         }
     }
 

@@ -38,7 +38,7 @@ impl Context<'_, '_> {
         let depth = self.b.binary_imm(BinaryOp::Isub, depth, 1);
         self.set(self.regs.mcr_depth, depth);
         let bits = self.get(self.regs.mcr_bits);
-        // The sign that moves in is a 1: an entry that is not there switches nothing off.
+        // The bit that moves in is a 1: a missing entry switches nothing off.
         let bits = self.b.binary_imm(BinaryOp::Ashr, bits, 1);
         self.set(self.regs.mcr_bits, bits);
         self.set_bit(self.regs.sta, true);

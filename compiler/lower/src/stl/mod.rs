@@ -1,7 +1,7 @@
 //! Statements of STL.
 //!
-//! [`lower_block`] walks the statements; `lower_instruction` is the one match over the instruction table. What an
-//! instruction means stands in the module of its family. Source of each: STL reference for S7-300/400, the chapter of
+//! [`lower_block`] walks the statements; `lower_instruction` is the one match over the instruction table. The module of
+//! a family contains the meaning of its instructions. Source of each: STL reference for S7-300/400, the chapter of
 //! the family, and the decisions in docs/decisions.
 
 mod accumulators;
@@ -54,7 +54,7 @@ pub fn uses_mcr(statement: &StlStatement) -> bool {
     matches!(statement.kind, StlStatementKind::Instruction { insn: StlInsn::McrActivate | StlInsn::McrOpen, .. })
 }
 
-/// Jumps to each label that has any, in the order of the first ones.
+/// Jumps to each label that has any, in order of the first jumps.
 fn count_jumps(statements: &[StlStatement]) -> Vec<(LabelId, u32)> {
     let mut order = Vec::new();
     let mut counts: FxHashMap<LabelId, u32> = FxHashMap::default();
@@ -108,7 +108,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// A statement that cannot be reached leaves no code, but its parentheses, jumps and assertions count.
+    /// An unreachable statement has no code, but its parentheses, jumps and assertions count.
     fn skip_statement(&mut self, statement: &StlStatement) {
         for label in jumps_of(statement) {
             self.jump_skipped(label);

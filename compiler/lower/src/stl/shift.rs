@@ -35,8 +35,8 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Shifts in 64 bits with one bit of room at the end that bits leave by, so that the last one out can be read there. From one
-    /// more than the width on nothing changes any more, so greater counts are cut to that.
+    /// Shifts in 64 bits with one bit of room at the end where bits leave, so that the last one out can be read there. Beyond one
+    /// more than the width nothing changes, so greater counts are limited to that.
     pub fn shift(&mut self, shift: Shift, operand: &Operand) {
         let count = self.shift_count(operand);
         let most = i64::from(shift.width) + 1;
@@ -83,7 +83,7 @@ impl Context<'_, '_> {
     /// Result, CC1 the last bit out, CC0 and OV 0, unless the count is 0.
     fn set_shifted(&mut self, count: Value, result: Value, last: Value) {
         let nothing = self.b.icmp_imm(IntCc::Eq, count, 0);
-        // A count of 0 leaves the value by itself.
+        // A count of 0 does not change the value anyway.
         self.set_accu1(result);
         let zero = self.b.bool_const(false);
         for (var, new) in [(self.regs.cc1, last), (self.regs.cc0, zero), (self.regs.ov, zero)] {

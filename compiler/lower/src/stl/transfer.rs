@@ -17,7 +17,7 @@ impl Context<'_, '_> {
         self.load_accu1(value);
     }
 
-    /// What `L operand` brings, an i32.
+    /// The value that `L operand` loads, an i32.
     pub fn load_value(&mut self, operand: &Operand) -> Value {
         match operand {
             Operand::Const { value, .. } => self.b.i32_const(*value),
@@ -48,7 +48,7 @@ impl Context<'_, '_> {
                 self.b.zext(Type::I32, bit)
             }
             Operand::None | Operand::Block { .. } | Operand::Db { .. } | Operand::Label(_) => {
-                unreachable!("the binder lets sources of `L` through only")
+                unreachable!("the binder only passes sources of `L`")
             }
         }
     }
@@ -79,7 +79,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// The status bits with their places in the status word.
+    /// The status bits with their positions in the status word.
     fn status_bits(&self) -> [(Var, u8); 9] {
         [
             (self.regs.br, 8),
@@ -140,7 +140,7 @@ impl Context<'_, '_> {
             | Operand::Special(_)
             | Operand::Register(_)
             | Operand::Label(_)
-            | Operand::ParameterPointer { .. } => unreachable!("the binder lets targets of `T` through only"),
+            | Operand::ParameterPointer { .. } => unreachable!("the binder only passes targets of `T`"),
         }
     }
 
@@ -160,7 +160,7 @@ impl Context<'_, '_> {
             Operand::None => self.load_accu1(value),
             Operand::Register(register) => self.set(self.address_register(*register), value),
             Operand::Memory { place, width } => self.write(place, *width, value),
-            _ => unreachable!("the binder lets double words through only"),
+            _ => unreachable!("the binder only passes double words"),
         }
     }
 

@@ -1,6 +1,6 @@
-//! The table of CPUs, a row each.
+//! The table of CPUs, one row per CPU.
 //!
-//! Rows that are not `checked` warn of what exceeds a limit, since firmware versions differ; the others refuse it.
+//! For rows that are not `checked`, exceeding a limit is a warning, because firmware versions differ; for others it is an error.
 
 use plcc_abi::image::Family;
 use plcc_abi::image::Family::{S7200, S7300, S7400, S71200, S71500};
@@ -10,7 +10,7 @@ pub(super) struct Row {
     pub(super) name: &'static str,
     pub(super) family: Family,
     pub(super) accumulators: u8,
-    /// Bytes of the process image, inputs and outputs alike.
+    /// Bytes of the process image, the same for inputs and outputs.
     pub(super) image: u32,
     pub(super) bit_memory: u32,
     pub(super) timers: u32,
@@ -20,11 +20,11 @@ pub(super) struct Row {
     pub(super) block_depth: u32,
     pub(super) error_depth: u32,
     pub(super) checked: bool,
-    /// What the order numbers begin with behind `6ES7`, which tells the CPU whatever its version.
+    /// How the order numbers begin after `6ES7`, which identifies the CPU in any version.
     pub(super) orders: &'static [&'static str],
 }
 
-#[allow(clippy::too_many_arguments, reason = "one table row a line reads better than named fields")]
+#[allow(clippy::too_many_arguments, reason = "one table row per line reads better than named fields")]
 const fn row(
     name: &'static str,
     family: Family,

@@ -1,4 +1,4 @@
-//! CPU profiles: what `--cpu` can name, with the limits of each.
+//! CPU profiles: the names for `--cpu`, with the limits of each.
 
 mod cpus;
 pub mod s7200;
@@ -8,7 +8,7 @@ use plcc_abi::layout;
 
 use cpus::{PROFILES, Row};
 
-/// What an S7-1200 has on board, by the name of its row: fast counters, pulse generators, bytes of digital inputs and outputs from
+/// The hardware on board of an S7-1200, by row name: fast counters, pulse generators, bytes of digital inputs and outputs from
 /// address 0, analog inputs and outputs from address 64.
 ///
 /// Source: LAD/FBD reference for S7-1200, CPU limits; two more pulse generators and 1215C, 1217C from the firmware V4 on.
@@ -35,7 +35,7 @@ const ON_BOARD: &[OnBoard] = &[
     OnBoard { name: "1217C",   fast_counters: 6, pulse_generators: 4, input_bytes: 2, output_bytes: 2, analog_inputs: 2, analog_outputs: 2 },
 ];
 
-/// What the CPU of a profile has on board; `None`: nothing.
+/// The hardware on board of a profile's CPU; `None`: nothing.
 pub fn on_board(profile: &Profile) -> Option<&'static OnBoard> {
     ON_BOARD.iter().find(|board| board.name == profile.name)
 }
@@ -43,13 +43,13 @@ pub fn on_board(profile: &Profile) -> Option<&'static OnBoard> {
 /// Short forms that mean a row of the table.
 const ALIASES: &[(&str, &str)] = &[("315DP", "3152DP"), ("317", "3172DP"), ("319", "3193PNDP"), ("3172", "3172DP")];
 
-/// What may be missing at the end of a name: `315-2PN` is the 315-2PN/DP, `1511-1` the 1511-1PN.
+/// Parts that can be omitted at the end of a name: `315-2PN` is the 315-2PN/DP, `1511-1` the 1511-1PN.
 const INTERFACES: [&str; 4] = ["", "DP", "PN", "PNDP"];
 
-/// Supply and outputs of an S7-1200, which its name may tell.
+/// Supply and outputs of an S7-1200, which its name may include.
 const SUPPLIES: [&str; 6] = ["DCDCDC", "DCDCRLY", "DCDCRELAY", "ACDCRLY", "ACDCRELAY", "ACDCDC"];
 
-/// What order numbers of CPUs begin with: the usual ones, and those of SIPLUS.
+/// How order numbers of CPUs begin: the usual ones, and those of SIPLUS.
 const ORDERS: [&str; 3] = ["6ES7", "6AG1", "6AG2"];
 
 /// The CPU that `name` means, or an order number: letter case, blanks, hyphens, slashes and a leading `CPU` do not matter.
@@ -64,7 +64,7 @@ pub fn lookup(name: &str) -> Option<Profile> {
     let named = |name: &str| PROFILES.iter().find(|row| normalized(row.name) == name);
     let exact = named(wanted).map(profile);
     let exact = exact.or_else(|| s7200::cpus().iter().find(|cpu| cpu.name == wanted).map(s7200::profile));
-    // `1511F` of an S7-1500 is enough, since no other row begins so.
+    // `1511F` of an S7-1500 is enough, because no other row begins like this.
     let by_model = || {
         PROFILES.iter().find(|row| {
             row.family == Family::S71500
@@ -84,7 +84,7 @@ fn ordered(number: &str) -> Option<Profile> {
     row.or_else(|| s7200::cpus().iter().find(|cpu| matches(s7200::orders(cpu.name))).map(s7200::profile))
 }
 
-/// What to write in place of a name that means no CPU.
+/// Help for a name that is not a CPU.
 pub fn help(name: &str) -> String {
     let wanted = normalized(name);
     let near = PROFILES
@@ -94,7 +94,7 @@ pub fn help(name: &str) -> String {
         .map(|known| (plcc_syntax::distance::between(&wanted, &normalized(known)), known))
         .filter(|(distance, known)| *distance <= 2 && wanted.get(..2) == normalized(known).get(..2))
         .min();
-    let forms = "write a family (`s7-300`, `s7-400`, `s7-1200`, `s7-1500`, `s7-200`), a CPU as STEP 7 calls it (`315-2 PN/DP`), or its order number";
+    let forms = "write a family (`s7-300`, `s7-400`, `s7-1200`, `s7-1500`, `s7-200`), a CPU as STEP 7 names it (`315-2 PN/DP`), or its order number";
     match near {
         Some((_, near)) => format!("is `{near}` meant? Otherwise {forms}"),
         None => forms.to_string(),
@@ -198,7 +198,7 @@ mod tests {
         assert!(help("315-2DB").contains("315-2DP"));
     }
 
-    /// No order number means two CPUs, and each row answers to its name.
+    /// No order number identifies two CPUs, and each row is found by its name.
     #[test]
     fn rows_are_told_apart() {
         let orders: Vec<&str> = PROFILES.iter().flat_map(|row| row.orders).copied().collect();

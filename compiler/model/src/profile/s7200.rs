@@ -1,6 +1,6 @@
-//! CPUs of the S7-200 and what each of them has.
+//! CPUs of the S7-200 and their resources.
 //!
-//! Source: S7-200 system manual, memory ranges and features; of the 21x generation, its manual of the first edition.
+//! Source: S7-200 system manual, memory ranges and features; for the 21x generation, the first edition of its manual.
 
 mod reference;
 
@@ -13,15 +13,15 @@ pub use reference::reference;
 /// One CPU.
 pub(super) struct Cpu {
     pub(super) name: &'static str,
-    /// Bytes of inputs; outputs have as many.
+    /// Bytes of inputs; the same number of outputs.
     image: u32,
     bit_memory: u32,
-    /// Timers; counters are as many.
+    /// Timers; the same number of counters.
     timers: u32,
     row: CpuRow,
 }
 
-/// Events `ranges`, a bit each.
+/// Events `ranges`, one bit each.
 const fn events(ranges: &[(u32, u32)]) -> u64 {
     let mut bits = 0;
     let mut index = 0;
@@ -37,7 +37,7 @@ const fn events(ranges: &[(u32, u32)]) -> u64 {
     bits
 }
 
-/// The largest CPU, which stands for all where none is named.
+/// The largest CPU, which is used if none is named.
 const ROW_226: CpuRow = CpuRow {
     old: false,
     v_bytes: 10240,
@@ -130,7 +130,7 @@ const CPUS: &[Cpu] = &[
 /// Short forms and variants that mean a row of the table.
 pub(super) const ALIASES: &[(&str, &str)] = &[("224XPSI", "224XP"), ("226XM", "226")];
 
-/// What the order numbers of a CPU begin with behind `6ES7`.
+/// How the order numbers of a CPU begin after `6ES7`.
 pub(super) fn orders(name: &str) -> &'static [&'static str] {
     match name {
         "212" => &["212-1AA", "212-1BA", "212-1CA", "212-1FA"],
@@ -151,7 +151,7 @@ pub(super) fn cpus() -> &'static [Cpu] {
     CPUS
 }
 
-/// The profile of a CPU. Its limits are those of the manual: passing them is an error.
+/// The profile of a CPU. Its limits are those of the manual: exceeding them is an error.
 pub(super) fn profile(cpu: &Cpu) -> Profile {
     Profile {
         name: cpu.name.to_string(),
@@ -170,7 +170,7 @@ pub(super) fn profile(cpu: &Cpu) -> Profile {
     }
 }
 
-/// What the CPU of a profile has; the generic profile has what a 226 has.
+/// The resources of the CPU of a profile; the generic profile has those of a 226.
 pub fn cpu_row(profile: &Profile) -> CpuRow {
     CPUS.iter().find(|cpu| cpu.name == profile.name).map_or(ROW_226, |cpu| cpu.row)
 }

@@ -11,7 +11,7 @@ use plcc_model::profile;
 use plcc_model::s7200::{Body, StatementKind as Bound};
 use plcc_model::{BlockKey, Program};
 
-/// A place of its own for each statement, so that messages can be told apart.
+/// Each statement has its own position, so that messages can be distinguished.
 fn span(at: usize) -> Span {
     Span::new(FileId(0), at..at + 1)
 }

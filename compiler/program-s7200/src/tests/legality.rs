@@ -1,4 +1,4 @@
-//! The shape of networks, steps, loops and jumps; where instructions may stand.
+//! The shape of networks, steps, loops and jumps; where instructions are allowed.
 
 use plcc_syntax::s7200::Insn;
 use plcc_syntax::s7200::ast::{Area, BlockKind, Operand as Written};

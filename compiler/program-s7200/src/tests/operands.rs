@@ -1,4 +1,4 @@
-//! What operands become.
+//! The bound form of operands.
 
 use plcc_abi::s7200::pointer;
 use plcc_syntax::ast::Width;
@@ -64,7 +64,7 @@ fn constants_have_the_bits_of_their_width() {
 fn pointers() {
     let v = |tag: u8, offset: u32| Operand::Const(u32::from(tag) << 24 | offset);
     assert_eq!(second(Insn::MovD, &[address_of(vb(100)), ac(1)])[0], v(pointer::V, 100));
-    // Words of timers lie two bytes apart.
+    // Words of timers are two bytes apart.
     assert_eq!(second(Insn::MovD, &[address_of(t(5)), ac(1)])[0], v(pointer::T, 10));
     assert_eq!(second(Insn::MovD, &[address_of(c(8)), ac(1)])[0], v(pointer::C, 16));
     let place = Operand::Memory { area: Bound::V, byte: 200, bit: 0, width: Width::Dword };
@@ -104,7 +104,7 @@ fn what_cannot_be_written() {
     assert_eq!(messages(Insn::Assign, &[bit(Area::Sm, 29, 7)], "226"), ["P0411"]);
     assert_eq!(messages(Insn::Assign, &[bit(Area::Sm, 30, 0)], "226"), [""; 0]);
     assert_eq!(messages(Insn::Assign, &[i00()], "226"), [""; 0]);
-    // Analog outputs are not read, and written by moves only.
+    // Analog outputs cannot be read, and only moves write them.
     assert_eq!(messages(Insn::MovW, &[direct(Area::Aq, None, 0, 0), vw(0)], "226"), ["P0203"]);
     assert_eq!(messages(Insn::AddI, &[int(1), direct(Area::Aq, None, 0, 0)], "226"), ["P0203"]);
 }

@@ -14,7 +14,7 @@ fn key(kind: Kind, number: u16) -> BlockKey {
     BlockKey { kind, number }
 }
 
-/// Parameters and places of the example of the manual: IN1 L0.0, IN2 LB1, IN3 L2.0, IN4 LD3, INOUT1 LW7, OUT1 LD9.
+/// Parameters and addresses of the example of the manual: IN1 L0.0, IN2 LB1, IN3 L2.0, IN4 LD3, INOUT1 LW7, OUT1 LD9.
 fn demo() -> Block {
     let sub = block(BlockKind::Subroutine, "Demo", None, vec![network(&[(Insn::Load, &[local("IN3")])])]);
     declared(
@@ -111,7 +111,7 @@ fn strings_are_handed_over_as_pointers() {
     assert_eq!(call(address_of(vb(7))), BoundOperand::Const(u32::from(pointer::V) << 24 | 7));
     assert_eq!(call(star(vd(8))), BoundOperand::Memory { area: Bound::V, byte: 8, bit: 0, width: Width::Dword });
     assert_eq!(call(constant(Constant::Text(b"12 kg".to_vec()))), BoundOperand::Text(b"12 kg".to_vec()));
-    // In the subroutine the string is what the pointer points at.
+    // In the subroutine, the string is the data that the pointer points at.
     let program = good(vec![main(Vec::new()), sub.clone()]);
     let BoundStatement::Instruction { operands, .. } = &body(&program, Kind::Sbr, 0).statements[0].kind else {
         panic!()
@@ -168,12 +168,12 @@ fn files_without_headers_are_named_after_their_blocks() {
         let found = keys(vec![(main, bare(call())), ("plant/Mixer.awl", sub())]);
         assert_eq!(found, [(key(Kind::Ob, 1), String::new()), (key(Kind::Sbr, 0), "Mixer".to_string())], "{main}");
     }
-    // An interrupt routine is known by the ATCH that names it, or by its default name.
+    // An interrupt routine is identified by the ATCH that names it, or by its default name.
     let attach = vec![network(&[(Insn::Load, &[i00()]), (Insn::Atch, &[name("Tick"), int(10)])])];
     let found = keys(vec![("main.awl", bare(attach)), ("Tick.awl", sub()), ("INT_4.awl", sub()), ("SBR_2.awl", sub())]);
     let expected = [(Kind::Ob, 1, ""), (Kind::Sbr, 2, "SBR_2"), (Kind::Int, 0, "Tick"), (Kind::Int, 4, "INT_4")];
     assert_eq!(found, expected.map(|(kind, number, name)| (key(kind, number), name.to_string())));
-    // Nobody knows which of them is the main program.
+    // It is unknown which of them is the main program.
     let (_, diagnostics) = bind_files(vec![("a.awl", sub()), ("b.awl", sub())], "226");
     let codes: Vec<&str> = diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect();
     assert_eq!(codes, ["P0314"]);

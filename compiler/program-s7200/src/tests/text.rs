@@ -95,7 +95,7 @@ fn assertions() {
         ComparedValue::Constant(AssertConstant::Bits(value)) => value,
         _ => panic!("no constant"),
     };
-    // The bits that a word with this value has.
+    // The bits of a word with this value.
     assert_eq!(constant(0), 0xFFFB);
     let left = |index: usize| asserts[index].sides().next().unwrap();
     assert!(matches!(left(1), AssertSide::Operand(Operand::Timer { number: 37, width: Width::Bit })));

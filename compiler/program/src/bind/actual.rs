@@ -1,7 +1,7 @@
-//! Actual parameters: what a call hands over, checked against the formal parameter.
+//! Actual parameters: what a call passes, checked against the formal parameter.
 //!
 //! Source: STL reference, passing rules. Addresses fit by their width; symbols must be of the formal's type; constants must be
-//! literals of the formal's type. POINTER and ANY are made from whatever is named.
+//! literals of the formal's type. For POINTER and ANY, the compiler makes a pointer to the named operand.
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
@@ -49,7 +49,7 @@ pub fn any_of(ty: &DataType) -> (u8, u32) {
     }
 }
 
-/// The pointer to a place whose address is known: DB number and area pointer. Local data has another area for the callee.
+/// The pointer to a place with a known address: DB number and area pointer. Local data has another area for the callee.
 pub fn known_pointer(place: &Place) -> Option<(u16, u32)> {
     use plcc_abi::layout::area;
     let pointer = |area: u8, byte: u32, bit: u8| u32::from(area) << 24 | byte << 3 | u32::from(bit);
@@ -94,7 +94,7 @@ pub fn any_number_of_cell(kind: CellKind, number: u16) -> Vec<u8> {
     any_bytes(code, 1, 0, u32::from(number))
 }
 
-/// The ANY of a block; some kinds have none.
+/// The ANY of a block; some kinds do not have one.
 pub fn any_number_of_block(prefix: BlockPrefix, number: u16) -> Option<Vec<u8>> {
     let code = match prefix {
         BlockPrefix::Fb | BlockPrefix::Sfb => CODE_BLOCK_FB,
@@ -112,7 +112,7 @@ pub fn pointer_bytes(db: u16, pointer: u32) -> Vec<u8> {
 }
 
 impl Binder<'_> {
-    /// Binds the actual of parameter `formal` of block `callee`; `None` after a message or if it cannot be known.
+    /// Binds the actual of parameter `formal` of block `callee`; `None` after a message or if it cannot be determined.
     pub fn bind_actual(
         &mut self,
         ctx: &mut Ctx,
@@ -126,8 +126,8 @@ impl Binder<'_> {
             let text = self.text(span);
             self.report.push(
                 Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
-                    .label("an address that is found at run time")
-                    .help("load it, transfer it to a variable of TEMP, and hand over that variable"),
+                    .label("this address is only known at run time")
+                    .help("load it, transfer it to a variable of TEMP, and pass that variable"),
             );
             return None;
         }
@@ -172,7 +172,7 @@ impl Binder<'_> {
             DataType::OpenArray(_) => {
                 self.report.push(
                     Diagnostic::new(Code::TypeMismatch, span, format!("`{}` of {callee} is an ARRAY[*]", formal.name))
-                        .label("STL has no way to hand over the bounds")
+                        .label("STL cannot pass the bounds")
                         .help("call the block from SCL"),
                 );
                 None
@@ -181,7 +181,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Reports an actual of another type than the formal's.
+    /// Reports an actual whose type is not that of the formal.
     fn mismatch(&mut self, callee: BlockKey, formal: &Parameter, settled: &Settled, span: Span) -> Option<Actual> {
         let text = self.text(span);
         let is = match settled {
@@ -202,7 +202,7 @@ impl Binder<'_> {
             Settled::Pointer(_) | Settled::ParameterPointer(_) => "a pointer".to_string(),
             Settled::Status(_) => "a status bit".to_string(),
             Settled::Special(_) | Settled::Register(_) => "a register of the CPU".to_string(),
-            Settled::Label => "a name that means nothing here".to_string(),
+            Settled::Label => "a name without a meaning here".to_string(),
         };
         let wanted = layout::type_name(&formal.ty);
         let message = Diagnostic::new(
@@ -227,7 +227,7 @@ impl Binder<'_> {
             (
                 DataType::DateAndTime | DataType::String(_) | DataType::Array(_) | DataType::Struct(_),
                 Settled::Literal(_),
-            ) => message.help(format!("store the value in a variable of type {wanted} and hand that over")),
+            ) => message.help(format!("store the value in a variable of type {wanted} and pass that variable")),
             _ => message.help(format!("name a variable of type {wanted}")),
         });
         None
@@ -294,7 +294,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Binds a pointer that a call without names hands over: of an elementary parameter it is the address of the actual.
+    /// Binds a pointer that a call without names passes: for an elementary parameter it is the address of the actual.
     pub fn bind_positional(
         &mut self,
         ctx: &mut Ctx,
@@ -346,7 +346,7 @@ impl Binder<'_> {
                 let text = self.text(span);
                 self.report.push(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
-                        .label("no address of this block")
+                        .label("not an address of this block")
                         .help("name an address of I, Q, M, L or a data block"),
                 );
                 return None;
@@ -426,7 +426,7 @@ impl Binder<'_> {
             }
             _ => return self.mismatch(callee, formal, &settled, span),
         };
-        // What a STRING can hold stands in its first byte, which a function looks at.
+        // The first byte of a STRING has its maximum length, which a function reads.
         let any_length = matches!(callee.kind, BlockKind::Fc | BlockKind::Sfc) || formal.direction == Direction::InOut;
         let fits = match (&formal.ty, &variable.ty) {
             (DataType::String(_), DataType::String(_)) if any_length => true,
@@ -474,14 +474,14 @@ impl Binder<'_> {
         }
     }
 
-    /// A number as actual: known, or a parameter of this block handed on.
+    /// A number as actual: known, or a parameter of this block that is passed on.
     fn forwarded(&mut self, number: &Number, span: Span) -> Option<Actual> {
         match number {
             Number::Word(place) if !matches!(**place, Place::Instance { .. }) => {
                 let text = self.text(span);
                 self.report.push(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
-                        .label("a number that is found at run time")
+                        .label("this number is only known at run time")
                         .help("name the timer, counter or block itself"),
                 );
                 None
@@ -556,7 +556,7 @@ impl Binder<'_> {
                 DataType::Parameter(ParameterType::Pointer) => self.mismatch(callee, formal, &settled, span),
                 ty => {
                     let longest = DataType::String(254);
-                    // A STRING of an FC's caller has the length of the actual; the pointer covers the largest.
+                    // A STRING parameter of an FC has the length of the actual; the pointer covers the longest.
                     let code_of = match variable.base {
                         Base::Parameter(_) if matches!(ty, DataType::String(_)) => &longest,
                         _ => ty,
@@ -569,15 +569,15 @@ impl Binder<'_> {
     }
 }
 
-/// What a VARIANT says that points at no data.
+/// The contents of a VARIANT that points at no data.
 pub const POINTS_AT_NOTHING: Pointed = Pointed::Known { elements: 0, ty: 0 };
 
-/// What a VARIANT says that is given as `P#DB1.DBX0.0 BYTE 10`.
+/// The contents of a VARIANT that is written as `P#DB1.DBX0.0 BYTE 10`.
 pub fn pointed_at_by_literal(type_code: u8, count: u16) -> Pointed {
     Pointed::Known { elements: if count > 1 { u32::from(count) } else { 0 }, ty: u32::from(type_code) }
 }
 
-/// What a VARIANT says of a variable of type `ty`.
+/// The contents of a VARIANT for a variable of type `ty`.
 pub fn pointed_at(ty: &DataType) -> Pointed {
     match ty {
         DataType::Array(array) => Pointed::Known {
@@ -588,7 +588,7 @@ pub fn pointed_at(ty: &DataType) -> Pointed {
     }
 }
 
-/// Type code of an array of `element` in an ANY, and the number that one element counts there. Source: as [`any_of`].
+/// Type code of an array of `element` in an ANY, and the number that one element counts as. Source: as [`any_of`].
 pub fn code_for_elements(element: &DataType) -> (u8, u16) {
     let bytes_of = |elements: i32| layout::array_bytes(&[(1, elements)], element);
     match element {
@@ -598,7 +598,7 @@ pub fn code_for_elements(element: &DataType) -> (u8, u16) {
     }
 }
 
-/// Type code and number for `ty` in an ANY; that of a VARIANT tells texts from bytes.
+/// Type code and number for `ty` in an ANY; that of a VARIANT distinguishes texts from bytes.
 pub fn code_for(formal: &Parameter, ty: &DataType) -> (u8, u32) {
     match (&formal.ty, ty) {
         (DataType::Parameter(ParameterType::Variant), DataType::String(_) | DataType::WideString(_)) => {

@@ -20,7 +20,7 @@ struct LabelInfo {
     region: u32,
 }
 
-/// The block's statements in one row, with what the first walk over them found.
+/// The block's statements in one row, with the results of the first walk over them.
 struct Flow<'b> {
     statements: Vec<(u16, &'b Statement)>,
     labels: FxHashMap<&'b str, LabelInfo>,
@@ -44,7 +44,7 @@ impl Binder<'_> {
         self.bind_flow(ctx, &flow)
     }
 
-    /// Binds a network in STL of a block in LAD or FBD: its labels are known already.
+    /// Binds a network in STL of a block in LAD or FBD: its labels are already known.
     pub fn bind_statements(&mut self, ctx: &mut Ctx, list: &[Statement], number: u16) -> Vec<StlStatement> {
         let mut flow = self.statement_flow(list.iter().map(|statement| (number, statement)).collect());
         let own: Vec<&str> = flow.labels.keys().copied().collect();
@@ -92,10 +92,10 @@ impl Binder<'_> {
                             Diagnostic::new(
                                 Code::CallInMcrZone,
                                 call.target.span,
-                                "parameters are handed over even if the MCR zone is off",
+                                "parameters are passed even if the MCR zone is off",
                             )
                             .label("a call with parameters inside an MCR zone")
-                            .help("the CPU hands over zeros in a zone that is off; call the block outside of the zone"),
+                            .help("the CPU passes zeros in a zone that is off; call the block outside of the zone"),
                         );
                     }
                     self.bind_call(ctx, call, statement.span).map(StlStatementKind::Call)
@@ -150,10 +150,14 @@ impl Binder<'_> {
         if let Some(first) = flow.labels.get(label.name.as_str()) {
             let first = first.span;
             self.report.push(
-                Diagnostic::new(Code::DuplicateLabel, label.span, format!("the label `{}` stands twice", label.name))
-                    .label("the second one")
-                    .also(first, "the first one")
-                    .help("labels are unique in their block; letter case matters"),
+                Diagnostic::new(
+                    Code::DuplicateLabel,
+                    label.span,
+                    format!("the label `{}` is defined twice", label.name),
+                )
+                .label("the second one")
+                .also(first, "the first one")
+                .help("labels are unique in their block; upper and lower case are different"),
             );
             return;
         }
@@ -168,7 +172,7 @@ impl Binder<'_> {
             self.report.push(
                 Diagnostic::new(Code::CpuInstruction, mnemonic, format!("`{name}` needs a CPU with 4 accumulators"))
                     .label(format!("the profile {profile} has 2 accumulators"))
-                    .help("name such a CPU, e.g. --cpu s7-400, or store the value in a double word"),
+                    .help("name a CPU with 4 accumulators, e.g. --cpu s7-400, or store the value in a double word"),
             );
         }
     }
@@ -205,7 +209,9 @@ impl Binder<'_> {
             let other = flow.labels.keys().copied().find(|other| other.eq_ignore_ascii_case(name));
             let other = other.or_else(|| plcc_binding::similar(name, flow.labels.keys().copied()));
             self.report.push(match other {
-                Some(other) => message.help(format!("is `{other}` meant? Letter case matters in labels")),
+                Some(other) => {
+                    message.help(format!("is `{other}` meant? Upper and lower case are different in labels"))
+                }
                 None => message.help(format!("write `{name}:` before the statement to jump to")),
             });
             return None;
@@ -219,14 +225,14 @@ impl Binder<'_> {
                 )
                 .label("the jump and its label are not in the same parenthesis")
                 .also(label.span, "the label")
-                .help("place the label in the parenthesis of the jump, or both outside"),
+                .help("put the label in the parenthesis of the jump, or both outside"),
             );
             return None;
         }
         Some(label.id)
     }
 
-    /// `JL` at the statement before `at`; gives the length of its list, too.
+    /// `JL` at the statement before `at`; also returns the length of its list.
     fn jump_list(
         &mut self,
         flow: &Flow,
@@ -237,7 +243,7 @@ impl Binder<'_> {
         let name = self.text(mnemonic);
         let Some(ast::Operand { kind: OperandKind::Label(default), span }) = operand else {
             self.report.push(
-                Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{name}` needs the label behind its list"))
+                Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{name}` needs the label after its list"))
                     .label("the label is missing"),
             );
             return (0, None);
@@ -276,13 +282,13 @@ impl Binder<'_> {
         } else {
             None
         };
-        // Without the label at all, its absence is told already.
+        // If the label does not exist at all, that is already reported.
         if let (Some((place, title)), Some(_)) = (problem, default_label) {
             self.report.push(
                 Diagnostic::new(Code::JumpList, place, title)
-                    .label("only unconditional jumps stand between it and its label")
+                    .label("only unconditional jumps are possible between it and its label")
                     .also(mnemonic, "the jump distributor")
-                    .help(format!("write the jumps directly behind it, then `{default}:`")),
+                    .help(format!("write the jumps directly after it, then `{default}:`")),
             );
         }
         let kind = match default_label {

@@ -17,7 +17,7 @@ use plcc_binding::similar;
 use plcc_model::types::DataType;
 use plcc_model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, Passing, Place};
 
-/// Instance memory, told apart over the whole program.
+/// Instance memory, identified across the whole program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum InstanceId {
     Db(u16),
@@ -32,7 +32,7 @@ pub struct PointerUse {
     span: Span,
     block: BlockKey,
     parameter: String,
-    /// Where the pointer or number lies in the instance.
+    /// Where the pointer or number is in the instance.
     byte: u32,
     bytes: u32,
 }
@@ -86,7 +86,7 @@ impl Binder<'_> {
         Some((key, multi, bound))
     }
 
-    /// Names in a call that cannot be checked are looked up all the same, so that all undefined ones are told of.
+    /// Names in a call that cannot be checked are still looked up, so that all undefined ones are reported.
     fn note_names(&mut self, ctx: &mut Ctx, call: &ast::Call) {
         let actuals = call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref());
         for operand in call.instance.iter().chain(actuals) {
@@ -99,9 +99,9 @@ impl Binder<'_> {
     fn not_callable<T>(&mut self, span: Span) -> Option<T> {
         let text = self.text(span);
         self.report.push(
-            Diagnostic::new(Code::OperandKind, span, format!("`CALL` calls a block, but `{text}` is none"))
-                .label("an FC, FB, SFC, SFB or a multi-instance is wanted")
-                .help("to call a block whose number is found at run time use `UC FC [MW 10]`"),
+            Diagnostic::new(Code::OperandKind, span, format!("`CALL` calls a block, but `{text}` is not a block"))
+                .label("an FC, FB, SFC, SFB or a multi-instance is expected here")
+                .help("to call a block whose number is only known at run time, use `UC FC [MW 10]`"),
         );
         None
     }
@@ -135,9 +135,9 @@ impl Binder<'_> {
         };
         if multi.is_some() || !needs {
             self.report.push(
-                Diagnostic::new(Code::SurplusOperand, operand.span, "this call takes no instance data block")
+                Diagnostic::new(Code::SurplusOperand, operand.span, "this call cannot have an instance data block")
                     .label(if needs {
-                        "a multi-instance lies in the data of its block"
+                        "a multi-instance is in the data of its block"
                     } else {
                         "a function has no instance"
                     })
@@ -150,8 +150,8 @@ impl Binder<'_> {
             _ => {
                 let text = self.text(operand.span);
                 self.report.push(
-                    Diagnostic::new(Code::OperandKind, operand.span, format!("`{text}` is no data block"))
-                        .label("the instance data block is wanted here"),
+                    Diagnostic::new(Code::OperandKind, operand.span, format!("`{text}` is not a data block"))
+                        .label("the instance data block is expected here"),
                 );
                 return None;
             }
@@ -163,7 +163,7 @@ impl Binder<'_> {
     /// Checks that a data block is an instance of a function block.
     pub fn check_instance_db(&mut self, key: BlockKey, number: u16, span: Span) -> Option<()> {
         let Some(db) = self.dbs.get(&number) else {
-            // The DB has an error of its own.
+            // The DB has its own error.
             return None;
         };
         if db.block.instance_of != Some(key) {
@@ -173,10 +173,10 @@ impl Binder<'_> {
                 None => format!("DB {number} is a shared data block"),
             };
             self.report.push(
-                Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is no instance of {key}"))
+                Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is not an instance of {key}"))
                     .label(what)
                     .also(defined, "the data block")
-                    .help(format!("name a data block of {key}; one that is not defined is made for the call")),
+                    .help(format!("name a data block of {key}; if it is not defined, plcc creates it for the call")),
             );
             return None;
         }
@@ -195,7 +195,7 @@ impl Binder<'_> {
         let mut empty: Vec<usize> = Vec::new();
         let mut arguments = Vec::with_capacity(call.parameters.len());
         let mut good = true;
-        // Parameters that are given under a misspelt name: that they are missing is told already.
+        // Parameters given under a misspelt name: that they are missing is already reported.
         let mut misspelt: Vec<String> = Vec::new();
         for (at, given) in call.parameters.iter().enumerate() {
             let folded = fold(&given.name);
@@ -210,7 +210,7 @@ impl Binder<'_> {
                 false => parameters.iter().position(|parameter| fold(&parameter.name) == folded),
             };
             let Some(index) = index else {
-                // `time_type := Time` tells for which type an instruction of the TIA Portal is called; all that are here have one.
+                // `time_type := Time` names the type of an instruction of the TIA Portal; all instructions here have one.
                 if super::move_call::names_a_type(given) {
                     continue;
                 }
@@ -257,7 +257,7 @@ impl Binder<'_> {
                 let message = Diagnostic::new(
                     Code::MissingParameter,
                     call.target.span,
-                    format!("the call of {key} leaves out {}", missing.join(", ")),
+                    format!("the call of {key} omits {}", missing.join(", ")),
                 )
                 .label("a function needs all its parameters");
                 let help = format!("add `{} := ...`", missing[0]);
@@ -272,13 +272,13 @@ impl Binder<'_> {
             Diagnostic::new(
                 Code::UnknownParameter,
                 span,
-                format!("{key} has {count} parameters, but more are handed over"),
+                format!("{key} has {count} parameters, but the call passes more"),
             )
-            .label("this pointer belongs to none of them"),
+            .label("this pointer does not belong to any of them"),
         );
     }
 
-    /// Reports a parameter that the block does not have; gives the one that may be meant.
+    /// Reports a parameter that the block does not have; returns the one that may be meant.
     pub fn unknown_parameter(
         &mut self,
         key: BlockKey,
@@ -305,7 +305,7 @@ impl Binder<'_> {
         meant.map(str::to_owned)
     }
 
-    /// Outputs that lie over other actuals of the call give values that depend on the order of copying.
+    /// Outputs that overlap other actuals of the call have values that depend on the order of copying.
     fn check_overlaps(&mut self, bound: &BoundInterface, arguments: &[Argument]) {
         let ranges: Vec<(&Argument, Direction, Area, u32, u32)> = arguments
             .iter()
@@ -333,14 +333,10 @@ impl Binder<'_> {
                 if clash && outputs > 0 && !(same && outputs == 1) {
                     let name = &bound.interface.parameters[first.parameter].name;
                     self.report.push(
-                        Diagnostic::new(
-                            Code::OverlappingActuals,
-                            second.span,
-                            "two actual parameters lie over each other",
-                        )
-                        .label("these bytes are also part of another actual")
-                        .also(first.span, format!("the actual of `{name}`"))
-                        .help("give each output an address of its own"),
+                        Diagnostic::new(Code::OverlappingActuals, second.span, "two actual parameters overlap")
+                            .label("these bytes are also part of another actual")
+                            .also(first.span, format!("the actual of `{name}`"))
+                            .help("give each output its own address"),
                     );
                 }
             }
@@ -382,7 +378,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Whether the data block gives the parameter a value to begin with.
+    /// Whether the data block gives the parameter a start value.
     fn has_start_value(&self, id: InstanceId, pointer: &PointerUse) -> bool {
         let InstanceId::Db(number) = id else { return false };
         let range = pointer.byte as usize..(pointer.byte + pointer.bytes) as usize;
@@ -415,7 +411,7 @@ impl Binder<'_> {
     }
 }
 
-/// Memory that addresses name directly, for comparing places.
+/// Memory that addresses name directly, to compare places.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Area {
     I,
@@ -426,7 +422,7 @@ enum Area {
     Instance,
 }
 
-/// Area and first bit of a place of which the address is known.
+/// Area and first bit of a place with a known address.
 fn area_bits(place: &Place) -> Option<(Area, u32)> {
     let (area, byte, bit) = match place {
         Place::I { byte, bit } => (Area::I, byte, bit),

@@ -1,4 +1,4 @@
-//! Constants of declarations and statements: names are looked up, and what is no constant is reported.
+//! Constants of declarations and statements: looks up names, and reports anything that is not a constant.
 
 use plcc_binding::constant::fold::{self, Fault};
 use plcc_binding::constant::{Constant, Constants, fit};
@@ -13,13 +13,13 @@ use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
 use super::Binder;
 
 impl Binder<'_> {
-    /// The value of a constant expression; what is no constant is reported.
+    /// The value of a constant expression; reports anything that is not a constant.
     pub fn constant(&mut self, constants: &Constants, value: &Expr) -> Option<Constant> {
         match &value.kind {
             ExprKind::Literal(literal) => {
                 let constant = Constant::of_literal(literal);
                 if constant.is_none() {
-                    self.no_constant(value.span, "a pointer has no value that could stand here");
+                    self.no_constant(value.span, "a pointer is not possible here");
                 }
                 constant
             }
@@ -30,7 +30,7 @@ impl Binder<'_> {
                 self.computed(result, value.span)
             }
             ExprKind::Binary { op, left, right, op_span } => {
-                // Both sides, so that each mistake is told.
+                // Both sides, so that each mistake is reported.
                 let left = self.constant(constants, left);
                 let right = self.constant(constants, right);
                 let result = fold::binary(*op, &left?, &right?);
@@ -46,26 +46,28 @@ impl Binder<'_> {
             | ExprKind::Call { .. }
             | ExprKind::Dereference(_)
             | ExprKind::Reference(_) => {
-                self.no_constant(value.span, "this is known at run time only");
+                self.no_constant(value.span, "this is only known at run time");
                 None
             }
         }
     }
 
-    /// The bits of a constant as a value of `ty`, zero-extended, by implicit conversion if need be; what does not fit is reported.
+    /// The bits of a constant as a value of `ty`, zero-extended, implicitly converted if needed; reports a value that does not fit.
     ///
-    /// Source: SCL reference, type of a literal. An integer without a type fits every type that holds it, `16#FFFF` also an INT.
+    /// Source: SCL reference, type of a literal. An integer without a type fits every type that can hold it, `16#FFFF` also an INT.
     pub fn constant_bits(&mut self, constant: &Constant, ty: Elementary, span: Span) -> Option<u64> {
         match constant.bits(ty) {
             Ok(bits) => Some(bits),
             Err(problem) => {
                 let name = ty.name();
                 self.report.push(match problem {
-                    Mismatch::Type => {
-                        Diagnostic::new(Code::TypeMismatch, span, format!("{} is no {name}", constant.describe()))
-                            .label(format!("a value of type {name} is wanted"))
-                            .help(format!("write it as {}", value::example(ty)))
-                    }
+                    Mismatch::Type => Diagnostic::new(
+                        Code::TypeMismatch,
+                        span,
+                        format!("{} is not of type {name}", constant.describe()),
+                    )
+                    .label(format!("a value of type {name} is expected here"))
+                    .help(format!("write it as {}", value::example(ty))),
                     Mismatch::Range => {
                         Diagnostic::new(Code::LiteralRange, span, format!("this value does not fit type {name}"))
                             .label("out of range")
@@ -90,13 +92,13 @@ impl Binder<'_> {
         None
     }
 
-    /// A name that is no constant. Nothing may define it (`local`: only the block itself could), or it means something else.
+    /// A name that is not a constant. It may be undefined (`local`: only the block itself could define it), or mean something else.
     fn unknown_constant(&mut self, name: &str, local: bool, span: Span) {
         if local || self.globals.contains_key(&plcc_binding::fold(name)) {
             self.report.push(
-                Diagnostic::new(Code::ConstantRequired, span, format!("`{name}` is no constant of this block"))
-                    .label("a value that is known when the program is compiled must stand here")
-                    .help("declare it before in VAR CONSTANT or CONST, or write the number"),
+                Diagnostic::new(Code::ConstantRequired, span, format!("`{name}` is not a constant of this block"))
+                    .label("a value that is known at compile time is expected here")
+                    .help("declare it first, in VAR CONSTANT or CONST, or write the number"),
             );
             return;
         }
@@ -105,7 +107,7 @@ impl Binder<'_> {
 
     fn no_constant(&mut self, span: Span, why: &str) {
         self.report
-            .push(Diagnostic::new(Code::ConstantRequired, span, "a constant must stand here").label(why.to_string()));
+            .push(Diagnostic::new(Code::ConstantRequired, span, "a constant is expected here").label(why.to_string()));
     }
 
     fn computed(&mut self, result: Result<Constant, Fault>, span: Span) -> Option<Constant> {
@@ -116,14 +118,14 @@ impl Binder<'_> {
         self.report.push(match fault {
             Fault::Overflow => {
                 Diagnostic::new(Code::LiteralRange, span, "the value of this expression is out of range")
-                    .label("the type of the operands does not hold it")
+                    .label("the type of the operands cannot hold it")
             }
             Fault::Zero => {
                 Diagnostic::new(Code::LiteralRange, span, "a division by zero").label("the right operand is 0")
             }
             Fault::Type => {
-                Diagnostic::new(Code::TypeMismatch, span, "this operator does not combine constants of these types")
-                    .label("numbers, bit strings and durations can be computed with")
+                Diagnostic::new(Code::TypeMismatch, span, "this operator cannot combine constants of these types")
+                    .label("only numbers, bit strings and durations are possible")
             }
         });
         None
@@ -146,7 +148,7 @@ impl Binder<'_> {
                     }
                     None => {
                         self.report.push(
-                            Diagnostic::new(Code::TypeMismatch, value.span, "a whole number must stand here")
+                            Diagnostic::new(Code::TypeMismatch, value.span, "an integer is expected here")
                                 .label(format!("this is {}", constant.describe())),
                         );
                         None
@@ -164,9 +166,9 @@ impl Binder<'_> {
                     return None;
                 }
                 self.report.push(
-                    Diagnostic::new(Code::ConstantRequired, *span, format!("`{name}` is no constant"))
-                        .label("a number must stand here")
-                        .help("for an index that changes at run time use a pointer, e.g. `L DBW [AR1,P#0.0]`"),
+                    Diagnostic::new(Code::ConstantRequired, *span, format!("`{name}` is not a constant"))
+                        .label("a number is expected here")
+                        .help("for an index that changes at run time, use a pointer, e.g. `L DBW [AR1,P#0.0]`"),
                 );
                 None
             }
@@ -185,8 +187,10 @@ impl Binder<'_> {
     pub fn bad_initial(&mut self, what: &str, ty: &DataType, problem: Mismatch, span: Span) {
         let name = layout::type_name(ty);
         let message = match problem {
-            Mismatch::Type => Diagnostic::new(Code::InitialValue, span, format!("{what} is no value of type {name}"))
-                .label(format!("the variable is of type {name}")),
+            Mismatch::Type => {
+                Diagnostic::new(Code::InitialValue, span, format!("{what} is not a value of type {name}"))
+                    .label(format!("the variable is of type {name}"))
+            }
             Mismatch::Range => {
                 Diagnostic::new(Code::InitialValue, span, format!("this value does not fit type {name}"))
                     .label("out of range")

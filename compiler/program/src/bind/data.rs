@@ -1,4 +1,4 @@
-//! Data blocks: their layout and their current values; instance DBs that calls name and no source defines.
+//! Data blocks: their layout and their current values; instance DBs that calls name but no source defines.
 
 use std::rc::Rc;
 
@@ -51,20 +51,20 @@ impl Binder<'_> {
         self.generate_instances();
     }
 
-    /// Adds a data block to those that there are; false if they are too much together, which is reported once.
+    /// Adds a data block; false if all of them together are too large, which is reported once.
     fn fits_with_others(&mut self, bytes: u32, span: Span) -> bool {
         let before = self.db_bytes;
         self.db_bytes += u64::from(bytes);
         if before <= ALL_BYTES_MAX && self.db_bytes > ALL_BYTES_MAX {
             self.report.push(
                 Diagnostic::new(Code::LayoutTooLarge, span, "the data blocks are too large together")
-                    .label(format!("with this one they pass {ALL_BYTES_MAX} bytes")),
+                    .label(format!("with this one they exceed {ALL_BYTES_MAX} bytes")),
             );
         }
         self.db_bytes <= ALL_BYTES_MAX
     }
 
-    /// Layout of DB `number`, if it is known.
+    /// Layout of DB `number`, if known.
     pub fn db_type(&self, number: u16) -> Option<Rc<StructType>> {
         self.dbs.get(&number).map(|db| Rc::clone(&db.ty))
     }
@@ -105,7 +105,7 @@ impl Binder<'_> {
                 if !source.values.is_empty() {
                     return None;
                 }
-                // A block without data is complete, as the TIA Portal exports one that nobody filled.
+                // A block without data is complete: the TIA Portal exports an empty data block so.
                 if let Some(message) = self.report.diagnostics.last_mut() {
                     message.severity = Severity::Warning;
                 }
@@ -131,7 +131,7 @@ impl Binder<'_> {
         let name = self.text(source.name.span());
         self.report.push(
             Diagnostic::new(Code::DeclarationSyntax, span, format!("{name} declares no data"))
-                .label("a STRUCT, a UDT, an FB or an SFB is wanted")
+                .label("a STRUCT, a UDT, an FB or an SFB is expected")
                 .help("write `STRUCT ... END_STRUCT ;`, or the name of a UDT or FB"),
         );
     }
@@ -212,7 +212,7 @@ impl Binder<'_> {
         BoundDb { block, ty: typed.ty }
     }
 
-    /// A data block that the source does not name, for constants of a block.
+    /// A data block that the source does not name, for the constants of a block.
     pub fn add_constant_db(&mut self, number: u16, typed: TypedStruct, span: Span) {
         if !self.fits_with_others(typed.ty.bytes, span) {
             return;
@@ -242,7 +242,7 @@ impl Binder<'_> {
         );
     }
 
-    /// STEP 7 makes the instance DB when a call names one that is not there.
+    /// STEP 7 creates the instance DB if a call names one that does not exist.
     fn generate_instances(&mut self) {
         for call in self.instance_calls() {
             let InstanceCall { target, target_span, instance, span } = call;
@@ -319,7 +319,7 @@ impl Binder<'_> {
         calls
     }
 
-    /// The block that an operand names, without a message if it names none.
+    /// The block that an operand names; no message if it names none.
     pub fn named_number(&self, operand: &ast::Operand) -> Option<(BlockPrefix, u16)> {
         let symbol = |name: &str| match self.global(name) {
             Some(SymbolTarget::Block { prefix, number }) => Some((prefix, u16::try_from(number).ok()?)),
@@ -341,7 +341,7 @@ impl Binder<'_> {
     }
 }
 
-/// A DB of length 0 would not be there.
+/// A DB of length 0 would not exist.
 fn at_least_a_word(mut data: Vec<u8>) -> Vec<u8> {
     if data.is_empty() {
         data.resize(2, 0);

@@ -1,4 +1,4 @@
-//! Data types of declarations, with the values that variables of them start with.
+//! Data types of declarations, with the start values of their variables.
 
 use std::rc::Rc;
 
@@ -18,17 +18,17 @@ use plcc_model::layout::{self, BYTES_MAX, Placer};
 use plcc_model::types::{ArrayType, DataType, Elementary, Member, OpenArrayType, ParameterType, StructType};
 use plcc_model::{BlockKey, Interface};
 
-/// Types inside types, at most; STEP 7 allows 8 structures.
+/// Limit of nested types; STEP 7 allows 8 structures.
 const DEPTH_MAX: u32 = 64;
 
-/// A type with the bytes that a variable of it starts with; a BOOL is one byte, 0 or 1.
+/// A type with the start value of its variables, in bytes; a BOOL is one byte, 0 or 1.
 #[derive(Clone, Debug)]
 pub struct Typed {
     pub ty: DataType,
     pub image: Rc<[u8]>,
 }
 
-/// A structure with the bytes it starts with.
+/// A structure with its start value in bytes.
 #[derive(Clone, Debug)]
 pub struct TypedStruct {
     pub ty: Rc<StructType>,
@@ -45,14 +45,14 @@ pub struct Local {
     pub bit: u8,
 }
 
-/// Where declarations stand.
+/// Where declarations are.
 #[derive(Debug, Default)]
 pub struct Scope {
-    /// Of the block, so far.
+    /// Those of the block so far.
     pub constants: Constants,
     /// A block in SCL.
     pub scl: bool,
-    /// Names mean instructions of the TIA Portal first.
+    /// Names mean instructions of the TIA Portal if possible.
     pub tia: bool,
     /// An FB or SFB.
     pub instance: bool,
@@ -70,7 +70,7 @@ pub struct BoundInterface {
     pub locals: FxHashMap<String, Local>,
     /// `VAR CONSTANT` and CONST.
     pub constants: Constants,
-    /// The data block where constants of arrays and structures lie.
+    /// The data block with constants of arrays and structures.
     pub constant_db: Option<u16>,
     pub temp_bytes: u32,
 }
@@ -87,7 +87,7 @@ pub enum Use {
 }
 
 impl Use {
-    /// Where an element or component of a type stands: instances are static data in arrays and structures of SCL, too.
+    /// Where an element or component of a type is: instances are static data, also in arrays and structures of SCL.
     fn inside(self, scl: bool) -> Use {
         match self {
             Use::Static | Use::Parameter(SectionKind::InOut) if scl => Use::Static,
@@ -105,13 +105,13 @@ impl<'a> Binder<'a> {
         typed
     }
 
-    /// Finds out a type; `None` if it is not known, which is reported.
+    /// Determines a type; `None` if it is not known, which is reported.
     pub fn resolve_type(&mut self, ty: &TypeRef, used: Use) -> Option<Typed> {
         if self.depth >= DEPTH_MAX {
             self.report.push(
                 Diagnostic::new(Code::LayoutTooLarge, ty.span, "types are nested too deep")
-                    .label(format!("more than {DEPTH_MAX} types inside each other"))
-                    .help("STEP 7 allows 8 structures inside each other"),
+                    .label(format!("more than {DEPTH_MAX} nested types"))
+                    .help("STEP 7 allows 8 nested structures"),
             );
             return None;
         }
@@ -128,7 +128,7 @@ impl<'a> Binder<'a> {
             TypeKind::String(Some(bound)) => match self.bound(bound)? {
                 length @ 0..=254 => Some(string(length as u8)),
                 _ => {
-                    self.bad_type(ty.span, "a STRING holds up to 254 characters", "this length is not possible");
+                    self.bad_type(ty.span, "a STRING can have up to 254 characters", "this length is not possible");
                     None
                 }
             },
@@ -136,7 +136,7 @@ impl<'a> Binder<'a> {
             TypeKind::WideString(Some(bound)) => match self.bound(bound)? {
                 length @ 0..=16_382 => Some(wide_string(length as u16)),
                 _ => {
-                    self.bad_type(ty.span, "a WSTRING holds up to 16382 characters", "this length is not possible");
+                    self.bad_type(ty.span, "a WSTRING can have up to 16382 characters", "this length is not possible");
                     None
                 }
             },
@@ -164,7 +164,7 @@ impl<'a> Binder<'a> {
         self.report.push(Diagnostic::new(Code::DeclarationSyntax, span, title).label(label));
     }
 
-    /// `ARRAY[*]`: the bounds come with the actual.
+    /// `ARRAY[*]`: the actual determines the bounds.
     fn open_array(&mut self, dimensions: u8, element: &TypeRef, span: Span, used: Use) -> Option<Typed> {
         let allowed = match used {
             Use::Parameter(SectionKind::InOut) => true,
@@ -173,9 +173,9 @@ impl<'a> Binder<'a> {
         };
         if !allowed {
             self.report.push(
-                Diagnostic::new(Code::SectionNotAllowed, span, "ARRAY[*] is a type for parameters")
+                Diagnostic::new(Code::SectionNotAllowed, span, "ARRAY[*] is only possible for parameters")
                     .label("not possible in this declaration")
-                    .help("a function has it in VAR_INPUT, VAR_OUTPUT and VAR_IN_OUT, a function block in VAR_IN_OUT"),
+                    .help("a function can declare it in VAR_INPUT, VAR_OUTPUT and VAR_IN_OUT, a function block in VAR_IN_OUT"),
             );
             return None;
         }
@@ -224,7 +224,7 @@ impl<'a> Binder<'a> {
         };
         if !allowed {
             self.report.push(
-                Diagnostic::new(Code::SectionNotAllowed, span, format!("{word} is a type for parameters"))
+                Diagnostic::new(Code::SectionNotAllowed, span, format!("{word} is only possible for parameters"))
                     .label("not possible in this declaration")
                     .help("declare it in VAR_INPUT; POINTER and ANY also in VAR_IN_OUT and as results, ANY also in VAR_TEMP"),
             );
@@ -272,7 +272,7 @@ impl<'a> Binder<'a> {
     pub fn too_large(&mut self, span: Span, what: &str, bytes: u64) {
         self.report.push(
             Diagnostic::new(Code::LayoutTooLarge, span, format!("{what} is too large"))
-                .label(format!("it takes {bytes} bytes; {BYTES_MAX} are possible")),
+                .label(format!("it needs {bytes} bytes; {BYTES_MAX} are possible")),
         );
     }
 
@@ -308,9 +308,9 @@ impl<'a> Binder<'a> {
                         Diagnostic::new(
                             Code::SectionNotAllowed,
                             span,
-                            format!("an instance of {key} cannot stand here"),
+                            format!("an instance of {key} is not possible here"),
                         )
-                        .label("instances are static data of a function block")
+                        .label("only static data of a function block can be an instance")
                         .help("declare it in VAR of a FUNCTION_BLOCK"),
                     );
                     return None;
@@ -319,15 +319,15 @@ impl<'a> Binder<'a> {
                 if bound.interface.code_version1 {
                     self.report.push(
                         Diagnostic::new(Code::SectionNotAllowed, span, format!("{key} cannot be a multi-instance"))
-                            .label("its source says CODE_VERSION1")
-                            .help(format!("remove CODE_VERSION1 from {key}, or call it with a DB of its own")),
+                            .label("its source has the attribute CODE_VERSION1")
+                            .help(format!("remove CODE_VERSION1 from {key}, or call it with its own DB")),
                     );
                 }
                 if used == Use::Static && self.is_portal_chart(key) {
                     self.report.push(
                         Diagnostic::new(Code::ChartInstance, span, format!("{key} cannot be a multi-instance"))
                             .label("a block in GRAPH of the TIA Portal")
-                            .help("call it with an instance DB of its own"),
+                            .help("call it with its own instance DB"),
                     );
                 }
                 let instance = bound.instance.clone()?;
@@ -335,8 +335,8 @@ impl<'a> Binder<'a> {
             }
             _ => {
                 self.report.push(
-                    Diagnostic::new(Code::UnknownType, span, "this block is no data type")
-                        .label("a UDT, or in VAR of a function block an FB or SFB, is wanted"),
+                    Diagnostic::new(Code::UnknownType, span, "this block is not a data type")
+                        .label("a UDT is expected; in VAR of a function block also an FB or SFB"),
                 );
                 None
             }
@@ -383,7 +383,7 @@ impl<'a> Binder<'a> {
         typed
     }
 
-    /// Where components of data blocks and UDTs stand.
+    /// Where components of data blocks and UDTs are.
     pub fn data_scope(&self) -> Scope {
         Scope { tia: self.tia_sources, ..Scope::default() }
     }
@@ -391,12 +391,12 @@ impl<'a> Binder<'a> {
     pub fn recursive(&mut self, name: &str, span: Span) {
         self.report.push(
             Diagnostic::new(Code::RecursiveType, span, format!("{name} contains itself"))
-                .label("this component closes the circle")
-                .help("a structure can only contain types that do not contain it"),
+                .label("this component closes the loop")
+                .help("a structure must not contain itself, not even through other types"),
         );
     }
 
-    /// Lays out the components of a structure. A component of unknown type takes no place.
+    /// Lays out the components of a structure. A component of unknown type has no size.
     pub fn structure(
         &mut self,
         name: String,
@@ -411,7 +411,7 @@ impl<'a> Binder<'a> {
             if let Some((_, span)) = variable.at {
                 self.report.push(
                     Diagnostic::new(Code::SectionNotAllowed, span, "a component of a structure cannot be a view")
-                        .label("AT is for variables of a block")
+                        .label("AT is only possible for variables of a block")
                         .help("declare the view in a VAR section, over the whole structure"),
                 );
                 continue;
@@ -446,10 +446,10 @@ impl<'a> Binder<'a> {
 
     pub fn declare_name(&mut self, names: &mut FxHashMap<String, Span>, name: &str, span: Span) {
         if let Some(first) = names.insert(fold(name), span) {
-            // What a language declares by itself stands behind everything that the source declares.
+            // Declarations that a language adds come after everything that the source declares.
             if span.file == SYSTEM_FILE && first.file != SYSTEM_FILE {
                 self.report.push(
-                    Diagnostic::new(Code::DuplicateName, first, format!("`{name}` is a name of GRAPH in this block"))
+                    Diagnostic::new(Code::DuplicateName, first, format!("GRAPH uses the name `{name}` in this block"))
                         .label("the chart keeps its own data under this name")
                         .help("give the variable another name"),
                 );
@@ -464,7 +464,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// Applies the initial value of a declaration. An unknown type becomes VOID, which stands for it from here on.
+    /// Applies the initial value of a declaration. An unknown type becomes VOID, which represents it from here on.
     pub fn with_initial(&mut self, typed: Option<Typed>, variable: &ast::Variable) -> Typed {
         let Some(mut typed) = typed else {
             return Typed { ty: DataType::Void, image: Rc::from([]) };
@@ -492,7 +492,7 @@ impl<'a> Binder<'a> {
     }
 }
 
-/// Components one after the other, with the bytes they start with.
+/// Consecutive components, with their start values in bytes.
 #[derive(Default)]
 pub struct StructBuilder {
     pub placer: Placer,
@@ -519,7 +519,7 @@ impl StructBuilder {
     }
 }
 
-/// Writes the bytes of a variable of `ty` at its place.
+/// Writes the bytes of a variable of `ty` at its address.
 pub fn put(image: &mut [u8], byte: u32, bit: u8, ty: &DataType, bytes: &[u8]) {
     let at = byte as usize;
     if *ty == DataType::Elementary(Elementary::Bool) {
@@ -574,11 +574,11 @@ pub fn is_tia(input: &super::BindInput) -> bool {
         })
 }
 
-/// The form of SCL that a block shows; none for other languages.
+/// The form of SCL that a block has; none for other languages.
 pub fn dialect(block: &ast::CodeBlock) -> Option<Dialect> {
     match &block.code {
         ast::Code::Scl(body) => Some(body.dialect),
-        // The files that hold networks are those of the TIA Portal, and of tools that came after it.
+        // Files that contain networks are those of the TIA Portal, and of later tools.
         ast::Code::Graphic(_) => Some(Dialect::Tia),
         ast::Code::Chart(body) => Some(match body.dialect {
             chart::Dialect::Classic => Dialect::Classic,
@@ -588,7 +588,7 @@ pub fn dialect(block: &ast::CodeBlock) -> Option<Dialect> {
     }
 }
 
-/// The CPU is one that only the TIA Portal programs.
+/// Only the TIA Portal can program this CPU.
 pub fn portal_cpu(input: &super::BindInput) -> bool {
     matches!(input.profile.family, Family::S71200 | Family::S71500)
 }

@@ -1,4 +1,4 @@
-//! The family that exports imply which name no CPU: what they hold belongs to some families only.
+//! The family that is implied by exports that name no CPU: some of their contents only exist in some families.
 //!
 //! Decision 30 says what a source of the TIA Portal without a CPU follows.
 
@@ -12,7 +12,7 @@ use super::{hardware, mentions};
 /// Names of the CPU's objects of an S7-1200.
 const OF_S7_1200: [&str; 2] = ["local~hsc_", "local~pulse_"];
 
-/// The family; `None`: the sources run on any.
+/// The family; `None`: the sources run on any family.
 pub fn implied_family(units: &[(FileId, SourceUnit)]) -> Option<Family> {
     let blocks = || units.iter().flat_map(|(_, unit)| &unit.blocks);
     let mut of_s7_1200 = false;
@@ -34,7 +34,7 @@ pub fn implied_family(units: &[(FileId, SourceUnit)]) -> Option<Family> {
     if of_s7_1200 && !has_stl {
         return Some(Family::S71200);
     }
-    // Only files that are read by an overlay are exports: they say of each block whether its access is optimised.
+    // Only files read with an overlay are exports: they state for each block whether its access is optimised.
     let exported = units.iter().filter(|(_, unit)| unit.overlay.is_some()).flat_map(|(_, unit)| &unit.blocks);
     let optimized = exported.map(|block| match block {
         ast::Block::Code(code) => &code.header,

@@ -1,6 +1,6 @@
 //! System constants of an S7-1200/1500: hardware identifiers, events of hardware interrupts, numbers of organization blocks.
 //!
-//! And the access to blocks: optimised ones have no addresses.
+//! Also the access to blocks: those with optimised access have no addresses.
 //!
 //! Source: LAD/FBD reference for S7-1200, data types HW_*, EVENT_* and OB_*; optimised and standard access.
 
@@ -15,10 +15,10 @@ use plcc_model::profile;
 use plcc_model::types::Elementary;
 use plcc_syntax::symbols::SymbolTarget;
 
-/// Attributes that say whether a block has optimised access: of sources, of SD documents.
+/// Attributes that state whether a block has optimised access: in sources, in SD documents.
 const OPTIMIZED_ATTRIBUTES: [&str; 2] = ["S7_Optimized_Access", "S7_Optimized"];
 
-/// The block says that it has optimised access.
+/// The block has optimised access by its attributes.
 pub(super) fn is_optimized(header: &ast::Header) -> bool {
     header.attributes.iter().any(|(name, value)| {
         OPTIMIZED_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name))
@@ -42,7 +42,7 @@ impl Binder<'_> {
         let Some((what, number, count)) = found else { return false };
         let cpu = self.input.profile.name.clone();
         let help = match count {
-            0 => format!("{what}s belong to CPUs of the S7-1200; name one with --cpu or in plc.toml"),
+            0 => format!("only CPUs of the S7-1200 have {what}s; name one with --cpu or in plc.toml"),
             _ => format!("it has {what}s 1 to {count}"),
         };
         let title = format!("the CPU {cpu} has no {what} {number}");
@@ -51,7 +51,7 @@ impl Binder<'_> {
         true
     }
 
-    /// Reports an address in a data block with optimised access; `None`: it has none.
+    /// Reports an address in a data block with optimised access; `None`: no optimised access.
     pub fn check_absolute_access(&mut self, number: u16, span: Span) -> Option<()> {
         let Some(data) = self.data.get(&number).copied() else { return Some(()) };
         if !self.input.profile.family.is_portal() || !is_optimized(&data.header) {
@@ -66,7 +66,7 @@ impl Binder<'_> {
             )
             .label(format!("DB {number} has no addresses"))
             .also(declared, "`S7_Optimized_Access` is TRUE here")
-            .help("write the name of the component, or switch the optimised access of the data block off"),
+            .help("write the name of the component, or switch off the optimised access of the data block"),
         );
         None
     }
@@ -80,10 +80,10 @@ impl Binder<'_> {
             return;
         }
         self.report.push(
-            Diagnostic::new(Code::SectionNotAllowed, at, "a block with optimised access has no views")
+            Diagnostic::new(Code::SectionNotAllowed, at, "a block with optimised access cannot have views")
                 .label("AT needs addresses")
                 .also(block.name.span(), "`S7_Optimized_Access` is TRUE for this block")
-                .help("switch the optimised access of the block off, or use slices such as `.%B0`"),
+                .help("switch off the optimised access of the block, or use slices such as `.%B0`"),
         );
     }
 

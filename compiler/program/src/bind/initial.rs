@@ -1,4 +1,4 @@
-//! Initial values of declarations and values behind BEGIN: lists, structures, single constants, into the bytes of a variable.
+//! Initial values of declarations and values after BEGIN: lists, structures, single constants, into the bytes of a variable.
 //!
 //! Source: STL reference, declarations and data blocks; SCL reference, declarations.
 
@@ -22,7 +22,7 @@ impl Binder<'_> {
         self.encode(value, ty, image, byte, bit);
     }
 
-    /// `None` if something was wrong, which is reported.
+    /// `None` after a message.
     fn encode(&mut self, value: &InitialValue, ty: &DataType, image: &mut [u8], byte: u32, bit: u8) -> Option<()> {
         match (&value.kind, ty) {
             (_, DataType::Void) | (InitialKind::Default, _) => Some(()),
@@ -75,7 +75,7 @@ impl Binder<'_> {
                     Diagnostic::new(
                         Code::InitialValue,
                         value.span,
-                        "a list of values stands where one value is wanted",
+                        "this is a list of values, but one value is expected",
                     )
                     .label(format!("the variable is of type {}", layout::type_name(ty)))
                     .help("write one constant; lists and repetition factors are for arrays"),
@@ -124,7 +124,7 @@ impl Binder<'_> {
                 ParameterType::Any | ParameterType::Variant => "P#M 10.0 BYTE 4",
             };
             self.report.push(
-                Diagnostic::new(Code::InitialValue, span, format!("this is no value of type {name}"))
+                Diagnostic::new(Code::InitialValue, span, format!("this is not a value of type {name}"))
                     .label(format!("the parameter is of type {name}"))
                     .help(format!("write it as `{example}`")),
             );
@@ -174,7 +174,7 @@ impl Binder<'_> {
         Some(Some(number.to_be_bytes().to_vec()))
     }
 
-    /// The value of one element, whose indices count through arrays in arrays.
+    /// The value of one element, with indices that count through nested arrays.
     fn encode_element(
         &mut self,
         path: &[i64],
@@ -188,7 +188,7 @@ impl Binder<'_> {
         }
         let wrong = |binder: &mut Self| {
             let shown = path.iter().map(i64::to_string).collect::<Vec<_>>().join(", ");
-            let title = format!("the start value of the element [{shown}] fits no element");
+            let title = format!("the start value of the element [{shown}] does not fit any element");
             let message = Diagnostic::new(Code::InitialValue, value.span, title);
             let help = "correct the bounds of the array, or export the block again";
             binder.report.push(message.label(format!("the type is {}", layout::type_name(ty))).help(help));
@@ -233,7 +233,7 @@ impl Binder<'_> {
         self.encode_run(values, array, image, byte, &mut next)
     }
 
-    /// Values of elements from number `next` on. Elements of arrays in arrays are counted through.
+    /// Values of elements, beginning with number `next`. Elements of nested arrays are counted through.
     fn encode_run(
         &mut self,
         values: &[InitialValue],
@@ -255,7 +255,7 @@ impl Binder<'_> {
                     let times = self.bound(&times)?;
                     self.encode_repeated(times, &group, value.span, array, image, byte, next)?;
                 }
-                // A bracket of its own for each array in an array; else it only groups.
+                // Each nested array has its own bracket; other brackets only group.
                 InitialKind::List(_) | InitialKind::Fields(_) if matches!(array.element, DataType::Array(_)) => {
                     let element = next.div_ceil(inner.max(1));
                     if element >= count {
@@ -274,10 +274,10 @@ impl Binder<'_> {
                         Diagnostic::new(
                             Code::InitialValue,
                             value.span,
-                            "an array of structures takes no list of values",
+                            "an array of structures cannot have a list of values",
                         )
                         .label("not possible here")
-                        .help("give the components their values in the structure or behind BEGIN"),
+                        .help("give the components their values in the structure or after BEGIN"),
                     );
                     return None;
                 }
@@ -325,7 +325,7 @@ impl Binder<'_> {
         Some(())
     }
 
-    /// `(a := 1, b := 2)` by name, `(1, 2)` in order. Components that are left out keep their values.
+    /// `(a := 1, b := 2)` by name, `(1, 2)` in order. Omitted components keep their values.
     fn encode_fields(
         &mut self,
         fields: &[(Option<Name>, InitialValue)],
@@ -362,12 +362,12 @@ impl Binder<'_> {
     fn surplus(&mut self, span: Span) {
         self.report.push(
             Diagnostic::new(Code::InitialValue, span, "more values than the array has elements")
-                .label("this one has no element any more")
+                .label("there is no element left for this one")
                 .help("remove values or make the array larger"),
         );
     }
 
-    /// A constant of STL, which must be written as its type wants it; types that STL does not have are less strict.
+    /// A constant of STL, which must be written as its type requires; types that STL does not have are less strict.
     fn encode_literal(
         &mut self,
         literal: &Literal,
@@ -481,7 +481,7 @@ fn repetition(value: &Expr) -> Option<(Bound, Vec<InitialValue>)> {
     Some((Bound::Expr(callee.clone()), values))
 }
 
-/// Elements of a type, those of arrays in arrays counted through.
+/// Elements of a type, those of nested arrays counted through.
 fn leaves(ty: &DataType) -> u64 {
     match ty {
         DataType::Array(array) => layout::element_count(&array.bounds).saturating_mul(leaves(&array.element)),
@@ -489,7 +489,7 @@ fn leaves(ty: &DataType) -> u64 {
     }
 }
 
-/// Place and type of element `number`, counted through.
+/// Place and type of element `number`, counted through nested arrays.
 fn leaf(array: &ArrayType, number: u64) -> (u32, u8, DataType) {
     let inner = leaves(&array.element).max(1);
     let (byte, bit) = layout::element_place(array, number / inner);

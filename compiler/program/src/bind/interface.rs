@@ -1,4 +1,4 @@
-//! Interfaces of blocks: parameters, static and temporary data with their places.
+//! Interfaces of blocks: parameters, static and temporary data with their addresses.
 
 use std::rc::Rc;
 
@@ -93,7 +93,7 @@ impl<'a> Binder<'a> {
         Some(bound)
     }
 
-    /// `VAR CONSTANT` and CONST. Each can use those before it.
+    /// `VAR CONSTANT` and CONST. Each can use the ones before it.
     fn constants(&mut self, block: &ast::CodeBlock, bound: &mut BoundInterface, names: &mut FxHashMap<String, Span>) {
         let mut data = StructBuilder::default();
         for constant in &block.constants {
@@ -123,7 +123,7 @@ impl<'a> Binder<'a> {
         self.constant_block(block, bound, data);
     }
 
-    /// A constant of an array or structure is a variable of a data block that nobody writes.
+    /// A constant array or structure is a variable in a data block that nobody writes.
     fn constant_data(
         &mut self,
         constant: &ast::Constant,
@@ -141,7 +141,7 @@ impl<'a> Binder<'a> {
         bound.locals.entry(fold(&name)).or_insert(Local { name, ty: ty.ty, base: Base::Db(0), byte, bit });
     }
 
-    /// The data block of the constants that lie in memory, with the highest free number.
+    /// The data block for constants in memory, with the highest free number.
     fn constant_block(&mut self, block: &ast::CodeBlock, bound: &mut BoundInterface, data: StructBuilder) {
         let span = block.name.span();
         if bound.locals.is_empty() {
@@ -159,7 +159,7 @@ impl<'a> Binder<'a> {
         self.add_constant_db(number, typed, span);
     }
 
-    /// `VAR CONSTANT x : Int; END_VAR`: what a variable of the type begins with.
+    /// `VAR CONSTANT x : Int; END_VAR`: the start value of a variable of the type.
     fn constant_without_value(&mut self, ty: &Typed, constant: &ast::Constant) -> Option<Constant> {
         match &ty.ty {
             DataType::Elementary(elementary) => {
@@ -270,7 +270,7 @@ impl<'a> Binder<'a> {
                 } else {
                     self.with_initial(typed, variable)
                 };
-                // The bounds of an ARRAY[*] lie behind its POINTER.
+                // The bounds of an ARRAY[*] are after its POINTER.
                 let stored = if pointer && !open {
                     Typed { ty: DataType::Parameter(ParameterType::Pointer), image: Rc::from([0u8; 6]) }
                 } else {
@@ -326,7 +326,7 @@ impl<'a> Binder<'a> {
             }
             for variable in variables(block, kind).filter(|variable| variable.at.is_none()) {
                 self.declare_name(names, &variable.name, variable.name_span);
-                self.ignored_initial(variable, "a function has no memory of its own, so the value has no effect");
+                self.ignored_initial(variable, "a function has no static data, so the value has no effect");
                 let ty = self.variable_type(variable, Use::Parameter(kind)).map_or(DataType::Void, |typed| typed.ty);
                 let direction = direction(kind).expect("the three sections of this loop are parameters");
                 add_parameter(bound, &mut placer, variable.name.clone(), direction, ty);
@@ -391,9 +391,13 @@ impl<'a> Binder<'a> {
             let name = profile.name.clone();
             let limit = profile.local_data;
             self.report.push(
-                Diagnostic::new(code, block.name.span(), "the temporary data of this block is more than the CPU has")
-                    .label(format!("{bytes} bytes; the profile {name} has {limit} bytes of local data"))
-                    .help("move data to a data block, or name a larger CPU with --cpu"),
+                Diagnostic::new(
+                    code,
+                    block.name.span(),
+                    "the temporary data of this block is more than the CPU has room for",
+                )
+                .label(format!("{bytes} bytes; the profile {name} has {limit} bytes of local data"))
+                .help("move data to a data block, or name a larger CPU with --cpu"),
             );
         }
         if key.kind == BlockKind::Ob {
@@ -401,7 +405,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// `b AT a : TYPE`: the place of `a`, seen as another type.
+    /// `b AT a : TYPE`: the address of `a` with another type.
     fn overlays(&mut self, block: &ast::CodeBlock, bound: &mut BoundInterface, names: &mut FxHashMap<String, Span>) {
         for section in &block.sections {
             for variable in &section.variables {
@@ -411,12 +415,12 @@ impl<'a> Binder<'a> {
                 let Some(under) = bound.locals.get(&fold(base)).cloned() else {
                     self.report.push(
                         Diagnostic::new(Code::UnknownLocal, *span, format!("`{base}` is not declared"))
-                            .label("AT names a variable of this block that is declared before"),
+                            .label("AT names a variable of this block that is declared before it"),
                     );
                     continue;
                 };
-                self.no_initial(variable, "it lies where the other variable lies");
-                // An ANY may be the view of a structure that its parts are written to.
+                self.no_initial(variable, "it is at the address of the other variable");
+                // An ANY may be a view of a structure whose parts are written.
                 let any = matches!(&variable.ty.kind, TypeKind::Named(word) if word == "ANY");
                 let used = if any { Use::Temp } else { Use::Component };
                 let ty = self.variable_type(variable, used).map_or(DataType::Void, |typed| typed.ty);
@@ -428,7 +432,7 @@ impl<'a> Binder<'a> {
 }
 
 impl Binder<'_> {
-    /// A view lies within the variable that it shows. Source: SCL reference, AT views.
+    /// A view is within the variable that it shows. Source: SCL reference, AT views.
     fn check_view(&mut self, variable: &ast::Variable, ty: &DataType, base: &str, under: &DataType) {
         if matches!(ty, DataType::Void) || matches!(under, DataType::Void) {
             return;
@@ -436,7 +440,7 @@ impl Binder<'_> {
         if matches!(under, DataType::OpenArray(_)) {
             self.report.push(
                 Diagnostic::new(Code::WidthMismatch, variable.ty.span, format!("`{base}` cannot have a view"))
-                    .label("how long an ARRAY[*] is, is known at run time only"),
+                    .label("the length of an ARRAY[*] is only known at run time"),
             );
             return;
         }
@@ -451,18 +455,18 @@ impl Binder<'_> {
                     format!("`{}` is longer than `{base}`", variable.name),
                 )
                 .label(format!("{} over {}", size(view), size(target)))
-                .help("a view shows the bytes of its variable and no more"),
+                .help("a view can only show the bytes of its variable"),
             );
         }
     }
 
-    /// TEMP has no initial values; sources of the TIA Portal may hold some, which do nothing.
+    /// TEMP has no initial values; sources of the TIA Portal may have some, which have no effect.
     fn no_temporary_initial(&mut self, variable: &ast::Variable) {
-        let why = "temporary data begins anew at each call";
+        let why = "temporary data starts again with each call";
         if self.scope.tia { self.ignored_initial(variable, why) } else { self.no_initial(variable, why) }
     }
 
-    /// An initial value that does nothing, and that programs which run on CPUs have all the same.
+    /// An initial value without effect, as programs that run on CPUs may have it.
     pub fn ignored_initial(&mut self, variable: &ast::Variable, why: &str) {
         let before = self.report.diagnostics.len();
         self.no_initial(variable, why);
@@ -493,7 +497,7 @@ fn add_parameter(bound: &mut BoundInterface, placer: &mut Placer, name: String, 
     let index = bound.interface.parameters.len();
     let local = Local { name: name.clone(), ty: ty.clone(), base: Base::Parameter(index), byte: 0, bit: 0 };
     bound.locals.entry(fold(&name)).or_insert(local);
-    // A parameter of unknown type keeps its place in the list; the call is not checked against it.
+    // A parameter of unknown type keeps its position in the list; the call does not check it.
     let passing = passing(&ty).unwrap_or(Passing::Complex { bytes: 0 });
     bound.interface.parameters.push(Parameter { name, direction, ty, byte, bit, passing });
 }
@@ -531,7 +535,7 @@ fn passing(ty: &DataType) -> Option<Passing> {
     }
 }
 
-/// Of several values.
+/// A type with several values.
 const fn is_composite(ty: &DataType) -> bool {
     matches!(ty, DataType::Array(_) | DataType::Struct(_))
 }

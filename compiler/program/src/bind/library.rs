@@ -1,9 +1,9 @@
-//! Blocks of the standard library: which names and numbers mean them, and their joining the program.
+//! Blocks of the standard library: which names and numbers mean them, and how they become part of the program.
 //!
-//! SFCs and SFBs belong to the CPU. FCs and FBs of libraries have the numbers of STEP 7 V5, and a block of the program always comes
-//! first: an FC or FB that no source defines is taken from the library if its symbol is a standard name, or if it has no symbol and
-//! its number is a standard one. Where the program has its own block by the number of a library block, the latter answers to its
-//! name alone and has another number in the compiled program.
+//! SFCs and SFBs belong to the CPU. FCs and FBs of libraries have the numbers of STEP 7 V5, and a block of the program always has
+//! priority: an FC or FB that no source defines is taken from the library if its symbol is a standard name, or if it has no symbol and
+//! its number is a standard one. If the program has its own block with the number of a library block, the latter is only found by its
+//! name and has another number in the compiled program.
 
 use std::rc::Rc;
 
@@ -40,7 +40,7 @@ const fn kind_of(class: BlockClass) -> BlockKind {
 }
 
 impl Binder<'_> {
-    /// Gives blocks of libraries other numbers where the program uses theirs for blocks of its own. `used`: numbers that are taken.
+    /// Gives library blocks other numbers if the program uses theirs for its own blocks. `used`: numbers that are taken.
     pub fn move_library(&mut self, used: &FxHashSet<(BlockPrefix, u32)>) {
         let mut free = u32::from(u16::MAX);
         for block in plcc_stdlib::blocks() {
@@ -62,7 +62,7 @@ impl Binder<'_> {
         }
     }
 
-    /// With `partial`: finds blocks of the library that the program does not mean, since it calls them with other parameters.
+    /// With `partial`: finds library blocks that the program does not mean, because it calls them with other parameters.
     pub fn find_foreign(&mut self) {
         if !self.input.partial {
             return;
@@ -115,12 +115,12 @@ impl Binder<'_> {
         }
     }
 
-    /// Whether the program means a block of its own by the name and number of this one: see [`Self::find_foreign`].
+    /// Whether the program means its own block with the name and number of this one: see [`Self::find_foreign`].
     pub fn is_foreign(&self, block: &SystemBlock) -> bool {
         self.foreign.contains(&(block.class, block.number))
     }
 
-    /// Kind and number of a block of the library in this program.
+    /// Kind and number of a library block in this program.
     pub fn library_key(&self, block: &SystemBlock) -> BlockKey {
         let moved = self.moved.iter().find(|(_, other)| (other.class, other.number) == (block.class, block.number));
         match moved {
@@ -129,7 +129,7 @@ impl Binder<'_> {
         }
     }
 
-    /// The block of the library that stands for `key`, if the program itself does not define it.
+    /// The library block for `key`, if the program itself does not define it.
     pub fn library_block(&self, key: BlockKey) -> Option<&'static SystemBlock> {
         let class = class_of(key.kind)?;
         if self.foreign.contains(&(class, key.number)) {
@@ -155,14 +155,14 @@ impl Binder<'_> {
         matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb) || self.library_block(key).is_some()
     }
 
-    /// A block called by letters and number. Instructions of the TIA Portal have no number.
+    /// A block called by prefix and number. Instructions of the TIA Portal have no number.
     pub fn numbered_block(&mut self, prefix: BlockPrefix, number: u16, span: Span) -> Option<(BlockPrefix, u16)> {
         let system = matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb);
         if system && number >= plcc_stdlib::TIA_NUMBERS && span.file != SYSTEM_FILE {
             self.report.missing_block(prefix, number, span);
             return None;
         }
-        // A block of the library means those of the library.
+        // A library block means those of the library.
         let class = match prefix {
             BlockPrefix::Fc if span.file == SYSTEM_FILE => BlockClass::Fc,
             BlockPrefix::Fb if span.file == SYSTEM_FILE => BlockClass::Fb,
@@ -172,7 +172,7 @@ impl Binder<'_> {
         Some((prefix, number))
     }
 
-    /// A piece of advice, with the words that a block came from the library if the program may mean one of its own.
+    /// The help, plus a note that a block came from the library if the program may mean its own.
     pub fn with_library_note(&self, key: BlockKey, help: String) -> String {
         match self.library_block(key).filter(|_| matches!(key.kind, BlockKind::Fc | BlockKind::Fb)) {
             Some(block) => {
@@ -182,8 +182,8 @@ impl Binder<'_> {
         }
     }
 
-    /// Whether a call of `key` cannot mean the block of the library: a part of a program (`partial`) calls a block of its own that has the name or
-    /// number of that one, and other parameters. The block is then noted as missing. `names`: those that the call gives.
+    /// Whether a call of `key` cannot mean the library block: part of a program (`partial`) calls its own block with the same name or
+    /// number, but other parameters. The block is then noted as missing. `names`: the parameters of the call.
     pub fn is_own_of_program<'n>(
         &mut self,
         key: BlockKey,
@@ -214,7 +214,7 @@ impl Binder<'_> {
         true
     }
 
-    /// Notes the use of a block of the library; false if it is not there, which is reported.
+    /// Notes the use of a library block; false if it does not exist, which is reported.
     pub fn use_system(&mut self, key: BlockKey, span: Span) -> bool {
         if self.system_used.contains(&key) {
             return true;
@@ -229,7 +229,7 @@ impl Binder<'_> {
             return false;
         }
         let code = parsed(block);
-        // What a block of the library uses belongs to a place of the program, too.
+        // Blocks that a library block uses also have a position in the program.
         let span = match self.system.last() {
             Some(last) if span.file == SYSTEM_FILE => last.span,
             _ => span,
@@ -268,5 +268,5 @@ fn parsed(block: &SystemBlock) -> ast::CodeBlock {
         ast::Block::Code(code) => Some(code),
         ast::Block::Data(_) | ast::Block::Type(_) => None,
     });
-    code.expect("each source of the standard library holds one block, as its tests check")
+    code.expect("each source of the standard library has one block, as its tests check")
 }

@@ -1,4 +1,4 @@
-//! What the text of a block mentions: numbers of blocks, so that no block without a number takes one of them, and instance
+//! Which numbers of blocks the text of a block mentions, so that no block without a number gets one of them, and which instance
 //! data blocks of calls.
 
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, Code, OperandKind, StatementKind, TypeKind, TypeRef};
@@ -110,7 +110,7 @@ fn scl_number(value: &scl::Expr, numbers: &mut Vec<(BlockPrefix, u32)>) {
     }
 }
 
-/// Calls of a function block with a data block behind it, `FB10.DB20(…)`, `"Fb"."Db"(…)`: both names.
+/// Calls of a function block followed by a data block, `FB10.DB20(…)`, `"Fb"."Db"(…)`: both names.
 pub fn instance_calls(code: &Code) -> Vec<(scl::Name, scl::Name)> {
     let mut found = Vec::new();
     if let Code::Graphic(body) = code {
@@ -142,13 +142,13 @@ pub fn instance_calls(code: &Code) -> Vec<(scl::Name, scl::Name)> {
     found
 }
 
-/// What a call names.
+/// The names in a call.
 pub enum Called {
     Number(BlockPrefix, u32),
     Name(String),
 }
 
-/// A call of a block, with the names of the parameters that it gives.
+/// A call of a block, with the names of its parameters.
 pub struct CallOfBlock {
     pub target: Called,
     pub formals: Vec<String>,
@@ -156,7 +156,7 @@ pub struct CallOfBlock {
     pub by_place: bool,
 }
 
-/// Calls of blocks by number or name, in all languages. Of a block called with an instance it is the block.
+/// Calls of blocks by number or name, in all languages. If it is called with an instance, the block.
 pub fn calls_of_blocks(code: &Code, found: &mut Vec<CallOfBlock>) {
     let lists: Vec<&ast::Statement> = match code {
         Code::Stl(networks) => networks.iter().flat_map(|network| &network.statements).collect(),
@@ -227,7 +227,7 @@ fn called(callee: &scl::Expr) -> Option<Called> {
         scl::ExprKind::Name(name) => match (written_number(&name.text), name.form) {
             (Some((prefix, number)), scl::NameForm::Bare) => Some(Called::Number(prefix, number)),
             (_, scl::NameForm::Quoted) => Some(Called::Name(name.text.clone())),
-            // A word may be a function of the language, whose pins differ by dialect.
+            // A word may be a function of the language, with pins that differ by dialect.
             (None, scl::NameForm::Bare) | (_, scl::NameForm::Local) => None,
         },
         scl::ExprKind::Absolute(OperandKind::Block(BlockName::Numbered { prefix, number, .. })) => {
@@ -237,7 +237,7 @@ fn called(callee: &scl::Expr) -> Option<Called> {
     }
 }
 
-/// Goes through all expressions of a block in SCL, LAD, FBD or GRAPH, their parts included.
+/// Goes through all expressions of a block in SCL, LAD, FBD or GRAPH, including their parts.
 pub fn expressions(code: &Code, visit: &mut dyn FnMut(&scl::Expr)) {
     match code {
         Code::Stl(_) => {}
@@ -263,7 +263,7 @@ fn chart_expressions(chart: &chart::Body, visit: &mut dyn FnMut(&scl::Expr)) {
     of_steps.chain(of_transitions).for_each(|condition| condition_expressions(condition, visit));
 }
 
-/// Goes through all expressions of a condition in a chart, their parts included.
+/// Goes through all expressions of a condition in a chart, including their parts.
 pub fn condition_expressions(condition: &chart::Condition, visit: &mut dyn FnMut(&scl::Expr)) {
     match condition {
         chart::Condition::Expression(value) => expression(value, visit),
@@ -272,7 +272,7 @@ pub fn condition_expressions(condition: &chart::Condition, visit: &mut dyn FnMut
     }
 }
 
-/// Goes through all expressions of a row of actions, their parts included.
+/// Goes through all expressions of a row of actions, including their parts.
 pub fn action_expressions(action: &chart::Action, visit: &mut dyn FnMut(&scl::Expr)) {
     match &action.body {
         chart::ActionBody::Operand(operand) => expression(operand, visit),
@@ -286,7 +286,7 @@ pub fn action_expressions(action: &chart::Action, visit: &mut dyn FnMut(&scl::Ex
     }
 }
 
-/// Goes through all expressions of a permanent instruction, their parts included.
+/// Goes through all expressions of a permanent instruction, including their parts.
 pub fn permanent_expressions(permanent: &chart::Permanent, visit: &mut dyn FnMut(&scl::Expr)) {
     match &permanent.kind {
         chart::PermanentKind::Coil { operand, value, .. } => {

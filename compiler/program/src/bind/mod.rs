@@ -1,20 +1,19 @@
 //! Binding: syntax trees and symbol tables in, the bound program out.
 //!
 //! 1. [`names`] reads the tables and numbers the blocks of all sources, so that order does not matter.
-//! 2. [`declare`] lays out types, [`interface`] the interfaces of blocks, each when it is first wanted; [`data`] makes the data blocks.
+//! 2. [`declare`] lays out types, [`interface`] the interfaces of blocks, each when first needed; [`data`] makes the data blocks.
 //! 3. [`body`] binds statements: [`path`] turns names into places, [`operand`] checks operands against the instruction table,
-//!    [`call`] and [`actual`] check calls, [`pragma`] binds assertions, [`assertion`] compares by types. That is STL; [`scl`] does the same for SCL.
-//! 4. Blocks of the [`library`] join when something uses them.
+//!    [`call`] and [`actual`] check calls, [`pragma`] binds assertions, [`assertion`] compares by type. That is STL; [`scl`] does the same for SCL.
+//! 4. Blocks of the [`library`] are added when something uses them.
 //!
-//! [`constant`] computes constants of all languages; [`catalog`] prints the reference of the library.
+//! [`constant`] computes constants of all languages; [`library_reference`] prints the reference of the library.
 //!
-//! With errors the program is incomplete and must not be lowered; the same holds for `partial` runs with warnings about
+//! With errors the program is incomplete and must not be lowered; the same applies to `partial` runs with warnings about
 //! undefined names.
 
 mod actual;
 mod body;
 mod call;
-mod catalog;
 mod chart;
 mod constant;
 mod data;
@@ -24,6 +23,7 @@ mod hardware;
 mod initial;
 mod interface;
 mod library;
+mod library_reference;
 mod mentions;
 mod move_call;
 mod names;
@@ -56,10 +56,10 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, Width};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-pub use catalog::standard_library;
 pub use chart::reference as graph_reference;
 use declare::{BoundInterface, Scope, Typed, TypedStruct};
 pub use family::implied_family;
+pub use library_reference::standard_library;
 use names::Global;
 pub use names::has_free_obs;
 pub use network::{is_about_drafts, reference as lad_fbd_reference};
@@ -106,7 +106,7 @@ fn bind_all(input: &BindInput) -> Bound {
     let symbols = binder.symbol_entries();
     let notices = std::mem::take(&mut binder.notices);
     let (mut diagnostics, missing) = binder.report.finish();
-    // A message inside a block of the system has no file that could be shown.
+    // A message inside a system block has no file to show.
     for diagnostic in &mut diagnostics {
         if diagnostic.primary.span.file == SYSTEM_FILE {
             diagnostic.primary.span = Span::default();
@@ -138,9 +138,9 @@ fn is_main(input: &BindInput, config: &Config, block: &CodeBlock) -> bool {
     }
 }
 
-/// A value that is made when it is first wanted.
+/// A value that is made when first needed.
 enum State<T> {
-    /// Being made: wanting it now is a circle.
+    /// In progress: a use now means a loop.
     Running,
     Done(T),
 }
@@ -149,7 +149,7 @@ enum State<T> {
 #[derive(Clone)]
 enum CodeSource<'a> {
     User(&'a ast::CodeBlock),
-    /// Of a user, with declarations that its language adds.
+    /// Of a user block, with declarations that its language adds.
     Expanded(Rc<ast::CodeBlock>),
     System(Rc<ast::CodeBlock>),
 }
@@ -163,17 +163,17 @@ impl CodeSource<'_> {
     }
 }
 
-/// A block of the system that is used.
+/// A system block that is used.
 struct SystemUse {
     key: BlockKey,
-    /// The first use, which stands for its statements in messages.
+    /// The first use, which messages show instead of its statements.
     span: Span,
     runtime: bool,
 }
 
 struct Binder<'a> {
     input: &'a BindInput<'a>,
-    /// As the input has it, with what the blocks say.
+    /// As in the input, with the information from the blocks.
     config: Config,
     report: Report,
     globals: FxHashMap<String, Global>,
@@ -188,52 +188,52 @@ struct Binder<'a> {
     data: FxHashMap<u16, &'a ast::DataBlock>,
     type_blocks: FxHashMap<u16, &'a ast::TypeBlock>,
     udts: FxHashMap<u16, State<Option<Typed>>>,
-    /// DTL and the like.
+    /// DTL and other predefined structures.
     predefined: FxHashMap<&'static str, TypedStruct>,
-    /// Where the declarations stand that are bound at the moment.
+    /// Where the declarations are that are currently bound.
     scope: Scope,
-    /// A block of the TIA Portal is among the sources, or the CPU is one of its own.
+    /// A block of the TIA Portal is among the sources, or the CPU only exists there.
     tia_sources: bool,
     interfaces: FxHashMap<BlockKey, State<Option<Rc<BoundInterface>>>>,
     dbs: FxHashMap<u16, data::BoundDb>,
-    /// Bytes of all data blocks so far.
+    /// Size of all data blocks so far, in bytes.
     db_bytes: u64,
-    /// Types inside types, at the moment.
+    /// Current depth of nested types.
     depth: u32,
-    /// Components by folded name; the structure is kept so that its address stays its own.
+    /// Components by folded name; the structure is kept so that no other gets its address.
     member_index: FxHashMap<*const StructType, (Rc<StructType>, FxHashMap<String, usize>)>,
     system: Vec<SystemUse>,
-    /// Blocks of libraries whose numbers the program uses for its own, by the number that they have instead.
+    /// Library blocks whose numbers the program uses for its own, by their new numbers.
     moved: FxHashMap<BlockKey, &'static plcc_stdlib::SystemBlock>,
     system_used: FxHashSet<BlockKey>,
-    /// Blocks of the library whose numbers or names mean blocks of the program that are missing: their calls have other parameters.
+    /// Library blocks whose numbers or names mean missing blocks of the program: their calls have other parameters.
     foreign: FxHashSet<(plcc_stdlib::BlockClass, u16)>,
-    /// Addresses beyond the CPU's limits that were told of.
+    /// Addresses beyond the CPU's limits that have been reported.
     limits_told: FxHashSet<(Area, u32)>,
     cells_told: FxHashSet<(CellKind, u32)>,
     /// Pointer parameters of instances: whether some call supplies them, and a call that does not.
     pointers: FxHashMap<(call::InstanceId, usize), call::PointerUse>,
-    /// Data blocks that calls name as instances of blocks that are not defined: nothing is known of them.
+    /// Data blocks that calls name as instances of undefined blocks: nothing is known of them.
     unknown_instances: FxHashSet<u16>,
-    /// What every run of the program begins with.
+    /// Lines that every run of the program prints at its start.
     notices: Vec<String>,
-    /// It was told that there is no REF_TO.
+    /// It has been reported that REF_TO is not supported.
     references_refused: bool,
-    /// Tags of the system memory of which it was told that nothing sets them, folded.
+    /// Tags of the system memory that nothing sets, as reported; folded.
     system_tags_told: FxHashSet<String>,
 }
 
-/// What binding a block needs to know about it.
+/// Data for binding a block.
 struct Ctx {
     key: BlockKey,
     bound: Rc<BoundInterface>,
-    /// Folded; each is told of once.
+    /// Folded; each is reported once.
     unknown_locals: FxHashSet<String>,
     /// End of the local data that direct addresses touch.
     local_bytes: u32,
     /// The block is a list of statements without a header.
     fragment: bool,
-    /// Stands for all statements of a system block.
+    /// Represents all statements of a system block.
     fixed_span: Option<Span>,
     /// Only while a block in SCL is bound.
     scl: scl::Scope,
@@ -276,7 +276,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// Every UDT, so that one that nothing uses is checked, too.
+    /// Every UDT, so that unused ones are checked, too.
     fn bind_types(&mut self) {
         let mut numbers: Vec<u16> = self.type_blocks.keys().copied().collect();
         numbers.sort_unstable();
@@ -301,7 +301,7 @@ impl<'a> Binder<'a> {
         keys.into_iter().filter_map(|key| self.bind_block(key, None, false)).collect()
     }
 
-    /// Blocks of the system that are used, and those that they use.
+    /// System blocks that are used, and those that they use.
     fn bind_system_blocks(&mut self, blocks: &mut Vec<CodeBlock>) {
         let mut next = 0;
         while let Some(used) = self.system.get(next) {
@@ -354,7 +354,7 @@ impl<'a> Binder<'a> {
     }
 
     fn no_main_block(&mut self) {
-        // A text in which no block was found is no source, which was told when it was read.
+        // A text without any block is not a source, which the parser has reported.
         let is_code = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
         let unread = self.input.units.iter().any(|(file, unit)| {
             let source = self.input.sources.files().nth(file.0 as usize);
@@ -481,7 +481,7 @@ impl<'a> Binder<'a> {
             let (title, label) = match limit {
                 0 => (format!("the CPU has no {name}"), format!("the profile {} has IEC {name} only", profile.name)),
                 _ => (
-                    format!("the CPU does not have so many {name}"),
+                    format!("the CPU has fewer {name}"),
                     format!("the profile {} has {limit} {name}: 0 to {}", profile.name, limit - 1),
                 ),
             };

@@ -1,4 +1,4 @@
-//! `CALL MOVE` of the TIA Portal in STL: a value goes from IN to OUT, which is what `L` and `T` do.
+//! `CALL MOVE` of the TIA Portal in STL: it copies a value from IN to OUT, as `L` and `T` do.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, OperandKind, PathRoot, Width};
@@ -11,7 +11,7 @@ use plcc_model::layout;
 use plcc_model::types::Elementary;
 use plcc_model::{Operand, StlStatementKind};
 
-/// Whether an actual names a data type for which an instruction is called: `value_type := Int`.
+/// Whether an actual names the data type of an instruction: `value_type := Int`.
 pub fn names_a_type(parameter: &ast::Parameter) -> bool {
     let folded = fold(&parameter.name);
     let Some(OperandKind::Path(path)) = parameter.actual.as_ref().map(|actual| &actual.kind) else { return false };
@@ -59,7 +59,7 @@ impl Binder<'_> {
         }
         let (Some(from), Some(to)) = (from, to) else {
             self.report.push(
-                Diagnostic::new(Code::MissingParameter, span, "MOVE needs IN and OUT").label("one of them is left out"),
+                Diagnostic::new(Code::MissingParameter, span, "MOVE needs IN and OUT").label("one of them is missing"),
             );
             return None;
         };
@@ -102,7 +102,7 @@ impl Binder<'_> {
                 span,
                 "MOVE in STL copies a value of 8, 16 or 32 bits to one of the same width",
             )
-            .label("IN and OUT are not such values of one width")
+            .label("IN and OUT do not have one of these widths in common")
             .help("copy bits with `A` and `=`, structures and arrays with BLKMOV"),
         );
         None

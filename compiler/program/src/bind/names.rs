@@ -19,14 +19,14 @@ use plcc_syntax::symbols::{SymbolTarget, parse_address};
 pub struct Global {
     pub name: String,
     pub target: SymbolTarget,
-    /// Type of a memory operand, if the table tells it.
+    /// Type of a memory operand, if the table states it.
     pub ty: Option<Elementary>,
     /// Data type of a tag that is a structure, by its name.
     pub structure: Option<String>,
     pub span: Span,
 }
 
-/// The block kind of code that `prefix` names.
+/// The kind of code block that `prefix` names.
 pub const fn code_kind(prefix: BlockPrefix) -> Option<BlockKind> {
     match prefix {
         BlockPrefix::Ob => Some(BlockKind::Ob),
@@ -38,7 +38,7 @@ pub const fn code_kind(prefix: BlockPrefix) -> Option<BlockKind> {
     }
 }
 
-/// The letters of a block with code.
+/// The prefix of a block with code.
 pub const fn kind_prefix(kind: BlockKind) -> BlockPrefix {
     match kind {
         BlockKind::Ob => BlockPrefix::Ob,
@@ -71,7 +71,7 @@ fn classic_name(name: &str) -> &str {
     }
 }
 
-/// Letters, number and name of a block of the sources.
+/// Prefix, number and name of a block of the sources.
 fn frame(block: &ast::Block) -> (BlockPrefix, &BlockName) {
     match block {
         ast::Block::Code(code) => (source_prefix(code.kind), &code.name),
@@ -88,7 +88,7 @@ pub fn is_fragment(block: &ast::CodeBlock) -> bool {
         && matches!(block.code, ast::Code::Stl(_))
 }
 
-/// The block that a file's name tells: `FC19_Name`, `OB1_MAIN`, `FB 3`.
+/// The block that a file's name states: `FC19_Name`, `OB1_MAIN`, `FB 3`.
 fn block_of_file(stem: &str) -> Option<(BlockPrefix, u32)> {
     let stem = stem.trim();
     let letters = stem.get(..2)?;
@@ -144,7 +144,7 @@ fn number_of_start_information(block: &ast::Block) -> Option<u32> {
     digits.split_once('_')?.0.parse().ok()
 }
 
-/// What starts an OB, if its attributes tell.
+/// What starts an OB, if its attributes state it.
 fn block_class(block: &ast::Block) -> Option<ObClass> {
     match block {
         ast::Block::Code(code) if code.kind == CodeKind::Ob => super::ob::class_attribute(&code.header)?.0,
@@ -162,7 +162,7 @@ struct Unnumbered<'a> {
     class: Option<ObClass>,
 }
 
-/// Attributes that hold the number of a block which is written with a name.
+/// Attributes with the number of a block that is written with a name.
 const NUMBER_ATTRIBUTES: [&str; 2] = ["S7_BlockNumber", "BlockNumber"];
 
 /// A global symbol of the block's kind. A data type may have the name of a block of another kind.
@@ -174,14 +174,14 @@ fn own_global<'g>(globals: &'g FxHashMap<String, Global>, prefix: BlockPrefix, n
     }
 }
 
-/// Whether blocks of these kinds may have one name, as each can be told by where the name stands: a data type and what is no type.
+/// Whether blocks of these kinds may share a name, because the context distinguishes them: a data type and a block that is not one.
 fn share_name(one: BlockPrefix, other: BlockPrefix) -> bool {
     let is_type = |prefix| matches!(prefix, BlockPrefix::Udt | BlockPrefix::Fb | BlockPrefix::Sfb);
     one != other && (one == BlockPrefix::Udt) != (other == BlockPrefix::Udt) && !(is_type(one) && is_type(other))
 }
 
-/// The name of a block with its number, where the text tells it: `FC10` in one word, a number beside the name, the attribute `S7_BlockNumber`, an OB by its usual
-/// name. A symbol table comes first. Also whether the number may be another if a block has it already.
+/// The name of a block with its number, if the text states it: `FC10` in one word, a number next to the name, the attribute `S7_BlockNumber`, an OB by its usual
+/// name. A symbol table has priority. Also whether the number may change if a block already has it.
 fn numbered(
     block: &ast::Block,
     prefix: BlockPrefix,
@@ -222,7 +222,7 @@ fn header_of(block: &ast::Block) -> &ast::Header {
     }
 }
 
-/// Whether the sources hold organization blocks that only CPUs of the TIA Portal have: from OB 123 on, by their numbers, or because there are
+/// Whether the sources contain organization blocks that only CPUs of the TIA Portal have: from OB 123 on, by their numbers, or because there are
 /// more of a class than it has numbers.
 pub fn has_free_obs(units: &[(plcc_diag::FileId, ast::SourceUnit)]) -> bool {
     let none = FxHashMap::default();
@@ -252,10 +252,10 @@ pub fn has_free_obs(units: &[(plcc_diag::FileId, ast::SourceUnit)]) -> bool {
     false
 }
 
-/// Attributes that tell the language of a block in exports and SD documents.
+/// Attributes with the language of a block in exports and SD documents.
 const LANGUAGE_ATTRIBUTES: [&str; 3] = ["ProgrammingLanguage", "S7_PreferredLanguage", "S7_Language"];
 
-/// The language is one of safety programs: F_LAD, F_FBD, F_DB.
+/// The language is one for safety programs: F_LAD, F_FBD, F_DB.
 fn is_safety(header: &ast::Header) -> bool {
     header.attributes.iter().any(|(name, value)| {
         let value = value.trim().trim_matches(['\'', '"']);
@@ -265,7 +265,7 @@ fn is_safety(header: &ast::Header) -> bool {
     })
 }
 
-/// A block with code that says nothing: a declaration before its definition, as generators of sources write it.
+/// A code block without content: a declaration before its definition, as generators of sources write it.
 fn is_forward(block: &ast::Block) -> bool {
     let ast::Block::Code(code) = block else { return false };
     match &code.code {
@@ -278,7 +278,7 @@ fn is_forward(block: &ast::Block) -> bool {
 }
 
 impl<'a> Binder<'a> {
-    /// Reads the symbol tables and gives every block of the sources its number.
+    /// Reads the symbol tables and assigns a number to every block of the sources.
     pub fn collect(&mut self) {
         self.collect_tables();
         self.collect_constants();
@@ -291,7 +291,7 @@ impl<'a> Binder<'a> {
             }
         }
         let mut unnumbered = Vec::new();
-        // Blocks whose numbers can be others take what is left.
+        // Blocks whose numbers may change get the free ones.
         for movable in [false, true] {
             for &block in &blocks {
                 let (prefix, name) = frame(block);
@@ -325,7 +325,7 @@ impl<'a> Binder<'a> {
                 class => class,
             };
             if let Some(global) = own_global(&self.globals, prefix, &name) {
-                // Two blocks by one name: the second would replace the first.
+                // Two blocks with one name: the second would replace the first.
                 let first = global.span;
                 let help = self.choice(first, span, "give one of them another name");
                 self.report.push(
@@ -337,10 +337,10 @@ impl<'a> Binder<'a> {
                 continue;
             }
             let number = next.entry(prefix).or_insert(1);
-            // An OB of which only the class is known: the usual number of the class, else a free one.
+            // An OB with only a known class: the usual number of the class, otherwise a free one.
             if let Some(class) = class {
                 let (first, last) = class.row().numbers;
-                // OB 101 and 102 start otherwise.
+                // OB 101 and 102 start differently.
                 let last = if class == ObClass::Startup { first } else { last };
                 let usual = (first..=last).map(u32::from).find(|number| !used.contains(&(prefix, *number)));
                 *number = usual.unwrap_or(u32::from(OB_FREE));
@@ -373,7 +373,7 @@ impl<'a> Binder<'a> {
         self.move_library(&used);
     }
 
-    /// The blocks of the sources; a block without a body that has one elsewhere is left out.
+    /// The blocks of the sources; a block without a body that has one elsewhere is dropped.
     fn without_forwards(&mut self) -> Vec<&'a ast::Block> {
         let blocks: Vec<&'a ast::Block> = self.input.units.iter().flat_map(|(_, unit)| &unit.blocks).collect();
         let key = |block: &ast::Block| {
@@ -393,11 +393,10 @@ impl<'a> Binder<'a> {
                 Some(body) => {
                     let span = frame(block).1.span();
                     let name = self.text(span);
-                    let mut message =
-                        Diagnostic::new(Code::DuplicateBlock, span, format!("{name} stands here without a body"))
-                            .label("this one is dropped")
-                            .also(*body, "the definition that holds")
-                            .help("remove the empty one");
+                    let mut message = Diagnostic::new(Code::DuplicateBlock, span, format!("{name} has no body here"))
+                        .label("this one is dropped")
+                        .also(*body, "the definition that is used")
+                        .help("remove the empty one");
                     message.severity = Severity::Warning;
                     self.report.push(message);
                 }
@@ -407,7 +406,7 @@ impl<'a> Binder<'a> {
         kept
     }
 
-    /// Blocks of a safety program: refused, or compiled as standard blocks if somebody asked for that.
+    /// Blocks of a safety program: refused, or compiled as standard blocks if requested.
     fn safety_blocks(&mut self, blocks: &[&ast::Block]) {
         let names = blocks.iter().filter(|block| is_safety(header_of(block))).map(|block| frame(block).1);
         let spans: Vec<Span> = names.map(BlockName::span).collect();
@@ -422,8 +421,8 @@ impl<'a> Binder<'a> {
         if !self.input.safety_as_standard {
             self.report.push(
                 Diagnostic::new(Code::SafetyBlock, first, what)
-                    .label("plcc has none of the measures that make such a block fail-safe")
-                    .help("to test its logic as that of a standard block compile with `--safety-as-standard`, or set `safety_as_standard = true` in plc.toml"),
+                    .label("plcc has none of the measures that make a block fail-safe")
+                    .help("to test its logic as a standard block, compile with `--safety-as-standard`, or set `safety_as_standard = true` in plc.toml"),
             );
             return;
         }
@@ -466,10 +465,10 @@ impl<'a> Binder<'a> {
                         Diagnostic::new(
                             Code::AddressRange,
                             span,
-                            format!("{} {number} is no block number", prefix.letters()),
+                            format!("{} {number} is not a block number", prefix.letters()),
                         )
                         .label(format!("numbers go up to {limit}"))
-                        .help("take another number; DB 0 is reserved"),
+                        .help("use another number; DB 0 is reserved"),
                     );
                     return;
                 }
@@ -508,9 +507,9 @@ impl<'a> Binder<'a> {
                         Diagnostic::new(
                             Code::DuplicateName,
                             span,
-                            format!("`{name}` is no {} in the symbol table", prefix.letters()),
+                            format!("`{name}` is not a {} in the symbol table", prefix.letters()),
                         )
-                        .label(format!("a {} by this name", prefix.letters()))
+                        .label(format!("a {} with this name", prefix.letters()))
                         .also(row, "the symbol"),
                     );
                 }
@@ -518,7 +517,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// Notes the name of a block. One that a data type has means the type where types stand, and the block elsewhere.
+    /// Notes the name of a block. If a data type has the same name, it means the type where types are expected, and the block elsewhere.
     fn name_block(&mut self, name: &str, prefix: BlockPrefix, number: u32, span: Span) {
         let target = SymbolTarget::Block { prefix, number };
         let global = Global { name: name.trim().to_string(), target, ty: None, structure: None, span };
@@ -531,11 +530,15 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// What starts an OB that does not say it: the TIA Portal makes it one of the program cycle. None in other sources, where the number
-    /// cannot be known; that is reported.
+    /// What starts an OB that does not state it: the TIA Portal makes it a program cycle OB. None in other sources, where the number
+    /// is unknown; that is reported.
     fn unsaid_class(&mut self, block: &ast::Block, name: &str, span: Span) -> Option<ObClass> {
-        let message = Diagnostic::new(Code::BlockFrame, span, format!("which OB `{name}` is cannot be known"))
-            .help("write `ORGANIZATION_BLOCK OB 35`, or give the name its number in the symbol table");
+        let message = Diagnostic::new(
+            Code::BlockFrame,
+            span,
+            format!("the number of the organization block `{name}` is unknown"),
+        )
+        .help("write `ORGANIZATION_BLOCK OB 35`, or give the name its number in the symbol table");
         let tia = match block {
             ast::Block::Code(code) => super::declare::dialect(code).map_or(self.tia_sources, |of| of == Dialect::Tia),
             ast::Block::Data(_) | ast::Block::Type(_) => false,
@@ -543,7 +546,7 @@ impl<'a> Binder<'a> {
         if !tia && self.input.partial {
             self.report.push(
                 Diagnostic::new(Code::LeftOut, span, format!("the organization block `{name}` is left out"))
-                    .label("the CPU finds an organization block by its number, which no source tells")
+                    .label("the CPU finds an organization block by its number, which no source states")
                     .help("give the name its number in a symbol table, or write `ORGANIZATION_BLOCK OB 35`"),
             );
             return None;
@@ -552,15 +555,15 @@ impl<'a> Binder<'a> {
             self.report.push(message.label("the CPU finds an organization block by its number"));
             return None;
         }
-        let mut message = message.label("taken as an OB of the program cycle, as the TIA Portal does").help(
-            "say what starts it: `{ S7_EventClass := 'CyclicInterrupt' }`, or name its number in the symbol table",
+        let mut message = message.label("treated as a program cycle OB, as the TIA Portal does").help(
+            "state what starts it: `{ S7_EventClass := 'CyclicInterrupt' }`, or give its number in the symbol table",
         );
         message.severity = Severity::Warning;
         self.report.push(message);
         Some(ObClass::ProgramCycle)
     }
 
-    /// Kind and number of statements without a header, if the name of their file tells them.
+    /// Kind and number of statements without a header, if the name of their file states them.
     fn named_by_file(&self, block: &ast::Block) -> Option<(BlockPrefix, u32)> {
         let ast::Block::Code(code) = block else { return None };
         if !is_fragment(code) {
@@ -593,7 +596,7 @@ impl<'a> Binder<'a> {
                                 format!("the symbol `{}` has two addresses", symbol.name),
                             )
                             .label("the second address")
-                            .also(first, "the first address, which holds")
+                            .also(first, "the first address, which is used")
                             .help("remove one of the two rows"),
                         );
                     }
@@ -602,7 +605,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// User constants of tag tables, in their types.
+    /// User constants of tag tables, with their types.
     fn collect_constants(&mut self) {
         let input = self.input;
         for constant in input.tables.iter().flat_map(|table| &table.constants) {
@@ -618,13 +621,13 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// What to do about two definitions: which version of a block counts is not guessed.
+    /// The advice about two definitions: plcc does not guess which version of a block counts.
     fn choice(&self, first: Span, second: Span, same_file: &str) -> String {
         let name =
             |span: Span| self.input.sources.files().nth(span.file.0 as usize).map(|(_, file)| file.name.as_str());
         match (name(first), name(second)) {
             (Some(first), Some(second)) if first != second => format!(
-                "choose one: give only the files of one CPU and one version, or name them as `sources` in plc.toml. The files are \
+                "choose one: specify only the files of one CPU and one version, or name them as `sources` in plc.toml. The files are \
                  `{first}` and `{second}`"
             ),
             _ => same_file.to_string(),
@@ -670,7 +673,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// The block that a name means; what is defined nowhere is reported. A block of the system answers to its standard name.
+    /// The block that a name means; reports a name that is defined nowhere. A system block is found by its standard name.
     pub fn block_number(&mut self, name: &BlockName) -> Option<(BlockPrefix, u16)> {
         match name {
             BlockName::Numbered { prefix, number, span } => match u16::try_from(*number) {
@@ -680,7 +683,7 @@ impl<'a> Binder<'a> {
                         Diagnostic::new(
                             Code::AddressRange,
                             *span,
-                            format!("{} {number} is no block number", prefix.letters()),
+                            format!("{} {number} is not a block number", prefix.letters()),
                         )
                         .label("numbers go up to 65535"),
                     );
@@ -696,8 +699,8 @@ impl<'a> Binder<'a> {
             Some(SymbolTarget::Block { prefix, number }) => Some((prefix, number as u16)),
             Some(_) => {
                 self.report.push(
-                    Diagnostic::new(Code::OperandKind, span, format!("`{name}` is no block"))
-                        .label("a block is wanted here"),
+                    Diagnostic::new(Code::OperandKind, span, format!("`{name}` is not a block"))
+                        .label("a block is expected here"),
                 );
                 None
             }
@@ -720,7 +723,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// What a global name stands for: a row of a table, a block of the sources, a block of the system by its standard name.
+    /// What a global name means: a row of a table, a block of the sources, or a system block with this standard name.
     pub fn global(&self, name: &str) -> Option<SymbolTarget> {
         if let Some(global) = self.globals.get(&fold(name)) {
             return Some(global.target);
@@ -739,7 +742,7 @@ impl<'a> Binder<'a> {
         self.block_names.get(&(prefix, number)).cloned().unwrap_or_default()
     }
 
-    /// Reports a block with code that nothing defines; it tells apart what only plcc lacks.
+    /// Reports a code block that nothing defines, and whether only plcc lacks it.
     pub fn unknown_block(&mut self, prefix: BlockPrefix, number: u16, span: Span) {
         let fb = prefix == BlockPrefix::Fb;
         let name = self.block_name(prefix, number);

@@ -1,4 +1,4 @@
-//! Organization blocks: what starts each, and the values that an S7-1200/1500 hands to it.
+//! Organization blocks: what starts each, and the values that an S7-1200/1500 passes to it.
 //!
 //! Source: LAD/FBD reference for S7-1200, organization blocks.
 
@@ -15,10 +15,10 @@ use plcc_binding::fold;
 use plcc_model::layout::{self, Placer};
 use plcc_model::types::{DataType, Elementary};
 
-/// Attributes that tell what starts an OB: of sources, of SimaticML.
+/// Attributes that state what starts an OB: in sources, in SimaticML.
 const CLASS_ATTRIBUTES: [&str; 2] = ["S7_EventClass", "SecondaryType"];
 
-/// What the attributes of a block say about its start; the value, too, for messages.
+/// What the attributes of a block state about its start; also the value, for messages.
 pub fn class_attribute(header: &ast::Header) -> Option<(Option<ObClass>, &str)> {
     let is_class = |name: &str| CLASS_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name));
     let (_, value) = header.attributes.iter().find(|(name, _)| is_class(name))?;
@@ -27,7 +27,7 @@ pub fn class_attribute(header: &ast::Header) -> Option<(Option<ObClass>, &str)> 
 }
 
 impl Binder<'_> {
-    /// The classes of the program's OBs: of plc.toml, else of their attributes.
+    /// The classes of the program's OBs: from plc.toml, otherwise from their attributes.
     pub fn ob_classes(&mut self) {
         let mut obs: Vec<(u16, &ast::CodeBlock)> = self
             .code
@@ -51,9 +51,9 @@ impl Binder<'_> {
                         Diagnostic::new(
                             Code::BlockFrame,
                             block.name.span(),
-                            format!("`{text}` is no class of organization blocks"),
+                            format!("`{text}` is not a class of organization blocks"),
                         )
-                        .label(format!("what starts OB {number} cannot be known"))
+                        .label(format!("it is not known what starts OB {number}"))
                         .help(format!("one of {}", names.join(", "))),
                     );
                 }
@@ -68,14 +68,14 @@ impl Binder<'_> {
         }
     }
 
-    /// An OB of a class whose events plcc does not simulate.
+    /// An OB of a class with events that plcc does not simulate.
     fn not_started(&mut self, number: u16, class: ObClass, span: Span) {
         let mut message = Diagnostic::new(
             Code::BlockFrame,
             span,
             format!("nothing starts OB {number}: it is a {} OB", class.row().word),
         )
-        .label("compiled, and never called")
+        .label("compiled, but never called")
         .help("call its blocks in a cyclic OB if the program needs them");
         message.severity = Severity::Warning;
         self.report.push(message);
@@ -88,7 +88,7 @@ impl Binder<'_> {
         let free = if row.free { format!(", or OB {OB_FREE} and above") } else { String::new() };
         self.report.push(
             Diagnostic::new(Code::BlockFrame, span, format!("OB {number} cannot be a {} OB", row.word))
-                .label(format!("the block says {}", row.names[0]))
+                .label(format!("the block states {}", row.names[0]))
                 .help(format!("{} OBs are {numbers}{free}", row.word)),
         );
     }
@@ -114,7 +114,7 @@ impl Binder<'_> {
         }
     }
 
-    /// The input parameters of an OB, behind the start information.
+    /// The input parameters of an OB, after the start information.
     pub(super) fn start_inputs(
         &mut self,
         number: u16,
@@ -129,7 +129,7 @@ impl Binder<'_> {
         if variables.is_empty() {
             return;
         }
-        // Where TEMP is not already behind the start information, the inputs are.
+        // If TEMP does not already follow the start information, the inputs do.
         placer.reserve(OB_START_INFORMATION_BYTES);
         for variable in variables {
             self.declare_name(names, &variable.name, variable.name_span);
@@ -182,9 +182,9 @@ impl Binder<'_> {
             Diagnostic::new(
                 Code::SectionNotAllowed,
                 variable.name_span,
-                format!("the CPU hands no `{}` to OB {number}", variable.name),
+                format!("the CPU does not pass `{}` to OB {number}", variable.name),
             )
-            .label("no input of this organization block")
+            .label("not an input of this organization block")
             .help(help),
         );
     }

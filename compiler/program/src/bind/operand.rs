@@ -1,4 +1,4 @@
-//! Operands of instructions: what was settled is checked against the operand class of the instruction table.
+//! Operands of instructions: the operand is checked against the operand class of the instruction table.
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
@@ -13,10 +13,10 @@ use super::{Binder, Ctx};
 use plcc_model::layout;
 use plcc_model::{BlockKey, Number, Operand, Place};
 
-/// What an instruction wants, as a half sentence.
+/// What an instruction needs, as half a sentence.
 fn wanted(class: OperandClass) -> (&'static str, &'static str) {
     match class {
-        OperandClass::None => ("takes no operand", "remove the operand"),
+        OperandClass::None => ("cannot have an operand", "remove the operand"),
         OperandClass::Bit | OperandClass::BitOrNone => {
             ("combines one bit", "name one bit, e.g. `M 10.0`, a timer, a counter or a status bit")
         }
@@ -34,7 +34,7 @@ fn wanted(class: OperandClass) -> (&'static str, &'static str) {
         }
         OperandClass::Timer => ("starts a timer", "name a timer, e.g. `T 5`"),
         OperandClass::Counter => ("counts a counter", "name a counter, e.g. `C 5`"),
-        OperandClass::Cell => ("takes a timer or a counter", "name a timer or a counter, e.g. `T 5`"),
+        OperandClass::Cell => ("needs a timer or a counter", "name a timer or a counter, e.g. `T 5`"),
         OperandClass::LoadAr1 | OperandClass::LoadAr2 => (
             "loads an address register",
             "write nothing, a double word such as `MD 10`, or a pointer such as `P#M 10.0`",
@@ -43,7 +43,7 @@ fn wanted(class: OperandClass) -> (&'static str, &'static str) {
             ("writes an address register to memory", "write nothing or a double word such as `MD 10`")
         }
         OperandClass::PointerOrNone => ("adds to an address register", "write nothing or an offset such as `P#4.0`"),
-        OperandClass::Byte => ("takes a number from 0 to 255", "write a number from 0 to 255"),
+        OperandClass::Byte => ("needs a number from 0 to 255", "write a number from 0 to 255"),
         OperandClass::AddConstant => ("adds a constant", "write a constant such as `5` or `L#70000`"),
         OperandClass::WordConstOrNone => {
             ("combines ACCU1 with ACCU2 or a constant of 16 bits", "write nothing or a constant such as `W#16#0FFF`")
@@ -61,7 +61,7 @@ fn wanted(class: OperandClass) -> (&'static str, &'static str) {
 }
 
 impl Binder<'_> {
-    /// Checks and settles the operand of `insn`; `None` if a message was given.
+    /// Checks and settles the operand of `insn`; `None` after a message.
     pub fn bind_operand(
         &mut self,
         ctx: &mut Ctx,
@@ -76,8 +76,8 @@ impl Binder<'_> {
         if class == OperandClass::None {
             let name = self.text(mnemonic);
             self.report.push(
-                Diagnostic::new(Code::SurplusOperand, operand.span, format!("`{name}` takes no operand"))
-                    .label("this operand is too much")
+                Diagnostic::new(Code::SurplusOperand, operand.span, format!("`{name}` cannot have an operand"))
+                    .label("this operand is not possible")
                     .help("remove the operand, or end the statement before it"),
             );
             return None;
@@ -119,7 +119,7 @@ impl Binder<'_> {
         let (does, help) = wanted(class);
         let (name, text) = (self.text(mnemonic), self.text(span));
         let (code, is) = match settled {
-            // A declared type does not fit; the address of itself would be fine.
+            // The declared type does not fit; the address alone would be fine.
             Settled::Memory { ty: Some(ty), .. } => (Code::WidthMismatch, format!("is of type {}", ty.name())),
             Settled::Complex(variable) => {
                 (Code::WidthMismatch, format!("is of type {}", layout::type_name(&variable.ty)))
@@ -166,8 +166,8 @@ impl Binder<'_> {
                 let text = self.text(span);
                 self.report.push(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be read"))
-                        .label("a peripheral output")
-                        .help("read the process image: without `:P`"),
+                        .label("this is a peripheral output")
+                        .help("read the process image, without `:P`"),
                 );
                 None
             }
@@ -178,8 +178,8 @@ impl Binder<'_> {
                 let text = self.text(span);
                 self.report.push(
                     Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
-                        .label("a peripheral input")
-                        .help("outputs are written"),
+                        .label("this is a peripheral input")
+                        .help("only outputs can be written"),
                 );
                 None
             }
@@ -205,7 +205,7 @@ impl Binder<'_> {
                     let text = self.text(span);
                     self.report.push(
                         Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be read"))
-                            .label("a peripheral output")
+                            .label("this is a peripheral output")
                             .help("read the process image, e.g. `QW 4`"),
                     );
                     return None;
@@ -227,8 +227,8 @@ impl Binder<'_> {
                     let text = self.text(span);
                     self.report.push(
                         Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
-                            .label("a peripheral input")
-                            .help("peripheral outputs are written: `PQW`"),
+                            .label("this is a peripheral input")
+                            .help("write a peripheral output: `PQW`"),
                     );
                     return None;
                 }
@@ -271,7 +271,7 @@ impl Binder<'_> {
                 Some(Operand::Const { value, wide: true })
             }
             (Class::Byte, Settled::Literal(literal)) => match byte_constant(literal) {
-                // NOP and BLD do nothing, whatever their number.
+                // NOP and BLD do nothing with any number.
                 Some(value) if value <= 255 || matches!(insn, StlInsn::Nop | StlInsn::Display) => {
                     Some(Operand::Const { value: value.min(255), wide: false })
                 }
@@ -314,9 +314,9 @@ impl Binder<'_> {
                     Some(_) => {
                         let name = self.text(mnemonic);
                         self.report.push(
-                            Diagnostic::new(Code::ShiftCount, span, format!("`{name}` cannot shift by so many bits"))
+                            Diagnostic::new(Code::ShiftCount, span, format!("`{name}` cannot shift by that many bits"))
                                 .label(format!("0 to {most} are possible"))
-                                .help("a larger count can stand in ACCU2-LL, with no operand at the instruction"),
+                                .help("for a larger count, use ACCU2-LL and no operand"),
                         );
                         None
                     }
@@ -337,7 +337,7 @@ impl Binder<'_> {
         }
     }
 
-    /// A constant as `L` and `+` take it.
+    /// A constant as `L` and `+` accept it.
     pub fn loaded(&mut self, literal: &Literal, span: Span) -> Option<Operand> {
         match value::loaded(literal) {
             Ok((value, wide)) => Some(Operand::Const { value, wide }),
@@ -345,10 +345,12 @@ impl Binder<'_> {
                 let (code, title, help) = match literal {
                     Literal::Int(_) => (
                         Code::LiteralRange,
-                        "this number is no INT",
+                        "this number is not an INT",
                         "write `L#` before it for a double integer, or `W#16#` for a bit pattern",
                     ),
-                    _ => (Code::OperandKind, "this constant cannot be loaded", "`L` takes constants of up to 32 bits"),
+                    _ => {
+                        (Code::OperandKind, "this constant cannot be loaded", "`L` accepts constants of up to 32 bits")
+                    }
                 };
                 self.report.push(Diagnostic::new(code, span, title).label(why).help(help));
                 None
@@ -356,7 +358,7 @@ impl Binder<'_> {
         }
     }
 
-    /// A block called by UC or CC, which hand over no parameters.
+    /// A block called by UC or CC, which pass no parameters.
     fn called(&mut self, kind: BlockKind, number: Number, mnemonic: Span, span: Span) -> Option<Operand> {
         if let Number::Known(known) = number {
             let bound = self.interface(BlockKey { kind, number: known }, span)?;
@@ -365,7 +367,7 @@ impl Binder<'_> {
                 let parameters: Vec<&str> =
                     bound.interface.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
                 self.report.push(
-                    Diagnostic::new(Code::MissingParameter, span, format!("`{name}` hands over no parameters"))
+                    Diagnostic::new(Code::MissingParameter, span, format!("`{name}` cannot pass parameters"))
                         .label(format!("this block has the parameters {}", parameters.join(", ")))
                         .help("use CALL"),
                 );
@@ -376,7 +378,7 @@ impl Binder<'_> {
     }
 }
 
-/// A number that an instruction takes as a constant.
+/// A number that an instruction needs as a constant.
 fn byte_constant(literal: &Literal) -> Option<u32> {
     match literal {
         Literal::Int(value) => u32::try_from(*value).ok().or(Some(u32::MAX)),
@@ -386,7 +388,7 @@ fn byte_constant(literal: &Literal) -> Option<u32> {
     }
 }
 
-/// Whether `place` lies in the peripheral area `area`, PI or PQ.
+/// Whether `place` is in the peripheral area `area`, PI or PQ.
 fn is_peripheral(place: &Place, area: Area) -> bool {
     match place {
         Place::Pi { .. } => area == Area::Pi,

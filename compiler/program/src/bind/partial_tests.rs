@@ -1,4 +1,4 @@
-//! Parts of programs: what is defined nowhere is a warning, once for each name, and what depends on it goes unchecked.
+//! Partial programs: a name that is defined nowhere is one warning, and parts that depend on it are not checked.
 
 use plcc_abi::image::{Config, Family};
 use plcc_diag::{SourceFile, SourceMap};

@@ -14,10 +14,10 @@ use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, Member, StructType};
 use plcc_syntax::symbols::SymbolTarget;
 
-/// Largest and actual length, before the characters.
+/// Maximum and actual length, before the characters.
 const STRING_HEADER_BYTES: u32 = 2;
 
-/// Where a variable lies, without its offset.
+/// Where a variable is, without its offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Base {
     I,
@@ -34,7 +34,7 @@ pub enum Base {
     Instance,
     /// A parameter of this FC.
     Parameter(usize),
-    /// Behind the POINTER at this byte of the instance.
+    /// After the POINTER at this byte of the instance.
     ThroughPointer(u32),
 }
 
@@ -77,7 +77,7 @@ pub struct Variable {
     pub byte: u32,
     pub bit: u8,
     pub ty: DataType,
-    /// The type is only the width of an address, so that any type of the width fits.
+    /// The type is only the width of an address, so any type of this width fits.
     pub untyped: bool,
 }
 
@@ -87,7 +87,7 @@ impl Variable {
     }
 }
 
-/// What a path means.
+/// The meaning of a path.
 #[derive(Clone, Debug)]
 pub enum Resolved {
     Variable(Variable),
@@ -95,7 +95,7 @@ pub enum Resolved {
     Block { prefix: BlockPrefix, number: u16 },
 }
 
-/// A type of a width, for addresses of which nothing else is known.
+/// A type of a width, for addresses with no other known type.
 pub const fn type_of_width(width: Width) -> Elementary {
     match width {
         Width::Bit => Elementary::Bool,
@@ -107,12 +107,12 @@ pub const fn type_of_width(width: Width) -> Elementary {
 }
 
 impl Binder<'_> {
-    /// Finds out what `path` means; what is unknown is reported.
+    /// Determines what `path` means; reports unknown names.
     pub fn resolve(&mut self, ctx: &mut Ctx, path: &Path) -> Option<Resolved> {
         let start = match &path.root {
             PathRoot::Local { name, span } => match self.local(ctx, name) {
                 Some(variable) => Resolved::Variable(variable),
-                // As STEP 7 does: a `#` before a name that the block does not declare is read over.
+                // As STEP 7 does: a `#` before a name that the block does not declare is ignored.
                 None if self.globals.contains_key(&fold(name)) => self.resolve_global(ctx, name, *span)?,
                 None => {
                     self.undeclared(ctx, name, *span, Code::UnknownSymbol);
@@ -146,7 +146,7 @@ impl Binder<'_> {
             Resolved::Cell { .. } | Resolved::Block { .. } => {
                 self.report.push(
                     Diagnostic::new(Code::UnknownMember, path.span, "only data blocks and structures have components")
-                        .label("this name stands for something else"),
+                        .label("this name means something else"),
                 );
                 return None;
             }
@@ -160,12 +160,12 @@ impl Binder<'_> {
         Some(Variable { base, byte, bit, ty, untyped: false })
     }
 
-    /// `#name` in SCL and networks, where nothing but the block itself can declare it.
+    /// `#name` in SCL and networks, where only the block itself can declare it.
     pub fn unknown_local(&mut self, ctx: &mut Ctx, name: &str, span: Span) {
         self.undeclared(ctx, name, span, Code::UnknownLocal);
     }
 
-    /// `code`: in STL a `#` before a symbol is read over, so that an unknown name is an unknown symbol as well.
+    /// `code`: in STL a `#` before a symbol is ignored, so an unknown name is also an unknown symbol.
     fn undeclared(&mut self, ctx: &mut Ctx, name: &str, span: Span, code: Code) {
         if !ctx.unknown_locals.insert(fold(name)) {
             return;
@@ -178,7 +178,7 @@ impl Binder<'_> {
             _ => Diagnostic::new(code, span, format!("`#{name}` is not declared in this block"))
                 .label("neither a parameter nor static or temporary data"),
         };
-        // Statements without a header are a part of a block: its declarations are missing.
+        // Statements without a header are part of a block: its declarations are missing.
         if ctx.fragment {
             let help = "add the header of the block, with its VAR sections, before the statements";
             return self.report.missing(MissingKey::Local(fold(name)), span, || message().help(help));
@@ -226,7 +226,7 @@ impl Binder<'_> {
         })
     }
 
-    /// A tag that stands in for one that is missing: of any type, in memory that the CPU does not have.
+    /// A tag that stands in for a missing one: of any type, in memory that the CPU does not have.
     fn stand_in(&mut self, name: &str, span: Span) -> Option<Variable> {
         let global = self.globals.get(&fold(name)).filter(|global| Some(global.span.file) == self.input.stand_ins)?;
         let SymbolTarget::Memory { area, byte, bit, .. } = global.target else { return None };
@@ -244,7 +244,7 @@ impl Binder<'_> {
         Some(Variable { base: Base::of_area(area), byte, bit, ty, untyped: false })
     }
 
-    /// The structure that a tag is, whose type the tag table gives: one of the program.
+    /// The structure of a tag whose type in the tag table is one of the program.
     fn structure_of_tag(&mut self, name: &str, span: Span) -> Option<Rc<StructType>> {
         let ty = self.globals.get(&fold(name))?.structure.clone()?;
         let (BlockPrefix::Udt, number) = self.type_block(&ty)? else { return None };
@@ -333,14 +333,14 @@ impl Binder<'_> {
                 (PathPart::Member { name, span }, ty) => {
                     self.report.push(
                         Diagnostic::new(Code::UnknownMember, *span, format!("there is no component `{name}` here"))
-                            .label(format!("what stands before it is of type {}", layout::type_name(ty))),
+                            .label(format!("the name before it is of type {}", layout::type_name(ty))),
                     );
                     return None;
                 }
                 (PathPart::Index { span, .. }, ty) => {
                     self.report.push(
-                        Diagnostic::new(Code::UnknownMember, *span, "this is no array")
-                            .label(format!("what stands before it is of type {}", layout::type_name(ty))),
+                        Diagnostic::new(Code::UnknownMember, *span, "this is not an array")
+                            .label(format!("the name before it is of type {}", layout::type_name(ty))),
                     );
                     return None;
                 }
@@ -357,7 +357,7 @@ impl Binder<'_> {
         None
     }
 
-    /// The component of a structure by name. Large structures are indexed once.
+    /// The component of a structure with this name. Large structures are indexed once.
     pub fn member(&mut self, structure: &Rc<StructType>, name: &str) -> Option<Member> {
         const INDEXED: usize = 12;
         let folded = match plcc_stdlib::own_member(structure.instance_of, name) {
@@ -390,7 +390,7 @@ impl Binder<'_> {
     }
 }
 
-/// Where a part such as `%X3` of a value of type `ty` lies, byte and bit, and its type; `None`: it has no such part. The lowest byte is the last
+/// Where a part such as `%X3` of a value of type `ty` is, byte and bit, and its type; `None`: it has no such part. The lowest byte is the last
 /// one in memory.
 fn slice(name: &str, ty: Elementary) -> Option<(u32, u8, Elementary)> {
     let number: u32 = name.get(2..)?.parse().ok()?;

@@ -23,11 +23,11 @@ impl Binder<'_> {
             "sleep" => match rest.parse::<u32>() {
                 Ok(milliseconds) => Some(StlStatementKind::Sleep(milliseconds)),
                 Err(_) => {
-                    self.bad_pragma(pragma.span, "`sleep` takes a number of milliseconds", "write `//@ sleep 100`");
+                    self.bad_pragma(pragma.span, "`sleep` needs a number of milliseconds", "write `//@ sleep 100`");
                     None
                 }
             },
-            // Those of the whole file, which the file lists by itself.
+            // Those of the whole file, which the file lists separately.
             "cpu" | "test" => None,
             _ if word.starts_with('^') => None,
             _ => {
@@ -51,7 +51,7 @@ impl Binder<'_> {
     }
 
     fn assert(&mut self, ctx: &mut Ctx, pragma: &Pragma) -> Option<StlStatementKind> {
-        // One that is not built as an assertion was reported when it was read.
+        // One that is not a valid assertion was reported by the parser.
         let written = pragma.assert.as_ref()?;
         let mut comparisons = Vec::new();
         for comparison in &written.comparisons {
@@ -77,7 +77,7 @@ impl Binder<'_> {
             Some((word, at)) => match Type::from_word(word) {
                 Some(ty) => Some((ty, *at)),
                 None => {
-                    let title = format!("`{word}` is no type of values");
+                    let title = format!("`{word}` is not a type of values");
                     self.bad_pragma(*at, &title, "write e.g. `as INT`, `as DINT`, `as REAL` or `as TIME`");
                     return None;
                 }
@@ -100,7 +100,7 @@ impl Binder<'_> {
                     );
                     return None;
                 }
-                // A narrower type takes the low bits.
+                // A narrower type uses the low bits.
                 return match ty {
                     Some((ty, at)) if ty.width() > 32 || ty.is_in_memory() => self.other_width(ty, 32, at),
                     Some((ty, _)) => value(AssertSide::Register(*register), Some(ty), ty.width()),
@@ -120,7 +120,7 @@ impl Binder<'_> {
                     return value(AssertSide::Operand(Operand::Memory { place, width }), own, bits);
                 };
                 match (ty, width) {
-                    // What begins at a byte.
+                    // Places that begin at a byte.
                     (_, Width::Byte) if ty.is_in_memory() && is_memory(&place) => {
                         value(AssertSide::Memory(place), Some(ty), ty.width())
                     }
@@ -148,7 +148,7 @@ impl Binder<'_> {
                         let (ty, at) = ty?;
                         let title =
                             format!("`{}` is of type {}, not {}", self.text(operand.span), own.name(), ty.name());
-                        self.bad_pragma(at, &title, "leave the type out, or compare a part of it");
+                        self.bad_pragma(at, &title, "omit the type, or compare a part of it");
                         None
                     }
                     Some(Type::DateAndTime) => {
@@ -198,8 +198,8 @@ impl Binder<'_> {
     }
 
     fn other_width<T>(&mut self, ty: Type, bits: u8, at: Span) -> Option<T> {
-        let title = format!("the address has {bits} bits, a {} another width", ty.name());
-        let help = "name an address of the width of the type; what is larger begins at a byte: `DB1.DBB 4 as LREAL`";
+        let title = format!("the address has {bits} bits, but a {} has another width", ty.name());
+        let help = "name an address of the width of the type; larger types begin at a byte: `DB1.DBB 4 as LREAL`";
         self.bad_pragma(at, &title, help);
         None
     }
@@ -208,14 +208,14 @@ impl Binder<'_> {
         let text = self.text(operand.span);
         self.bad_pragma(
             operand.span,
-            &format!("`{text}` has no value that could be compared"),
+            &format!("`{text}` has no value to compare"),
             "name an address, a variable of an elementary type or a text, a constant, or a register such as ACCU1, AR1, STW, STW.RLO, DBNO",
         );
         None
     }
 }
 
-/// A constant as both its readers understand it.
+/// A constant as both of its readers understand it.
 fn literal_of(written: &ast::AssertLiteral) -> Literal {
     let exact = written.exact.as_ref().and_then(Constant::of_literal);
     let exact = match (exact, written.negative) {
@@ -231,7 +231,7 @@ fn literal_of(written: &ast::AssertLiteral) -> Literal {
     Literal { constant: exact.or_else(|| written.loaded.as_ref().and_then(Constant::of_stl)), loaded }
 }
 
-/// Places whose bytes lie in memory.
+/// Places whose bytes are in memory.
 fn is_memory(place: &Place) -> bool {
     !matches!(place, Place::Pi { .. } | Place::Pq { .. } | Place::Indirect { .. } | Place::Register { .. })
 }

@@ -1,4 +1,4 @@
-//! Data types that the language or the CPU brings along: DTL, ErrorStruct, connection descriptions, numbers of hardware objects and OBs, and the instance
+//! Data types of the language or the CPU: DTL, ErrorStruct, connection descriptions, numbers of hardware objects and OBs, and the instance
 //! types of IEC timers and counters, which are blocks of the standard library.
 //!
 //! Source: LAD/FBD reference for S7-1200, data types, date and time, and GET_ERROR.
@@ -98,7 +98,7 @@ const STRUCTURES: &[Structure] = &[
     },
 ];
 
-/// Names of the CPU's objects: the type that each is.
+/// Names of the CPU's objects, with the type of each.
 #[rustfmt::skip]
 const NUMBERS: &[(Elementary, &[&str])] = &[
     (Elementary::Word, &[
@@ -113,9 +113,9 @@ const NUMBERS: &[(Elementary, &[&str])] = &[
     (Elementary::Dword, &["EVENT_ANY", "EVENT_ATT", "EVENT_HWINT", "AOM_IDENT", "CONN_R_ID"]),
 ];
 
-/// Data types of timers and counters: the blocks whose instances they are, the first that there is.
+/// Data types of timers and counters: the blocks whose instances they are; the first available one counts.
 ///
-/// The four timers have one layout, of which that of TONR names all components; the counters likewise with CTUD.
+/// The four timers have one layout, and that of TONR names all components; CTUD does so for the counters.
 #[rustfmt::skip]
 const INSTANCES: &[(&str, &[&str])] = &[
     ("IEC_TIMER",      &["IEC_TIMER", "TONR", "TON"]),
@@ -141,7 +141,7 @@ const INSTANCES: &[(&str, &[&str])] = &[
 ];
 
 impl Binder<'_> {
-    /// The block that a data type's name means: one of the sources, `FB10`, or one of the library; without a message.
+    /// The block that a data type's name means: one of the sources, `FB10`, or one of the library; no message.
     pub fn type_block(&self, name: &str) -> Option<(BlockPrefix, u16)> {
         if let Some(number) = self.type_names.get(&plcc_binding::fold(name)) {
             return Some((BlockPrefix::Udt, *number));
@@ -159,7 +159,7 @@ impl Binder<'_> {
         let own = [trimmed];
         let candidates =
             INSTANCES.iter().find(|(ty, _)| ty.eq_ignore_ascii_case(trimmed)).map_or(&own[..], |row| row.1);
-        // A function is no type: `RTM` is a hardware identifier where a type stands.
+        // A function is not a type: where a type is expected, `RTM` is a hardware identifier.
         let is_type = |block: &&plcc_stdlib::SystemBlock| matches!(block.class, BlockClass::Fb | BlockClass::Sfb);
         let tia = || candidates.iter().find_map(|name| plcc_stdlib::find_tia(name).filter(is_type));
         let classic = || candidates.iter().find_map(|name| plcc_stdlib::find_name(name).filter(is_type));
@@ -168,7 +168,7 @@ impl Binder<'_> {
         Some((names::kind_prefix(key.kind), key.number))
     }
 
-    /// A type of the language or the CPU that is no block.
+    /// A type of the language or the CPU that is not a block.
     pub fn predefined(&mut self, name: &str, span: Span) -> Option<Typed> {
         let name = name.trim();
         let numbers = NUMBERS.iter().find(|(_, names)| names.iter().any(|own| own.eq_ignore_ascii_case(name)));

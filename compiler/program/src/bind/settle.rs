@@ -1,4 +1,4 @@
-//! What an operand is: places, numbers and constants, before anyone asks whether the instruction takes them.
+//! What an operand is: places, numbers and constants, before the check that the instruction accepts them.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{
@@ -17,10 +17,10 @@ use plcc_model::{Number, Place};
 /// Largest offset of a register-indirect address, P#4095.7, in bits.
 pub const OFFSET_MAX: u32 = 4095 * 8 + 7;
 
-/// An operand of which the kind is known.
+/// An operand of known kind.
 #[derive(Clone, Debug)]
 pub enum Settled<'o> {
-    /// An elementary variable or an address; `ty` if a declaration or a symbol table tells it.
+    /// An elementary variable or an address; `ty` if a declaration or a symbol table states it.
     Memory {
         place: Place,
         width: Width,
@@ -37,7 +37,7 @@ pub enum Settled<'o> {
         number: Number,
     },
     Literal(&'o Literal),
-    /// `P##name` of which the address is known.
+    /// `P##name` with a known address.
     Pointer(u32),
     /// `P##p` of a parameter of an FC.
     ParameterPointer(usize),
@@ -48,7 +48,7 @@ pub enum Settled<'o> {
 }
 
 impl Binder<'_> {
-    /// Notes the use of a DB by number; a DB that is not there is a warning.
+    /// Notes the use of a DB by number; a missing DB is a warning.
     pub fn use_db(&mut self, number: u16, span: Span) {
         let known = self.dbs.contains_key(&number)
             || self.data.contains_key(&number)
@@ -58,7 +58,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Finds out what an operand is; `None` if a message was given or it cannot be known.
+    /// Determines what an operand is; `None` after a message, or if it is not known.
     pub fn settle<'o>(&mut self, ctx: &mut Ctx, operand: &'o ast::Operand) -> Option<Settled<'o>> {
         let span = operand.span;
         match &operand.kind {
@@ -124,8 +124,8 @@ impl Binder<'_> {
         let (prefix, number) = self.block_number(db)?;
         if prefix != BlockPrefix::Db {
             self.report.push(
-                Diagnostic::new(Code::OperandKind, db.span(), "this is no data block")
-                    .label("a data block is wanted before the point"),
+                Diagnostic::new(Code::OperandKind, db.span(), "this is not a data block")
+                    .label("a data block is expected before the point"),
             );
             return None;
         }
@@ -135,14 +135,14 @@ impl Binder<'_> {
         Some(Settled::Memory { place: Place::Db { number, byte, bit }, width, ty: None })
     }
 
-    /// Tells of an address behind the end of its data block, up to byte `end`.
+    /// Reports an address beyond the end of its data block, up to byte `end`.
     pub fn check_db_end(&mut self, number: u16, end: u32, span: Span) {
         if let Some(db) = self.dbs.get(&number) {
             let length = db.block.data.len() as u32;
             if end > length {
                 let defined = db.block.span;
                 self.report.push(
-                    Diagnostic::new(Code::DbRange, span, format!("this address is behind the end of DB {number}"))
+                    Diagnostic::new(Code::DbRange, span, format!("this address is beyond the end of DB {number}"))
                         .label(format!("the data block has {length} bytes"))
                         .also(defined, "the data block")
                         .help("at run time this is an error (OB 121)"),
@@ -164,8 +164,8 @@ impl Binder<'_> {
                 };
                 self.report.push(
                     Diagnostic::new(Code::OperandKind, pointer.span, format!("`{text}` cannot hold this address"))
-                        .label(format!("{what} of M, L, DB or DI is wanted"))
-                        .help(format!("write for example {example}, or name such a variable")),
+                        .label(format!("{what} of M, L, DB or DI is expected here"))
+                        .help(format!("write for example {example}, or name a variable of this width")),
                 );
                 None
             }
@@ -187,7 +187,7 @@ impl Binder<'_> {
             None => {
                 let text = self.text(span);
                 self.report.push(
-                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` is no input and no output"))
+                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` is neither an input nor an output"))
                         .label("`:P` reads an input or writes an output past the process image")
                         .help("remove `:P`"),
                 );
@@ -239,14 +239,14 @@ impl Binder<'_> {
 
     /// `P##name`: the address of a variable of this block.
     ///
-    /// TEMP: a pointer into L. FB: the offset in the instance as a pointer into DI, without AR2. FC: of complex, POINTER and ANY
-    /// parameters the place of the POINTER or ANY, of elementary ones the area pointer of the actual. Source: STL reference, access to
+    /// TEMP: a pointer into L. FB: the offset in the instance as a pointer into DI, without AR2. FC: for complex, POINTER and ANY
+    /// parameters the place of the POINTER or ANY, for elementary ones the area pointer of the actual. Source: STL reference, access to
     /// formal parameters.
     fn address_of(&mut self, ctx: &mut Ctx, path: &Path, span: Span) -> Option<Settled<'static>> {
         let Resolved::Variable(variable) = self.resolve(ctx, path)? else {
             self.report.push(
-                Diagnostic::new(Code::OperandKind, span, "`P##` takes the address of a variable of this block")
-                    .label("this is none"),
+                Diagnostic::new(Code::OperandKind, span, "`P##` needs a variable of this block")
+                    .label("this is not a variable of this block"),
             );
             return None;
         };
@@ -268,16 +268,16 @@ impl Binder<'_> {
             {
                 Some(Settled::ParameterPointer(parameter))
             }
-            // Its type is not defined, which is told.
+            // Its type is not defined, which is already reported.
             Base::Parameter(_) if variable.ty == DataType::Void => None,
             Base::Parameter(_) | Base::ThroughPointer(_) => {
                 let text = self.text(span);
                 let name = layout::type_name(&variable.ty);
                 self.report.push(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` has no address in this block"))
-                        .label(format!("a parameter of type {name} that lies with the caller"))
+                        .label(format!("a parameter of type {name}, which is in the caller's memory"))
                         .help(
-                            "`P##` works for parameters of all types but TIMER, COUNTER and BLOCK_x, without a component",
+                            "`P##` works for parameters of all types except TIMER, COUNTER and BLOCK_x, without a component",
                         ),
                 );
                 None
@@ -292,8 +292,8 @@ impl Binder<'_> {
                     _ => "write a pointer constant such as `P#DBX 4.0`".to_string(),
                 };
                 self.report.push(
-                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` is no variable of this block"))
-                        .label("`P##` takes the address of parameters, static and temporary data")
+                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` is not a variable of this block"))
+                        .label("`P##` needs a parameter, static or temporary data")
                         .help(help),
                 );
                 None
@@ -302,7 +302,7 @@ impl Binder<'_> {
     }
 }
 
-/// Pointers and numbers in memory lie in M, L or a data block.
+/// Pointers and numbers in memory are in M, L or a data block.
 pub fn holds_pointer(place: &Place) -> bool {
     match place {
         Place::M { .. }

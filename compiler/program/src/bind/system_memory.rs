@@ -1,7 +1,7 @@
-//! Clock memory and system memory that nobody has configured, by the names that the TIA Portal gives to their tags.
+//! Clock memory and system memory without configuration, found by the names that the TIA Portal gives to their tags.
 //!
-//! An export has no properties of the CPU; its tag table has these tags once the bytes are enabled. Which byte is meant is the one in which
-//! they lie, each at its own bit. Keys of plc.toml come first.
+//! An export has no properties of the CPU; its tag table has these tags once the bytes are enabled. The byte is the one that
+//! contains them, each at its own bit. Keys of plc.toml have priority.
 //! Source: LAD/FBD reference for S7-1200, memory areas and scan; STL reference, clock memory. Names: the tool's default tag table, the same in every language.
 
 use plcc_diag::{Code, Diagnostic, Span};
@@ -11,7 +11,7 @@ use super::Binder;
 use plcc_binding::fold;
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
-/// Which of the two bytes.
+/// One of the two bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Memory {
     Clock,
@@ -30,7 +30,7 @@ const TAGS: &[(&str, Memory, Option<u8>)] = &[
     ("alwaystrue", Memory::System, Some(2)), ("alwaysfalse", Memory::System, Some(3)),
 ];
 
-/// What a name means: one of the tags, also with the number that the tool appends where the name is taken (`AlwaysTRUE(1)`, `FirstScan_1`).
+/// What a name means: one of the tags, also with the number that the tool appends if the name is taken (`AlwaysTRUE(1)`, `FirstScan_1`).
 fn meaning(name: &str) -> Option<(Memory, Option<u8>)> {
     let folded = fold(name).replace(',', ".");
     let of = |name: &str| TAGS.iter().find(|(known, ..)| *known == name).map(|(_, memory, bit)| (*memory, *bit));
@@ -39,7 +39,7 @@ fn meaning(name: &str) -> Option<(Memory, Option<u8>)> {
     of(&folded).or_else(|| of(stem))
 }
 
-/// The memory byte in which a tag lies, if it lies at the bit that it should have.
+/// The memory byte of a tag, if it is at the bit that it should have.
 fn byte_of(target: SymbolTarget, bit: Option<u8>) -> Option<u16> {
     match (target, bit) {
         (SymbolTarget::Memory { area: Area::M, width: Width::Byte, byte, .. }, None) => u16::try_from(byte).ok(),
@@ -51,7 +51,7 @@ fn byte_of(target: SymbolTarget, bit: Option<u8>) -> Option<u16> {
 }
 
 impl Binder<'_> {
-    /// Settles the bytes that the configuration leaves open, and tells of it.
+    /// Settles the bytes that the configuration leaves open, and reports it.
     pub(super) fn system_memory(&mut self) {
         for memory in [Memory::Clock, Memory::System] {
             let configured = match memory {
@@ -84,10 +84,10 @@ impl Binder<'_> {
             let message = Diagnostic::new(
                 Code::MemoryByName,
                 first.span,
-                format!("MB {byte} is taken for the {what}, as the tag `{}` says", first.name.trim()),
+                format!("MB {byte} is used as the {what}, because of the tag `{}`", first.name.trim()),
             )
-            .label("a tag that the TIA Portal makes for it")
-            .help(format!("`{key} = {byte}` in plc.toml says the same; another number there comes first"));
+            .label("the TIA Portal creates this tag for it")
+            .help(format!("`{key} = {byte}` in plc.toml means the same; another number there has priority"));
             self.report.push(message);
             match memory {
                 Memory::Clock => self.config.clock_memory_byte = Some(byte),
@@ -96,7 +96,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Tells of the use of a tag that the system sets by its name, but not at its address.
+    /// Reports the use of a tag that the system should set, going by its name, but does not, going by its address.
     pub(super) fn check_system_tag(&mut self, name: &str, target: SymbolTarget, span: Span) {
         let Some((memory, bit)) = meaning(name) else { return };
         let (configured, what, key) = match memory {
@@ -104,7 +104,7 @@ impl Binder<'_> {
             Memory::System => (self.config.system_memory_byte, "system memory", "system_memory_byte"),
         };
         let own = byte_of(target, bit);
-        // Blocks may have such names, and a CPU without system memory may use them for its own.
+        // Blocks may have these names, and a CPU without system memory may use them for its own.
         let is_memory = matches!(target, SymbolTarget::Memory { .. });
         if !is_memory
             || configured.is_some() && own == configured
@@ -115,12 +115,12 @@ impl Binder<'_> {
         }
         let label = match (configured, own) {
             (Some(byte), _) => format!("the {what} is MB {byte}"),
-            (None, Some(_)) => format!("the tags of the {what} lie in several bytes"),
-            (None, None) => format!("no place for a tag of the {what}"),
+            (None, Some(_)) => format!("the tags of the {what} are in several bytes"),
+            (None, None) => format!("not an address for a tag of the {what}"),
         };
         let help = match own {
             Some(byte) => format!("write `{key} = {byte}` in plc.toml, if the CPU has its {what} there"),
-            None => "the program must set it itself; else correct its address in the tag table".to_string(),
+            None => "the program must set it itself; otherwise correct its address in the tag table".to_string(),
         };
         let title = format!("the CPU does not set `{}`, which is a tag of the {what}", name.trim());
         self.report.push(Diagnostic::new(Code::MemoryTag, span, title).label(label).help(help));

@@ -1,6 +1,6 @@
-//! Whole programs through parser and binding: layouts, values and what calls hand over.
+//! Whole programs through parser and binding: layouts, values and what calls pass.
 //!
-//! What a message says is tested by the files of `tests/check/`.
+//! The files of `tests/check/` test the texts of messages.
 
 use plcc_abi::image::{AssertKind, BlockKind, Config, Family};
 use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap};
@@ -103,7 +103,7 @@ const TANK: &str = "DATA_BLOCK DB 5\nSTRUCT\n b : BOOL := TRUE;\n c : BOOL;\n d 
 fn current_values() {
     let program = good(TANK);
     let data = &program.db(5).expect("defined").data;
-    // b and d; ch starts with a blank; i := 3 behind BEGIN.
+    // b and d; ch starts with a blank; i := 3 after BEGIN.
     assert_eq!(data[..4], [0b101, b' ', 0, 3]);
     assert_eq!(data[4..8], [0x3F, 0x80, 0, 0]);
     // STRING[3]: header, two characters, one free, one to make it even.
@@ -187,7 +187,7 @@ fn every_system_block_binds() {
         };
         assert!(diagnostics.is_empty(), "{}: {diagnostics:#?}", block.name);
         assert_eq!(unit.blocks.len(), 1, "{}", block.name);
-        // Instructions of the TIA Portal have no number by which STL could call them.
+        // Instructions of the TIA Portal have no number for STL to call them.
         if block.form == plcc_stdlib::Form::NotShipped || block.is_tia() {
             continue;
         }
@@ -204,7 +204,7 @@ fn every_system_block_binds() {
             false => format!("{kind} {}", block.number),
         };
         let (_, diagnostics) = bind_text(&format!("CALL {target} {instance}\n"), "", false);
-        // A call that leaves out the parameters of a function is the only fault.
+        // A call that omits the parameters of a function is the only error.
         assert!(
             diagnostics.iter().all(|diagnostic| diagnostic.code == Code::MissingParameter),
             "{}: {diagnostics:#?}",
@@ -356,7 +356,7 @@ fn assertions() {
     assert_eq!(kinds, [(AssertKind::Float, false), (AssertKind::Float, false), (AssertKind::Bits, true)]);
 }
 
-/// What tests nothing, or guesses, is refused.
+/// Assertions that test nothing, or guess, are refused.
 #[test]
 fn assertions_that_cannot_be_meant() {
     let data = "DATA_BLOCK DB 1\nSTRUCT\n i : INT;\n d : DINT;\n r : REAL;\n s : STRING[5];\n a : ARRAY[1..9] OF INT;\n b : BOOL;\n\
@@ -372,7 +372,7 @@ fn assertions_that_cannot_be_meant() {
         assert_eq!(code(good), "", "{good}");
     }
     for bad in [
-        // No value, or every value, meets them.
+        // No value, or every value, satisfies them.
         "DB1.i == 70000",
         "DB1.i <> 40000",
         "DB1.b == 2",
@@ -452,10 +452,10 @@ fn a_name_that_is_defined_nowhere_is_told_of_once() {
 
 #[test]
 fn functions_of_libraries_join_where_the_program_has_none() {
-    // By number the block may be the user's own, so the message tells where it comes from.
+    // By number the block may be the user's own, so the message shows where it comes from.
     let (_, diagnostics) = bind_text("CALL FC 21 ( x := 1 )\n", "", false);
     assert!(diagnostics[0].help.iter().any(|help| help.contains("`LEN` of the standard library")), "{diagnostics:#?}");
-    // A block of the program by that number comes first, and the name still means the library.
+    // A block of the program with that number has priority, and the name still means the library.
     let own = "FUNCTION FC 21 : VOID\nBEGIN\nEND_FUNCTION\nDATA_BLOCK DB 1 STRUCT s : STRING[5]; END_STRUCT; BEGIN END_DATA_BLOCK\nORGANIZATION_BLOCK OB 1\nBEGIN\n CALL FC 21;\n CALL \"LEN\" ( S := DB1.s, RET_VAL := MW 0 );\nEND_ORGANIZATION_BLOCK\n";
     let program = good(own);
     let functions: Vec<(u16, &str)> = program

@@ -13,7 +13,7 @@ use super::all;
 const SPECIAL_MEMORY: &[(&str, &str)] = &[
     ("SM0.0", "always 1"),
     ("SM0.1", "1 in the first scan"),
-    ("SM0.2", "1 for one scan if retentive data are lost"),
+    ("SM0.2", "1 for one scan if retentive data is lost"),
     ("SM0.3", "1 for one scan when RUN is entered after power-up"),
     ("SM0.4", "clock: 30 s off, 30 s on"),
     ("SM0.5", "clock: 0.5 s off, 0.5 s on"),
@@ -26,7 +26,7 @@ const SPECIAL_MEMORY: &[(&str, &str)] = &[
     ("SM4.3", "a non-fatal error occurred in this scan"),
     ("SM4.4", "interrupts are enabled"),
     ("SM4.5, SM4.6", "transmitter of port 0, of port 1 is idle"),
-    ("SMB6", "bits 7 to 4: which CPU it is"),
+    ("SMB6", "bits 7 to 4: identification of the CPU"),
     ("SMB8 to SMB21", "identification and error byte of modules 0 to 6; 16#80: absent"),
     ("SMW22, SMW24, SMW26", "scan time in ms: last, shortest, longest"),
     ("SMB28, SMB29", "analog potentiometers"),
@@ -41,25 +41,25 @@ const SPECIAL_MEMORY: &[(&str, &str)] = &[
     ("SMB86 to SMB94, SMB186 to SMB194", "RCV on port 0, on port 1: status, control, characters, times"),
 ];
 
-/// Numbers of mistakes that Micro/WIN and the compiler find. Source: S7-200 system manual, compile rule violations.
+/// Numbers of errors that Micro/WIN and the compiler find. Source: S7-200 system manual, compile rule violations.
 const COMPILE_ERRORS: &[(u16, &str)] = &[
     (0x0081, "stack underflow: the network does not begin with a load, or has pushed too few levels"),
     (0x0082, "illegal instruction, or one that the CPU does not have"),
-    (0x0083, "no main program, or an instruction that it must not have"),
+    (0x0083, "no main program, or an instruction that is not allowed in it"),
     (0x0085, "NEXT without FOR"),
     (0x0086, "FOR without NEXT"),
     (0x0087, "label, subroutine or interrupt routine is missing"),
     (0x0088, "not allowed in a subroutine"),
     (0x0089, "not allowed in an interrupt routine"),
     (0x008B, "jump into or out of a sequence step"),
-    (0x008C, "label or sequence step is there twice"),
+    (0x008C, "label or sequence step is defined twice"),
     (0x008D, "illegal number of a label"),
     (0x0090, "illegal parameter"),
     (0x0091, "address outside of the memory of the CPU"),
     (0x0092, "illegal count"),
     (0x0093, "FOR loops are nested more than 8 deep"),
     (0x0095, "SCRE, SCRT or CSCRE without LSCR"),
-    (0x0096, "SCRE is missing, or an instruction that a sequence step must not have"),
+    (0x0096, "SCRE is missing, or an instruction that is not allowed in a sequence step"),
 ];
 
 /// The page in Markdown: `docs/reference/s7-200.md`.
@@ -72,7 +72,7 @@ pub fn reference() -> String {
     page
 }
 
-/// What a CPU has of something, as a cell.
+/// The resource of a CPU, as a cell.
 type Cell = fn(&Profile, &CpuRow) -> String;
 
 /// Bytes of an area as a range, or a dash.
@@ -114,7 +114,7 @@ const CPU_ROWS: &[(&str, Cell)] = &[
 
 fn write_cpus(page: &mut String) {
     page.push_str(
-        "\n## CPUs\n\nSource: S7-200 system manual, memory ranges and features. Without a name the profile `s7-200` stands for a 226.\n\n",
+        "\n## CPUs\n\nSource: S7-200 system manual, memory ranges and features. If no CPU is named, the profile `s7-200` is a 226.\n\n",
     );
     let cpus: Vec<(Profile, CpuRow)> = all().collect();
     write_head(page, "", &cpus);
@@ -124,7 +124,7 @@ fn write_cpus(page: &mut String) {
     }
 }
 
-/// Heading of a table with a column for each CPU behind the columns `first`.
+/// Heading of a table with a column for each CPU after the columns `first`.
 fn write_head(page: &mut String, first: &str, cpus: &[(Profile, CpuRow)]) {
     let names: Vec<&str> = cpus.iter().map(|(profile, _)| profile.name.as_str()).collect();
     let columns = first.matches('|').count() + 1 + cpus.len();
@@ -133,7 +133,7 @@ fn write_head(page: &mut String, first: &str, cpus: &[(Profile, CpuRow)]) {
 
 fn write_events(page: &mut String) {
     page.push_str(
-        "\n## Events\n\nSource: S7-200 system manual, priorities of interrupt events. Communication goes before I/O before timed; in a group events run as they\n\
+        "\n## Events\n\nSource: S7-200 system manual, priorities of interrupt events. Communication has priority over I/O, and I/O over timed events; in a group, events run in the order in which they\n\
          came, simultaneous ones by their priority, 0 first.\n\n",
     );
     let cpus: Vec<(Profile, CpuRow)> = all().collect();
@@ -151,7 +151,7 @@ fn write_events(page: &mut String) {
 
 fn write_special_memory(page: &mut String) {
     page.push_str(
-        "\n## Special memory\n\nSource: S7-200 system manual, special memory bits. SMB0 to SMB29 are read-only; what is not listed reads 0.\n\n\
+        "\n## Special memory\n\nSource: S7-200 system manual, special memory bits. SMB0 to SMB29 are read-only; addresses that are not listed read 0.\n\n\
          | address | meaning |\n| --- | --- |\n",
     );
     for (address, meaning) in SPECIAL_MEMORY {
@@ -160,13 +160,13 @@ fn write_special_memory(page: &mut String) {
 }
 
 fn write_errors(page: &mut String) {
-    page.push_str("\n## Errors\n\nSource: S7-200 system manual, error codes.\n\nFatal: the CPU goes to STOP, its outputs take their values for STOP.\n");
+    page.push_str("\n## Errors\n\nSource: S7-200 system manual, error codes.\n\nFatal: the CPU goes to STOP, its outputs get their values for STOP.\n");
     write_codes(page, fatal::TEXTS);
     page.push_str(
         "\nNon-fatal: the instruction does nothing, ENO is 0 and SM4.3 is 1; with `stop_on_error` of plc.toml the CPU goes to STOP.\n",
     );
     write_codes(page, error::TEXTS);
-    page.push_str("\nMistakes of the program; messages name these codes, too.\n");
+    page.push_str("\nErrors in the program; messages also name these codes.\n");
     write_codes(page, COMPILE_ERRORS);
 }
 

@@ -1,7 +1,7 @@
-//! Code of a chart, put into the holes of the engine. Source: GRAPH reference, chapters D and G.
+//! Code of a chart, put into the placeholders of the engine. Source: GRAPH reference, chapters D and G.
 //!
-//! What happens in a call follows the active steps: each hole in a loop over them is one CASE by the step's place, with an arm for each
-//! step that has something to do there.
+//! A call processes the active steps: each placeholder in a loop over them is one CASE over the step's position, with an arm for each
+//! step that has code there.
 
 use plcc_syntax::Elementary;
 use plcc_syntax::chart::ast::Transition;
@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 
 use super::action::StepCode;
 use super::build::{assign, if_then, number};
-use super::engine::{Engine, all, compared, not};
+use super::engine_data::{Engine, all, compared, not};
 use crate::bind::path::Variable;
 use crate::bind::scl::expression::binary_expr;
 use plcc_model::scl::{Arm, BinaryOp, CompareOp, Expr, Statement, StatementKind};
@@ -17,7 +17,7 @@ use plcc_model::scl::{Arm, BinaryOp, CompareOp, Expr, Statement, StatementKind};
 /// Statements that must run before the value of a condition, and the value, a BOOL.
 pub type Condition = (Vec<Statement>, Expr);
 
-/// Everything of a chart that was bound.
+/// All bound parts of a chart.
 pub struct Parts {
     pub before: Vec<Statement>,
     pub after: Vec<Statement>,
@@ -32,10 +32,10 @@ pub struct Parts {
     pub to: Vec<Vec<usize>>,
 }
 
-/// What the chart needs of the engine.
+/// The features of the engine that the chart needs.
 pub struct Features {
     pub monitoring: bool,
-    /// Transitions switch behind phase 6 only.
+    /// Transitions only switch after phase 6.
     pub selection: bool,
     pub all_conditions: bool,
     pub skipping: bool,
@@ -46,7 +46,7 @@ pub struct Features {
     pub requests: bool,
 }
 
-/// Fills the holes.
+/// Fills the placeholders.
 pub struct Assembly<'a, 'c> {
     pub engine: &'a Engine<'c>,
     pub parts: Parts,
@@ -55,11 +55,11 @@ pub struct Assembly<'a, 'c> {
     pub results: Vec<Variable>,
     /// Transitions that a step's arm evaluates, best first.
     owned: Vec<Vec<usize>>,
-    /// Transitions that compete with a join for a step, best first: they switch behind all others.
+    /// Transitions that compete with a join for a step, best first: they switch after all others.
     competing: Vec<usize>,
 }
 
-/// Transitions by the step whose arm evaluates them: the first of those they leave.
+/// Transitions, grouped by the step whose arm evaluates them: the first of those they leave.
 pub fn owners(steps: usize, from: &[Vec<usize>], transitions: &[Transition]) -> Vec<Vec<usize>> {
     let mut owned = vec![Vec::new(); steps];
     for (at, from) in from.iter().enumerate() {
@@ -73,7 +73,7 @@ pub fn owners(steps: usize, from: &[Vec<usize>], transitions: &[Transition]) -> 
     owned
 }
 
-/// Transitions of which one leaves several steps and another one leaves one of these.
+/// Transitions that compete for a step: one leaves several steps, another leaves one of these.
 pub fn competing(steps: usize, from: &[Vec<usize>], transitions: &[Transition]) -> Vec<usize> {
     // Transitions and joins that leave each step; a join spreads to all steps that its rivals leave.
     let mut leaving = vec![Vec::new(); steps];
@@ -106,7 +106,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         Assembly { engine, parts, features, results, owned, competing }
     }
 
-    /// What stands for each hole of the engine.
+    /// The code for each placeholder of the engine.
     pub fn holes(self) -> FxHashMap<&'static str, Vec<Statement>> {
         let engine = self.engine;
         let mut holes = FxHashMap::default();
@@ -136,7 +136,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         holes
     }
 
-    /// `CASE selector OF`, an arm for each step that has statements.
+    /// `CASE selector OF`, with an arm for each step that has statements.
     fn case(&self, selector: &str, make: &dyn Fn(usize) -> Vec<Statement>) -> Vec<Statement> {
         let steps = 0..self.engine.chart.steps.len();
         let arms: Vec<Arm> = steps
@@ -153,7 +153,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         vec![Statement { kind, span: self.engine.span }]
     }
 
-    /// The call behind the one that left a step.
+    /// The call after the one that left a step.
     fn forget(&self, step: usize) -> Vec<Statement> {
         let span = self.engine.chart.steps[step].span;
         self.owned[step].iter().map(|at| self.set_flags(*at, number(0, Elementary::Byte, span))).collect()
@@ -201,7 +201,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         statements
     }
 
-    /// Keeps what T_NO and T_MORE show.
+    /// Stores the values of T_NO and T_MORE.
     fn note_valid(&self, at: usize) -> Vec<Statement> {
         let span = self.engine.chart.transitions[at].span;
         let own = u64::from(self.engine.chart.transitions[at].number);
@@ -278,7 +278,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         self.in_order(&self.competing, &|list| list.iter().map(one).collect())
     }
 
-    /// The first transition that goes fires. With T_PERM the numbers decide.
+    /// The first transition that can fire does. With T_PERM their numbers decide.
     fn choose(&self, list: &[usize], satisfied: &dyn Fn(usize, usize) -> Expr) -> Vec<Statement> {
         if list.is_empty() {
             return Vec::new();
@@ -292,7 +292,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         })
     }
 
-    /// Statements for transitions in the order of the drawing, and in that of their numbers if T_PERM asks for it.
+    /// Statements for transitions in the order of the drawing, or in order of their numbers if T_PERM is set.
     fn in_order(&self, list: &[usize], make: &dyn Fn(&[usize]) -> Vec<Statement>) -> Vec<Statement> {
         let mut numbered = list.to_vec();
         numbered.sort_by_key(|at| self.engine.chart.transitions[*at].number);
@@ -331,7 +331,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         goes
     }
 
-    /// From one step to another one, as most transitions.
+    /// From one step to another, the most common transition.
     fn is_plain(&self, at: usize) -> bool {
         self.parts.from[at].len() == 1 && self.parts.to[at].len() == 1
     }
@@ -348,7 +348,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         statements
     }
 
-    /// A plain transition of step `k` switches; what does not depend on it stands once, behind the code of all steps.
+    /// A plain transition of step `k` switches; the part that is independent of it comes once, after the code of all steps.
     fn fire_plain(&self, at: usize) -> Vec<Statement> {
         let span = self.engine.chart.transitions[at].span;
         let target = number(self.parts.to[at][0] as u64 + 1, Elementary::Int, span);
@@ -372,7 +372,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         vec![self.set_flags(at, flags), assign(engine.variable("forced"), forced, span)]
     }
 
-    /// Steps that a transition enters, those that are entered already aside.
+    /// Steps that a transition enters, except those that are already entered.
     fn enter(&self, at: usize) -> Vec<Statement> {
         let engine = self.engine;
         let span = engine.chart.transitions[at].span;
@@ -383,7 +383,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         self.parts.to[at].iter().map(one).collect()
     }
 
-    /// A step whose transition is satisfied already is not entered; what follows it is.
+    /// A step whose transition is already satisfied is not entered; its successor is.
     fn skip(&self, step: usize) -> Vec<Statement> {
         let mut otherwise = Vec::new();
         let single = self.owned[step].iter().rev().filter(|at| self.parts.from[**at].len() == 1);
@@ -405,7 +405,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         otherwise
     }
 
-    /// Asks to leave the other steps of the section that the shown step belongs to: those that single transitions join.
+    /// Requests to leave the other steps of the section of the shown step: those that single transitions join.
     fn leave_section(&self) -> Vec<Statement> {
         let steps = self.engine.chart.steps.len();
         let mut section: Vec<usize> = (0..steps).collect();

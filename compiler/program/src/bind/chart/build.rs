@@ -12,7 +12,7 @@ use plcc_model::types::DataType;
 
 /// The value of an elementary variable.
 pub fn load(variable: &Variable, span: Span) -> Expr {
-    let DataType::Elementary(ty) = variable.ty else { unreachable!("the engine reads elementary variables only") };
+    let DataType::Elementary(ty) = variable.ty else { unreachable!("the engine only reads elementary variables") };
     let access = Spot::fixed(variable.clone()).access(span);
     Expr { kind: ExprKind::Load(Box::new(access)), ty, span }
 }

@@ -1,6 +1,6 @@
 //! Calls of blocks in rows of actions and permanent instructions. Source: GRAPH reference A.2, call_stmt.
 //!
-//! All parameters are written with `:=`, outputs too; the interface of the block says which these are.
+//! All parameters are written with `:=`, also outputs; the interface of the block shows which are outputs.
 
 use plcc_diag::Code;
 use plcc_syntax::ast::{BlockName, BlockPrefix, OperandKind};
@@ -42,7 +42,7 @@ impl Binder<'_> {
         statements
     }
 
-    /// The arguments of a call, and the operand that takes its value.
+    /// The arguments of a call, and the operand that receives its value.
     fn chart_arguments(&mut self, call: &Call, key: Option<BlockKey>) -> (Vec<Argument>, Option<Node>) {
         let bound = key.and_then(|key| self.interface(key, call.block.span));
         let parameters = bound.as_ref().map_or(&[][..], |bound| &bound.interface.parameters);
@@ -68,7 +68,7 @@ impl Binder<'_> {
         (arguments, result)
     }
 
-    /// What is called, in the form of SCL: `FB1.DB1`, or the instance alone.
+    /// The called block, in the form of SCL: `FB1.DB1`, or the instance alone.
     fn chart_callee(&mut self, ctx: &mut Ctx, call: &Call) -> Option<Node> {
         let Some(instance) = &call.instance else { return Some(call.block.clone()) };
         match self.quiet_block(ctx, &call.block) {
@@ -82,14 +82,14 @@ impl Binder<'_> {
             Some((prefix, _)) => {
                 let text = self.text(call.block.span);
                 let help = match prefix {
-                    BlockPrefix::Fc | BlockPrefix::Sfc => "a function has no instance: leave the data block out",
+                    BlockPrefix::Fc | BlockPrefix::Sfc => "a function has no instance: remove the data block",
                     _ => "call a function, or a function block with its instance",
                 };
-                let title = format!("`{text}` is no function block");
+                let title = format!("`{text}` is not a function block");
                 self.refuse(Code::ActionText, instance.span, &title, "the instance of a function block", help);
                 None
             }
-            // A block of the library, by the name of its type, or one that is defined nowhere.
+            // A block of the library, named by its type, or one that is defined nowhere.
             None => {
                 if let NodeKind::Name(name) = &call.block.kind
                     && self.library_function(ctx.scl.rules, &name.text).is_none()
@@ -102,7 +102,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Names in the parameters of a call that cannot be checked.
+    /// Reports names in the parameters of a call that cannot be checked.
     fn note_values(&mut self, ctx: &mut Ctx, call: &Call) {
         let (arguments, _) = self.chart_arguments(call, None);
         self.note_arguments(ctx, &arguments);

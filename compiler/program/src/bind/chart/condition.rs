@@ -12,7 +12,7 @@ use plcc_syntax::scl::ast::{
     AssignOp, Expr as Node, ExprKind as NodeKind, Name, NameForm, Statement as Tree, StatementKind as TreeKind,
 };
 
-use super::engine::Engine;
+use super::engine_data::Engine;
 use crate::bind::network::Page;
 use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;
@@ -21,8 +21,8 @@ use plcc_binding::fold;
 use plcc_model::scl::{Expr, Statement};
 
 impl Binder<'_> {
-    /// Binds a condition: statements, and the BOOL that it then is, which is good until the next network or row is bound.
-    /// `what` has it: "the transition `T1`".
+    /// Binds a condition: statements, and their result, a BOOL that is valid until the next network or row is bound.
+    /// `what` names it: "the transition `T1`".
     pub fn condition_code(
         &mut self,
         ctx: &mut Ctx,
@@ -48,14 +48,14 @@ impl Binder<'_> {
         }
         let (text, is) = (self.text(node.span), described(&value));
         self.report.push(
-            Diagnostic::new(Code::ConditionType, node.span, format!("`{text}` is {is}, but {what} wants a BOOL"))
+            Diagnostic::new(Code::ConditionType, node.span, format!("`{text}` is {is}, but {what} needs a BOOL"))
                 .label(is)
                 .help("compare it, for example with `> 0`, or name a bit"),
         );
         None
     }
 
-    /// A network: its coil of a condition has the result.
+    /// A network: the coil of the condition has the result.
     fn condition_network(
         &mut self,
         ctx: &mut Ctx,
@@ -85,7 +85,7 @@ impl Binder<'_> {
                         network.span,
                         format!("the network of {what} has no result"),
                     )
-                    .label("no coil of the condition")
+                    .label("there is no coil of the condition")
                     .help("end the network with the coil of the condition"),
                 );
                 None
@@ -97,14 +97,14 @@ impl Binder<'_> {
                     Diagnostic::new(Code::ElementPlace, *second, title)
                         .label("a second coil of the condition")
                         .also(*first, "the first one")
-                        .help("join the branches before one coil"),
+                        .help("join the branches into one coil"),
                 );
                 None
             }
         }
     }
 
-    /// Statements, the last of which is the condition, or gives it to the name of the transition.
+    /// Statements. The last one is the condition, or assigns it to the name of the transition.
     fn condition_statements(&mut self, ctx: &mut Ctx, list: &[Tree], what: &str) -> Option<(Vec<Statement>, Expr)> {
         let list = match list.iter().rposition(|tree| !matches!(tree.kind, TreeKind::Empty | TreeKind::Pragma(_))) {
             Some(last) => &list[..=last],
@@ -127,7 +127,7 @@ impl Binder<'_> {
         Some((statements, value))
     }
 
-    /// The target is no variable, so that it stands for the transition.
+    /// The target is not a variable, so it means the transition.
     fn is_own_value(&self, ctx: &Ctx, targets: &[(Node, AssignOp)]) -> bool {
         let [(Node { kind: NodeKind::Name(Name { text, form, .. }), .. }, AssignOp::Set)] = targets else {
             return false;
@@ -141,7 +141,7 @@ impl Binder<'_> {
 
     fn no_condition_at_end(&mut self, span: Span, what: &str) {
         self.report.push(
-            Diagnostic::new(Code::ConditionType, span, format!("the last statement of {what} is no condition"))
+            Diagnostic::new(Code::ConditionType, span, format!("the last statement of {what} is not a condition"))
                 .label("it has no value")
                 .help("end with the condition alone, `a AND b;`, or assign it to the name of the transition"),
         );

@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 
 use plcc_binding::fold;
 
-/// Steps and transitions are known by their places in the lists of the chart. Of those that are there twice, the first counts.
+/// Steps and transitions by their positions in the lists of the chart. Of duplicates, the first counts.
 #[derive(Debug, Default)]
 pub struct Index {
     steps: FxHashMap<String, usize>,
@@ -28,24 +28,24 @@ impl Index {
         index
     }
 
-    /// The step of that name.
+    /// The step with this name.
     pub fn step(&self, name: &str) -> Option<usize> {
         self.steps.get(&fold(name)).copied()
     }
 
-    /// The step that code means: by name, or as `S002` by number.
+    /// The step that code names, or gives by number, as `S002`.
     pub fn step_reference(&self, text: &str) -> Option<usize> {
         self.step(text).or_else(|| self.step_numbers.get(&number(text, 'S')?).copied())
     }
 
-    /// The transition that code means: by name, or as `T002` by number.
+    /// The transition that code names, or gives by number, as `T002`.
     pub fn transition_reference(&self, text: &str) -> Option<usize> {
         let named = self.transitions.get(&fold(text)).copied();
         named.or_else(|| self.transition_numbers.get(&number(text, 'T')?).copied())
     }
 }
 
-/// The number behind a letter: `S002`.
+/// The number after a letter: `S002`.
 fn number(text: &str, letter: char) -> Option<u32> {
     let digits = text.strip_prefix([letter, letter.to_ascii_lowercase()])?;
     if digits.is_empty() || !digits.bytes().all(|digit| digit.is_ascii_digit()) {

@@ -1,4 +1,4 @@
-//! Data of a chart in the instance of its block: declarations that every language can name, and where they lie.
+//! Data of a chart in the instance of its block: declarations that every language can name, and their addresses.
 //! Source: GRAPH reference, chapter F.
 
 use plcc_diag::Span;
@@ -17,21 +17,21 @@ use plcc_binding::fold;
 const STEP: &str = "S1, L1, V1, R1, A1, S0, L0, V0, X, LA, VA, RA, AA, SS, LS, VS : BOOL; SNO : INT; T, U : TIME;
     CRIT_LOC, CRIT_LOC_ERR, CRIT_SUP : DWORD; SM, LP, LN, VP, VN : BOOL; H_IL_ERR, H_SV_FLT : BYTE; RESERVE : DWORD;";
 
-/// Components of a step of the TIA Portal.
+/// Components of a step in the TIA Portal.
 const TIA_STEP: &str = "S1, L1, V1, R1, A1, S0, L0, V0, X, LA, VA, RA, AA, SS, LS, VS : BOOL; SNO : INT; T, U : TIME;
     T_MAX : TIME := T#10s; T_WARN : TIME := T#7s; CRIT_LOC, CRIT_LOC_ERR : DWORD; SM : BOOL; H_IL_ERR, H_SV_FLT : BYTE;";
 
 /// Components of a transition.
 const TRANSITION: &str = "TV, TT, TS, CF_IV : BOOL; TNO : INT; CRIT, CRIT_OLD, CRIT_FLT : DWORD;";
 
-/// Bits of MOP that a new instance has set.
+/// Bits of MOP that are 1 in a new instance.
 const START_VALUES: [&str; 6] = ["AUTO", "LOCK", "SUP", "ACKREQ", "INIT", "SACT_DISP"];
 
 /// Structure around the data of the engine in the TIA Portal.
 pub const TIA_DATA: &str = "RT_DATA";
 
-/// Names of the components of the instance that hold steps and transitions, in their order. A name that the block declares otherwise is
-/// left to it; the step is then called by its number.
+/// Names of the components of the instance that hold steps and transitions, in their order. If the block declares a name as something
+/// else, it keeps it; the step then has its number as a name.
 pub struct Members {
     pub steps: Vec<String>,
     pub transitions: Vec<String>,
@@ -57,7 +57,7 @@ impl Members {
     }
 }
 
-/// Variables that the source declares, none of those that [`expanded`] adds.
+/// Variables that the source declares, without those that [`expanded`] adds.
 fn declared(block: &ast::CodeBlock) -> impl Iterator<Item = &Variable> {
     block
         .sections
@@ -66,10 +66,10 @@ fn declared(block: &ast::CodeBlock) -> impl Iterator<Item = &Variable> {
         .filter(|variable| variable.name_span.file != SYSTEM_FILE)
 }
 
-/// Names of what the engine declares.
+/// Names of the engine's variables.
 const ENGINE_NAMES: [&str; 10] = ["G7S", "G7T", "SAX", "S0X", "S1X", "MOPEDGE", "MOP", "SQ_FLAGS", "G7_DATA", TIA_DATA];
 
-/// Whether the block declares a name under which the chart keeps its data, which is told where names are declared.
+/// Whether the block declares a name that the chart needs for its data, which is reported with the declarations.
 pub fn clashes(block: &ast::CodeBlock, chart: &Chart) -> bool {
     let arrays = chart.settings.data == Some(StepData::Array);
     declared(block).any(|variable| {
@@ -83,7 +83,7 @@ pub fn clashes(block: &ast::CodeBlock, chart: &Chart) -> bool {
     })
 }
 
-/// The block with everything declared that its chart brings: operating parameters before those of the block, data of the chart behind
+/// The block with all declarations of its chart: operating parameters before those of the block, data of the chart after
 /// its static data.
 pub fn expanded(block: &ast::CodeBlock, chart: &Chart) -> ast::CodeBlock {
     let members = Members::new(block, chart);
@@ -128,7 +128,7 @@ fn chart_data(chart: &Chart, members: &Members) -> Vec<Variable> {
     data
 }
 
-/// What the engine keeps from call to call.
+/// Data that the engine keeps from call to call.
 fn engine_data(chart: &Chart) -> String {
     let settings = &chart.settings;
     let steps = chart.steps.len();
@@ -143,7 +143,7 @@ fn engine_data(chart: &Chart) -> String {
         _ => START_VALUES.contains(&name),
     };
     let never = |_: &str| false;
-    // What is chosen at the start was not chosen by an edge: an operator's choice in the first call wins.
+    // Choices at the start come from no edge: an operator's choice in the first call has priority.
     let chosen = |name: &str| matches!(name, "AUTO" | "SACT_DISP");
     let list = format!("ARRAY[0..{}] OF BYTE := [1]", steps + 1);
     format!(
@@ -184,7 +184,7 @@ fn step_type(dialect: Dialect, step: &plcc_syntax::chart::ast::Step) -> TypeKind
     TypeKind::Struct(members)
 }
 
-/// The type that a name of the TIA Portal means: `G7_StepPlus_V6`, `G7_TransitionPlus_V4`; `G7_RTDataPlus_V5` with what a program can name of it.
+/// The type that a name of the TIA Portal means: `G7_StepPlus_V6`, `G7_TransitionPlus_V4`; `G7_RTDataPlus_V5` with the parts that a program can name.
 pub fn type_named(name: &str) -> Option<TypeKind> {
     let folded = fold(name);
     let rest = folded.strip_prefix("g7_")?;
@@ -239,7 +239,7 @@ fn variable(name: &str, kind: TypeKind) -> Variable {
     }
 }
 
-/// Numbers beyond INT are told of by the analysis.
+/// Numbers beyond INT are reported by the analysis.
 fn number(value: u32) -> Expr {
     let value = u64::from(value.min(i16::MAX as u32));
     Expr { kind: ExprKind::Literal(Literal::Integer { value, based: false }), span: nowhere() }

@@ -1,4 +1,4 @@
-//! Code of a chart does not end the block: what stands behind it must run in each call.
+//! Code of a chart must not end the block: the code after it must run in each call.
 
 use plcc_diag::{Code, Span};
 use plcc_syntax::stl::StlInsn;
@@ -8,15 +8,15 @@ use plcc_model::StlStatementKind;
 use plcc_model::scl::{Statement, StatementKind};
 
 impl Binder<'_> {
-    /// Tells of RETURN and the like among statements of an action, a condition or a permanent instruction.
+    /// Reports RETURN and other exits among statements of an action, a condition or a permanent instruction.
     pub(super) fn check_leaving(&mut self, statements: &[Statement]) {
         if let Some(span) = block_end(statements) {
             self.refuse(
                 Code::ElementPlace,
                 span,
                 "code of a chart cannot end the block",
-                "steps and outputs would not be processed to the end",
-                "write what it skips into an IF, or jump to a label",
+                "steps and outputs would not be fully processed",
+                "put the code that it skips into an IF, or jump to a label",
             );
         }
     }

@@ -1,13 +1,13 @@
 //! Binding of GRAPH: a chart becomes statements of the typed tree of SCL, so that all languages share one lowering.
 //!
-//! - `parameters`: the operating parameters, a row each; `instance`: data of the chart in the instance.
-//! - `index`: steps and transitions by name and number; `names`: they in expressions.
-//! - `engine.scl`, `monitor.scl`: one call of the block as SCL with holes; `template` reads them.
-//! - `engine`: what the statements know of the chart: where its data lie, sets of steps; `build`: pieces of the typed tree.
-//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `numbers`: what they compare and
-//!   rows compute with; `call`: block calls of the first two; `leaving`: what they cannot do.
-//! - `assemble`: the code of steps and transitions, put into the holes.
-//! - `analysis`: which charts can be.
+//! - `parameters`: the operating parameters, one row for each; `instance`: data of the chart in the instance.
+//! - `index`: steps and transitions by name and number; `names`: their names in expressions.
+//! - `engine.scl`, `monitor.scl`: one call of the block as SCL with placeholders; `template` reads them.
+//! - `engine_data`: the data that statements of the chart use: where it is, sets of steps; `build`: pieces of the typed tree.
+//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `numbers`: the numbers that they compare and
+//!   rows compute with; `call`: block calls of the first two; `leaving`: statements that are not possible in them.
+//! - `assemble`: the code of steps and transitions, put into the placeholders.
+//! - `analysis`: which charts are valid.
 //! - `reference`: the page about GRAPH.
 //!
 //! Source: GRAPH reference, chapters D to G.
@@ -18,7 +18,7 @@ mod assemble;
 mod build;
 mod call;
 mod condition;
-mod engine;
+mod engine_data;
 mod index;
 mod instance;
 mod leaving;
@@ -45,7 +45,7 @@ use super::scl::temporary;
 use super::{Binder, Ctx};
 use assemble::{Assembly, Condition, Features, Parts};
 use build::number;
-use engine::Engine;
+use engine_data::Engine;
 use index::Index;
 use instance::Members;
 use parameters::{Effect, PARAMETERS, Parameter};
@@ -54,14 +54,14 @@ use plcc_model::scl::{Body, Statement, StatementKind};
 use plcc_model::types::DataType;
 use template::{ENGINE, MONITOR, Meaning};
 
-/// Forgets what ON, OFF and the operator have asked for.
+/// Clears the requests of ON, OFF and the operator.
 const CLEAR_REQUESTS: &str = "#REQUESTED := FALSE;
 FOR #j := 1 TO #steps DO
   #ASKED_ON[#j] := FALSE;
   #ASKED_OFF[#j] := FALSE;
 END_FOR;";
 
-/// The transition that the code of step `k` has chosen leaves it and enters the step at `target`.
+/// The transition that the code of step `k` has selected leaves it and enters the step at `target`.
 const SWITCH_OVER: &str = "IF #target > 0 THEN
   #left := #left + 1;
   #S0X[#left] := INT_TO_BYTE(#k);
@@ -76,7 +76,7 @@ const SWITCH_OVER: &str = "IF #target > 0 THEN
   END_IF;
 END_IF;";
 
-/// Goes on in a loop if `k` is no place of a step.
+/// Continues a loop if `k` is not a position of a step.
 const ONLY_STEPS: &str = "IF DINT_TO_UDINT(INT_TO_DINT(#k) - 1) <= #last_step THEN ; ELSE CONTINUE; END_IF;";
 
 impl Binder<'_> {
@@ -153,7 +153,7 @@ impl Binder<'_> {
         Parts { before, after, codes, interlocks, supervisions, conditions, from, to }
     }
 
-    /// A condition, if there is one; FALSE stands for one that could not be bound.
+    /// A condition, if there is one; FALSE if it could not be bound.
     fn chart_condition(
         &mut self,
         ctx: &mut Ctx,
@@ -231,7 +231,7 @@ impl Binder<'_> {
         self.bind_template(ctx, engine, &trees, holes)
     }
 
-    /// Binds the engine's own statements, with its names and without those of the user.
+    /// Binds the engine's own statements, with its names and without the names of the user.
     fn bind_template(
         &mut self,
         ctx: &mut Ctx,
@@ -262,13 +262,13 @@ impl Binder<'_> {
     }
 }
 
-/// Parameters that need to know which step is shown.
+/// Parameters that depend on which step is shown.
 const DISPLAYS: [&str; 12] = [
     "S_NO", "S_MORE", "S_ACTIVE", "S_TIME", "S_TIMEOK", "S_STATE", "S_SEL", "S_SELOK", "S_ON", "S_OFF", "ACK_S",
     "REG_S",
 ];
 
-/// The block has this operating parameter: one of its name, type and direction.
+/// The block has this operating parameter: one with its name, type and direction.
 fn is_declared(ctx: &Ctx, parameter: &Parameter) -> bool {
     let direction = match parameter.section {
         SectionKind::Output => Direction::Output,

@@ -44,7 +44,7 @@ const OF_STEPS: [&str; 26] = [
     "LP",
 ];
 
-/// What resolves names of a chart.
+/// Resolves names of a chart.
 struct Names<'n, 'b> {
     index: &'n Index,
     members: &'n Members,
@@ -217,7 +217,7 @@ impl Names<'_, '_> {
         }
     }
 
-    /// T5 without a component is the timer, though a transition has that name.
+    /// T5 without a component is the timer, even if a transition has that name.
     fn address(&self, name: &Name) -> Option<OperandKind> {
         let own = name.form == NameForm::Bare && !self.declared.contains(&fold(&name.text));
         let operand = own.then(|| plcc_syntax::scl::absolute(&name.text)).flatten()?;
@@ -246,7 +246,7 @@ impl Names<'_, '_> {
             self.binder.report.push(
                 Diagnostic::new(Code::UnknownStep, owner.span, format!("the chart has no {what} `{text}`"))
                     .label(format!("no {what} of this name or number"))
-                    .help("name a step or transition of this block, by its name or its number"),
+                    .help("name a step or transition of this block, with its name or number"),
             );
             return Some(Expr { kind: ExprKind::Error, span: owner.span });
         }

@@ -1,6 +1,6 @@
 //! Numbers in a chart of S7-GRAPH V5: its comparisons and its arithmetic are those of INT, DINT, REAL and TIME.
 //!
-//! The text does not say which one is meant, so that the operands do: an address such as MD4 is the number of its width, or what stands on
+//! The operands decide the type, because the text does not show it: an address such as MD4 is the number of its width, or has the type of
 //! the other side, and milliseconds in a DWORD or DINT are a TIME. Source: GRAPH reference A.6, D.8.
 
 use plcc_syntax::{Class, Elementary};
@@ -12,7 +12,7 @@ use crate::bind::{Binder, Ctx};
 use plcc_binding::constant::Constant;
 
 impl Binder<'_> {
-    /// The two sides of a comparison or of `+ - * /`, as it takes them.
+    /// The two sides of a comparison or of `+ - * /`, in the types that it uses.
     pub(in crate::bind) fn chart_operands(&mut self, ctx: &mut Ctx, left: Value, right: Value) -> (Value, Value) {
         let (left_type, right_type) = (taken_as(&left, &right), taken_as(&right, &left));
         (self.chart_operand(ctx, left, left_type), self.chart_operand(ctx, right, right_type))
@@ -26,7 +26,7 @@ impl Binder<'_> {
     }
 }
 
-/// The type that a value has beside `other`; none: its own.
+/// The type that a value has next to `other`; none: its own.
 fn taken_as(value: &Value, other: &Value) -> Option<Elementary> {
     let beside = Shape::of(other);
     let number = match Shape::of(value) {

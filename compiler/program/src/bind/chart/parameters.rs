@@ -1,4 +1,4 @@
-//! Parameters that a GRAPH function block has for its operation, and bits that stand for them in the instance.
+//! Operating parameters of a GRAPH function block, and their bits in the instance.
 //! Source: GRAPH reference E.1, E.2, F.2.
 
 use plcc_syntax::ast::SectionKind;
@@ -13,11 +13,11 @@ pub struct Parameter {
     /// The smallest set of parameters that has it.
     pub set: Set,
     pub effect: Effect,
-    /// What it means, for the reference page.
+    /// Its meaning, for the reference page.
     pub does: &'static str,
 }
 
-/// Sets of parameters, each with those before it.
+/// Sets of parameters, each including the ones before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Set {
     Minimum,
@@ -27,10 +27,10 @@ pub enum Set {
     Tia,
 }
 
-/// What a rising edge of an input does.
+/// The effect of a rising edge of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// Sets a bit of MOP, which asks for something or chooses it.
+    /// Sets a bit of MOP, which requests or selects something.
     Set(&'static str),
     /// Inverts a bit of MOP.
     Toggle(&'static str),
@@ -54,7 +54,7 @@ const fn row(
     Parameter { name, ty, section, set, effect, does }
 }
 
-/// All operating parameters, in the order in which a block has them.
+/// All operating parameters, in the order of the parameters of a block.
 #[rustfmt::skip]
 pub const PARAMETERS: &[Parameter] = &[
     row("OFF_SQ", "BOOL", Input, Set::Standard, Sets("OFF"), "leaves all steps"),
@@ -64,10 +64,10 @@ pub const PARAMETERS: &[Parameter] = &[
     row("ACK_S", "BOOL", Input, Set::Maximum, Sets("ACK_S"), "acknowledges the fault of the step in S_NO"),
     row("REG_S", "BOOL", Input, Set::Maximum, Sets("REG_S"), "event R1 in the step in S_NO, if it is active"),
     row("HALT_SQ", "BOOL", Input, Set::Maximum, Toggle("HOLD"), "no transition fires, no request is granted; actions and monitoring go on"),
-    row("HALT_TM", "BOOL", Input, Set::Maximum, Toggle("TMS_HALT"), "T, U, D and L stand still"),
+    row("HALT_TM", "BOOL", Input, Set::Maximum, Toggle("TMS_HALT"), "T, U, D and L stop"),
     row("ZERO_OP", "BOOL", Input, Set::Maximum, Toggle("OPS_ZERO"), "operands of N, D and L are 0, calls are not executed"),
-    row("EN_IL", "BOOL", Input, Set::Maximum, Toggle("LOCK"), "interlocks are evaluated; off: all are satisfied"),
-    row("EN_SV", "BOOL", Input, Set::Maximum, Toggle("SUP"), "supervisions are evaluated; off: there are no faults"),
+    row("EN_IL", "BOOL", Input, Set::Maximum, Toggle("LOCK"), "interlocks are evaluated; if off, all are satisfied"),
+    row("EN_SV", "BOOL", Input, Set::Maximum, Toggle("SUP"), "supervisions are evaluated; if off, there are no faults"),
     row("EN_ACKREQ", "BOOL", Input, Set::Maximum, Toggle("ACKREQ"), "faults must be acknowledged"),
     row("EN_SSKIP", "BOOL", Input, Set::Maximum, Toggle("SSKIP"), "skip steps"),
     row("DISP_SACT", "BOOL", Input, Set::Maximum, Sets("SACT_DISP"), "S_NO shows active steps"),
@@ -79,8 +79,8 @@ pub const PARAMETERS: &[Parameter] = &[
     row("SW_TAP", "BOOL", Input, Set::Standard, Sets("TAP"), "mode *transition and push*"),
     row("SW_TOP", "BOOL", Input, Set::Standard, Sets("TOP"), "mode *transition or push*"),
     row("SW_MAN", "BOOL", Input, Set::Standard, Sets("MAN"), "manual mode"),
-    row("S_SEL", "INT", Input, Set::Standard, Named, "number of the step that S_NO is to show: taken in manual mode when it changes"),
-    row("S_SELOK", "BOOL", Input, Set::Maximum, Sets("S_SELOK"), "takes S_SEL in any mode"),
+    row("S_SEL", "INT", Input, Set::Standard, Named, "number of the step that S_NO is to show: applied in manual mode when it changes"),
+    row("S_SELOK", "BOOL", Input, Set::Maximum, Sets("S_SELOK"), "applies S_SEL in any mode"),
     row("S_ON", "BOOL", Input, Set::Standard, Sets("S_ON"), "manual mode: activates the step in S_NO"),
     row("S_OFF", "BOOL", Input, Set::Standard, Sets("S_OFF"), "manual mode: deactivates the step in S_NO"),
     row("T_PREV", "BOOL", Input, Set::Maximum, Sets("T_PREV"), "T_NO: the next lower number"),
@@ -123,7 +123,7 @@ pub const PARAMETERS: &[Parameter] = &[
     row("LMODE_ENABLED", "BOOL", Output, Set::Tia, Nothing, "always 0"),
 ];
 
-/// Bits of MOP, four bytes of them. Those behind the start values are requests, levels or modes as `engine.scl` treats them.
+/// Bits of MOP, four bytes of them. Those after the start values are requests, levels or modes as `engine.scl` treats them.
 pub const OPERATING_BITS: [&str; 32] = [
     "AUTO",
     "TAP",
@@ -170,7 +170,7 @@ pub fn implied(interface: Interface) -> impl Iterator<Item = &'static Parameter>
     PARAMETERS.iter().filter(move |parameter| largest.is_some_and(|largest| parameter.set <= largest))
 }
 
-/// The set that a file without `FBInterface` means: that of a new block in STEP 7; files of other tools declare what they have.
+/// The set of a file without `FBInterface`: that of a new block in STEP 7; files of other tools declare their parameters.
 pub const fn default_interface(dialect: Dialect) -> Interface {
     match dialect {
         Dialect::Classic => Interface::Standard,
@@ -178,7 +178,7 @@ pub const fn default_interface(dialect: Dialect) -> Interface {
     }
 }
 
-/// The operating parameter of that name, in either letter case.
+/// The operating parameter with this name, in either letter case.
 pub fn find(name: &str) -> Option<&'static Parameter> {
     PARAMETERS.iter().find(|parameter| parameter.name.eq_ignore_ascii_case(name))
 }

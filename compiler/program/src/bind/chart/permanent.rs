@@ -1,8 +1,8 @@
-//! Permanent instructions, before and behind the sequencers. Source: GRAPH reference A.2, perm.
+//! Permanent instructions, before and after the sequencers. Source: GRAPH reference A.2, perm.
 
 use plcc_syntax::chart::ast::{Coil, Permanent, PermanentKind};
 
-use super::engine::Engine;
+use super::engine_data::Engine;
 use crate::bind::network::{no, yes};
 use crate::bind::{Binder, Ctx};
 use plcc_model::scl::{Statement, StatementKind};

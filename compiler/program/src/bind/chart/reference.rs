@@ -9,7 +9,7 @@ use super::parameters::{Effect, OPERATING_BITS, PARAMETERS, Parameter, Set};
 /// The page without its tables.
 const TEXT: &str = include_str!("reference.md");
 
-/// Bits of MOP that no parameter sets as a request, and what they mean; all others are requests. In the order of the bits.
+/// Bits of MOP that no parameter sets as a request, with their meaning; all others are requests. In order of the bits.
 const LASTING: [(&str, &str); 18] = [
     ("AUTO", "automatic mode"),
     ("TAP", "mode *transition and push*"),
@@ -27,8 +27,8 @@ const LASTING: [(&str, &str); 18] = [
     ("SALL_DISP", "S_NO shows all steps"),
     ("ACK", "request: as ACK_EF"),
     ("IL_PERM", "no effect"),
-    ("T_PERM", "the conditions of all transitions are evaluated; the lower number goes first"),
-    ("ILP_MAN", "no effect; begins as `PermILMan` says"),
+    ("T_PERM", "the conditions of all transitions are evaluated; the lower number has priority"),
+    ("ILP_MAN", "no effect; its start value is `PermILMan`"),
 ];
 
 /// The page in Markdown: `docs/reference/graph.md`.

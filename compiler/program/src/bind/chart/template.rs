@@ -1,4 +1,4 @@
-//! The engine's SCL with its holes: what a chart does not need is left out before it is bound.
+//! The engine's SCL with its placeholders: parts that a chart does not need are removed before binding.
 
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, Statement, StatementKind, UnaryOp};
@@ -11,11 +11,11 @@ pub const ENGINE: &str = include_str!("engine.scl");
 /// Monitoring of a step.
 pub const MONITOR: &str = include_str!("monitor.scl");
 
-/// What a name in a template stands for.
+/// The meaning of a name in a template.
 pub enum Meaning {
-    /// A variable, or a hole.
+    /// A variable, or a placeholder.
     Kept,
-    /// A feature, or a parameter that the block does not have: it reads as this.
+    /// A feature, or a parameter that the block does not have: it reads as this value.
     Bool(bool),
     /// A parameter of another type that the block does not have, or a number of the chart.
     Number(u64),
@@ -28,7 +28,7 @@ pub fn parse(text: &str) -> Vec<Statement> {
     statements
 }
 
-/// Leaves out what can never run, and assignments to what the block does not have.
+/// Removes code that can never run, and assignments to variables that the block does not have.
 pub fn prune(statements: Vec<Statement>, meaning: &dyn Fn(&str) -> Meaning) -> Vec<Statement> {
     let mut kept = Vec::new();
     for mut statement in statements {
@@ -94,7 +94,7 @@ fn pruned_if(
     }
 }
 
-/// Whether a variable is there: the first name of `#G7S[#k].X`.
+/// Whether a variable exists: the first name of `#G7S[#k].X`.
 fn is_kept(target: &Expr, meaning: &dyn Fn(&str) -> Meaning) -> bool {
     match &target.kind {
         ExprKind::Name(name) => matches!(meaning(&name.text), Meaning::Kept),
@@ -103,7 +103,7 @@ fn is_kept(target: &Expr, meaning: &dyn Fn(&str) -> Meaning) -> bool {
     }
 }
 
-/// The expression with constants in place of what is not there; AND, OR and NOT of constants are computed.
+/// The expression with constants in place of missing variables; AND, OR and NOT of constants are computed.
 fn substituted(mut value: Expr, meaning: &dyn Fn(&str) -> Meaning) -> Expr {
     value.kind = match value.kind {
         ExprKind::Name(name) => match meaning(&name.text) {

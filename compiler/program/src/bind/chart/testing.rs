@@ -1,4 +1,4 @@
-//! A block whose statements tests take for the texts of charts.
+//! A block with statements that tests use as the texts of charts.
 
 use plcc_abi::image::{BlockKind, Config, Family};
 use plcc_diag::{SourceFile, SourceMap};
@@ -15,12 +15,12 @@ use plcc_model::profile;
 const DATA: &str =
     "b : BOOL; c : BOOL; i : INT; d : DINT; r : REAL; t : TIME; w : WORD; s5 : S5TIME; a : ARRAY[0..3] OF BOOL;";
 
-/// What the program has beside the block with the rows.
+/// The program, apart from the block with the rows.
 const OTHERS: &str = "FUNCTION FC 5 : INT\nVAR_INPUT\n x : INT;\nEND_VAR\nVAR_OUTPUT\n y : INT;\nEND_VAR\nBEGIN\n\
     #y := #x;\nFC5 := #x;\nEND_FUNCTION\nFUNCTION_BLOCK FB 7\nVAR_INPUT\n x : INT;\nEND_VAR\nVAR_OUTPUT\n y : INT;\n\
     END_VAR\nBEGIN\n#y := #x;\nEND_FUNCTION_BLOCK\nDATA_BLOCK DB 7 FB 7\nBEGIN\nEND_DATA_BLOCK\n";
 
-/// Does something with the statements of a function block in SCL before they are bound; gives what it gives, and codes of messages.
+/// Runs a function on the statements of an SCL function block before they are bound; returns its result and the message codes.
 pub fn in_block<T>(
     statements: &str,
     work: impl FnOnce(&mut Binder, &mut Ctx, &[Statement]) -> T,

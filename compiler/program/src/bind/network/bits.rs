@@ -23,7 +23,7 @@ use plcc_model::scl::{Access, Base, BinaryOp, Expr, StatementKind};
 use plcc_model::types::{ArrayType, DataType};
 use plcc_model::{Place, Width};
 
-/// More bits no memory area has.
+/// No memory area has more bits.
 const BIT_FIELD_MAX: i128 = 8 * 65_536;
 
 impl Binder<'_> {
@@ -39,7 +39,7 @@ impl Binder<'_> {
         self.output(ctx, sheet, at, "out", Value::Elementary(inverted(flow)))
     }
 
-    /// All inputs are read. In PLCopen the gates of BOOL and of bit strings have one name.
+    /// All inputs are read. PLCopen has one name for the gates of BOOL and of bit strings.
     pub fn gate(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, gate: Gate) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
@@ -51,7 +51,7 @@ impl Binder<'_> {
             Some(ty) if ty.class() == Class::Bits => Some(ty),
             _ => None,
         };
-        // One BOOL makes it a gate of signals.
+        // With one BOOL it is a gate of signals.
         let ty = match values.iter().filter_map(bits).min_by_key(|ty| ty.bits()) {
             Some(Elementary::Bool) | None => Elementary::Bool,
             Some(ty) => values.iter().filter_map(bits).max_by_key(|ty| ty.bits()).unwrap_or(ty),
@@ -72,7 +72,7 @@ impl Binder<'_> {
         self.output(ctx, sheet, at, "out", Value::Elementary(result?))
     }
 
-    /// The flow of a coil: what it writes, and what leaves it. A relay that is off writes 0.
+    /// The flow of a coil: the value that it writes, and the one that leaves it. A relay that is off writes 0.
     fn coil_flow(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<Expr> {
         let flow = self.flow(ctx, sheet, at, "in")?;
         Some(sheet.keep(ctx, flow))
@@ -92,15 +92,15 @@ impl Binder<'_> {
         self.output(ctx, sheet, at, "out", Value::Elementary(flow))
     }
 
-    /// The end of a condition of GRAPH.
+    /// The coil at the end of a condition of GRAPH.
     pub fn condition_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
         let flow = self.flow(ctx, sheet, at, "in")?;
         if sheet.page.condition.is_none() {
             self.refuse(
                 Code::UnknownElement,
                 sheet.element(at).span,
-                "the coil of a condition belongs to a chart of GRAPH",
-                "this network is none of a condition",
+                "the coil of a condition is only possible in a chart of GRAPH",
+                "this network is not a condition",
                 "write a coil with an operand",
             );
             return None;
@@ -134,7 +134,7 @@ impl Binder<'_> {
         self.output(ctx, sheet, at, "out", Value::Elementary(flow))
     }
 
-    /// The condition of what a relay that is off does not write.
+    /// The condition for writing: a relay that is off does not write.
     pub fn relayed(&mut self, sheet: &Sheet, flow: Expr, span: Span) -> Expr {
         match sheet.registers().relay(span) {
             Some(on) => and(flow, on, span),
@@ -220,7 +220,7 @@ impl Binder<'_> {
         self.output(ctx, sheet, at, "out", Value::Elementary(flow))
     }
 
-    /// The edge of a value against its memory bit, which then holds the value.
+    /// The edge of a value compared with its memory bit, which then holds the value.
     fn edge(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, value: Expr, rising: bool) -> Option<Expr> {
         let element = sheet.element(at);
         let span = element.span;
@@ -288,7 +288,7 @@ impl Binder<'_> {
         }
     }
 
-    /// SET_BF, RESET_BF: whole bytes where they are known to be whole.
+    /// SET_BF, RESET_BF: whole bytes where these are known.
     pub fn bit_field(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, set: bool) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
@@ -309,7 +309,7 @@ impl Binder<'_> {
                 Code::OperandKind,
                 node.span,
                 &format!("`{text}` cannot begin a bit field"),
-                "no bit with a fixed address",
+                "not a bit with a fixed address",
                 "name a BOOL: an input, output, bit memory, or an element of an ARRAY OF BOOL with a constant index",
             );
             return None;
@@ -319,7 +319,7 @@ impl Binder<'_> {
         let mut bit = 0;
         while bit < count {
             let (target, width) = match &array {
-                // Each row of an array with several dimensions begins at a byte of its own.
+                // Each row of an array with several dimensions begins at a new byte.
                 Some(array) if array.ty.bounds.len() > 1 => (array.element(bit)?, Width::Bit),
                 _ => moved_bit(&access, bit as u32, count - bit >= 8)?,
             };
@@ -337,7 +337,7 @@ impl Binder<'_> {
         self.output(ctx, sheet, at, "out", Value::Elementary(flow))
     }
 
-    /// The array of which `node` names an element by constant indices; none of other operands.
+    /// The array that `node` names an element of, with constant indices; none for other operands.
     fn array_of_bits(&mut self, ctx: &mut Ctx, node: &Node) -> Option<BitArray> {
         let NodeKind::Index { base, indices } = &node.kind else { return None };
         let access = self.scl_access(ctx, base, Intent::Write)?;
@@ -355,7 +355,7 @@ impl Binder<'_> {
 struct BitArray {
     access: Access,
     ty: std::rc::Rc<ArrayType>,
-    /// In the order of the elements, 0 for the first.
+    /// In order of the elements, 0 for the first.
     position: i128,
 }
 
@@ -365,7 +365,7 @@ impl BitArray {
         (i128::from(layout::element_count(&self.ty.bounds)) - self.position).max(0)
     }
 
-    /// The element `distance` behind this one.
+    /// The element `distance` after this one.
     fn element(&self, distance: i128) -> Option<Access> {
         let index = u64::try_from(self.position + distance).ok()?;
         let (byte, bit) = layout::element_place(&self.ty, index);
@@ -373,7 +373,7 @@ impl BitArray {
     }
 }
 
-/// The place `bits` behind a bit: the whole byte, if `whole` and it begins there.
+/// The bit or, if `whole`, the byte at this distance in bits from a bit.
 fn moved_bit(access: &Access, bits: u32, whole: bool) -> Option<(Access, Width)> {
     let Base::Place(place) = &access.base else { return None };
     let mut place = place.clone();

@@ -21,11 +21,11 @@ use plcc_model::scl::{Instance, StatementKind};
 use plcc_model::types::DataType;
 use plcc_model::{BlockKey, Direction};
 
-/// The parameter that an FC returns its value in.
+/// The parameter with the return value of an FC.
 const RESULT: &str = "ret_val";
 
 impl Binder<'_> {
-    /// TON, CTU, R_TRIG, TSEND_C and the like on an instance.
+    /// TON, CTU, R_TRIG, TSEND_C and similar blocks with an instance.
     pub fn instance_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
@@ -34,8 +34,8 @@ impl Binder<'_> {
                 Code::MissingOperand,
                 span,
                 &format!("{name} has no instance"),
-                "the data of the element would have no place",
-                "declare a static variable of its type, or create an instance data block, and name it at the element",
+                "the element needs an instance for its data",
+                "declare a static variable of its type, or create an instance data block, and write its name at the element",
             );
             return None;
         };
@@ -71,8 +71,8 @@ impl Binder<'_> {
         Some(())
     }
 
-    /// The component of an instance that has an output's value. Data for several blocks, as IEC_COUNTER, may have another name at its
-    /// place: Q of CTU is QU there.
+    /// The component of an instance that has an output's value. Data for several blocks, such as IEC_COUNTER, may have another name
+    /// there: Q of CTU is QU.
     fn component_of_output(&mut self, ctx: &mut Ctx, callee: &Node, output: &str) -> String {
         self.other_component(ctx, callee, output).unwrap_or_else(|| output.to_string())
     }
@@ -181,7 +181,7 @@ impl Binder<'_> {
         })
     }
 
-    /// What calls a function block with its instance: the instance itself, or `"block"."data block"` where the latter is not declared.
+    /// The call of a function block with its instance: the instance itself, or `"block"."data block"` if the latter is not declared.
     fn instance_callee(&self, callee: &Node, instance: &Node) -> Node {
         match (&callee.kind, &instance.kind) {
             (NodeKind::Name(block), NodeKind::Name(name))
@@ -190,7 +190,7 @@ impl Binder<'_> {
                 let kind = NodeKind::Member { base: Box::new(callee.clone()), name: name.clone() };
                 Node { kind, span: callee.span }
             }
-            // Neither is there: the block is what is missing.
+            // Neither is defined: report the block as missing.
             (NodeKind::Name(_), NodeKind::Name(name))
                 if name.form != NameForm::Local && !self.globals.contains_key(&fold(&name.text)) =>
             {
@@ -223,7 +223,7 @@ impl Binder<'_> {
                     after.push(pin.name.clone());
                 }
                 if !output {
-                    // The call tells that there is no such output.
+                    // The call reports that there is no such output.
                     let node = self.pin_node_of_output(pin)?;
                     arguments.push(named(pin, node, true));
                 }
@@ -264,14 +264,14 @@ impl Binder<'_> {
         for pin in element.pins.iter().filter(|pin| !is_enable(pin)) {
             let formal = bound.interface.parameters.iter().find(|one| one.name.eq_ignore_ascii_case(&pin.name));
             if pin.value == PinValue::Open {
-                // An output that is left open on purpose.
+                // An output that is intentionally left open.
                 if formal.is_some_and(|formal| formal.direction == Direction::Output) {
                     let name = Name { text: pin.name.clone(), form: NameForm::Bare, span: pin.span };
                     arguments.push(Argument { name: Some(name), output: true, value: None, span: pin.span });
                 }
                 continue;
             }
-            // Open editors call the result OUT.
+            // Other editors call the result OUT.
             let is_result =
                 pin.name.eq_ignore_ascii_case(RESULT) || formal.is_none() && pin.name.eq_ignore_ascii_case("OUT");
             if pin.output && is_result {
@@ -316,12 +316,12 @@ impl Binder<'_> {
         Some(())
     }
 
-    /// An output that is no single value cannot feed a wire.
+    /// An output without a single value cannot feed a wire.
     fn wire_without_type(&mut self, span: Span) {
         self.report.push(
             Diagnostic::new(Code::MissingOperand, span, "this output needs an operand")
-                .label("only single values go along wires")
-                .help("write a variable to the output"),
+                .label("a wire can only carry a single value")
+                .help("put a variable at the output"),
         );
     }
 
@@ -403,7 +403,7 @@ impl Binder<'_> {
         self.output(ctx, sheet, at, "out", Value::Elementary(flow))
     }
 
-    /// The operand at a pin that takes no wire.
+    /// The operand at a pin that cannot have a wire.
     pub fn operand_node(&mut self, element: &Element, name: &str) -> Option<Node> {
         match &connected(element, name)?.value {
             PinValue::Operand(node) => Some(node.clone()),

@@ -23,7 +23,7 @@ use crate::bind::{Binder, Ctx};
 use plcc_model::Width;
 use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, Part, Statement, StatementKind};
 
-/// MCR zones in one another.
+/// Limit of nested MCR zones.
 const MCR_DEPTH: usize = 8;
 
 /// Registers of the CPU that a block uses.
@@ -32,7 +32,7 @@ pub struct Registers {
     relay: Option<Relay>,
     db: Option<(Hidden, Hidden)>,
     status: Option<Status>,
-    /// Zones that are open at the present place.
+    /// Zones that are open at the current element.
     zones: usize,
 }
 
@@ -40,7 +40,7 @@ pub struct Registers {
 struct Relay {
     /// Between MCRA and MCRD.
     active: Hidden,
-    /// A WORD: bit 0 is the present zone, the next bits those around it.
+    /// A WORD: bit 0 is the current zone, the next bits are those around it.
     zones: Hidden,
 }
 
@@ -48,7 +48,7 @@ struct Relay {
 struct Status {
     ov: Hidden,
     os: Hidden,
-    /// CC1 and CC0 as a DINT: -1, 0, 1 of the last result against 0; 2 unordered.
+    /// CC1 and CC0 as a DINT: -1, 0 or 1 for the last result compared with 0; 2 if unordered.
     sign: Hidden,
 }
 
@@ -113,7 +113,7 @@ impl Binder<'_> {
         }
     }
 
-    /// A value as the relay lets it through: 0 while it is off.
+    /// A value as the relay passes it on: 0 while the relay is off.
     pub fn relayed_value(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, value: Expr, on: Expr) -> Expr {
         let (ty, span) = (value.ty, value.span);
         let hidden = sheet.hidden(ctx, ty);
@@ -122,7 +122,7 @@ impl Binder<'_> {
         hidden.load(span)
     }
 
-    /// The statements that keep what a result does to the status word.
+    /// Statements that update the status word with a result.
     pub fn note_result(&self, sheet: &Sheet, result: &Expr) -> Vec<Statement> {
         let Some(status) = &sheet.page.registers.status else { return Vec::new() };
         let (ty, span) = (result.ty, result.span);
@@ -217,7 +217,7 @@ impl Binder<'_> {
                         Code::ElementPlace,
                         span,
                         "MCR> closes no zone",
-                        "no MCR< before it",
+                        "there is no MCR< before it",
                         "remove it, or open the zone",
                     );
                     return None;
@@ -233,16 +233,16 @@ impl Binder<'_> {
             self.refuse(
                 Code::ElementPlace,
                 span,
-                "more than 8 MCR zones in one another",
+                "more than 8 nested MCR zones",
                 "the ninth one",
-                "close a zone before",
+                "close a zone first",
             );
             return None;
         }
         Some(())
     }
 
-    /// SAVE: the flow becomes BR, which is ENO of the block.
+    /// SAVE: writes the flow to BR, which is ENO of the block.
     pub fn save_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
         let span = sheet.element(at).span;
         let flow = self.flow(ctx, sheet, at, "in")?;
@@ -261,7 +261,13 @@ impl Binder<'_> {
         let flow = self.flow(ctx, sheet, at, "in")?;
         let node = self.operand_node(element, "operand")?;
         let Some(Thing::Db { db, .. }) = self.thing(ctx, &node, Intent::Read) else {
-            self.refuse(Code::OperandKind, node.span, "OPN opens data blocks", "no data block", "name one: DB10");
+            self.refuse(
+                Code::OperandKind,
+                node.span,
+                "OPN opens data blocks",
+                "this is not a data block",
+                "name one: DB10",
+            );
             return None;
         };
         let number = match db {
@@ -310,7 +316,7 @@ impl Binder<'_> {
         self.passed(ctx, sheet, at, flow)
     }
 
-    /// The flow behind a coil is that before it.
+    /// The flow after a coil is the same as before it.
     fn passed(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, flow: Option<Expr>) -> Option<()> {
         match flow {
             Some(flow) => self.output(ctx, sheet, at, "out", Value::Elementary(flow)),
@@ -337,7 +343,7 @@ impl Binder<'_> {
         node
     }
 
-    /// Arguments for the connected inputs; gives the flow, the first of them.
+    /// Arguments for the connected inputs; returns the flow, the first of them.
     fn cell_inputs(
         &mut self,
         ctx: &mut Ctx,
@@ -363,7 +369,7 @@ impl Binder<'_> {
         Some(flow)
     }
 
-    /// Calls the function of SCL, and sends its outputs and its value in BCD out of the pins.
+    /// Calls the function of SCL, and sends its outputs and its value in BCD to the pins.
     #[allow(clippy::too_many_arguments, reason = "the parts of one call")]
     fn cell_call(
         &mut self,

@@ -11,9 +11,9 @@ use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
 use plcc_model::scl::{CompareOp, Expr, ExprKind, Function};
 
-/// The bits of the least REAL that is not denormal.
+/// The bits of the smallest REAL that is not denormal.
 const LEAST_NORMAL: u64 = 0x0080_0000;
-/// As above, of LREAL.
+/// The same for LREAL.
 const LEAST_NORMAL_LONG: u64 = 0x0010_0000_0000_0000;
 
 impl Binder<'_> {
@@ -35,7 +35,7 @@ impl Binder<'_> {
         self.output(ctx, sheet, at, "out", Value::Elementary(and(flow, result, span)))
     }
 
-    /// A comparison as boxes make it: unlike in SCL, a NaN is not equal to anything but on an S7-300/400.
+    /// A comparison by a box: unlike in SCL, a NaN is equal to nothing, except on an S7-300/400.
     pub fn box_compare(&mut self, ctx: &mut Ctx, op: Operator, left: Value, right: Value, span: Span) -> Option<Expr> {
         let result = self.compare(ctx, op, span, left, right, span)?;
         let ExprKind::Compare { op: CompareOp::NotEqual, left, right } = &result.kind else { return Some(result) };
@@ -70,7 +70,7 @@ impl Binder<'_> {
             let above = compare(CompareOp::Greater, &value, max.clone());
             let outside = or(below, above, span);
             if ty.is_float() {
-                // Against a limit that is NaN nothing is outside.
+                // Nothing is outside a limit that is NaN.
                 let numbers = and(
                     compare(CompareOp::Equal, &min, min.clone()),
                     compare(CompareOp::Equal, &max, max.clone()),
@@ -84,7 +84,7 @@ impl Binder<'_> {
         self.output(ctx, sheet, at, "out", Value::Elementary(and(flow, result, span)))
     }
 
-    /// A denormal number is computed with as 0 and still no valid one.
+    /// A denormal number counts as 0 in computations, but is not valid.
     pub fn valid_contact(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, valid: bool) -> Option<()> {
         let span = sheet.element(at).span;
         let flow = self.flow(ctx, sheet, at, "pre")?;

@@ -17,7 +17,7 @@ use plcc_model::LabelId;
 use plcc_model::scl::{Arm, Statement, StatementKind};
 
 impl Binder<'_> {
-    /// Labels of all networks, those of SCL networks among them.
+    /// Labels of all networks, including those of SCL networks.
     pub fn collect_network_labels(&mut self, ctx: &mut Ctx, networks: &[Network]) {
         for network in networks {
             match &network.content {
@@ -45,10 +45,10 @@ impl Binder<'_> {
     fn block_label(&mut self, ctx: &mut Ctx, name: &str, span: Span) {
         if let Some(first) = ctx.scl.labels.get(&fold(name)).map(|label| label.span) {
             self.report.push(
-                Diagnostic::new(Code::DuplicateLabel, span, format!("the label `{name}` stands twice"))
+                Diagnostic::new(Code::DuplicateLabel, span, format!("the label `{name}` is defined twice"))
                     .label("the second one")
                     .also(first, "the first one")
-                    .help("labels are unique in their block; letter case does not matter"),
+                    .help("labels are unique in their block; upper and lower case are the same"),
             );
             return;
         }
@@ -62,7 +62,7 @@ impl Binder<'_> {
         let told = self.report.diagnostics.len();
         let found = self.goto(ctx, name);
         for message in self.report.diagnostics[told..].iter_mut().filter(|one| one.code == Code::UnknownLabel) {
-            message.help = Some(format!("give the network to jump to the label `{}`", name.text));
+            message.help = Some(format!("give the label `{}` to the network to jump to", name.text));
         }
         found.map(StatementKind::Goto)
     }
@@ -77,7 +77,7 @@ impl Binder<'_> {
         Some(())
     }
 
-    /// JMP_LIST: the label of number K; others go on.
+    /// JMP_LIST: jumps to the label with number K; other numbers continue.
     pub fn jump_list_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
@@ -97,7 +97,7 @@ impl Binder<'_> {
         Some(())
     }
 
-    /// SWITCH: the label of the first comparison that is true.
+    /// SWITCH: jumps to the label of the first comparison that is true.
     pub fn switch_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;

@@ -13,7 +13,7 @@ use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
 use plcc_model::scl::{CompareOp, Conversion, Expr, ExprKind, Function, Overflow, StatementKind, UnaryOp};
 
-/// Types of which only CONVERT knows: numbers in BCD.
+/// Types that only CONVERT has: numbers in BCD.
 fn word(template: &str) -> Option<String> {
     let upper = template.trim().trim_matches('"').to_ascii_uppercase();
     match upper.as_str() {
@@ -35,7 +35,7 @@ impl Binder<'_> {
                 return None;
             };
             let value = binder.pin_value(ctx, sheet, pin)?;
-            // The type of the template, but for those that have none in expressions.
+            // The type of the template, except for types that expressions do not have.
             let own = binder.own_type(&value);
             let named = source.as_deref().and_then(Elementary::from_word);
             let (node, from) = match (named, own) {
@@ -68,7 +68,7 @@ impl Binder<'_> {
         })
     }
 
-    /// Source and destination as the settings name them, or the variables at the pins.
+    /// Source and destination from the settings, or from the variables at the pins.
     fn conversion_types(&mut self, ctx: &mut Ctx, element: &Element) -> (Option<String>, Option<String>) {
         let named = |key| element.template(key).and_then(|template| word(&template.value));
         let source = named(TemplateKey::Source);
@@ -98,7 +98,7 @@ impl Binder<'_> {
                 binder.refuse(
                     Code::ElementType,
                     span,
-                    &format!("{name} does not give {}", target.name()),
+                    &format!("{name} cannot convert to {}", target.name()),
                     "the result is a number",
                     "choose an integer or floating-point type as destination",
                 );
@@ -126,7 +126,7 @@ fn short(name: &str) -> &str {
 }
 
 impl Binder<'_> {
-    /// Rounding to a floating-point number: what is too large for a fraction is whole already.
+    /// Rounding to a floating-point number: a number too large for a fraction is already whole.
     fn rounded_float(
         &mut self,
         ctx: &mut Ctx,

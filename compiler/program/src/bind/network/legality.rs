@@ -1,7 +1,7 @@
-//! Which networks of LAD and FBD can be: the rules of their editors, on the graph.
+//! Which networks of LAD and FBD are valid: the rules of their editors, on the graph.
 //!
-//! What exports of the vendor's editors hold is legal: a coil directly on the rail, empty networks, outputs that nobody uses. Types and
-//! names are not looked at here. Source: LAD/FBD reference, chapter E.3.
+//! Everything that the vendor's editors export is valid: a coil directly on the rail, empty networks, outputs that nobody uses. Types and
+//! names are not checked here. Source: LAD/FBD reference, chapter E.3.
 
 mod block;
 mod flow;
@@ -14,10 +14,10 @@ use plcc_syntax::network::elements::{Kind, Row};
 
 pub use block::block_warnings;
 
-/// Messages about one network; the first ones say what the others follow from.
+/// Limit of messages about one network; the first ones show what causes the others.
 const MESSAGES_MAX: usize = 8;
 
-/// Reports what is wrong with a graphic network, each with a drawing. Networks in SCL and STL are legal.
+/// Reports mistakes in a graphic network, each with a drawing. Networks in SCL and STL have no such mistakes.
 pub fn legality(network: &Network, report: &mut Vec<Diagnostic>) {
     let Content::Graphic(graph) = &network.content else { return };
     let mut check = Check { network, graph, feeds: feeds(graph), messages: Vec::new() };
@@ -27,21 +27,21 @@ pub fn legality(network: &Network, report: &mut Vec<Diagnostic>) {
     report.append(&mut check.messages);
 }
 
-/// A network, and what was found in it.
+/// A network, and the messages about it.
 struct Check<'a> {
     network: &'a Network,
     graph: &'a Graph,
-    /// Elements that read a net, by net; other nets aside.
+    /// Elements that read a net, by net; without other nets.
     feeds: Vec<Feeds>,
     messages: Vec<Diagnostic>,
 }
 
-/// What a net feeds.
+/// The elements that a net feeds.
 #[derive(Clone, Default)]
 struct Feeds {
     /// In the order of evaluation.
     elements: Vec<usize>,
-    /// Another net takes its value.
+    /// Another net uses its value.
     net: bool,
 }
 
@@ -73,7 +73,7 @@ fn feeds(graph: &Graph) -> Vec<Feeds> {
 }
 
 impl Check<'_> {
-    /// Reports something about the element `at`, or about a net beside it.
+    /// Reports something about the element `at`, or about a net next to it.
     fn report(&mut self, code: Code, span: Span, at: Option<usize>, title: String, label: &str, help: &str) {
         if self.messages.len() >= MESSAGES_MAX {
             return;
@@ -90,7 +90,7 @@ fn row(element: &Element) -> Option<&'static Row> {
     }
 }
 
-/// The element only gives its flow; it writes nothing that lasts, but an edge memory bit.
+/// The element only passes on its flow; it writes nothing that lasts except an edge memory bit.
 fn only_logic(element: &Element) -> bool {
     row(element).is_some_and(|row| match row.kind {
         Kind::Contact
@@ -140,7 +140,7 @@ fn only_logic(element: &Element) -> bool {
     })
 }
 
-/// As messages call an element: the name in the editor and its operand, `contact #a`.
+/// An element as messages name it: the name in the editor and its operand, `contact #a`.
 fn title(element: &Element) -> String {
     let (what, instance) = match &element.target {
         Target::Element { row, instance } => {

@@ -23,13 +23,13 @@ use plcc_binding::constant::Constant;
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, UnaryOp};
 
 impl Binder<'_> {
-    /// The type that a setting names; none if it is not there, found from the operands, or no elementary type.
+    /// The type that a setting names; none if it is missing, found from the operands, or not elementary.
     pub fn template_type(&self, element: &Element, keys: &[TemplateKey]) -> Option<Elementary> {
         let template = keys.iter().find_map(|key| element.template(*key))?;
         Elementary::from_word(&template.value.trim().to_ascii_uppercase())
     }
 
-    /// The type in which an element works.
+    /// The type that an element works in.
     fn working_type(&self, element: &Element) -> Option<Elementary> {
         self.template_type(
             element,
@@ -37,20 +37,20 @@ impl Binder<'_> {
         )
     }
 
-    /// An integer that is known now.
+    /// An integer whose value is known now.
     pub fn constant_integer(&mut self, ctx: &Ctx, node: &Node) -> Option<i128> {
         match self.constant(&ctx.bound.constants, node)? {
             Constant::Integer { value, .. } => Some(value),
             Constant::Typed { ty, bits } if !ty.is_float() => Some(constant::integer(ty, bits)),
             _ => {
                 let text = self.text(node.span);
-                self.wrong_type(node.span, &format!("`{text}`"), "a whole number", None);
+                self.wrong_type(node.span, &format!("`{text}`"), "an integer", None);
                 None
             }
         }
     }
 
-    /// The values of inputs, in the element's type if its settings name one.
+    /// The values of inputs, in the type of the element if its settings name one.
     pub fn typed_inputs(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, names: &[&str]) -> Option<Vec<Value>> {
         let ty = self.working_type(sheet.element(at));
         let mut values = Vec::with_capacity(names.len());
@@ -64,7 +64,7 @@ impl Binder<'_> {
         values.into_iter().collect()
     }
 
-    /// The type that values have in common; with a message if there is none.
+    /// The common type of values; with a message if there is none.
     pub fn common_type(&mut self, ctx: &Ctx, values: &[&Value], span: Span) -> Option<Elementary> {
         let rules = ctx.scl.rules;
         let mut shape: Option<Shape> = None;
@@ -95,7 +95,7 @@ impl Binder<'_> {
         let text = self.text(span);
         self.report.push(
             Diagnostic::new(Code::ElementType, span, format!("the data type of `{text}` is not known"))
-                .label("its operands do not tell of one type")
+                .label("its operands do not have one type")
                 .help("set the type of the element, or use operands of one type"),
         );
     }
@@ -114,7 +114,7 @@ impl Binder<'_> {
         values.into_iter().collect()
     }
 
-    /// Type of what is connected to an output, where it is a variable; binds nothing.
+    /// The type of a variable that is connected to an output; binds nothing.
     pub fn output_type(&mut self, ctx: &mut Ctx, element: &Element, name: &str) -> Option<Elementary> {
         let (_, pin) = super::pins::outputs(element, name).next()?;
         let PinValue::Operand(node) = &pin.value else { return None };
@@ -183,8 +183,8 @@ impl Binder<'_> {
         Some(result)
     }
 
-    /// The one type in which inputs and output of an operator work, where none is set. None of times, dates and bit strings, which have no
-    /// type of the operation. Source: LAD/FBD reference A.7, C.8.
+    /// The one type of the inputs and output of an operator, if none is set. None for times, dates and bit strings, which have no
+    /// type for the operation. Source: LAD/FBD reference A.7, C.8.
     fn type_of_all(
         &mut self,
         ctx: &mut Ctx,
@@ -207,7 +207,7 @@ impl Binder<'_> {
         Some(all.unwrap_or(inputs)).filter(works)
     }
 
-    /// The value of a box: to `out`. What a single output takes goes there in the type that it wants.
+    /// Writes the value of a box to `out`. If a single variable is connected there, the value has its type.
     pub fn box_result(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, value: Value) -> Option<()> {
         let value = match value {
             Value::Elementary(expr) => {
@@ -252,7 +252,7 @@ impl Binder<'_> {
         })
     }
 
-    /// An element that does not work in a type.
+    /// An element that does not work with a type.
     pub fn impossible_type(&mut self, element: &Element, ty: Elementary) {
         let text = self.text(element.span);
         self.report.push(
@@ -346,7 +346,7 @@ impl Binder<'_> {
         })
     }
 
-    /// A function that the carrier gave as a formula: each input is what it is.
+    /// A function that the file has as a formula: each input keeps its type.
     pub fn formula_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let mut formula = element.equation.clone()?;
@@ -360,7 +360,7 @@ impl Binder<'_> {
         })
     }
 
-    /// A function of SCL with a value. Inputs that have the element's type are converted to it before.
+    /// A function of SCL with a value. Inputs that have the element's type are first converted to it.
     pub fn function_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
@@ -395,7 +395,7 @@ impl Binder<'_> {
                 None => name.to_string(),
             };
             let call = call_node(&called, arguments, span);
-            // T_CONV and T_DIFF give what the variable at OUT is.
+            // T_CONV and T_DIFF have the type of the variable at OUT.
             let output = connected(element, "out").and_then(|_| binder.operand_node(element, "out"));
             let targets: Vec<_> = output.into_iter().map(|node| (node, AssignOp::Set)).collect();
             let value = match binder.value_for_target(ctx, &targets, &call) {
@@ -407,7 +407,7 @@ impl Binder<'_> {
     }
 }
 
-/// A number of no type: `5`, `-5`, `16#FF`.
+/// A number without a type: `5`, `-5`, `16#FF`.
 fn is_untyped_number(node: &Node) -> bool {
     match &node.kind {
         NodeKind::Unary { op: Sign::Plus | Sign::Minus, operand } => is_untyped_number(operand),
@@ -479,7 +479,7 @@ fn as_bits(value: Expr, ty: Elementary) -> Expr {
     if value.ty == ty { value } else { converted(value, Conversion::Bits { checked: false }, ty) }
 }
 
-/// True if an operator works in that type.
+/// True if an operator works with this type.
 fn works_in(operator: Operator, ty: Elementary) -> bool {
     match operator {
         Operator::And | Operator::Or | Operator::Xor => ty.class() == Class::Bits,

@@ -3,9 +3,9 @@
 //! - `order`: the order in which the elements of a graph run.
 //! - `sheet`: the network that is being bound: values of nets, hidden variables, statements so far.
 //! - `pins`: what comes in at pins and goes out of them; EN and ENO.
-//! - `bits`, `compare`, `math`, `moves`, `convert`, `calls`, `control`, `classic`: what the elements do, by the kinds of the table.
+//! - `bits`, `compare`, `math`, `moves`, `convert`, `calls`, `control`, `classic`: the elements, by the kinds of the table.
 //! - `stl`: networks in STL between the others.
-//! - `legality`: which networks can be.
+//! - `legality`: which networks are valid.
 //! - `reference`: the page about all elements.
 //!
 //! Source: LAD/FBD reference, chapters A.11, C and E.2.
@@ -46,13 +46,13 @@ use classic::Registers;
 use plcc_model::scl::{Body, Expr, ExprKind, Statement, StatementKind};
 use sheet::{Pool, Sheet};
 
-/// What the networks of a block share.
+/// Data that the networks of a block share.
 pub struct Page {
     pub pool: Pool,
     /// ENO of the block so far, a BOOL; none if nothing but RET sets it.
     eno: Option<sheet::Hidden>,
     pub registers: Registers,
-    /// What the coil of a condition in GRAPH has got; none outside of GRAPH.
+    /// The result at the coil of a condition in GRAPH; none outside of GRAPH.
     pub condition: Option<Option<Expr>>,
     /// The first element that could not be bound.
     failed: Option<Span>,
@@ -69,14 +69,14 @@ impl Page {
     }
 }
 
-/// Messages of one network that get a drawing: more of them help nobody, and drawing costs time in large networks.
+/// Limit of messages of one network that have a drawing: more would not help, and drawing takes time in large networks.
 const DRAWINGS_MAX: usize = 50;
 
 impl Binder<'_> {
     /// Binds the networks of a block.
     pub fn bind_networks(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, networks: &Networks) -> Body {
         ctx.scl = Scope::new(self.input, &block.header, Dialect::Tia);
-        // Boxes tell of their errors by ENO.
+        // Boxes report their errors through ENO.
         ctx.scl.sets_flag = true;
         ctx.scl.lists = vec![TOP];
         self.collect_network_labels(ctx, &networks.networks);
@@ -96,7 +96,7 @@ impl Binder<'_> {
         for warning in legality::block_warnings(networks) {
             self.report.push(warning);
         }
-        // Each has had its message; this one is for what none of them saw.
+        // All others have a message; this one is for elements that none of the checks found.
         if let Some(span) = page.failed
             && self.report.is_clean()
         {
@@ -112,7 +112,7 @@ impl Binder<'_> {
         }
     }
 
-    /// ENO of the block is kept aside where SCL networks set it, and on an S7-300/400, where it is the BR that boxes and SAVE change.
+    /// ENO of the block is stored separately where SCL networks set it, and on an S7-300/400, where it is the BR that boxes and SAVE change.
     fn begin_eno(
         &mut self,
         ctx: &mut Ctx,
@@ -140,7 +140,7 @@ impl Binder<'_> {
         page.eno = Some(eno);
     }
 
-    /// Binds a network of a chart, which stands alone.
+    /// Binds a network of a chart, which is independent of others.
     pub(in crate::bind) fn bind_lone_network(
         &mut self,
         ctx: &mut Ctx,
@@ -177,7 +177,7 @@ impl Binder<'_> {
         match &network.content {
             Content::Graphic(graph) => statements.extend(self.bind_graph(ctx, page, network, graph)),
             Content::Scl(list) => {
-                // Without the word ENO nothing in it changes that of the block.
+                // Without the word ENO, nothing in it changes ENO of the block.
                 let eno = page.eno.as_ref().filter(|_| mentions::names_eno(list));
                 if let Some(eno) = eno {
                     let kind = StatementKind::SetFlag(eno.load(network.span));
@@ -209,7 +209,7 @@ impl Binder<'_> {
                 sheet.page.failed.get_or_insert(graph.elements[element].span);
             }
             if !legal {
-                // Only what does not follow from the shape of the network.
+                // Only messages that do not follow from the shape of the network.
                 let found = self.report.diagnostics.split_off(before);
                 self.report.diagnostics.extend(found.into_iter().filter(|message| is_about_names(message.code)));
             }
@@ -228,8 +228,8 @@ impl Binder<'_> {
         statements
     }
 
-    /// Whether a network lacks something that its drawing must have, as drafts do: part of a program that has drafts can be looked at all the
-    /// same, and what was told of the network since message `first` becomes a warning. The network does nothing then.
+    /// Whether a network lacks something that its drawing must have, as drafts do: part of a program with drafts can still be checked,
+    /// and messages about the network since message `first` become warnings. The network then does nothing.
     fn is_unfinished(&mut self, graph: &Graph, first: usize) -> bool {
         let mut unfinished = graph.broken;
         for message in &mut self.report.diagnostics[first..] {
@@ -244,12 +244,12 @@ impl Binder<'_> {
         unfinished
     }
 
-    /// An element of which something is missing that no message has told of.
+    /// An incomplete element that no message reports.
     fn not_bound(&mut self, span: Span) {
         let text = self.text(span);
         self.report.push(
             Diagnostic::new(Code::MissingOperand, span, format!("`{text}` is not connected as it must be"))
-                .label("a pin lacks its operand or its wire")
+                .label("a pin has no operand and no wire")
                 .help("connect all its inputs"),
         );
     }
@@ -319,7 +319,7 @@ impl Binder<'_> {
     }
 }
 
-/// The message tells of a name that is not defined.
+/// True of a message about a name that is not defined.
 fn is_about_names(code: Code) -> bool {
     matches!(
         code,
@@ -332,7 +332,7 @@ fn is_about_names(code: Code) -> bool {
     )
 }
 
-/// The message tells of something that nobody has drawn yet.
+/// True of a message about something that has not been drawn yet.
 pub const fn is_about_drafts(code: Code) -> bool {
     matches!(
         code,
@@ -345,12 +345,12 @@ pub const fn is_about_drafts(code: Code) -> bool {
     )
 }
 
-/// The element works with registers that only an S7-300 or S7-400 shows: BR, status word, open data blocks, MCR.
+/// The element uses registers that only an S7-300 or S7-400 has: BR, status word, open data blocks, MCR.
 const fn needs_registers(kind: Kind) -> bool {
     matches!(kind, Kind::OpenDb { .. } | Kind::Mcr(_) | Kind::CallCoil | Kind::Save | Kind::Flag(_))
 }
 
-/// The list of statements of a block of networks, as labels name it.
+/// The list of statements of a block of networks, as labels refer to it.
 const TOP: usize = 0;
 
 /// ENO of a block is the BR of the status word.

@@ -64,7 +64,7 @@ impl Binder<'_> {
         Some(())
     }
 
-    /// MUX. K outside: ELSE, or nothing is written; ENO is 0.
+    /// MUX. If no input has number K: ELSE, or nothing is written; ENO is 0.
     pub fn mux_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
@@ -88,7 +88,7 @@ impl Binder<'_> {
                 Some(ty) => Some(ty),
                 None => {
                     let values: Vec<&Value> = inputs.iter().map(|(_, value)| value).chain(&otherwise).collect();
-                    // Texts and structures go to the output as they are.
+                    // Texts and structures go to the output unchanged.
                     let elementary = values.iter().all(|value| {
                         let shape = Shape::of(value);
                         !matches!(value, Value::Complex { .. }) && !matches!(shape, Shape::Letter | Shape::Other)
@@ -111,7 +111,7 @@ impl Binder<'_> {
         })
     }
 
-    /// The statements that send one input of MUX out.
+    /// The statements that write one input of MUX to the output.
     fn selected(
         &mut self,
         ctx: &mut Ctx,
@@ -140,7 +140,7 @@ impl Binder<'_> {
         sent.map(|()| body)
     }
 
-    /// DEMUX: the output of number K takes the input, the others stay.
+    /// DEMUX: the output with number K gets the input, the others stay.
     pub fn demux_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
@@ -176,8 +176,8 @@ impl Binder<'_> {
     }
 }
 
-/// A value as MOVE writes it into another type: a narrower one takes the low bytes, a wider one gets zeros or, from a signed integer to a
-/// signed one, the sign. None if the types must be the same or have a conversion of their own.
+/// A value as MOVE writes it into another type: a narrower one gets the low bytes, a wider one gets zeros or, from a signed integer to a
+/// signed one, the sign. None if the types must be the same or have a separate conversion.
 fn moved_value(value: Expr, to: Elementary) -> Option<Expr> {
     let from = value.ty;
     let plain = |ty: Elementary| {
@@ -201,7 +201,7 @@ fn moved_value(value: Expr, to: Elementary) -> Option<Expr> {
     Some(converted(value, Conversion::Bits { checked: false }, to))
 }
 
-/// The bit string of the width of a type.
+/// The bit string with the width of a type.
 fn unsigned(ty: Elementary) -> Option<Elementary> {
     Some(match ty.bits() {
         8 => Elementary::Byte,

@@ -2,12 +2,12 @@
 
 use plcc_syntax::network::ast::{Graph, NetId, PinValue, Source};
 
-/// All elements of a graph: each in its place, but behind those that it needs. In a circle the first one goes first.
+/// All elements of a graph in their order, but each after those that it needs. In a loop, the first one goes first.
 pub fn order(graph: &Graph) -> Vec<usize> {
     let mut order = Vec::with_capacity(graph.elements.len());
     let mut seen = vec![false; graph.elements.len()];
     for first in 0..graph.elements.len() {
-        // Elements with what each of them still waits for; not by recursion: chains are as long as the file makes them.
+        // Elements, with those that each of them still waits for; not recursive, because files can have chains of any length.
         let mut open: Vec<(usize, std::vec::IntoIter<usize>)> = Vec::new();
         enter(graph, first, &mut seen, &mut open);
         while let Some((element, needs)) = open.last_mut() {
@@ -31,7 +31,7 @@ fn enter(graph: &Graph, element: usize, seen: &mut [bool], open: &mut Vec<(usize
     }
 }
 
-/// The elements that feed the inputs of one, in the order of its pins and their sources.
+/// The elements that feed the inputs of one, in order of its pins and their sources.
 fn needs(graph: &Graph, element: usize) -> Vec<usize> {
     let mut found = Vec::new();
     for pin in graph.elements[element].pins.iter().filter(|pin| !pin.output) {

@@ -1,4 +1,4 @@
-//! What comes in at pins and goes out of them; EN and ENO. Source: LAD/FBD reference A.5, A.6, C.1.
+//! Values that come in at pins and go out of them; EN and ENO. Source: LAD/FBD reference A.5, A.6, C.1.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
@@ -23,7 +23,7 @@ pub fn no(span: Span) -> Expr {
     constant_expr(0, Elementary::Bool, span)
 }
 
-/// `a AND b`; nothing for a TRUE.
+/// `a AND b`; nothing if one is TRUE.
 pub fn and(a: Expr, b: Expr, span: Span) -> Expr {
     match (&a.kind, &b.kind) {
         (ExprKind::Const(1), _) => b,
@@ -46,7 +46,7 @@ pub fn inverted(value: Expr) -> Expr {
 }
 
 impl Binder<'_> {
-    /// The value of a net; none if nothing feeds it, which is told elsewhere.
+    /// The value of a net; none if nothing feeds it, which is reported elsewhere.
     pub fn net_value(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, id: NetId) -> Option<Expr> {
         self.net_value_inner(ctx, sheet, id, 0)
     }
@@ -118,7 +118,7 @@ impl Binder<'_> {
         self.pin_value(ctx, sheet, pin)
     }
 
-    /// As `input`, in a type.
+    /// Like `input`, with a type.
     pub fn input_of(
         &mut self,
         ctx: &mut Ctx,
@@ -142,7 +142,7 @@ impl Binder<'_> {
         }
     }
 
-    /// An input as an expression of the syntax tree: what is no plain operand goes through a hidden variable.
+    /// An input as an expression of the syntax tree: anything but a plain operand goes through a hidden variable.
     pub fn pin_node(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, pin: &Pin) -> Option<Node> {
         match &pin.value {
             PinValue::Operand(node) if pin.negated => Some(negation(node)),
@@ -164,12 +164,12 @@ impl Binder<'_> {
         hidden.node(span)
     }
 
-    /// True if something takes what comes out of `name`.
+    /// True if anything uses the output `name`.
     pub fn is_wanted(&self, sheet: &Sheet, at: usize, name: &str) -> bool {
         outputs(sheet.element(at), name).next().is_some()
     }
 
-    /// Sends a value out of the output `name`, to all that is connected to it.
+    /// Writes a value to the output `name`, and to everything that is connected to it.
     pub fn output(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str, value: Value) -> Option<()> {
         let element = sheet.element(at);
         let mut good = Some(());
@@ -225,12 +225,12 @@ impl Binder<'_> {
         }
     }
 
-    /// A value that is no single one cannot go along a wire.
+    /// A wire cannot carry a value that is not a single value.
     fn needs_operand(&mut self, span: Span) {
         self.report.push(
             Diagnostic::new(Code::MissingOperand, span, "this output needs an operand")
-                .label("texts and structures do not go along wires")
-                .help("write a variable to the output, and the same one to the input"),
+                .label("a wire cannot carry texts and structures")
+                .help("put a variable at the output, and the same one at the input"),
         );
     }
 
@@ -271,7 +271,7 @@ impl Binder<'_> {
         sheet.push(StatementKind::If { branches: vec![(condition, body)], otherwise: Vec::new() }, span);
     }
 
-    /// Runs `body` under EN of a box, and gives ENO.
+    /// Runs `body` under EN of a box, and returns ENO.
     pub fn boxed(
         &mut self,
         ctx: &mut Ctx,
@@ -316,13 +316,13 @@ impl Binder<'_> {
         good
     }
 
-    /// The type of a value, where it has one by itself.
+    /// The type of a value, if it has one itself.
     pub fn own_type(&self, value: &Value) -> Option<Elementary> {
         Shape::of(value).elementary()
     }
 }
 
-/// The box tells of errors; of a call of a block ENO is the block's own.
+/// The box reports errors through ENO; for a call of a block, the block sets ENO.
 fn has_eno(element: &Element) -> bool {
     match &element.target {
         Target::Element { row, .. } => row.is_box(),
@@ -335,7 +335,7 @@ pub fn connected<'e>(element: &'e Element, name: &str) -> Option<&'e Pin> {
     element.pin(name).filter(|pin| pin.value != PinValue::Open)
 }
 
-/// Everything that is connected to the output `name`, with the place of each pin.
+/// Everything that is connected to the output `name`, with the position of each pin.
 pub fn outputs<'e>(element: &'e Element, name: &str) -> impl Iterator<Item = (usize, &'e Pin)> {
     let name = name.to_string();
     element

@@ -1,4 +1,4 @@
-//! The reference page of LAD and FBD: its text, and a table of all elements from the table that files are read by.
+//! The reference page of LAD and FBD: its text, and a table of all elements from the table that also serves to read files.
 
 use std::fmt::Write as _;
 
@@ -52,7 +52,7 @@ fn code(names: &[&str]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// `in, operand, out =>, [eno =>]`; brackets: may be left open; `bit :=>` is read and written.
+/// `in, operand, out =>, [eno =>]`; brackets: can be left open; `bit :=>` is read and written.
 fn pins(row: &Row) -> String {
     let pins: Vec<String> = row.pins().map(|one| pin(row, one)).collect();
     format!("`{}`", pins.join(", "))
@@ -80,19 +80,19 @@ fn edge(rising: bool, up: &str, down: &str) -> String {
     if rising { up.to_string() } else { down.to_string() }
 }
 
-/// What the element does.
+/// The effect of the element.
 fn does(row: &Row) -> String {
     let text: &str = match row.kind {
         Kind::Contact => "flow AND the operand; `I_Contact`: AND NOT the operand",
         Kind::Not => "inverts the flow",
-        Kind::Gate(Gate::And) => "AND of all inputs; without further inputs the flow as it is",
+        Kind::Gate(Gate::And) => "AND of all inputs; without further inputs, the unchanged flow",
         Kind::Gate(Gate::Or) => "OR of all inputs",
         Kind::Gate(Gate::Xor) => "TRUE if an odd number of inputs is",
         Kind::EdgeContact { rising } => {
             return edge(
                 rising,
-                "flow AND rising edge of the operand; `bit` then holds the operand, also without flow",
-                "flow AND falling edge of the operand; `bit` then holds the operand, also without flow",
+                "flow AND rising edge of the operand; `bit` then holds the operand, even without flow",
+                "flow AND falling edge of the operand; `bit` then holds the operand, even without flow",
             );
         }
         Kind::EdgeTrigger { rising } => {
@@ -109,14 +109,14 @@ fn does(row: &Row) -> String {
                 "the operand is TRUE for the cycle of a falling edge of the flow; `bit` then holds the flow",
             );
         }
-        Kind::Coil => "writes the flow to the operand; `I_Coil`: the inverted flow. Behind it the flow goes on",
+        Kind::Coil => "writes the flow to the operand; `I_Coil`: the inverted flow. The flow continues after it",
         Kind::SetCoil => "with flow: writes TRUE",
         Kind::ResetCoil => "with flow: writes FALSE; resets a timer or counter of the S7-300/400",
         Kind::BitField { set: true } => {
-            "with flow: writes TRUE to `n` bits from the operand on, in an array to its end at most"
+            "with flow: writes TRUE to `n` bits beginning with the operand, at most to the end of an array"
         }
         Kind::BitField { set: false } => {
-            "with flow: writes FALSE to `n` bits from the operand on, in an array to its end at most"
+            "with flow: writes FALSE to `n` bits beginning with the operand, at most to the end of an array"
         }
         Kind::FlipFlop { set_wins: false } => "flip-flop; resetting wins",
         Kind::FlipFlop { set_wins: true } => "flip-flop; setting wins",
@@ -124,22 +124,22 @@ fn does(row: &Row) -> String {
         Kind::Range { inside: true } => "flow AND `min <= in <= max`",
         Kind::Range { inside: false } => "flow AND (`in < min` or `in > max`)",
         Kind::Valid { valid: true } => "flow AND the operand is a valid floating-point number",
-        Kind::Valid { valid: false } => "flow AND the operand is no valid floating-point number",
+        Kind::Valid { valid: false } => "flow AND the operand is not a valid floating-point number",
         Kind::Instance(name) => return format!("calls [{name}](stdlib.md) with its instance"),
         Kind::TimerCoil(name) => {
             return format!("[{name}](stdlib.md) with the flow as IN; Q and ET are read from its data");
         }
         Kind::ResetTimer => "with flow: ends an IEC timer: Q FALSE, ET 0",
-        Kind::PresetTimer => "with flow: gives an IEC timer another duration",
-        Kind::Formula => "a standard function of PLCopen XML that SCL has in other words, such as MULTIME",
+        Kind::PresetTimer => "with flow: sets another duration for an IEC timer",
+        Kind::Formula => "a standard function of PLCopen XML that SCL writes differently, such as MULTIME",
         Kind::Calculate => "the formula over the inputs, each of which is read once",
-        Kind::Operator("MOD") => "rest of the division, with the sign of `in1`",
-        Kind::Operator(op) => return format!("`in1 {op} in2`; of more inputs from left to right"),
+        Kind::Operator("MOD") => "remainder of the division, with the sign of `in1`",
+        Kind::Operator(op) => return format!("`in1 {op} in2`; more inputs from left to right"),
         Kind::Step { up: true } => "adds 1 to the operand",
         Kind::Step { up: false } => "subtracts 1 from the operand",
         Kind::Function(name) => return function(name),
         Kind::Procedure(name) => return function(name),
-        Kind::Move => "copies to each output; a narrower one takes the low bytes, a wider one gets zeros or the sign",
+        Kind::Move => "copies to each output; a narrower one gets the low bytes, a wider one gets zeros or the sign",
         Kind::Convert => "converts from the source type to the destination type, as [SCL](scl.md) does",
         Kind::Round("ROUND") => "nearest integer, halves to the even one",
         Kind::Round("TRUNC") => "integer toward 0",
@@ -147,12 +147,12 @@ fn does(row: &Row) -> String {
         Kind::Round(_) => "integer below",
         Kind::Negate => "the number with the other sign",
         Kind::Invert => "all bits inverted",
-        Kind::Mux => "input of number `k`; beyond them `else`, and without that nothing is written",
-        Kind::Demux => "writes `in` to the output of number `k`; beyond them to `else`",
-        Kind::Jump { negated: false } => "with flow: goes on at the label",
-        Kind::Jump { negated: true } => "without flow: goes on at the label",
-        Kind::JumpList => "goes on at the label of number `k`; beyond them with the next network",
-        Kind::Switch => "goes on at the label of the first comparison of `k` that is true, else at that of `else`",
+        Kind::Mux => "input with number `k`; if there is none, `else`; without `else` nothing is written",
+        Kind::Demux => "writes `in` to the output with number `k`; if there is none, to `else`",
+        Kind::Jump { negated: false } => "with flow: jumps to the label",
+        Kind::Jump { negated: true } => "without flow: jumps to the label",
+        Kind::JumpList => "jumps to the label with number `k`; if there is none, continues with the next network",
+        Kind::Switch => "jumps to the label of the first comparison of `k` that is true, otherwise to that of `else`",
         Kind::Return(ReturnValue::Operand) => "with flow: ends the block; its ENO is the operand, TRUE without one",
         Kind::Return(ReturnValue::True) => "with flow: ends the block with ENO TRUE",
         Kind::Return(ReturnValue::False) => "with flow: ends the block with ENO FALSE",
@@ -187,7 +187,7 @@ const fn status(flag: Flag) -> &'static str {
     match flag {
         Flag::Ov => "OV: the last box had an error",
         Flag::Os => "OS: a box of the block has had an error",
-        Flag::Uo => "the last result was no number",
+        Flag::Uo => "the last result was not a number",
         Flag::Br => "BR, ENO of the block so far",
         Flag::Equal => "the last result was 0",
         Flag::NotEqual => "the last result was above or below 0",
@@ -198,7 +198,7 @@ const fn status(flag: Flag) -> &'static str {
     }
 }
 
-/// Errors that ENO tells of, EN = 1. Empty: the element has no ENO.
+/// Errors that ENO reports, EN = 1. Empty: the element has no ENO.
 fn eno(row: &Row) -> &'static str {
     if row.pin("eno").is_none() {
         return "";
@@ -207,20 +207,20 @@ fn eno(row: &Row) -> &'static str {
         return match rule {
             EnoRule::Never => "never",
             EnoRule::Overflow => "the result does not fit",
-            EnoRule::Division => "division by 0; the result does not fit, or is no number",
-            EnoRule::Infinite => "the result is no number, or infinite",
+            EnoRule::Division => "division by 0; the result does not fit, or is not a number",
+            EnoRule::Infinite => "the result is not a number, or infinite",
         };
     }
     match row.kind {
         Kind::Calculate | Kind::Formula => "a step of the formula has an error",
         Kind::Move | Kind::Invert => "never",
-        Kind::Operator(_) | Kind::Step { .. } | Kind::Negate => "the result does not fit, or is no number",
-        Kind::Convert | Kind::Round(_) => "the value does not fit the destination type, or is no number",
-        Kind::Mux | Kind::Demux => "`k` is the number of no pin",
+        Kind::Operator(_) | Kind::Step { .. } | Kind::Negate => "the result does not fit, or is not a number",
+        Kind::Convert | Kind::Round(_) => "the value does not fit the destination type, or is not a number",
+        Kind::Mux | Kind::Demux => "no pin has the number `k`",
         Kind::Function(name) | Kind::Procedure(name) | Kind::Instance(name) if scl::effect(name).is_none() => {
-            "the block says so"
+            "set by the block"
         }
-        Kind::Function(_) | Kind::Procedure(_) => "what is an error there; the result does not fit",
+        Kind::Function(_) | Kind::Procedure(_) => "the errors of that function; the result does not fit",
         _ => "never",
     }
 }

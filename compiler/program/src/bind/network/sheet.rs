@@ -1,4 +1,4 @@
-//! The network that is being bound: values of its nets, hidden variables, statements.
+//! The network being bound: values of its nets, hidden variables, statements.
 
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
@@ -18,7 +18,7 @@ use plcc_model::types::DataType;
 #[derive(Clone, Debug)]
 pub struct Hidden {
     pub ty: Elementary,
-    /// What expressions of the syntax tree call it.
+    /// Its name in expressions of the syntax tree.
     name: String,
     byte: u32,
 }
@@ -37,26 +37,26 @@ impl Hidden {
         Expr { kind: ExprKind::Load(Box::new(self.access(span))), ty: self.ty, span }
     }
 
-    /// Gives it a value of its type.
+    /// Assigns it a value of its type.
     pub fn set(&self, value: Expr, span: Span) -> Statement {
         Statement { kind: StatementKind::Assign { target: self.access(span), value }, span }
     }
 
-    /// It as an expression of the syntax tree.
+    /// The variable as an expression of the syntax tree.
     pub fn node(&self, span: Span) -> Node {
         Node { kind: NodeKind::Name(Name { text: self.name.clone(), form: NameForm::Local, span }), span }
     }
 }
 
-/// Hidden variables of a block. Those of one network serve the next one again.
+/// Hidden variables of a block. The next network reuses those of the one before.
 pub struct Pool {
-    /// By type and use: values in the order in which a network takes them.
+    /// By type and use: values in the order of use in a network.
     values: FxHashMap<(Elementary, Use), Vec<Hidden>>,
     taken: FxHashMap<(Elementary, Use), usize>,
     count: u32,
 }
 
-/// What becomes of a hidden variable. One that is handed over by reference lives in memory, so that it is never one of the others.
+/// The use of a hidden variable. One that is passed by reference is in memory, so it is never shared with other uses.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Use {
     Value,
@@ -69,7 +69,7 @@ impl Pool {
         Pool { values: FxHashMap::default(), taken: FxHashMap::default(), count: 0 }
     }
 
-    /// The variables of the network before are free.
+    /// The variables of the previous network become free.
     pub fn next_network(&mut self) {
         self.taken.clear();
     }
@@ -102,12 +102,12 @@ impl Pool {
 pub struct Sheet<'n> {
     pub page: &'n mut Page,
     pub graph: &'n Graph,
-    /// Values that output pins give, by element and pin.
+    /// Values at output pins, by element and pin.
     pub outputs: FxHashMap<(usize, usize), Expr>,
-    /// Values of nets that something has asked for.
+    /// Values of nets that have been used.
     pub nets: FxHashMap<NetId, Expr>,
     pub statements: Vec<Statement>,
-    /// Outputs of the box that is being bound, which have a value also if it does not run.
+    /// Outputs of the box being bound, which also have a value if it does not run.
     pub skipped: Vec<Hidden>,
 }
 
@@ -145,7 +145,7 @@ impl<'n> Sheet<'n> {
         self.statements.push(Statement { kind, span });
     }
 
-    /// Keeps a value from now on: nobody computes it again.
+    /// Stores a value, so that it is not computed again.
     pub fn keep(&mut self, ctx: &mut Ctx, value: Expr) -> Expr {
         if matches!(value.kind, ExprKind::Const(_)) {
             return value;

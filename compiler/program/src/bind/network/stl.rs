@@ -1,4 +1,4 @@
-//! Networks in STL between networks of LAD and FBD. Their labels are those of the block; the registers go on from one to the next.
+//! Networks in STL between networks of LAD and FBD. Their labels are those of the block; the registers keep their values from one to the next.
 
 use plcc_syntax::ast::Statement as Tree;
 

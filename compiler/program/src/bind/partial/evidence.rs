@@ -1,4 +1,4 @@
-//! What the uses of things that are defined nowhere tell about them.
+//! What the uses of undefined names show about them.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
 use plcc_model::types::{DataType, ParameterType};
 
-/// What a use wants of a value, the surest first.
+/// The type that a use needs, the most certain first.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Hint {
     /// A declared type.
@@ -31,7 +31,7 @@ pub enum Hint {
 pub struct Elements {
     /// Least and greatest index of each dimension that was seen as a constant.
     pub bounds: Vec<(i64, i64)>,
-    /// Some index is known at run time only.
+    /// Some index is only known at run time.
     pub open: bool,
     pub shape: Shape,
 }
@@ -50,16 +50,16 @@ pub struct Interface {
     pub formals: Vec<Formal>,
     /// Its value is used.
     pub result: bool,
-    /// What the uses of its value tell.
+    /// What the uses of its value show.
     pub value: Box<Shape>,
     /// It is called with an instance.
     pub instance: bool,
 }
 
-/// What the uses of one thing tell.
+/// What the uses of one name show.
 #[derive(Clone, Debug, Default)]
 pub struct Shape {
-    /// As it is first written.
+    /// Its first spelling.
     pub name: String,
     pub place: Option<Span>,
     /// Where it is used, for the message.
@@ -70,21 +70,21 @@ pub struct Shape {
     /// Components by folded name, in the order of their first use.
     pub members: Vec<(String, Shape)>,
     pub elements: Option<Box<Elements>>,
-    /// Bytes that absolute addresses in it reach.
+    /// Number of bytes that absolute addresses in it reach.
     pub extent: u32,
     pub call: Option<Interface>,
     /// A type in a declaration.
     pub is_type: bool,
-    /// A data block as a whole: opened, or handed over.
+    /// A data block as a whole: opened, or passed.
     pub is_db: bool,
-    /// It stands where only a constant can.
+    /// It is used where only a constant is possible.
     pub is_constant: bool,
-    /// A whole variable of the program is an instance of it, or it is called alone: whose instance this data block is.
+    /// A whole variable of the program is an instance of it, or it is called alone: the block of which this data block is an instance.
     pub of: Option<Missing>,
 }
 
 impl Shape {
-    /// Adds what one use tells.
+    /// Adds what one use shows.
     pub fn learn(&mut self, hint: Option<&Hint>) {
         match hint {
             Some(Hint::Type(ty)) => self.ty = Some(joined(self.ty.take(), ty)),
@@ -101,7 +101,7 @@ impl Shape {
         }
     }
 
-    /// The component of that name.
+    /// The component with this name.
     pub fn member(&mut self, name: &str) -> &mut Shape {
         let folded = fold(name);
         let at = match self.members.iter().position(|(known, _)| *known == folded) {
@@ -114,7 +114,7 @@ impl Shape {
         &mut self.members[at].1
     }
 
-    /// An element of the array; an index that is no constant is none.
+    /// An element of the array; an index that is not a constant is none.
     pub fn element(&mut self, indices: &[Option<i64>]) -> &mut Shape {
         let elements = self
             .elements
@@ -136,7 +136,7 @@ impl Shape {
         &mut elements.shape
     }
 
-    /// The parameter of that name.
+    /// The parameter with this name.
     pub fn formal(&mut self, name: &str, output: bool) -> &mut Shape {
         let formals = &mut self.call.get_or_insert_with(Interface::default).formals;
         let at = match formals.iter().position(|known| fold(&known.name) == fold(name)) {
@@ -150,7 +150,7 @@ impl Shape {
         &mut formals[at].shape
     }
 
-    /// True if no use tells its type yet.
+    /// True if no use shows its type yet.
     pub fn is_vague(&self) -> bool {
         self.ty.is_none()
             && self.cell.is_none()
@@ -164,7 +164,7 @@ impl Shape {
             && !self.is_constant
     }
 
-    /// Facts that it holds, to see whether a round found new ones.
+    /// Number of facts in it, to see whether a round found new ones.
     pub fn weight(&self) -> usize {
         let own = usize::from(self.ty.is_some())
             + usize::from(self.width.is_some())
@@ -188,7 +188,7 @@ impl Shape {
     }
 }
 
-/// One type for two uses: of numbers the wider one, else the first.
+/// One type for two uses: the wider one of numbers, otherwise the first.
 fn joined(known: Option<DataType>, other: &DataType) -> DataType {
     match (known, other) {
         (None, other) => other.clone(),
@@ -204,18 +204,18 @@ fn joined(known: Option<DataType>, other: &DataType) -> DataType {
     }
 }
 
-/// Everything that is missing, with what its uses tell.
+/// Everything that is missing, with what its uses show.
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
     pub things: BTreeMap<Missing, Shape>,
-    /// Components that data blocks of the sources do not have, by the place of the data block's name.
+    /// Components that data blocks of the sources do not have, by the position of the data block's name.
     pub added: BTreeMap<(FileId, u32), Shape>,
-    /// Timers and counters that the program names by their numbers.
+    /// Timers and counters that the program names by number.
     pub cells: FxHashSet<(CellKind, u32)>,
 }
 
 impl Evidence {
-    /// The thing `missing`, written `name`, used at `span`.
+    /// The missing name `missing`, written `name`, used at `span`.
     pub fn of(&mut self, missing: Missing, name: &str, span: Span) -> &mut Shape {
         let shape = self.things.entry(missing).or_default();
         if shape.name.is_empty() {
@@ -228,7 +228,7 @@ impl Evidence {
         shape
     }
 
-    /// What is missing in the data block whose name stands at `place`.
+    /// The missing parts of the data block whose name is at `place`.
     pub fn added(&mut self, place: Span, name: &str) -> &mut Shape {
         let shape = self.added.entry((place.file, place.start)).or_default();
         if shape.name.is_empty() {
@@ -238,7 +238,7 @@ impl Evidence {
         shape
     }
 
-    /// As [`Shape::weight`], of all.
+    /// As [`Shape::weight`], for all.
     pub fn weight(&self) -> usize {
         self.things.values().chain(self.added.values()).map(|shape| 1 + shape.weight()).sum()
     }

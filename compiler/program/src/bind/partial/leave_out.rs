@@ -1,5 +1,5 @@
-//! Leaves out what cannot be bound although stand-ins are there for all that is missing: the smallest part around a message that can
-//! go without changing what its neighbours mean.
+//! Leaves out what cannot be bound although everything missing has a stand-in: the smallest part around a message that can
+//! be removed without a change in the meaning of the parts around it.
 
 use plcc_binding::stand_ins::LeftOut;
 use plcc_diag::{FileId, Span};
@@ -9,11 +9,11 @@ use plcc_syntax::chart::ast as chart;
 use plcc_syntax::network::ast as network;
 use plcc_syntax::scl::ast as scl;
 
-/// Leaves out what stands at `at`; `None` if nothing can go there.
+/// Leaves out the part at `at`; `None` if nothing there can be removed.
 pub fn leave_out(units: &mut [(FileId, SourceUnit)], at: Span) -> Option<LeftOut> {
     let (_, unit) = units.iter_mut().find(|(file, _)| *file == at.file)?;
     let size = |block: &Block| block.span().end - block.span().start;
-    // In exports a block may be shown by its name alone, so that any block of the file can hold the place.
+    // In exports a block may be shown by its name alone, so any block of the file can contain the position.
     let mut order: Vec<usize> = (0..unit.blocks.len()).collect();
     order.sort_by_key(|&index| (!holds(unit.blocks[index].span(), at), size(&unit.blocks[index])));
     if let Some(left) = order.iter().find_map(|&index| part(&mut unit.blocks[index], at)) {
@@ -168,7 +168,7 @@ fn scl_list(list: &mut [scl::Statement], at: Span) -> Option<LeftOut> {
     Some(LeftOut { span: at, what: "this statement" })
 }
 
-/// A call goes alone; of other statements the whole network, since each works on what those before it left behind.
+/// A call is removed alone; otherwise the whole network is, because each statement works on the results of those before it.
 fn stl_list(list: &mut [ast::Statement], at: Span) -> Option<LeftOut> {
     let index = list.iter().position(|statement| holds(statement.span, at))?;
     if matches!(list[index].kind, StlKind::Call(_)) {

@@ -1,7 +1,7 @@
-//! Looks at uses of names, to find those that nothing defines and what is wanted of them.
+//! Examines the uses of names, to find those that nothing defines and the types that they need.
 //!
-//! The binder itself tells what a known part of an expression is, with its messages put aside; what it does not know is taken apart here, and
-//! the context says which type it must have: the other side of an assignment, the parameter of a call, the instruction of a statement list.
+//! The binder itself finds out what a known part of an expression is, with its messages put aside; anything unknown is taken apart
+//! here, and the context shows which type it must have: the other side of an assignment, the parameter of a call, the STL instruction.
 
 use plcc_diag::Span;
 use plcc_syntax::ast::{
@@ -23,7 +23,7 @@ use plcc_model::BlockKey;
 use plcc_model::types::{DataType, ParameterType};
 use plcc_syntax::symbols::SymbolTarget;
 
-/// Looks at one program.
+/// Examines one program.
 pub struct Look<'b, 'a> {
     pub binder: &'b mut Binder<'a>,
     pub found: &'b mut Evidence,
@@ -41,7 +41,7 @@ pub enum Step {
     Slice(u32),
 }
 
-/// What a place begins with.
+/// The start of a place.
 #[derive(Clone, Debug)]
 pub enum Start {
     /// A variable of the block.
@@ -51,7 +51,7 @@ pub enum Start {
 }
 
 impl<'a> Look<'_, 'a> {
-    /// What `ask` gives, without messages.
+    /// The result of `ask`, without messages.
     pub fn quietly<T>(&mut self, ask: impl FnOnce(&mut Binder<'a>) -> T) -> T {
         let report = std::mem::replace(&mut self.binder.report, Report::new(true));
         let answer = ask(self.binder);
@@ -59,7 +59,7 @@ impl<'a> Look<'_, 'a> {
         answer
     }
 
-    /// What the value of an expression is, if all of it is known.
+    /// The type of an expression, if all of it is known.
     pub fn hint_of(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Hint> {
         if let NodeKind::Absolute(OperandKind::Cell { kind, number }) = &node.kind {
             self.found.cells.insert((*kind, *number));
@@ -91,7 +91,7 @@ impl<'a> Look<'_, 'a> {
         clean.then_some(hint)
     }
 
-    /// Steps of an SCL expression that names a place, outermost last; none if it is no place.
+    /// Steps of an SCL expression that names a place, outermost last; none if it is not a place.
     pub fn steps(&mut self, ctx: &mut Ctx, node: &Node) -> Option<(Start, Vec<Step>, Span)> {
         let mut steps = Vec::new();
         let mut at = node;
@@ -139,7 +139,7 @@ impl<'a> Look<'_, 'a> {
         }
     }
 
-    /// A whole number that is known now.
+    /// An integer whose value is known now.
     fn number(&mut self, ctx: &mut Ctx, node: &Node) -> Option<i64> {
         match self.quietly(|binder| binder.constant(&ctx.bound.constants, node))? {
             Constant::Integer { value, .. } => i64::try_from(value).ok(),
@@ -194,7 +194,7 @@ impl<'a> Look<'_, 'a> {
         self.with_shape(ctx, start, steps, span, &mut |shape| shape.learn(hint));
     }
 
-    /// Shows the missing thing that a place lies in, or is, to `teach`.
+    /// Shows `teach` the missing name that a place is, or is part of.
     pub fn with_shape(
         &mut self,
         ctx: &Ctx,
@@ -280,7 +280,7 @@ impl<'a> Look<'_, 'a> {
             _ if self.found.things.contains_key(&missing) => {
                 descend(self.found.of(missing, name, span), steps, teach);
             }
-            // A symbol table names it, and no source defines it.
+            // A symbol table names it, but no source defines it.
             None if !self.binder.dbs.contains_key(&narrow) && number != 0 => {
                 descend(self.found.of(missing, name, span), steps, teach);
             }
@@ -429,7 +429,7 @@ impl<'a> Look<'_, 'a> {
         }
     }
 
-    /// Looks at all types of declarations, used or not.
+    /// Examines all types of declarations, used or not.
     pub fn declarations(&mut self, block: &ast::Block) {
         match block {
             ast::Block::Code(code) => {
@@ -508,7 +508,7 @@ impl<'a> Look<'_, 'a> {
         }
     }
 
-    /// What a start value is.
+    /// The type of a start value.
     fn initial_hint(&mut self, initial: &ast::InitialValue) -> Option<Hint> {
         match &initial.kind {
             ast::InitialKind::Literal(literal) => Constant::of_stl(literal).map(|constant| of_constant(&constant)),
@@ -614,7 +614,7 @@ impl<'a> Look<'_, 'a> {
     }
 }
 
-/// Goes into a missing thing.
+/// Follows a step into a missing name.
 fn descend(shape: &mut Shape, steps: &[Step], teach: &mut dyn FnMut(&mut Shape)) {
     match steps.split_first() {
         None => teach(shape),
@@ -685,7 +685,7 @@ fn is_type_word(word: &str) -> bool {
         )
 }
 
-/// The type that a constant has alone.
+/// The type of a constant alone.
 pub fn of_constant(constant: &Constant) -> Hint {
     let elementary = |ty| Hint::Literal(DataType::Elementary(ty));
     match constant {

@@ -1,10 +1,10 @@
-//! Partial programs: declarations stand in for what no source defines, so that the rest compiles and runs.
+//! Partial programs: declarations stand in for names that no source defines, so that the rest compiles and runs.
 //!
-//! 1. The program is bound as it is. Everything that is named and defined nowhere is one warning.
-//! 2. [`look`], [`scl`], [`stl`] and [`network`] look at the uses of what is missing: [`evidence`] is what they tell. [`write`] makes declarations
-//!    of it, and the next look knows more: the type of a tag may follow from a block that is missing itself. This ends when nothing new is found.
-//! 3. The program is bound with the stand-ins. What still cannot be bound is left out, the smallest part that can go ([`leave_out`]),
-//!    and told of. Errors that the program has without stand-ins, too, stay errors.
+//! 1. The program is bound as it is. There is one warning for all names that are defined nowhere.
+//! 2. [`look`], [`scl`], [`stl`] and [`network`] examine the uses of missing names; [`evidence`] collects what they show. [`write`] makes
+//!   declarations from it, and the next pass knows more: the type of a tag may follow from a missing block. This ends when nothing new is found.
+//! 3. The program is bound with the stand-ins. Parts that still cannot be bound are left out, the smallest that can be removed ([`leave_out`]),
+//!   and reported. Errors that the program also has without stand-ins stay errors.
 //!
 //! Meaning: docs/decisions/0082 and 0083.
 
@@ -31,10 +31,10 @@ use look::Look;
 use plcc_model::Program;
 use write::{StandIns, Writer};
 
-/// Rounds of looking; each but the last finds something new.
+/// Limit of passes over the uses; each but the last finds something new.
 const LOOKS_MAX: u32 = 12;
 
-/// Rounds of leaving out; each leaves out all that the last binding complained about.
+/// Limit of passes that leave out parts; each leaves out everything that the last binding reported.
 const ROUNDS_MAX: u32 = 40;
 
 /// Binds a program in which parts may be missing, with stand-ins for them.
@@ -51,7 +51,7 @@ pub fn complete(input: &BindInput) -> Completed {
     let mut refused = FxHashSet::default();
     let mut units = input.units.to_vec();
     let mut left = Vec::new();
-    // What is wrong with and without stand-ins is wrong.
+    // Errors both with and without stand-ins are errors.
     let mut wrong: Option<FxHashSet<(Code, Span)>> = None;
     let own: FxHashSet<(Code, Span)> = errors(&first.diagnostics).collect();
     for round in 0.. {
@@ -114,7 +114,7 @@ fn with(
     }
 }
 
-/// Data blocks get the components that the program uses and they do not declare, after those that they have: addresses stay.
+/// Adds the components that the program uses and the data blocks do not declare, after the declared ones: addresses stay.
 fn add_components(units: &mut [(FileId, SourceUnit)], evidence: &Evidence) {
     if evidence.added.is_empty() {
         return;
@@ -161,7 +161,7 @@ fn stand_ins(
     stand_ins
 }
 
-/// Interfaces that calls describe, by folded names; the first call of a block counts.
+/// Interfaces as calls describe them, by folded names; the first call of a block counts.
 fn outlines<'a>(input: &BindInput<'a>) -> FxHashMap<String, &'a ast::CodeBlock> {
     let mut found = FxHashMap::default();
     for outline in input.units.iter().flat_map(|(_, unit)| &unit.outlines) {
@@ -172,7 +172,7 @@ fn outlines<'a>(input: &BindInput<'a>) -> FxHashMap<String, &'a ast::CodeBlock> 
     found
 }
 
-/// Looks until nothing new is found.
+/// Repeats until nothing new is found.
 fn gather(input: &BindInput, file: FileId) -> Evidence {
     let mut evidence = Evidence::default();
     let none = FxHashSet::default();
@@ -223,7 +223,7 @@ impl Look<'_, '_> {
     fn block(&mut self, code: &ast::CodeBlock) {
         let span = code.name.span();
         let key = self.binder.code.iter().find(|(_, source)| source.block().name.span() == span).map(|(key, _)| *key);
-        // A second definition of a block is none.
+        // A second definition of a block does not count.
         let Some(key) = key else { return };
         let bound = self
             .quietly(|binder| binder.interface(key, span))
@@ -242,15 +242,15 @@ impl Look<'_, '_> {
     }
 }
 
-/// What stands in, a line for each thing.
+/// The stand-ins, one line for each.
 fn text(stand_ins: &StandIns) -> String {
-    // Places are counted in characters: one for each line, so that they lie in the text.
+    // Positions count characters: one for each line, so that they are inside the text.
     let mut text: String = stand_ins.lines.iter().map(|_| '\n').collect();
     text.push('\n');
     text
 }
 
-/// Tells which components data blocks got.
+/// Reports which components data blocks got.
 fn added_components(evidence: &Evidence) -> Vec<(Span, String)> {
     let line = |shape: &evidence::Shape| {
         let names: Vec<String> = shape.members.iter().map(|(_, member)| format!("`{}`", member.name)).collect();

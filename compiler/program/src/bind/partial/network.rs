@@ -55,7 +55,7 @@ impl Look<'_, '_> {
         }
     }
 
-    /// What the pins that a net leads to want.
+    /// The type that the pins at the end of a net need.
     fn net_hint(&mut self, ctx: &mut Ctx, graph: &Graph, net: *const plcc_syntax::network::ast::Net) -> Option<Hint> {
         let at = graph.nets.iter().position(|known| std::ptr::eq(known, net))?;
         let id = NetId(u32::try_from(at).ok()?);
@@ -69,7 +69,7 @@ impl Look<'_, '_> {
         surest(hints)
     }
 
-    /// The type in which an element works: of its settings, else of its other operands.
+    /// The type of an element: from its settings, otherwise from its other operands.
     fn element_type(&mut self, ctx: &mut Ctx, graph: &Graph, element: &Element) -> Option<Hint> {
         let keys = [TemplateKey::Source, TemplateKey::Value, TemplateKey::Destination, TemplateKey::Time];
         let given = keys.iter().find_map(|key| {
@@ -114,7 +114,7 @@ impl Look<'_, '_> {
         }
     }
 
-    /// The instance of TON, CTU and the like: what is missing is one of that block.
+    /// The instance of TON, CTU and similar blocks: a missing one is an instance of that block.
     fn system_instance(&mut self, ctx: &mut Ctx, row: &Row, instance: &Node, element: &Element) {
         let (Kind::Instance(name) | Kind::TimerCoil(name)) = row.kind else { return };
         if self.hint_of(ctx, instance).is_some() {
@@ -176,7 +176,7 @@ impl Look<'_, '_> {
             })
             .and_then(|argument| argument.value.clone());
         let call = match instance {
-            // What the block is, and the data block or variable that is its instance.
+            // The block, and the data block or variable that is its instance.
             Some(instance) => {
                 if let NodeKind::Name(name) = &instance.kind
                     && name.form != NameForm::Local
@@ -202,7 +202,7 @@ impl Look<'_, '_> {
         if let Some(value) = value {
             self.expect(ctx, &value, None);
         }
-        // Wires have no expressions: the missing block learns of them by itself.
+        // Wires have no expressions: the missing block gets their types directly.
         let Some((start, steps, span)) = self.steps(ctx, callee) else { return };
         self.with_shape(ctx, &start, &steps, span, &mut |shape| {
             if shape.call.is_none() {
@@ -217,7 +217,7 @@ impl Look<'_, '_> {
         });
     }
 
-    /// A static variable as an instance: the type in its declaration and the block of the call are one.
+    /// A static variable as an instance: the type in its declaration is the block of the call.
     fn local_instance(&mut self, ctx: &mut Ctx, callee: &Node, instance: &Node) {
         if let (Some((start @ (Start::Global(_) | Start::Block(..)), steps, span)), Some(_)) =
             (self.steps(ctx, callee), self.steps(ctx, instance))
@@ -229,7 +229,7 @@ impl Look<'_, '_> {
         }
     }
 
-    /// What a wire carries: what feeds it, or what it feeds.
+    /// The type on a wire: from what feeds it, or what it feeds.
     fn wire_hint(&mut self, ctx: &mut Ctx, graph: &Graph, id: NetId, output: bool) -> Option<Hint> {
         if output {
             let mut hints = vec![self.net_hint(ctx, graph, graph.net(id) as *const _)];
@@ -377,7 +377,7 @@ impl Look<'_, '_> {
     }
 }
 
-/// The name of a data block behind that of its function block.
+/// The name of a data block after that of its function block.
 fn quoted(name: &Name) -> Name {
     let form = if plcc_syntax::scl::absolute(&name.text).is_some() { name.form } else { NameForm::Quoted };
     Name { form, ..name.clone() }
@@ -433,7 +433,7 @@ fn is_bit(row: &Row) -> bool {
     }
 }
 
-/// What a pin of an element wants.
+/// The type that a pin of an element needs.
 fn pin_hint(row: &Row, pin: &Pin, working: Option<&Hint>, element: &Element) -> Option<Hint> {
     let template = |key| {
         let word = element.template(key)?.value.trim().to_ascii_uppercase();

@@ -24,7 +24,7 @@ pub const fn typed(ty: Elementary) -> Hint {
 
 const INT: Hint = Hint::Literal(DataType::Elementary(Elementary::Int));
 
-/// The surest of some hints.
+/// The most certain of some hints.
 pub fn surest(hints: impl IntoIterator<Item = Option<Hint>>) -> Option<Hint> {
     let rank = |hint: &Hint| match hint {
         Hint::Type(_) | Hint::Cell(_) | Hint::DataBlock => 0,
@@ -120,7 +120,7 @@ impl Look<'_, '_> {
         }
     }
 
-    /// Looks at an expression of which `hint` is wanted.
+    /// Examines an expression that should have the type `hint`.
     pub fn expect(&mut self, ctx: &mut Ctx, node: &Node, hint: Option<&Hint>) {
         if ctx.scl.depth >= crate::bind::Binder::DEPTH_MAX {
             return;
@@ -139,7 +139,7 @@ impl Look<'_, '_> {
             | NodeKind::MemberAbsolute { .. }
             | NodeKind::Slice { .. }
             | NodeKind::Index { .. } => {
-                // Steps look at indices, too.
+                // Steps also examine indices.
                 let place = self.steps(ctx, node);
                 if self.hint_of(ctx, node).is_none()
                     && let Some((start, steps, span)) = place
@@ -201,7 +201,7 @@ impl Look<'_, '_> {
         }
     }
 
-    /// Looks at a call. `hint`: what is wanted of its value; `statement`: it stands alone.
+    /// Examines a call. `hint`: the type that its value should have; `statement`: it is a statement.
     pub fn call(&mut self, ctx: &mut Ctx, callee: &Node, arguments: &[Argument], hint: Option<&Hint>, statement: bool) {
         if self.missing_callee(ctx, callee, arguments, hint, statement) {
             return;
@@ -275,7 +275,7 @@ impl Look<'_, '_> {
         true
     }
 
-    /// The thing at the start of a place, if it is missing.
+    /// The missing name at the start of a place, if it is missing.
     fn missing_block(&mut self, ctx: &Ctx, start: &Start) -> Option<Missing> {
         let missing = match start {
             Start::Global(name) => Missing::name(name),
@@ -285,15 +285,15 @@ impl Look<'_, '_> {
         self.lies_in_missing(ctx, start, &[], Span::default()).then_some(missing)
     }
 
-    /// True if the place is missing, or lies in something that is.
+    /// True if the place is missing, or is part of a missing one.
     fn lies_in_missing(&mut self, ctx: &Ctx, start: &Start, steps: &[Step], span: Span) -> bool {
         let mut hit = false;
         self.with_shape(ctx, start, steps, span, &mut |_| hit = true);
         hit
     }
 
-    /// What the arguments of a call tell about the parameters of a missing block.
-    #[allow(clippy::too_many_arguments)] // A call, and where it stands.
+    /// What the arguments of a call show about the parameters of a missing block.
+    #[allow(clippy::too_many_arguments)] // A call, and its position.
     fn formals(
         &mut self,
         ctx: &mut Ctx,
@@ -414,8 +414,8 @@ impl Look<'_, '_> {
     }
 }
 
-/// The data block behind a function block.
-/// A block that is called by its name. Its number may become another one, as long as no source tells it.
+/// The data block after a function block.
+/// A block that is called by its name. Its number may change, as long as no source fixes it.
 fn block_named(node: &Node) -> Option<Missing> {
     let NodeKind::Name(name) = &node.kind else { return None };
     plcc_syntax::scl::absolute(&name.text).is_none().then(|| Missing::name(&name.text))
@@ -428,7 +428,7 @@ fn instance_start(name: &Name) -> Start {
     }
 }
 
-/// The hint that a parameter's type is; a type that takes anything is none.
+/// The hint for a parameter's type; a type that accepts anything has none.
 pub fn parameter_hint(ty: &DataType) -> Option<Hint> {
     use plcc_model::types::ParameterType;
     match ty {
@@ -446,7 +446,7 @@ pub fn parameter_hint(ty: &DataType) -> Option<Hint> {
     }
 }
 
-/// Operators that want the same of both sides.
+/// Operators that need the same type on both sides.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Group {
     Compare,

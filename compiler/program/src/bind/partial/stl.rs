@@ -78,7 +78,7 @@ impl Look<'_, '_> {
             }
             Class::Timer => self.operand(ctx, operand, Some(&Hint::Cell(CellKind::Timer))),
             Class::Counter => self.operand(ctx, operand, Some(&Hint::Cell(CellKind::Counter))),
-            // A timer or a counter: other uses tell.
+            // A timer or a counter: other uses show which.
             Class::Cell => self.operand(ctx, operand, None),
             Class::Bit | Class::BitOrNone | Class::BitWrite | Class::BitWriteOrCounter | Class::BitWriteOrCell => {
                 self.extent(ctx, operand, open);
@@ -115,7 +115,7 @@ impl Look<'_, '_> {
         }
     }
 
-    /// What the statements around `L` and `T` tell of the value in ACCU1.
+    /// What the statements around `L` and `T` show about the value in ACCU1.
     fn around(&mut self, ctx: &mut Ctx, statements: &[&Statement], at: usize) -> Option<Hint> {
         const FAR: usize = 4;
         let insn_at = |at: usize| match statements.get(at).map(|statement| &statement.kind) {
@@ -129,7 +129,7 @@ impl Look<'_, '_> {
             Some('R') => Some(typed(Elementary::Real)),
             _ => None,
         };
-        // Behind a load: the first operation or transfer; before a transfer: the operation or load.
+        // After a load: the first operation or transfer; before a transfer: the operation or load.
         let range: Vec<usize> =
             if loads { (at + 1..at + 1 + FAR).collect() } else { (at.saturating_sub(FAR)..at).rev().collect() };
         for other in range {
@@ -168,7 +168,7 @@ impl Look<'_, '_> {
         None
     }
 
-    /// What an operand of STL is, if it is known.
+    /// The type of an operand of STL, if known.
     fn operand_hint(&mut self, ctx: &mut Ctx, operand: &Operand) -> Option<Hint> {
         let settled = self.quietly(|binder| binder.settle(ctx, operand))?;
         Some(match settled {
@@ -198,7 +198,7 @@ impl Look<'_, '_> {
         })
     }
 
-    /// Notes what an operand names, if it is missing.
+    /// Notes the name of an operand, if it is missing.
     pub fn operand(&mut self, ctx: &mut Ctx, operand: &Operand, hint: Option<&Hint>) {
         match &operand.kind {
             OperandKind::Cell { kind, number } => {
@@ -211,7 +211,7 @@ impl Look<'_, '_> {
             _ => {
                 let Some((start, steps, span)) = start_of_operand(ctx, operand) else { return };
                 let known = match &start {
-                    // Cells and bits of a missing name may be told apart by another use only.
+                    // Only another use may show whether a missing name is a cell or a bit.
                     Start::Global(name) if self.is_missing(name) => false,
                     Start::Block(prefix, number) => {
                         Missing::block(*prefix, *number).is_none_or(|missing| !self.found.things.contains_key(&missing))
@@ -273,7 +273,7 @@ impl Look<'_, '_> {
                 (Some(missing), true) => Some(missing.clone()),
                 _ => None,
             };
-            // The binder makes the instance of a block that it knows.
+            // The binder creates the instance of a known block.
             if of.is_some() || matches!(&instance, Start::Global(name) if self.binder.global(name).is_none()) {
                 let of = of.or_else(|| known.and_then(known_block));
                 self.with_shape(ctx, &instance, &[], span, &mut |shape| {
@@ -309,7 +309,7 @@ impl Look<'_, '_> {
     }
 }
 
-/// A block that is known, as instances name it.
+/// A block that is known, as instances refer to it.
 fn known_block(key: BlockKey) -> Option<Missing> {
     Missing::block(crate::bind::names::kind_prefix(key.kind), u32::from(key.number))
 }
@@ -321,7 +321,7 @@ fn start_of_block(name: &BlockName) -> Start {
     }
 }
 
-/// What an operand begins with, and its steps; none of operands that name nothing.
+/// The start of an operand, and its steps; none for operands without a name.
 fn start_of_operand(ctx: &Ctx, operand: &Operand) -> Option<(Start, Vec<Step>, Span)> {
     match &operand.kind {
         OperandKind::Block(name) => Some((start_of_block(name), Vec::new(), operand.span)),

@@ -1,4 +1,4 @@
-//! Declarations that stand in for what is missing, as its uses show it.
+//! Declarations that stand in for missing names, as their uses show.
 
 use plcc_diag::{FileId, Span};
 use plcc_syntax::Elementary;
@@ -16,19 +16,19 @@ use plcc_model::layout;
 use plcc_model::types::{DataType, ParameterType, StructType};
 use plcc_syntax::symbols::{GlobalConstant, Symbol, SymbolTable, SymbolTarget};
 
-/// Bit memory from here on has no CPU: tags that are missing lie there.
+/// No CPU has bit memory from this address on: missing tags go there.
 pub const MEMORY_START: u32 = 32_768;
 
 /// Where the memory of tags ends.
 const MEMORY_END: u32 = plcc_abi::layout::AREA_BYTES;
 
-/// Bytes of a data block of which no use shows how large it is.
+/// Bytes of a data block if no use shows its size.
 const OPENED_BYTES: u32 = 1024;
 
 /// Last index of an array whose indices are all found at run time.
 const OPEN_INDEX: i64 = 99;
 
-/// The first value of a constant that is missing; each has one of its own.
+/// The value of the first missing constant; each has its own value.
 const FIRST_CONSTANT: i64 = 101;
 
 /// Declarations that stand in.
@@ -36,11 +36,11 @@ const FIRST_CONSTANT: i64 = 101;
 pub struct StandIns {
     pub blocks: Vec<Block>,
     pub table: SymbolTable,
-    /// One line for each thing, in the order of their spans; the text of the file that they stand in.
+    /// One line for each missing name, in order of their spans; the text of the file that contains them.
     pub lines: Vec<Line>,
 }
 
-/// What stands in for one thing.
+/// The stand-in for one missing name.
 pub struct Line {
     pub missing: Missing,
     /// `FC 105`, `` `Start` ``.
@@ -49,30 +49,30 @@ pub struct Line {
     pub what: String,
 }
 
-/// What can be declared for a thing.
+/// The possible declarations for a missing name.
 enum Kind {
     Constant,
     Type,
     Function,
     FunctionBlock,
     DataBlock,
-    /// An instance of a block, or of one of its own.
+    /// An instance of a block, or of its own block.
     Instance,
     Cell(CellKind),
     Tag,
 }
 
-/// Writes stand-ins for all that is missing. `vague`: also for what no use shows the type of.
+/// Writes stand-ins for all missing names. `vague`: also for those whose uses do not show their type.
 pub struct Writer<'e> {
     pub evidence: &'e Evidence,
     pub file: FileId,
     pub vague: bool,
-    /// What cannot have a stand-in.
+    /// Names that cannot have a stand-in.
     pub refused: &'e FxHashSet<Missing>,
     /// Timers and counters of the CPU, and those that the program uses.
     pub cells: [u32; 2],
     pub used_cells: &'e FxHashSet<(CellKind, u32)>,
-    /// Interfaces that calls describe, by folded names.
+    /// Interfaces as calls describe them, by folded names.
     pub outlines: &'e FxHashMap<String, &'e ast::CodeBlock>,
 }
 
@@ -129,7 +129,7 @@ impl Writer<'_> {
                     let of = match &shape.of {
                         Some(of) => self.block_name(of, span),
                         None => {
-                            // Called by its own name, and looked into: the function block is not known at all.
+                            // Called by its own name, and with components: the function block is not known at all.
                             let text = format!("{} (function block)", shape.name);
                             let name = BlockName::Symbol { name: text, span };
                             stand_ins.blocks.push(Block::Code(code_block(name.clone(), shape, true, span)));
@@ -153,7 +153,7 @@ impl Writer<'_> {
                     let target = SymbolTarget::Cell { kind, number };
                     stand_ins.table.symbols.push(symbol(&shape.name, target, word.to_ascii_uppercase(), span));
                     let letter = if kind == CellKind::Timer { "T" } else { "C" };
-                    format!("a {word} of its own ({letter} {number})")
+                    format!("a substitute {word} ({letter} {number})")
                 }
                 Kind::Tag => {
                     let Some(what) = self.tag(shape, span, &mut byte, &mut stand_ins) else { continue };
@@ -169,7 +169,7 @@ impl Writer<'_> {
         stand_ins
     }
 
-    /// The line of the file in which stand-in `at` is described: as many characters into it.
+    /// The line of the file that describes stand-in `at`, as an offset in characters.
     fn span(&self, at: usize) -> Span {
         Span { file: self.file, start: at as u32, end: at as u32 }
     }
@@ -181,7 +181,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A tag: bit memory of its own, beyond that of the CPU.
+    /// A tag: separate bit memory, beyond that of the CPU.
     fn tag(&self, shape: &Shape, span: Span, byte: &mut u32, stand_ins: &mut StandIns) -> Option<String> {
         let elementary = match (&shape.elements, elementary_of(shape)) {
             (None, Some(ty)) => Some(ty),
@@ -198,7 +198,7 @@ impl Writer<'_> {
             Some(ty) => {
                 let width = layout::width(ty);
                 let target = SymbolTarget::Memory { area: Area::M, width, byte: at, bit: 0 };
-                (target, ty.name().to_string(), width.bytes(), format!("a variable of its own of type {}", ty.name()))
+                (target, ty.name().to_string(), width.bytes(), format!("a substitute variable of type {}", ty.name()))
             }
             None => {
                 // A tag has the type that its table names: one that is only an alias.
@@ -216,7 +216,7 @@ impl Writer<'_> {
                     span,
                 }));
                 let target = SymbolTarget::Memory { area: Area::M, width: Width::Byte, byte: at, bit: 0 };
-                (target, alias, bytes, "a variable of its own".to_string())
+                (target, alias, bytes, "a substitute variable".to_string())
             }
         };
         if at + bytes > MEMORY_END {
@@ -256,7 +256,7 @@ fn kind_of(missing: &Missing, shape: &Shape) -> Kind {
 
 fn name_of(missing: &Missing, shape: &Shape, span: Span) -> BlockName {
     match missing.numbered() {
-        // System blocks that nothing knows are those of the user.
+        // Unknown system blocks belong to the user.
         Some((prefix, number)) => BlockName::Numbered { prefix, number: u32::from(number), span },
         None => {
             let name = match missing {
@@ -309,7 +309,7 @@ pub fn members(shape: &Shape, span: Span) -> Vec<Variable> {
 fn content(shape: &Shape, span: Span) -> (DataContent, String) {
     if let (Some(elements), true) = (&shape.elements, shape.members.is_empty()) {
         let _ = elements;
-        return (DataContent::Array(type_of(shape, span), None), "an array of its own".to_string());
+        return (DataContent::Array(type_of(shape, span), None), "a substitute array".to_string());
     }
     let mut list = if shape.members.is_empty() { Vec::new() } else { members(shape, span) };
     let bytes = match (shape.extent, list.is_empty()) {
@@ -317,7 +317,7 @@ fn content(shape: &Shape, span: Span) -> (DataContent, String) {
         (extent, _) => extent.min(65_000),
     };
     let what = match (list.len(), bytes) {
-        (0, bytes) => format!("{bytes} bytes of its own"),
+        (0, bytes) => format!("a substitute of {bytes} bytes"),
         (count, _) => format!("a data block with {}", components(count)),
     };
     if bytes > 0 {
@@ -371,7 +371,7 @@ fn code_block(name: BlockName, shape: &Shape, fb: bool, span: Span) -> ast::Code
     }
 }
 
-/// Gives a stub the parameters that its calls describe. Other data that the program uses stay.
+/// Gives a stub the parameters that its calls describe. Other data that the program uses stays.
 fn described(block: &mut ast::CodeBlock, outline: &ast::CodeBlock) {
     let known: FxHashSet<String> =
         outline.sections.iter().flat_map(|section| &section.variables).map(|variable| fold(&variable.name)).collect();
@@ -383,7 +383,7 @@ fn described(block: &mut ast::CodeBlock, outline: &ast::CodeBlock) {
     block.return_type.clone_from(&outline.return_type);
 }
 
-/// The type of a parameter; one that takes anything where no other can be.
+/// The type of a parameter; one that accepts anything if no other is possible.
 fn parameter_type(shape: &Shape, output: bool, fb: bool, span: Span) -> TypeRef {
     let special = match &shape.ty {
         Some(DataType::Struct(structure)) if structure.instance_of.is_some() => true,
@@ -411,7 +411,7 @@ fn named(word: &str, span: Span) -> TypeRef {
     TypeRef { kind: TypeKind::Named(word.to_string()), span }
 }
 
-/// The elementary type that the uses of a thing show.
+/// The elementary type that the uses of a name show.
 fn elementary_of(shape: &Shape) -> Option<Elementary> {
     if !shape.members.is_empty() || shape.elements.is_some() {
         return None;
@@ -420,7 +420,7 @@ fn elementary_of(shape: &Shape) -> Option<Elementary> {
         (Some(DataType::Elementary(ty)), ..) => Some(*ty),
         (Some(_), ..) => None,
         (None, width, Some(DataType::Elementary(ty))) => Some(match width {
-            // A number beside an address of the same width is that number.
+            // A number next to an address of the same width is that number.
             Some(width) if width.bits() != ty.bits() => width,
             _ => *ty,
         }),
@@ -429,7 +429,7 @@ fn elementary_of(shape: &Shape) -> Option<Elementary> {
     }
 }
 
-/// The type that the uses of a thing show, as a declaration writes it.
+/// The type that the uses of a name show, as written in a declaration.
 fn type_of(shape: &Shape, span: Span) -> TypeRef {
     if !shape.members.is_empty() {
         return TypeRef { kind: TypeKind::Struct(members(shape, span)), span };
@@ -458,7 +458,7 @@ fn type_of(shape: &Shape, span: Span) -> TypeRef {
     }
 }
 
-/// A type as a declaration writes it.
+/// A type as written in a declaration.
 fn written(ty: &DataType, span: Span) -> TypeRef {
     let number = |value: i64| Bound::Number(value, span);
     let kind = match ty {
@@ -502,7 +502,7 @@ fn written_structure(structure: &StructType, span: Span) -> TypeRef {
     TypeRef { kind, span }
 }
 
-/// A constant of its own value, in the type that its uses want.
+/// A constant with its own value, in the type that its uses need.
 fn constant(shape: &Shape, value: i64, span: Span) -> (GlobalConstant, String) {
     let ty = match &shape.ty {
         Some(DataType::Elementary(ty)) => Some(*ty),

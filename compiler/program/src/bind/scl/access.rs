@@ -52,8 +52,8 @@ impl Binder<'_> {
                 self.refuse(
                     Code::OperandKind,
                     node.span,
-                    &format!("`{text}` is no variable"),
-                    "a variable is wanted here",
+                    &format!("`{text}` is not a variable"),
+                    "a variable is expected here",
                     "name a variable or an address such as `MW10`",
                 );
                 None
@@ -65,7 +65,7 @@ impl Binder<'_> {
         }
     }
 
-    /// What an expression of names stands for.
+    /// The meaning of an expression of names.
     pub(in crate::bind) fn thing(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Thing> {
         if ctx.scl.depth >= Self::DEPTH_MAX {
             self.too_deep(node.span);
@@ -108,7 +108,13 @@ impl Binder<'_> {
                         self.indexed(ctx, area, width, indices, span)
                     }
                     _ => {
-                        self.refuse(Code::UnknownMember, span, "this is no array", "an index stands behind it", "");
+                        self.refuse(
+                            Code::UnknownMember,
+                            span,
+                            "this is not an array",
+                            "there is an index after it",
+                            "",
+                        );
                         None
                     }
                 }
@@ -117,7 +123,7 @@ impl Binder<'_> {
                 Some(thing) => thing,
                 None => {
                     let help = "assign the result to a variable first";
-                    self.refuse(Code::OperandKind, span, "the result of a call is no variable", "a call", help);
+                    self.refuse(Code::OperandKind, span, "the result of a call is not a variable", "a call", help);
                     None
                 }
             },
@@ -130,8 +136,8 @@ impl Binder<'_> {
                 self.refuse(
                     Code::OperandKind,
                     span,
-                    &format!("`{text}` is no variable"),
-                    "a variable is wanted here",
+                    &format!("`{text}` is not a variable"),
+                    "a variable is expected here",
                     "name a variable or an address such as `MW10`",
                 );
                 None
@@ -199,7 +205,7 @@ impl Binder<'_> {
         }
     }
 
-    /// `"tag":P`: what stands behind an input or output, without the process image.
+    /// `"tag":P`: the input or output itself, past the process image.
     fn peripheral_tag(&mut self, ctx: &mut Ctx, tag: &str, span: Span) -> Option<Thing> {
         let Some(global) = self.globals.get(&fold(tag)) else {
             self.unknown_name(tag, span);
@@ -216,7 +222,7 @@ impl Binder<'_> {
             self.refuse(
                 Code::OperandKind,
                 span,
-                "only inputs and outputs have a periphery",
+                "only inputs and outputs can be accessed without the process image",
                 &label,
                 "write it without `:P`",
             );
@@ -232,7 +238,7 @@ impl Binder<'_> {
         Some(thing)
     }
 
-    /// Words with a meaning of their own: `OK`, `ENO`, `MW10`, `T5`, `DB10`, `MW` before an index.
+    /// Words with their own meaning: `OK`, `ENO`, `MW10`, `T5`, `DB10`, `MW` before an index.
     fn word_thing(&mut self, ctx: &mut Ctx, text: &str, span: Span) -> Option<Option<Thing>> {
         let rules = ctx.scl.rules;
         if text.eq_ignore_ascii_case("OK") {
@@ -337,7 +343,7 @@ impl Binder<'_> {
                 let ty = DataType::Elementary(type_of_width(*width));
                 let base = path::Base::of_area(*area);
                 let mut spot = Spot::fixed(Variable { base, byte: *byte, bit: *bit, ty, untyped: true });
-                // The peripheral has no bits; one is read out of its byte.
+                // Peripheral addresses have no bits; a bit is read out of its byte.
                 if matches!(area, Area::Pi | Area::Pq) && *width == Width::Bit {
                     spot.ty = DataType::Elementary(Elementary::Byte);
                     spot.bit = 0;
@@ -396,7 +402,7 @@ impl Binder<'_> {
                     }
                     Db::Dynamic(_) => {
                         let help = "name an address in it: `.DW[i]`, `.DW4`, `.DX[b, i]`";
-                        let label = "a data block that is only known at run time";
+                        let label = "this data block is only known at run time";
                         self.refuse(Code::UnknownMember, span, "the components of this block are unknown", label, help);
                         None
                     }
@@ -411,7 +417,7 @@ impl Binder<'_> {
             | Thing::DbArea(..) => {
                 self.report.push(
                     Diagnostic::new(Code::UnknownMember, name.span, "only data blocks and structures have components")
-                        .label("what stands before the point is something else"),
+                        .label("this comes before the point and is something else"),
                 );
                 None
             }
@@ -435,7 +441,7 @@ impl Binder<'_> {
             let text = &name.text;
             self.report.push(
                 Diagnostic::new(Code::UnknownMember, name.span, format!("there is no component `{text}` here"))
-                    .label(format!("what stands before it is of type {ty}")),
+                    .label(format!("the name before it is of type {ty}")),
             );
             return None;
         };
@@ -452,8 +458,8 @@ impl Binder<'_> {
 
     fn slice(&mut self, base: Thing, width: Width, index: u32, span: Span) -> Option<Thing> {
         let Thing::Spot(mut spot) = base else {
-            let help = "slices are taken of variables: `word.%X3`";
-            self.refuse(Code::OperandKind, span, "this has no slices", "no variable stands before the point", help);
+            let help = "only variables have slices: `word.%X3`";
+            self.refuse(Code::OperandKind, span, "this has no slices", "there is no variable before the point", help);
             return None;
         };
         let whole = match (&spot.part, &spot.ty) {
@@ -475,7 +481,7 @@ impl Binder<'_> {
                 0 => format!("the variable has {whole} bits"),
                 _ => format!("0 to {} are possible", count - 1),
             };
-            self.refuse(Code::ArrayIndex, span, "this slice lies outside the variable", &label, "");
+            self.refuse(Code::ArrayIndex, span, "this slice is outside the variable", &label, "");
             return None;
         }
         let before = spot.part.map_or(0, |part| u32::from(part.index) * part.width.bits());
@@ -484,7 +490,7 @@ impl Binder<'_> {
         Some(Thing::Spot(spot))
     }
 
-    /// What an expression of names is worth.
+    /// The value of an expression of names.
     pub(super) fn thing_value(&mut self, ctx: &mut Ctx, thing: Thing, span: Span) -> Option<Value> {
         Some(match thing {
             Thing::Spot(spot) => {
@@ -501,7 +507,7 @@ impl Binder<'_> {
             Thing::Cell { kind, number } => Value::Cell { kind, number, span },
             Thing::Block { prefix, number } => Value::Block { prefix, number, span },
             Thing::Db { number: Some(number), .. } => Value::Block { prefix: BlockPrefix::Db, number, span },
-            // What this code reads, it wants to be set.
+            // This code reads it, so it must be set somewhere.
             Thing::Flag => {
                 ctx.scl.sets_flag = true;
                 Value::Elementary(Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span })
@@ -519,13 +525,13 @@ impl Binder<'_> {
         self.refuse(
             Code::OperandKind,
             span,
-            &format!("`{text}` alone is no address"),
+            &format!("`{text}` alone is not an address"),
             "the number is missing",
             "write for example `MW10`, `MW[i]` or `DB10.DW[i]`",
         );
     }
 
-    /// Whether a variable can be read or written as wanted.
+    /// Whether a variable can be read or written as the access requires.
     pub(in crate::bind) fn check_intent(&mut self, ctx: &Ctx, spot: &Spot, intent: Intent, span: Span) -> Option<()> {
         let text = self.text(span);
         let area = match &spot.root {
@@ -540,7 +546,13 @@ impl Binder<'_> {
         let reads = intent != Intent::Write || (spot.part.is_some() && !is_bit);
         if area == Some(Area::Pq) && reads {
             let title = format!("`{text}` cannot be read");
-            self.refuse(Code::OperandKind, span, &title, "a peripheral output", "use the process image, e.g. `QW4`");
+            self.refuse(
+                Code::OperandKind,
+                span,
+                &title,
+                "this is a peripheral output",
+                "use the process image, e.g. `QW4`",
+            );
             return None;
         }
         if intent == Intent::Read {
@@ -553,7 +565,13 @@ impl Binder<'_> {
         }
         if area == Some(Area::Pi) {
             let title = format!("`{text}` cannot be written");
-            self.refuse(Code::Protected, span, &title, "a peripheral input", "peripheral outputs are written: `PQW`");
+            self.refuse(
+                Code::Protected,
+                span,
+                &title,
+                "this is a peripheral input",
+                "peripheral outputs are written: `PQW`",
+            );
             return None;
         }
         if let DataType::Struct(structure) = &spot.ty
@@ -561,7 +579,7 @@ impl Binder<'_> {
             && intent == Intent::Write
         {
             let title = format!("`{text}` cannot be assigned");
-            self.refuse(Code::Protected, span, &title, "an instance", "assign its inputs one by one");
+            self.refuse(Code::Protected, span, &title, "this is an instance", "assign its inputs one by one");
             return None;
         }
         if let Some((_, head)) = ctx.scl.loop_variables.iter().rev().find(|(variable, _)| variable.is_same(spot)) {

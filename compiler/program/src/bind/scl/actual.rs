@@ -1,7 +1,7 @@
 //! Actual parameters of SCL calls, by the type of the formal one.
 //!
 //! Source: SCL reference, parameters. Inputs are expressions and convert implicitly; outputs convert from the formal's type to the
-//! variable's; complex data goes by its type. What goes by pointer stands in `pointer`.
+//! variable's; complex data must have the same type. `pointer` has what is passed by pointer.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{BlockPrefix, CellKind};
@@ -19,7 +19,7 @@ use plcc_model::types::{DataType, OpenArrayType, ParameterType};
 use plcc_model::{BlockKey, Direction, Number, Parameter};
 
 impl Binder<'_> {
-    /// Binds the actual of parameter `formal` of block `callee`; `None` after a message or if it cannot be known.
+    /// Binds the actual of parameter `formal` of block `callee`; `None` after a message, or if it cannot be determined.
     pub fn scl_actual(&mut self, ctx: &mut Ctx, callee: BlockKey, formal: &Parameter, node: &Node) -> Option<Actual> {
         let intent = match formal.direction {
             Direction::Input => Intent::Read,
@@ -83,7 +83,7 @@ impl Binder<'_> {
         None
     }
 
-    /// An actual of another type than the formal's.
+    /// An actual whose type is not that of the formal parameter.
     pub fn wrong_actual(&mut self, callee: BlockKey, formal: &Parameter, is: &str, span: Span) -> Option<Actual> {
         let text = self.text(span);
         let wanted = layout::type_name(&formal.ty);
@@ -123,7 +123,7 @@ impl Binder<'_> {
         if found == ty {
             return Some(Actual::Variable { access, back: None });
         }
-        // An address says its width only; of two types one is a bit string then.
+        // An address only gives its width; so one of two types is a bit string here.
         let same_width = found.bits() == ty.bits() && (found.class() == Class::Bits || ty.class() == Class::Bits);
         if same_width && ty != Elementary::Bool {
             return Some(Actual::Variable { access, back: Some(Conversion::Bits { checked: false }) });
@@ -134,7 +134,7 @@ impl Binder<'_> {
             }
             return self.wrong_actual(callee, formal, &access_type(&access), node.span);
         }
-        // What comes out converts as any value of the formal's type would.
+        // An output value converts as any value of the formal's type does.
         let out = Expr { kind: ExprKind::Load(Box::new(access.clone())), ty, span: node.span };
         match self.implicit(ctx, out, found)?.kind {
             ExprKind::Convert { conversion, operand } if matches!(operand.kind, ExprKind::Load(_)) => {
@@ -155,10 +155,10 @@ impl Binder<'_> {
         intent: Intent,
     ) -> Option<Actual> {
         if !is_variable(node) {
-            return self.wrong_actual(callee, formal, "no variable", node.span);
+            return self.wrong_actual(callee, formal, "not a variable", node.span);
         }
         let access = self.scl_access(ctx, node, intent)?;
-        // Instructions that take characters take bytes, too.
+        // Instructions that accept characters also accept bytes.
         let kin = |element: &DataType| match (element, &wanted.element) {
             (DataType::Elementary(own), DataType::Elementary(wanted)) => {
                 self.library_block(callee).is_some_and(|block| block.is_tia())
@@ -223,7 +223,7 @@ impl Binder<'_> {
     }
 }
 
-/// True of what may name a variable, as far as its form tells.
+/// True of an expression whose form could name a variable.
 pub fn is_variable(node: &Node) -> bool {
     match &node.kind {
         NodeKind::Name(_)

@@ -22,7 +22,7 @@ use plcc_model::{BlockKey, Direction, Parameter};
 /// The bound arguments of a call.
 #[derive(Default)]
 pub struct Arguments {
-    /// In the order of the text.
+    /// In source order.
     pub arguments: Vec<Argument>,
     pub enable: Option<Expr>,
     pub eno: Option<Access>,
@@ -41,7 +41,7 @@ impl Binder<'_> {
         let parameters = &bound.interface.parameters;
         let mut list = Arguments::default();
         let mut seen: FxHashMap<usize, Span> = FxHashMap::default();
-        // Parameters that are given under a misspelt name: that they are missing is told already.
+        // Parameters given under a misspelt name: that they are missing is already reported.
         let mut misspelt: Vec<String> = Vec::new();
         let mut good = true;
         let positions = match given.iter().all(|argument| argument.name.is_none()) {
@@ -114,7 +114,7 @@ impl Binder<'_> {
         good.then_some(list)
     }
 
-    /// What the name of an argument means.
+    /// The meaning of an argument's name.
     fn formal(&mut self, key: BlockKey, bound: &BoundInterface, name: &Name, output: bool) -> Formal {
         let folded = fold(&name.text);
         let instance = matches!(key.kind, BlockKind::Sfb).then_some((true, key.number));
@@ -188,7 +188,7 @@ impl Binder<'_> {
     fn wrong_arrow(&mut self, key: BlockKey, formal: &Parameter, argument: &Given) {
         self.report.push(
             Diagnostic::new(Code::AssignSign, argument.span, format!("`{}` of {key} is an input", formal.name))
-                .label("`=>` takes a value out of the block")
+                .label("`=>` is for outputs of the block")
                 .help(format!("write `{} := ...`", formal.name)),
         );
     }
@@ -202,13 +202,13 @@ impl Binder<'_> {
 
     /// `ENO => variable`.
     fn eno(&mut self, ctx: &mut Ctx, list: &mut Arguments, argument: &Given) -> Option<()> {
-        // `ENO => ENO` says what happens anyway where the block looks at ENO.
+        // `ENO => ENO` changes nothing in a block that uses ENO.
         let Some(value) = argument.value.as_ref().filter(|value| !names_eno(ctx, value)) else { return Some(()) };
         list.eno = Some(self.variable_of_type(ctx, value, Elementary::Bool, Intent::Write)?);
         Some(())
     }
 
-    /// Parameters of a function that the call leaves out.
+    /// Parameters of a function that the call omits.
     #[allow(clippy::too_many_arguments)]
     fn check_missing(
         &mut self,
@@ -233,7 +233,7 @@ impl Binder<'_> {
                     list.arguments.push(Argument { parameter: index, actual: Actual::Dropped, span: name });
                 }
                 Direction::Input if is_optional(key, &formal.name) => {
-                    // Left out it is 0.
+                    // If omitted, it is 0.
                     if let DataType::Elementary(ty) = formal.ty {
                         let zero = Expr { kind: ExprKind::Const(0), ty, span: name };
                         list.arguments.push(Argument { parameter: index, actual: Actual::Value(zero), span: name });
@@ -246,10 +246,10 @@ impl Binder<'_> {
             let mut message = Diagnostic::new(
                 Code::MissingParameter,
                 name,
-                format!("the call of {key} drops {}", dropped.join(", ")),
+                format!("the call of {key} does not use {}", dropped.join(", ")),
             )
-            .label("what the function gives there is lost")
-            .help(format!("add `{} => ...`; empty behind `=>` if it is not wanted", dropped[0]));
+            .label("the value of this output is lost")
+            .help(format!("add `{} => ...`; leave `=>` empty if you do not need the value", dropped[0]));
             message.severity = Severity::Warning;
             self.report.push(message);
         }
@@ -257,18 +257,15 @@ impl Binder<'_> {
             return true;
         }
         let help = format!("add `{} := ...`", missing[0]);
-        let message = Diagnostic::new(
-            Code::MissingParameter,
-            name,
-            format!("the call of {key} leaves out {}", missing.join(", ")),
-        )
-        .label("a function needs all its parameters")
-        .help(self.with_library_note(key, help));
+        let message =
+            Diagnostic::new(Code::MissingParameter, name, format!("the call of {key} omits {}", missing.join(", ")))
+                .label("a function needs all its parameters")
+                .help(self.with_library_note(key, help));
         self.report.push(message);
         false
     }
 
-    /// A variable that must be of an elementary type, or a bit string of its width.
+    /// A variable of an elementary type, or of the bit string with its width.
     pub fn variable_of_type(&mut self, ctx: &mut Ctx, node: &Node, ty: Elementary, intent: Intent) -> Option<Access> {
         let access = self.scl_access(ctx, node, intent)?;
         let found = access.elementary();
@@ -282,7 +279,7 @@ impl Binder<'_> {
     }
 }
 
-/// Inputs of ATTACH and DETACH that a call may leave out. Source: LAD/FBD reference for S7-1200, ATTACH and DETACH.
+/// Inputs of ATTACH and DETACH that a call may omit. Source: LAD/FBD reference for S7-1200, ATTACH and DETACH.
 fn is_optional(key: BlockKey, name: &str) -> bool {
     const OPTIONAL: [(&str, &str); 2] = [("ATTACH", "ADD"), ("DETACH", "EVENT")];
     let of = |block: &str| plcc_stdlib::find_tia(block).is_some_and(|found| found.number == key.number);

@@ -1,4 +1,4 @@
-//! Parts of arrays: MOVE_BLK, FILL_BLK, and what is asked about bounds. Source: SCL reference, moves; S7-1200 reference, moves.
+//! Parts of arrays: MOVE_BLK, FILL_BLK, and queries about bounds. Source: SCL reference, moves; S7-1200 reference, moves.
 
 use std::rc::Rc;
 
@@ -19,7 +19,7 @@ use plcc_model::scl::{
 };
 use plcc_model::types::{ArrayType, DataType, ParameterType};
 
-/// Elements of an array from one on.
+/// The elements of an array, beginning with one of them.
 pub(super) struct Run {
     /// The whole array.
     pub array: Access,
@@ -27,7 +27,7 @@ pub(super) struct Run {
     bounds: IndexBounds,
     /// Distance of elements in bits.
     stride: u32,
-    /// Number of the first element, a DINT; known if it is a constant.
+    /// Number of the first element, a DINT; known if it is constant.
     pub first: Expr,
 }
 
@@ -82,9 +82,9 @@ impl Binder<'_> {
         let copy = copied(target.at(&to, offset()), &source.at(&from, offset()), &source.element);
         let (zero, last) = (|| number(0, span), || minus_one(load(&left, Elementary::Dint)));
         let (start, end, step) = match may_overlap(&source.array, &target.array) {
-            // Backwards if the target lies behind the source, as if through a buffer.
+            // Backwards if the target comes after the source, as if through a buffer.
             true => {
-                let behind = || Expr {
+                let after = || Expr {
                     kind: ExprKind::Compare {
                         op: CompareOp::Greater,
                         left: Box::new(to.clone()),
@@ -94,7 +94,7 @@ impl Binder<'_> {
                     span,
                 };
                 let choose = |no: Expr, yes: Expr| Expr {
-                    kind: ExprKind::Function { function: Function::Select, arguments: vec![behind(), no, yes] },
+                    kind: ExprKind::Function { function: Function::Select, arguments: vec![after(), no, yes] },
                     ty: Elementary::Dint,
                     span,
                 };
@@ -134,7 +134,7 @@ impl Binder<'_> {
         Some(code)
     }
 
-    /// `a[i]`, and all that follows in the array.
+    /// `a[i]` and everything after it in the array.
     pub(super) fn run(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Run> {
         let NodeKind::Index { base, indices } = &node.kind else { return self.no_element(node.span) };
         let [index] = indices.as_slice() else { return self.no_element(node.span) };
@@ -170,8 +170,8 @@ impl Binder<'_> {
     fn no_element<T>(&mut self, span: Span) -> Option<T> {
         let text = self.text(span);
         self.report.push(
-            Diagnostic::new(Code::OperandKind, span, format!("`{text}` is no element of an array"))
-                .label("the first of the elements is wanted")
+            Diagnostic::new(Code::OperandKind, span, format!("`{text}` is not an element of an array"))
+                .label("the first element is expected here")
                 .help("name an element of an array of one dimension, for example `#data[0]`"),
         );
         None
@@ -208,13 +208,13 @@ impl Binder<'_> {
     fn no_bounds<T>(&mut self, span: Span) -> Option<T> {
         let text = self.text(span);
         self.report.push(
-            Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` has no bounds that could be asked for"))
-                .label("an ARRAY[*] parameter, or an array and a constant dimension, is wanted"),
+            Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` has no bounds to query"))
+                .label("an ARRAY[*] parameter, or an array and a constant dimension, is expected"),
         );
         None
     }
 
-    /// CountOfElements: an UDINT, 0 for what is no array.
+    /// CountOfElements: a UDINT, 0 for what is not an array.
     pub fn count_of_elements(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Value> {
         let udint = |value: u64| Expr { kind: ExprKind::Const(value), ty: Elementary::Udint, span };
         let count = match self.scl_value(ctx, pins.get("IN")?)? {
@@ -251,7 +251,7 @@ impl Binder<'_> {
     }
 }
 
-/// A field of a VARIANT, an UDINT. See [`plcc_model::Pointed`].
+/// A field of a VARIANT, a UDINT. See [`plcc_model::Pointed`].
 pub fn variant_field(variant: &Access, at: u32, span: Span) -> Option<Expr> {
     let field = elementary_at(variant, at, 0, Elementary::Udint)?;
     Some(Expr { kind: ExprKind::Load(Box::new(field)), ty: Elementary::Udint, span })
@@ -283,7 +283,7 @@ fn counted_from_0(dimension: Expr) -> Expr {
     }
 }
 
-/// Distance of neighbours in bits.
+/// Distance of adjacent elements in bits.
 fn stride(element: &DataType) -> u32 {
     let bounds = vec![(0, 1)];
     let bytes = u32::try_from(layout::array_bytes(&bounds, element)).unwrap_or(u32::MAX);
@@ -306,7 +306,7 @@ fn may_overlap(a: &Access, b: &Access) -> bool {
     }
 }
 
-/// One copy, if all is constant and inside both arrays, and elements are whole bytes.
+/// One copy, if everything is constant, inside both arrays, and the elements are whole bytes.
 fn whole_copy(source: &Run, target: &Run, count: &Expr) -> Option<StatementKind> {
     let constant = |value: &Expr| match value.kind {
         ExprKind::Const(bits) => Some(i64::from(bits as u32 as i32)),
@@ -328,7 +328,7 @@ fn whole_copy(source: &Run, target: &Run, count: &Expr) -> Option<StatementKind>
     })
 }
 
-/// Makes `left` the number of elements that the array still has, if it is more.
+/// Limits `left` to the number of elements that the array still has.
 pub(super) fn shortened(ctx: &Ctx, left: &Access, run: &Run, first: &Expr, span: Span) -> StatementKind {
     let room = || {
         let rest = binary(BinaryOp::Subtract, run.last(), first.clone());

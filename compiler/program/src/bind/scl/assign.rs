@@ -15,7 +15,7 @@ use plcc_model::scl::{Access, Complex, Expr, ExprKind, Function, Statement, Stat
 use plcc_model::types::DataType;
 
 impl Binder<'_> {
-    /// `a := b += e`: from right to left, a statement each.
+    /// `a := b += e`: from right to left, one statement for each.
     pub(super) fn assign(
         &mut self,
         ctx: &mut Ctx,
@@ -34,7 +34,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Assigns to one target; gives its value if `read`.
+    /// Assigns to one target; returns its value if `read`.
     #[allow(clippy::too_many_arguments, reason = "the parts of one assignment")]
     fn assign_one(
         &mut self,
@@ -50,7 +50,7 @@ impl Binder<'_> {
             self.no_references(span);
             return None;
         }
-        // What can never be a target was told when it was read.
+        // Anything that can never be a target is reported by the parser.
         if matches!(target.kind, NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. }) {
             return None;
         }
@@ -63,7 +63,7 @@ impl Binder<'_> {
             self.refuse(
                 Code::OperandKind,
                 target.span,
-                "the place of this variable depends on a call and is used twice",
+                "the address of this variable depends on a call and is needed twice",
                 "a call in an index",
                 "assign the index to a variable first",
             );
@@ -123,7 +123,7 @@ impl Binder<'_> {
             DataType::OpenArray(_) => {
                 let is = layout::type_name(&ty);
                 let help = "copy the elements in a loop, or with MOVE_BLK";
-                let title = format!("a variable of type {is} is not assigned as a whole");
+                let title = format!("a variable of type {is} cannot be assigned as a whole");
                 self.refuse(Code::TypeMismatch, target.span, &title, &is, help);
                 None
             }
@@ -161,7 +161,7 @@ impl Binder<'_> {
     }
 }
 
-/// MUX without ELSE leaves the variable as it is where no input is meant. Source: S7-1200 reference, MUX.
+/// MUX without ELSE keeps the variable if no input has the number. Source: S7-1200 reference, MUX.
 fn with_else(rules: Rules, target: &Access, mut value: Expr) -> Expr {
     let usable = matches!(rules, Rules::Tia1200 | Rules::Tia1500) && !access_has_call(target);
     if let (Some(ty), true) = (target.elementary(), usable) {
@@ -171,7 +171,7 @@ fn with_else(rules: Rules, target: &Access, mut value: Expr) -> Expr {
     value
 }
 
-/// Gives `otherwise` to a MUX, also to one whose value is converted.
+/// Sets `otherwise` of a MUX, even if its value is converted.
 fn add_else(rules: Rules, otherwise: Expr, value: &mut Expr) {
     let ty = value.ty;
     match &mut value.kind {

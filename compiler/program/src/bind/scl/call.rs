@@ -1,6 +1,6 @@
 //! Calls: what is called, and its value. A block with its instance, or a function of the language.
 //!
-//! Source: SCL reference, call forms. What the program itself defines comes before functions of the same name.
+//! Source: SCL reference, call forms. Blocks of the program take precedence over functions of the same name.
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
@@ -21,14 +21,14 @@ use plcc_model::types::{DataType, Member, StructType};
 use plcc_model::{BlockKey, Direction, Parameter, Place};
 use plcc_syntax::symbols::SymbolTarget;
 
-/// What a call calls.
+/// The target of a call.
 pub enum Callee {
     Block { key: BlockKey, instance: Option<Instance> },
     Function(Named),
 }
 
 impl Binder<'_> {
-    /// Binds a call: of a block, an instance, a function of the language. `statement`: its value may be dropped.
+    /// Binds a call: of a block, an instance, a function of the language. `statement`: its value may be unused.
     pub fn scl_call(&mut self, ctx: &mut Ctx, node: &Node, statement: bool) -> Option<Value> {
         let NodeKind::Call { callee, arguments } = &node.kind else { return None };
         let wide = self.overload(ctx, callee, arguments).map(|key| Callee::Block { key, instance: None });
@@ -84,11 +84,11 @@ impl Binder<'_> {
         let bound = self.interface(key, name)?;
         let supplied = |argument: &Argument| is_result(key, &bound.interface.parameters[argument.parameter]);
         if call.arguments.iter().any(supplied) {
-            let label = "its value goes to the variable behind `RET_VAL =>` already";
+            let label = "the variable after `RET_VAL =>` already gets its value";
             self.refuse(
                 Code::UnknownParameter,
                 name,
-                "the value of this call is taken twice",
+                "the value of this call is used twice",
                 label,
                 "leave RET_VAL out",
             );
@@ -105,9 +105,9 @@ impl Binder<'_> {
                     Diagnostic::new(Code::TypeMismatch, name, format!("`{text}` has no value"))
                         .label(match key.kind {
                             BlockKind::Fb | BlockKind::Sfb => "the call of a function block is a statement",
-                            _ => "a function without a result that an expression could use",
+                            _ => "this function has no result that an expression could use",
                         })
-                        .help("call it in a statement of its own, and read its outputs behind it"),
+                        .help("call it in a separate statement, and read its outputs after it"),
                 );
                 None
             }
@@ -115,7 +115,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Arguments of a call that cannot be checked are bound all the same, so that all undefined names are told of.
+    /// Arguments of a call that cannot be checked are still bound, so that all undefined names are reported.
     pub fn note_arguments(&mut self, ctx: &mut Ctx, given: &[Given]) {
         let known = ctx.scl.temp_reads.len();
         let values = given.iter().filter_map(|argument| argument.value.as_ref());
@@ -123,7 +123,7 @@ impl Binder<'_> {
         for value in values.filter(|value| !matches!(value.kind, NodeKind::Literal(Literal::Null))) {
             self.scl_value(ctx, value);
         }
-        // Which of them the call writes is not known.
+        // It is not known which of them the call writes.
         let uses = ctx.scl.temp_reads.drain(known..).map(|read| (read.first, read.end));
         ctx.scl.temp_writes.extend(uses);
     }
@@ -165,7 +165,7 @@ impl Binder<'_> {
                 };
             }
         }
-        // A quoted name is that of a block of the program, which a part of it may not hold.
+        // A quoted name is a block of the program, which a part of the program may not include.
         let quoted = name.form == NameForm::Quoted && self.input.partial;
         if let Some(named) = Named::find(&name.text).filter(|_| !quoted) {
             return Some(Callee::Function(named));
@@ -180,7 +180,7 @@ impl Binder<'_> {
         }
     }
 
-    /// True if a global symbol can stand before `(`. One that cannot hides no function: `LEN(…)` beside the tag `"Len"`.
+    /// True if a global symbol is possible before `(`. One that cannot does not hide a function: `LEN(…)` next to the tag `"Len"`.
     fn is_called(&self, target: SymbolTarget) -> bool {
         match target {
             SymbolTarget::Block { prefix: BlockPrefix::Db | BlockPrefix::Di, number } => u16::try_from(number)
@@ -197,7 +197,7 @@ impl Binder<'_> {
         Named::find(name).is_some() || self.library_function(rules, name).is_some()
     }
 
-    /// True if a name before `(` means a variable. One that cannot be called hides no function: `LIMIT(…)` beside `#limit`.
+    /// True if a name before `(` means a variable. One that cannot be called does not hide a function: `LIMIT(…)` next to `#limit`.
     pub(super) fn is_instance(&self, ctx: &Ctx, name: &Name) -> bool {
         name.form == NameForm::Local || (self.is_local(ctx, name) && callable_local(ctx, name))
     }
@@ -217,10 +217,10 @@ impl Binder<'_> {
         name.form == NameForm::Quoted && ctx.scl.marks_locals && !self.globals.contains_key(&fold(&name.text))
     }
 
-    /// The block of the library by the name of a function. The same name means one thing in STEP 7 V5 and another in the TIA Portal.
+    /// The library block with the name of a function. One name can mean different blocks in STEP 7 V5 and in the TIA Portal.
     pub fn library_function(&self, rules: Rules, name: &str) -> Option<BlockKey> {
         let name = name.trim();
-        // `LEFT_STRING`, beside `LEFT_WSTRING`.
+        // `LEFT_STRING`, next to `LEFT_WSTRING`.
         let narrow = || {
             let base = name.len().checked_sub(7).and_then(|at| name.split_at_checked(at))?;
             let both = base.1.eq_ignore_ascii_case("_STRING")
@@ -235,7 +235,7 @@ impl Binder<'_> {
         block.filter(|block| !self.is_foreign(block)).map(|block| self.library_key(block))
     }
 
-    /// A block by itself: a function, or the instance that a data block is.
+    /// A block alone: a function, or a data block that is an instance.
     fn block_callee(&mut self, prefix: BlockPrefix, number: u16, span: Span) -> Option<Callee> {
         match prefix {
             BlockPrefix::Fc | BlockPrefix::Sfc => {
@@ -262,7 +262,7 @@ impl Binder<'_> {
                     None => {
                         let defined = db.block.span;
                         self.report.push(
-                            Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is no instance"))
+                            Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is not an instance"))
                                 .label("a shared data block cannot be called")
                                 .also(defined, "the data block")
                                 .help("call the data block of a function block"),
@@ -310,7 +310,7 @@ impl Binder<'_> {
         }
     }
 
-    /// The block that an instruction's name behind an instance means: that of the instance, or one for the common data of IEC timers and
+    /// The block that an instruction's name after an instance means: that of the instance, or one for the common data of IEC timers and
     /// counters.
     fn instruction_of(
         &mut self,
@@ -331,7 +331,7 @@ impl Binder<'_> {
         {
             return Some(key);
         }
-        // Timers share one layout, and counters of one type theirs, so that IEC_TIMER takes each of them.
+        // Timers share one layout, and counters of one type theirs, so IEC_TIMER accepts each of them.
         let typed = own.and_then(|key| self.library_block(key)).and_then(|block| block.name.split_once('_'));
         let key = typed
             .and_then(|(_, ty)| self.library_function(ctx.scl.rules, &format!("{name}_{ty}")))
@@ -353,14 +353,14 @@ impl Binder<'_> {
             Instance::Variable(_) => instance_key(ty),
         };
         let what = match ty.name.as_str() {
-            "" => "the data before it".to_string(),
+            "" => "the data before the point".to_string(),
             of => format!("`{of}`"),
         };
         let message = match own {
             Some(key) => {
                 let known = self.library_block(key).map_or(key.to_string(), |block| block.name.to_string());
-                Diagnostic::new(Code::NoBlockFits, name.span, format!("{what} is no instance of `{}`", name.text))
-                    .label(format!("what stands before it is an instance of {known}"))
+                Diagnostic::new(Code::NoBlockFits, name.span, format!("{what} is not an instance of `{}`", name.text))
+                    .label(format!("the name before the point is an instance of {known}"))
                     .help(format!("write `{known}` here, or call the instance by its name alone"))
             }
             None => {
@@ -380,15 +380,15 @@ impl Binder<'_> {
         None
     }
 
-    /// The instance data block behind a function block: `FB10.DB20`, `"Motor"."Motor 3"`.
+    /// The instance data block after a function block: `FB10.DB20`, `"Motor"."Motor 3"`.
     fn instance_db(&mut self, key: BlockKey, name: &Name) -> Option<Callee> {
         let block =
             block_of_name(name).unwrap_or_else(|| BlockName::Symbol { name: name.text.clone(), span: name.span });
         let (prefix, number) = self.block_number(&block)?;
         if prefix != BlockPrefix::Db || number == 0 {
             self.report.push(
-                Diagnostic::new(Code::OperandKind, name.span, format!("`{}` is no data block", name.text))
-                    .label("the instance data block is wanted here"),
+                Diagnostic::new(Code::OperandKind, name.span, format!("`{}` is not a data block", name.text))
+                    .label("the instance data block is expected here"),
             );
             return None;
         }
@@ -410,7 +410,7 @@ impl Binder<'_> {
                     Diagnostic::new(Code::OperandKind, node.span, format!("`{text}` cannot be called"))
                         .label(format!("a variable of type {name}"))
                         .help(
-                            "a call wants a function, a data block of a function block, or a variable of such a type",
+                            "a call needs a function, a data block of a function block, or a variable whose type is a function block",
                         ),
                 );
                 None
@@ -422,12 +422,12 @@ impl Binder<'_> {
         let text = self.text(span);
         self.report.push(
             Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be called"))
-                .label("a function, or an instance of a function block, is wanted"),
+                .label("a function, or an instance of a function block, is expected here"),
         );
         None
     }
 
-    /// The block that a node names, without a message if it is none.
+    /// The block that a node names; no message if it is none.
     pub(in crate::bind) fn quiet_block(&self, ctx: &Ctx, node: &Node) -> Option<(BlockPrefix, u16)> {
         let name = match &node.kind {
             NodeKind::Name(name) if name.form != NameForm::Local && !self.is_local(ctx, name) => name,
@@ -508,7 +508,7 @@ fn instance_of(access: &Access) -> Option<BlockKey> {
     }
 }
 
-/// An instance that is the same in every call at this place.
+/// An instance that is the same in every call here.
 fn instance_id(ctx: &Ctx, instance: &Instance) -> Option<crate::bind::call::InstanceId> {
     match instance {
         Instance::Db(number) => Some(crate::bind::call::InstanceId::Db(*number)),

@@ -139,7 +139,7 @@ fn arguments_stand_in_the_order_of_the_text() {
     let call = call("\"Add\"(q => #i, b := #i, a := #j);");
     let order: Vec<usize> = call.arguments.iter().map(|argument| argument.parameter).collect();
     assert_eq!(order, [2, 1, 0]);
-    // INT to the DINT that is wanted.
+    // INT to the expected DINT.
     let Actual::Value(value) = &call.arguments[1].actual else { panic!("an input is a value") };
     assert_eq!(value.ty, Elementary::Dint);
 }

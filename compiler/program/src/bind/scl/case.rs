@@ -21,7 +21,7 @@ impl Binder<'_> {
         let of_types = self.asks_for_type(selector);
         let selector = self.selector(ctx, selector);
         let ty = selector.as_ref().map(|selector| selector.ty);
-        // Ranges so far, with their places.
+        // Ranges so far, with their positions.
         let mut seen: Vec<(i128, i128, Span)> = Vec::new();
         let mut bound = Vec::with_capacity(arms.len());
         for arm in arms {
@@ -130,7 +130,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Tells of values that an arm before has taken.
+    /// Reports values that an earlier arm has.
     fn doubled(&mut self, seen: Vec<(i128, i128, Span)>) {
         let mut sorted: Vec<(usize, (i128, i128, Span))> = seen.into_iter().enumerate().collect();
         sorted.sort_by_key(|(order, (low, _, _))| (*low, *order));
@@ -142,8 +142,8 @@ impl Binder<'_> {
             {
                 let (earlier, later) = if order < entry.0 { (first, entry.1.2) } else { (entry.1.2, first) };
                 self.report.push(
-                    Diagnostic::new(Code::CaseValue, later, "this value stands in an arm before")
-                        .label("the arm before it runs instead")
+                    Diagnostic::new(Code::CaseValue, later, "this value is already in an earlier arm")
+                        .label("the earlier arm runs instead")
                         .also(earlier, "the arm that runs")
                         .help("remove one of them"),
                 );

@@ -1,4 +1,4 @@
-//! Values in the type that is wanted: implicit conversions, texts, structures.
+//! Values in the required type: implicit conversions, texts, structures.
 
 use plcc_diag::{Code, Span};
 use plcc_syntax::ast::BlockPrefix;
@@ -20,13 +20,13 @@ use plcc_model::types::{DataType, StructType};
 const STRING_MAX: usize = 254;
 
 impl Binder<'_> {
-    /// Binds an expression that must give a value of type `ty`, by implicit conversion if need be.
+    /// Binds an expression whose value must have type `ty`, with an implicit conversion if needed.
     pub(in crate::bind) fn scl_of_type(&mut self, ctx: &mut Ctx, node: &Node, ty: Elementary) -> Option<Expr> {
         let value = self.scl_value(ctx, node)?;
         self.scl_convert(ctx, value, ty)
     }
 
-    /// Gives a bound value the type `ty`, by implicit conversion if need be; what has no conversion is reported.
+    /// Converts a bound value to type `ty` if needed; reports a value without an implicit conversion.
     pub(in crate::bind) fn scl_convert(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Expr> {
         match value {
             Value::Elementary(expr) => self.implicit(ctx, expr, ty),
@@ -54,7 +54,7 @@ impl Binder<'_> {
         }
     }
 
-    /// A value in its own type; a constant in that which it has without a partner.
+    /// A value in its own type; a constant in the type that it has without a partner.
     pub(in crate::bind) fn scl_own_type(&mut self, ctx: &mut Ctx, value: Value) -> Option<Expr> {
         let ty = match &value {
             Value::Elementary(expr) => expr.ty,
@@ -89,8 +89,8 @@ impl Binder<'_> {
         convert::explicit_expr(rules, value, ty)
     }
 
-    /// True of functions that have the type of their target in the TIA Portal: rounding without a type in its name, and SCALE_X, MUX and
-    /// others of constants alone, if these fit.
+    /// True of functions that take the type of their target in the TIA Portal: rounding without a type in its name, and SCALE_X, MUX and
+    /// others with constants only, if these fit.
     fn follows_target(&self, rules: Rules, value: &Expr, ty: Elementary) -> bool {
         let fits = |argument: &Expr| match argument.kind {
             ExprKind::Const(bits) if argument.ty.is_integer() => {
@@ -121,18 +121,18 @@ impl Binder<'_> {
             Code::Narrowing,
             span,
             &format!("`{text}` is of type {} and becomes {}", from.name(), to.name()),
-            "S7-SCL of STEP 7 V5 does not convert this by itself",
+            "S7-SCL of STEP 7 V5 does not convert this implicitly",
             &format!("write {}_TO_{}(…)", from.name(), to.name()),
         );
     }
 
-    /// Binds an expression that must give a value of the complex type `ty` (a text may have another length).
+    /// Binds an expression whose value must have the complex type `ty` (a text may have another length).
     pub(super) fn scl_complex(&mut self, ctx: &mut Ctx, node: &Node, ty: &DataType) -> Option<Complex> {
         let value = self.scl_value(ctx, node)?;
         self.scl_complex_value(ctx, value, ty)
     }
 
-    /// Gives a bound value the complex type `ty`; what cannot have it is reported.
+    /// Converts a bound value to the complex type `ty`; reports a value that cannot have it.
     pub(super) fn scl_complex_value(&mut self, ctx: &mut Ctx, value: Value, ty: &DataType) -> Option<Complex> {
         let span = value.span();
         let value = match self.date_as(ctx, value, ty) {
@@ -145,7 +145,7 @@ impl Binder<'_> {
                 if !assignable(ctx.scl.rules, ty, &from) {
                     let (from, wanted) = (layout::type_name(&from), layout::type_name(ty));
                     let help = match from == wanted {
-                        true => "both have other components or bounds",
+                        true => "their components or bounds differ",
                         false => "name a variable of the same type, or assign the parts one by one",
                     };
                     self.wrong_type(span, &format!("of type {from}"), &wanted, Some(help.to_string()));
@@ -157,7 +157,7 @@ impl Binder<'_> {
                 Some(Complex::Variable(access))
             }
             (Value::Constant(constant, _), _) => self.complex_constant(constant, span, ty),
-            // A data block as the variable that it is made of.
+            // A data block as one variable with all its data.
             (Value::Block { prefix: BlockPrefix::Db, number: Number::Known(number), .. }, wanted)
                 if matches!(wanted, DataType::Struct(_) | DataType::Array(_)) =>
             {
@@ -192,10 +192,10 @@ impl Binder<'_> {
         }
     }
 
-    /// DATE_AND_TIME, DTL and LDT become each other by themselves; `Err`: the value is another one, or already of that type.
+    /// DATE_AND_TIME, DTL and LDT convert to each other implicitly; `Err`: the value is another one, or already of that type.
     ///
     /// Source: S7-1500 information system, implicit conversion of dates.
-    #[allow(clippy::result_large_err, reason = "the value comes back to who sent it")]
+    #[allow(clippy::result_large_err, reason = "the caller gets the value back")]
     fn date_as(&mut self, ctx: &mut Ctx, value: Value, ty: &DataType) -> Result<Option<Value>, Value> {
         let to = match ty {
             DataType::DateAndTime => "DT",
@@ -235,7 +235,7 @@ impl Binder<'_> {
                 Code::LiteralRange,
                 span,
                 "this text is too long",
-                "a STRING holds up to 254 characters",
+                "a STRING can have up to 254 characters",
                 "split it into two texts",
             );
         }
@@ -253,7 +253,7 @@ pub fn is_dtl(structure: &StructType) -> bool {
     structure.name.eq_ignore_ascii_case("DTL")
 }
 
-/// A text in memory, as long as it is; an empty one has room for a character, since a STRING with the maximum 0 is not valid. `None`: too
+/// A text in memory, with its own length; an empty one has room for a character, because no STRING has the maximum 0. `None`: too
 /// long.
 pub fn text_bytes(text: &[u8]) -> Option<Vec<u8>> {
     match text {
@@ -270,7 +270,7 @@ fn wide_bytes(text: &[u16]) -> Vec<u8> {
     words.flat_map(u16::to_be_bytes).collect()
 }
 
-/// Whether a variable of type `to` takes one of type `from`. Source: SCL reference, ARRAY, STRUCT.
+/// Whether a variable of type `to` accepts one of type `from`. Source: SCL reference, ARRAY, STRUCT.
 pub fn assignable(rules: Rules, to: &DataType, from: &DataType) -> bool {
     match (to, from) {
         (DataType::String(_), DataType::String(_)) | (DataType::WideString(_), DataType::WideString(_)) => true,
@@ -280,7 +280,7 @@ pub fn assignable(rules: Rules, to: &DataType, from: &DataType) -> bool {
             };
             counts(&to.bounds) == counts(&from.bounds) && layout::same_type(&to.element, &from.element)
         }
-        // One with a name fits one without, or itself.
+        // A named type fits one without a name, or itself.
         (DataType::Struct(a), DataType::Struct(b)) if rules != Rules::Classic => {
             (a.name.is_empty() || b.name.is_empty() || a.name == b.name) && layout::same_type(to, from)
         }
@@ -288,7 +288,7 @@ pub fn assignable(rules: Rules, to: &DataType, from: &DataType) -> bool {
     }
 }
 
-/// Bytes that a copy of a whole variable moves; a row of an array ends without the byte that makes it even.
+/// Bytes that a copy of a whole variable moves; a row of an array does not include its padding byte.
 pub fn copied_bytes(ty: &DataType) -> u32 {
     match ty {
         DataType::Array(array) => {
@@ -306,7 +306,7 @@ pub fn copied_bytes(ty: &DataType) -> u32 {
     }
 }
 
-/// A call in an expression or in the indices of a place: it may change something.
+/// A call in an expression or in the indices of a variable: it may change something.
 pub fn has_call(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Call(_) | ExprKind::Timer(_) | ExprKind::Counter(_) => true,
@@ -321,7 +321,7 @@ pub fn has_call(expr: &Expr) -> bool {
     }
 }
 
-/// As [`has_call`], of a place.
+/// Like [`has_call`], for a variable.
 pub fn access_has_call(access: &Access) -> bool {
     use plcc_model::scl::IndexedArea;
     let base = match &access.base {

@@ -17,7 +17,7 @@ use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, BinaryOp, CompareOp, Complex, Expr, ExprKind};
 use plcc_model::types::DataType;
 
-/// Elements that a comparison of structures looks at, at most.
+/// A comparison of structures has at most this many elements.
 const ELEMENTS_MAX: u64 = 1024;
 
 /// Library functions: EQ, NE, LT, LE, GT, GE of STRING and of DATE_AND_TIME. Source: STL reference, IEC functions.
@@ -93,7 +93,7 @@ impl Binder<'_> {
             (Shape::Of(a), Shape::Of(b)) if a == b => Some(a),
             (Shape::Of(Elementary::Bool), Shape::Integer(0 | 1))
             | (Shape::Integer(0 | 1), Shape::Of(Elementary::Bool)) => Some(Elementary::Bool),
-            // A constant takes the type of the variable, a bit string too.
+            // A constant takes the type of the variable, even that of a bit string.
             (Shape::Of(ty), Shape::Integer(_)) | (Shape::Integer(_), Shape::Of(ty)) => match ty.class() {
                 Class::Bits if ty != Elementary::Bool => Some(ty),
                 Class::Bits => None,
@@ -127,7 +127,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Tells of a comparison with a constant outside the other side's type.
+    /// Reports a comparison with a constant outside the other side's type.
     fn decided_before(&mut self, op: CompareOp, op_span: Span, left: &Value, right: &Value, ty: Elementary) {
         let unsigned = |value: &Value| match Shape::of(value) {
             Shape::Of(ty) => matches!(ty.class(), Class::Unsigned),
@@ -221,7 +221,7 @@ impl Binder<'_> {
     }
 }
 
-/// All of `results`, joined; few of them lie inside others.
+/// All of `results`, joined in a tree of low depth.
 fn balanced(join: BinaryOp, mut results: Vec<Expr>, span: Span) -> Option<Expr> {
     if results.len() > 1 {
         let right = results.split_off(results.len() / 2);
@@ -277,7 +277,7 @@ fn complex_type(value: &Value) -> Option<DataType> {
     }
 }
 
-/// What is compared as a STRING.
+/// A value that is compared as a STRING.
 fn is_text(value: &Value) -> bool {
     match value {
         Value::Complex { ty: DataType::String(_), .. } | Value::Constant(Constant::Text { .. }, _) => true,
@@ -285,7 +285,7 @@ fn is_text(value: &Value) -> bool {
     }
 }
 
-/// What is compared with a WSTRING: another one, or what becomes one.
+/// A value that is compared with a WSTRING: a WSTRING, or one that converts to it.
 fn is_any_text(value: &Value) -> bool {
     match value {
         Value::Constant(Constant::Text { .. }, _) => true,

@@ -1,4 +1,4 @@
-//! Constants in their context: an untyped one takes the type of its partner. Source: SCL reference, type of a literal.
+//! Constants in their context: an untyped constant takes the type of its partner. Source: SCL reference, type of a literal.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::scl::ast::Literal;
@@ -12,7 +12,7 @@ use plcc_binding::constant::Constant;
 use plcc_model::scl::{Expr, ExprKind};
 
 impl Binder<'_> {
-    /// A literal as a value; pointers are none.
+    /// A literal as a value; pointers are not values.
     pub(super) fn literal_value(&mut self, literal: &Literal, span: Span) -> Option<Value> {
         let constant = match literal {
             Literal::Integer { value, based } => Constant::Integer { value: i128::from(*value), based: *based },
@@ -26,8 +26,8 @@ impl Binder<'_> {
                 self.refuse(
                     Code::OperandKind,
                     span,
-                    "a pointer is only handed over",
-                    "possible as a parameter of type POINTER or ANY",
+                    "a pointer can only be passed to a parameter",
+                    "possible for a parameter of type POINTER or ANY",
                     "",
                 );
                 return None;
@@ -40,7 +40,7 @@ impl Binder<'_> {
         Some(Value::Constant(constant, span))
     }
 
-    /// `REF_TO` and what belongs to it; once, at the first place.
+    /// `REF_TO` and its operators; reported once, at the first use.
     pub(super) fn no_references(&mut self, span: Span) {
         if std::mem::replace(&mut self.references_refused, true) {
             return;
@@ -50,7 +50,7 @@ impl Binder<'_> {
             span,
             "references (REF_TO) are not supported",
             "not possible here",
-            "hand the variable over as VAR_IN_OUT",
+            "pass the variable as VAR_IN_OUT",
         );
     }
 
@@ -183,7 +183,7 @@ pub fn range(ty: Elementary) -> (i128, i128) {
     }
 }
 
-/// An integer constant keeps its value; one written as bits, and a negative one for a bit string, its pattern.
+/// An integer constant keeps its value; one written as bits, or a negative one for a bit string, keeps its bit pattern.
 pub fn fits(value: i128, based: bool, ty: Elementary) -> bool {
     let (low, high) = range(ty);
     let pattern = 1i128 << ty.bits();
@@ -200,7 +200,7 @@ pub fn low_bits(value: i128, ty: Elementary) -> u64 {
     }
 }
 
-/// The number that the bits of an integer or bit string are.
+/// The value of the bits of an integer or bit string.
 pub fn integer(ty: Elementary, bits: u64) -> i128 {
     let unused = 64 - ty.bits();
     match ty.is_signed() {
@@ -221,7 +221,7 @@ pub fn float_bits(value: f64, ty: Elementary) -> u64 {
 pub fn wide(bytes: &[u8]) -> Vec<u16> {
     let letter = |byte: u8| match byte.is_ascii() {
         true => u16::from(byte),
-        // A single byte above ASCII is no UTF-8.
+        // A single byte above ASCII is not valid UTF-8.
         false => plcc_syntax::decode(&[byte]).encode_utf16().next().unwrap_or(u16::from(byte)),
     };
     bytes.iter().map(|&byte| letter(byte)).collect()

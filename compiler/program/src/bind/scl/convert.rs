@@ -20,7 +20,7 @@ enum Group {
     Tia,
 }
 
-/// What a type becomes by itself: always, and where the IEC check is off.
+/// The types to which a type converts implicitly: always, and where the IEC check is off.
 struct Row {
     group: Group,
     from: Elementary,
@@ -38,7 +38,7 @@ macro_rules! rows {
     };
 }
 
-/// Conversions to STRING and among dates of several words are no rows: they are calls.
+/// Conversions to STRING and among dates of several words have no rows: they are calls.
 #[rustfmt::skip]
 const IMPLICIT: &[Row] = rows! {
     Classic Bool:   Byte Word Dword;    ;
@@ -83,11 +83,11 @@ const IMPLICIT: &[Row] = rows! {
     Tia Wchar:      ;                   INTEGERS, BIT_STRINGS;
 };
 
-/// How a conversion without its name stands in a dialect.
+/// The kind of an implicit conversion in a dialect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Implicit {
     Yes,
-    /// Classic: only newer tools do it, without loss of their own.
+    /// Classic: only newer tools do it, but it loses nothing.
     Unusual,
     No,
 }
@@ -99,7 +99,7 @@ fn listed(group: Group, from: Elementary, to: Elementary, strict: bool) -> bool 
         .any(|row| row.strict.contains(&to) || (!strict && row.relaxed.iter().any(|targets| targets.contains(&to))))
 }
 
-/// Whether `from` becomes `to` by itself.
+/// Whether `from` converts to `to` implicitly.
 pub fn implicit(rules: Rules, strict: bool, from: Elementary, to: Elementary) -> Implicit {
     if from == to {
         return Implicit::Yes;
@@ -112,7 +112,7 @@ pub fn implicit(rules: Rules, strict: bool, from: Elementary, to: Elementary) ->
     if listed(group, from, to, strict) {
         return Implicit::Yes;
     }
-    // Types that an S7-300/400 lacks convert as where they exist.
+    // Types that an S7-300/400 lacks convert as on CPUs that have them.
     let foreign = |ty| !on_300(ty);
     match group {
         Group::Classic if listed(Group::Tia300, from, to, strict) => Implicit::Unusual,
@@ -129,7 +129,7 @@ pub const fn on_300(ty: Elementary) -> bool {
     matches!(ty, Bool | Byte | Word | Dword | Char | Int | Dint | Real | S5Time | Time | Date | TimeOfDay)
 }
 
-/// True if a value of `from` may not fit `to`; rounding of an integer to a float is not meant.
+/// True if a value of `from` may not fit `to`; rounding of an integer to a float does not count.
 pub fn narrows(from: Elementary, to: Elementary) -> bool {
     let (a, b) = (from.bits(), to.bits());
     match (from.class(), to.class()) {
@@ -141,7 +141,7 @@ pub fn narrows(from: Elementary, to: Elementary) -> bool {
     }
 }
 
-/// What `from_TO_to` computes; `None` if there is no such function, or it takes more than one step ([`explicit_expr`]).
+/// The conversion `from_TO_to`; `None` if there is no such function, or it takes more than one step ([`explicit_expr`]).
 pub fn explicit(rules: Rules, from: Elementary, to: Elementary) -> Option<Conversion> {
     let overflow = if rules.is_300() { Overflow::Pattern } else { Overflow::LowBits };
     let value = Conversion::Value(overflow);
@@ -181,7 +181,7 @@ pub fn explicit(rules: Rules, from: Elementary, to: Elementary) -> Option<Conver
             }
             (Class::Signed, Class::Bits) => match (rules, a == b) {
                 (_, true) => bits,
-                // On these a negative number only fails where bits get lost.
+                // For these, a negative number only fails if bits get lost.
                 (Rules::Classic | Rules::Tia1200, false) if b > a => bits,
                 (Rules::Classic | Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500, false) => cut,
             },
@@ -194,7 +194,7 @@ pub fn explicit(rules: Rules, from: Elementary, to: Elementary) -> Option<Conver
     })
 }
 
-/// `from_TO_to` of a value, however many steps it takes.
+/// `from_TO_to` of a value, in as many steps as it takes.
 pub fn explicit_expr(rules: Rules, value: Expr, to: Elementary) -> Option<Expr> {
     let from = value.ty;
     if let Some(conversion) = explicit(rules, from, to) {
@@ -257,7 +257,7 @@ const BCD: &[(&str, Elementary, Elementary)] = &[
     ("DINT_TO_BCD", Dint, Dword), ("DINT_TO_BCD_DWORD", Dint, Dword), ("DINT_TO_BCD32", Dint, Dword),
 ];
 
-/// The BCD conversion that `name` (upper case) is: type of the argument, conversion, type of the result.
+/// The BCD conversion with this name (upper case): type of the argument, conversion, type of the result.
 pub fn bcd(rules: Rules, name: &str) -> Option<(Elementary, Conversion, Elementary)> {
     let &(_, from, to) = BCD.iter().find(|(known, ..)| *known == name)?;
     let conversion = match from {
@@ -267,13 +267,13 @@ pub fn bcd(rules: Rules, name: &str) -> Option<(Elementary, Conversion, Elementa
     Some((from, conversion, to))
 }
 
-/// The types that a name `X_TO_Y` (upper case) speaks of.
+/// The types in a name `X_TO_Y` (upper case).
 pub fn pair(name: &str) -> Option<(Elementary, Elementary)> {
     let (from, to) = name.split_once("_TO_")?;
     Some((Elementary::from_word(from)?, Elementary::from_word(to)?))
 }
 
-/// What ROUND, TRUNC, CEIL and FLOOR (upper case, without suffix) do to a float whose result is an integer.
+/// The rounding of ROUND, TRUNC, CEIL and FLOOR (upper case, without suffix) from a float to an integer.
 pub fn rounding(rules: Rules, name: &str) -> Option<Conversion> {
     let overflow = if rules.is_300() { Overflow::Pattern } else { Overflow::LowBits };
     Some(match name {

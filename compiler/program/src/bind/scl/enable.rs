@@ -1,6 +1,6 @@
-//! EN and ENO at functions of the language, where the call is the whole statement or the whole right side of an assignment.
+//! EN and ENO of functions of the language, where the call is the whole statement or the whole right side of an assignment.
 //!
-//! Blocks have both by themselves; what is computed in place gets them by the statements around it. Source: SCL reference, parameters, OK
+//! Blocks have both by themselves; functions computed in place get them from the statements around them. Source: SCL reference, parameters, OK
 //! and ENO.
 
 use plcc_diag::Span;
@@ -20,7 +20,7 @@ use plcc_model::layout;
 use plcc_model::scl::{Access, BinaryOp, Expr, ExprKind, Statement, StatementKind};
 
 impl Binder<'_> {
-    /// Binds a statement whose function has EN or ENO; false: it is none of these.
+    /// Binds a statement whose function has EN or ENO; false: it has neither.
     pub(super) fn enabled_function(&mut self, ctx: &mut Ctx, tree: &Tree, bound: &mut Vec<Statement>) -> bool {
         let mut plain = tree.clone();
         let call = match &mut plain.kind {
@@ -60,7 +60,7 @@ impl Binder<'_> {
         true
     }
 
-    /// True if a call means a function of the language, and nothing that the program defines.
+    /// True if a call means a function of the language, not something that the program defines.
     fn computed_in_place(&self, ctx: &Ctx, callee: &Node) -> bool {
         match &callee.kind {
             NodeKind::Name(name) => {
@@ -72,7 +72,7 @@ impl Binder<'_> {
         }
     }
 
-    /// The variable behind `ENO =>`.
+    /// The variable after `ENO =>`.
     fn result_of_enable(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Access> {
         let target = self.scl_access(ctx, node, Intent::Write)?;
         if target.elementary() == Some(Elementary::Bool) {
@@ -83,7 +83,7 @@ impl Binder<'_> {
         None
     }
 
-    /// Statements, and behind them whether each of their operations was possible. The bit of the block stays FALSE if it was.
+    /// Statements, followed by a test whether each of their operations was possible. The bit of the block stays FALSE if it was.
     fn with_result(&mut self, ctx: &mut Ctx, body: Vec<Statement>, target: &Access, span: Span) -> Vec<Statement> {
         ctx.scl.sets_flag = true;
         let before = self.temp(ctx, Elementary::Bool, span);
@@ -101,7 +101,7 @@ fn assign(target: Access, value: Expr, span: Span) -> Statement {
     Statement { kind: StatementKind::Assign { target, value }, span }
 }
 
-/// Takes the argument of this name out of a list; `ENO => ENO` says nothing.
+/// Takes the argument of this name out of a list; `ENO => ENO` has no effect.
 fn taken(ctx: &Ctx, arguments: &mut Vec<Argument>, name: &str) -> Option<Node> {
     let found = arguments.iter().position(|argument| {
         let named = argument.name.as_ref().is_some_and(|own| fold(&own.text) == name);

@@ -70,8 +70,8 @@ impl Binder<'_> {
         let Some(ty) = ty else {
             let is = message::described(&value);
             let help = match (op, &operand.kind) {
-                (Sign::Not, _) => "NOT takes a BOOL or a bit string; of a comparison write `NOT (a = b)`",
-                (Sign::Minus | Sign::Plus, _) => "a sign stands before numbers of signed types and before TIME",
+                (Sign::Not, _) => "NOT needs a BOOL or a bit string; of a comparison write `NOT (a = b)`",
+                (Sign::Minus | Sign::Plus, _) => "only numbers of signed types and TIME can have a sign",
             };
             self.refuse(
                 Code::TypeMismatch,
@@ -91,7 +91,7 @@ impl Binder<'_> {
         Some(Value::Elementary(Expr { kind: ExprKind::Unary { op, operand }, ty, span: node.span }))
     }
 
-    /// A binary operator, with all that stand left of it: `a + b + …` is as deep as it is long.
+    /// A binary operator with all operators to its left: `a + b + …` is as deep as it is long.
     fn chain(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Value> {
         let mut operators = Vec::new();
         let mut first = node;
@@ -129,7 +129,7 @@ impl Binder<'_> {
         value
     }
 
-    /// `v = NULL`, `v <> NULL` of a VARIANT or ANY: whether it points to nothing, which its type code tells. None of others.
+    /// `v = NULL`, `v <> NULL` of a VARIANT or ANY: whether it points to nothing, which its type code shows. `None` for other operands.
     fn points_nowhere(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
         let NodeKind::Binary { op, left, .. } = &node.kind else { return None };
         let op = match op {
@@ -141,7 +141,7 @@ impl Binder<'_> {
         if spot.ty != DataType::Parameter(ParameterType::Any) {
             return None;
         }
-        // Byte 0 is the same in every ANY of an S7.
+        // Byte 0 of every ANY of an S7 is the same.
         spot.byte += 1;
         spot.ty = DataType::Elementary(Elementary::Byte);
         let access = Box::new(spot.access(left.span));
@@ -186,7 +186,7 @@ impl Binder<'_> {
         }
     }
 
-    /// Two constants without types make one without a type.
+    /// The result of two untyped constants is an untyped constant.
     fn folded_constant(&mut self, ctx: &Ctx, node: &Node) -> Option<Value> {
         let constant = self.constant(&ctx.bound.constants, node)?;
         Some(Value::Constant(constant, node.span))
@@ -205,8 +205,8 @@ impl Binder<'_> {
         let whole = matches!(op, Operator::DivideInteger | Operator::Modulo);
         let Some(ty) = ty.filter(|ty| !(whole && ty.is_float())) else {
             let help = match (whole && ty.is_some(), op) {
-                (true, Operator::Modulo) => "MOD takes integers; convert with REAL_TO_DINT(…)",
-                (true, _) => "DIV takes integers; for floating-point numbers write `/`",
+                (true, Operator::Modulo) => "MOD needs integers; convert with REAL_TO_DINT(…)",
+                (true, _) => "DIV needs integers; for floating-point numbers write `/`",
                 (false, _) => "both sides must be numbers, or dates and times that go together",
             };
             self.operator_types(op_span, &left, &right, help);
@@ -234,7 +234,7 @@ impl Binder<'_> {
         let rules = ctx.scl.rules;
         let (a, b) = (Shape::of(&left), Shape::of(&right));
         if numeric::common(rules, a, b).is_none() {
-            self.operator_types(op_span, &left, &right, "`**` takes numbers");
+            self.operator_types(op_span, &left, &right, "`**` needs numbers");
             return None;
         }
         let long = |shape| matches!(shape, Shape::Of(Elementary::Lreal));
@@ -267,11 +267,11 @@ impl Binder<'_> {
             self.operator_types(op_span, &left, &right, "both sides must be BOOL, or both bit strings");
             return None;
         };
-        // Bits go by pattern here: a negative INT beside a longer bit string is no loss.
+        // Bits keep their pattern: a negative INT next to a longer bit string loses nothing.
         self.combined(ctx, binary_op(op), left, right, ty, span)
     }
 
-    /// Operands that an operator does not combine.
+    /// Operands that an operator cannot combine.
     pub(super) fn operator_types(&mut self, op_span: Span, left: &Value, right: &Value, help: &str) {
         let op = self.text(op_span);
         let (left_is, right_is) = (message::described(left), message::described(right));
@@ -279,7 +279,7 @@ impl Binder<'_> {
             Diagnostic::new(
                 Code::TypeMismatch,
                 op_span,
-                format!("`{op}` does not combine a value {left_is} with one {right_is}")
+                format!("`{op}` cannot combine a value {left_is} with one {right_is}")
                     .replace("a value a", "a")
                     .replace("with one a", "with a"),
             )
@@ -290,7 +290,7 @@ impl Binder<'_> {
         );
     }
 
-    /// Operators of one level in a row.
+    /// Operators of one precedence in a row.
     const CHAIN_MAX: usize = 1000;
 }
 
@@ -343,6 +343,6 @@ pub fn binary_op(op: Operator) -> BinaryOp {
         | Operator::LessEqual
         | Operator::GreaterEqual
         | Operator::Equal
-        | Operator::NotEqual => unreachable!("comparisons are no operations"),
+        | Operator::NotEqual => unreachable!("comparisons are not operations"),
     }
 }

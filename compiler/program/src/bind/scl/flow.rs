@@ -13,7 +13,7 @@ use plcc_binding::similar;
 use plcc_model::LabelId;
 
 impl Binder<'_> {
-    /// The first walk: labels, with the lists of statements in which they stand.
+    /// The first walk: labels, with the statement lists that contain them.
     pub(in crate::bind) fn collect_labels(&mut self, ctx: &mut Ctx, statements: &[Statement]) {
         let mut open: Vec<(&[Statement], u32)> = vec![(statements, 0)];
         while let Some((list, depth)) = open.pop() {
@@ -59,14 +59,14 @@ impl Binder<'_> {
         let (first, second) =
             if other.span.start <= name.span.start { (other.span, name.span) } else { (name.span, other.span) };
         self.report.push(
-            Diagnostic::new(Code::DuplicateLabel, second, format!("the label `{}` stands twice", name.text))
+            Diagnostic::new(Code::DuplicateLabel, second, format!("the label `{}` is defined twice", name.text))
                 .label("the second one")
                 .also(first, "the first one")
-                .help("labels are unique in their block; letter case does not matter"),
+                .help("labels are unique in their block; upper and lower case are the same"),
         );
     }
 
-    /// A label where it stands; none for the second of two.
+    /// A label, at its definition; none for the second of two.
     pub(in crate::bind) fn label(&mut self, ctx: &Ctx, name: &Name) -> Option<LabelId> {
         let label = ctx.scl.labels.get(&fold(&name.text))?;
         (label.span == name.span).then_some(label.id)
@@ -80,13 +80,13 @@ impl Binder<'_> {
             self.report.push(match similar(text, ctx.scl.labels.keys().map(String::as_str)) {
                 Some(other) => message.help(format!("is `{other}` meant?")),
                 None => message
-                    .help(format!("write `{text}:` before the statement to jump to, or give the network that label")),
+                    .help(format!("write `{text}:` before the statement to jump to, or give the network this label")),
             });
             return None;
         };
         if !ctx.scl.lists.contains(&label.list) {
             self.report.push(
-                Diagnostic::new(Code::JumpIntoStatement, name.span, format!("`{text}` lies inside another statement"))
+                Diagnostic::new(Code::JumpIntoStatement, name.span, format!("`{text}` is inside another statement"))
                     .label("a jump into a loop, an IF or a CASE is not possible")
                     .also(label.span, "the label")
                     .help("place the label before that statement, or the jump inside it"),
@@ -96,11 +96,11 @@ impl Binder<'_> {
         Some(label.id)
     }
 
-    /// Tells of TEMP data that is read and never written, and of a function without a value. `empty`: the block has no statements.
+    /// Reports TEMP data that is read and never written, and of a function without a value. `empty`: the block has no statements.
     pub(in crate::bind) fn unused_data(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, empty: bool) {
         let reads = std::mem::take(&mut ctx.scl.temp_reads);
         let supplied = ctx.bound.interface.start_bytes;
-        // In the order of their first bytes, each with the furthest end so far.
+        // Sorted by first byte, each with the furthest end so far.
         let mut writes = std::mem::take(&mut ctx.scl.temp_writes);
         writes.sort_unstable();
         let mut furthest = 0;
@@ -120,8 +120,8 @@ impl Binder<'_> {
             }
             self.report.push(
                 Diagnostic::new(Code::NeverWritten, read.span, format!("`{}` is read and never written", read.name))
-                    .label("temporary data of which the content is undefined on the CPU")
-                    .help("assign it a value before, or declare it as static data"),
+                    .label("temporary data is undefined on the CPU until it is written")
+                    .help("assign a value to it first, or declare it as static data"),
             );
         }
         let has_value = ctx.bound.interface.parameters.iter().any(|parameter| parameter.name == "RET_VAL");

@@ -1,8 +1,8 @@
 //! The functions of the language: one row each, found by name with or without the suffix of a type.
 //!
-//! Pins are a list of words: `?` before one that may be missing, `>` before an output, `|` between spellings, `+` behind the first of
-//! numbered ones (`IN1+` is IN1, IN2, …). What each function computes stands in `number`, `timer`, `memory`, `text`; what is no row and
-//! no conversion is a block of the standard library.
+//! Pins are a list of words: `?` before one that may be missing, `>` before an output, `|` between spellings, `+` after the first of
+//! numbered ones (`IN1+` is IN1, IN2, …). `number`, `timer`, `memory` and `text` have what each function computes; what is neither a row
+//! nor a conversion is a block of the standard library.
 //! Source: SCL reference, functions.
 
 use plcc_diag::Span;
@@ -15,14 +15,14 @@ use super::{convert, text};
 use crate::bind::{Binder, Ctx};
 use plcc_model::scl::{BinaryOp, Function, TimerKind};
 
-/// What a function computes.
+/// The computation of a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
-    /// Of a float, a float.
+    /// From a float, a float.
     Float(Function),
-    /// Of a number, of the same type.
+    /// From a number, a number of the same type.
     Absolute,
-    /// The least or greatest of many.
+    /// The least or greatest of several values.
     Extreme(BinaryOp),
     Limit,
     Select,
@@ -30,7 +30,7 @@ pub enum Kind {
     Demux,
     NormX,
     ScaleX,
-    /// Float to integer, by the name that [`convert::rounding`] knows.
+    /// Float to integer, with the name that [`convert::rounding`] looks up.
     Round,
     /// Shift or rotate.
     Shift(BinaryOp),
@@ -75,7 +75,7 @@ pub enum Kind {
     TextNumber(TextNumber),
     /// An operator as a function: T_ADD, T_SUB.
     Operator(plcc_syntax::scl::ast::BinaryOp),
-    /// T_CONV: the value itself, which then converts to what is wanted.
+    /// T_CONV: the value itself, which then converts to the required type.
     Identity,
 }
 
@@ -93,7 +93,7 @@ pub struct Row {
     pub name: &'static str,
     pub pins: &'static str,
     pub kind: Kind,
-    /// The name may carry a type behind `_`.
+    /// The name may carry a type after `_`.
     pub suffix: bool,
 }
 
@@ -204,12 +204,12 @@ pub enum Named {
     },
     /// Upper case.
     Bcd(String),
-    /// `INT_TO_STRING`, `DTL_TO_DATE`: of types that are no single value. Upper case.
+    /// `INT_TO_STRING`, `DTL_TO_DATE`: of types that are not single values. Upper case.
     Text(String),
 }
 
 impl Named {
-    /// The function that `name` means, in any letter case.
+    /// The function with this name, in any letter case.
     pub fn find(name: &str) -> Option<Named> {
         let upper = name.trim().to_ascii_uppercase();
         if let Some(row) = find_row(&upper) {

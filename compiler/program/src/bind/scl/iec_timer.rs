@@ -14,7 +14,7 @@ use plcc_model::scl::{Access, StatementKind};
 use plcc_model::types::DataType;
 
 impl Binder<'_> {
-    /// The time begins anew: no time has passed, Q is FALSE, and an IN that is TRUE counts as a rising edge.
+    /// The time begins again: no time has passed, Q is FALSE, and an IN that is TRUE counts as a rising edge.
     pub(super) fn reset_timer(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
         let members = self.timer_members(ctx, pins.get("TIMER")?, &["Q", "ET", "RU", "OLD"])?;
         let zero = |target: Access| {
@@ -24,7 +24,7 @@ impl Binder<'_> {
         members.into_iter().map(zero).collect()
     }
 
-    /// The time that runs ends with the new PT, too.
+    /// The running time then also ends with the new PT.
     pub(super) fn preset_timer(&mut self, ctx: &mut Ctx, pins: &Pins) -> Option<Vec<StatementKind>> {
         let value = self.scl_of_type(ctx, pins.get("PT")?, Elementary::Time);
         let members = self.timer_members(ctx, pins.get("TIMER")?, &["PT", "LATCHED"])?;
@@ -49,7 +49,7 @@ impl Binder<'_> {
             let label = format!("of type {}", layout::type_name(&access.ty));
             let help =
                 "name a variable of type TON_TIME, TOF_TIME, TP_TIME, TONR_TIME or IEC_TIMER, or the data block of one";
-            self.refuse(Code::TypeMismatch, node.span, "this is no IEC timer", &label, help);
+            self.refuse(Code::TypeMismatch, node.span, "this is not an IEC timer", &label, help);
         }
         members
     }

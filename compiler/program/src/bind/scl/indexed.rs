@@ -25,7 +25,7 @@ use plcc_model::types::{ArrayType, DataType};
 const STRING_HEADER: u32 = 2;
 const WIDE_HEADER: u32 = 4;
 
-/// An index: its value if that is known, else how to find it, a DINT.
+/// An index: its value if that is known, otherwise an expression for it, a DINT.
 enum Position {
     Known(i64),
     Dynamic(Expr),
@@ -38,7 +38,7 @@ impl Binder<'_> {
         let positions: Vec<Position> = positions.into_iter().collect::<Option<_>>()?;
         match spot.ty.clone() {
             _ if spot.part.is_some() => {
-                self.refuse(Code::UnknownMember, span, "this is no array", "a slice has no elements", "");
+                self.refuse(Code::UnknownMember, span, "this is not an array", "a slice has no elements", "");
                 None
             }
             DataType::Array(array) => self.array_element(spot, &array, positions, indices, span),
@@ -52,8 +52,8 @@ impl Binder<'_> {
                 self.character(spot, i64::from(length), character, positions, span)
             }
             other => {
-                let label = format!("what stands before it is of type {}", layout::type_name(&other));
-                self.refuse(Code::UnknownMember, span, "this is no array", &label, "");
+                let label = format!("the name before it is of type {}", layout::type_name(&other));
+                self.refuse(Code::UnknownMember, span, "this is not an array", &label, "");
                 None
             }
         }
@@ -135,7 +135,7 @@ impl Binder<'_> {
             _ => None,
         };
         let Some(parameter) = parameter else {
-            self.refuse(Code::OperandKind, span, "an ARRAY[*] is only a parameter", "its bounds are not known", "");
+            self.refuse(Code::OperandKind, span, "only a parameter can be an ARRAY[*]", "its bounds are not known", "");
             return None;
         };
         let stride = match &open.element {
@@ -210,7 +210,7 @@ impl Binder<'_> {
         }
     }
 
-    /// As [`Self::position`], always as an expression.
+    /// Like [`Self::position`], always as an expression.
     fn address(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
         Some(match self.position(ctx, node)? {
             Position::Known(value) => {
@@ -236,7 +236,7 @@ impl Binder<'_> {
         let (byte, bit) = match (width, <[Expr; 2]>::try_from(values)) {
             (Width::Bit, Ok([byte, bit])) if !peripheral => (byte, Some(Box::new(bit))),
             (_, Err(values)) if values.len() == 1 && width != Width::Bit => {
-                (values.into_iter().next().expect("there is one"), None)
+                (values.into_iter().next().expect("one index is given"), None)
             }
             _ => {
                 let help = "write `MW[i]` for a byte address, `M[b, i]` for a bit: byte address, then bit number";
@@ -258,7 +258,7 @@ impl Binder<'_> {
         match db {
             Db::Known(number) => {
                 self.use_db(number, span);
-                // Reported there; the rest is checked all the same.
+                // Reported there; the rest is still checked.
                 let _ = self.check_absolute_access(number, span);
                 IndexedArea::Db(number)
             }
@@ -298,8 +298,8 @@ impl Binder<'_> {
     }
 
     pub(super) fn no_db(&mut self, span: Span) {
-        let label = "a data block is wanted before the point";
-        self.refuse(Code::OperandKind, span, "this is no data block", label, "");
+        let label = "a data block is expected before the point";
+        self.refuse(Code::OperandKind, span, "this is not a data block", label, "");
     }
 
     /// Texts that look like a call and are an address: `WORD_TO_BLOCK_DB(w)`, and `%MW(i)`, `%DB10.DW(i)` as the TIA Portal prints
@@ -344,7 +344,7 @@ impl Binder<'_> {
     }
 }
 
-/// Types that count elements.
+/// Types that can be a number of elements.
 fn is_index(ctx: &Ctx, ty: Elementary) -> bool {
     ty.is_integer() || (ty.class() == Class::Bits && ty != Elementary::Bool && !ctx.scl.rules.is_300())
 }

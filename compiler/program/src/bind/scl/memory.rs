@@ -1,6 +1,6 @@
-//! Functions that read or write memory by computed addresses, and moves of parts of arrays. Source: SCL reference, moves and memory.
+//! Functions that read or write memory at computed addresses, and moves of parts of arrays. Source: SCL reference, moves and memory.
 //!
-//! What moves several elements becomes a loop over them, in variables of the block's own local data.
+//! A move of several elements becomes a loop over them, with variables in the block's local data.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::BlockPrefix;
@@ -21,7 +21,7 @@ use plcc_model::scl::{Access, Arm, Base, BinaryOp, Complex, Expr, ExprKind, Inde
 use plcc_model::types::DataType;
 use plcc_model::{Number, Place};
 
-/// Memory areas that PEEK and POKE reach stand in [`IndexedArea::Coded`].
+/// [`IndexedArea::Coded`] lists the memory areas that PEEK and POKE reach.
 struct Coded {
     area: Box<Expr>,
     db: Box<Expr>,
@@ -74,7 +74,7 @@ impl Binder<'_> {
         Some(StatementKind::AssignText { target, value })
     }
 
-    /// S_CONV between two texts is S_MOVE. Messages about the pins are left to what binds them.
+    /// S_CONV between two texts is S_MOVE. Whatever binds the pins reports mistakes in them.
     fn is_text_to_text(&mut self, ctx: &mut Ctx, pins: &Pins) -> bool {
         let (Some(input), Some(output), None) = (pins.get("IN"), pins.get("OUT"), pins.eno) else { return false };
         let told = self.report.diagnostics.len();
@@ -120,7 +120,7 @@ impl Binder<'_> {
             // A constant without a type is a byte.
             (_, _, Shape::Integer(_)) => Elementary::Byte,
             _ => {
-                let help = "to write a bit call POKE_BOOL".to_string();
+                let help = "to write a bit, call POKE_BOOL".to_string();
                 self.wrong_type(value.span(), &described(&value), "a bit string or an integer", Some(help));
                 return None;
             }
@@ -239,7 +239,7 @@ impl Binder<'_> {
         Some(code)
     }
 
-    /// The BOOLs of an array or structure that stand for the bits of a bit string of type `ty`.
+    /// The BOOLs of an array or structure that hold the bits of a bit string of type `ty`.
     fn bits_of(&mut self, access: &Access, ty: Elementary, name: Span) -> Option<Vec<Access>> {
         let places: Option<Vec<(u32, u8)>> = match &access.ty {
             DataType::Array(array) if array.element == DataType::Elementary(Elementary::Bool) => {
@@ -265,14 +265,14 @@ impl Binder<'_> {
                 )
                 .label(format!("of type {}", layout::type_name(&access.ty)))
                 .also(name, "the function")
-                .help(format!("name an ARRAY[0..{}] OF BOOL, or a structure of so many BOOLs", ty.bits() - 1)),
+                .help(format!("name an ARRAY[0..{}] OF BOOL, or a structure with a BOOL for each bit", ty.bits() - 1)),
             );
             return None;
         };
         places.into_iter().map(|(byte, bit)| moved(access, byte, bit)).collect()
     }
 
-    /// DEMUX: IN to the output that K names.
+    /// DEMUX: IN to the output with number K.
     fn demux(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
         let selector = self.dint(ctx, pins.get("K")?);
         let value = self.scl_value(ctx, pins.get("IN")?)?;
@@ -314,7 +314,7 @@ impl Binder<'_> {
         }
     }
 
-    /// A variable in the block's local data that no name of the program means.
+    /// A variable in the block's local data, under a name that no program can use.
     pub fn temp(&mut self, ctx: &mut Ctx, ty: Elementary, span: Span) -> Access {
         let byte = ctx.bound.temp_bytes.max(ctx.local_bytes).next_multiple_of(2);
         ctx.local_bytes = byte + ty.bits().div_ceil(8);
@@ -322,7 +322,7 @@ impl Binder<'_> {
         Access { base, indices: Vec::new(), ty: DataType::Elementary(ty), part: None, span }
     }
 
-    /// A value that is used more than once: a constant as it is, anything else by way of a variable.
+    /// A value that is used more than once: a constant as it is, anything else through a variable.
     pub fn kept(&mut self, ctx: &mut Ctx, code: &mut Vec<StatementKind>, value: Expr) -> Expr {
         if matches!(value.kind, ExprKind::Const(_)) {
             return value;
@@ -335,7 +335,7 @@ impl Binder<'_> {
     }
 }
 
-/// The statement that clears OK/ENO, if the block looks at it.
+/// The statement that clears OK/ENO, if the block uses it.
 pub fn failed(ctx: &Ctx, span: Span) -> Option<Statement> {
     let value = Expr { kind: ExprKind::Const(0), ty: Elementary::Bool, span };
     ctx.scl.sets_flag.then_some(Statement { kind: StatementKind::SetFlag(value), span })
@@ -356,7 +356,7 @@ pub fn binary(op: BinaryOp, left: Expr, right: Expr) -> Expr {
     Expr { kind: ExprKind::Binary { op, left: Box::new(left), right: Box::new(right) }, ty, span }
 }
 
-/// One less, of a DINT.
+/// A DINT minus 1.
 pub fn minus_one(value: Expr) -> Expr {
     let span = value.span;
     binary(BinaryOp::Subtract, value, number(1, span))
@@ -368,12 +368,12 @@ pub fn bit_of(access: &Access, index: usize) -> Access {
     Access { part: Some(part), ..access.clone() }
 }
 
-/// The BOOL so many bytes and bits after the start of a variable.
+/// The BOOL at this distance in bytes and bits from the start of a variable.
 fn moved(access: &Access, by: u32, at: u8) -> Option<Access> {
     elementary_at(access, by, at, Elementary::Bool)
 }
 
-/// What is of type `ty` so many bytes and bits after the start of a variable.
+/// The part of type `ty` at this distance in bytes and bits from the start of a variable.
 pub fn elementary_at(access: &Access, by: u32, at: u8, ty: Elementary) -> Option<Access> {
     let mut moved = access.clone();
     moved.ty = DataType::Elementary(ty);

@@ -1,4 +1,4 @@
-//! Messages that several steps give.
+//! Messages that several steps report.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
@@ -10,7 +10,7 @@ use plcc_binding::constant::Constant;
 use plcc_model::layout;
 
 impl Binder<'_> {
-    /// Nesting of expressions and statements beyond which nobody reads them.
+    /// Nesting of expressions and statements beyond what anyone can read.
     pub(in crate::bind) const DEPTH_MAX: u32 = 200;
 
     pub(super) fn too_deep(&mut self, span: Span) {
@@ -21,10 +21,10 @@ impl Binder<'_> {
         );
     }
 
-    /// A value of a type that does not become `wanted` by itself.
+    /// A value whose type does not convert to `wanted` implicitly.
     pub(in crate::bind) fn wrong_type(&mut self, span: Span, is: &str, wanted: &str, help: Option<String>) {
         let text = self.text(span);
-        let message = Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` is {is}, but {wanted} is wanted"))
+        let message = Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` is {is}, but {wanted} is expected"))
             .label(is.to_string());
         self.report.push(match help {
             Some(help) => message.help(help),
@@ -52,19 +52,19 @@ impl Binder<'_> {
                 span,
                 format!("`{text}` is of type {} and may not fit {}", from.name(), to.name()),
             )
-            .label(format!("becomes {} without a check", to.name()))
-            .help(format!("where that is meant, write {}_TO_{}(…)", short_name(from), short_name(to))),
+            .label(format!("converts to {} without a check", to.name()))
+            .help(format!("if that is intended, write {}_TO_{}(…)", short_name(from), short_name(to))),
         );
     }
 
-    /// Something that is not possible here, with what to do.
+    /// Something that is not possible here, and what to do about it.
     pub(in crate::bind) fn refuse(&mut self, code: Code, span: Span, title: &str, label: &str, help: &str) {
         let message = Diagnostic::new(code, span, title).label(label);
         self.report.push(if help.is_empty() { message } else { message.help(help) });
     }
 }
 
-/// The name of a type in names of functions: `TOD_TO_DINT`.
+/// The name of a type in function names: `TOD_TO_DINT`.
 fn short_name(ty: Elementary) -> &'static str {
     match ty {
         Elementary::TimeOfDay => "TOD",
@@ -72,7 +72,7 @@ fn short_name(ty: Elementary) -> &'static str {
     }
 }
 
-/// What a value is, for messages: `of type INT`, `a block`.
+/// A description of a value, for messages: `of type INT`, `a block`.
 pub fn described(value: &Value) -> String {
     match value {
         Value::Elementary(expr) => format!("of type {}", expr.ty.name()),

@@ -1,14 +1,14 @@
 //! Binding of SCL: names, types and conversions of statements and expressions.
 //!
-//! - `statement`: statements and loops; `assign`: assignments; `case`: CASE; `flow`: labels, jumps and what is never written.
+//! - `statement`: statements and loops; `assign`: assignments; `case`: CASE; `flow`: labels, jumps and data that is never written.
 //! - `expression`: operators; `numeric`: the types that they work in; `time`: dates and times; `compare`: comparisons.
-//! - `convert`: the conversions of each dialect; `coerce`: values in the type that is wanted; `constant`: constants in their context.
-//! - `access`: names, components, indices and slices; `place`: what they make; `indexed`: absolute and indexed addresses.
-//! - `call`: calls of blocks; `arguments`, `actual`, `pointer`: what they hand over.
+//! - `convert`: the conversions of each dialect; `coerce`: values in the required type; `constant`: constants in their context.
+//! - `access`: names, components, indices and slices; `place`: what they result in; `indexed`: absolute and indexed addresses.
+//! - `call`: calls of blocks; `arguments`, `actual`, `pointer`: what they pass.
 //! - `function`: the functions of the language, one table row each; `pins`: their arguments; `number`, `timer`, `memory`, `array`, `text`:
 //!   what they compute.
-//! - `variant`: what a VARIANT is asked for.
-//! - `value`: what an expression is before its context decides on its type; `message`: messages that several of these give.
+//! - `variant`: queries of a VARIANT.
+//! - `value`: what an expression is before its context decides on its type; `message`: messages that several of these report.
 //! - `reference`: the reference page, docs/reference/scl.md.
 
 mod access;
@@ -61,7 +61,7 @@ use plcc_model::scl::Body;
 pub use reference::{effect, reference};
 pub use rules::{Rules, Scope};
 
-/// What an access is for.
+/// The purpose of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Intent {
     Read,
@@ -89,7 +89,7 @@ impl Binder<'_> {
     }
 }
 
-/// Whether some name of the code is written with `#`.
+/// Whether any name in the code is written with `#`.
 fn marks_locals(code: &ast::Code) -> bool {
     let mut found = false;
     super::mentions::expressions(code, &mut |value| {

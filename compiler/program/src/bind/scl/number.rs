@@ -140,15 +140,15 @@ impl Binder<'_> {
         Some(computed(function, vec![value], ty, span))
     }
 
-    /// A value as a float: LREAL stays, everything else becomes REAL.
+    /// A value as a float: LREAL stays, everything else converts to REAL.
     fn float_value(&mut self, ctx: &mut Ctx, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
         let value = self.scl_value(ctx, node)?;
         let ty = match (suffix, Shape::of(&value)) {
             (Some(ty), _) if ty.is_float() => ty,
             (_, Shape::Of(Elementary::Lreal)) => Elementary::Lreal,
-            // What is computed of a constant alone is as exact as the CPU can.
+            // A computation with constants alone is as exact as the CPU allows.
             (_, Shape::Real) => constant::default_type(ctx.scl.rules, &Constant::Real(0.0)),
-            // A DINT, which TIA converts to LREAL only, is meant all the same.
+            // Also of a DINT, which TIA only converts to LREAL.
             (_, Shape::Of(ty)) if ty.is_integer() => {
                 let expr = self.scl_own_type(ctx, value)?;
                 return convert::explicit_expr(ctx.scl.rules, expr, Elementary::Real);
@@ -158,7 +158,7 @@ impl Binder<'_> {
         self.scl_convert(ctx, value, ty)
     }
 
-    /// A value as a bit string: of its own type, or of the suffix.
+    /// A value as a bit string: with its own type, or that of the suffix.
     fn bits_value(&mut self, ctx: &mut Ctx, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
         let value = self.scl_value(ctx, node)?;
         let ty = match (suffix, Shape::of(&value)) {
@@ -185,14 +185,14 @@ impl Binder<'_> {
             let span = *span;
             self.report.push(
                 Diagnostic::new(Code::ShiftCount, span, "this number is negative")
-                    .label("0 or more is wanted")
+                    .label("0 or more is expected")
                     .help("for the other direction call the other function"),
             );
             return None;
         }
         match Shape::of(&value) {
             Shape::Of(ty) if ty.is_integer() => self.scl_own_type(ctx, value),
-            // A bit string counts by its value.
+            // A bit string counts with its value.
             Shape::Of(ty) if ty.class() == Class::Bits && ty != Elementary::Bool => {
                 let expr = self.scl_own_type(ctx, value)?;
                 let target = match ty.bits() {
@@ -227,7 +227,7 @@ impl Binder<'_> {
         Some(Value::Elementary(computed(function, arguments, ty, span)))
     }
 
-    /// MUX of what is no single value: INELSE, unless K is the number of an input.
+    /// MUX of values that are not single values: INELSE, unless K is the number of an input.
     fn mux_by_selection(
         &mut self,
         ctx: &mut Ctx,
@@ -239,7 +239,7 @@ impl Binder<'_> {
     ) -> Option<Value> {
         if !has_else || has_call(&selector) {
             let (label, help) = if has_else {
-                ("K is asked for once for each input", "assign K to a variable first")
+                ("K is evaluated once for each input", "assign K to a variable first")
             } else {
                 ("INELSE is missing", "add `INELSE := …`, the value for all other numbers")
             };
@@ -249,7 +249,7 @@ impl Binder<'_> {
         let mut result = values.pop()?;
         let inputs = values.len();
         for (number, value) in values.into_iter().enumerate().rev() {
-            // A MUX of its own, so that a K that no input has is an error here as well.
+            // A separate MUX, so that a K without an input is an error here as well.
             let flags = (0..=inputs).map(|at| constant_expr(u64::from(at == number), Elementary::Bool, span));
             let arguments = std::iter::once(selector.clone()).chain(flags).collect();
             let meant = computed(Function::Mux { has_else: true }, arguments, Elementary::Bool, span);
@@ -269,7 +269,7 @@ impl Binder<'_> {
         Some(Expr { span, ..converted(value, conversion, ty) })
     }
 
-    /// Shifts and rotates. In the classic form integers are bit strings here, so that zeros enter.
+    /// Shifts and rotates. In the classic form integers are bit strings, so zeros are shifted in.
     fn shift(
         &mut self,
         ctx: &mut Ctx,
@@ -306,7 +306,7 @@ impl Binder<'_> {
         })
     }
 
-    /// Values brought to one type: that of the suffix, or the widest of their own.
+    /// Values converted to one type: that of the suffix, or the widest of their own.
     fn alike(&mut self, ctx: &mut Ctx, nodes: &[&Node], suffix: Option<Elementary>) -> Option<(Vec<Expr>, Elementary)> {
         let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
@@ -327,7 +327,7 @@ impl Binder<'_> {
         Some((bound.into_iter().collect::<Option<_>>()?, ty))
     }
 
-    /// The type that takes all of the values; what does not go together is reported.
+    /// The type that can hold all of the values; reports values that do not go together.
     fn widest(&mut self, ctx: &Ctx, values: &[Value]) -> Option<Elementary> {
         let rules = ctx.scl.rules;
         let mut shapes: Vec<(Shape, &Value)> = values.iter().map(|value| (Shape::of(value), value)).collect();
@@ -342,7 +342,7 @@ impl Binder<'_> {
                 (Some(Shape::Of(a)), Shape::Of(b)) if a.class() == Class::Bits && b.class() == Class::Bits => {
                     Some(Shape::Of(if a.bits() >= b.bits() { a } else { b }))
                 }
-                // A bit string, duration or date beside a constant keeps its type.
+                // A bit string, duration or date next to a constant keeps its type.
                 (Some(Shape::Of(a)), Shape::Integer(_)) if !a.is_float() => Some(Shape::Of(a)),
                 (Some(Shape::Of(a)), Shape::Letter) => Some(Shape::Of(a)),
                 (Some(Shape::Letter), Shape::Letter) => Some(shape),
@@ -381,8 +381,8 @@ impl Binder<'_> {
 
     fn bad_suffix<T>(&mut self, row: &Row, ty: Elementary, name: Span) -> Option<T> {
         self.report.push(
-            Diagnostic::new(Code::TypeMismatch, name, format!("{} has no form for type {}", row.name, ty.name()))
-                .label("this type is not possible behind the name")
+            Diagnostic::new(Code::TypeMismatch, name, format!("{} has no variant for type {}", row.name, ty.name()))
+                .label("this type cannot follow the name")
                 .help(format!("write {} alone, and convert its result", row.name)),
         );
         None
@@ -423,7 +423,7 @@ impl Binder<'_> {
         }
     }
 
-    /// `BCD_TO_INT` and its kin.
+    /// `BCD_TO_INT` and the other BCD conversions.
     pub fn bcd_conversion(&mut self, ctx: &mut Ctx, name: &str, given: &[Given], span: Span) -> Option<Value> {
         let node = self.only_argument(ctx, given, span)?;
         let (from, conversion, to) = convert::bcd(ctx.scl.rules, name)?;
@@ -431,7 +431,7 @@ impl Binder<'_> {
         Some(Value::Elementary(Expr { span, ..converted(value, conversion, to) }))
     }
 
-    /// The argument of a function that takes one, whatever it is called.
+    /// The argument of a function of one argument, whatever its name.
     pub fn only_argument<'n>(&mut self, ctx: &mut Ctx, given: &'n [Given], span: Span) -> Option<&'n Node> {
         if let [Given { output: false, value: Some(value), .. }] = given {
             return Some(value);
@@ -440,10 +440,10 @@ impl Binder<'_> {
             Diagnostic::new(
                 if given.len() > 1 { Code::SurplusOperand } else { Code::MissingParameter },
                 span,
-                "this function takes one value",
+                "this function needs one value",
             )
             .label(format!("{} arguments are given", given.len()))
-            .help("write the value in parentheses behind the name"),
+            .help("write the value in parentheses after the name"),
         );
         self.note_arguments(ctx, given);
         None
@@ -472,11 +472,11 @@ impl Binder<'_> {
             },
             _ => (left, right),
         };
-        // T_DIFF gives a TIME on every CPU.
+        // T_DIFF yields a TIME on every CPU.
         if op == NodeOp::Subtract && Self::is_dtl_value(&left) && Self::is_dtl_value(&right) {
             return self.dtl_difference(ctx, left, right, Elementary::Time, span);
         }
-        // What no variable of the type holds is 0 there. Source: S7-1200 reference, date and time; decision 67.
+        // A result that does not fit the type is 0. Source: S7-1200 reference, date and time; decision 67.
         let subtract = op == NodeOp::Subtract;
         let of = |value: &Value| match Shape::of(value) {
             Shape::Of(ty) => Some(ty),
@@ -501,12 +501,12 @@ impl Binder<'_> {
     }
 }
 
-/// The block of MIN, MAX and LIMIT for a value that is no single one.
+/// The block for MIN, MAX and LIMIT of values that are not single values.
 fn ordered_kind(value: &Value) -> Option<&'static str> {
     complex_kind(value).filter(|kind| *kind != "DT")
 }
 
-/// The block of SEL for a value that is no single one.
+/// The block for SEL of values that are not single values.
 fn complex_kind(value: &Value) -> Option<&'static str> {
     match value {
         Value::Complex { ty: DataType::DateAndTime, .. } => Some("DT"),
@@ -517,7 +517,7 @@ fn complex_kind(value: &Value) -> Option<&'static str> {
     }
 }
 
-/// True of a text that is more than one character.
+/// True of a text of more than one character.
 fn is_long_text(value: &Value) -> bool {
     match value {
         Value::Complex { ty, .. } => matches!(ty, DataType::String(_)),

@@ -7,7 +7,7 @@ use super::constant;
 use super::value::Value;
 use plcc_binding::constant::Constant;
 
-/// What an operand says of its type.
+/// The known facts about an operand's type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     Of(Elementary),
@@ -15,7 +15,7 @@ pub enum Shape {
     Integer(i128),
     /// A floating-point constant without a type.
     Real,
-    /// A text of one character: a CHAR beside one.
+    /// A text of one character: a CHAR next to a CHAR.
     Letter,
     /// No single value.
     Other,
@@ -62,7 +62,7 @@ pub fn common(rules: Rules, left: Shape, right: Shape) -> Option<Elementary> {
         (Shape::Of(a), Shape::Of(b)) => mixed(rules, a, b),
         (Shape::Of(ty), Shape::Integer(value)) | (Shape::Integer(value), Shape::Of(ty)) => {
             let ty = number(rules, ty)?;
-            // Only there a constant widens the operation.
+            // Only there can a constant widen the operation.
             let fits = constant::fits(value, false, ty);
             Some(if rules == Rules::Classic && ty == Elementary::Int && !fits { Elementary::Dint } else { ty })
         }
@@ -81,7 +81,7 @@ pub fn common(rules: Rules, left: Shape, right: Shape) -> Option<Elementary> {
     }
 }
 
-/// The number that arithmetic takes a type for: a bit string is the integer of its width.
+/// The number type that arithmetic uses for a type: a bit string is the integer of its width.
 fn number(rules: Rules, ty: Elementary) -> Option<Elementary> {
     Some(match (ty, rules.is_300()) {
         (Elementary::Byte, false) => Elementary::Usint,
@@ -108,7 +108,7 @@ fn mixed(rules: Rules, a: Elementary, b: Elementary) -> Option<Elementary> {
             match signed.bits().max(2 * unsigned.bits()) {
                 16 => Elementary::Int,
                 32 => Elementary::Dint,
-                // No integer of an S7-1200 is longer.
+                // An S7-1200 has no longer integer.
                 _ if rules == Rules::Tia1200 && signed.bits() <= 32 && unsigned.bits() <= 32 => Elementary::Dint,
                 _ => Elementary::Lint,
             }
@@ -116,7 +116,7 @@ fn mixed(rules: Rules, a: Elementary, b: Elementary) -> Option<Elementary> {
     })
 }
 
-/// The bit string that AND, OR, XOR and NOT take a type for.
+/// The bit string that AND, OR, XOR and NOT use for a type.
 pub fn bit_string(rules: Rules, ty: Elementary) -> Option<Elementary> {
     Some(match (ty.class(), ty.bits()) {
         (Class::Bits, _) => ty,

@@ -1,4 +1,4 @@
-//! Arguments of functions of the language, by the pins of their row.
+//! Arguments of functions of the language, assigned to the pins of their row.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::scl::ast::{Argument as Given, Expr as Node};
@@ -51,7 +51,7 @@ impl Pin {
 pub struct Pins<'n> {
     /// Name of the pin, position among numbered ones, argument.
     given: Vec<(&'static str, usize, &'n Node)>,
-    /// Of the call's name.
+    /// The position of the call's name.
     pub name: Span,
     /// The variable of `ENO => x`, of functions that are calls of a block.
     pub eno: Option<&'n Node>,
@@ -63,7 +63,7 @@ impl<'n> Pins<'n> {
         self.given.iter().find(|(name, ..)| *name == pin).map(|(.., node)| *node)
     }
 
-    /// The arguments of numbered pins, in order.
+    /// The arguments of numbered pins, in order of their numbers.
     pub fn numbered(&self, first: &str) -> Vec<&'n Node> {
         let mut list: Vec<(usize, &Node)> =
             self.given.iter().filter(|(name, ..)| *name == first).map(|(_, at, node)| (*at, *node)).collect();
@@ -73,7 +73,7 @@ impl<'n> Pins<'n> {
 }
 
 impl Binder<'_> {
-    /// Puts the arguments of a function at its pins; `None` after a message.
+    /// Assigns the arguments of a function to its pins; `None` after a message.
     pub fn pins<'n>(&mut self, ctx: &mut Ctx, row: &Row, given: &'n [Given], name: Span) -> Option<Pins<'n>> {
         let list: Vec<Pin> = row.pins.split_whitespace().map(Pin::read).collect();
         let mut pins = Pins { given: Vec::with_capacity(given.len()), name, eno: None };
@@ -98,7 +98,7 @@ impl Binder<'_> {
                 good = false;
                 self.report.push(
                     Diagnostic::new(Code::AssignSign, argument.span, format!("`{}` is an input", pin.name()))
-                        .label("`=>` takes a value out of the function")
+                        .label("`=>` is for outputs of the function")
                         .help(format!("write `{} := ...`", pin.name())),
                 );
             }
@@ -117,7 +117,7 @@ impl Binder<'_> {
                 Diagnostic::new(
                     Code::MissingParameter,
                     name,
-                    format!("the call of {} leaves out {}", row.name, missing.join(", ")),
+                    format!("the call of {} omits {}", row.name, missing.join(", ")),
                 )
                 .label("the function needs it")
                 .help(format!("add `{} := ...`", missing[0])),
@@ -140,7 +140,7 @@ impl Binder<'_> {
         good: &mut bool,
     ) -> Option<(Pin, usize)> {
         let Some(name) = &argument.name else {
-            // The rest of the arguments belongs to numbered pins.
+            // The other arguments belong to numbered pins.
             let first = list.iter().position(|pin| pin.numbered);
             let found = match first {
                 Some(first) if at >= first => Some((list[first], at - first)),
@@ -150,7 +150,7 @@ impl Binder<'_> {
                 *good = false;
                 self.report.push(
                     Diagnostic::new(Code::SurplusOperand, argument.span, format!("{} has no such argument", row.name))
-                        .label(format!("it takes {}", list.len())),
+                        .label(format!("its arguments are {}", list.len())),
                 );
             }
             return found;
@@ -173,7 +173,7 @@ impl Binder<'_> {
         let names = list.iter().map(|pin| pin.name());
         let all: Vec<&str> = names.clone().collect();
         self.report.push(match similar(&name.text, names) {
-            _ if eno => message.help("read `ENO` in the statement behind it"),
+            _ if eno => message.help("read `ENO` in the statement after it"),
             Some(other) => message.help(format!("is `{other}` meant?")),
             None => message.help(format!("its parameters are {}", all.join(", "))),
         });
@@ -185,8 +185,8 @@ impl Binder<'_> {
         let text = self.text(span);
         self.report.push(
             Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` has no value"))
-                .label("a function without a result that an expression could use")
-                .help("call it in a statement of its own"),
+                .label("this function has no result that an expression could use")
+                .help("call it in a separate statement"),
         );
     }
 }

@@ -1,4 +1,4 @@
-//! What a name with its components, indices and slices stands for, on the way to an access.
+//! What a name with its components, indices and slices refers to, on the way to an access.
 
 use plcc_diag::Span;
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Width};
@@ -20,7 +20,7 @@ pub enum Root {
 #[derive(Clone, Debug)]
 pub struct Spot {
     pub root: Root,
-    /// From the root, for those that are fixed.
+    /// From the root; for variables and parts at a fixed position.
     pub byte: u32,
     pub bit: u8,
     pub indices: Vec<Index>,
@@ -69,7 +69,7 @@ pub enum Db {
     Dynamic(Expr),
 }
 
-/// What stands there.
+/// The meaning of a name.
 #[derive(Clone, Debug)]
 pub enum Thing {
     Spot(Spot),
@@ -78,12 +78,12 @@ pub enum Thing {
         kind: CellKind,
         number: Number,
     },
-    /// No data block that can be looked into.
+    /// A data block whose components are unknown.
     Block {
         prefix: BlockPrefix,
         number: Number,
     },
-    /// `number`: as a parameter takes it; none behind `WORD_TO_BLOCK_DB`.
+    /// `number`: as a parameter receives it; none after `WORD_TO_BLOCK_DB`.
     Db {
         db: Db,
         number: Option<Number>,
@@ -98,7 +98,7 @@ pub enum Thing {
     DbArea(Db, Width),
 }
 
-/// A component of a place, at `byte`.`bit` behind its start; none of one that has no fixed start.
+/// A component of a place, at `byte`.`bit` after its start; none if the place has no fixed start.
 pub fn shifted(access: &Access, byte: u32, bit: u8, ty: &DataType) -> Option<Access> {
     use plcc_model::Place;
     let Base::Place(place) = &access.base else { return None };

@@ -38,7 +38,7 @@ impl Binder<'_> {
             }
             NodeKind::Literal(Literal::Nil) => return Some(Actual::PointerBytes(vec![0; 6])),
             _ if is_variable(node) => {}
-            _ => return self.wrong_actual(callee, formal, "no variable", node.span),
+            _ => return self.wrong_actual(callee, formal, "not a variable", node.span),
         }
         let access = self.pointed(ctx, node, intent)?;
         match &access.ty {
@@ -84,7 +84,7 @@ impl Binder<'_> {
         }
         if intent != Intent::Read {
             if !is_variable(node) {
-                return self.wrong_actual(callee, formal, "no variable", node.span);
+                return self.wrong_actual(callee, formal, "not a variable", node.span);
             }
             let access = self.pointed(ctx, node, intent)?;
             return self.any_to(callee, formal, access, node);
@@ -154,7 +154,7 @@ impl Binder<'_> {
             _ if access.part.is_some() => {
                 return self.wrong_actual(callee, formal, &access_type(&access), node.span);
             }
-            // A STRING of a function's caller has the length of the actual; the pointer covers the largest.
+            // A STRING parameter of a function has the length of the actual; the pointer covers the longest.
             DataType::String(_) if matches!(access.base, Base::Place(Place::Parameter { byte: 0, .. })) => {
                 code_for(formal, &DataType::String(254))
             }
@@ -169,7 +169,7 @@ impl Binder<'_> {
         Some(for_formal(formal, any, pointed))
     }
 
-    /// The variable at which a pointer points. What an ANY or POINTER formal refers to is not itself read or written here.
+    /// The variable that a pointer points at. The target of an ANY or POINTER formal is not itself read or written here.
     fn pointed(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Access> {
         self.scl_access(ctx, node, intent)
     }

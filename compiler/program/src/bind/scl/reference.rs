@@ -1,4 +1,4 @@
-//! The reference page of SCL: its text, and tables from what the binder knows of types, conversions and functions.
+//! The reference page of SCL: its text, and the binder's tables of types, conversions and functions.
 
 use std::fmt::Write as _;
 
@@ -53,7 +53,7 @@ fn implicit_table() -> String {
     table
 }
 
-/// What `from` becomes by itself; in italics what is not certain to be meant.
+/// The types to which `from` converts implicitly; in italics if it may not be intended.
 fn targets(rules: Rules, from: Elementary) -> String {
     let (mut always, mut relaxed) = (Vec::new(), Vec::new());
     let known = |&to: &Elementary| to != from && (on_300(to) || !rules.is_300());
@@ -126,7 +126,7 @@ fn pin(word: &str) -> String {
     if optional { format!("[{text}]") } else { text }
 }
 
-/// What the function of that name gives.
+/// The value of the function with this name.
 pub fn effect(name: &str) -> Option<&'static str> {
     ROWS.iter().find(|row| row.name.eq_ignore_ascii_case(name)).map(|row| described(row).1)
 }
@@ -147,13 +147,15 @@ fn described(row: &Row) -> (usize, &'static str) {
         Kind::IsValid => (0, "TRUE of a float that is neither infinite nor NaN"),
         Kind::Extreme(BinaryOp::Min) => (1, "least"),
         Kind::Extreme(_) => (1, "greatest"),
-        Kind::Limit => (1, "IN within MN and MX; MN above MX is an error and gives IN"),
+        Kind::Limit => (1, "IN within MN and MX; MN above MX is an error; the result is IN"),
         Kind::Select => (1, "IN0 if G is FALSE, else IN1"),
         Kind::Mux => (
             1,
-            "IN0, IN1, … by number K; beyond them INELSE, and an error; without it a variable to which TIA assigns it keeps its value, else 0",
+            "the one of IN0, IN1, … with number K; if there is none, INELSE and an error; without INELSE a variable to which TIA assigns the result keeps its value, otherwise the result is 0",
         ),
-        Kind::Demux => (1, "writes IN to OUT0, OUT1, … by number K; beyond them to OUTELSE, and an error"),
+        Kind::Demux => {
+            (1, "writes IN to the one of OUT0, OUT1, … with number K; if there is none, to OUTELSE, with an error")
+        }
         Kind::Shift(BinaryOp::ShiftLeft) => (2, "shifted left by N"),
         Kind::Shift(BinaryOp::ShiftRight) => {
             (2, "shifted right by N; a signed number keeps its sign on S7-1200/1500, elsewhere zeros enter")
@@ -166,25 +168,30 @@ fn described(row: &Row) -> (usize, &'static str) {
         Kind::BitSum => (2, "how many bits are 1, an INT"),
         Kind::Scatter => (2, "writes the bits of IN to an array or structure of BOOL"),
         Kind::Gather => (2, "writes an array or structure of BOOL to a bit string"),
-        Kind::ScatterBlock { to_bits: true } => {
-            (2, "as SCATTER, of COUNT_IN elements from array element IN on; what does not fit is an error")
-        }
-        Kind::ScatterBlock { to_bits: false } => {
-            (2, "as GATHER, to COUNT_OUT elements from array element OUT on; what does not fit is an error")
-        }
+        Kind::ScatterBlock { to_bits: true } => (
+            2,
+            "as SCATTER, for COUNT_IN elements beginning with array element IN; elements that do not fit are an error",
+        ),
+        Kind::ScatterBlock { to_bits: false } => (
+            2,
+            "as GATHER, to COUNT_OUT elements beginning with array element OUT; elements that do not fit are an error",
+        ),
         Kind::Bound { upper: false } => (3, "lower bound of dimension DIM, a DINT"),
         Kind::Bound { upper: true } => (3, "upper bound of dimension DIM, a DINT"),
-        Kind::CountOfElements => (3, "elements of an array, an UDINT; of a VARIANT, those at which it points"),
+        Kind::CountOfElements => {
+            (3, "number of elements of an array, a UDINT; for a VARIANT, of the array it points at")
+        }
         Kind::Type(Question::Type) => (
             3,
-            "the type of a variable, or of what a VARIANT points at, to be compared with `=`, `<>` and CASE: `TypeOf(v) = Int`",
+            "the type of a variable, or of the data a VARIANT points at, to be compared with `=`, `<>` and CASE: `TypeOf(v) = Int`",
         ),
         Kind::Type(Question::ElementType) => (3, "the type of the elements of an array"),
         Kind::Type(Question::IsArray) => (3, "TRUE of an array, or of a VARIANT that points at one"),
-        Kind::MoveBlock => {
-            (3, "copies COUNT elements from array element IN on to OUT, as if through a buffer; too many are an error")
-        }
-        Kind::FillBlock => (3, "writes IN to COUNT elements from array element OUT on; too many are an error"),
+        Kind::MoveBlock => (
+            3,
+            "copies COUNT elements, beginning with array element IN, to OUT, as if through a buffer; too many are an error",
+        ),
+        Kind::FillBlock => (3, "writes IN to COUNT elements, beginning with array element OUT; too many are an error"),
         Kind::Peek { bit: true } => (3, "bit at an address"),
         Kind::Peek { bit: false } => (3, "byte at an address, or TYPE; AREA is 16#81 I, 82 Q, 83 M, 84 DB, 1 PI"),
         Kind::Poke { bit: true } => (3, "writes a bit"),
@@ -194,10 +201,10 @@ fn described(row: &Row) -> (usize, &'static str) {
         Kind::Concat => (4, "texts one after the other"),
         Kind::TextNumber(_) => (4, "between texts and numbers, by the types of IN and OUT"),
         Kind::ResetTimer => (5, "ends an IEC timer: Q FALSE, ET 0"),
-        Kind::PresetTimer => (5, "gives an IEC timer another duration"),
+        Kind::PresetTimer => (5, "sets another duration for an IEC timer"),
         Kind::Operator(plcc_syntax::scl::ast::BinaryOp::Add) => (5, "`IN1 + IN2`"),
         Kind::Operator(_) => (5, "`IN1 - IN2`"),
-        Kind::Identity => (5, "IN, converted to the type that is wanted"),
+        Kind::Identity => (5, "IN, converted to the required type"),
         Kind::Timer(kind) => (5, timer(kind)),
         Kind::Counter => match row.name {
             "S_CU" => (5, "S5 counter, up; value in BCD, CV binary"),
@@ -221,7 +228,7 @@ const fn float(function: Function) -> &'static str {
         Function::Asin => "arc sine, in radians",
         Function::Acos => "arc cosine, in radians",
         Function::Atan => "arc tangent, in radians",
-        _ => "what stands behind the point",
+        _ => "the part after the point",
     }
 }
 

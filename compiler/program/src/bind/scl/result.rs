@@ -1,7 +1,7 @@
-//! Results that a function of the library writes into the target of an assignment itself, without room in between.
+//! Results that a library function writes into the target of an assignment itself, without an intermediate buffer.
 //!
-//! Texts: the maximum length of the target counts, not that of a longest STRING, so that a result that is too long is an error of the
-//! function. Numbers: FC 37 to FC 39 write none where the text holds none, and the target stays as it is.
+//! Texts: the maximum length of the target counts, not the longest STRING, so that a result that is too long is an error of the
+//! function. Numbers: FC 37 to FC 39 write nothing if the text has no number, and the target does not change.
 //! Source: STL reference, IEC function library; SCL reference, explicit conversions.
 
 use plcc_abi::image::BlockKind;
@@ -16,7 +16,7 @@ use plcc_model::types::DataType;
 use super::value::Value;
 
 impl Binder<'_> {
-    /// The call that brings `value` to `target` itself; otherwise the value again.
+    /// The call that writes `value` to `target` itself; otherwise returns the value.
     pub(super) fn result_in_place(&mut self, target: &Access, value: Value) -> Result<StatementKind, Value> {
         if target.part.is_some() {
             return Err(value);
@@ -41,7 +41,7 @@ impl Binder<'_> {
     }
 
     fn call_into(&mut self, call: &Call, actual: Actual) -> Option<StatementKind> {
-        // A call that EN skips gives an empty result.
+        // A call that EN skips has an empty result.
         if call.enable.is_some() {
             return None;
         }

@@ -12,7 +12,7 @@ use crate::bind::path::Variable;
 use plcc_model::LabelId;
 use plcc_model::scl::{Expr, Statement};
 
-/// The rules that a block's source and the CPU choose together. Source: SCL reference, dialects.
+/// The rules of a block, from its source and the CPU. Source: SCL reference, dialects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Rules {
     /// S7-SCL of STEP 7 V5.
@@ -21,13 +21,13 @@ pub enum Rules {
     Tia300,
     /// TIA Portal, S7-1200.
     Tia1200,
-    /// TIA Portal, S7-1500; also what a TIA source without a named CPU is taken for.
+    /// TIA Portal, S7-1500; also for a TIA source without a named CPU.
     #[default]
     Tia1500,
 }
 
 impl Rules {
-    /// The rules of a source of this dialect. `named`: somebody chose the CPU.
+    /// The rules of a source in this dialect. `named`: the CPU was chosen explicitly.
     pub const fn new(dialect: Dialect, family: Family, named: bool) -> Rules {
         match (dialect, family) {
             (Dialect::Classic, _) => Rules::Classic,
@@ -38,9 +38,9 @@ impl Rules {
         }
     }
 
-    /// The rules of a source of this dialect in a program.
+    /// The rules of a source in this dialect in a program.
     pub fn of(input: &BindInput, dialect: Dialect) -> Rules {
-        // Of a CPU that nobody named, limits are not checked.
+        // If no CPU is named, limits are not checked.
         let generic = matches!(input.profile.name.as_str(), "s7-300" | "s7-400");
         Rules::new(dialect, input.profile.family, !generic || input.profile.limits_checked)
     }
@@ -56,7 +56,7 @@ impl Rules {
 pub struct Label {
     pub id: LabelId,
     pub span: Span,
-    /// Identifies the list of statements that it stands in.
+    /// Identifies the list of statements that contains it.
     pub list: usize,
 }
 
@@ -69,7 +69,7 @@ pub struct TempUse {
     pub span: Span,
 }
 
-/// What is known while the statements of a block are bound.
+/// State while the statements of a block are bound.
 #[derive(Default)]
 pub struct Scope {
     pub rules: Rules,
@@ -79,25 +79,25 @@ pub struct Scope {
     pub marks_locals: bool,
     /// The code sets OK/ENO by itself.
     pub sets_flag: bool,
-    /// A bit string is the number of its width, too: in charts of S7-GRAPH V5.
+    /// A bit string is also the number of its width: in charts of S7-GRAPH V5.
     pub address_numbers: bool,
     /// Folded names.
     pub labels: FxHashMap<String, Label>,
-    /// The lists of statements around the present one, outermost first.
+    /// The lists of statements around the current one, outermost first.
     pub lists: Vec<usize>,
-    /// Loops around the present statement.
+    /// Loops around the current statement.
     pub loops: u32,
-    /// FOR variables of these loops, with the place of their FOR.
+    /// FOR variables of these loops, with the position of their FOR.
     pub loop_variables: Vec<(Spot, Span)>,
-    /// Nesting of the present expression.
+    /// Nesting of the current expression.
     pub depth: u32,
     pub temp_reads: Vec<TempUse>,
     pub temp_writes: Vec<(u32, u32)>,
     /// The function's own value is assigned somewhere.
     pub value_set: bool,
-    /// Variables that no source declares, by names that none can have: values of nets in LAD and FBD.
+    /// Variables that no source declares, under names that no source can use: values of nets in LAD and FBD.
     pub hidden: FxHashMap<String, Variable>,
-    /// Statements that stand for calls of these names: holes of a template.
+    /// Statements that represent calls of these names: placeholders of a template.
     pub holes: FxHashMap<&'static str, Vec<Statement>>,
     /// Numbers of the DBs in the DB and the DI register, WORDs: of blocks in LAD or FBD that open data blocks.
     pub open_db: Option<Expr>,

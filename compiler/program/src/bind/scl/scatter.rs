@@ -1,6 +1,6 @@
-//! SCATTER_BLK and GATHER_BLK: several bit strings of an array to and from an array of BOOL, from one element on.
+//! SCATTER_BLK and GATHER_BLK: several bit strings of an array to and from an array of BOOL, beginning with one element.
 //!
-//! Bit i of element k is BOOL k * width + i. Elements that do not fit are left out, and ENO is 0.
+//! Bit i of element k is BOOL k * width + i. Elements that do not fit are skipped, and ENO is 0.
 //! Source: S7-1200 reference, move operations.
 
 use plcc_diag::Span;
@@ -39,7 +39,7 @@ impl Binder<'_> {
         let rest = || load(&left, Elementary::Dint);
         code.push(StatementKind::Assign { target: left.clone(), value: count });
         code.push(shortened(ctx, &left, strings, &string, span));
-        // As many strings as there are BOOLs for.
+        // As many strings as there are BOOLs for them.
         let value = binary(BinaryOp::Multiply, rest(), width());
         code.push(StatementKind::Assign { target: left.clone(), value });
         code.push(shortened(ctx, &left, bools, &bool_at, span));
@@ -70,7 +70,7 @@ impl Binder<'_> {
         Some(code)
     }
 
-    /// The type of the bit strings, if one array has such and the other BOOLs.
+    /// The type of the bit strings, if one array has them and the other has BOOLs.
     fn bit_strings(&mut self, strings: &Run, bools: &Run) -> Option<Elementary> {
         let wrong = |binder: &mut Self, run: &Run, wanted: &str| {
             let is = format!("an array of {}", layout::type_name(&run.element));

@@ -83,7 +83,7 @@ impl Binder<'_> {
                         self.refuse(
                             Code::Pragma,
                             pragma.span,
-                            "SCL has no registers that an assertion could look at",
+                            "SCL has no registers that an assertion could check",
                             "not understood",
                             "name a variable, an address or a constant",
                         );
@@ -104,7 +104,7 @@ impl Binder<'_> {
         self.scl_convert(ctx, value, Elementary::Bool)
     }
 
-    /// A call, or an expression that was meant otherwise.
+    /// A call, or an expression that was meant as something else.
     fn lone_expression(&mut self, ctx: &mut Ctx, node: &Node, bound: &mut Vec<Statement>) -> Option<StatementKind> {
         match &node.kind {
             NodeKind::Call { callee, .. } if let Some(filling) = hole(ctx, callee) => {
@@ -140,8 +140,8 @@ impl Binder<'_> {
                 self.refuse(
                     Code::Syntax,
                     node.span,
-                    &format!("`{text}` alone is no statement"),
-                    "its value goes nowhere",
+                    &format!("`{text}` alone is not a statement"),
+                    "its value is not used",
                     "assign it, or call the block with parentheses: `name();`",
                 );
                 None
@@ -155,9 +155,9 @@ impl Binder<'_> {
         }
         let help = match word {
             "EXIT" => "to leave the block write RETURN",
-            _ => "it goes to the next run of FOR, WHILE or REPEAT",
+            _ => "it continues with the next pass of FOR, WHILE or REPEAT",
         };
-        let title = format!("{word} stands outside of a loop");
+        let title = format!("{word} is outside of a loop");
         let span = Span { end: span.end.min(span.start + word.len() as u32), ..span };
         self.refuse(Code::LoopControl, span, &title, "there is no loop around it", help);
         None
@@ -187,7 +187,7 @@ impl Binder<'_> {
                     Code::TypeMismatch,
                     variable.span,
                     &format!("`{text}` cannot count a loop"),
-                    "no integer variable",
+                    "not an integer variable",
                     "declare a variable of type INT or DINT for it",
                 );
                 None
@@ -205,7 +205,7 @@ impl Binder<'_> {
             None => ty.map(|ty| constant_expr(1, ty, span)),
         };
         if let Some(spot) = &spot {
-            // What the loop counts with is written by the loop.
+            // The loop writes the variable that it counts with.
             ctx.scl.loop_variables.push((spot.clone(), variable.span));
         }
         let bound = self.loop_body(ctx, body);
@@ -243,14 +243,14 @@ impl Binder<'_> {
         }
         let label = match step {
             0 => "the step is 0".to_string(),
-            _ => format!("behind {end} the variable of type {} begins again at its other end", ty.name()),
+            _ => format!("after {end} the variable of type {} begins again at its other end", ty.name()),
         };
-        self.refuse(Code::EndlessLoop, span, "this loop cannot end", &label, "take a longer type for its variable");
+        self.refuse(Code::EndlessLoop, span, "this loop cannot end", &label, "use a longer type for its variable");
         None
     }
 }
 
-/// What stands for a statement in messages: of compound ones the first line.
+/// The text of a statement in messages: the first line of compound ones.
 fn head(tree: &Tree) -> Span {
     const REPEAT: u32 = 6;
     let end = match &tree.kind {
@@ -309,7 +309,7 @@ fn leaves(statement: &Statement) -> bool {
     }
 }
 
-/// What stands for a call in a template.
+/// The placeholder of a call in a template.
 fn hole(ctx: &Ctx, callee: &Node) -> Option<Vec<Statement>> {
     match &callee.kind {
         NodeKind::Name(name) => ctx.scl.holes.get(name.text.as_str()).cloned(),

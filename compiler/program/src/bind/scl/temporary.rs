@@ -1,4 +1,4 @@
-//! Texts in VAR_TEMP, whose heads are set when a block begins. Source: SCL reference, strings.
+//! Texts in VAR_TEMP, whose headers are set when a block begins. Source: SCL reference, strings.
 
 use crate::bind::declare::BoundInterface;
 use crate::bind::path::Base;
@@ -6,7 +6,7 @@ use plcc_model::layout;
 use plcc_model::scl::TemporaryText;
 use plcc_model::types::DataType;
 
-/// More elements are not looked at: no local data holds so many texts.
+/// More elements are not checked: no local data has room for so many texts.
 const ELEMENTS_MAX: u64 = 16_384;
 
 /// All STRING and WSTRING variables in local data, also inside of structures and arrays, by address.
@@ -16,7 +16,7 @@ pub fn texts(bound: &BoundInterface) -> Vec<TemporaryText> {
         collect(&local.ty, local.byte, &mut found);
     }
     found.sort_unstable_by_key(|text| text.byte);
-    // A view over a text has its place.
+    // A view of a text shares its memory.
     found.dedup_by_key(|text| text.byte);
     found
 }

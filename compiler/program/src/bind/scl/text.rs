@@ -1,4 +1,4 @@
-//! Texts and dates: CONCAT of many, and conversions to and from types that are no single value. Each is a call of a block of the
+//! Texts and dates: CONCAT of many, and conversions to and from types that are not single values. Each is a call of a block of the
 //! standard library. Source: SCL reference, strings, conversions.
 
 use plcc_diag::{Code, Diagnostic, Span};
@@ -32,7 +32,7 @@ const CLASSIC: &[(&str, &str)] = &[
     ("DT_TO_TOD", "DT_TOD"),
 ];
 
-/// True of `X_TO_Y` (upper case) where one of the types is no single value.
+/// True of `X_TO_Y` (upper case) where one of the types is not a single value.
 pub fn is_conversion(name: &str) -> bool {
     if let Some(to) = name.strip_prefix("*_TO_") {
         return WORDS.contains(&to);
@@ -53,10 +53,10 @@ fn short(word: &str) -> &str {
     }
 }
 
-/// Stands for the type of the value in the name of a conversion: `TO_STRING`.
+/// The type of the value in the name of a conversion: `TO_STRING`.
 pub const ANY_TYPE: &str = "*";
 
-/// The type of a value as names of conversions have it.
+/// The type of a value, as in names of conversions.
 pub fn type_word(value: &Value) -> Option<String> {
     let word = match value {
         Value::Elementary(expr) => short(expr.ty.name()),
@@ -73,7 +73,7 @@ pub fn type_word(value: &Value) -> Option<String> {
     Some(word.to_string())
 }
 
-/// As [`type_word`], of a type.
+/// Like [`type_word`], for a type.
 pub fn type_word_of(ty: &DataType) -> Option<String> {
     let word = match ty {
         DataType::Elementary(ty) => short(ty.name()),
@@ -86,7 +86,7 @@ pub fn type_word_of(ty: &DataType) -> Option<String> {
     Some(word.to_string())
 }
 
-/// The integer type whose texts hold those of `ty`.
+/// The integer type whose texts can hold those of `ty`.
 const fn wider(ty: Elementary) -> Option<Elementary> {
     match ty {
         Elementary::Sint | Elementary::Usint | Elementary::Byte => Some(Elementary::Int),
@@ -106,7 +106,7 @@ pub fn is_wide_text(value: &Value) -> bool {
     }
 }
 
-/// What chooses among the blocks that an instruction is.
+/// The key that selects among the blocks of an instruction.
 enum Overload<'n> {
     Clock,
     /// A text.
@@ -160,8 +160,8 @@ impl Binder<'_> {
         }
     }
 
-    /// A value of type `from` as `to`, both as names of conversions have them; `Err`: there is no such conversion.
-    #[allow(clippy::result_large_err, reason = "the value comes back to who sent it")]
+    /// A value of type `from` as `to`, both as in names of conversions; `Err`: there is no such conversion.
+    #[allow(clippy::result_large_err, reason = "the caller gets the value back")]
     pub(super) fn converted_text(
         &mut self,
         ctx: &mut Ctx,
@@ -174,7 +174,7 @@ impl Binder<'_> {
         if let Some(key) = self.conversion_block(ctx, from, to) {
             return Ok(self.library_call(ctx, key, vec![value], name, span));
         }
-        // By way of a type that holds all values.
+        // Through a type that can hold all values.
         if let Some(own) = Elementary::from_word(from)
             && let Some((through, key)) = self.wider_block(ctx, own, |word| (word.to_string(), to.to_string()))
         {
@@ -191,7 +191,7 @@ impl Binder<'_> {
             let value = convert::explicit_expr(ctx.scl.rules, value, own);
             return Ok(value.map(|value| Value::Elementary(Expr { span, ..value })));
         }
-        // Texts of wide characters by way of those of narrow ones.
+        // Texts of wide characters, through those of narrow ones.
         if to == "WSTRING" && from != "STRING" {
             let text = self.converted_text(ctx, from, "STRING", value, name, span)?;
             return Ok(text.and_then(|text| self.instruction_value(ctx, "STRING_TO_WSTRING", vec![text], span)));
@@ -210,7 +210,7 @@ impl Binder<'_> {
         let classic = CLASSIC.iter().find(|(known, _)| *known == name).map(|(_, block)| *block);
         let own = || self.library_function(ctx.scl.rules, &name);
         let old = || self.library_function(ctx.scl.rules, classic?);
-        // The TIA Portal has other rules for what a text may look like.
+        // The TIA Portal has other rules for the form of a text.
         if ctx.scl.rules == Rules::Classic { old().or_else(own) } else { own().or_else(old) }
     }
 
@@ -231,8 +231,8 @@ impl Binder<'_> {
         None
     }
 
-    /// An instruction that is a block of its own for the type of an operand: LEN, MID and others of a WSTRING, RD_SYS_T and its kin of
-    /// DATE_AND_TIME and LDT. CONCAT chooses by itself.
+    /// An instruction with a separate block for the type of an operand: LEN, MID and others of a WSTRING, RD_SYS_T and related ones of
+    /// DATE_AND_TIME and LDT. CONCAT selects by itself.
     pub(super) fn overload(&mut self, ctx: &mut Ctx, callee: &Node, given: &[Given]) -> Option<BlockKey> {
         let NodeKind::Name(name) = &callee.kind else { return None };
         let own = name.text.trim();
@@ -262,7 +262,7 @@ impl Binder<'_> {
         plcc_stdlib::find_tia(&format!("{own}_{suffix}")).map(|block| self.library_key(block))
     }
 
-    /// The type of an expression; tells nothing of mistakes in it.
+    /// The type of an expression; reports no mistakes in it.
     fn quiet_type(&mut self, ctx: &mut Ctx, node: &Node) -> Option<DataType> {
         match self.quiet_value(ctx, node)? {
             Value::Elementary(expr) => Some(DataType::Elementary(expr.ty)),
@@ -281,10 +281,10 @@ impl Binder<'_> {
         value
     }
 
-    /// True of an expression that gives a WSTRING; tells nothing of mistakes in it.
+    /// True of an expression of type WSTRING; reports no mistakes in it.
     fn is_wide(&mut self, ctx: &mut Ctx, node: &Node) -> bool {
         match &node.kind {
-            // Calls are not bound to know this, so that a chain of them is not bound again and again.
+            // Calls are not bound for this, so that a chain of them is not bound repeatedly.
             NodeKind::Call { callee, arguments } => match &callee.kind {
                 NodeKind::Name(name) if name.text.to_ascii_uppercase().ends_with("WSTRING") => true,
                 NodeKind::Name(name) if plcc_stdlib::find_tia(&format!("{}_WSTRING", name.text.trim())).is_some() => {
@@ -299,7 +299,7 @@ impl Binder<'_> {
         }
     }
 
-    /// True of a function whose result is a WSTRING; tells nothing of mistakes.
+    /// True of a function whose result is a WSTRING; reports no mistakes.
     fn gives_wide_text(&mut self, ctx: &mut Ctx, callee: &Node) -> bool {
         let told = self.report.diagnostics.len();
         let wide = match self.callee(ctx, callee) {
@@ -346,7 +346,7 @@ impl Binder<'_> {
         Some(joined)
     }
 
-    /// A call of a function of the library with bound arguments in its order.
+    /// A call of a library function with bound arguments in its order.
     pub fn library_call(
         &mut self,
         ctx: &mut Ctx,

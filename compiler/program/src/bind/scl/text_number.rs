@@ -1,4 +1,4 @@
-//! S_CONV, STRG_VAL, VAL_STRG: the types of IN and OUT choose a function of the standard library, whose result is OUT.
+//! S_CONV, STRG_VAL, VAL_STRG: the types of IN and OUT select a function of the standard library, whose result is OUT.
 //!
 //! Source: S7-1200 reference, string conversion.
 
@@ -21,7 +21,7 @@ use plcc_model::scl::{Access, Actual, Argument, Call, StatementKind};
 use plcc_model::types::DataType;
 use plcc_model::{BlockKey, Direction, Parameter};
 
-/// The type whose function takes a number of type `ty`.
+/// The type whose function accepts a number of type `ty`.
 const fn written_as(ty: Elementary) -> Option<&'static str> {
     match ty {
         Elementary::Sint
@@ -91,7 +91,7 @@ impl Binder<'_> {
         Some(Call { target: key, instance: None, arguments, enable: None, eno, span })
     }
 
-    /// VAL_STRG to a text of wide characters: one of narrow characters, which then takes the place of some of the wide ones.
+    /// VAL_STRG to a text of wide characters: first to a narrow text, which then replaces some of the wide characters.
     fn write_wide(&mut self, ctx: &mut Ctx, pins: &Pins, target: Access, span: Span) -> Option<Call> {
         let (input, output) = (pins.get("IN")?, pins.get("OUT")?);
         let Some(name) = self.number_type(ctx, input).map(written_as)? else {
@@ -136,7 +136,7 @@ impl Binder<'_> {
         Some(Call { target: key, instance: None, arguments, enable: None, eno, span })
     }
 
-    /// An argument: a position that is a number does not move on, and a text of wide characters is read as one of narrow ones.
+    /// An argument: a position that is a number does not advance, and a text of wide characters is read as one of narrow ones.
     fn text_number_actual(&mut self, ctx: &mut Ctx, key: BlockKey, formal: &Parameter, node: &Node) -> Option<Actual> {
         match (&formal.ty, formal.direction) {
             (DataType::Elementary(ty), Direction::InOut) if !is_variable(node) => {
@@ -153,7 +153,7 @@ impl Binder<'_> {
         }
     }
 
-    /// S_CONV to or from a text of wide characters whose other side is a text or whose target is one; `None`: another S_CONV.
+    /// S_CONV to or from a text of wide characters, where the other side is a text or the target is one; `None`: another S_CONV.
     pub fn wide_conversion(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Option<StatementKind>> {
         let (input, output) = (pins.get("IN")?, pins.get("OUT")?);
         if pins.eno.is_some() {
@@ -192,7 +192,7 @@ impl Binder<'_> {
         Some(text.and_then(|text| self.assignment(ctx, target, text)))
     }
 
-    /// The type of a number that is to be written; a constant takes one that holds it.
+    /// The type of a number that is to be written; a constant has one that can hold it.
     fn number_type(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Elementary> {
         let value = self.scl_value(ctx, node)?;
         self.number_type_of(&value, node.span)

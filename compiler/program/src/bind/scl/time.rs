@@ -26,7 +26,7 @@ const SB_DT_TM: u16 = 35;
 
 const DAY_MILLISECONDS: u64 = 86_400_000;
 
-/// What an operand is to this arithmetic.
+/// The role of an operand in this arithmetic.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Moment {
     Of(Elementary),
@@ -52,7 +52,7 @@ fn moment(value: &Value) -> Moment {
     }
 }
 
-/// The number of a DATE, a DINT.
+/// The number of a DATE, as a DINT.
 fn days_of(date: Expr) -> Expr {
     let days = convert::converted(date, Conversion::Bits { checked: false }, Uint);
     convert::converted(days, Conversion::Bits { checked: false }, Dint)
@@ -66,8 +66,8 @@ pub fn compare_as_dates(left: &Value, right: &Value) -> bool {
 }
 
 impl Binder<'_> {
-    /// `left op right` if one of them is a date or time; else both come back.
-    #[allow(clippy::result_large_err, reason = "the operands come back to who sent them")]
+    /// `left op right` if one of them is a date or time; otherwise returns both.
+    #[allow(clippy::result_large_err, reason = "the caller gets the operands back")]
     pub(super) fn time_arithmetic(
         &mut self,
         ctx: &mut Ctx,
@@ -148,13 +148,12 @@ impl Binder<'_> {
                 self.instruction_value(ctx, "T_COMBINE", vec![left, right], span)
             }
             (Dtl, _) | (_, Dtl) => {
-                let help = "a DTL goes with a TIME, which is added or subtracted, and two have a difference";
-                self.refuse(Code::TypeMismatch, op_span, "this is no arithmetic of a DTL", "DTL", help);
+                let help = "add or subtract a TIME to or from a DTL, or subtract one DTL from another";
+                self.refuse(Code::TypeMismatch, op_span, "this operation is not possible with a DTL", "DTL", help);
                 None
             }
             (Of(_) | DateAndTime, _) | (_, Of(_) | DateAndTime) => {
-                let help =
-                    "TIME goes with TIME and integers; dates go with TIME, and two of one type have a difference";
+                let help = "TIME can be combined with TIME and integers, dates with TIME; two dates of one type can be subtracted";
                 self.operator_types(op_span, &left, &right, help);
                 None
             }
@@ -168,8 +167,8 @@ impl Binder<'_> {
         matches!(moment(value), Moment::Dtl | Moment::DateAndTime)
     }
 
-    /// The difference of dates of different types, one of them no single value: an LTIME; `Err`: they are others.
-    #[allow(clippy::result_large_err, reason = "the operands come back to who sent them")]
+    /// The difference of dates of different types, one of them not a single value: an LTIME; `Err`: other operands.
+    #[allow(clippy::result_large_err, reason = "the caller gets the operands back")]
     pub(super) fn mixed_difference(
         &mut self,
         ctx: &mut Ctx,
@@ -187,7 +186,7 @@ impl Binder<'_> {
         Ok(self.difference(ctx, Ldt, Value::Elementary(left), Value::Elementary(right), span))
     }
 
-    /// T_CONV and T_DIFF whose result is assigned: they give what the target is. `None`: any other expression; `Some(None)`: after a message.
+    /// T_CONV and T_DIFF whose result is assigned: their type is that of the target. `None`: any other expression; `Some(None)`: after a message.
     pub(in crate::bind) fn value_for_target(
         &mut self,
         ctx: &mut Ctx,
@@ -254,7 +253,7 @@ impl Binder<'_> {
         match words {
             Some((from, to)) if from != to => match self.converted_text(ctx, &from, &to, value, span, span) {
                 Ok(value) => value,
-                // What is wrong with it is told where it is assigned.
+                // Mistakes are reported where it is assigned.
                 Err(value) => Some(value),
             },
             _ => Some(value),
@@ -288,7 +287,7 @@ impl Binder<'_> {
         self.instruction_value(ctx, "LDT_TO_DTL", vec![Value::Elementary(as_bits(sum, Ldt))], span)
     }
 
-    /// The time between two DTL: a TIME, or an LTIME, which holds every one.
+    /// The time between two DTL: a TIME, or an LTIME, which can hold every one.
     pub(super) fn dtl_difference(
         &mut self,
         ctx: &mut Ctx,
@@ -305,7 +304,7 @@ impl Binder<'_> {
         self.difference(ctx, Ldt, left, right, span)
     }
 
-    /// A DTL, DATE_AND_TIME or LDT as LDT, in which TIA computes and compares them all; `None` of anything else.
+    /// A DTL, DATE_AND_TIME or LDT as LDT, in which TIA computes and compares them all; `None` for anything else.
     pub(super) fn as_ldt(&mut self, ctx: &mut Ctx, value: Value) -> Option<Expr> {
         let span = value.span();
         match moment(&value) {
@@ -334,7 +333,7 @@ impl Binder<'_> {
         self.library_call(ctx, key, inputs, span, span)
     }
 
-    /// An integer beside a TIME, as so many milliseconds (LTIME: nanoseconds).
+    /// An integer next to a TIME, as that many milliseconds (LTIME: nanoseconds).
     fn factor(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Expr> {
         let own = if ty == Ltime { Lint } else { Dint };
         let value = match value {

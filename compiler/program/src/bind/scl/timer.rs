@@ -56,7 +56,7 @@ impl Binder<'_> {
         Some(Value::Elementary(Expr { kind: ExprKind::Counter(Box::new(call)), ty: Elementary::Word, span }))
     }
 
-    /// The timer or counter that a function works on.
+    /// The timer or counter that a function uses.
     fn cell_argument(&mut self, ctx: &mut Ctx, wanted: CellKind, node: &Node) -> Option<Number> {
         let value = self.scl_value(ctx, node)?;
         match value {
@@ -106,7 +106,7 @@ impl Binder<'_> {
         }
     }
 
-    /// The preset of a counter: a WORD in BCD. A decimal number would be read as BCD, which nobody means.
+    /// The preset of a counter: a WORD in BCD. A decimal number would be read as BCD, which is hardly intended.
     fn counter_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
         let value = self.scl_value(ctx, node)?;
         if let Value::Constant(Constant::Integer { value: number, based: false }, span) = &value
@@ -114,8 +114,8 @@ impl Binder<'_> {
         {
             let (number, span) = (*number, *span);
             self.report.push(
-                Diagnostic::new(Code::BadLiteral, span, "a counter takes its value in BCD")
-                    .label("a decimal number")
+                Diagnostic::new(Code::BadLiteral, span, "a counter needs its value in BCD")
+                    .label("this is a decimal number")
                     .help(format!("write `C#{number}` or `16#{number}`")),
             );
             return None;

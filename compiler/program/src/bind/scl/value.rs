@@ -11,11 +11,11 @@ use plcc_model::types::DataType;
 /// A bound expression.
 #[derive(Clone, Debug)]
 pub enum Value {
-    /// Of an elementary type; conversions may still wrap it.
+    /// Of an elementary type; it may still be converted.
     Elementary(Expr),
     /// A constant. An untyped one takes its type from its partner.
     Constant(Constant, Span),
-    /// STRING, ARRAY, STRUCT, DATE_AND_TIME and the like.
+    /// STRING, ARRAY, STRUCT, DATE_AND_TIME and other complex types.
     Complex { value: Complex, ty: DataType, span: Span },
     /// A variable of a type that only parameters have: POINTER, ANY, ARRAY[*].
     Parameter { access: Access, span: Span },

@@ -1,6 +1,6 @@
-//! What a VARIANT can be asked for: TypeOf, TypeOfElements, IS_ARRAY. Each is a number that stands in it, or is known of a variable.
+//! What can be asked of a VARIANT: TypeOf, TypeOfElements, IS_ARRAY. Each is a number in the VARIANT, or is known from a variable.
 //!
-//! A type is a double word: [`layout::type_number`] of it, with another bit for an array of that type. Source: S7-1500 information system,
+//! A type is a double word: [`layout::type_number`] returns it, with one more bit for an array of that type. Source: S7-1500 information system,
 //! comparators of VARIANT; decision 48.
 
 use plcc_diag::Span;
@@ -23,7 +23,7 @@ use plcc_model::layout;
 use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, Function};
 use plcc_model::types::{DataType, ParameterType};
 
-/// Tells an array of a type from the type.
+/// Marks an array of a type, as opposed to the type.
 const ARRAY: u64 = 1 << 30;
 
 /// A question about a type.
@@ -31,7 +31,7 @@ const ARRAY: u64 = 1 << 30;
 pub enum Question {
     /// TypeOf.
     Type,
-    /// TypeOfElements; 0 of what is no array.
+    /// TypeOfElements; 0 if it is not an array.
     ElementType,
     /// IS_ARRAY.
     IsArray,
@@ -74,7 +74,7 @@ impl Binder<'_> {
         None
     }
 
-    /// The right side of `TypeOf(x) = Int`, and a label of `CASE TypeOf(x) OF`: the number of the type; `None`: it names none.
+    /// The right side of `TypeOf(x) = Int`, and a label of `CASE TypeOf(x) OF`: the number of the type; `None`: it is not a type.
     pub fn named_type_number(&mut self, ctx: &Ctx, node: &Node) -> Option<Constant> {
         let NodeKind::Name(name) = &node.kind else { return None };
         let folded = fold(&name.text);
@@ -124,7 +124,7 @@ impl Binder<'_> {
         Some(Value::Elementary(Expr { kind, ty: Elementary::Bool, span }))
     }
 
-    /// The value of the right side of a comparison, where the left asks for a type.
+    /// The value of the right side of a comparison whose left side asks for a type.
     pub fn compared_type_name(&mut self, ctx: &Ctx, op: Operator, left: &Node, right: &Node) -> Option<Value> {
         let asks = matches!(op, Operator::Equal | Operator::NotEqual) && self.asks_for_type(left);
         let number = asks.then(|| self.named_type_number(ctx, right)).flatten()?;
@@ -132,7 +132,7 @@ impl Binder<'_> {
     }
 }
 
-/// The answer for a VARIANT with these fields.
+/// The result for a VARIANT with these fields.
 fn answered(question: Question, elements: Expr, ty: Expr, span: Span) -> Expr {
     let is_array = Expr {
         kind: ExprKind::Compare {

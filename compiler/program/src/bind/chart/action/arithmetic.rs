@@ -18,25 +18,25 @@ use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::scl::{Conversion, Expr, ExprKind, Statement, UnaryOp};
 
-/// What a function of GRAPH does that SCL does not have by this name.
+/// A function of GRAPH that SCL does not have under this name.
 #[derive(Clone, Copy)]
 enum Mnemonic {
-    /// Of the argument's type if none is named.
+    /// Has the argument's type if none is named.
     Negate(Option<Elementary>),
     Invert(Elementary),
     Number {
         from: Elementary,
         to: Elementary,
     },
-    /// By the width of the argument.
+    /// Has the width of the argument.
     FromBcd(Option<Elementary>),
     ToBcd(Option<Elementary>),
     Round,
-    /// A function of SCL that takes a REAL.
+    /// A function of SCL for a REAL.
     Real,
 }
 
-/// The function of that name.
+/// The function with this name.
 fn mnemonic(name: &str) -> Option<Mnemonic> {
     Some(match name.to_ascii_uppercase().as_str() {
         "NEG" => Mnemonic::Negate(None),
@@ -85,7 +85,7 @@ impl Binder<'_> {
         statements
     }
 
-    /// A bit string as the number of its width, and the other way round.
+    /// A bit string as the number of its width, and vice versa.
     fn as_width(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Value> {
         let rules = ctx.scl.rules;
         match (&value, Shape::of(&value)) {
@@ -108,7 +108,7 @@ impl Binder<'_> {
         }
     }
 
-    /// An expression in which functions with names of STL are values that stand in hidden variables.
+    /// An expression in which hidden variables hold the values of functions with names of STL.
     fn without_mnemonics(
         &mut self,
         ctx: &mut Ctx,
@@ -117,7 +117,7 @@ impl Binder<'_> {
         statements: &mut Vec<Statement>,
         depth: u32,
     ) -> Option<Node> {
-        // Deeper ones are not possible in SCL either.
+        // SCL does not allow deeper nesting either.
         if depth > Self::DEPTH_MAX {
             return Some(node.clone());
         }
@@ -158,7 +158,7 @@ impl Binder<'_> {
         Some(Node { kind, span: node.span })
     }
 
-    /// A function with a name of STL, unless the program defines one of that name.
+    /// A function with a name of STL, unless the program defines one with this name.
     fn called_mnemonic(&self, callee: &Node) -> Option<Mnemonic> {
         let NodeKind::Name(Name { text, form: NameForm::Bare, .. }) = &callee.kind else { return None };
         if self.globals.contains_key(&fold(text)) {
@@ -167,7 +167,7 @@ impl Binder<'_> {
         mnemonic(text)
     }
 
-    /// What a function gives; of one of SCL its argument.
+    /// The result of a function; for one of SCL its argument.
     fn mnemonic_value(&mut self, ctx: &mut Ctx, meant: Mnemonic, argument: &Node, span: Span) -> Option<Expr> {
         let value = self.scl_value(ctx, argument)?;
         let rules = ctx.scl.rules;
@@ -215,7 +215,7 @@ impl Binder<'_> {
         })
     }
 
-    /// A value as one of type `ty`; a bit string of its width is one.
+    /// A value as one of type `ty`; a bit string of the same width counts as one.
     fn of_width(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Expr> {
         let value = self.as_width(ctx, value, ty)?;
         self.scl_convert(ctx, value, ty)

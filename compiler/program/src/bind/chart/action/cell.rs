@@ -1,7 +1,7 @@
 //! Counters and timers in rows of actions. Source: GRAPH reference D.8.
 //!
-//! They are the S7 timers and counters that SCL and STL use, which start and count at a rising edge. A row whose event occurs shows
-//! them one: first FALSE, then TRUE, so that events in calls that follow one another all count.
+//! They are the S7 timers and counters that SCL and STL use, which start and count at a rising edge. When its event occurs, a row
+//! passes them FALSE first, then TRUE, so that events in consecutive calls all count.
 
 use plcc_diag::{Code, Span};
 use plcc_syntax::Elementary;
@@ -107,7 +107,7 @@ impl Binder<'_> {
         guarded(moment.value(span), body, span)
     }
 
-    /// TF: the timer runs out behind the step.
+    /// TF: the timer runs out after the step.
     pub(super) fn off_delay_row(
         &mut self,
         ctx: &mut Ctx,
@@ -146,7 +146,7 @@ impl Binder<'_> {
             CellKind::Counter => ("a counter", "C5"),
         };
         let text = self.text(node.span);
-        let title = format!("`{text}` is {is}, but this action works on {name}");
+        let title = format!("`{text}` is {is}, but this action needs {name}");
         self.refuse(Code::ActionOperand, node.span, &title, is, &format!("name {name}: `{example}`"));
         None
     }
@@ -164,40 +164,40 @@ impl Binder<'_> {
                 self.scl_convert(ctx, value, Elementary::Word)
             }
             (Value::Constant(Constant::Integer { .. }, span), _) => {
-                let title = format!("a counter does not hold {}", self.text(*span));
+                let title = format!("a counter cannot hold {}", self.text(*span));
                 self.refuse(
                     Code::ActionOperand,
                     *span,
                     &title,
                     "it goes from 0 to 999",
-                    "write a lesser value: `C#20`",
+                    "write a smaller value: `C#20`",
                 );
                 None
             }
             _ => {
                 let (text, is) = (self.text(node.span), described(&value));
-                let title = format!("`{text}` is no value of a counter");
+                let title = format!("`{text}` is not a value of a counter");
                 self.refuse(
                     Code::ActionOperand,
                     node.span,
                     &title,
                     &is,
-                    "write a constant from 0 to 999, `C#20`, or a WORD in BCD; an INT becomes one by INT_TO_BCD",
+                    "write a constant from 0 to 999, `C#20`, or a WORD in BCD; convert an INT with INT_TO_BCD",
                 );
                 None
             }
         }
     }
 
-    /// The time of a timer: an S5TIME, or a WORD in the form of one.
+    /// The time of a timer: an S5TIME, or a WORD in the same format.
     fn timer_time(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
         let value = self.scl_value(ctx, &plain_time(node))?;
         match (&value, Shape::of(&value)) {
             (Value::Constant(Constant::Typed { ty: Elementary::Time, bits }, span), _)
                 if *bits > TIMER_MILLISECONDS_MAX =>
             {
-                let title = format!("a timer does not run {}", self.text(*span));
-                self.refuse(Code::ActionOperand, *span, &title, "it runs 2h46m30s at most", "write a shorter time");
+                let title = format!("a timer cannot run for {}", self.text(*span));
+                self.refuse(Code::ActionOperand, *span, &title, "the longest time is 2h46m30s", "write a shorter time");
                 None
             }
             (Value::Constant(Constant::Integer { based: true, .. }, _), _) => {
@@ -210,7 +210,7 @@ impl Binder<'_> {
             }
             _ => {
                 let (text, is) = (self.text(node.span), described(&value));
-                let title = format!("`{text}` is no time of a timer");
+                let title = format!("`{text}` is not a time of a timer");
                 let help = "write a time, `S5T#5S` or `T#5S`, or a variable of type S5TIME, WORD or TIME";
                 self.refuse(Code::ActionOperand, node.span, &title, &is, help);
                 None

@@ -3,7 +3,7 @@
 use plcc_diag::{Code, Diagnostic};
 use plcc_syntax::chart::ast::{Action, Event, Qualifier};
 
-/// Whether a row has an event.
+/// Whether a row must, may or must not have an event.
 #[derive(PartialEq)]
 enum Rule {
     Needed,
@@ -27,7 +27,7 @@ const fn rule(qualifier: Qualifier) -> Rule {
     }
 }
 
-/// The interlock can be asked at the event.
+/// The interlock can be used with the event.
 const fn has_interlock(event: Event) -> bool {
     match event {
         Event::S1 | Event::V1 | Event::A1 | Event::R1 => true,
@@ -35,18 +35,18 @@ const fn has_interlock(event: Event) -> bool {
     }
 }
 
-/// What is wrong with the event and the interlock of a row. `programmed`: its step has an interlock.
+/// Mistakes in the event and the interlock of a row. `programmed`: its step has an interlock.
 pub fn messages(action: &Action, programmed: bool) -> Vec<Diagnostic> {
     let (qualifier, span) = (action.qualifier.name(), action.qualifier_span);
     let mut messages = Vec::new();
     match (rule(action.qualifier), action.event) {
         (Rule::Needed, None) => messages.push(
             Diagnostic::new(Code::ActionEvent, span, format!("`{qualifier}` needs an event"))
-                .label("it would do its work in every call")
+                .label("without one it runs in every call")
                 .help(format!("write for example `S1 {qualifier}`: when the step is entered")),
         ),
         (Rule::Impossible, Some(event)) => messages.push(
-            Diagnostic::new(Code::ActionEvent, span, format!("`{qualifier}` takes no event"))
+            Diagnostic::new(Code::ActionEvent, span, format!("`{qualifier}` cannot have an event"))
                 .label(format!("it works while the step is active; {} is one call", event.name()))
                 .help(format!("write `{qualifier}` alone")),
         ),
@@ -54,14 +54,18 @@ pub fn messages(action: &Action, programmed: bool) -> Vec<Diagnostic> {
     }
     match action.event {
         Some(event) if action.interlock && !has_interlock(event) => messages.push(
-            Diagnostic::new(Code::ActionInterlock, span, format!("the event {} has no interlock", event.name()))
-                .label("the letter C is possible with S1, V1, A1 and R1, and without event")
-                .help("leave the C out"),
+            Diagnostic::new(
+                Code::ActionInterlock,
+                span,
+                format!("the event {} cannot have an interlock", event.name()),
+            )
+            .label("the letter C is possible with S1, V1, A1 and R1, and without an event")
+            .help("remove the C"),
         ),
         _ if action.interlock && !programmed => messages.push(
             Diagnostic::new(Code::NoInterlock, span, "this step has no interlock")
-                .label("the letter C asks for it; it is always satisfied")
-                .help("leave the C out, or give the step an interlock"),
+                .label("the letter C refers to it; it is always satisfied")
+                .help("remove the C, or give the step an interlock"),
         ),
         _ => {}
     }

@@ -18,44 +18,44 @@ use plcc_syntax::Elementary;
 use plcc_syntax::chart::ast::{Action, ActionBody, Event, Qualifier};
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 
-use super::engine::Engine;
+use super::engine_data::Engine;
 use crate::bind::network::{Page, and, inverted, no, yes};
 use crate::bind::scl::place::Spot;
 use crate::bind::{Binder, Ctx};
 use plcc_binding::similar;
 use plcc_model::scl::{CompareOp, Expr, ExprKind, Statement, StatementKind};
 
-/// What a step does, in the order of its rows.
+/// The code of a step, in order of its rows.
 #[derive(Default)]
 pub struct StepCode {
-    /// In each call in which it is active.
+    /// In each call while it is active.
     pub active: Vec<Statement>,
     /// In the call that leaves it: rows of S0, then operands of N, D and L become 0.
     pub leave: Vec<Statement>,
-    /// At the begin of the call behind events: what they have set for one call becomes 0.
+    /// At the start of the call after an event: anything set for one call becomes 0.
     pub expire: Vec<Statement>,
 }
 
-/// When a row does its work.
+/// When a row takes effect.
 #[derive(Clone, Default)]
 struct Moment {
     /// Event and interlock, a BOOL; none: in every call in which the row is run.
     condition: Option<Expr>,
-    /// Of rows with an event: it and the interlock, as they are until the next call looks at them; a BOOL.
+    /// For rows with an event: the event and the interlock, kept until the next call checks them; a BOOL.
     pulse: Option<Expr>,
-    /// Operands are to be 0, and blocks are not called; a BOOL.
+    /// Operands must be 0, and blocks are not called; a BOOL.
     zeroed: Option<Expr>,
     /// The row is of S0: it runs in the call that leaves the step.
     leaving: bool,
 }
 
 impl Moment {
-    /// Whether the row does its work: TRUE if it always does.
+    /// Whether the row takes effect: TRUE if it always does.
     fn value(&self, span: Span) -> Expr {
         self.condition.clone().unwrap_or_else(|| yes(span))
     }
 
-    /// As `value`, FALSE while operands are to be 0.
+    /// As `value`, but FALSE while operands must be 0.
     fn value_unless_zeroed(&self, span: Span) -> Expr {
         self.unless_zeroed(self.value(span), span)
     }
@@ -74,11 +74,11 @@ struct Rows {
     active: Vec<Statement>,
     /// Rows of S0.
     leaving: Vec<Statement>,
-    /// What timers and the like do behind the rows of S0.
+    /// Statements of timers and counters after the rows of S0.
     left: Vec<Statement>,
-    /// Operands that are 0 behind the step.
+    /// Operands that become 0 after the step.
     zero: Vec<(Spot, Span)>,
-    /// What becomes 0 in the call behind an event.
+    /// Operands that become 0 in the call after an event.
     expire: Vec<Statement>,
 }
 
@@ -95,7 +95,7 @@ impl Rows {
     }
 }
 
-/// Writes 0 into operands, into each one once.
+/// Writes 0 to operands, once to each.
 fn once<'s>(spots: impl Iterator<Item = &'s (Spot, Span)>) -> Vec<Statement> {
     let mut seen: Vec<&Spot> = Vec::new();
     let mut statements = Vec::new();
@@ -156,7 +156,7 @@ impl Binder<'_> {
         rows.finish()
     }
 
-    /// A row that needs nothing of the chart but its moment.
+    /// A row that needs only the moment from the chart.
     fn row(&mut self, ctx: &mut Ctx, page: &mut Page, rows: &mut Rows, moment: &Moment, action: &Action) {
         let span = action.span;
         let statements = match (action.qualifier, &action.body) {
@@ -228,7 +228,7 @@ impl Binder<'_> {
         }
     }
 
-    /// D and L: the operand is 1 behind the time, or up to it. `late`: behind it.
+    /// D and L: the operand is 1 after the time, or up to it. `late`: after it.
     #[allow(clippy::too_many_arguments, reason = "the parts of one row")]
     fn timed_row(
         &mut self,
@@ -264,8 +264,8 @@ impl Binder<'_> {
                 self.refuse(
                     Code::ActionOperand,
                     node.span,
-                    &format!("`{text}` is no step"),
-                    "ON and OFF want a step",
+                    &format!("`{text}` is not a step"),
+                    "ON and OFF need a step",
                     "name one, or write its number: `S002`",
                 );
                 return None;
@@ -285,7 +285,7 @@ impl Binder<'_> {
     }
 }
 
-/// When a row of a step does its work.
+/// When a row of a step takes effect.
 fn moment(engine: &Engine, step: usize, action: &Action) -> Moment {
     let span = action.qualifier_span;
     let leaving = action.event == Some(Event::S0);
@@ -298,38 +298,38 @@ fn moment(engine: &Engine, step: usize, action: &Action) -> Moment {
         (Some(event), Some(interlock)) => Some(and(event, interlock.clone(), span)),
         (event, _) => event,
     };
-    // Rows of S0 stand where it occurs.
+    // Rows of S0 already run where the event occurs.
     let condition = pulse.clone().filter(|_| !leaving).or(interlock);
     Moment { condition, pulse, zeroed: engine.zeroed(span), leaving }
 }
 
-/// A row whose text does not belong to its qualifier.
+/// A row whose text does not fit its qualifier.
 fn wrong_body(qualifier: Qualifier, body: &ActionBody, span: Span) -> Diagnostic {
     let name = qualifier.name();
     let alone = matches!(body, ActionBody::Operand(_));
     let (title, label, help) = match (qualifier, body) {
         (_, ActionBody::Call(_) | ActionBody::Statements(_) | ActionBody::Network(_)) => (
-            format!("`{name}` cannot be before code"),
+            format!("`{name}` cannot have code"),
             "calls and statements are actions of N",
-            "write N; to run it once take an event: S1 N",
+            "write N; to run it once, use an event: S1 N",
         ),
         (Qualifier::On, ActionBody::All { .. }) => {
             ("ON activates one step".to_string(), "all steps cannot be active", "name the step: `S002`")
         }
         (_, ActionBody::All { .. }) => (
             format!("`{name}` is not possible with all steps"),
-            "S_ALL belongs to OFF",
+            "S_ALL is only possible with OFF",
             "write OFF S_ALL with an event",
         ),
         (Qualifier::D | Qualifier::L | Qualifier::Tl | Qualifier::Td | Qualifier::Tf, _) if alone => {
-            (format!("`{name}` needs a time"), "only an operand", "write the time behind the operand: `Q4.0 := T#5S`")
+            (format!("`{name}` needs a time"), "only an operand", "write the time after the operand: `Q4.0 := T#5S`")
         }
         (Qualifier::Cs, _) if alone => {
-            ("`CS` needs a value".to_string(), "only a counter", "write the value behind the counter: `C5 := C#20`")
+            ("`CS` needs a value".to_string(), "only a counter", "write the value after the counter: `C5 := C#20`")
         }
         _ => (
-            format!("`{name}` takes an operand and nothing else"),
-            "a value stands behind the operand",
+            format!("`{name}` needs an operand and nothing else"),
+            "there is a value after the operand",
             "an assignment is an action of N",
         ),
     };

@@ -21,7 +21,7 @@ impl Binder<'_> {
     pub fn bit_operand(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Spot> {
         let thing = match &node.kind {
             NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. } => {
-                self.no_bit(node.span, "no variable");
+                self.no_bit(node.span, "not a variable");
                 return None;
             }
             _ => self.thing(ctx, node, Intent::Write)?,
@@ -60,7 +60,7 @@ impl Binder<'_> {
             }
             _ => {
                 let (text, is) = (self.text(node.span), described(&value));
-                let title = format!("`{text}` is no time");
+                let title = format!("`{text}` is not a time");
                 let help = "write a time, `T#5S`, or a variable of type TIME; DWORD and DINT hold milliseconds";
                 self.refuse(Code::ActionOperand, node.span, &title, &is, help);
                 None
@@ -90,7 +90,7 @@ pub fn plain_time(node: &Node) -> Cow<'_, Node> {
     }
 }
 
-/// What stands where something else is wanted.
+/// A description of the operand, where something else is expected.
 pub fn thing_text(thing: &Thing) -> &'static str {
     match thing {
         Thing::Spot(_) => "a variable",

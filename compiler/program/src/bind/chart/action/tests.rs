@@ -14,7 +14,7 @@ use crate::bind::scl::tests::show;
 use plcc_model::scl::{Expr, ExprKind};
 use plcc_model::types::DataType;
 
-/// What a row becomes.
+/// The result of binding a row.
 struct Bound {
     active: String,
     leave: String,
@@ -29,7 +29,7 @@ fn input(bit: u8) -> Expr {
     Expr { kind: ExprKind::Load(Box::new(access)), ty: Elementary::Bool, span: Span::default() }
 }
 
-/// Statements of SCL stand for the texts of rows: `Q0.0;` for an operand, `FB7.DB7(…);` for a call.
+/// Statements of SCL represent the texts of rows: `Q0.0;` for an operand, `FB7.DB7(…);` for a call.
 fn body(statement: &plcc_syntax::scl::ast::Statement) -> ActionBody {
     match &statement.kind {
         TreeKind::Expression(Node { kind: NodeKind::Call { callee, arguments }, span }) => {
@@ -59,7 +59,7 @@ fn body(statement: &plcc_syntax::scl::ast::Statement) -> ActionBody {
     }
 }
 
-/// Binds rows at one moment.
+/// Binds rows for one moment.
 fn bind_rows(rows: &[(Qualifier, &str)], moment: &Moment) -> Bound {
     let texts: Vec<&str> = rows.iter().map(|(_, text)| *text).collect();
     let (code, codes) = in_block(&texts.join("\n"), |binder, ctx, statements| {
@@ -158,7 +158,7 @@ fn times() {
     refused(Qualifier::L, "#i := T#5s;", "P0575");
 }
 
-/// While operands are to be 0, N, D and L write it, and nothing is called; S and R go on.
+/// While operands must be 0, N, D and L write 0, and nothing is called; S and R continue.
 #[test]
 fn zeroed_rows() {
     check(&zeroed(), Qualifier::N, "M4.0;", ["M4.0 := (not i0.1)", "M4.0 := BOOL#0", ""]);
@@ -183,7 +183,7 @@ fn operands_are_cleared_once() {
     assert_eq!(bind_rows(&elements, &always()).leave, "S20.0[INT->DINT(S2.0) in 0..3 by 1] := BOOL#0; S20.2 := BOOL#0");
 }
 
-/// Source: GRAPH reference D.8: each event counts, also in calls that follow one another.
+/// Source: GRAPH reference D.8: each event counts, also in consecutive calls.
 #[test]
 fn counters() {
     let pulse = |pins: &str| {

@@ -1,8 +1,8 @@
 //! Simultaneous branches: steps that are entered while they are active, jumps out of paths and into them, joins that never switch.
 //!
-//! What the paths of branches prove needs no search. Else all markings are searched, unless rows of ON and OFF switch steps beside the
-//! transitions. Steps that can be switched by hand, and conditions that ask for active steps, turn errors into warnings: they may keep
-//! apart, or bring together, what the transitions alone do not. Source: GRAPH reference G.4 and chapter I, "Detection".
+//! If the paths of the branches prove it, no search is needed. Otherwise all markings are searched, unless rows of ON and OFF switch
+//! steps in addition to the transitions. Steps that can be switched by hand, and conditions that read active steps, turn errors into
+//! warnings: they may separate, or bring together, steps that the transitions alone do not. Source: GRAPH reference G.4 and chapter I, "Detection".
 
 use plcc_diag::{Code, Diagnostic, Severity};
 use plcc_syntax::chart::ast::{ActionBody, Qualifier};
@@ -16,7 +16,7 @@ use super::structure::Start;
 use super::{Checked, step_title, transition_title};
 use crate::bind::mentions::condition_expressions;
 
-/// Tells what is wrong with branches. By step: the steps that may be active together with it, as far as is known.
+/// Reports mistakes in branches. Returns, by step, the steps that may be active together with it, as far as known.
 pub fn check(checked: &Checked, start: Start, messages: &mut Vec<Diagnostic>) -> Vec<StepSet> {
     let net = &checked.net;
     let branches = regions::branches(net);
@@ -27,7 +27,7 @@ pub fn check(checked: &Checked, start: Start, messages: &mut Vec<Diagnostic>) ->
         return branches.together;
     }
     let severity = if checked.manual || asks_for_steps(checked) { Severity::Warning } else { Severity::Error };
-    // What is wrong in a sequencer with such a jump follows from it.
+    // Mistakes in a sequencer with this jump follow from it.
     let sequencer = net.sequencers();
     let is_told = |step: usize| branches.strays.iter().any(|stray| sequencer[stray.step] == sequencer[step]);
     let joins = (0..net.transitions.len()).filter(|&at| net.transitions[at].from.len() > 1);
@@ -75,7 +75,7 @@ fn asks_for_steps(checked: &Checked) -> bool {
     found
 }
 
-/// A way out of a path between whose steps one switches off all the others.
+/// A way out of a path, next to a step that switches off all others.
 fn abandons(checked: &Checked, stray: &Stray) -> bool {
     let switches_off = |&step: &usize| {
         let mut rows = checked.chart.steps[step].actions.iter();
@@ -91,15 +91,15 @@ fn branch_jump(checked: &Checked, stray: &Stray) -> Diagnostic {
     let (title, step) = (transition_title(transition), &chart.steps[stray.step]);
     let (text, label, help) = if stray.inward {
         (
-            format!("{title} leads into one path of a simultaneous branch, to {}", step_title(step)),
-            "the other paths do not become active",
-            "lead to a step before the branch, or open all paths by one transition",
+            format!("{title} goes into one path of a simultaneous branch, to {}", step_title(step)),
+            "the other paths are not activated",
+            "go to a step before the branch, or open all paths by one transition",
         )
     } else {
         (
-            format!("{title} leads out of one path of a simultaneous branch, to {}", step_title(step)),
+            format!("{title} goes out of one path of a simultaneous branch, to {}", step_title(step)),
             "the other paths stay active",
-            "join all paths first; to abandon them, use OFF S_ALL, OFF_SQ or INIT_SQ",
+            "join all paths first, or abandon them with OFF S_ALL, OFF_SQ or INIT_SQ",
         )
     };
     Diagnostic::new(Code::BranchJump, transition.name.span, text)
@@ -114,16 +114,16 @@ fn unsafe_branch(checked: &Checked, entry: &Entry, severity: Severity) -> Diagno
     let (transition, step) = (&chart.transitions[entry.transition], &chart.steps[entry.step]);
     let text = format!("{} may enter {} while it is active", transition_title(transition), step_title(step));
     let mut message = Diagnostic::new(Code::UnsafeBranch, transition.name.span, text)
-        .label("switches although the step behind it may still be active")
+        .label("switches although the step after it may still be active")
         .also(step.name.span, "this step");
     if let Some(opener) = entry.opener {
         message = message.also(chart.transitions[opener].name.span, "opens simultaneous paths");
     }
     message.severity = if is_jumped_into(checked, entry) { Severity::Warning } else { severity };
-    message.help("end simultaneous paths in one transition with all their last steps behind FROM, not one by one")
+    message.help("end simultaneous paths in one transition with all their last steps after FROM, not one at a time")
 }
 
-/// Jumps from other sequencers, which may not know that this one is running, lead to the steps here. Sequencers are drawn without jumps.
+/// Jumps to the steps of this sequencer from others, which may not know that it is running. Sequencers are drawn without jumps.
 fn is_jumped_into(checked: &Checked, entry: &Entry) -> bool {
     let net = &checked.net;
     let drawn: Vec<Arcs> = net.transitions.iter().filter(|arcs| !arcs.jump).cloned().collect();
@@ -135,10 +135,10 @@ fn is_jumped_into(checked: &Checked, entry: &Entry) -> bool {
 
 fn unproven(checked: &Checked, opener: usize) -> Diagnostic {
     let transition = &checked.chart.transitions[opener];
-    let text = format!("the paths that {} opens do not end in one join", transition_title(transition));
+    let text = format!("the paths that {} opens do not all end in one join", transition_title(transition));
     let mut message = Diagnostic::new(Code::UnsafeBranch, transition.name.span, text)
-        .label("a step of these paths may be entered while it is active: the chart is too large to find out")
-        .help("end these paths in one transition with the last step of each behind FROM");
+        .label("a step of these paths may be entered while it is active: the chart is too large to be sure")
+        .help("end these paths in one transition with the last step of each after FROM");
     message.severity = Severity::Warning;
     message
 }
@@ -149,7 +149,7 @@ fn dead_join(checked: &Checked, at: usize, together: &[StepSet], severity: Sever
     let text = format!("{} can never switch", transition_title(transition));
     let mut message = Diagnostic::new(Code::DeadJoin, transition.name.span, text)
         .label("the steps before it are never active together")
-        .help("open their paths by one transition with several steps behind TO, or lead each path on by a transition of its own");
+        .help("open their paths with one transition that has several steps after TO, or continue each path with its own transition");
     let pairs = from.iter().flat_map(|&a| from.iter().map(move |&b| (a, b))).filter(|(a, b)| a < b);
     if let Some((a, b)) = pairs.into_iter().find(|&(a, b)| !together[a].has(b)) {
         for (step, other) in [(a, b), (b, a)] {

@@ -1,4 +1,4 @@
-//! What other blocks do with a chart: instances that are called twice, faults that nothing acknowledges.
+//! How other blocks use a chart: instances that are called twice, faults that nothing acknowledges.
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
@@ -15,7 +15,7 @@ use crate::bind::{Binder, Ctx};
 use plcc_model::BlockKey;
 
 impl Binder<'_> {
-    /// Tells if a supervision fault stays for ever: it must be acknowledged, and nothing can do that.
+    /// Reports a supervision fault that stays for ever: it must be acknowledged, and nothing can do that.
     pub(super) fn acknowledgement(&mut self, ctx: &Ctx, chart: &Chart) {
         if chart.settings.acknowledge != Some(true) {
             return;
@@ -34,12 +34,12 @@ impl Binder<'_> {
                 step.name.span,
                 format!("a fault of {} can never be acknowledged", step_title(step)),
             )
-            .label("has a supervision; once it tells of a fault, the chart stays here")
+            .label("has a supervision; once it reports a fault, the chart stays here")
             .help("declare the parameter ACK_EF and connect a button, or switch off the setting AckReq"),
         );
     }
 
-    /// Tells of instances of this block that one block calls twice.
+    /// Reports instances of this block that one block calls twice.
     pub(super) fn called_twice(&mut self, ctx: &Ctx) {
         let mut messages = Vec::new();
         for block in self.blocks() {
@@ -48,9 +48,9 @@ impl Binder<'_> {
                 if let Some(&first) = first.get(&instance) {
                     messages.push(
                         Diagnostic::new(Code::CalledTwice, span, format!("DB {instance} is called twice in one cycle"))
-                            .label("the chart goes on by a further step here")
-                            .also(first, "called here already")
-                            .help("call the chart once, or give each call an instance DB of its own"),
+                            .label("the chart advances by another step here")
+                            .also(first, "already called here")
+                            .help("call the chart once, or give each call its own instance DB"),
                     );
                 } else {
                     first.insert(instance, span);
@@ -67,7 +67,7 @@ impl Binder<'_> {
         })
     }
 
-    /// Calls of the FB `key` that nothing leaves out, with their instance DBs.
+    /// Calls of the FB `key` that nothing skips, with their instance DBs.
     fn chart_calls(&self, key: BlockKey, code: &BlockCode) -> Vec<(u16, Span)> {
         let mut calls = Vec::new();
         let mut named = |callee: &Expr, instance: Option<&Expr>, span: Span| {
@@ -98,7 +98,7 @@ impl Binder<'_> {
         calls
     }
 
-    /// Calls in STL. With a label in the block, a jump may leave out any of them.
+    /// Calls in STL. If the block has a label, a jump may skip any of them.
     fn stl_calls(&self, key: BlockKey, code: &BlockCode) -> Vec<(u16, Span)> {
         let BlockCode::Stl(networks) = code else { return Vec::new() };
         let statements = || networks.iter().flat_map(|network| &network.statements);
@@ -140,7 +140,7 @@ fn is_block((prefix, number): (BlockPrefix, u16), key: BlockKey) -> bool {
 
 type Visit<'a> = dyn FnMut(&Expr, Option<&Expr>, Span) + 'a;
 
-/// Calls that no condition decides on.
+/// Unconditional calls.
 fn statement_calls(list: &[Statement], visit: &mut Visit) {
     for statement in list {
         if let StatementKind::Expression(Expr { kind: ExprKind::Call { callee, .. }, .. }) = &statement.kind {
@@ -172,13 +172,13 @@ fn network_calls(network: &network::Network, visit: &mut Visit) {
     }
 }
 
-/// A supervision that says something. An empty network stands for none.
+/// A supervision with content. An empty network means there is none.
 fn may_fault(condition: &Condition) -> bool {
     let formula = Formula::of(condition, &mut Atoms::default());
     formula.constant() != Some(false) && !(formula.plain && matches!(condition, Condition::Network(_)))
 }
 
-/// Code of a block names `MOP.ACK` of some instance, or its like: ACK_EF, ACK_S, ACKREQ.
+/// Code of a block names `MOP.ACK`, ACK_EF, ACK_S or ACKREQ of some instance.
 fn names_acknowledgement(block: &ast::CodeBlock) -> bool {
     let names = |outer: &str, name: &str| {
         let begin = name.get(..3).unwrap_or_default();

@@ -11,7 +11,7 @@ use super::{Facts, TRANSITIONS_MAX, step_title, transition_title};
 use crate::bind::mentions::{condition_expressions, permanent_expressions};
 use plcc_binding::fold;
 
-/// Transitions behind one step whose conditions are compared. GRAPH allows 125.
+/// Transitions after one step whose conditions are compared. GRAPH allows 125.
 const PATHS_MAX: usize = 125;
 
 pub fn check(chart: &Chart, net: &Net, facts: &Facts, messages: &mut Vec<Diagnostic>) {
@@ -31,15 +31,15 @@ pub fn check(chart: &Chart, net: &Net, facts: &Facts, messages: &mut Vec<Diagnos
                 condition,
                 transition.name.span,
                 format!("the condition of {} is always TRUE", transition_title(transition)),
-                "the step before it is left in the call behind the one that enters it",
-                "leave the condition empty if this is wanted",
+                "the step before it is left in the call after the one that enters it",
+                "leave the condition empty if this is intended",
             )),
             Some(false) => messages.push(constant(
                 condition,
                 transition.name.span,
                 format!("the condition of {} is always FALSE", transition_title(transition)),
-                "never switches by itself",
-                "write the condition under which the chart goes on",
+                "never switches on its own",
+                "write the condition for the chart to continue",
             )),
             Some(true) | None => {}
         }
@@ -51,19 +51,19 @@ pub fn check(chart: &Chart, net: &Net, facts: &Facts, messages: &mut Vec<Diagnos
     temporary(chart, facts, messages);
 }
 
-/// Interlocks that are never satisfied, supervisions that always tell of a fault.
+/// Interlocks that are never satisfied, supervisions that always report a fault.
 fn interlocks(chart: &Chart, atoms: &mut Atoms, messages: &mut Vec<Diagnostic>) {
     for step in &chart.steps {
         if let Some(condition) = &step.interlock
             && Formula::of(condition, atoms).constant() == Some(false)
         {
             let text = format!("the interlock of {} is always FALSE", step_title(step));
-            let help = "write what must hold for the rows with the letter C";
+            let help = "write the condition for the rows with the letter C";
             messages.push(constant(condition, step.name.span, text, "rows with the letter C never run", help));
         }
         if let Some(condition) = &step.supervision {
             let formula = Formula::of(condition, atoms);
-            // An empty network in place of a supervision means that there is none.
+            // An empty network in place of a supervision means that the step has none.
             let is_empty = formula.plain && matches!(condition, Condition::Network(_));
             if formula.constant() == Some(true) && !is_empty {
                 let text = format!("the supervision of {} is always TRUE", step_title(step));
@@ -82,7 +82,7 @@ fn constant(condition: &Condition, name: Span, text: String, label: &str, help: 
     Diagnostic::new(Code::ConstantCondition, span, text).label(label).help(help)
 }
 
-/// Paths of an alternative branch that a path before them always closes.
+/// Paths of an alternative branch that an earlier path always closes.
 fn paths(chart: &Chart, net: &Net, formulas: &[Formula], messages: &mut Vec<Diagnostic>) {
     let mut told: FxHashSet<usize> = FxHashSet::default();
     for step in 0..net.steps() {
@@ -95,7 +95,7 @@ fn paths(chart: &Chart, net: &Net, formulas: &[Formula], messages: &mut Vec<Diag
             }
             let from = &net.transitions[at].from;
             let closes = |&first: &usize| {
-                // Whenever the later one may switch, the steps before the first one are active, too. Each pair is looked at once.
+                // Whenever the later one may switch, the steps before the first one are also active. Each pair is checked once.
                 let before = &net.transitions[first].from;
                 before[0] == step
                     && before.iter().all(|step| from.binary_search(step).is_ok())
@@ -117,13 +117,13 @@ fn closed_path(later: &Transition, first: &Transition, always: bool) -> Diagnost
         true => format!("{other} has priority, and is always satisfied"),
         false => format!("{other} has priority, and is satisfied whenever this one is"),
     };
-    Diagnostic::new(Code::NotExclusive, later.name.span, format!("{title} never switches: {other} goes first"))
+    Diagnostic::new(Code::NotExclusive, later.name.span, format!("{title} never switches: {other} has priority"))
         .label(label)
         .also(first.name.span, "this path is the first one")
         .help("write conditions that exclude each other, or put the path with the narrower condition first")
 }
 
-/// Temporary data have no value yet when conditions are evaluated, but for what permanent instructions before them wrote.
+/// Temporary data have no value when conditions are evaluated, unless permanent instructions before the sequencers write them.
 fn temporary(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>) {
     if facts.temporary.is_empty() {
         return;
@@ -144,7 +144,7 @@ fn temporary(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>) {
                     format!("the condition of {} reads the temporary variable #{name}", transition_title(transition));
                 messages.push(
                     Diagnostic::new(Code::TemporaryCondition, value.span, text)
-                        .label("actions run behind the conditions, and temporary data are lost at the end of the call")
+                        .label("actions run after the conditions, and temporary data is lost at the end of the call")
                         .help("declare it in VAR, as static data"),
                 );
             }

@@ -1,7 +1,7 @@
-//! Conditions as formulas over what they read: which are always the same, and which follow from others.
+//! Conditions as formulas over the operands they read: which are always the same, and which follow from others.
 //!
-//! Operands, comparisons and everything else that is no AND, OR, XOR or NOT is an atom, known by its text. A formula of few atoms is
-//! decided by its truth table; of more, only what its shape shows is known.
+//! Operands, comparisons and everything else that is not an AND, OR, XOR or NOT is an atom, identified by its text. A formula of few atoms is
+//! decided by its truth table; of a larger one, only what its shape shows is known.
 
 use plcc_syntax::Elementary;
 use plcc_syntax::chart::ast::Condition;
@@ -14,10 +14,10 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// Atoms of a truth table.
 const ATOMS_MAX: usize = 10;
 
-/// Parts of formulas that are decided by a truth table.
+/// Limit of parts in a formula that is decided with a truth table.
 const PARTS_MAX: usize = 1000;
 
-/// Elements of a network that is looked into.
+/// Largest number of elements in a network that is analyzed.
 const ELEMENTS_MAX: usize = 256;
 
 /// Words of a truth table.
@@ -40,14 +40,14 @@ impl Atoms {
         atom
     }
 
-    /// One whose value may differ each time: a call, an edge.
+    /// An atom whose value may differ each time: a call, an edge.
     fn unknown(&mut self) -> usize {
         self.count += 1;
         self.count - 1
     }
 }
 
-/// A part of a formula; parts that it is made of come before it.
+/// A part of a formula; the parts it consists of come before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Constant(bool),
@@ -62,12 +62,12 @@ enum Part {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Formula {
     parts: Vec<Part>,
-    /// It is nothing but TRUE or FALSE as written, or a wire.
+    /// It is only TRUE or FALSE as written, or a wire.
     pub plain: bool,
 }
 
 impl Formula {
-    /// What a condition says.
+    /// The formula of a condition.
     pub fn of(condition: &Condition, atoms: &mut Atoms) -> Formula {
         let mut build = Build { atoms, parts: Vec::new() };
         let root = match condition {
@@ -86,7 +86,7 @@ impl Formula {
                 _ => build.unknown(),
             },
         };
-        // Behind the value are only parts that were not used.
+        // Parts after the value are not used.
         let mut parts = build.parts;
         parts.truncate(root + 1);
         let plain = match condition {
@@ -99,7 +99,7 @@ impl Formula {
         Formula { parts, plain }
     }
 
-    /// TRUE, as where there is no condition.
+    /// TRUE, as for a missing condition.
     pub fn satisfied() -> Formula {
         Formula { parts: vec![Part::Constant(true)], plain: true }
     }
@@ -123,7 +123,7 @@ impl Formula {
         contradicts(&self.literals(false).0).then_some(true)
     }
 
-    /// Whenever `self` is TRUE, `other` is, too, as far as that can be told.
+    /// Whether `other` is TRUE whenever `self` is, as far as that can be found out.
     pub fn implies(&self, other: &Formula) -> bool {
         if other.constant() == Some(true) || self == other {
             return true;
@@ -157,7 +157,7 @@ impl Formula {
         Some(atoms)
     }
 
-    /// Its value for all values of the atoms, a bit each.
+    /// Its value for all values of the atoms, one bit for each.
     fn table(&self, atoms: &[usize]) -> Option<[u64; WORDS]> {
         let mut tables: Vec<[u64; WORDS]> = Vec::with_capacity(self.parts.len());
         for part in &self.parts {
@@ -177,7 +177,7 @@ impl Formula {
         tables.pop()
     }
 
-    /// Atoms and negated atoms that its outermost AND, or OR, joins, and whether it joins nothing else.
+    /// Atoms and negated atoms that its outermost AND or OR joins, and whether it joins only those.
     fn literals(&self, and: bool) -> (FxHashSet<(usize, bool)>, bool) {
         let mut literals = FxHashSet::default();
         let mut all = true;
@@ -218,7 +218,7 @@ fn column(atom: usize) -> [u64; WORDS] {
     })
 }
 
-/// A formula that is made.
+/// A formula under construction.
 struct Build<'a> {
     atoms: &'a mut Atoms,
     parts: Vec<Part>,
@@ -249,7 +249,7 @@ impl Build<'_> {
         }
     }
 
-    /// AND and OR, where one constant decides and the other does not matter.
+    /// AND and OR: one constant decides, the other does not matter.
     fn and_or(&mut self, a: usize, b: usize, and: bool) -> usize {
         match (self.constant(a), self.constant(b)) {
             (Some(value), _) if value == and => b,
@@ -324,10 +324,10 @@ impl Build<'_> {
         self.push(Part::Atom(atom))
     }
 
-    /// The value of the element that takes the condition; TRUE if there is none, as of an empty network.
+    /// The value of the element for the condition; TRUE if there is none, as in an empty network.
     fn network(&mut self, graph: &Graph) -> usize {
         let mut outputs: Vec<Option<usize>> = vec![None; graph.elements.len()];
-        // An element may stand before one that it needs: each round settles those whose inputs are known.
+        // An element may come before one that it needs: each round computes those whose inputs are known.
         loop {
             let mut settled = false;
             for (at, element) in graph.elements.iter().enumerate() {
@@ -351,7 +351,7 @@ impl Build<'_> {
         }
     }
 
-    /// What an element gives; none as long as an input is not known.
+    /// The value of an element; none as long as an input is not known.
     fn element(&mut self, graph: &Graph, element: &Element, outputs: &[Option<usize>]) -> Option<usize> {
         if !is_logic(element) {
             return None;
@@ -394,7 +394,7 @@ impl Build<'_> {
         Some(if pin.negated { self.not(value) } else { value })
     }
 
-    /// The OR of what feeds a net, and of the nets that feed it.
+    /// The OR of the outputs that feed a net, and of the nets that feed it.
     fn net(&mut self, graph: &Graph, net: usize, outputs: &[Option<usize>]) -> Option<usize> {
         let mut result = self.push(Part::Constant(false));
         let mut seen = vec![net];
@@ -404,7 +404,7 @@ impl Build<'_> {
                 let value = match source {
                     Source::Rail => self.push(Part::Constant(true)),
                     Source::Pin { element, .. } if is_logic(graph.elements.get(*element)?) => outputs[*element]?,
-                    // A box has several outputs, and may give something else each time.
+                    // A box has several outputs, and may have another value each time.
                     Source::Pin { .. } => self.unknown(),
                     Source::Operand { value, negated } => {
                         let value = self.expression(value);
@@ -425,7 +425,7 @@ impl Build<'_> {
     }
 }
 
-/// It gives nothing but what its inputs say.
+/// Its value depends only on its inputs.
 fn is_logic(element: &Element) -> bool {
     matches!(kind(element), Some(Kind::Condition | Kind::Not | Kind::Contact | Kind::Gate(_)))
 }
@@ -447,7 +447,7 @@ fn truth(value: &Expr) -> Option<bool> {
     }
 }
 
-/// It may have another value when it is computed again.
+/// It may have another value each time it is computed.
 fn changes(value: &Expr) -> bool {
     let mut open = vec![value];
     while let Some(value) = open.pop() {
@@ -492,7 +492,7 @@ mod tests {
         both[0].implies(&both[1])
     }
 
-    /// An AND of more operands than a truth table has.
+    /// An AND of more operands than a truth table can have.
     fn many(end: &str) -> String {
         let names: Vec<String> = (0..40).map(|n| format!("#a{n}")).collect();
         format!("{} AND {end}", names.join(" AND "))
@@ -505,7 +505,7 @@ mod tests {
         assert_eq!(constant("#a AND (#b OR FALSE)"), None);
         assert_eq!(constant("#n > 5 OR TRUE"), Some(true));
         assert_eq!(constant("#n > 5 AND NOT (#n > 5)"), Some(false));
-        assert_eq!(constant("F(#a) AND NOT F(#a)"), None, "a call may give another value");
+        assert_eq!(constant("F(#a) AND NOT F(#a)"), None, "a call may have another value");
         assert_eq!(constant(&many("NOT #a3")), Some(false));
         assert_eq!(constant(&many("#b")), None);
     }

@@ -1,29 +1,29 @@
 //! Which steps may be active together: a search through all markings of the net.
 //!
-//! A marking is the set of active steps. Conditions are not looked at: each transition may switch whenever the steps before it are
-//! active. A step is active or it is not, so that entering an active one is a mistake, of which the search tells; it does not go on
+//! A marking is the set of active steps. Conditions are ignored: each transition may switch whenever the steps before it are
+//! active. A step is active or not, so entering an active step is a mistake; the search notes it and does not go on
 //! from there. Source: GRAPH reference G.4.
 
 use rustc_hash::FxHashSet;
 
 use super::net::{Net, StepSet};
 
-/// Markings that a search looks at. Source: GRAPH reference G.4.
+/// Limit of markings in a search. Source: GRAPH reference G.4.
 pub const MARKINGS_MAX: usize = 100_000;
 
-/// Transitions that a search looks at, for each marking.
+/// Limit of transitions in a search, for each marking.
 const EFFORT: usize = 50;
 
-/// What a search found.
+/// The result of a search.
 #[derive(Debug)]
 pub struct Search {
-    /// All markings were looked at.
+    /// All markings were searched.
     pub complete: bool,
     /// Active steps that are entered, each once.
     pub entries: Vec<Entry>,
     /// By transition: it can switch.
     pub switched: Vec<bool>,
-    /// By step: steps that are active together with it, itself included.
+    /// By step: steps that may be active together with it, including itself.
     pub together: Vec<StepSet>,
 }
 
@@ -69,7 +69,7 @@ pub fn search(net: &Net, markings_max: usize) -> Search {
             looked += net.leaving[step].len();
             for &transition in &net.leaving[step] {
                 let (from, to) = sets[transition];
-                // Each transition once: at the first of its steps.
+                // Each transition once: with the first of its steps.
                 if net.transitions[transition].from[0] != step || !from.within(marking) {
                     continue;
                 }
@@ -95,7 +95,7 @@ pub fn search(net: &Net, markings_max: usize) -> Search {
     found
 }
 
-/// The last transition on the way to a state that has several steps behind it.
+/// The last transition on the way to a state with several steps after it.
 fn opener(net: &Net, states: &[State], at: usize) -> Option<usize> {
     let mut before = states[at].before;
     while let Some((state, transition)) = before {

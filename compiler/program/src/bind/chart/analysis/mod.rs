@@ -1,13 +1,13 @@
-//! Which charts can be. Source: GRAPH reference, chapter I.
+//! Which charts are valid. Source: GRAPH reference, chapter I.
 //!
 //! - `names`: names, numbers and limits.
 //! - `structure`: where sequencers begin and end, and how their steps are connected.
 //! - `branches`: simultaneous branches, with `regions` for their paths and `marking` for a search through all sets of active steps.
-//! - `conditions`: what `logic` tells of conditions.
-//! - `operands`: what rows of actions write.
+//! - `conditions`: what `logic` finds out about conditions.
+//! - `operands`: operands that rows of actions write.
 //! - `calls`: calls of the block.
 //!
-//! All but `calls` look at nothing but the chart, the parameters of its block and the addresses of symbols.
+//! All but `calls` depend only on the chart, the parameters of its block and the addresses of symbols.
 
 mod branches;
 mod calls;
@@ -35,11 +35,11 @@ use net::{Net, SET_MAX};
 use plcc_binding::fold;
 use plcc_syntax::symbols::SymbolTarget;
 
-/// Transitions of a chart whose pairs are looked at. GRAPH allows 250.
+/// Limit of transitions of a chart whose pairs are compared. GRAPH allows 250.
 const TRANSITIONS_MAX: usize = 1000;
 
 impl Binder<'_> {
-    /// Tells what is wrong with a chart.
+    /// Reports mistakes in a chart.
     pub fn check_chart(&mut self, ctx: &Ctx, block: &ast::CodeBlock, chart: &Chart, index: &Index) {
         let parameters: FxHashSet<String> =
             ctx.bound.interface.parameters.iter().map(|parameter| fold(&parameter.name)).collect();
@@ -56,7 +56,7 @@ impl Binder<'_> {
     }
 }
 
-/// What of the block and the program matters to a chart. Names are folded.
+/// The facts about the block and the program that matter to a chart. Names are folded.
 struct Facts<'a> {
     parameters: FxHashSet<String>,
     /// Local data of one call.
@@ -71,7 +71,7 @@ impl Facts<'_> {
     }
 }
 
-/// A chart with what the checks ask of it.
+/// A chart with data that the checks need.
 struct Checked<'a> {
     chart: &'a Chart,
     /// Name of the block.
@@ -81,7 +81,7 @@ struct Checked<'a> {
     manual: bool,
 }
 
-/// What is wrong with a chart alone.
+/// Mistakes in a chart alone.
 fn check(chart: &Chart, span: Span, index: &Index, facts: &Facts) -> Vec<Diagnostic> {
     let mut messages = Vec::new();
     let known = names::check(chart, index, &mut messages);
@@ -92,7 +92,7 @@ fn check(chart: &Chart, span: Span, index: &Index, facts: &Facts) -> Vec<Diagnos
         structure::check_ways(&checked, &mut messages);
     }
     conditions::check(chart, &checked.net, facts, &mut messages);
-    // Of a chart that is not whole, the rest would be follow-up mistakes.
+    // In an incomplete chart, further mistakes would only follow from this.
     if !chart.broken && known {
         let started = structure::check_steps(&checked, &mut messages);
         if chart.steps.len() <= SET_MAX && chart.transitions.len() <= TRANSITIONS_MAX {
@@ -140,12 +140,12 @@ impl Requests {
     }
 }
 
-/// As messages call a step: `step "Fill" (S003)`.
+/// A step as messages name it: `step "Fill" (S003)`.
 fn step_title(step: &Step) -> String {
     format!("step \"{}\" (S{:03})", step.name.text, step.number)
 }
 
-/// As messages call a transition: `transition "Full" (T003)`.
+/// A transition as messages name it: `transition "Full" (T003)`.
 fn transition_title(transition: &Transition) -> String {
     match transition.name.text.as_str() {
         "" => format!("transition T{:03}", transition.number),

@@ -20,13 +20,13 @@ const BRANCHES_MAX: usize = 256;
 const ALTERNATIVES_MAX: usize = 125;
 /// Paths of a simultaneous branch.
 const SIMULTANEOUS_MAX: usize = 249;
-/// Permanent instructions before the sequencers, and behind them.
+/// Permanent instructions before or after the sequencers.
 const PERMANENT_MAX: usize = 250;
 
-/// Unknown names for which a similar one is looked for.
+/// Limit of unknown names for which a similar name is searched.
 const SIMILAR_MAX: usize = 50;
 
-/// Tells of names, numbers and limits. False if it is not clear which steps the transitions name.
+/// Checks names, numbers and limits. False if it is not clear which steps the transitions name.
 pub fn check(chart: &Chart, index: &Index, messages: &mut Vec<Diagnostic>) -> bool {
     let clear = duplicates(chart, messages);
     if chart.dialect != Dialect::Sfc {
@@ -36,7 +36,7 @@ pub fn check(chart: &Chart, index: &Index, messages: &mut Vec<Diagnostic>) -> bo
     unknown(chart, index, messages) && clear
 }
 
-/// A step or transition: its name, number, place and title.
+/// A step or transition: its name, number, position and title.
 struct Entry<'c> {
     transition: bool,
     name: &'c str,
@@ -63,7 +63,7 @@ fn entries(chart: &Chart) -> impl Iterator<Item = Entry<'_>> {
     steps.chain(transitions)
 }
 
-/// False if a name is there twice.
+/// False if a name is used twice.
 fn duplicates(chart: &Chart, messages: &mut Vec<Diagnostic>) -> bool {
     let mut clear = true;
     // Transitions of an SFC need no names.
@@ -82,12 +82,12 @@ fn duplicates(chart: &Chart, messages: &mut Vec<Diagnostic>) -> bool {
                 .help(help)
         };
         if let Some(first) = name.filter(|&(first, _)| first != at) {
-            let title = format!("the name \"{}\" is there twice", entry.name);
-            let help = "each step and each transition of a block has a name of its own; letter case does not matter";
+            let title = format!("the name \"{}\" is used twice", entry.name);
+            let help = "each step and each transition of a block needs its own name; upper and lower case are the same";
             messages.push(message(title, first, help));
             clear = false;
         } else if number.0 != at {
-            let title = format!("the {kind} number {} is there twice", entry.number);
+            let title = format!("the {kind} number {} is used twice", entry.number);
             messages.push(message(title, number, &format!("give \"{}\" another number", entry.name)));
         }
     }
@@ -99,7 +99,7 @@ fn limit(span: Span, title: String, label: impl Display, help: &str) -> Diagnost
 }
 
 fn counts(chart: &Chart, messages: &mut Vec<Diagnostic>) {
-    const DIVIDE: &str = "divide the chart between several function blocks";
+    const DIVIDE: &str = "divide the chart among several function blocks";
     if let Some(step) = chart.steps.get(STEPS_MAX) {
         let title = format!("{} steps are too many for a GRAPH block", chart.steps.len());
         messages.push(limit(step.name.span, title, format!("S7-GRAPH allows {STEPS_MAX}"), DIVIDE));
@@ -108,7 +108,7 @@ fn counts(chart: &Chart, messages: &mut Vec<Diagnostic>) {
         let title = format!("{} transitions are too many for a GRAPH block", chart.transitions.len());
         messages.push(limit(transition.name.span, title, format!("S7-GRAPH allows {TRANSITIONS_MAX}"), DIVIDE));
     }
-    for (list, place) in [(&chart.before, "before"), (&chart.after, "behind")] {
+    for (list, place) in [(&chart.before, "before"), (&chart.after, "after")] {
         if let Some(permanent) = list.get(PERMANENT_MAX) {
             let title = format!("{} permanent instructions {place} the sequencers are too many", list.len());
             let help = "write them in a function, and call it as a permanent instruction";
@@ -130,13 +130,13 @@ fn counts(chart: &Chart, messages: &mut Vec<Diagnostic>) {
         let paths = leaving.get(&fold(&step.name.text)).copied().unwrap_or(0);
         if paths > ALTERNATIVES_MAX {
             let title = format!("{} has {paths} alternative paths", step_title(step));
-            let help = "join conditions, or lead some paths over a further step";
+            let help = "join conditions, or lead some paths through another step";
             messages.push(limit(step.name.span, title, format!("S7-GRAPH allows {ALTERNATIVES_MAX}"), help));
         }
     }
 }
 
-/// Tells of more sequencers, or of more branches in one, than GRAPH allows. `sequencer` has the first step of each step's.
+/// Reports more sequencers, or more branches in one, than GRAPH allows. `sequencer` has, for each step, the first step of its sequencer.
 pub fn check_sequencers(chart: &Chart, sequencer: &[usize], net: &Net, messages: &mut Vec<Diagnostic>) {
     if chart.dialect == Dialect::Sfc {
         return;
@@ -145,7 +145,8 @@ pub fn check_sequencers(chart: &Chart, sequencer: &[usize], net: &Net, messages:
     if let Some(&first) = firsts.get(SEQUENCERS_MAX) {
         let title = format!("{} sequencers are too many for a GRAPH block", firsts.len());
         let label = format!("S7-GRAPH allows {SEQUENCERS_MAX}; another one begins here");
-        let help = "divide them between several function blocks; steps that no transition connects are sequencers of their own";
+        let help =
+            "divide them among several function blocks; steps that no transition connects are separate sequencers";
         messages.push(limit(chart.steps[first].name.span, title, label, help));
     }
     let mut branches: FxHashMap<usize, usize> = FxHashMap::default();
@@ -178,17 +179,17 @@ fn names(chart: &Chart, messages: &mut Vec<Diagnostic>) {
         if length > length_max {
             let title = format!("the name of {} is too long", entry.title);
             let label = format!("{length} characters; {length_max} are possible");
-            messages.push(limit(entry.span, title, label, "choose a shorter name; the comment has room for the rest"));
+            messages.push(limit(entry.span, title, label, "choose a shorter name; the comment has room for more text"));
         }
         if entry.number == 0 || entry.number > number_max {
-            let title = format!("{} is no number of a step or transition", entry.number);
-            let help = "number steps, and transitions, from 1 on";
+            let title = format!("{} is not a valid number of a step or transition", entry.number);
+            let help = "number steps and transitions from 1";
             messages.push(limit(entry.span, title, format!("1 to {number_max} are possible"), help));
         }
     }
 }
 
-/// False if a transition names a step that is not there.
+/// False if a transition names a step that does not exist.
 fn unknown(chart: &Chart, index: &Index, messages: &mut Vec<Diagnostic>) -> bool {
     let mut told: FxHashSet<String> = FxHashSet::default();
     for transition in &chart.transitions {

@@ -1,4 +1,4 @@
-//! A chart as a net of steps and transitions, known by their places in the chart. Branches are not told apart here.
+//! A chart as a net of steps and transitions, identified by their positions in the chart. Branches are not distinguished here.
 
 use plcc_syntax::chart::ast::Body as Chart;
 
@@ -7,7 +7,7 @@ use crate::bind::chart::index::Index;
 /// Steps that a [`StepSet`] can hold. GRAPH allows 250.
 pub const SET_MAX: usize = 256;
 
-/// The transitions of a chart, and those beside each step.
+/// The transitions of a chart, and those next to each step.
 #[derive(Clone, Debug, Default)]
 pub struct Net {
     pub transitions: Vec<Arcs>,
@@ -18,7 +18,7 @@ pub struct Net {
     pub initial: Vec<usize>,
 }
 
-/// Steps around a transition, in ascending order, each once.
+/// Steps before or after a transition, in ascending order, each once.
 #[derive(Clone, Debug, Default)]
 pub struct Arcs {
     pub from: Vec<usize>,
@@ -27,7 +27,7 @@ pub struct Arcs {
 }
 
 impl Net {
-    /// The net of a chart. Names of steps that are not there are left out.
+    /// The net of a chart. Names of missing steps are skipped.
     pub fn new(chart: &Chart, index: &Index) -> Net {
         let transitions = chart.transitions.iter().map(|transition| Arcs {
             from: steps(transition.from.iter().filter_map(|name| index.step(&name.text))),
@@ -52,12 +52,12 @@ impl Net {
         self.leaving.len()
     }
 
-    /// No transition is beside the step.
+    /// No transition is next to the step.
     pub fn is_alone(&self, step: usize) -> bool {
         self.leaving[step].is_empty() && self.entering[step].is_empty()
     }
 
-    /// The sequencer of each step, by the first step of it: steps that transitions connect.
+    /// The sequencer of each step, identified by its first step: steps that transitions connect.
     pub fn sequencers(&self) -> Vec<usize> {
         let mut sequencer = vec![usize::MAX; self.steps()];
         let mut passed = vec![false; self.transitions.len()];
@@ -80,21 +80,21 @@ impl Net {
     }
 }
 
-/// Steps that are reached, and the transitions behind them.
+/// Steps that are reached, and the transitions after them.
 pub struct Reach {
     pub steps: Vec<bool>,
     passed: Vec<bool>,
 }
 
 impl Reach {
-    /// What is reached from `start`.
+    /// Everything that is reached from `start`.
     pub fn new(net: &Net, start: impl IntoIterator<Item = usize>) -> Reach {
         let mut reach = Reach { steps: vec![false; net.steps()], passed: vec![false; net.transitions.len()] };
         reach.extend(net, start);
         reach
     }
 
-    /// Adds what is reached from `start`.
+    /// Adds everything that is reached from `start`.
     pub fn extend(&mut self, net: &Net, start: impl IntoIterator<Item = usize>) {
         let mut open: Vec<usize> = start.into_iter().collect();
         while let Some(step) = open.pop() {

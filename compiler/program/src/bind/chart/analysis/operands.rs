@@ -1,4 +1,4 @@
-//! What rows of actions write: operands of steps that are active together, and operands that are set and never reset.
+//! Operands that rows of actions write: those of steps that are active together, and those that are set and never reset.
 
 use plcc_diag::{Code, Diagnostic};
 use plcc_syntax::ast::{Area, BlockName, BlockPrefix, OperandKind, Width};
@@ -13,10 +13,10 @@ use super::{Facts, step_title};
 use crate::bind::mentions::{action_expressions, permanent_expressions};
 use plcc_syntax::symbols::{SymbolTarget, parse_address};
 
-/// What a row writes, in a form in which all names of one operand are the same.
+/// The operand that a row writes, in a form that is the same for all its names.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Place {
-    /// Bits of an area; of a DB with its number.
+    /// Bits of an area; for a DB with its number.
     Memory { area: Area, db: u16, start: u64, bits: u32 },
     /// Folded.
     Named(String),
@@ -31,7 +31,7 @@ enum Write {
     Reset,
 }
 
-/// Operands that two steps write which may be active together.
+/// Operands written by two steps that may be active together.
 pub fn check_shared(chart: &Chart, together: &[StepSet], facts: &Facts, messages: &mut Vec<Diagnostic>) {
     let mut rows: FxHashMap<Place, Vec<(usize, Write, &Expr)>> = FxHashMap::default();
     let mut seen: FxHashSet<(usize, Write, Place)> = FxHashSet::default();
@@ -74,8 +74,8 @@ pub fn check_shared(chart: &Chart, together: &[StepSet], facts: &Facts, messages
         messages.push(
             Diagnostic::new(Code::SharedOperand, second.span, text)
                 .label(label)
-                .also(first.span, format!("written by {}, too", step_title(a)))
-                .help("write it in one of these paths only, or give each path a bit of its own and join them behind the sequencers"),
+                .also(first.span, format!("also written by {}", step_title(a)))
+                .help("write it in one of these paths only, or give each path its own bit and join the bits after the sequencers"),
         );
     }
 }
@@ -98,7 +98,9 @@ pub fn check_reset(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>)
                 format!("`{name}` is set in {step} and reset nowhere in the block"),
             )
             .label("stays 1 once this step was active")
-            .help("add a row of R to the step in which it goes off, or write it by N in the steps in which it is on"),
+            .help(
+                "add a row with R to the step in which it goes off, or write it with N in the steps in which it is on",
+            ),
         );
     }
 }
@@ -112,7 +114,7 @@ fn resets(chart: &Chart, facts: &Facts) -> FxHashSet<Place> {
             PermanentKind::Coil { operand, coil: Coil::Assign | Coil::Reset, .. } => {
                 resets.extend(place(operand, facts));
             }
-            // They may write whatever they name.
+            // They may write any operand that they name.
             PermanentKind::Call(_) | PermanentKind::Network(_) => {
                 permanent_expressions(permanent, &mut |value| resets.extend(place(value, facts)));
             }
@@ -137,7 +139,7 @@ fn steps_and_actions(chart: &Chart) -> impl Iterator<Item = (usize, &Action)> {
     chart.steps.iter().enumerate().flat_map(|(at, step)| step.actions.iter().map(move |action| (at, action)))
 }
 
-/// The operand of a row and how it is written; rows that write once, at an event, do not hold an operand at a value.
+/// The operand of a row and how it is written; rows that write once, at an event, do not keep an operand at a value.
 fn written(action: &Action) -> Option<(Write, &Expr)> {
     match (action.qualifier, &action.body) {
         (Qualifier::S, ActionBody::Operand(value)) => Some((Write::Set, value)),
@@ -164,7 +166,7 @@ impl Place {
         Place::Memory { area, db, start: u64::from(byte) * 8 + u64::from(bit), bits: width.bits() }
     }
 
-    /// The bit or component itself, and everything that it may be a part of.
+    /// The bit or component itself, and everything it may be part of.
     fn with_wholes(&self) -> Box<dyn Iterator<Item = Place> + '_> {
         match self {
             Place::Memory { area, db, start, .. } => {
@@ -188,7 +190,7 @@ impl Place {
     }
 }
 
-/// Where an operand lies; none of one whose place is computed.
+/// The address of an operand; none if it is computed.
 fn place(value: &Expr, facts: &Facts) -> Option<Place> {
     match &value.kind {
         ExprKind::Absolute(OperandKind::Absolute { area, width, byte, bit }) => {
@@ -232,7 +234,7 @@ fn db_number(name: &str, facts: &Facts) -> Option<u16> {
     }
 }
 
-/// No part of its place is computed.
+/// No part of its address is computed.
 fn is_fixed(value: &Expr) -> bool {
     let mut value = value;
     loop {

@@ -1,23 +1,23 @@
-//! Simultaneous branches by their drawing: which steps a path has, and where it is left or entered beside the branch and its join.
+//! Simultaneous branches as drawn: which steps a path has, and where it is left or entered other than by the branch and its join.
 //!
-//! A path has the steps behind its first one, up to the join. A chart in which each branch has a join that takes one step of every
-//! path, and no other way out or in, has nothing that could go wrong: then its paths tell which steps are active together, without a
+//! A path has the steps after its first one, up to the join. A chart in which each branch has a join with one step of every
+//! path, and no other way out or in, cannot go wrong: its paths show which steps are active together, without a
 //! search. Source: GRAPH reference, chapter I, "Detection".
 
 use super::net::{Net, StepSet};
 
-/// Transitions times paths up to which paths are looked for. A chart of 250 steps has some thousands.
+/// Limit of transitions times paths for the search for paths. A chart of 250 steps has some thousands.
 const WORK_MAX: usize = 20_000_000;
 
 /// A transition that leaves or enters a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stray {
     pub transition: usize,
-    /// Where it leads.
+    /// Where it goes.
     pub step: usize,
     /// The transition that opens the paths.
     pub opener: usize,
-    /// It leads into the path.
+    /// It goes into the path.
     pub inward: bool,
 }
 
@@ -25,16 +25,16 @@ pub struct Stray {
 #[derive(Debug, Default)]
 pub struct Branches {
     pub strays: Vec<Stray>,
-    /// Openers whose paths do not end in a join as they should.
+    /// Openers whose paths do not end in one join.
     pub loose: Vec<usize>,
     /// By step: steps of other paths, and of other sequencers.
     pub together: Vec<StepSet>,
-    /// Each sequencer has one initial step, outside of all paths, or none.
+    /// Each sequencer has at most one initial step, outside of all paths.
     pub one_start: bool,
 }
 
 impl Branches {
-    /// The paths tell all there is about markings.
+    /// The paths alone show all markings.
     pub fn proven(&self) -> bool {
         self.one_start && self.loose.is_empty()
     }
@@ -79,11 +79,11 @@ fn sequencers(net: &Net, inside: StepSet, found: &mut Branches) {
 struct Branch<'n> {
     net: &'n Net,
     opener: usize,
-    /// By path: what comes behind its first step, joins and ways out not minded.
-    behind: Vec<StepSet>,
-    /// By path: those of `behind` that lead to the join.
+    /// By path: what comes after its first step, ignoring joins and ways out.
+    following: Vec<StepSet>,
+    /// By path: those of `following` on the way to the join.
     toward: Vec<StepSet>,
-    /// What is active without the branch, or after it.
+    /// Steps that are active without the branch, or after it.
     outside: StepSet,
     /// By path: its steps.
     paths: Vec<StepSet>,
@@ -95,16 +95,17 @@ impl<'n> Branch<'n> {
         let firsts = &net.transitions[opener].to;
         let forward = |start: StepSet, stop: StepSet, skip: &[usize]| forward(net, start, stop, skip);
         let none = StepSet::default();
-        let behind: Vec<StepSet> = firsts.iter().map(|&step| forward(StepSet::of(&[step]), none, &[opener])).collect();
+        let following: Vec<StepSet> =
+            firsts.iter().map(|&step| forward(StepSet::of(&[step]), none, &[opener])).collect();
         let joins: Vec<usize> = (0..net.transitions.len())
             .filter(|&at| {
                 let from = StepSet::of(&net.transitions[at].from);
-                from.len() > 1 && behind.iter().filter(|path| path.meets(from)).count() > 1
+                from.len() > 1 && following.iter().filter(|path| path.meets(from)).count() > 1
             })
             .collect();
         let ends = joins.iter().fold(none, |all, &join| all.with(StepSet::of(&net.transitions[join].from)));
         let toward: Vec<StepSet> =
-            behind.iter().map(|&path| backward(net, ends.common(path), opener).common(path)).collect();
+            following.iter().map(|&path| backward(net, ends.common(path), opener).common(path)).collect();
         let inner = toward.iter().fold(none, |all, &path| all.with(path));
         let main = forward(StepSet::of(&net.initial).without(inner), none, &[opener]);
         let after = joins
@@ -114,10 +115,10 @@ impl<'n> Branch<'n> {
         let outside = main.with(after);
         let skip: Vec<usize> = joins.iter().copied().chain([opener]).collect();
         let paths = firsts.iter().map(|&step| forward(StepSet::of(&[step]), outside, &skip).without(outside)).collect();
-        Branch { net, opener, behind, toward, outside, paths, joins }
+        Branch { net, opener, following, toward, outside, paths, joins }
     }
 
-    /// Notes what is wrong with the branch, and which of its steps are active together.
+    /// Notes the mistakes of the branch, and which of its steps are active together.
     fn judge(&self, found: &mut Branches) {
         let strays = self.strays();
         let good = strays.is_empty() && self.paths_are_apart() && self.joins_are_whole() && self.entries_are_own();
@@ -148,7 +149,7 @@ impl<'n> Branch<'n> {
         })
     }
 
-    /// No transition but the opener leads into a path from elsewhere.
+    /// No transition but the opener goes into a path from elsewhere.
     fn entries_are_own(&self) -> bool {
         self.paths.iter().all(|&path| {
             let mut entering = path.iter().flat_map(|step| &self.net.entering[step]);
@@ -156,13 +157,13 @@ impl<'n> Branch<'n> {
         })
     }
 
-    /// Transitions that leave a path beside the join, or enter it beside the opener.
+    /// Transitions that leave a path other than through the join, or enter it other than through the opener.
     fn strays(&self) -> Vec<Stray> {
         let mut strays: Vec<Stray> = Vec::new();
         for (at, arcs) in self.net.transitions.iter().enumerate() {
             let from = StepSet::of(&arcs.from);
             let beside = at != self.opener && !self.joins.contains(&at);
-            // Where paths have run into each other, all that comes behind follows from that.
+            // Once paths have met, all that comes after follows from that.
             let mut of = (0..self.paths.len()).filter(|&path| from.within(self.path_of(path)));
             let (Some(path), None) = (of.next(), of.next()) else { continue };
             for &step in arcs.to.iter().filter(|_| beside) {
@@ -184,18 +185,18 @@ impl<'n> Branch<'n> {
         self.paths[path].with(StepSet::of(&[first]))
     }
 
-    /// A jump from a path leads into another one.
+    /// A jump from one path goes into another.
     fn is_of_another(&self, step: usize, path: usize) -> bool {
         (0..self.paths.len()).any(|other| other != path && self.toward[other].has(step))
     }
 
-    /// A way between a path and the outside. If a step inside of the path was entered from outside, that is the mistake.
+    /// A way between a path and the outside. If a step inside the path is entered from outside, that is the mistake.
     fn stray(&self, transition: usize, step: usize, path: usize) -> Stray {
         let is_outer = |&&at: &&usize| {
             let from = StepSet::of(&self.net.transitions[at].from);
             at != self.opener && at != transition && !from.within(self.paths[path])
         };
-        let inner = self.toward[path].has(step) && self.behind[path].has(step);
+        let inner = self.toward[path].has(step) && self.following[path].has(step);
         let outer = self.net.entering[step].iter().filter(|_| inner && !self.net.transitions[transition].jump);
         match outer.filter(is_outer).copied().next() {
             Some(outer) => Stray { transition: outer, step, opener: self.opener, inward: true },
@@ -204,7 +205,7 @@ impl<'n> Branch<'n> {
     }
 }
 
-/// Steps that may come behind `start`, up to those of `stop`, which are included. A transition passes when all steps before it are there.
+/// Steps that may come after `start`, up to those of `stop`, which are included. A transition passes when all steps before it are there.
 fn forward(net: &Net, start: StepSet, stop: StepSet, skip: &[usize]) -> StepSet {
     let mut found = start;
     let mut open: Vec<usize> = start.iter().collect();
@@ -227,7 +228,7 @@ fn forward(net: &Net, start: StepSet, stop: StepSet, skip: &[usize]) -> StepSet 
     found
 }
 
-/// Steps that lead to those of `ends`, not through the transition `skip`.
+/// Steps on the way to those of `ends`, not through the transition `skip`.
 fn backward(net: &Net, ends: StepSet, skip: usize) -> StepSet {
     let mut found = ends;
     let mut open: Vec<usize> = ends.iter().collect();
@@ -305,9 +306,9 @@ mod tests {
     fn ways_out_of_a_path() {
         let out: &[Way] = &[(&[0], &[1, 2]), (&[1], &[3]), (&[2], &[4]), (&[3, 4], &[5]), (&[5], &[0]), (&[1], &[0])];
         assert_eq!(strays(6, &[0], out), [(5, 0, false)]);
-        let behind: &[Way] =
+        let beyond: &[Way] =
             &[(&[0], &[1, 2]), (&[1], &[3]), (&[2], &[4]), (&[3, 4], &[5]), (&[5], &[0]), (&[1], &[5])];
-        assert_eq!(strays(6, &[0], behind), [(5, 5, false)]);
+        assert_eq!(strays(6, &[0], beyond), [(5, 5, false)]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use rustc_hash::FxHashSet;
 use super::net::{Arcs, Net, Reach};
 use super::{Checked, names, step_title, transition_title};
 
-/// Transitions that are missing, or leave nothing.
+/// Transitions that are missing, or that leave no step.
 pub fn check_transitions(checked: &Checked, messages: &mut Vec<Diagnostic>) {
     let chart = checked.chart;
     for transition in &chart.transitions {
@@ -23,13 +23,13 @@ pub fn check_transitions(checked: &Checked, messages: &mut Vec<Diagnostic>) {
             messages.push(
                 Diagnostic::new(Code::NoFromStep, span, format!("{title} leaves no step"))
                     .label("it can never switch")
-                    .help("name the step before it behind FROM, or connect it to a step"),
+                    .help("name the step before it after FROM, or connect it to a step"),
             );
         }
     }
 }
 
-/// Transitions that lead back to where they begin, and ways back that no jump shows.
+/// Transitions that go back to where they begin, and ways back that are not drawn as a jump.
 pub fn check_ways(checked: &Checked, messages: &mut Vec<Diagnostic>) {
     let Checked { chart, net, .. } = checked;
     for (transition, arcs) in chart.transitions.iter().zip(&net.transitions) {
@@ -46,7 +46,7 @@ pub fn check_ways(checked: &Checked, messages: &mut Vec<Diagnostic>) {
             let text = format!("{title} leaves and enters {}", step_title(step));
             Diagnostic::new(Code::SelfLoop, span, text)
                 .label(
-                    "the step is entered again, and its time starts again, in each call in which the condition holds",
+                    "the step is entered again, and its time starts again, in each call in which the condition is TRUE",
                 )
                 .help("insert an empty step on the way back, or remove the transition")
         };
@@ -55,20 +55,20 @@ pub fn check_ways(checked: &Checked, messages: &mut Vec<Diagnostic>) {
     unmarked_jumps(checked, messages);
 }
 
-/// A circle without a jump cannot be drawn. Told is the transition that closes it, as seen from the initial steps.
+/// A circle without a jump cannot be drawn. Reports the transition that closes it, as seen from the initial steps.
 fn unmarked_jumps(checked: &Checked, messages: &mut Vec<Diagnostic>) {
     #[derive(Clone, Copy, PartialEq)]
     enum Mark {
         New,
-        /// On the way from the initial step to here.
+        /// On the way from the initial step to this step.
         Open,
         Done,
     }
     let Checked { chart, net, .. } = checked;
-    // Nodes are steps, and behind them transitions.
+    // The nodes are the steps, followed by the transitions.
     let steps = net.steps();
     let none: &[usize] = &[];
-    let nodes_behind = |node: usize| match node.checked_sub(steps) {
+    let nodes_after = |node: usize| match node.checked_sub(steps) {
         None => net.leaving[node].as_slice(),
         Some(at) if net.transitions[at].jump || leads_back(&net.transitions[at]) => none,
         Some(at) => net.transitions[at].to.as_slice(),
@@ -79,10 +79,10 @@ fn unmarked_jumps(checked: &Checked, messages: &mut Vec<Diagnostic>) {
             continue;
         }
         marks[start] = Mark::Open;
-        // A node, and how many of those behind it were looked at.
+        // A node, and how many of its successors have been visited.
         let mut open = vec![(start, 0)];
         while let Some((node, looked)) = open.pop() {
-            let Some(&next) = nodes_behind(node).get(looked) else {
+            let Some(&next) = nodes_after(node).get(looked) else {
                 marks[node] = Mark::Done;
                 continue;
             };
@@ -94,33 +94,33 @@ fn unmarked_jumps(checked: &Checked, messages: &mut Vec<Diagnostic>) {
             } else if marks[next] == Mark::Open && next < steps {
                 let (transition, target) = (&chart.transitions[node - steps], &chart.steps[next]);
                 let (title, target_title) = (transition_title(transition), step_title(target));
-                let text = format!("{title} leads back to {target_title}, and is not drawn as a jump");
+                let text = format!("{title} goes back to {target_title} but is not drawn as a jump");
                 messages.push(
                     Diagnostic::new(Code::UnmarkedJump, transition.name.span, text)
                         .label("closes a circle")
                         .also(target.name.span, "this step comes before it")
-                        .help("draw it as a jump; in source text, write (*$_JUMP*) behind the name of the step"),
+                        .help("draw it as a jump; in source text, write (*$_JUMP*) after the name of the step"),
                 );
             }
         }
     }
 }
 
-/// A step is before it and behind it.
+/// There is a step before it and one after it.
 fn leads_back(arcs: &Arcs) -> bool {
     common(arcs).is_some()
 }
 
-/// The first step that is both before and behind a transition.
+/// The first step that is both before and after a transition.
 fn common(arcs: &Arcs) -> Option<usize> {
     arcs.from.iter().copied().find(|step| arcs.to.binary_search(step).is_ok())
 }
 
-/// Whether the initial steps are such that a run from them shows what may be active.
+/// Whether a run from the initial steps shows what may be active.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
     Good,
-    /// They are wrong, which was told.
+    /// They are wrong, which has been reported.
     Wrong,
 }
 
@@ -131,9 +131,9 @@ pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
     names::check_sequencers(chart, &sequencer, net, messages);
     let no_start = sequencers_without_start(checked, &sequencer, messages);
 
-    // What is reached, or has been explained.
+    // Nodes that are reached or have been explained.
     let mut known = Reach::new(net, net.initial.iter().chain(&requests.on).copied());
-    // Steps that nothing enters first: they explain what comes behind them.
+    // First, steps that nothing enters: they explain what comes after them.
     let roots = (0..net.steps()).filter(|&step| net.entering[step].is_empty()).chain(0..net.steps());
     let mut unreachable = Vec::new();
     for step in roots {
@@ -153,8 +153,8 @@ pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
             let step = &chart.steps[step];
             messages.push(
                 Diagnostic::new(Code::DeadEnd, step.name.span, format!("nothing leaves {}", step_title(step)))
-                    .label("active for ever once it is entered; a join behind it would never switch")
-                    .help("add a transition behind it: to the next step, as a jump, or to the end of the sequence"),
+                    .label("active for ever once it is entered; a join after it would never switch")
+                    .help("add a transition after it: to the next step, as a jump, or to the end of the sequence"),
             );
         }
     }
@@ -162,7 +162,7 @@ pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
     if no_start.is_empty() && together { Start::Good } else { Start::Wrong }
 }
 
-/// Tells of sequencers that nothing starts; the first steps of those.
+/// Reports sequencers that nothing starts; returns the first steps of those.
 fn sequencers_without_start(
     checked: &Checked,
     sequencer: &[usize],
@@ -174,10 +174,10 @@ fn sequencers_without_start(
         Diagnostic::new(Code::NoInitialStep, span, text).label("nothing ever activates a step here")
     };
     if net.initial.is_empty() {
-        // The block itself starts at an initial step, whatever switches steps later.
+        // The block itself starts at an initial step, even if something else switches steps later.
         let span = chart.steps.first().map_or(checked.span, |step| step.name.span);
         let text = "the chart has no initial step".to_string();
-        messages.push(message(span, text).help("make its first step an INITIAL_STEP: a fresh instance starts there"));
+        messages.push(message(span, text).help("make its first step an INITIAL_STEP: a new instance starts there"));
         return firsts.collect();
     }
     let mut started: FxHashSet<usize> = FxHashSet::default();
@@ -187,7 +187,7 @@ fn sequencers_without_start(
     for &first in &none {
         let step = &chart.steps[first];
         let text = format!("the sequencer of {} has no initial step", step_title(step));
-        let help = "make its first step an initial step, or activate one of its steps by a jump or a row of ON";
+        let help = "make its first step an initial step, or activate one of its steps with a jump or a row with ON";
         messages.push(message(step.name.span, text).help(help));
     }
     none.into_iter().collect()
@@ -199,26 +199,26 @@ fn unreachable_step(checked: &Checked, step: usize, manual: bool) -> Diagnostic 
     let step = &chart.steps[step];
     let text = format!("nothing reaches {}", step_title(step));
     let message = Diagnostic::new(Code::UnreachableStep, step.name.span, text)
-        .help("let a transition lead to it, activate it by a row of ON, or remove it");
+        .help("add a transition to it, activate it with a row with ON, or remove it");
     let mut message = match entering {
         None => message.label("no initial step, and no transition leads here"),
         Some(&at) => {
             let transition = &chart.transitions[at];
             let text = format!("{} leads here, but is not reached either", transition_title(transition));
-            message.label("no way from an initial step leads here").also(transition.name.span, text)
+            message.label("no path from an initial step reaches it").also(transition.name.span, text)
         }
     };
-    // Another way in may be missing in a circle, by hand every step can be activated.
+    // In a circle, another way in may be missing; by hand, every step can be activated.
     if manual || entering.is_some() {
         message.severity = Severity::Warning;
     }
     message
 }
 
-/// Initial steps whose ways meet exclude each other: both would be active in one sequence. False if there are such.
+/// Initial steps whose ways meet conflict: both would be active in one sequence. False if there are any.
 fn initial_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> bool {
     let Checked { chart, net, .. } = checked;
-    // The initial step from which a way leads to each step.
+    // For each step, the initial step from which it is reached.
     let mut owner: Vec<Option<usize>> = vec![None; net.steps()];
     let mut good = true;
     for &initial in &net.initial {
@@ -237,7 +237,7 @@ fn initial_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> bool {
     good
 }
 
-/// Goes forward from an initial step, up to joins and jumps, and takes the steps for its own. The other initial step whose way it meets.
+/// Goes forward from an initial step, up to joins and jumps, and marks the steps as its own. Returns the other initial step whose way it meets.
 fn meets(net: &Net, owner: &mut [Option<usize>], initial: usize) -> Option<usize> {
     let mut met = None;
     let mut open = vec![initial];

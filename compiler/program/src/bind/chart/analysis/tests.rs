@@ -1,4 +1,4 @@
-//! Charts in a line a step or transition: `*Fill: N #q; S #lamp`, `Fill > Stir, Heat : #full`, `Stir + Heat >> Fill` (a jump).
+//! Charts with one step or transition per line: `*Fill: N #q; S #lamp`, `Fill > Stir, Heat : #full`, `Stir + Heat >> Fill` (a jump).
 
 use plcc_diag::{FileId, Severity, Span};
 use plcc_syntax::chart::ast::{Action, ActionBody, Body as Chart, Condition, Event, Qualifier, Step, Transition};
@@ -80,7 +80,7 @@ fn chart(lines: &[&str]) -> Chart {
     chart
 }
 
-/// Codes of a chart whose block has those parameters and temporary data; warnings in parentheses.
+/// Codes of a chart whose block has these parameters and temporary data; warnings in parentheses.
 fn codes_of(chart: &Chart, parameters: &[&str], temporary: &[&str]) -> Vec<String> {
     let set = |names: &[&str]| names.iter().map(|name| name.to_string()).collect::<FxHashSet<String>>();
     let facts = Facts { parameters: set(parameters), temporary: set(temporary), symbol: &|_| None };
@@ -217,7 +217,7 @@ fn conditions() {
     assert_eq!(codes_of(&other, &[], &["t"]), ["(P0578)"]);
 }
 
-/// Two paths, each of two steps, and the step behind them.
+/// Two paths, each of two steps, and the step after them.
 const PATHS: [&str; 6] = ["*A", "B", "C", "D", "E", "F"];
 
 fn paths(transitions: &[&'static str]) -> Vec<&'static str> {

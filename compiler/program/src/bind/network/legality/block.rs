@@ -1,4 +1,4 @@
-//! What only all networks of a block together show: operands of two coils, shared edge memory bits and instances, labels.
+//! Mistakes that only show in all networks of a block together: operands of two coils, shared edge memory bits and instances, labels.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::network::ast::{Body, Content, Element, Network, PinValue, Source, Target};
@@ -11,11 +11,11 @@ use rustc_hash::FxHashMap;
 use super::row;
 use crate::bind::network::DRAWINGS_MAX;
 
-/// Warnings about operands that several elements of a block use; operands are compared as they are written.
+/// Warnings about operands that several elements of a block use; operands are compared as written.
 pub fn block_warnings(body: &Body) -> Vec<Diagnostic> {
     let mut block = Block::default();
     for network in &body.networks {
-        // A jump may come from anywhere and leave out what is before.
+        // A jump may come from anywhere and skip the networks before.
         if !network.labels.is_empty() {
             block.forget();
         }
@@ -51,13 +51,13 @@ impl Block {
         self.messages.push(if is_drawn { message.note(draw(network, Some(at))) } else { message });
     }
 
-    /// What comes next may run without what came before.
+    /// The following elements may run without the preceding ones.
     fn forget(&mut self) {
         self.coils.clear();
         self.instances.clear();
     }
 
-    /// A local variable that was read between two coils is used again, which is no mistake.
+    /// A local variable that was read between two coils is used again, which is not a mistake.
     fn read(&mut self, value: &Expr) {
         if let Some(key) = key(value).filter(|_| is_local(value)) {
             self.coils.remove(&key);
@@ -98,7 +98,7 @@ impl Block {
             let message = Diagnostic::new(Code::DoubleCoil, value.span, text)
                 .label("overwrites what the first coil wrote")
                 .also(first, "the first coil")
-                .help("join both conditions before one coil, or use a set and a reset coil");
+                .help("join both conditions into one coil, or use a set and a reset coil");
             self.report(message, network, at);
         }
     }
@@ -108,9 +108,9 @@ impl Block {
         if let Some(first) = self.edges.insert(key, value.span) {
             let text = format!("two edges share the edge memory bit `{}`", operand(value));
             let message = Diagnostic::new(Code::EdgeBit, value.span, text)
-                .label("this edge sees what the other one wrote")
+                .label("this edge reads what the other one wrote")
                 .also(first, "the first edge")
-                .help("give each edge a BOOL of its own, in bit memory or in static data");
+                .help("give each edge its own BOOL, in bit memory or in static data");
             self.report(message, network, at);
         }
     }
@@ -121,8 +121,8 @@ impl Block {
             let text = format!("the instance `{}` runs twice in a cycle", operand(value));
             let message = Diagnostic::new(Code::InstanceUse, value.span, text)
                 .label("runs with other inputs here")
-                .also(first, "runs here already")
-                .help("declare an instance for each of the two; its outputs may be read as often as you like");
+                .also(first, "already runs here")
+                .help("declare an instance for each of the two; you can read its outputs as often as you like");
             self.report(message, network, at);
         }
     }
@@ -133,7 +133,7 @@ fn is_timed(name: &str) -> bool {
     matches!(name, "TP" | "TON" | "TOF" | "TONR" | "CTU" | "CTD" | "CTUD" | "R_TRIG" | "F_TRIG")
 }
 
-/// The text of an operand that is the same variable wherever it stands.
+/// The text of an operand that is the same variable everywhere.
 fn key(value: &Expr) -> Option<String> {
     is_fixed(value).then(|| expr(value).to_lowercase())
 }

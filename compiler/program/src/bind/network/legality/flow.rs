@@ -1,4 +1,4 @@
-//! The flow: it comes from the rail, goes from left to right, and ends in something that acts.
+//! The flow: it comes from the rail, goes from left to right, and ends in an element that acts.
 
 use plcc_diag::Code;
 use plcc_syntax::network::ast::{Element, Language, Net, NetId, PinValue, Source};
@@ -33,9 +33,9 @@ fn sources(check: &mut Check, at: usize, net: &Net) {
     let first = feeds.elements.first().copied();
     if net.sources.is_empty() {
         let Some(element) = first.and_then(|at| check.graph.elements.get(at)) else { return };
-        let text = format!("nothing feeds {}, from which {} takes its signal", called(net), title(element));
+        let text = format!("nothing feeds {}, which gives {} its signal", called(net), title(element));
         let help = "begin the rung at the power rail, or end another branch where this one begins";
-        return check.report(Code::NoSource, element.span, first, text, "no signal can come here", help);
+        return check.report(Code::NoSource, element.span, first, text, "no signal can get here", help);
     }
     if check.network.language != Language::Lad {
         return;
@@ -47,12 +47,12 @@ fn sources(check: &mut Check, at: usize, net: &Net) {
     });
     if bare.is_some() {
         let text = format!("a branch without an element bridges the elements before {}", called(net));
-        let help = "put a contact into the branch or remove it: it makes what lies parallel to it useless";
+        let help = "put a contact into the branch or remove it: it makes the elements parallel to it useless";
         check.report(Code::ShortCircuit, net.span, first, text, "short circuit", help);
     }
 }
 
-/// Values of boxes that are joined as if they were power.
+/// Values of boxes that are joined like signals.
 fn joined_data(check: &mut Check, net: &Net) {
     if net.sources.len() < 2 {
         return;
@@ -67,12 +67,12 @@ fn joined_data(check: &mut Check, net: &Net) {
     });
     if let Some((at_element, from, pin)) = data {
         let text = format!("output `{}` of {} is joined with another output", pin.name, title(from));
-        let help = "give each value its own variable; only signals of type BOOL can be joined, which is their OR";
+        let help = "give each value its own variable; only signals of type BOOL can be joined, which means their OR";
         check.report(Code::ElementType, pin.span, Some(at_element), text, "a value, not a signal", help);
     }
 }
 
-/// The pin gives a number or another value, never a signal.
+/// The output is a number or another value, never a signal.
 fn gives_value(element: &Element, pin: &str) -> bool {
     let Some(row) = row(element) else { return false };
     if pin.eq_ignore_ascii_case(row.flow.1) || pin.eq_ignore_ascii_case("eno") {
@@ -93,7 +93,7 @@ fn gives_value(element: &Element, pin: &str) -> bool {
     }
 }
 
-/// Contacts and gates whose result goes nowhere.
+/// Contacts and gates whose result is unused.
 fn dead_end(check: &mut Check, at: usize, element: &Element, told: &mut [bool]) {
     if !only_logic(element) {
         return;
@@ -119,22 +119,29 @@ fn dead_end(check: &mut Check, at: usize, element: &Element, told: &mut [bool]) 
         (Language::Fbd, _) => {
             let help = "connect the output with a coil, a box or a variable";
             let text = format!("the output of {name} is not connected");
-            check.report(Code::GateInputs, element.span, Some(at), text, "the result goes nowhere", help);
+            check.report(Code::GateInputs, element.span, Some(at), text, "the result is not used", help);
         }
         (Language::Lad | Language::Scl | Language::Stl, Some(net)) => {
-            let text = format!("{} leads nowhere", called(net));
-            let help = "end the branch at a coil or a box, or where another branch goes on";
-            check.report(Code::OpenBranch, element.span, Some(at), text, "the branch is not closed behind this", help);
+            let text = format!("{} goes nowhere", called(net));
+            let help = "end the branch at a coil or a box, or where another branch continues";
+            check.report(Code::OpenBranch, element.span, Some(at), text, "the branch is not closed after this", help);
         }
         (Language::Lad | Language::Scl | Language::Stl, None) => {
             let text = format!("the rung ends in {name} and has no output");
             let help = "put a coil or a box at the end of the rung";
-            check.report(Code::ElementPlace, element.span, Some(at), text, "cannot be the last of a rung", help);
+            check.report(
+                Code::ElementPlace,
+                element.span,
+                Some(at),
+                text,
+                "cannot be the last element of a rung",
+                help,
+            );
         }
     }
 }
 
-/// Rungs of FBD that take an operand to a net that nobody reads.
+/// Rungs of FBD with an operand that feeds a net that nobody reads.
 fn operands_for_nothing(check: &mut Check) {
     let graph = check.graph;
     for (at, net) in graph.nets.iter().enumerate() {
@@ -143,14 +150,14 @@ fn operands_for_nothing(check: &mut Check) {
             Source::Rail | Source::Pin { .. } | Source::Net(_) => None,
         });
         if let Some(value) = value.filter(|_| check.feeds[at].nothing()) {
-            let text = format!("the branch that begins with `{}` leads nowhere", operand(value));
+            let text = format!("the branch that begins with `{}` goes nowhere", operand(value));
             let help = "connect it with a coil, a gate or a box, or remove it";
             check.report(Code::OpenBranch, value.span, None, text, "nothing uses this value", help);
         }
     }
 }
 
-/// NOT at the rail; elements behind one that has no output.
+/// NOT at the rail; elements after an element without an output.
 fn place(check: &mut Check, at: usize, element: &Element) {
     let graph = check.graph;
     let Some(row) = row(element) else { return };
@@ -173,13 +180,13 @@ fn place(check: &mut Check, at: usize, element: &Element) {
         Source::Rail | Source::Operand { .. } | Source::Net(_) => None,
     });
     if let Some(before) = before {
-        let text = format!("{} stands behind {}, which has no output", title(element), title(before));
-        let help = "put it into a branch of its own, or before the other one";
-        check.report(Code::ElementPlace, element.span, Some(at), text, "no power can come here", help);
+        let text = format!("{} comes after {}, which has no output", title(element), title(before));
+        let help = "put it into a separate branch, or before the other one";
+        check.report(Code::ElementPlace, element.span, Some(at), text, "no power can get here", help);
     }
 }
 
-/// A jump ends its network: what stands behind it would depend on the way that the editor draws.
+/// A jump ends its network: the order of anything after it would depend on the way that the editor draws.
 fn last(check: &mut Check) {
     let graph = check.graph;
     let leaves =
@@ -187,8 +194,8 @@ fn last(check: &mut Check) {
     let Some(at) = graph.elements.iter().position(leaves) else { return };
     let element = &graph.elements[at];
     let Some(after) = graph.elements[at + 1..].iter().find(|other| !only_logic(other)) else { return };
-    let text = format!("{} is not the last element of its network: {} comes behind it", title(element), title(after));
-    let help = "move what comes behind it to a network of its own";
+    let text = format!("{} is not the last element of its network: {} comes after it", title(element), title(after));
+    let help = "move everything after it to a separate network";
     check.report(Code::ElementPlace, element.span, Some(at), text, "leaves the network here", help);
 }
 
@@ -198,20 +205,20 @@ fn loops(check: &mut Check) {
         let count = check.graph.elements.len();
         let Some(at) = group.iter().copied().filter(|node| *node < count).max() else {
             let Some(net) = group.first().and_then(|node| check.graph.nets.get(node - count)) else { continue };
-            let text = format!("{} has no element and leads back to itself", called(net));
-            let help = "begin the branch at the power rail or behind an element";
-            check.report(Code::ReverseFlow, net.span, None, text, "a circle of branches", help);
+            let text = format!("{} has no element and goes back to itself", called(net));
+            let help = "begin the branch at the power rail or after an element";
+            check.report(Code::ReverseFlow, net.span, None, text, "a loop of branches", help);
             continue;
         };
         let element = &check.graph.elements[at];
         let (text, help) = match check.network.language {
             Language::Fbd => (
-                format!("the output of {} leads back to its own inputs", title(element)),
-                "write the signal to a variable and read that one: it has the value of the last cycle",
+                format!("the output of {} goes back to its own inputs", title(element)),
+                "write the signal to a variable and read the variable: it has the value of the last cycle",
             ),
             Language::Lad | Language::Scl | Language::Stl => (
                 format!("power would flow from right to left through {}", title(element)),
-                "let the branch end to the right of where it begins",
+                "end the branch to the right of where it begins",
             ),
         };
         check.report(Code::ReverseFlow, element.span, Some(at), text, "the signal comes back to here", help);
@@ -249,7 +256,7 @@ fn circles(check: &Check) -> Vec<Vec<usize>> {
     strongly_connected(&next).into_iter().filter(circle).collect()
 }
 
-/// Tarjan's algorithm, with a stack of its own: networks may be long.
+/// Tarjan's algorithm with an explicit stack: networks may be long.
 fn strongly_connected(next: &[Vec<usize>]) -> Vec<Vec<usize>> {
     const UNSEEN: usize = usize::MAX;
     let mut groups = Vec::new();
@@ -261,7 +268,7 @@ fn strongly_connected(next: &[Vec<usize>]) -> Vec<Vec<usize>> {
         if index[root] != UNSEEN {
             continue;
         }
-        // Node, and how many of its successors are done.
+        // A node, and how many of its successors have been visited.
         let mut work: Vec<(usize, usize)> = vec![(root, 0)];
         while let Some((node, done)) = work.pop() {
             if done == 0 {

@@ -1,4 +1,4 @@
-//! Pins: what must be connected is, and once.
+//! Pins: those that must be connected are connected, and only once.
 
 use plcc_diag::Code;
 use plcc_syntax::network::ast::{Element, Language, Pin, PinValue};
@@ -22,19 +22,19 @@ fn is_open(pin: Option<&Pin>) -> bool {
     pin.is_none_or(|pin| pin.value == PinValue::Open)
 }
 
-/// An input that is given twice. Outputs may go to several places.
+/// An input that is connected twice. Outputs may go to several destinations.
 fn twice(check: &mut Check, at: usize, element: &Element) {
     for (place, pin) in element.pins.iter().enumerate() {
         let same = |other: &&Pin| !other.output && other.name.eq_ignore_ascii_case(&pin.name);
         if !pin.output && element.pins[..place].iter().any(|other| same(&other)) {
-            let text = format!("{} has its pin `{}` twice", title(element), pin.name);
-            let help = "connect the pin once; join signals by a gate or by parallel contacts";
-            check.report(Code::DuplicateParameter, pin.span, Some(at), text, "given a second time here", help);
+            let text = format!("the pin `{}` of {} is connected twice", pin.name, title(element));
+            let help = "connect the pin once; join signals with a gate or with parallel contacts";
+            check.report(Code::DuplicateParameter, pin.span, Some(at), text, "connected again here", help);
         }
     }
 }
 
-/// Pins that the element cannot do without.
+/// Pins that the element needs.
 fn required(check: &mut Check, at: usize, element: &Element, row: &'static Row) {
     for pin in row.pins().filter(|pin| !pin.optional && pin.name() != row.flow.1) {
         let given = element.pin(pin.name());
@@ -53,28 +53,28 @@ fn required(check: &mut Check, at: usize, element: &Element, row: &'static Row) 
                 _ => "operand",
             };
             let help = match name {
-                "label" => "give the jump a label, and the network where it goes to the same one",
-                "bit" => "give a BOOL in bit memory or in static data that nothing else uses",
+                "label" => "give the jump a label, and give its target network the same label",
+                "bit" => "enter a BOOL in bit memory or in static data that nothing else uses",
                 _ => "put the name of a variable where the editor shows <??.?>",
             };
-            let text = format!("{} without its {what}", title(element));
-            check.report(Code::MissingOperand, span, Some(at), text, &format!("no {what}"), help);
+            let text = format!("{} has no {what}", title(element));
+            check.report(Code::MissingOperand, span, Some(at), text, &format!("the {what} is missing"), help);
         } else {
-            let text = format!("{} without its {} `{name}`", title(element), side(pin.direction));
+            let text = format!("{} has no {} `{name}`", title(element), side(pin.direction));
             let help = "connect the pin with a variable, a constant or another element";
             check.report(Code::MissingParameter, span, Some(at), text, &format!("`{name}` is not connected"), help);
         }
     }
 }
 
-/// Sums and the like are of two values at least.
+/// Sums and similar operations need at least two values.
 fn second(check: &mut Check, at: usize, element: &Element, row: &'static Row) {
     let several = matches!(row.kind, Kind::Operator(_) | Kind::Function("MIN" | "MAX"));
     let numbered = row.pins().any(|pin| pin.numbered && pin.name() == "in1");
     let given = element.pin("in2");
     if several && numbered && is_open(given) && !is_open(element.pin("in1")) {
         let span = given.map_or(element.span, |pin| pin.span);
-        let text = format!("{} without its input `in2`", title(element));
+        let text = format!("{} has no input `in2`", title(element));
         let help = "connect the pin with a variable, a constant or another element";
         check.report(Code::MissingParameter, span, Some(at), text, "`in2` is not connected", help);
     }
@@ -88,29 +88,29 @@ fn side(direction: PinDirection) -> &'static str {
     }
 }
 
-/// The flow enters an element through this pin, and nothing is connected with it.
+/// The flow enters an element through this pin, and it is not connected.
 fn no_flow(check: &mut Check, at: usize, element: &Element, pin: &str) {
     match check.network.language {
         Language::Fbd => {
             let text = format!("input `{pin}` of {} is not connected", title(element));
             let help = "connect the input with a variable, a constant or another element";
-            check.report(Code::GateInputs, element.span, Some(at), text, "nothing comes in here", help);
+            check.report(Code::GateInputs, element.span, Some(at), text, "no signal comes in here", help);
         }
         Language::Lad | Language::Scl | Language::Stl => {
             let text = format!("{} is not connected with the power rail", title(element));
             let help = "draw the rung from the left power rail";
-            check.report(Code::NoSource, element.span, Some(at), text, "no power can come here", help);
+            check.report(Code::NoSource, element.span, Some(at), text, "no power can get here", help);
         }
     }
 }
 
-/// A gate joins at least two signals; an AND with one is how FBD passes a signal on.
+/// A gate joins at least two signals; FBD passes on a signal with an AND of one.
 fn gate(check: &mut Check, at: usize, element: &Element, row: &'static Row) {
     let Kind::Gate(gate) = row.kind else { return };
     let inputs = element.pins.iter().filter(|pin| !pin.output);
     let connected = inputs.clone().filter(|pin| pin.value != PinValue::Open).count();
     let passes = gate == Gate::And && connected == 1 && inputs.count() == 1;
-    // Without in1 there is a message already.
+    // If in1 is missing, there is already a message.
     if connected < 2 && !passes && !is_open(element.pin(row.flow.0)) {
         let sign = match gate {
             Gate::And => "AND",

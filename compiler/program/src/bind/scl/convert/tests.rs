@@ -50,7 +50,7 @@ fn implicit_by_dialect() {
     assert_eq!(find(Rules::Tia1500, Real, Int), Implicit::Yes);
     assert_eq!(find(Rules::Tia1500, Real, Time), Implicit::No);
     assert_eq!(find(Rules::Tia1500, Int, Bool), Implicit::No);
-    // A type that an S7-300 lacks behaves as where it exists.
+    // A type that an S7-300 lacks behaves as on CPUs that have it.
     assert_eq!(find(Rules::Classic, Usint, Int), Implicit::Yes);
 }
 

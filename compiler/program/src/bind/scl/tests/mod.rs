@@ -11,7 +11,7 @@ use crate::bind::{BindInput, bind};
 use plcc_model::profile;
 use plcc_model::{BlockKey, Body, Program};
 
-/// Dialect of the source, family of the CPU, and whether somebody named it.
+/// Dialect of the source, family of the CPU, and whether it is named.
 type Setting = (Dialect, Family, bool);
 
 const UNNAMED: Setting = (Dialect::Tia, Family::S7300, false);
@@ -89,7 +89,7 @@ fn places() {
     assert_eq!(show(&program), "S0.0 := INT#1");
 }
 
-/// The operation does not widen for its target. Source: SCL reference, vectors 3, 23.
+/// The operation does not widen to the type of its target. Source: SCL reference, vectors 3, 23.
 #[test]
 fn arithmetic_types() {
     check("#d := #i * #j;", "S6.0 := INT->DINT((Multiply.INT S0.0 S2.0))");
@@ -107,7 +107,7 @@ fn arithmetic_types() {
 
 #[test]
 fn classic_constants_widen() {
-    // `LABEL` is a sign of the classic form.
+    // `LABEL` only occurs in the classic form.
     let source = "FUNCTION FC 1 : VOID\nVAR_TEMP\n i : INT; d : DINT;\nEND_VAR\nCONST\n k := 5;\nEND_CONST\nBEGIN\ni := k;\nd := i + 50000;\nEND_FUNCTION\n";
     let (program, diagnostics) = bind_text(source, CLASSIC);
     assert!(diagnostics.is_empty(), "{diagnostics:#?}");

@@ -1,4 +1,4 @@
-//! What the statements of a chart know of it: where its data lie, the engine's own variables, sets of steps.
+//! The data that the statements of a chart use: where it is, the engine's own variables, sets of steps.
 
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
@@ -23,23 +23,23 @@ use plcc_model::types::{ArrayType, DataType, Member, StructType};
 pub struct Engine<'c> {
     pub chart: &'c Chart,
     pub index: &'c Index,
-    /// Hidden variables, and what networks of the block share.
+    /// Hidden variables, and data that networks of the block share.
     pub page: Page,
-    /// Variables by the names that the templates have for them.
+    /// Variables, by their names in the templates.
     pub names: FxHashMap<&'static str, Variable>,
-    /// Where data of steps and transitions begin.
+    /// Where the data of steps and transitions begins.
     steps: Vec<Variable>,
     transitions: Vec<Variable>,
-    /// Sets of steps in 64 bits a word: active ones, in the instance; left, entered and skipped ones of this call.
+    /// Sets of steps with 64 bits per word: active ones, in the instance; left, entered and skipped ones of this call.
     active: Set,
     pub left: Set,
     pub entered: Set,
     pub passed: Set,
-    /// Stands for what the engine adds, in messages at run time.
+    /// The position of code that the engine adds, in messages at run time.
     pub span: Span,
 }
 
-/// A set of steps; a word for steps that nobody asks for is not there.
+/// A set of steps; a word is omitted if nothing uses its steps.
 #[derive(Clone)]
 pub struct Set(Vec<Option<Variable>>);
 
@@ -103,7 +103,7 @@ const NUMBERS: &[&str] = &[
 ];
 const TIMES: &[&str] = &["now", "passed", "elapsed"];
 
-/// Data of the engine in the instance: the name in the templates, and the path to it.
+/// Data of the engine in the instance: the name in the templates, and their paths.
 const KEPT: &[(&str, &[&str])] = &[
     ("SAX", &["SAX"]),
     ("S0X", &["S0X"]),
@@ -127,7 +127,7 @@ const KEPT: &[(&str, &[&str])] = &[
 ];
 
 impl<'c> Engine<'c> {
-    /// None if the declarations could not be bound, which was told.
+    /// None if the declarations could not be bound, which has been reported.
     pub fn new(ctx: &mut Ctx, chart: &'c Chart, index: &'c Index, members: &Members, span: Span) -> Option<Engine<'c>> {
         let bound = std::rc::Rc::clone(&ctx.bound);
         let (steps, transitions) = if members.arrays {
@@ -174,7 +174,7 @@ impl<'c> Engine<'c> {
 
     /// A component of a step.
     fn component(&self, step: usize, name: &str) -> Variable {
-        member(&self.steps[step], name).expect("both forms of steps have it")
+        member(&self.steps[step], name).expect("both kinds of steps have it")
     }
 
     /// A variable of the engine.
@@ -209,12 +209,12 @@ impl<'c> Engine<'c> {
         load(&self.component(step, "T"), span)
     }
 
-    /// Whether operands of N, D and L are to be 0 and calls are not executed (ZERO_OP), a BOOL; none if nothing asks for it.
+    /// Whether operands of N, D and L must be 0 and calls are not executed (ZERO_OP), a BOOL; none if the chart does not use it.
     pub fn zeroed(&self, span: Span) -> Option<Expr> {
         Some(self.operating("OPS_ZERO", span))
     }
 
-    /// Stores a request for the next call: step `step` is to be activated, or deactivated.
+    /// Stores a request for the next call: activate or deactivate step `step`.
     pub fn request(&self, step: usize, on: bool, span: Span) -> Vec<Statement> {
         let list = self.variable(if on { "ASKED_ON" } else { "ASKED_OFF" });
         let bit = &elements(list)[step];
@@ -222,7 +222,7 @@ impl<'c> Engine<'c> {
         vec![assign(bit, yes(), span), assign(self.variable("REQUESTED"), yes(), span)]
     }
 
-    /// Stores a request for the next call: all steps but `except` are to be deactivated.
+    /// Stores a request for the next call: deactivate all steps but `except`.
     pub fn request_all_off(&self, except: Option<usize>, span: Span) -> Vec<Statement> {
         let steps = (0..self.steps.len()).filter(|step| Some(*step) != except);
         steps.flat_map(|step| self.request(step, false, span)).collect()
@@ -248,8 +248,8 @@ impl<'c> Engine<'c> {
         self.active.holds_all(steps, span)
     }
 
-    /// Leaves out of the sets what nobody asks: whether a step is left is asked where joins compete and where OFF is, whether it is
-    /// entered where several transitions lead to it.
+    /// Removes from the sets what nothing uses: whether a step is left matters for competing joins and for OFF, whether it is
+    /// entered matters where several transitions enter it.
     pub fn restrict_sets(&mut self, features: &Features, parts: &Parts, competing: &[usize]) {
         let steps = 0..self.steps.len();
         let left = competing.iter().flat_map(|at| &parts.from[*at]).copied();
@@ -266,7 +266,7 @@ impl<'c> Engine<'c> {
         [&self.left, &self.entered, &self.passed].iter().flat_map(|set| set.0.iter().flatten()).map(zero).collect()
     }
 
-    /// Adds step `k`, known at run time, to the active ones or takes it away.
+    /// Adds step `k`, known at run time, to the active steps or removes it.
     pub fn change_active(&self, add: bool) -> Vec<Statement> {
         self.by_word(&|word, bit| {
             let Some(variable) = &self.active.0[word] else { return Vec::new() };
@@ -288,7 +288,7 @@ impl<'c> Engine<'c> {
         })
     }
 
-    /// Puts a step into the place of S1X that comes next again, and into the entered ones.
+    /// Puts a step into the next place of S1X, and into the set of entered steps.
     pub fn replace(&self, step: usize, span: Span) -> Vec<Statement> {
         let place = self.variable("i");
         let before =
@@ -304,7 +304,7 @@ impl<'c> Engine<'c> {
         statements
     }
 
-    /// Puts into `known` whether step `k`, known at run time, is in a set. FALSE for steps that the set does not tell of.
+    /// Sets `known` to whether step `k`, known at run time, is in a set; FALSE for steps without a word in the set.
     pub fn look_up(&self, set: &Set) -> Vec<Statement> {
         self.by_word(&|word, bit| {
             let known = match &set.0[word] {
@@ -318,7 +318,7 @@ impl<'c> Engine<'c> {
         })
     }
 
-    /// Statements for the word that holds step `k`, and its bit there.
+    /// Statements for the word that contains step `k`, and its bit there.
     fn by_word(&self, make: &dyn Fn(usize, Expr) -> Vec<Statement>) -> Vec<Statement> {
         let step = || self.value("k");
         let mut statements = Vec::new();
@@ -364,7 +364,7 @@ impl Set {
         (step / 64, 1 << (step % 64))
     }
 
-    /// Leaves out the words that none of these steps is in: nobody asks whether they are in the set.
+    /// Omits words that contain none of these steps: nothing uses them.
     pub fn restrict(&mut self, steps: impl Iterator<Item = usize>) {
         let mut needed = vec![false; self.0.len()];
         steps.for_each(|step| needed[Set::word_of(step).0] = true);
@@ -389,7 +389,7 @@ impl Set {
         Some(assign(variable, after, span))
     }
 
-    /// All of these steps are in the set: one comparison a word.
+    /// All of these steps are in the set: one comparison per word.
     fn holds_all(&self, steps: &[usize], span: Span) -> Expr {
         let compared = self.masks(steps, span).map(|(masked, mask)| compared(CompareOp::Equal, masked, mask));
         all(compared, span)
@@ -434,7 +434,7 @@ pub fn compared(op: CompareOp, left: Expr, right: u64) -> Expr {
     Expr { kind: ExprKind::Compare { op, left: Box::new(left), right }, ty: Elementary::Bool, span }
 }
 
-/// A variable of the instance by its path.
+/// A variable of the instance at its path.
 fn variable(bound: &BoundInterface, path: &[&str]) -> Option<Variable> {
     let (first, rest) = path.split_first()?;
     let local = bound.locals.get(&fold(first)).filter(|local| local.base == Base::Instance)?;
@@ -449,7 +449,7 @@ fn member(variable: &Variable, name: &str) -> Option<Variable> {
     Some(Variable { base: variable.base, byte, bit, ty, untyped: false })
 }
 
-/// Elements of an array, one by one.
+/// Elements of an array, as separate variables.
 fn elements(array: &Variable) -> Vec<Variable> {
     let DataType::Array(ty) = &array.ty else { return Vec::new() };
     let element = |index| {
@@ -459,19 +459,19 @@ fn elements(array: &Variable) -> Vec<Variable> {
     (0..layout::element_count(&ty.bounds)).map(element).collect()
 }
 
-/// What lies so many bytes behind the start of a variable, as another type.
+/// The data at this byte offset in a variable, as another type.
 fn typed(variable: &Variable, byte: u32, ty: DataType) -> Variable {
     Variable { base: variable.base, byte: variable.byte + byte, bit: 0, ty, untyped: false }
 }
 
-/// Structures that lie one behind the other, from the first one on, as an array from 1.
+/// Consecutive structures, beginning with the first, as an array from 1.
 fn list(first: &Variable, count: usize, element: DataType) -> Variable {
     let bounds = vec![(1, count as i32)];
     let bytes = layout::array_bytes(&bounds, &element) as u32;
     typed(first, 0, DataType::Array(std::rc::Rc::new(ArrayType { bounds, element, bytes })))
 }
 
-/// A step in whole bytes and numbers.
+/// A step as whole bytes and numbers.
 fn raw_step(bytes: u32) -> DataType {
     raw(
         bytes,
@@ -485,7 +485,7 @@ fn raw_step(bytes: u32) -> DataType {
     )
 }
 
-/// A transition in whole bytes and numbers.
+/// A transition as whole bytes and numbers.
 fn raw_transition(bytes: u32) -> DataType {
     raw(bytes, &[("FLAGS", Elementary::Byte, 0), ("TNO", Elementary::Int, 2)])
 }

@@ -21,7 +21,7 @@ const CHAPTERS: [(&str, BlockClass, bool); 6] = [
     ("Instructions of the TIA Portal: function blocks", BlockClass::Sfb, true),
 ];
 
-/// Numbers from here on are the library's own: no program calls them.
+/// Numbers from here on belong to the library: no program calls them.
 const INTERNAL_NUMBERS: u16 = 2000;
 
 /// The page in Markdown: `docs/reference/stdlib.md`.
@@ -29,10 +29,10 @@ pub fn standard_library() -> String {
     let mut page = String::from(
         "# Standard library\n\n\
          Printed from the sources in `stdlib/`; do not edit.\n\n\
-         BR of STL is what ENO is in the other languages. Hexadecimal codes of RET_VAL are written without `W#16#`; one with bit 15 set is an\n\
+         BR of STL corresponds to ENO of the other languages. Hexadecimal codes of RET_VAL are written without `W#16#`; one with bit 15 set is an\n\
          error. General codes 8xyy name parameter x: 01 syntax of an ANY, 22 and 23 length of an area, 24 and 25 area, 28 and 29 bit address,\n\
          30 write-protected data block, 3A no such data block.\n\n\
-         A block of the program comes before one of the library with the same number.\n",
+         A block of the program has priority over one of the library with the same number.\n",
     );
     let mut blocks: Vec<&SystemBlock> = plcc_stdlib::blocks().iter().collect();
     blocks.sort_by_key(|block| block.number);
@@ -56,7 +56,7 @@ pub fn standard_library() -> String {
             );
         }
         if !names.is_empty() {
-            let _ = write!(page, "\nKnown by name, not shipped: {}.\n", names.join(", "));
+            let _ = write!(page, "\nKnown by name, not included: {}.\n", names.join(", "));
         }
     }
     page
@@ -141,7 +141,7 @@ fn row(page: &mut String, block: &SystemBlock, name: &str, direction: &str, ty: 
     let _ = writeln!(page, " {} |", meaning(block.source, name));
 }
 
-/// The initial value of a variable as its declaration has it.
+/// The initial value of a variable, as in its declaration.
 fn initial(source: &'static str, name: &str) -> &'static str {
     let declaration = declaration(source, name).map(|text| text.split("//").next().unwrap_or(text));
     declaration
@@ -149,12 +149,12 @@ fn initial(source: &'static str, name: &str) -> &'static str {
         .map_or("", |(_, value)| value.split(';').next().unwrap_or("").trim())
 }
 
-/// The comment behind the declaration of a variable.
+/// The comment after the declaration of a variable.
 fn meaning(source: &'static str, name: &str) -> &'static str {
     declaration(source, name).and_then(|text| text.split_once("//")).map_or("", |(_, comment)| comment.trim())
 }
 
-/// What stands behind the name in the declaration of a variable. Components of structures stand further right than variables.
+/// The text after the name in the declaration of a variable. Components of structures are indented more than variables.
 fn declaration(source: &'static str, name: &str) -> Option<&'static str> {
     source
         .lines()
@@ -199,7 +199,7 @@ fn empty(sources: &SourceMap) -> BindInput<'_> {
 mod tests {
     use super::*;
 
-    /// Each block of the library, of whatever language, binds without a message, and what it uses, too.
+    /// Each block of the library, in any language, binds without a message, and so do the blocks that it uses.
     #[test]
     fn every_block_binds() {
         for block in plcc_stdlib::blocks().iter().filter(|block| block.form != Form::NotShipped) {
@@ -221,7 +221,7 @@ mod tests {
     fn every_block_is_described() {
         for block in plcc_stdlib::blocks().iter().filter(|block| block.form != Form::NotShipped) {
             assert!(!block.comment.is_empty(), "{} has no comment above it", block.name);
-            assert!(!block.origin.is_empty(), "the file of {} names no source", block.name);
+            assert!(!block.origin.is_empty(), "the file of {} does not name a source", block.name);
         }
     }
 }
