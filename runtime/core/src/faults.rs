@@ -186,10 +186,6 @@ impl Cpu {
 
     /// The cycle took longer than allowed, `ms` milliseconds; this was found at `site`.
     pub(crate) fn cycle_time_exceeded(&self, ms: u32, site: u32) {
-        if self.s7200.is_some() {
-            self.s7200_watchdog(site, ms);
-            return;
-        }
         let cause = self.log(0x3501, site, ms);
         let monitor = &self.schedule.monitor;
         monitor.overruns.set(monitor.overruns.get() + 1);

@@ -8,7 +8,7 @@
 //! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: what is behind the I/O.
 //! - [`address`], [`value`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user says and sees.
 //! - [`communication`]: TCP and ISO-on-TCP connections of the program.
-//! - [`s7200`]: what an S7-200 has of its own.
+//! - `family`: what differs between the families of CPUs; [`s7200`]: what only an S7-200 has.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`assertion`]: values of assertions, compared and printed by their types.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
@@ -31,6 +31,7 @@ pub mod diagnostics;
 pub mod events;
 #[cfg(all(feature = "executable", not(test)))]
 mod executable;
+mod family;
 pub mod faults;
 pub mod files;
 pub mod functions;

@@ -311,7 +311,7 @@ impl Cpu {
         let delays = schedule.delays.iter().map(|delay| delay.due.get());
         let times = schedule.times_of_day.iter().filter(|time| time.active.get());
         let times = times.map(|time| self.clock.time_of(time.next.get()));
-        let other = if self.s7200.is_some() { self.s7200_due() } else { NEVER };
+        let other = self.family.next_due(self);
         cyclic.chain(delays).chain(times).chain(self.next_counter_due()).fold(other, u64::min)
     }
 
@@ -322,7 +322,7 @@ impl Cpu {
         }
         let now = self.clock.now();
         self.poll_counters();
-        self.s7200_poll();
+        self.family.poll(self);
         for cyclic in self.schedule.cyclic.iter().filter(|cyclic| cyclic.due.get() <= now) {
             // Periods that the host slept through are not made up for.
             let period = cyclic.period.get().max(1);
@@ -410,12 +410,13 @@ impl Cpu {
         self.watchdog.set(if due == NEVER { NEVER } else { self.watchdog.host_now().saturating_add(left) });
     }
 
-    /// Runs waiting events of higher priority than the running one.
+    /// Runs the waiting interrupts that may run now.
     pub(crate) fn dispatch(&self) {
-        if self.s7200.is_some() {
-            self.s7200_dispatch();
-            return;
-        }
+        self.family.dispatch(self);
+    }
+
+    /// Runs waiting events of higher priority than the running one.
+    pub(crate) fn dispatch_by_priority(&self) {
         while !self.is_stopped() && self.running.delayed.get() == 0 {
             let Some((event, priority)) = self.take_next() else { return };
             // Between cycles an interrupt is monitored by itself, so that an endless one is found.
@@ -469,7 +470,7 @@ impl Cpu {
             }
             self.dispatch();
         }
-        let leaving = self.s7200_is_leaving();
+        let leaving = self.family.is_leaving(self);
         if self.is_stopped() || leaving {
             self.memory.raise_attention();
         }
@@ -480,20 +481,22 @@ impl Cpu {
         let monitor = &self.schedule.monitor;
         let now = self.clock.now();
         if now >= monitor.deadline.get() {
-            self.cycle_time_exceeded((now.saturating_sub(monitor.since.get()) / NS_PER_MS) as u32, site);
+            let ms = (now.saturating_sub(monitor.since.get()) / NS_PER_MS) as u32;
+            self.family.cycle_too_long(self, ms, site);
         }
     }
 
-    /// An endless loop under the virtual clock: OB 80 once, then STOP.
     fn check_hang(&self, site: u32) {
         let schedule = &self.schedule;
         if self.is_stopped() || self.watchdog.host_now() < schedule.hang_deadline.get() {
             return;
         }
-        if self.s7200.is_some() {
-            self.s7200_watchdog(site, crate::s7200::ENDLESS);
-            return;
-        }
+        self.family.hang(self, site);
+    }
+
+    /// An endless loop under the virtual clock: OB 80 once, then STOP.
+    pub(crate) fn hang_limit_exceeded(&self, site: u32) {
+        let schedule = &self.schedule;
         let ms = (schedule.hang_limit.get() / NS_PER_MS) as u32;
         let cause = self.log(0x3501, site, ms);
         let in_time_error = self.running.active.contains(80);

@@ -1,6 +1,6 @@
 //! What an S7-200 has of its own. Source: S7-200 system manual.
 //!
-//! - `scan`: start of RUN, scan, STOP; `special`: special memory; `errors`: fatal and non-fatal errors; `retain`: retentive memory.
+//! - `family`: what cycle and schedule call; `scan`: start of RUN, scan, STOP; `special`: special memory; `errors`: fatal and non-fatal errors; `retain`: retentive memory.
 //! - `address`: addresses as a user writes them; `analog`: words of analog modules.
 //! - `interrupts`: events, their queues, interrupt routines; `timers`: the three resolutions.
 //! - `bits`, `blocks`, `tables`, `text`, `strings`, `pid`, `calendar`: operations on memory; `access`: what they mind when they
@@ -18,6 +18,7 @@ mod blocks;
 mod calendar;
 mod daylight;
 mod errors;
+mod family;
 mod freeport;
 mod high_speed;
 mod interrupts;
@@ -54,8 +55,9 @@ pub use address::Part;
 pub(crate) use address::parse as parse_address;
 pub use analog::ModuleScale;
 pub(crate) use analog::{has_module, scale};
-pub(crate) use errors::{ENDLESS, STOP_INSTRUCTION, event_text};
-pub use scan::ScanTimes;
+use errors::ENDLESS;
+pub(crate) use errors::{STOP_INSTRUCTION, event_text};
+pub(crate) use family::ScanCycle;
 
 /// Operands of an operation, see [`Operation`].
 #[derive(Clone, Copy, Debug, Default)]

@@ -64,14 +64,12 @@ impl Cpu {
 
     /// RUN begins, and the inputs have their first values: interrupts and hardware.
     pub(crate) fn s7200_start_hardware(&self) {
-        if self.s7200.is_some() {
-            self.s7200_start_interrupts();
-            self.s7200_start_counters();
-            self.s7200_start_pulses();
-            self.s7200_start_ports();
-            self.s7200_start_network();
-            self.s7200_note_ports();
-        }
+        self.s7200_start_interrupts();
+        self.s7200_start_counters();
+        self.s7200_start_pulses();
+        self.s7200_start_ports();
+        self.s7200_start_network();
+        self.s7200_note_ports();
     }
 
     /// When anything of an S7-200 next happens by itself. The network waits for the end of the scan.
@@ -89,9 +87,6 @@ impl Cpu {
 
     /// Lets happen what is due.
     pub(crate) fn s7200_poll(&self) {
-        if self.s7200.is_none() {
-            return;
-        }
         self.s7200_stamp_events();
         self.s7200_poll_counters();
         self.s7200_look_at_inputs();
@@ -237,9 +232,6 @@ impl Cpu {
 
     /// STOP: outputs of the modules are 0, their image stays.
     pub(crate) fn s7200_stop_outputs(&self) {
-        if self.s7200.is_none() {
-            return;
-        }
         let (_, length) = self.area(Area::Outputs);
         self.driver.write_image(&vec![0; length as usize]);
         for address in (ANALOG_ADDRESS..ANALOG_ADDRESS + system::ANALOG_BYTES).step_by(2) {
