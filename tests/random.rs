@@ -379,7 +379,7 @@ fn program(pieces: &[Piece], seed: &[u32]) -> String {
     )
 }
 
-/// A pointer, mostly to somewhere that does not exist: every area code, and offsets at the ends of areas.
+/// A pointer, usually to somewhere that does not exist: every area code, and offsets at the ends of areas.
 fn pointer() -> impl Strategy<Value = u32> {
     let code =
         prop::sample::select(vec![0x00, 0x01, 0x04, 0x7F, 0x80, 0x81, 0x82, 0x83, 0x84, 0x85, 0x86, 0x87, 0x88, 0xFF]);

@@ -1,4 +1,4 @@
-//! Recorded executions of STL instructions, `../shared/vectors/stl300` beside the project (see the README there).
+//! Recorded executions of STL instructions, `../shared/vectors/stl300` next to the project (see the README there).
 //!
 //! Each batch is a program that leaves results in DB 1. The expected values become assertions at its end, so that all forms at
 //! both levels are compared with them, and with each other.

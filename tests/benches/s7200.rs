@@ -30,7 +30,7 @@ const fn kernel(name: &'static str, lines: &'static [&'static str]) -> Kernel {
     Kernel { name, before: &[], lines, repetitions: REPETITIONS, times: 1 }
 }
 
-/// How often a sequence stands in the program.
+/// How often a sequence is in the program.
 const REPETITIONS: usize = 250;
 
 /// Scans of one run: short enough that some runs are not disturbed by what else the machine does.
@@ -50,11 +50,11 @@ const KERNELS: &[Kernel] = &[
     kernel("compare words", &["LDW>= VW{b}, VW{c}", "= V{e}.{x}"]),
     kernel("compare REALs", &["LDR> VD{d}, VD{f}", "= V{e}.{x}"]),
     kernel("MOVW", &["LD SM0.0", "MOVW VW{b}, VW{c}"]),
-    kernel("MOVW behind a contact", &["LD V8000.0", "MOVW VW{b}, VW{c}"]),
-    kernel("MOVW from a pointer", &["LD SM0.0", "MOVW *VD{d}, VW{b}"]).behind(POINTERS),
-    kernel("MOVW to a pointer in AC1", &["LD SM0.0", "MOVW VW{b}, *AC1"]).behind(POINTERS),
+    kernel("MOVW after a contact", &["LD V8000.0", "MOVW VW{b}, VW{c}"]),
+    kernel("MOVW from a pointer", &["LD SM0.0", "MOVW *VD{d}, VW{b}"]).after(POINTERS),
+    kernel("MOVW to a pointer in AC1", &["LD SM0.0", "MOVW VW{b}, *AC1"]).after(POINTERS),
     kernel("+I", &["LD SM0.0", "+I VW{b}, VW{c}"]),
-    kernel("+I behind a contact", &["LD V8000.0", "+I VW{b}, VW{c}"]),
+    kernel("+I after a contact", &["LD V8000.0", "+I VW{b}, VW{c}"]),
     kernel("+I, AENO, +I, AENO, coil", &["LD V8000.0", "+I VW{b}, VW{c}", "AENO", "+I 7, VW{e}", "AENO", "= M{m}.{x}"]),
     kernel("*D", &["LD SM0.0", "*D VD{d}, VD{f}"]),
     kernel("/I", &["LD SM0.0", "/I VW8002, VW{b}"]),
@@ -71,9 +71,9 @@ const KERNELS: &[Kernel] = &[
     kernel("CTU", &["LD V{b}.{x}", "LD V{c}.{x}", "CTU C{n}, 10", "LD C{n}", "= V{e}.{x}"]),
     kernel("CALL with three parameters", &["LD SM0.0", "CALL Sum, VW{b}, VW{c}, VW{e}"]),
     kernel("the same in place", &["LD SM0.0", "MOVW VW{b}, VW{e}", "+I VW{c}, VW{e}"]),
-    kernel("CALL behind a contact", &["LD V8000.0", "CALL Sum, VW{b}, VW{c}, VW{e}"]),
+    kernel("CALL after a contact", &["LD V8000.0", "CALL Sum, VW{b}, VW{c}, VW{e}"]),
     kernel("CALL of a large block", &["LD SM0.0", "CALL Large, VW{b}, VW{c}, VW{e}"]),
-    kernel("sequence step, active", STEP).behind(&["LD SM0.1", "S S0.0, 250"]),
+    kernel("sequence step, active", STEP).after(&["LD SM0.1", "S S0.0, 250"]),
     kernel("sequence step, not active", STEP),
     kernel("pass of a FOR loop", &["LD SM0.0", "FOR VW0, 1, 1000", "LD SM0.0", "+D 1, VD{d}", "NEXT"]).times(1).each(1000),
     kernel("BMB of 100 bytes", &["LD SM0.0", "BMB VB{b}, VB{g}, 100"]),
@@ -84,7 +84,7 @@ const KERNELS: &[Kernel] = &[
     kernel("ITA", &["LD SM0.0", "ITA VW{b}, VB{g}, 2#1011"]),
     kernel("SCPY of 5 letters", &["LD SM0.0", "SCPY \"12 kg\", VB{g}"]),
     kernel("network, interrupts attached", &["LD V{b}.{x}", "AN M{m}.{x}", "O V{b}.1", "= V{e}.{x}"])
-        .behind(&["LD SM0.1", "MOVB 100, SMB34", "ATCH Tick, 10", "ENI"]),
+        .after(&["LD SM0.1", "MOVB 100, SMB34", "ATCH Tick, 10", "ENI"]),
     kernel("network of a program of 1000", MIXTURE).times(100).each(10),
 ];
 
@@ -150,7 +150,7 @@ const MIXTURE: &[&str] = &[
 
 impl Kernel {
     /// With these statements before it.
-    const fn behind(self, before: &'static [&'static str]) -> Kernel {
+    const fn after(self, before: &'static [&'static str]) -> Kernel {
         Kernel { before, ..self }
     }
 

@@ -9,7 +9,7 @@ pub struct Chart {
     pub transitions: Vec<Transition>,
     /// Permanent instructions before the sequencers.
     pub before: Vec<Permanent>,
-    /// Permanent instructions behind them.
+    /// Permanent instructions after them.
     pub after: Vec<Permanent>,
     /// `AckReq`.
     pub acknowledge: bool,

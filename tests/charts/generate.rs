@@ -196,7 +196,7 @@ impl Maker {
         }
     }
 
-    /// The entries of the paths of an outer simultaneous branch, if the first branch behind `first` is one.
+    /// The entries of the paths of an outer simultaneous branch, if the first branch after `first` is one.
     fn opening(&self, first: usize) -> Option<Vec<usize>> {
         let from = first.checked_sub(1)?;
         let mut outgoing = self.chart.transitions.iter().filter(|transition| transition.from == [from]);
@@ -261,7 +261,7 @@ impl Maker {
             let mut targets = vec![first];
             let last = self.chain(first, depth + 1, &mut targets);
             if self.random.percent(20) {
-                // A way back, beside the join.
+                // A way back, next to the join.
                 let target = self.random.of(&targets);
                 self.transition(&[last], &[target]);
             }

@@ -44,7 +44,7 @@ impl Best {
         }
     }
 
-    /// Leaves out the calls behind the failure.
+    /// Leaves out the calls after the failure.
     fn cut(&mut self) {
         if let Failure::Different { call, .. } = self.failure {
             self.case.calls.truncate(call);

@@ -255,7 +255,7 @@ impl Display for Order {
     }
 }
 
-/// A condition as text. What is not a single operand stands in parentheses.
+/// A condition as text. What is not a single operand is in parentheses.
 struct Shown<'a>(&'a Chart, &'a Condition);
 
 impl Display for Shown<'_> {

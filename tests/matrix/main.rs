@@ -3,7 +3,7 @@
 //!
 //! A case is a small program. Its block has a variable of a section (input, output, in-out, static, temp) in a form (whole, element,
 //! member of a structure), which holds a sample; the use brings the sample to a place where the main program compares it. A case that is
-//! refused must stand in the table of its language, with the code of the message; one that stands there must be refused.
+//! refused must stand in the table of its language, with the code of the message; one that is there must be refused.
 //!
 //! `PLCC_MATRIX=all` runs all cases, `PLCC_MATRIX=N` one in N. Left out, each language runs as many as its share of time allows.
 //! `PLCC_MATRIX_FAILURES=FILE` writes all failures with their sources to a file.
@@ -48,7 +48,7 @@ impl Case {
     }
 }
 
-/// Cases that the tools of Siemens refuse. `*` stands for any text; of several words each stands for itself.
+/// Cases that the tools of Siemens refuse. `*` means any text; of several words each means itself.
 struct Refusal {
     kinds: &'static [&'static str],
     types: &'static [&'static str],

@@ -73,7 +73,7 @@ const FORMS: &[(&str, &str, &str)] = &[
     ("member", "Struct pad : Bool; m : T; END_STRUCT", "#v.m"),
 ];
 
-/// Uses: rungs behind the begin of one. `@` stands for the value, `|` for the begin of another rung.
+/// Uses: rungs after the start of one. `@` means the value, `|` for the start of another rung.
 const USES: &[(&str, &str)] = &[
     ("move", "Move( in := @, out1 => \"D\".r )"),
     ("moved to", "Move( in := \"D\".x, out1 => @ ) Move( in := @, out1 => \"D\".r )"),

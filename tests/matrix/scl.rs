@@ -107,7 +107,7 @@ impl Section {
     }
 }
 
-/// How the value lies in the variable: type of the variable with `T` for the type, and the way to the value.
+/// How the value is in the variable: type of the variable with `T` for the type, and the way to the value.
 const FORMS: &[(&str, &str, &str)] = &[
     ("whole", "T", "#v"),
     ("element", "Array[-1..1] of T", "#v[1]"),

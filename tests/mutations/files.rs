@@ -134,7 +134,7 @@ fn endures(seed: u64, programs: &[PathBuf], traces: &[PathBuf]) -> Result<(), St
         }
     };
     let bytes = if text.is_empty() { bytes } else { text.clone().into_bytes() };
-    // A scenario is read beside the program as it is.
+    // A scenario is read next to the program as it is.
     if name.starts_with("tests") {
         let read: Read = inputs::read(std::slice::from_ref(project));
         return robust::within(LIMIT, move || {

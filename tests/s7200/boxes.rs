@@ -99,7 +99,7 @@ pub fn execute(memory: &mut Memory, op: &str, operands: &[Operand], mut reset: i
         }
         "SSCPY" => part(memory, operands),
         "SFND" | "CFND" => find(memory, op, operands),
-        _ => unreachable!("{op} is no instruction of the model"),
+        _ => unreachable!("{op} is not an instruction of the model"),
     }
 }
 
@@ -152,7 +152,7 @@ fn set_bits(memory: &mut Memory, op: &str, operands: &[Operand], reset: &mut dyn
                 }
             }
         }
-        _ => unreachable!("{} is no bit", operands[0]),
+        _ => unreachable!("{} is not a bit", operands[0]),
     }
     Ok(())
 }

@@ -101,7 +101,7 @@ impl Memory {
         }
     }
 
-    /// The place of an operand that is no constant; bytes there must lie in the area for a pointer.
+    /// The place of an operand that is not a constant; bytes there must be in the area for a pointer.
     pub fn place(&self, operand: &Operand, bytes: u32) -> Result<Place, Fault> {
         Ok(match operand {
             Operand::Cell(area, _, byte) => Place::In(Store::Bytes(*area), *byte),
@@ -171,7 +171,7 @@ impl Memory {
             Operand::Timer(number) => self.timer_bits[usize::from(*number)],
             Operand::Counter(number) => self.counter_bits[usize::from(*number)],
             Operand::Named(_, place) => self.bit(place),
-            _ => unreachable!("{operand} is no bit"),
+            _ => unreachable!("{operand} is not a bit"),
         }
     }
 
@@ -184,7 +184,7 @@ impl Memory {
             Operand::Timer(number) => self.timer_bits[usize::from(*number)] = value,
             Operand::Counter(number) => self.counter_bits[usize::from(*number)] = value,
             Operand::Named(_, place) => self.set_bit(place, value),
-            _ => unreachable!("{operand} is no bit"),
+            _ => unreachable!("{operand} is not a bit"),
         }
     }
 

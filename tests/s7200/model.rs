@@ -36,7 +36,7 @@ struct Timer {
     preset: i16,
 }
 
-/// Where control goes behind a statement.
+/// Where control goes after a statement.
 enum Next {
     On,
     To(usize),

@@ -171,7 +171,7 @@ impl IntoSm for (u32, u8) {
     }
 }
 
-/// Numbers of timers that boxes mostly have; none of 1 ms.
+/// Numbers of timers that boxes usually have; none of 1 ms.
 fn number_of(random: &mut Random) -> u8 {
     random.of(&[1, 2, 5, 33, 34, 37, 38, 97, 101, 255])
 }
@@ -261,7 +261,7 @@ fn buffer(random: &mut Random, size: char) -> Operand {
         0 if size == '2' => Operand::Timer(random.of(&[33, 37, 250, 255])),
         1 if size == '2' => Operand::Counter(random.of(&[0, 2, 250, 255])),
         2 | 3 => pointed(random),
-        // Also what is read is no special memory that the CPU writes.
+        // Also what is read is not special memory that the CPU writes.
         4..=7 => cell(random, width, true),
         _ => Operand::Cell(Area::V, width, random.below(100) as u32),
     }

@@ -50,7 +50,7 @@ impl Best {
         }
     }
 
-    /// Leaves out the scans behind the failure.
+    /// Leaves out the scans after the failure.
     fn cut(&mut self) {
         if let Failure::Different { scan, .. } = self.failure {
             self.case.scans.truncate(scan);

@@ -1,4 +1,4 @@
-//! Runs a program in the model and in plcc, and compares all memory behind each scan.
+//! Runs a program in the model and in plcc, and compares all memory after each scan.
 
 use std::panic::{self, AssertUnwindSafe};
 use std::rc::Rc;
@@ -48,7 +48,7 @@ pub enum Form {
 /// All of them.
 pub const FORMS: [Form; 3] = [Form::Interpreter, Form::Machine(Level::O0), Form::Machine(Level::O2)];
 
-/// What a program leaves behind a scan: memory, or that the CPU stopped.
+/// What a program leaves after a scan: memory, or that the CPU stopped.
 enum Expected {
     Memory(Box<Memory>),
     Stopped,
@@ -91,7 +91,7 @@ fn checked(case: &Case, forms: &[Form]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What the model leaves behind each scan. Nothing is said of scans that do not end.
+/// What the model leaves after each scan. Nothing is said of scans that do not end.
 fn expected(case: &Case) -> Vec<Expected> {
     let mut model = Model::new(&case.program);
     let (mut now, mut list) = (0, Vec::new());

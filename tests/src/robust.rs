@@ -24,7 +24,7 @@ pub enum Reach {
     Run,
 }
 
-/// Compiles, and demands what the head of this file says. Gives true if the program had no errors.
+/// Compiles, and demands what the head of this file says. Returns true if the program had no errors.
 pub fn endures(read: Read, settings: &Settings, reach: Reach) -> Result<bool, String> {
     let bound = pipeline::front(read, settings);
     for message in &bound.diagnostics {
@@ -52,7 +52,7 @@ pub fn endures(read: Read, settings: &Settings, reach: Reach) -> Result<bool, St
     Ok(true)
 }
 
-/// How often the processor time of a thread is looked at.
+/// How often the processor time of a thread is checked.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Seconds that are waited for each second of processor time: what sleeps for ever uses none.

@@ -14,7 +14,7 @@ pub enum Placement {
     Memory,
 }
 
-/// What a function needs beside the options.
+/// What a function needs in addition to the options.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tuning {
     /// Cranelift's optimisation would take too long.

@@ -90,7 +90,7 @@ fn line_program(module: &Module, functions: &[CompiledFunction]) -> LineProgram 
         program.begin_sequence(Some(start(symbol)));
         let mut before = None;
         for (at, site) in std::iter::once((0, first)).chain(places) {
-            // The first statement begins twice: with the function and behind its prologue, where a debugger stops.
+            // The first statement begins twice: with the function and after its prologue, where a debugger stops.
             if before == Some((site.file, site.line)) && program.row().address_offset > 0 {
                 continue;
             }

@@ -28,7 +28,7 @@ use crate::rounding::{self, Rounding};
 /// A switch with at most this many targets becomes a chain of comparisons.
 const COMPARED_TARGETS_MAX: usize = 3;
 
-/// What lowering must know beside the function.
+/// What lowering must know in addition to the function.
 pub struct Target<'m> {
     pub module: &'m Module,
     pub abis: &'m EntityVec<FuncId, FunctionAbi>,

@@ -188,7 +188,7 @@ impl<'m> Memory<'m> {
         }
         let offset = u64::from(self.region_offset(addr.region)?) + u64::from(addr.offset);
         let (pointer, offset) = match i32::try_from(offset) {
-            // Room for the chunks of a copy behind it.
+            // Room for the chunks of a copy after it.
             Ok(offset) if offset < i32::MAX - INLINE_BYTES_MAX as i32 => (pointer, offset),
             _ => (b.ins().iadd_imm_s(pointer, offset as i64), 0),
         };
@@ -249,7 +249,7 @@ impl<'m> Memory<'m> {
         Ok(Bit::Of(b.ins().load(types::I8, place.flags, place.pointer, place.offset), bit))
     }
 
-    /// Bits of one byte that are written behind each other are stored together: the byte of the store before is taken on, and that
+    /// Bits of one byte that are written one after the other are stored together: the byte of the store before is taken on, and that
     /// store goes.
     pub fn store_bit(
         &mut self,

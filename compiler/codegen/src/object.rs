@@ -3,7 +3,7 @@
 //! Beside the code it exports `plcc_image` (the encoded `ProgramImage`), `plcc_image_len` (its length, a `u64`),
 //! `plcc_entries` (the addresses of the entry functions) and `plcc_entries_len` (how many, a `u64`).
 //!
-//! Several programs share an executable if each exports under a prefix of its own; a directory object then stands for
+//! Several programs share an executable if each exports under a prefix of its own; a directory object then represents
 //! the program: `plcc_image_len` is 0, and `plcc_image` holds, for each of `plcc_entries_len` programs, the addresses of its
 //! four symbols in the order above.
 
@@ -24,7 +24,7 @@ pub fn compile_object(module: &Module, image: &[u8], options: &CodegenOptions) -
 /// What the exported symbols of a program alone begin with.
 const PREFIX: &str = "plcc";
 
-/// What stands behind the prefix, in the order of a directory.
+/// What comes after the prefix, in the order of a directory.
 const SUFFIXES: [&str; 4] = ["_image", "_image_len", "_entries", "_entries_len"];
 
 /// Object file that exports its symbols with `prefix` in place of `plcc`; see the module comment.

@@ -12,7 +12,7 @@ use rustc_hash::FxHashMap;
 /// jumps, and they are pulled apart again one by one.
 const ARGUMENT_WORK: usize = 5;
 
-/// A value that lives across so many instructions is as much work as one of them: it is compared with all that live beside it.
+/// A value that lives across so many instructions is as much work as one of them: it is compared with all that live next to it.
 const CROSSED_PER_WORK: usize = 100;
 
 /// How much work good register allocation is, in instructions.

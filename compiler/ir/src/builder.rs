@@ -261,7 +261,7 @@ impl FunctionBuilder {
     }
 
     /// Walks from `block` to where `var` is known, past blocks that do not write it. `None`: the walk ended at a block with
-    /// several predecessors, which now stands in `joins`.
+    /// several predecessors, which now is in `joins`.
     fn walk_back(&mut self, var: Var, block: Block, joins: &mut Vec<Join>) -> Option<Value> {
         let mut at = block;
         let mut steps = 0;
@@ -312,7 +312,7 @@ impl FunctionBuilder {
 
     /// Reads `var` at the end of every predecessor of every join, and of those that turn up on the way. The joins stand
     /// in a list and not on the stack of the host, since blocks can have thousands of them in a row. `found` is a value for the
-    /// last join. Gives the value of the first one.
+    /// last join. Returns the value of the first one.
     fn complete_joins(&mut self, var: Var, mut joins: Vec<Join>, found: Option<Value>) -> Value {
         let mut found = found;
         loop {
@@ -381,7 +381,7 @@ impl FunctionBuilder {
         }
     }
 
-    /// Drops the parameters that stand for other values, and gives all jumps the operands of those that stay.
+    /// Drops the parameters that mean other values, and gives all jumps the operands of those that stay.
     fn supply_params(&mut self) {
         for (block, state) in self.states.iter_mut() {
             let values = &mut self.function.values;

@@ -151,7 +151,7 @@ pub enum Region {
     V,
     /// A DB known at compile time, by number.
     Db(u16),
-    /// Some DB: the address' `base` is an offset from the memory base that lies in a DB.
+    /// Some DB: the address' `base` is an offset from the memory base that is in a DB.
     AnyDb,
     /// Anywhere in PLC memory: `base` is an offset from the memory base.
     Any,
@@ -260,7 +260,7 @@ pub enum InstData {
         bit: u8,
         value: Value,
     },
-    /// Offset of `addr` from the memory base, an i32: usable as `base` of `Any` (of `AnyDb` if it lies in a DB).
+    /// Offset of `addr` from the memory base, an i32: usable as `base` of `Any` (of `AnyDb` if it is in a DB).
     AddressOf {
         addr: Address,
     },
@@ -283,7 +283,7 @@ pub enum InstData {
     DbLength {
         number: Value,
     },
-    /// Calls a function of the module; its frame begins `frame_bytes` of the caller behind the caller's.
+    /// Calls a function of the module; its frame begins `frame_bytes` of the caller after the caller's.
     Call {
         callee: FuncId,
         args: Vec<Value>,

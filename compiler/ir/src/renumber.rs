@@ -12,7 +12,7 @@ use crate::function::{BlockData, Function, ValueData, ValueDef};
 
 impl Function {
     /// Makes the function canonical: drops instructions that stand in no block, aliases, and blocks that are not laid out.
-    /// Values that are used but defined nowhere, which the verifier would reject, are kept behind the others.
+    /// Values that are used but defined nowhere, which the verifier would reject, are kept after the others.
     pub fn renumber(&mut self) {
         self.resolve_aliases();
         let mut blocks = FxHashMap::default();

@@ -34,7 +34,7 @@ fn find_in_function(function: &mut Function) {
         let block = bits.function.layout[index];
         let insts = std::mem::take(&mut bits.function.blocks[block].insts);
         let mut out = Vec::with_capacity(insts.len());
-        // Bytes that were loaded behind the last write of this block.
+        // Bytes that were loaded after the last write of this block.
         let mut fresh: Vec<Value> = Vec::new();
         for inst in insts {
             match &bits.function.insts[inst] {
@@ -107,7 +107,7 @@ fn count_uses(function: &Function) -> EntityVec<Value, u32> {
 
 /// What becomes of an instruction.
 enum Replaced {
-    /// This load of a bit stands before it: what is known about a byte counts more than what is known about its bits.
+    /// This load of a bit is before it: what is known about a byte counts more than what is known about its bits.
     Load(Inst),
     /// It is that bit.
     Trunc,

@@ -5,7 +5,7 @@
 //! regions that it may alias everything; a call and a runtime function that may run organization blocks take out
 //! everything.
 //!
-//! Local data are looked at as a whole beside that: in a private frame (see `frames`) bytes that are never read anywhere need
+//! Local data are also checked as a whole: in a private frame (see `frames`) bytes that are never read anywhere need
 //! no store and no `clear`.
 
 use plcc_abi::functions::Effect;
@@ -28,7 +28,7 @@ pub fn eliminate_dead_stores(module: &mut Module) {
 /// Ranges that are kept for one base; more are forgotten, so that time stays linear.
 const RANGES_MAX: usize = 1024;
 
-/// Ranges behind each base of a region.
+/// Ranges from each base of a region.
 type Bases = Vec<(Option<Value>, Extents<()>)>;
 
 /// Ranges that are written before they are read.

@@ -10,7 +10,7 @@ use plcc_ir::{Address, Region, Type, Value};
 pub struct Access {
     pub region: Region,
     pub base: Option<Value>,
-    /// First bit behind region and base.
+    /// First bit after region and base.
     pub start: u64,
     /// First bit that is not touched.
     pub end: u64,
@@ -72,8 +72,8 @@ impl<T: Copy + PartialEq> Extents<T> {
     /// Places of the ranges that overlap `start..end`.
     fn overlapping(&self, start: u64, end: u64) -> std::ops::Range<usize> {
         let first = self.items.partition_point(|item| item.end <= start);
-        let behind = first + self.items[first..].partition_point(|item| item.start < end);
-        first..behind
+        let after = first + self.items[first..].partition_point(|item| item.start < end);
+        first..after
     }
 
     pub fn overlaps(&self, start: u64, end: u64) -> bool {

@@ -1,6 +1,6 @@
 //! Store-to-load forwarding and removal of redundant loads and stores.
 //!
-//! Walking forward, the pass keeps what is known about memory: ranges of bits that hold a value, or 0 behind a `clear`. A load of
+//! Walking forward, the pass keeps what is known about memory: ranges of bits that hold a value, or 0 after a `clear`. A load of
 //! such a range is the value, or a part of it; a store of what is there already goes away.
 //!
 //! ```text
@@ -134,7 +134,7 @@ enum Content {
     Zero,
 }
 
-/// What is known behind each base of a region.
+/// What is known from each base of a region.
 type Bases = Vec<(Option<Value>, Rc<Extents<Content>>)>;
 
 /// What is known about memory.
@@ -210,7 +210,7 @@ impl Memory {
         }
     }
 
-    /// Forgets in one region: what overlaps behind the same base, everything behind others.
+    /// Forgets in one region: what overlaps from the same base, everything from others.
     fn forget_in(&mut self, region: Region, access: &Access) {
         let Some(bases) = self.regions.get_mut(&region) else { return };
         bases.retain(|(base, _)| *base == access.base);
@@ -221,7 +221,7 @@ impl Memory {
         }
     }
 
-    /// Forgets everything but, perhaps, the own frame. Frames of inlined functions behind it are overwritten.
+    /// Forgets everything but, perhaps, the own frame. Frames of inlined functions after it are overwritten.
     fn forget_all(&mut self, keep_frame: bool, function: &Function) {
         // A new table: one that was large once would be walked from end to end at each call.
         let frame = self.regions.remove(&Region::L).filter(|_| keep_frame);
@@ -387,7 +387,7 @@ impl Forward<'_> {
         if !whole_type.is_int() || !ty.is_int() || access.region == Region::State {
             return None;
         }
-        // Memory is big-endian: bytes behind the part are below it. Within its byte a bit has its own number.
+        // Memory is big-endian: bytes after the part are below it. Within its byte a bit has its own number.
         let bytes_behind = (extent.end - access.end.next_multiple_of(8)) / 8;
         let shift = bytes_behind * 8 + if ty == Type::I1 { access.start % 8 } else { 0 };
         let shifted = if shift == 0 {
@@ -529,10 +529,10 @@ mod tests {
 
     #[test]
     fn a_private_frame_is_known_behind_a_safepoint() {
-        let around = |behind: &str| {
+        let around = |after: &str| {
             format!(
                 "store.i32 L 0, v0\nstore.i32 M 0, v0\nbranch v1, b1, b2\nb1 cold:\nv2 = rt \
-                 @safepoint(v0)\njump b2\nb2:\n{behind}"
+                 @safepoint(v0)\njump b2\nb2:\n{after}"
             )
         };
         check(

@@ -10,11 +10,11 @@
 //! Functions are visited with callees before callers, so that what has been inlined into a callee goes on with it. Only a function
 //! that makes no calls itself (any more) is inlined:
 //!
-//! - Its frame lies where that of any callee begins, [`Function::inlined_bytes`] behind the caller's frame. So local data lie where
+//! - Its frame lies where that of any callee begins, [`Function::inlined_bytes`] after the caller's frame. So local data lie where
 //!   they lay, and neither their sum nor what area V shows changes.
 //! - It is not recursive.
 //!
-//! Behind a call stands a safepoint (see `safepoint`). A STOP in the callee is a return, and the safepoint makes the caller return, too:
+//! A safepoint follows each call (see `safepoint`). A STOP in the callee is a return, and the safepoint makes the caller return, too:
 //! inlined code goes there directly. If the callee calls nothing in the runtime that can bring a STOP or an interrupt, it is
 //! as if its instructions stood in the caller, and the safepoint goes away.
 //!
@@ -136,7 +136,7 @@ impl<'a> Inliner<'a> {
             for (index, &inst) in insts.iter().enumerate() {
                 match self.chosen(caller, block, inst) {
                     Some((callee, shape)) => {
-                        let safepoint = Safepoint::behind_call(caller, &insts[index + 1..]);
+                        let safepoint = Safepoint::after_call(caller, &insts[index + 1..]);
                         if shape.is_quiet
                             && let Some(safepoint) = &safepoint
                         {

@@ -79,7 +79,7 @@ fn zero_bits(function: &Function, value: Value, depth: u32) -> u64 {
             | BinaryOp::Fdiv => 0,
         },
         InstData::Convert { op: ConvertOp::Zext | ConvertOp::Trunc, arg } => of(arg),
-        // All L stacks lie below the DB table.
+        // All L stacks are below the DB table.
         InstData::AddressOf { addr: Address { region: Region::L | Region::V, base: None, offset } }
             if offset <= layout::L_CLASS_BYTES =>
         {

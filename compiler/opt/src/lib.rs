@@ -136,7 +136,7 @@ pub fn check(name: &str, module: &Module) {
     }
 }
 
-/// Drops blocks, instructions and values that earlier passes took out, and numbers the rest anew.
+/// Drops blocks, instructions and values that earlier passes took out, and numbers the rest again.
 fn compact(module: &mut Module) {
     module.functions.values_mut().for_each(plcc_ir::Function::compact);
 }

@@ -1,7 +1,7 @@
 //! The table of runtime functions that generated code calls.
 //!
 //! One row gives the name, the parameters and the result; the linker symbol is `plcc_rt_` + name. The runtime defines
-//! each as `extern "C"`; unless a row is `pure`, a pointer to the memory base stands before the listed parameters.
+//! each as `extern "C"`; unless a row is `pure`, a pointer to the memory base is before the listed parameters.
 //! A `site` is an index into the sites of the program image.
 //! `i1`, `i8` and `i16` never cross this border: bits and bytes travel as `i32`, 0 or 1 for a bit.
 
@@ -121,7 +121,7 @@ runtime_functions! {
     /// number. Registers travel in the CPU state. `lbase` is where the callee's frame begins, `vbase` where the
     /// caller's does. A missing block is a synchronous error. Result as `Safepoint`.
     CallBlock = "call_block"(site: I32, kind: I32, number: I32, lbase: I32, vbase: I32) -> I32, All;
-    /// Calls system function `number`; its parameters lie at `block`, laid out like a structure (IN, OUT, IN_OUT).
+    /// Calls system function `number`; its parameters are at `block`, laid out like a structure (IN, OUT, IN_OUT).
     /// `lbase` is the caller's frame, to which L and V pointers among them refer. Result: bit 0 BR, bit 1 as `Safepoint`.
     SystemFunction = "system_function"(site: I32, number: I32, block: I32, lbase: I32) -> I32, All;
 

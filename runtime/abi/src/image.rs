@@ -1,6 +1,6 @@
 //! What the compiler tells the runtime about a program.
 //!
-//! An executable carries a [`ProgramImage`] beside its code, encoded with `postcard` under the symbol `plcc_image`,
+//! An executable carries a [`ProgramImage`] next to its code, encoded with `postcard` under the symbol `plcc_image`,
 //! and the addresses of its entry functions under `plcc_entries`; `plcc run` and `plcc test` hand the value over.
 
 use serde::{Deserialize, Serialize};
@@ -245,7 +245,7 @@ pub struct AssertEntry {
     /// The source line, trimmed.
     pub text: String,
     pub condition: AssertCondition,
-    /// At least one. Code brings their values in this order; behind those of the last one the assertion is judged.
+    /// At least one. Code brings their values in this order; after those of the last one the assertion is judged.
     pub comparisons: Vec<AssertComparison>,
     /// Both sides are different constants: it must never be reached.
     pub trap: bool,
@@ -370,7 +370,7 @@ pub struct StationModule {
 pub struct AnalogChannel {
     /// Name of its measuring or output range, `4..20 mA`; empty if not configured.
     pub range: String,
-    /// Resolution in bits behind the sign, 15 at most.
+    /// Resolution in bits without the sign, 15 at most.
     pub bits: u8,
     /// A current below 1.185 mA is shown as wire break.
     pub wire_break: bool,
@@ -381,7 +381,7 @@ pub struct AnalogChannel {
 pub struct ErrorSlot {
     pub kind: BlockKind,
     pub number: u16,
-    /// Where the ErrorStruct of the first error lies in the block's local data.
+    /// Where the ErrorStruct of the first error is in the block's local data.
     pub offset: u32,
 }
 

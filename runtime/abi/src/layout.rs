@@ -1,6 +1,6 @@
 //! Layout of PLC memory.
 //!
-//! All areas of a CPU lie in one allocation. Generated code reaches each of them as `base + offset`; the offsets
+//! All areas of a CPU are in one allocation. Generated code reaches each of them as `base + offset`; the offsets
 //! below are bytes from that base and hold for every profile, so that a profile changes limits only, never addresses.
 //! Areas do not begin at the same offset of a memory page: processors take a load for dependent on an earlier store
 //! whose address ends in the same 12 bits, and programs use low addresses of every area.

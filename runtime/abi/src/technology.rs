@@ -73,7 +73,7 @@ pub struct FastCounter {
     pub mode: CountMode,
     /// Counts down at first, in mode `Single`.
     pub down: bool,
-    /// Value at the start and behind an external reset.
+    /// Value at the start and after an external reset.
     pub initial: i32,
     pub reference: i32,
     /// Input bit whose rising edge resets the counter.

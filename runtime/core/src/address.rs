@@ -85,16 +85,16 @@ pub fn resolve(text: &str, image: &ProgramImage) -> Result<Address, String> {
     let is_name = |name: &str| name == text || name == bare;
     if let Some(symbol) = image.symbols.iter().find(|symbol| is_name(&symbol.name)) {
         return parse(&symbol.address)
-            .ok_or_else(|| format!("symbol {text} stands for {}, which is not a value", symbol.address));
+            .ok_or_else(|| format!("symbol {text} means {}, which is not a value", symbol.address));
     }
     if let Some(address) = parse(text).or_else(|| signal::analog_channel(text, image)) {
         return Ok(address);
     }
     // Symbols do not distinguish case; an absolute address goes first.
     let folded = image.symbols.iter().find(|symbol| symbol.name.to_lowercase() == bare.to_lowercase());
-    folded
-        .and_then(|symbol| parse(&symbol.address))
-        .ok_or_else(|| format!("`{text}` is neither an address (as Q4.0, MW20, DB10.DBD4) nor a symbol of the program"))
+    folded.and_then(|symbol| parse(&symbol.address)).ok_or_else(|| {
+        format!("`{text}` is neither an address (such as Q4.0, MW20, DB10.DBD4) nor a symbol of the program")
+    })
 }
 
 /// An absolute address as the CPU of the program has them.
@@ -151,7 +151,7 @@ pub(crate) fn digits(text: &str) -> Option<u32> {
     plain.then(|| text.parse().ok()).flatten()
 }
 
-/// `0.0`, `X0.0`, `B4`, `W4`, `D4`, `L4` behind the area letters. A bit without `X` only where `bare_bit`.
+/// `0.0`, `X0.0`, `B4`, `W4`, `D4`, `L4` after the area letters. A bit without `X` only where `bare_bit`.
 pub(crate) fn offset(text: &str, bare_bit: bool) -> Option<(u32, Width)> {
     let width = match text.chars().next()? {
         'B' => Width::Byte,
@@ -276,7 +276,9 @@ impl Cpu {
                 width => self.driver.set_input(byte, width.bytes(), value as u32),
             },
             Place::PeripheralOutput(byte) => match address.width {
-                Width::Lword => return Err("peripheral outputs are set by bytes, words or double words".to_string()),
+                Width::Lword => {
+                    return Err("peripheral outputs can be set only as bytes, words or double words".to_string());
+                }
                 width => {
                     self.peripheral_write(byte, width.bytes(), value as u32);
                 }

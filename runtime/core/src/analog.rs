@@ -185,7 +185,7 @@ impl Scale {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelScale {
     range: &'static Range,
-    /// Resolution in bits behind the sign.
+    /// Resolution in bits without the sign.
     bits: u8,
     wire_break: bool,
     unit: Unit,
@@ -206,7 +206,7 @@ impl ChannelScale {
             return Err("the range of this channel is not known; give its module a `range` in plc.toml".to_string());
         }
         let range =
-            range(&channel.range).ok_or_else(|| format!("`{}` is no range of analog modules", channel.range))?;
+            range(&channel.range).ok_or_else(|| format!("`{}` is not a range of analog modules", channel.range))?;
         let base = |name: &str| UNITS.iter().find(|(unit, ..)| *unit == name);
         let unit = match (unit.trim(), base(unit.trim())) {
             ("%", _) if range.quantity != Quantity::Temperature => Unit::Percent,

@@ -38,7 +38,7 @@ impl Assertions {
         Assertions { states: RefCell::new(entries.iter().map(state).collect()) }
     }
 
-    /// Takes the values of a comparison, and judges the assertion behind the last one.
+    /// Takes the values of a comparison, and judges the assertion after the last one.
     pub(crate) fn check(&self, cpu: &Cpu, id: usize, index: usize, left: u64, right: u64) {
         let Some(entry) = cpu.image.asserts.get(id) else { return };
         let Some(comparison) = entry.comparisons.get(index) else { return };
@@ -219,7 +219,7 @@ impl Value {
     }
 }
 
-/// Whether a comparison holds. NaN and bits that are no value of their type are different from everything.
+/// Whether a comparison holds. NaN and bits that are not a value of their type are different from everything.
 fn holds(comparison: &AssertComparison, left: &Value, right: &Value) -> bool {
     let (own, other) = (comparison.left.ty, comparison.right.ty);
     compare(comparison.kind, (left, own), (right, other)).map_or(

@@ -1,4 +1,4 @@
-//! `main` of a compiled program: its image and code are linked beside the runtime.
+//! `main` of a compiled program: its image and code are linked next to the runtime.
 
 use std::ffi::{CStr, OsString, c_char, c_int};
 use std::io::Write;
@@ -104,7 +104,7 @@ fn linked_program(number: usize) -> Result<(ProgramImage, Rc<dyn Code>), String>
         if plcc_image_len == 0 {
             let directory = (&raw const plcc_image).cast::<DirectoryEntry>();
             let directory = std::slice::from_raw_parts(directory, plcc_entries_len as usize);
-            let entry = directory.get(number).ok_or_else(|| format!("there is no program {number}"))?;
+            let entry = directory.get(number).ok_or_else(|| format!("program {number} does not exist"))?;
             found = DirectoryEntry { ..*entry };
         }
         (

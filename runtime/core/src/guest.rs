@@ -29,7 +29,7 @@ impl<O> Code for NativeCode<O> {
     }
 }
 
-/// Reads the bytes at `offset` from the memory base, for an interpreter; what lies outside of the memory reads as scratch.
+/// Reads the bytes at `offset` from the memory base, for an interpreter; what is outside of the memory reads as scratch.
 #[allow(clippy::not_unsafe_ptr_arg_deref)] // An interpreter passes on what the runtime gave it.
 pub fn read(mem: *mut u8, offset: u32, buf: &mut [u8]) {
     // SAFETY: `mem` is what the runtime gave to `Code::call`.

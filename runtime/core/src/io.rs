@@ -1,4 +1,4 @@
-//! Inputs and outputs: the driver that stands for the modules.
+//! Inputs and outputs: the driver that represents the modules.
 //!
 //! A driver answers at once, from memory. Exchange with real devices happens on its own threads.
 
@@ -15,7 +15,7 @@ pub trait Driver {
     fn read(&self, address: u32, bytes: u32) -> Option<u32>;
     /// False: no module answers for all of the bytes.
     fn write(&self, address: u32, bytes: u32, value: u32) -> bool;
-    /// Takes over the process image of outputs. Bytes that no module covers are no error: an S7-300 makes no entry.
+    /// Takes over the process image of outputs. Bytes that no module covers are not an error: an S7-300 makes no entry.
     fn write_image(&self, image: &[u8]);
     /// The CPU is in STOP: outputs of modules in a station show 0 or their substitute values.
     fn stop(&self);

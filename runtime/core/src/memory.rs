@@ -18,7 +18,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Zeroed memory for DBs up to `db_end` and the pool behind them.
+    /// Zeroed memory for DBs up to `db_end` and the pool after them.
     pub fn new(db_end: u32) -> Memory {
         let size = db_end.max(layout::DB_DATA).saturating_add(layout::DB_POOL_BYTES);
         let layout = Self::layout(size);
@@ -50,7 +50,7 @@ impl Memory {
         unsafe { self.base.add(offset as usize) }
     }
 
-    /// Reads `N` bytes as they lie in memory.
+    /// Reads `N` bytes as they are in memory.
     pub fn bytes<const N: usize>(&self, offset: u32) -> [u8; N] {
         // SAFETY: `at` gives N readable bytes (the scratch area is larger than any N used).
         unsafe { self.at(offset, N as u32).cast::<[u8; N]>().read_unaligned() }

@@ -116,8 +116,8 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
 fn tell_partial(items: &[String], quiet: bool) {
     match (items.len(), quiet) {
         (0, _) => {}
-        (1, true) => say!("partial: the program was built without 1 of its parts"),
-        (count, true) => say!("partial: the program was built without {count} of its parts"),
+        (1, true) => say!("partial: the program was built with 1 missing part"),
+        (count, true) => say!("partial: the program was built with {count} missing parts"),
         (_, false) => items.iter().for_each(|item| say!("partial: {item}")),
     }
 }
@@ -126,7 +126,7 @@ fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session,
     let mut exit = EXIT_OK;
     if !printed.is_empty() {
         let mut out = std::io::stdout().lock();
-        // A closed pipe is no fault of the program.
+        // A closed pipe is not a fault of the program.
         let plant = session.player.plant();
         let _ = report::write_values(cpu, plant, printed, options.json, &mut out).and_then(|()| out.flush());
     }

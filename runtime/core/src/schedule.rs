@@ -508,7 +508,7 @@ impl Cpu {
         self.stop_because(0x4568, site, crate::faults::TIME_ERROR_HANG, Some(cause));
     }
 
-    /// Starts the hang limit anew.
+    /// Starts the hang limit again.
     pub(crate) fn arm_hang(&self) {
         if self.clock.is_virtual() {
             let deadline = self.watchdog.host_now().saturating_add(self.schedule.hang_limit.get());

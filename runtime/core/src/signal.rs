@@ -9,7 +9,7 @@
 //! | `pulse.1.duty`, `pulse.1.period` | of a pulse generator: on-time in percent of its cycle, cycle in milliseconds |
 //! | `PLS0.COUNT` | pulses of a pulse output of an S7-200 |
 //!
-//! Behind the last three ` in UNIT` may name their unit, for the axis of a picture; it changes nothing.
+//! After the last three ` in UNIT` may name their unit, for the axis of a picture; it changes nothing.
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::{AnalogChannel, Module, StationModule};
@@ -128,7 +128,7 @@ impl Source {
     pub fn find(text: &str, image: &ProgramImage, plant: Option<&Plant>) -> Result<Source, String> {
         let text = text.trim();
         if let Some(name) = text.strip_prefix("plant.") {
-            let plant = plant.ok_or("there is no plant; a scenario has one in `[plant]`")?;
+            let plant = plant.ok_or("there is no plant; a scenario defines one in `[plant]`")?;
             let name = without_unit(name);
             return plant.find(name).map(Source::Plant).ok_or_else(|| format!("the plant has no value `{name}`"));
         }
@@ -147,10 +147,10 @@ impl Source {
             let address = address::resolve(name, image)?;
             let row = NUMBER_TYPES.iter().find(|(word, ..)| word.eq_ignore_ascii_case(ty.trim()));
             let (_, ty, width) = row.ok_or_else(|| {
-                format!("`{}` is none of SINT, INT, DINT, USINT, UINT, UDINT, REAL, LREAL", ty.trim())
+                format!("`{}` is not one of SINT, INT, DINT, USINT, UINT, UDINT, REAL, LREAL", ty.trim())
             })?;
             if address.width != *width {
-                return Err(format!("{} has another width than {}", name.trim(), row.map_or("", |row| row.0)));
+                return Err(format!("the width of {} is not that of {}", name.trim(), row.map_or("", |row| row.0)));
             }
             return Ok(Source::Number(address, *ty));
         }
@@ -179,7 +179,7 @@ impl Source {
         }
     }
 
-    /// True for integers: no other number stands for one of them.
+    /// True for integers: no other number means one of them.
     pub fn is_exact(&self) -> bool {
         matches!(self, Source::Number(_, NumberType::Signed | NumberType::Unsigned) | Source::PulseCount(_))
     }
@@ -232,7 +232,7 @@ impl Source {
             Source::PulseDuty(_) | Source::PulsePeriod(_) | Source::PulseCount(_) => {
                 return Err("the program sets a pulse generator".to_string());
             }
-            Source::Plant(_) => return Err("a value of the plant is set by `plant = { name = 1.0 }`".to_string()),
+            Source::Plant(_) => return Err("set a value of the plant with `plant = { name = 1.0 }`".to_string()),
         };
         cpu.write(address, bits)
     }

@@ -141,7 +141,7 @@ fn judge(cpu: &Cpu, options: &TestOptions, until_stop: bool, player: &Player, re
     match (&fault, options.expect_fail.as_deref()) {
         (Some(text), None) => report.problems.push(format!("the CPU went to STOP: {text}")),
         (None, Some(_)) => {
-            report.problems.push("the CPU was expected to go to STOP on a fault, and did not".to_string())
+            report.problems.push("the CPU was expected to go to STOP on a fault, but it did not".to_string())
         }
         (None, None) if until_stop && !cpu.is_stopped() => report
             .problems

@@ -62,7 +62,7 @@ impl Clock {
         self.hour < 24 && self.minute < 60 && self.second < 60
     }
 
-    /// Since midnight; what lies below a millisecond is cut off.
+    /// Since midnight; what is below a millisecond is cut off.
     pub fn milliseconds(self) -> u32 {
         ((self.hour * 60 + self.minute) * 60 + self.second) * 1000 + self.ns / 1_000_000
     }

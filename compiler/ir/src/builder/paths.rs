@@ -13,11 +13,11 @@
 //!   answer is "perhaps", and the predecessors are asked one by one.
 //! - To cross a long row of blocks in few steps, each block also has a *jump* to an ancestor further away, by the scheme
 //!   of skew-binary numbers (Myers, "An applicative random-access stack", 1983). Nothing jumps past a root; when the start of a
-//!   loop stops being one, the jumps from its end are made anew, or a row of loops would be crossed block by block.
+//!   loop stops being one, the jumps from its end are made again, or a row of loops would be crossed block by block.
 
 use crate::entities::{Block, EntityVec};
 
-/// At most so many jumps are made anew when a loop is complete. In longer loops they are few among many.
+/// At most so many jumps are made again when a loop is complete. In longer loops they are few among many.
 const RENEWED_MAX: usize = 256;
 
 /// Time of what has not happened.
@@ -102,7 +102,7 @@ impl Paths {
             return;
         }
         let limit = match predecessors {
-            // Nothing lies in between.
+            // Nothing is in between.
             [_] => end,
             _ => self.now,
         };
@@ -117,7 +117,7 @@ impl Paths {
         }
     }
 
-    /// Makes the jumps on the way from `first` up to `last` anew, as far as that is near.
+    /// Makes the jumps on the way from `first` up to `last` again, as far as that is near.
     fn renew(&mut self, first: Block, last: Block) {
         let mut way = Vec::new();
         let mut at = first;

@@ -45,7 +45,7 @@ impl Interpreter {
         Interpreter { functions, stacks: RefCell::default(), executed: Cell::default() }
     }
 
-    /// Runs `func` with the bit patterns `args`; gives those that it returns. `lbase` is where its frame begins and
+    /// Runs `func` with the bit patterns `args`; returns those that it returns. `lbase` is where its frame begins and
     /// `vbase` where its caller's does, as offsets from the memory base.
     pub fn call(&self, host: &dyn Host, func: FuncId, args: &[u64], lbase: u32, vbase: u32) -> Vec<u64> {
         let mut stack = self.stacks.borrow_mut().pop().unwrap_or_default();

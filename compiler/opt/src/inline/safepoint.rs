@@ -1,4 +1,4 @@
-//! The safepoint behind a call.
+//! The safepoint after a call.
 //!
 //! ```text
 //! v1 = call @FC1(...)
@@ -25,9 +25,9 @@ pub struct Safepoint {
 }
 
 impl Safepoint {
-    /// The safepoint in `behind`, which is what stands behind the call in its block.
-    pub fn behind_call(function: &Function, behind: &[Inst]) -> Option<Safepoint> {
-        let (&branch, straight) = behind.split_last()?;
+    /// The safepoint in `after`, which is what comes after the call in its block.
+    pub fn after_call(function: &Function, after: &[Inst]) -> Option<Safepoint> {
+        let (&branch, straight) = after.split_last()?;
         let InstData::Branch { cond, then_to, else_to } = &function.insts[branch] else { return None };
         let attention = non_zero_test(function, *cond)?;
         let load = straight.iter().position(|&inst| function.results[inst].contains(&attention))?;

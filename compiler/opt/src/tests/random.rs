@@ -352,7 +352,7 @@ impl Builder<'_> {
                 self.b.def_var(self.pointer, value);
             }
             Statement::Call(callee, to, from, bit) => {
-                // Only functions behind this one, so that there is no recursion.
+                // Only functions after this one, so that there is no recursion.
                 if self.index + 1 + callee >= FUNCTIONS {
                     return;
                 }

@@ -4,7 +4,7 @@
 
 use std::net::Ipv4Addr;
 
-/// Length of TCON_Param, which also stands in its first word.
+/// Length of TCON_Param, which is also in its first word.
 pub const PARAM_BYTES: usize = 64;
 /// Length of TCON_IP_v4.
 pub const IP_V4_BYTES: usize = 14;

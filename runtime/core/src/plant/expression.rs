@@ -36,12 +36,12 @@ fn marked(text: &str) -> String {
     while let Some(first) = rest.chars().next() {
         let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
         let end = rest.find(|c| !is_part(c)).unwrap_or(rest.len()).max(first.len_utf8());
-        let (word, behind) = rest.split_at(end);
+        let (word, after) = rest.split_at(end);
         if (first.is_ascii_alphabetic() || first == '_') && !is_function(word) {
             marked.push_str(MARK);
         }
         marked.push_str(word);
-        rest = behind;
+        rest = after;
     }
     marked
 }
@@ -62,7 +62,7 @@ impl Expression {
     /// Parses `text`; each name in it must be one that `is_known`. `Err`: what is wrong, in a sentence.
     pub fn parse(text: &str, is_known: impl Fn(&str) -> bool) -> Result<Expression, String> {
         if !text.is_ascii() || text.contains(['"', '[', ']']) {
-            return Err(format!("`{text}` is no expression: write numbers, names, operators and functions"));
+            return Err(format!("`{text}` is not an expression: write numbers, names, operators and functions"));
         }
         let mut slab = Slab::new();
         let root = Parser::new().parse(&marked(text), &mut slab.ps).map_err(|error| wrong(text, &error))?;
@@ -70,7 +70,7 @@ impl Expression {
         let values = names.iter().filter_map(|name| name.strip_prefix(MARK));
         if let Some(name) = values.into_iter().find(|name| !is_known(name)) {
             return Err(format!(
-                "`{name}` is not known here: values are read, set by an earlier equation, states or parameters"
+                "`{name}` is not known here; use values that are read, earlier equations, states or parameters"
             ));
         }
         let expression = Expression { slab, root };
@@ -107,9 +107,9 @@ fn wrong(text: &str, error: &Error) -> String {
         Error::TooLong | Error::TooDeep | Error::SlabOverflow => format!("`{text}` is too large"),
         Error::Undefined(name) => match FUNCTIONS.iter().find(|(function, _)| function == name) {
             Some((name, count)) => format!("`{text}`: {name} takes {count} arguments"),
-            None => format!("`{text}`: `{}` is not known as a function", name.trim_start_matches(MARK)),
+            None => format!("`{text}`: `{}` is not a known function", name.trim_start_matches(MARK)),
         },
-        _ => format!("`{text}` is no expression: write numbers, names, operators and functions"),
+        _ => format!("`{text}` is not an expression: write numbers, names, operators and functions"),
     }
 }
 

@@ -164,7 +164,7 @@ impl Plant {
     fn evaluate(&self, expression: &Expression) -> Result<f64, String> {
         match expression.evaluate(&|name| self.find(name).map_or(0.0, |index| self.values[index])) {
             Ok(value) if value.is_finite() => Ok(value),
-            Ok(value) => Err(format!("the expression gives {value} at {} s", self.values[TIME])),
+            Ok(value) => Err(format!("the result of the expression is {value} at {} s", self.values[TIME])),
             Err(error) => Err(format!("the expression has no value: {error:?}")),
         }
     }

@@ -7,7 +7,7 @@ use super::{analog, special};
 use crate::address::{Address, Bits, Place, Width, digits, offset};
 use crate::cpu::Cpu;
 
-/// What only an S7-200 has. The number beside it is that of the byte, timer, counter or accumulator.
+/// What only an S7-200 has. The number with it is that of the byte, timer, counter or accumulator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     SpecialMemory,
@@ -34,7 +34,7 @@ const ANALOG: [(&str, Part); 8] = [
     ("AQ", Part::AnalogOutput),
     ("AA", Part::AnalogOutput),
 ];
-/// Parts with numbers, the width that the number alone has, and the part behind `.VALUE`.
+/// Parts with numbers, the width that the number alone has, and the part after `.VALUE`.
 const NUMBERED: [(&str, Part, Width, Option<Part>); 8] = [
     ("HC", Part::HighSpeedCounter, Width::Dword, None),
     ("HZ", Part::HighSpeedCounter, Width::Dword, None),
@@ -105,7 +105,7 @@ impl Part {
 impl Cpu {
     /// Whether the address exists on this CPU. `Err`: what is wrong.
     pub(crate) fn check_part(&self, part: Part, number: u32, width: Width) -> Result<(), String> {
-        let Some(own) = self.s7200() else { return Err("this CPU is no S7-200".to_string()) };
+        let Some(own) = self.s7200() else { return Err("this CPU is not an S7-200".to_string()) };
         let (cpu, profile) = (&own.image.cpu, &self.image.profile);
         let inside = |length: u32, area: &str| match number.saturating_add(width.bytes()) <= length {
             true => Ok(()),

@@ -122,7 +122,7 @@ pub(crate) fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Resu
             let (low, high) = (f64::from_bits(module.low), f64::from_bits(module.high));
             let span = high - low;
             if !(span.is_finite() && span > 0.0) {
-                return Err(format!("the range of {} is not known; give it in plc.toml", module.name));
+                return Err(format!("the range of {} is not known; set it in plc.toml", module.name));
             }
             let channel = Channel::Input { low, high, bipolar: module.bipolar };
             match (unit, module.unit.as_str()) {
@@ -130,9 +130,9 @@ pub(crate) fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Resu
                 (unit, of_range) if unit == of_range => scale(channel, 1.0),
                 ("mV", "V") => scale(channel, 1e-3),
                 ("V", "mV") | ("A", "mA") => scale(channel, 1e3),
-                (_, of_range) => {
-                    Err(format!("the channel has {low} to {high} {of_range}: write a number in {of_range} or in %"))
-                }
+                (_, of_range) => Err(format!(
+                    "the range of the channel is {low} to {high} {of_range}: write a number in {of_range} or in %"
+                )),
             }
         }
         (Place::S7200(Part::AnalogOutput, byte), Width::Word) => {

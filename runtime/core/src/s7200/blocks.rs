@@ -41,7 +41,7 @@ pub(super) fn fill(cpu: &Cpu, operands: &Operands) -> u64 {
     done()
 }
 
-/// The bit that leaves is SM1.1, which is no error here.
+/// The bit that leaves is SM1.1, which is not an error here.
 pub(super) fn shift_register(cpu: &Cpu, operands: &Operands) -> u64 {
     let &Operands { a: data, b: first, c: count, .. } = operands;
     let (length, up) = ((count as i32).unsigned_abs(), count as i32 > 0);

@@ -16,7 +16,7 @@ use crate::clock::NS_PER_MS;
 use crate::cpu::Cpu;
 use crate::schedule::NEVER;
 
-/// What an event tells its routine beside its number: a character received in Freeport, and whether its parity was wrong.
+/// What an event tells its routine in addition to its number: a character received in Freeport, and whether its parity was wrong.
 pub type EventData = Option<(u8, bool)>;
 
 /// Queues, one a group of events.
@@ -97,8 +97,8 @@ impl Interrupts {
         let mut queues = self.queues.borrow_mut();
         let Some(queue) = queues.get_mut(group).filter(|queue| queue.len() < depth) else { return false };
         let later = |other: &Waiting| other.stamp == waiting.stamp && group_of(other.event).1 > priority;
-        let behind = queue.iter().rev().take_while(|other| later(other)).count();
-        queue.insert(queue.len().saturating_sub(behind), waiting);
+        let after = queue.iter().rev().take_while(|other| later(other)).count();
+        queue.insert(queue.len().saturating_sub(after), waiting);
         true
     }
 
@@ -292,7 +292,7 @@ pub(super) fn attach(cpu: &Cpu, operands: &Operands) -> u64 {
     if input < EDGE_INPUTS && cpu.s7200_counter_owns_input(input) {
         return failed(cpu, operands, error::EVENT_INPUT_IS_HSC);
     }
-    // A preset that was reached before is no event.
+    // A preset that was reached before is not an event.
     match event {
         21 => cpu.s7200_timer_sync(32),
         22 => cpu.s7200_timer_sync(96),

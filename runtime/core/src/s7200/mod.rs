@@ -69,7 +69,7 @@ pub struct Operands {
     pub d: u32,
 }
 
-/// State beside the memory.
+/// State outside the memory.
 pub struct S7200 {
     pub(crate) image: S7200Image,
     pub(crate) config: S7200Config,
@@ -169,7 +169,7 @@ impl Cpu {
         self.s7200.as_deref()
     }
 
-    /// The area that begins at or before `address` and holds it: its first byte and the byte behind its last one, as offsets from the
+    /// The area that begins at or before `address` and holds it: its first byte and the byte after its last one, as offsets from the
     /// memory base. `None`: no area of an S7-200.
     pub(crate) fn s7200_area(&self, address: u32) -> Option<(u32, u32)> {
         let cpu = self.s7200()?.image.cpu;
@@ -196,7 +196,7 @@ impl Cpu {
                 (frame, frame + plcc_abi::s7200::LOCAL_BYTES)
             })
         };
-        // Strings of the program text lie in another DB.
+        // Strings of the program text are in another DB.
         let constants = || {
             let others = self.image.dbs.iter().filter(|db| db.number != plcc_abi::s7200::V_DB);
             let mut ranges = others.map(|db| (db.address, db.address.saturating_add(db.data.len() as u32)));

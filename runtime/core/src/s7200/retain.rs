@@ -120,7 +120,7 @@ impl Cpu {
         self.s7200().and_then(|own| own.config.retentive_file.as_deref()).map(Path::new)
     }
 
-    /// Whether the file of retentive memory can be one. `Err`: why another file stands in its place.
+    /// Whether the file of retentive memory can be one. `Err`: why another file is in its place.
     pub(crate) fn s7200_check_retentive_file(&self) -> Result<(), String> {
         match self.retentive_file() {
             Some(path) => [path.to_path_buf(), beside(path)].iter().try_for_each(|path| check_ours(path)),
@@ -155,17 +155,20 @@ impl Cpu {
         match section(&file, KEPT).and_then(|kept| self.load_kept(kept, path)) {
             Some(()) => *retain.written.borrow_mut() = file,
             None => {
-                say(&format!("cold start: {} is damaged or holds no retentive memory", path.display()));
+                say(&format!("cold start: {} is damaged or contains no retentive memory", path.display()));
                 retain.lost.set(true);
             }
         }
     }
 
-    /// `None`: it is cut, and nothing was loaded behind the cut.
+    /// `None`: it is cut, and nothing was loaded after the cut.
     fn load_kept(&self, mut body: &[u8], path: &Path) -> Option<()> {
         let same_block = u64::from_be_bytes(take(&mut body)?) == self.data_block_sum();
         if !same_block {
-            say(&format!("the data block is not that of {}: V memory begins with its values", path.display()));
+            say(&format!(
+                "the data block is new: V memory begins with its values, not with those of {}",
+                path.display()
+            ));
         }
         for (index, (address, bytes)) in self.retentive_ranges().into_iter().enumerate() {
             let length = u32::from_be_bytes(take(&mut body)?);
@@ -292,12 +295,14 @@ fn check_ours(path: &Path) -> Result<(), String> {
     // All but the version of the format.
     let magic = &MAGIC[..MAGIC.len() - 1];
     match file.take(magic.len() as u64).read_to_end(&mut head) {
-        Ok(_) if !magic.starts_with(&head) => wrong("holds something else than retentive memory and is left as it is"),
+        Ok(_) if !magic.starts_with(&head) => {
+            wrong("contains something other than retentive memory and is left as it is")
+        }
         Ok(_) | Err(_) => Ok(()),
     }
 }
 
-/// Writes a file beside `path` and puts it in its place when it is on the disk.
+/// Writes a file next to `path` and puts it in its place when it is on the disk.
 fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let new = beside(path);
     for file in [path, &new] {

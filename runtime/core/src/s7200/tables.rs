@@ -10,7 +10,7 @@ use crate::cpu::Cpu;
 /// Entries that a table may have.
 const ENTRIES_MAX: u32 = 100;
 
-/// The count of entries of the table whose count word lies at `count_word`; `None`: the table does not lie in its area.
+/// The count of entries of the table whose count word is at `count_word`; `None`: the table is not in its area.
 fn entries(cpu: &Cpu, count_word: u32) -> Option<u32> {
     if !access::inside(cpu, count_word, 2) {
         return None;

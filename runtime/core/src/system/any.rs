@@ -36,7 +36,7 @@ pub(super) const WIDE_STRING: u8 = 0x14;
 /// Type code of WCHAR, in a VARIANT.
 pub(super) const WIDE_CHARACTER: u8 = 0x2C;
 
-/// Bytes of an element by type code; 0 for BOOL, `None` for what is no data.
+/// Bytes of an element by type code; 0 for BOOL, `None` for what is not data.
 fn element_bytes(code: u8) -> Option<u32> {
     Some(match code {
         0x01 => 0,

@@ -67,7 +67,7 @@ pub(super) fn set_clock_local(call: &Call) -> Outcome {
     if call.byte(1) & 1 != 0 { error(0x8080) } else { set_clock(call) }
 }
 
-/// Gives a DTL; one that is none is 1970-01-01 with an error.
+/// Reads a DTL. An invalid one yields 1970-01-01 with an error.
 fn give(call: &Call, index: usize, moment: Option<i64>) -> Outcome {
     call.set_dtl(index, encode(moment.unwrap_or(0)));
     Outcome::Flag(moment.is_some())

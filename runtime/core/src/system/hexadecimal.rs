@@ -9,7 +9,7 @@ use super::any::{self, Access, Range};
 use super::parameters::Call;
 use super::{OK, Outcome, error};
 
-/// RET_VAL: a character is no hexadecimal digit. ENO is 0, though it is no error code.
+/// RET_VAL: a character is not a hexadecimal digit. ENO is 0, though it is not an error code.
 const NO_DIGIT: u16 = 0x0007;
 /// Codes of IN; those of OUT are higher by [`OF_OUTPUT`].
 const NO_ACCESS: u16 = 0x8101;

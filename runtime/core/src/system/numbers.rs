@@ -98,7 +98,7 @@ fn write_special<const N: usize>(buffer: &mut Buffer<N>, value: f64) -> std::fmt
     buffer.write_str(if value.is_nan() { "NaN" } else { "INF" })
 }
 
-/// What is no number is an error, although a text is given.
+/// What is not a number is an error, although a text is given.
 fn finish_special(outcome: Outcome, finite: bool) -> Outcome {
     if outcome == OK && !finite { error(INVALID) } else { outcome }
 }
@@ -266,7 +266,7 @@ pub(super) fn real_of(call: &Call) -> Outcome {
     if length == 0 { error(INVALID) } else { OK }
 }
 
-/// The parameters of VAL_STRG behind its number.
+/// The parameters of VAL_STRG after its number.
 struct Field {
     size: usize,
     precision: usize,

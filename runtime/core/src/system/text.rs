@@ -1,4 +1,4 @@
-//! STRING values behind ANY parameters, and the functions of the library that work on their characters.
+//! STRING values after ANY parameters, and the functions of the library that work on their characters.
 //!
 //! A STRING begins with its maximum and its actual length. It is not valid if the maximum is 0 or 255 or less than the
 //! actual length: so are variables of TEMP that nobody wrote.

@@ -12,7 +12,7 @@ use super::parameters::Call;
 use super::{OK, Outcome, error, text};
 use crate::cpu::Area;
 
-/// The areas overlap, or one of them is no variable.
+/// The areas overlap, or one of them is not a variable.
 const AREAS: u16 = 0x80B0;
 /// POS is outside the array.
 const POSITION: u16 = 0x8382;
@@ -160,7 +160,7 @@ struct Elements {
 }
 
 impl Elements {
-    /// What parameter `index` points at; one element if it is no array. `Err`: whether it is write-protected.
+    /// What parameter `index` points at; one element if it is not an array. `Err`: whether it is write-protected.
     fn of(call: &Call, index: usize, access: Access) -> Result<Elements, bool> {
         let protected = any::code(index, 0x30);
         let range = match any::decode(call, index, access) {

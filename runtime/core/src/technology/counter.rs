@@ -10,7 +10,7 @@ use plcc_abi::technology::{CountMode, FastCounter};
 
 use crate::clock::NS_PER_MS;
 
-/// Pulses at equal distances: the first one period behind `start`.
+/// Pulses at equal distances: the first one period after `start`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Train {
     /// In nanoseconds, on the clock of the CPU.

@@ -181,8 +181,8 @@ impl Cpu {
             let start = hsc_address(counter.config.number);
             address >= start && address.saturating_add(bytes) <= start + 4
         })?;
-        let behind = hsc_address(counter.config.number) + 4 - (address + bytes);
-        let value = counter.value(self.clock.now()) as u32 >> (8 * behind);
+        let after = hsc_address(counter.config.number) + 4 - (address + bytes);
+        let value = counter.value(self.clock.now()) as u32 >> (8 * after);
         Some(if bytes >= 4 { value } else { value & ((1 << (8 * bytes)) - 1) })
     }
 

@@ -84,7 +84,7 @@ impl Recorder {
         }
         let levels = self.pulses(cpu, time);
         if self.error.is_none() && time >= self.due {
-            // Samples lie at multiples of the step. Without one each cycle is a sample, the startup beside the first.
+            // Samples are at multiples of the step. Without one each cycle is a sample, the startup next to the first.
             self.due = time.checked_div(self.step).map_or(0, |steps| (steps + 1).saturating_mul(self.step));
             self.values.clear();
             self.values.extend(self.signals.iter().map(|signal| signal.source.read(cpu, plant)));
@@ -112,7 +112,7 @@ impl Recorder {
             self.edges.extend(edges.iter().map(|edge| (edge.time, index, edge.level)));
             levels.extend(level.map(|level| (index, level)));
             if *cut && !std::mem::replace(&mut self.cut, true) {
-                let text = format!("edges of Q0.{number} are missing: more than are kept between two samples");
+                let text = format!("edges of Q0.{number} are missing: there were too many between two samples");
                 self.error = self.error.take().or(self.sink.remark(&text).err());
             }
         }

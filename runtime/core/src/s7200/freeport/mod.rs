@@ -253,7 +253,7 @@ fn freeport<'a>(cpu: &'a Cpu, operands: &Operands) -> Result<(Place<'a>, Control
     if control.is_freeport() { Ok((place, control)) } else { Err(failed_quietly()) }
 }
 
-/// Whether `bytes` bytes from `table` on lie in one area.
+/// Whether `bytes` bytes from `table` on are in one area.
 fn fits(cpu: &Cpu, table: u32, bytes: u32) -> bool {
     cpu.s7200_area(table).is_some_and(|(_, end)| end.saturating_sub(table) >= bytes)
 }

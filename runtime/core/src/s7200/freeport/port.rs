@@ -30,7 +30,7 @@ pub enum Happened {
 #[derive(Default)]
 pub struct Port {
     pub stream: Option<Stream>,
-    /// SMB30 as it was last obeyed.
+    /// SMB30 as it was last applied.
     pub control_byte: u8,
     /// When the characters on the line end.
     line: VecDeque<(u64, Arrived)>,
@@ -75,7 +75,7 @@ impl Port {
         self.stream.as_ref().map_or(NEVER, |_| self.looked.saturating_add(period))
     }
 
-    /// Puts characters on the line, behind those that are there; the first one begins at `from` at the earliest. Without room they are lost,
+    /// Puts characters on the line, after those that are there; the first one begins at `from` at the earliest. Without room they are lost,
     /// and the last one before them is faulty: an overrun.
     pub fn put(&mut self, arrived: &[Arrived], from: u64, control: &Control) {
         for &item in arrived {
@@ -96,7 +96,7 @@ impl Port {
         }
     }
 
-    /// Asks the stream. With the real clock characters may have come since the last look: they are as late as they can be, but behind it.
+    /// Asks the stream. With the real clock characters may have come since the last look: they are as late as they can be, but after it.
     pub fn look(&mut self, now: u64, is_virtual: bool, control: &Control) {
         let Some(stream) = &mut self.stream else { return };
         stream.work();

@@ -280,7 +280,7 @@ mod tests {
     fn idle_line() {
         let mut receiver = begin(0x90, 3);
         assert_eq!(receiver.due(), Some(5 * MS));
-        // Each character before it is over begins it anew.
+        // Each character before it is over begins it again.
         assert_eq!(feed(&mut receiver, b"ab", 3), [GOES_ON, GOES_ON]);
         assert_eq!(receiver.due(), Some(9 * MS));
         assert_eq!(receiver.time(9 * MS), GOES_ON);

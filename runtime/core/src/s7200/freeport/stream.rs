@@ -150,7 +150,7 @@ fn serial(path: &str) -> Result<End, String> {
     let flags = libc::O_NOCTTY | libc::O_NONBLOCK;
     let file = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path);
     let file = file.map_err(|error| format!("cannot open {path}: {error}"))?;
-    tcgetattr(&file).map_err(|error| format!("{path} is no serial device: {error}"))?;
+    tcgetattr(&file).map_err(|error| format!("{path} is not a serial device: {error}"))?;
     Ok(End::Serial { link: Link::of(file), marks: Marks::default() })
 }
 

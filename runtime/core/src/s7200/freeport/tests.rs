@@ -180,7 +180,7 @@ fn message_from_start_to_end_character() {
     pass(&cpu, CHARACTER);
     assert_eq!((raised(&cpu), sm(&cpu, 86)), (vec![(23, None)], status::END_CHARACTER));
     assert_eq!(table(&cpu, 100, 6), b"\x04:12\r\0");
-    // Behind the message characters raise events again.
+    // After the message characters raise events again.
     pass(&cpu, CHARACTER);
     assert_eq!(raised(&cpu), [(8, Some((b'y', false)))]);
 }

@@ -123,7 +123,7 @@ impl Bank {
     }
 
     /// Inputs at which pulses of counter `number` arrive: one, or both clocks of a quadrature signal. `None`: it is not defined yet. `Err`:
-    /// why it has no such inputs.
+    /// why it does not have this inputs.
     pub fn pulse_inputs(&self, number: u32, backward: bool) -> Result<Option<(Pin, Option<Pin>)>, String> {
         let none = |why: &str| Err(format!("HSC{number} {why}"));
         let Some(counter) = self.counter(number) else { return Ok(None) };
@@ -133,10 +133,10 @@ impl Bank {
             (Kind::TwoClocks, _, Some(second)) if backward => Ok(Some((second, None))),
             (Kind::TwoClocks, Some(clock), _) => Ok(Some((clock, None))),
             (Kind::Internal | Kind::External, Some(clock), _) if !backward => Ok(Some((clock, None))),
-            (Kind::Internal, ..) => none("has its direction from its control byte in this mode, not from pulses"),
-            (Kind::External, ..) => none("has its direction from an input in this mode: set that"),
-            (Kind::Output, ..) => none("counts a pulse output in mode 12, and no input"),
-            (Kind::TwoClocks | Kind::Quadrature, ..) => none("has no such input"),
+            (Kind::Internal, ..) => none("gets its direction from its control byte in this mode, not from pulses"),
+            (Kind::External, ..) => none("gets its direction from an input in this mode: set that input"),
+            (Kind::Output, ..) => none("counts a pulse output in mode 12, not an input"),
+            (Kind::TwoClocks | Kind::Quadrature, ..) => none("does not have this input"),
         }
     }
 

@@ -15,7 +15,7 @@ const END: u8 = 0x16;
 const READ: u8 = 0x01;
 const WRITE: u8 = 0x02;
 const ANSWER: u8 = 0x81;
-/// 68 LE LE 68 before, FCS 16 behind.
+/// 68 LE LE 68 before, FCS 16 after.
 const HEAD: usize = 4;
 const TAIL: usize = 2;
 
@@ -38,7 +38,7 @@ pub struct Frame {
     pub body: Body,
 }
 
-/// What has come is no frame.
+/// What has come is not a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Malformed;
 

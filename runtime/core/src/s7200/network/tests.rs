@@ -13,7 +13,7 @@ use crate::s7200::freeport::tests::{V, V_BYTES, cpu, operands, set_sm};
 
 const MS: u64 = 1_000_000;
 const PPI_MASTER: u8 = 2;
-/// The table stands at VB200.
+/// The table is at VB200.
 const TABLE: u32 = V + 200;
 
 fn free_address() -> String {
@@ -192,7 +192,7 @@ fn wrong_tables() {
         assert_eq!(read(&cpu, &operands(TABLE, 0)), 0);
         assert_eq!(status(&cpu), DONE | FAILED | code::PARAMETER, "{station} {pointer:08X} {length}");
     }
-    // Port 1 is no master.
+    // Port 1 is not a master.
     fill(&cpu, TABLE, 3, 0x0800_0064, 2);
     assert_eq!((write(&cpu, &operands(TABLE, 1)), status(&cpu)), (0, DONE | FAILED | code::NO_MASTER));
     assert_eq!(read(&cpu, &operands(TABLE, 2)), 0, "no such port");

@@ -139,7 +139,7 @@ impl Cpu {
         let taken = self.s7200().and_then(|own| {
             self.with_output(own, number, |output| {
                 let (edges, cut) = output.take_edges(time);
-                // An edge behind `time` tells what was before it.
+                // An edge after `time` tells what was before it.
                 let before = output.noted_edge().map(|edge| !edge.level);
                 (edges, cut, before.or_else(|| output.level(self.clock.now())))
             })

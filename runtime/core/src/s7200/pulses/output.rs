@@ -1,7 +1,7 @@
 //! One pulse output: what it does between two looks, and what PLS does to it.
 //!
 //! ```text
-//!          PLS, PTO              PLS, PTO: waits behind it
+//!          PLS, PTO              PLS, PTO: waits after it
 //!   idle ------------> pto  <------------------------------
 //!        <------------       end (event), bad cycle time, PLS off
 //!        ------------> pwm   PLS, PWM: new times, at once or at the end of the cycle
@@ -68,7 +68,7 @@ enum State {
     Idle,
     Pto {
         train: Train,
-        /// Waits behind it.
+        /// Waits after it.
         next: Option<Train>,
     },
     Pwm {
@@ -98,7 +98,7 @@ struct Edges {
     list: Vec<Edge>,
     /// Up to when they are known.
     until: u64,
-    /// The level behind the last one, if a generator gave it.
+    /// The level after the last one, if a generator gave it.
     level: Option<bool>,
     /// There were more.
     cut: bool,

@@ -46,7 +46,7 @@ impl Segment {
         self.begin(pulse.saturating_add(1)).saturating_sub(self.begin(pulse)) / 2
     }
 
-    /// The pulse at `units` behind the beginning, [`pulses`](Segment::pulses) behind the last one.
+    /// The pulse at `units` after the beginning, [`pulses`](Segment::pulses) after the last one.
     fn pulse_at(&self, units: u64) -> u64 {
         let (mut low, mut high) = (0, self.pulses());
         // `low` has begun, or is 0.
@@ -106,7 +106,7 @@ impl Placed {
         time >= self.start && pulse < self.segment.pulses() && since < self.segment.high(pulse)
     }
 
-    /// Edges behind `from`, up to `to`, in order.
+    /// Edges after `from`, up to `to`, in order.
     pub fn edges(&self, from: u64, to: u64) -> impl Iterator<Item = (u64, bool)> + use<> {
         let placed = *self;
         let first = placed.segment.pulse_at(placed.units(from));

@@ -60,7 +60,7 @@ impl Pwm {
         time.saturating_sub(self.start) % self.cycle < self.width
     }
 
-    /// Edges behind `from`, up to `to`, in order.
+    /// Edges after `from`, up to `to`, in order.
     pub fn edges(&self, from: u64, to: u64) -> impl Iterator<Item = (u64, bool)> + use<> {
         let pwm = *self;
         let last = if pwm.has_pulses() { pwm.cycles(to).saturating_add(1) } else { 0 };

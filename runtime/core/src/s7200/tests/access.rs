@@ -79,7 +79,7 @@ fn senseless_operands_do_no_harm() {
         }
         assert_eq!(cpu.memory.host64(state::CPU), own, "{operation:?}");
         assert_eq!(cpu.memory.db(1), (V, V_BYTES), "{operation:?}");
-        // The byte behind V memory is of no area.
+        // The byte after V memory is of no area.
         assert_eq!(cpu.memory.byte(V + V_BYTES), 0, "{operation:?}");
     }
 }

@@ -267,7 +267,7 @@ fn strings_become_reals() {
 #[test]
 fn numbers_are_read_from_a_position_on() {
     let cpu = cpu();
-    // As an example of the manual: the number begins behind words.
+    // As an example of the manual: the number begins after words.
     put_string(&cpu, 0, "Temp  98.6C");
     assert_eq!(run(&cpu, Operation::StringToInt, &[V, 7]), gives(98));
     assert_eq!(run(&cpu, Operation::StringToReal, &[V, 7]), gives(98.6f32.to_bits()));
