@@ -1,4 +1,4 @@
-//! Programs of which parts are missing, by the command line: what is in is told of by the compiler and at the start of every run.
+//! Programs with missing parts on the command line: the compiler and the start of every run report the stand-ins.
 
 use std::fs;
 use std::path::Path;

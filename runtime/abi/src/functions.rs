@@ -55,7 +55,7 @@ impl Type {
 /// What a runtime function may do to PLC memory, for the optimiser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Effect {
-    /// No memory at all; the same arguments give the same result. No memory pointer is passed.
+    /// No memory at all; the same arguments have the same result. No memory pointer is passed.
     Pure,
     /// Touches timer or counter cells and the clock only.
     Cells,
@@ -109,8 +109,8 @@ runtime_functions! {
     /// at once.
     Safepoint = "safepoint"(site: I32) -> I32, All;
     /// Synchronous error `code` (see `codes::sync`) at `site`; `access` is the access byte, `info` the fault register
-    /// (address or number). Runs OB 121 or OB 122, else STOP. Result as `Safepoint`; afterwards SUBSTITUTE holds what a
-    /// read gives.
+    /// (address or number). Runs OB 121 or OB 122, else STOP. Result as `Safepoint`; afterwards SUBSTITUTE holds the value that a
+    /// read returns.
     SyncError = "sync_error"(site: I32, code: I32, access: I32, info: I32) -> I32, All;
     /// As `SyncError`, in a block that contains GET_ERROR or GET_ERR_ID: keeps the first error in the frame at `lbase`. Result as
     /// `Safepoint`.
@@ -189,7 +189,7 @@ runtime_functions! {
     S7200Counter = "s7200_counter"(number: I32) -> I32, System;
     /// Milliseconds since the CPU was switched on, 32 bits of them (BITIM).
     S7200Milliseconds = "s7200_milliseconds"() -> I32, Cells;
-    /// The program has written special memory byte `byte`, one of those with an effect of their own.
+    /// The program has written special memory byte `byte`, one of those with a side effect.
     S7200SpecialWritten = "s7200_special_written"(byte: I32), System;
 
     Sin = "sin"(x: F32) -> F32, Pure;

@@ -150,7 +150,7 @@ impl Value {
         }
     }
 
-    /// Nanoseconds; of a moment since 1970. `None`: the bits are no such value.
+    /// Nanoseconds; for a moment, since 1970. `None`: the bits are not a valid value.
     fn nanoseconds(&self, ty: AssertType) -> Option<i128> {
         const NS_PER_MS: i128 = 1_000_000;
         match (ty, self) {
@@ -317,7 +317,7 @@ fn clock(ns: i128) -> String {
     format!("{:02}:{:02}:{:02}{point}{fraction}", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }
 
-/// A moment, nanoseconds since 1970; what no clock of the host knows as its number.
+/// A moment, nanoseconds since 1970; the number has no meaning for a clock of the host.
 fn moment(ns: i128, with_time: bool) -> String {
     let day = i128::from(NS_PER_S) * 86_400;
     match i64::try_from(ns) {

@@ -33,7 +33,7 @@ pub struct Stop {
     pub entry: Entry,
     /// The event before it that was its cause, if any.
     pub cause: Option<Entry>,
-    /// Asked for by the program (SFC 46, STP): no fault.
+    /// Requested by the program (SFC 46, STP): not a fault.
     pub asked: bool,
 }
 
@@ -120,7 +120,7 @@ impl Cpu {
         }
     }
 
-    /// Nanoseconds from one cycle start to the next, if nobody asks for another time.
+    /// Nanoseconds from one cycle start to the next, unless another time is set.
     pub fn cycle_time(&self) -> u64 {
         let given = self.image.config.cycle_time_ms.map(|ms| u64::from(ms) * NS_PER_MS);
         given.unwrap_or(CYCLE_TIME_DEFAULT.0)

@@ -65,7 +65,8 @@ impl Cpu {
             self.run_cycle(cycle, start, &times, observer);
             self.communicate();
             if !self.is_stopped() {
-                // Real cycles start so far apart; virtual time moves by it, beside what passed within the cycle.
+                // Under the real clock this is the time between cycle starts. Virtual time moves by it, in addition to the time
+                // that passed within the cycle.
                 let from = if self.clock.is_virtual() { self.clock.now() } else { start };
                 self.advance(from.saturating_add(pace.cycle_time), false);
             }
@@ -259,7 +260,7 @@ impl Cpu {
         false
     }
 
-    /// Ends waiting between cycles when the process is asked to end.
+    /// Ends waiting between cycles when the process must end.
     pub(crate) fn schedule_ended(&self) -> bool {
         self.running.priority.get() == 0 && crate::run::end_requested()
     }

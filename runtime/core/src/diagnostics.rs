@@ -1,4 +1,4 @@
-//! Diagnostic buffer: what happened to the CPU, newest entry last here and first in print.
+//! Diagnostic buffer: the events of the CPU. The newest entry is last in memory and first in print.
 //!
 //! Entries are plain numbers in a ring made before the first cycle; words are found when it is printed.
 //! Source of the event texts: event list of the CPUs.
@@ -20,7 +20,7 @@ pub const NO_SITE: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
     pub event: u16,
-    /// What the event is about: a number or address, as in the start information.
+    /// Subject of the event: a number or address, as in the start information.
     pub info: u32,
     pub site: u32,
     /// OB that was running, 0: none.

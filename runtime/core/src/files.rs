@@ -1,4 +1,4 @@
-//! Files that are read whole or written: not what waits for a partner or never ends.
+//! Files that are read as a whole or written. Pipes and endless files are refused.
 
 use std::fs;
 use std::io::{Error, Result};
@@ -22,7 +22,7 @@ pub fn regular(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Whether a file can be written at `path`: nothing is there, or a file.
+/// Whether a file can be written at `path`: it is free, or it is a file.
 pub fn writable(path: &Path) -> Result<()> {
     match fs::metadata(path) {
         Ok(_) => regular(path),

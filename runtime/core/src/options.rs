@@ -75,7 +75,7 @@ pub const CYCLE_TIME_DEFAULT: Duration = Duration(10_000_000);
 /// Default of `--hang-limit`.
 pub const HANG_LIMIT_DEFAULT: Duration = Duration(10_000_000_000);
 
-/// Parses `10ms`, `1.5s`, `500us`, `2m`, `0`. `Err`: what is wrong.
+/// Parses `10ms`, `1.5s`, `500us`, `2m`, `0`. `Err`: the error.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
     let wrong = || format!("`{text}` is not a time; write 10ms, 1.5s, 500us or 2m");
     duration::span(text).map(Duration).ok_or_else(wrong)

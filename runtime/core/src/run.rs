@@ -21,7 +21,7 @@ use crate::signal::{Signal, Source};
 use crate::trace::{self, Recorder};
 use crate::{diagnostics, report, signal};
 
-/// The program ran and stopped as asked.
+/// The program stopped because it was asked to.
 pub const EXIT_OK: u8 = 0;
 /// The CPU went to STOP on a fault, or an expectation of the scenario failed.
 pub const EXIT_FAULT: u8 = 1;
@@ -112,7 +112,7 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
     finish(&cpu, options, &printed, session, cycles)
 }
 
-/// Says what stands in for missing parts: each in a line, or all of them in one.
+/// Reports the stand-ins for missing parts, one per line, or all in one line.
 fn tell_partial(items: &[String], quiet: bool) {
     match (items.len(), quiet) {
         (0, _) => {}

@@ -1,7 +1,7 @@
-//! Interrupts: what falls due, what waits, and who may run now.
+//! Interrupts: which are due, which wait, and which may run now.
 //!
 //! Sources of interrupts (cyclic, delay, time of day, cycle monitor) each know their next due time. `Cpu::poll` turns
-//! what is due into events, `Cpu::dispatch` runs waiting events whose priority is above the running one, the highest
+//! due sources into events, `Cpu::dispatch` runs waiting events whose priority is above the running one, the highest
 //! first and first come first served among equals. Under the virtual clock only `Cpu::advance` moves time, and it
 //! stops at every due time; so the number of safepoints in the code changes nothing.
 
@@ -21,7 +21,7 @@ use crate::ob_set::ObSet;
 /// Events that can wait.
 const QUEUE_MAX: usize = 64;
 
-/// How often a startup under the real clock looks whether the process is asked to end.
+/// How often a startup under the real clock checks whether the process must end.
 const STARTUP_LOOK: u64 = 100 * NS_PER_MS;
 
 const NS_PER_US: u64 = 1000;
@@ -216,7 +216,7 @@ impl Schedule {
         self.times_of_day.iter().find(|time| time.ob == ob)
     }
 
-    /// Drops what waits for an OB.
+    /// Drops the waiting events of an OB.
     pub(crate) fn forget(&self, ob: u16) {
         self.queue.borrow_mut().retain(|event| event.ob != ob);
     }
@@ -328,7 +328,7 @@ impl Cpu {
             let period = cyclic.period.get().max(1);
             let missed = (now - cyclic.due.get()) / period;
             cyclic.due.set(cyclic.due.get() + (missed + 1) * period);
-            // On an S7-1200/1500 word 8 tells of the lost events.
+            // On an S7-1200/1500 word 8 has the number of lost events.
             let portal = self.image.profile.family.is_portal();
             let lost = if portal { cyclic.lost.replace(0) } else { 0 };
             let info = StartInfo::new(0x11, events::cause(0x31, 30, cyclic.ob), cyclic.ob)
@@ -371,10 +371,10 @@ impl Cpu {
         }
     }
 
-    /// The wall clock was set. Time-of-day interrupts that it jumped over are a time error, and each comes once, unless OB 80 cancels it; those that
-    /// lie ahead again come again.
+    /// The wall clock was set. Skipped time-of-day interrupts are a time error, and each runs once, unless OB 80 cancels it; those that
+    /// are in the future again run again.
     ///
-    /// Source: System and standard functions, OB 10 and OB 80: bits 0 to 7 of the error information tell which ones.
+    /// Source: System and standard functions, OB 10 and OB 80: bits 0 to 7 of the error information show which ones.
     pub(crate) fn wall_clock_was_set(&self) {
         let wall = self.clock.wall();
         let mut skipped = Vec::new();
@@ -395,7 +395,7 @@ impl Cpu {
         self.rearm();
     }
 
-    /// Tells the watchdog when to raise the attention flag.
+    /// Sets the time at which the watchdog raises the attention flag.
     pub(crate) fn rearm(&self) {
         let schedule = &self.schedule;
         if self.clock.is_virtual() {
@@ -403,7 +403,7 @@ impl Cpu {
             return;
         }
         let now = self.clock.now();
-        // Startup has no time limit; it only looks whether the process is asked to end.
+        // Startup has no time limit; it only checks whether the process must end.
         let due = if schedule.in_run.get() { self.next_due() } else { now.saturating_add(STARTUP_LOOK) };
         let due = due.min(schedule.monitor.deadline.get());
         let left = due.saturating_sub(now);
@@ -419,7 +419,7 @@ impl Cpu {
     pub(crate) fn dispatch_by_priority(&self) {
         while !self.is_stopped() && self.running.delayed.get() == 0 {
             let Some((event, priority)) = self.take_next() else { return };
-            // Between cycles an interrupt is monitored by itself, so that an endless one is found.
+            // Between cycles an interrupt has its own monitoring, which finds an endless one.
             let between_cycles = self.running.priority.get() == 0 && self.schedule.monitor.deadline.get() == NEVER;
             if between_cycles {
                 self.schedule.monitor.begin(self.clock.now());
@@ -441,7 +441,7 @@ impl Cpu {
         let mut best: Option<(usize, u8)> = None;
         for (index, event) in queue.iter().enumerate() {
             let error = matches!(event.ob, 80..=88);
-            // In startup OB 80 has 28, the other errors interrupt too; interrupts wait for RUN.
+            // In startup OB 80 has priority 28, and the other errors also interrupt; interrupts wait for RUN.
             let (priority, allowed) = match (in_run, error) {
                 (true, _) => (self.priority_of(event.ob), self.priority_of(event.ob) > running),
                 (false, true) => (28, running < 28),
@@ -517,7 +517,7 @@ impl Cpu {
         }
     }
 
-    /// Lets time pass until `target`: what falls due on the way runs at its due time. `monitored`: the cycle monitor
+    /// Lets time pass until `target`. Interrupts run at their due times. `monitored`: the cycle monitor
     /// counts this time.
     pub(crate) fn advance(&self, target: u64, monitored: bool) {
         if !self.clock.is_virtual() {

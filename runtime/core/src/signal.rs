@@ -1,4 +1,4 @@
-//! What a user watches and compares: an address, an analog channel in its unit, a number at an address, a value of the plant.
+//! Signals that a user watches and compares: an address, an analog channel in its unit, a number at an address, a value of the plant.
 //!
 //! | Text | Value |
 //! | --- | --- |
@@ -112,7 +112,7 @@ impl Value {
     }
 }
 
-/// Six digits, which is what a REAL has.
+/// Six digits, the precision of a REAL.
 pub fn number_text(number: f64) -> String {
     let rounded = format!("{number:.5e}").parse::<f64>().unwrap_or(number);
     // No `-0`.
@@ -124,7 +124,7 @@ fn without_unit(text: &str) -> &str {
 }
 
 impl Source {
-    /// Finds what `text` names; see the module comment. `Err`: what is wrong, in a sentence.
+    /// Finds what `text` names; see the module comment. `Err`: the error as a sentence.
     pub fn find(text: &str, image: &ProgramImage, plant: Option<&Plant>) -> Result<Source, String> {
         let text = text.trim();
         if let Some(name) = text.strip_prefix("plant.") {
@@ -169,7 +169,7 @@ impl Source {
         }
     }
 
-    /// Whether the address exists on this CPU; a DB may still be made by the program. `Err`: what is wrong.
+    /// Whether the address exists on this CPU; a DB may still be made by the program. `Err`: the error.
     pub fn check(&self, cpu: &Cpu) -> Result<(), String> {
         match self.address() {
             Some(address) if !matches!(address.place, Place::Db(..)) || cpu.s7200.is_some() => {
@@ -223,7 +223,7 @@ impl Source {
         }
     }
 
-    /// Sets the address to a number, rounded and limited to what it holds. `Err`: what is wrong.
+    /// Sets the address to a number, rounded and limited to what it holds. `Err`: the error.
     pub fn write_number(&self, cpu: &Cpu, number: f64) -> Result<(), String> {
         let (address, bits) = match self {
             Source::Bits(address) => (address, whole(number, address.width)),
@@ -278,7 +278,7 @@ fn whole(number: f64, width: Width) -> Bits {
     }
 }
 
-/// The scale of the channel at `address` in `unit`. `Err`: what is wrong, in a sentence.
+/// The scale of the channel at `address` in `unit`. `Err`: the error as a sentence.
 pub fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Result<Scale, String> {
     if image.s7200.is_some() {
         return s7200::scale(address, unit, image).map(Scale::Module);
@@ -346,7 +346,7 @@ pub fn analog_channel(text: &str, image: &ProgramImage) -> Option<Address> {
     Some(Address { place, width: Width::Word })
 }
 
-/// A value for an address: a literal, or a number with a unit if an analog channel is there. `Err`: what is wrong.
+/// A value for an address: a literal, or a number with a unit if an analog channel is there. `Err`: the error.
 pub fn parse_value(text: &str, address: &Address, image: &ProgramImage) -> Result<Bits, String> {
     match (value::parse(text, address.width), analog::with_unit(text)) {
         (Err(_), Some((number, unit))) => Ok(u64::from(scale(address, unit, image)?.word(number) as u16)),

@@ -121,7 +121,7 @@ pub fn interval(text: &str) -> Option<u64> {
 
 /// A decimal number times a unit.
 struct Scaled {
-    /// What is below 1 is cut off.
+    /// Fractions are cut off.
     whole: i128,
     /// Nothing was cut off.
     exact: bool,

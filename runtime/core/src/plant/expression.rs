@@ -59,7 +59,7 @@ impl std::fmt::Debug for Expression {
 }
 
 impl Expression {
-    /// Parses `text`; each name in it must be one that `is_known`. `Err`: what is wrong, in a sentence.
+    /// Parses `text`; each name in it must be one that `is_known`. `Err`: the error as a sentence.
     pub fn parse(text: &str, is_known: impl Fn(&str) -> bool) -> Result<Expression, String> {
         if !text.is_ascii() || text.contains(['"', '[', ']']) {
             return Err(format!("`{text}` is not an expression: write numbers, names, operators and functions"));

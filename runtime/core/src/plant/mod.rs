@@ -1,4 +1,4 @@
-//! A simulated plant: what is behind the outputs and before the inputs. It closes the loop on the clock of the CPU.
+//! A simulated plant: the process between outputs and inputs. It closes the loop on the clock of the CPU.
 //!
 //! A plant is a list of named numbers and of equations over them, from `[plant]` of a scenario. In fixed steps of time it reads
 //! outputs, computes its equations in order, and sets inputs; all steps that are due are done before a cycle reads its inputs.

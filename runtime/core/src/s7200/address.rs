@@ -103,7 +103,7 @@ impl Part {
 }
 
 impl Cpu {
-    /// Whether the address exists on this CPU. `Err`: what is wrong.
+    /// Whether the address exists on this CPU. `Err`: the error.
     pub(crate) fn check_part(&self, part: Part, number: u32, width: Width) -> Result<(), String> {
         let Some(own) = self.s7200() else { return Err("this CPU is not an S7-200".to_string()) };
         let (cpu, profile) = (&own.image.cpu, &self.image.profile);

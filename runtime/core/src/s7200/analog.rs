@@ -49,12 +49,12 @@ impl ModuleScale {
         self.masked(exact.round() as i16)
     }
 
-    /// What a word means at an input.
+    /// The meaning of a word at an input.
     pub fn input(&self, word: i16) -> f64 {
         self.number(f64::from(word))
     }
 
-    /// What an output gives.
+    /// The value of an output.
     pub fn output(&self, word: i16) -> f64 {
         self.number(f64::from(self.masked(word)))
     }
@@ -110,7 +110,7 @@ pub(crate) fn has_module(config: &S7200Config, address: u32) -> bool {
     config.analog.is_empty() || input_module(config, address).is_some()
 }
 
-/// The scale of the channel at `address` in `unit`. `Err`: what is wrong, in a sentence.
+/// The scale of the channel at `address` in `unit`. `Err`: the error as a sentence.
 pub(crate) fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Result<ModuleScale, String> {
     let config = &image.config.s7200;
     let unit = unit.trim();

@@ -255,7 +255,7 @@ impl Cpu {
         let routine = interrupts.routine(waiting.event.into()).and_then(Cell::get);
         let Some(block) = routine.and_then(|routine| self.block(BlockKind::Int, routine)) else { return };
         let monitor = &self.schedule.monitor;
-        // Between scans a routine is monitored by itself, so that an endless one is found.
+        // Between scans a routine has its own monitoring, which finds an endless one.
         let between_scans = monitor.deadline.get() == NEVER && !own.scan.is_running.get();
         if between_scans {
             monitor.begin(self.clock.now());

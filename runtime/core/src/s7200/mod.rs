@@ -1,4 +1,4 @@
-//! What an S7-200 has of its own. Source: S7-200 system manual.
+//! The S7-200: everything that other families do not have. Source: S7-200 system manual.
 //!
 //! - `family`: what cycle and schedule call; `scan`: start of RUN, scan, STOP; `special`: special memory; `errors`: fatal and non-fatal errors; `retain`: retentive memory.
 //! - `address`: addresses as a user writes them; `analog`: words of analog modules.

@@ -50,7 +50,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Creates the file; its suffix tells the format. `step`: nanoseconds between samples, 0: each cycle. `Err`: what is wrong.
+    /// Creates the file; its suffix tells the format. `step`: nanoseconds between samples, 0: each cycle. `Err`: the error.
     pub fn create(path: &Path, signals: Vec<Signal>, step: u64) -> Result<Recorder, String> {
         let open = || {
             let file = crate::files::writable(path).and_then(|()| File::create(path));
