@@ -142,7 +142,7 @@ pub fn range(name: &str) -> Option<&'static Range> {
     RANGES.iter().find(|range| plain(range.name) == plain(name))
 }
 
-/// A unit as it is used with a channel.
+/// A unit of a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
     Channel(ChannelScale),

@@ -33,7 +33,7 @@ pub enum Protocol {
     Iso,
 }
 
-/// What to connect, checked.
+/// A checked connection description.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Description {
     /// 1 to 4095.
@@ -54,7 +54,7 @@ pub struct Description {
 }
 
 impl Description {
-    /// Reads either form, told by its length. `Err`: STATUS.
+    /// Reads either form; its length shows which. `Err`: STATUS.
     pub fn read(bytes: &[u8]) -> Result<Description, u16> {
         match bytes.len() {
             PARAM_BYTES => param(bytes),

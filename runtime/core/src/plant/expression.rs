@@ -1,11 +1,11 @@
 //! An expression of the plant: text over named values.
 //!
 //! Operators and the functions `abs`, `min`, `max`, `sin` and so on are those of the crate `fasteval`; `if`, `clamp`, `sqrt`,
-//! `exp` and `ln` stand here.
+//! `exp` and `ln` are defined here.
 
 use fasteval::{Error, Evaler, ExpressionI, Parser, Slab};
 
-/// Functions beside those of the crate: name and number of arguments.
+/// Functions in addition to those of the crate: name and number of arguments.
 const FUNCTIONS: [(&str, usize); 5] = [("if", 3), ("clamp", 3), ("sqrt", 1), ("exp", 1), ("ln", 1)];
 
 /// Words that are functions of the crate.
@@ -81,7 +81,7 @@ impl Expression {
         }
     }
 
-    /// The value with the values that `of` gives for names.
+    /// The value, with `of` as the values of names.
     pub fn evaluate(&self, of: &dyn Fn(&str) -> f64) -> Result<f64, Error> {
         let mut names = |name: &str, arguments: Vec<f64>| match (name, arguments.as_slice()) {
             ("if", &[condition, yes, no]) => Some(if condition != 0.0 { yes } else { no }),

@@ -35,7 +35,7 @@ pub(crate) struct PlantText {
 type Wrong = (usize, String);
 
 impl PlantText {
-    /// The plant of a program. `line` gives the line of an offset. `Err`: offset and message.
+    /// The plant of a program. `line` returns the line of an offset. `Err`: offset and message.
     pub(crate) fn plant(&self, image: &ProgramImage, line: &dyn Fn(usize) -> u32) -> Result<Plant, Wrong> {
         let mut reader = Reader { image, line, plant: empty(self.step()?) };
         for (name, value) in self.parameters.iter().chain(&self.state) {

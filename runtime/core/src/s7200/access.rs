@@ -1,4 +1,4 @@
-//! What reads and writes of operations mind: where areas end, analog words, timers of 1 ms, special memory.
+//! Checks and side effects when operations read and write: ends of areas, analog words, timers of 1 ms, special memory.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ pub(super) fn inside(cpu: &Cpu, address: u32, bytes: u32) -> bool {
     cpu.s7200_area(address).is_some_and(|(_, end)| bytes <= end.saturating_sub(address))
 }
 
-/// Before bytes are read: analog inputs and timers among them are brought up to date. Timers also before they are written: what has
+/// Before bytes are read: updates the analog inputs and timers among them. Timers also before they are written: what has
 /// passed until then does not count for the new value.
 pub(super) fn before(cpu: &Cpu, address: u32, bytes: u32) {
     if let Some(part) = part(address, bytes, system::AI, system::ANALOG_BYTES) {

@@ -1,4 +1,4 @@
-//! Addresses of an S7-200 as a user writes them, beside those that all CPUs have.
+//! Addresses of an S7-200 as a user writes them, in addition to those that all CPUs have.
 
 use plcc_abi::layout;
 use plcc_abi::s7200::{ACCUMULATORS, ANALOG_ADDRESS, V_DB, system};
@@ -7,7 +7,7 @@ use super::{analog, special};
 use crate::address::{Address, Bits, Place, Width, digits, offset};
 use crate::cpu::Cpu;
 
-/// What only an S7-200 has. The number with it is that of the byte, timer, counter or accumulator.
+/// Areas that only an S7-200 has. The number is that of the byte, timer, counter or accumulator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     SpecialMemory,
@@ -132,7 +132,7 @@ impl Cpu {
         }
     }
 
-    /// Reads what is not simply memory; `None`: it is.
+    /// Reads a value that is not plain memory; `None`: it is plain memory.
     pub(crate) fn read_part(&self, part: Part, number: u32) -> Option<Bits> {
         match part {
             Part::AnalogInput => Some(self.driver.read(ANALOG_ADDRESS + number, 2).unwrap_or(0).into()),

@@ -19,7 +19,7 @@ const CURRENT_MASK: i16 = 0x7FF0;
 const OUTPUT_VOLTS: f64 = 10.0;
 const OUTPUT_MILLIAMPERES: f64 = 20.0;
 
-/// A unit as it is used with a channel.
+/// A unit of a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModuleScale {
     channel: Channel,
@@ -100,7 +100,7 @@ fn input_module(config: &S7200Config, address: u32) -> Option<&AnalogModule> {
     module(config, address, |module| module.inputs)
 }
 
-/// `word` as the module at AIW `address` shows it; as it is where no module is described.
+/// `word` in the form of the module at AIW `address`; unchanged if no module is described.
 pub(super) fn shown(config: &S7200Config, address: u32, word: u16) -> u16 {
     input_module(config, address).map_or(word, |module| input_word(module.bipolar, word as i16) as u16)
 }

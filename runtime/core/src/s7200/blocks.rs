@@ -60,7 +60,7 @@ pub(super) fn shift_register(cpu: &Cpu, operands: &Operands) -> u64 {
     done()
 }
 
-/// Where a shift register of 1 to 64 bits lies.
+/// The position of a shift register of 1 to 64 bits.
 enum Register {
     /// Consecutive bits from a bit address on.
     Bits { first: u32, length: u32 },

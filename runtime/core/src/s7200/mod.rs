@@ -1,9 +1,10 @@
 //! The S7-200: everything that other families do not have. Source: S7-200 system manual.
 //!
-//! - `family`: what cycle and schedule call; `scan`: start of RUN, scan, STOP; `special`: special memory; `errors`: fatal and non-fatal errors; `retain`: retentive memory.
+//! - `family`: the hooks for cycle and schedule; `scan`: start of RUN, scan, STOP; `special`: special memory; `errors`: fatal and
+//!   non-fatal errors; `retain`: retentive memory.
 //! - `address`: addresses as a user writes them; `analog`: words of analog modules.
 //! - `interrupts`: events, their queues, interrupt routines; `timers`: the three resolutions.
-//! - `bits`, `blocks`, `tables`, `text`, `strings`, `pid`, `calendar`: operations on memory; `access`: what they mind when they
+//! - `bits`, `blocks`, `tables`, `text`, `strings`, `pid`, `calendar`: operations on memory; `access`: checks when they
 //!   read and write; `daylight`: daylight-saving time; `pointers`: indirect addresses.
 //! - `high_speed`, `pulses`: simulated counters and pulse outputs.
 //! - `freeport`, `network`: serial ports and the PPI link.
@@ -113,7 +114,7 @@ fn done() -> u64 {
     result::ENO
 }
 
-/// It ran without error and gives `value`.
+/// It ran without error and returns `value`.
 fn value(value: u32) -> u64 {
     u64::from(value) << 32 | result::ENO | result::VALUE
 }
@@ -164,7 +165,7 @@ fn starts_hardware(operation: Operation) -> bool {
 }
 
 impl Cpu {
-    /// The S7-200 part; only its programs call what needs it.
+    /// The S7-200 part; only its programs need it.
     pub(crate) fn s7200(&self) -> Option<&S7200> {
         self.s7200.as_deref()
     }

@@ -52,7 +52,7 @@ impl Dialer {
         Ok(Dialer { address, state: None })
     }
 
-    /// Moves on; the link when it stands. Afterwards it dials again.
+    /// Makes progress; returns the link when it is connected. Afterwards it dials again.
     pub fn work(&mut self) -> Option<Link> {
         let now = Instant::now();
         match self.state.take() {

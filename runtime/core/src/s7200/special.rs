@@ -43,7 +43,7 @@ const SAVE_CONTROL: u32 = 31;
 const SAVE_OFFSET: u32 = 32;
 const SAVE_BIT: u8 = 7;
 
-/// What the runtime remembers of bytes that have an effect.
+/// Remembered values of bytes that have an effect.
 #[derive(Default)]
 pub struct Special {
     /// Control bytes of the ports as they were last applied.
@@ -112,7 +112,7 @@ impl Cpu {
         }
     }
 
-    /// The ports have begun with what their control bytes hold now.
+    /// The ports have started with the current values of their control bytes.
     pub(super) fn s7200_note_ports(&self) {
         let Some(own) = self.s7200() else { return };
         for (last, control) in own.special.ports.iter().zip(PORT_CONTROLS) {

@@ -19,7 +19,7 @@ fn entries(cpu: &Cpu, count_word: u32) -> Option<u32> {
     (count <= ENTRIES_MAX && access::inside(cpu, count_word, 2 + 2 * count)).then_some(count)
 }
 
-/// A table that is full sets SM1.4 and stays as it is.
+/// A full table sets SM1.4 and does not change.
 pub(super) fn add(cpu: &Cpu, operands: &Operands) -> u64 {
     let &Operands { a: entry, b: table, .. } = operands;
     if !access::inside(cpu, table, 4) {

@@ -28,7 +28,7 @@ impl Format {
     }
 }
 
-/// A number as it is written: `magnitude` / 10^decimals.
+/// A number in the text: `magnitude` / 10^decimals.
 struct Scaled {
     negative: bool,
     magnitude: u128,
@@ -136,7 +136,7 @@ fn scaled(number: f32, decimals: u32) -> Option<Scaled> {
     Some(Scaled { negative: number < 0.0, magnitude: rounded * unit })
 }
 
-/// Stops at the first character that is not a digit 0-9, A-F: SM1.7. What is before it is converted.
+/// Stops at the first character that is not a digit 0-9, A-F: SM1.7. The characters before it are converted.
 pub(super) fn ascii_to_hex(cpu: &Cpu, operands: &Operands) -> u64 {
     let (from, to, count) = (operands.a, operands.b, operands.c & 0xFF);
     if !access::inside(cpu, from, count) || !access::inside(cpu, to, count.div_ceil(2)) {

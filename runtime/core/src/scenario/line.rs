@@ -1,4 +1,4 @@
-//! What a scenario puts on the serial ports of an S7-200, and what it expects there.
+//! Characters that a scenario sends to the serial ports of an S7-200 and expects from them.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ pub struct Received {
     pub line_break: bool,
 }
 
-/// What a port has sent since the last entry that asked.
+/// Characters that a port has sent since the last entry that compared them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sent {
     pub port: u8,

@@ -1,4 +1,4 @@
-//! Scenarios: what happens to a program from outside, and what is expected of it. TOML, see docs/testing.md.
+//! Scenarios: the inputs of a program over time, and its expected results. TOML, see docs/testing.md.
 
 mod line;
 mod player;
@@ -66,7 +66,7 @@ pub struct At {
     pub event: Option<Event>,
     /// Characters that arrive at serial ports.
     pub receive: Vec<Received>,
-    /// What serial ports have sent.
+    /// Characters that serial ports have sent.
     pub sent: Vec<Sent>,
     pub pulses: Vec<Pulses>,
     pub expect: Vec<Setting>,
@@ -95,7 +95,7 @@ impl Scenario {
         read::parse(file, text, image)
     }
 
-    /// The last cycle that an entry names, with cycles so many nanoseconds apart; `None` without entries.
+    /// The last cycle that an entry names, for this many nanoseconds per cycle; `None` without entries.
     pub fn last_cycle(&self, cycle_time: u64) -> Option<u64> {
         let cycle = |at: &At| match at.when {
             When::Cycle(cycle) => cycle,

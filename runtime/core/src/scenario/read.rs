@@ -257,7 +257,7 @@ impl Reader<'_> {
     }
 }
 
-/// What the TOML reader expected, without the names of its types.
+/// The expectation of the TOML reader, without the names of its types.
 fn in_words(message: &str) -> String {
     [
         ("expected u64", "expected a whole number, 0 or more"),

@@ -23,7 +23,7 @@ pub(super) fn re_trigr(call: &Call) -> Outcome {
     Outcome::Plain
 }
 
-/// In OB 121 or OB 122: the value that the faulty read gives. 8080 elsewhere, 8081 after a write.
+/// In OB 121 or OB 122: the value of the faulty read. 8080 elsewhere, 8081 after a write.
 pub(super) fn repl_val(call: &Call) -> Outcome {
     match call.cpu.running.replaceable.get() {
         Some(true) => {

@@ -33,7 +33,7 @@ struct Row {
 }
 
 impl Row {
-    /// What parameter `index` points at; to read it, a text ends with its actual length, and to write it with its longest.
+    /// The variable that parameter `index` points to; to read it, a text ends with its actual length, and to write it with its longest.
     fn of(call: &Call, index: usize, access: Access) -> Result<Row, u16> {
         let codes = if access == Access::Read { 0 } else { OF_OUTPUT };
         let range = any::decode(call, index, access).ok().flatten().ok_or(NO_ACCESS + codes)?;
@@ -110,7 +110,7 @@ pub(super) fn from_text(call: &Call) -> Outcome {
 
 /// IN, N -> RET_VAL, OUT: N bytes to two upper-case characters each.
 pub(super) fn to_text(call: &Call) -> Outcome {
-    // Characters of a WSTRING are bytes of their own, its codes up to 255.
+    // Each character of a WSTRING is one byte: codes up to 255.
     let (from, count, to) = match sides(call, |count| 2 * count) {
         Ok(sides) => sides,
         Err(code) => return error(code),

@@ -1,4 +1,4 @@
-//! One port: what is on its line, in the order of time.
+//! One port: the characters on its line, in the order of time.
 
 use std::collections::VecDeque;
 
@@ -13,7 +13,7 @@ const LINE_MAX: usize = 1 << 14;
 /// Sent bytes that are kept for a scenario.
 const SENT_MAX: usize = 1 << 16;
 
-/// What the port has done, for memory and interrupts.
+/// Events of the port, for memory and interrupts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Happened {
     /// Nothing that the program sees.
@@ -35,12 +35,12 @@ pub struct Port {
     /// When the characters on the line end.
     line: VecDeque<(u64, Arrived)>,
     line_free: u64,
-    /// When the stream was last asked.
+    /// When the stream was last polled.
     looked: u64,
     /// RCV, and its table.
     pub receiver: Option<(Receiver, u32)>,
     pub transmitter: Option<Transmitter>,
-    /// What has left since somebody asked.
+    /// The characters sent since the last call.
     pub sent: Vec<u8>,
 }
 
@@ -62,7 +62,7 @@ impl Port {
         self.transmitter.is_some() || self.receiver.is_some()
     }
 
-    /// When something next happens by itself.
+    /// When the next event is due without input.
     pub fn due(&self) -> u64 {
         let line = self.line.front().map_or(NEVER, |(at, _)| *at);
         let receiver = self.receiver.as_ref().and_then(|(receiver, _)| receiver.due()).unwrap_or(NEVER);
@@ -70,7 +70,7 @@ impl Port {
         line.min(receiver).min(transmitter)
     }
 
-    /// When the stream is to be asked again, if it is every `period`.
+    /// When the stream is polled next, at intervals of `period`.
     pub fn look_due(&self, period: u64) -> u64 {
         self.stream.as_ref().map_or(NEVER, |_| self.looked.saturating_add(period))
     }
@@ -113,7 +113,7 @@ impl Port {
         if due > now {
             return None;
         }
-        // What ends in the moment of a time-out is in time.
+        // A message that ends at the moment of a time-out is in time.
         if let Some((at, arrived)) = self.line.front().copied().filter(|(at, _)| *at == due) {
             self.line.pop_front();
             return Some(self.arrived(arrived, at));

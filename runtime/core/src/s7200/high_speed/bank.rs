@@ -21,14 +21,14 @@ pub(super) struct Bank {
     pub driven: u16,
 }
 
-/// What somebody sees who looks.
+/// The visible state.
 pub(super) struct Look {
     pub time: u64,
     /// Levels that the driver shows.
     pub levels: u16,
     /// Pulses that each pulse output has begun.
     pub pulses: [u64; 2],
-    /// [`Happening::bit`] of what each counter is to tell.
+    /// [`Happening::bit`] of the events that each counter must report.
     pub wanted: [u8; COUNTERS],
 }
 
@@ -40,7 +40,7 @@ impl Bank {
         self.show(levels, 0);
     }
 
-    /// Takes over what the driver shows; inputs of `ended` are 0.
+    /// Reads the levels from the driver; inputs of `ended` are 0.
     fn show(&mut self, levels: u16, ended: u16) {
         self.wires.set_levels(levels & !ended & !self.wires.driven());
     }
@@ -59,7 +59,7 @@ impl Bank {
             told.extend(log.told.into_iter().map(|(time, happening)| (time, index, happening)));
         }
         self.time = time;
-        // What happens at the same time is in the order of the numbers, which is that of the priorities.
+        // Simultaneous events are in the order of their numbers, which is the order of priorities.
         told.sort_unstable_by_key(|&(time, index, happening)| (time, index, happening));
         let events = told.iter().filter_map(|&(_, index, happening)| event(index, happening)).collect();
         (events, driven | ended, self.wires.levels(driven, time))
@@ -140,7 +140,7 @@ impl Bank {
         }
     }
 
-    /// When a counter next tells something that is wanted, or one of the inputs of `edges` has an edge of a train.
+    /// When a counter next reports a requested event, or one of the inputs of `edges` has an edge of a train.
     pub fn due(&self, wanted: &[u8; COUNTERS], edges: u16) -> Option<u64> {
         let due =
             |(index, counter): (usize, &Counter)| counter.due(&self.wires, wanted.get(index).copied().unwrap_or(0));

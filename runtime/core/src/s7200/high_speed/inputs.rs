@@ -1,4 +1,4 @@
-//! Levels of the inputs on board over time: what the driver shows, or a train of pulses.
+//! Levels of the onboard inputs over time: from the driver, or a train of pulses.
 
 use super::modes::{PINS, Pin, bit};
 
@@ -124,7 +124,7 @@ impl Wires {
         }
     }
 
-    /// What the driver shows, for inputs without trains.
+    /// Levels from the driver, for inputs without trains.
     pub fn set_levels(&mut self, levels: u16) {
         self.levels = levels;
     }

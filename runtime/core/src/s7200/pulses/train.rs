@@ -94,7 +94,7 @@ impl Placed {
         self.segment.pulse_at(self.units(time)).saturating_add(1).min(self.segment.pulses())
     }
 
-    /// When `pulse` begins; `None`: it has no such pulse.
+    /// When `pulse` begins; `None`: it does not have this pulse.
     pub fn begin(&self, pulse: u64) -> Option<u64> {
         (pulse < self.segment.pulses()).then(|| self.at(self.segment.begin(pulse)))
     }
@@ -152,7 +152,7 @@ impl Train {
         if self.profile { u8::try_from(self.index + 1).unwrap_or(u8::MAX) } else { 0 }
     }
 
-    /// Goes on to the next segment, which begins at `start`. False: there is none.
+    /// Advances to the next segment, which begins at `start`. False: there is none.
     pub fn next(&mut self, start: u64) -> bool {
         self.index += 1;
         self.start = start;
