@@ -68,7 +68,7 @@ fn programs() -> Vec<PathBuf> {
     found
 }
 
-/// The program at `path` as it is, if it has no errors.
+/// The program at `path`, unchanged, if it has no errors.
 fn whole(path: &Path) -> Option<Parsed> {
     let settings = Settings { require_main: true, ..Settings::default() };
     let read = inputs::read(&[path.to_path_buf()]);

@@ -523,7 +523,7 @@ fn print_table() {
     println!();
 }
 
-/// What a network costs in LAD and in STL; by the fastest runs.
+/// The cost of a network in LAD and in STL, from the fastest runs.
 fn print_pairs() {
     println!("{:<28}{:>12}{:>12}{:>10}{:>12}{:>12}", "network", "LAD ns", "STL ns", "ratio", "LAD bytes", "STL bytes");
     for pair in PAIRS {

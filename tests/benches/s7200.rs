@@ -1,6 +1,6 @@
-//! What instructions of the S7-200 cost, in JIT code at -O2, and what a scan costs that does nothing.
+//! The cost of S7-200 instructions in JIT code at -O2, and of an empty scan.
 //!
-//! A row is a sequence that stands many times in the main program, each time with other operands; the same program without it is
+//! A row is a sequence that occurs many times in the main program, each time with other operands; the same program without it is
 //! subtracted. `cargo bench` prints a table. How to read it: docs/benchmarks.md.
 
 use std::rc::Rc;
@@ -17,12 +17,12 @@ use plcc_runtime::{Code, TestOptions, functions};
 /// A sequence of statements.
 struct Kernel {
     name: &'static str,
-    /// Statements that stand once before all repetitions, in the program that is subtracted too.
+    /// Statements that occur once before all repetitions, in the program that is subtracted too.
     before: &'static [&'static str],
     /// One repetition. Operands change from one to the next; see `filled`.
     lines: &'static [&'static str],
     repetitions: usize,
-    /// What a row is divided by: how often one repetition does what the row tells of.
+    /// Divisor of a row: how often one repetition does the measured operation.
     times: usize,
 }
 
@@ -33,13 +33,13 @@ const fn kernel(name: &'static str, lines: &'static [&'static str]) -> Kernel {
 /// How often a sequence is in the program.
 const REPETITIONS: usize = 250;
 
-/// Scans of one run: short enough that some runs are not disturbed by what else the machine does.
+/// Scans of one run: short enough that some runs are not disturbed by other load on the machine.
 const SCANS: u64 = 1000;
 
 /// Runs of a row.
 const RUNS: usize = 51;
 
-/// V8000.0 is 1, VW8002 is 3: what the compiler does not know.
+/// V8000.0 is 1, VW8002 is 3: values unknown to the compiler.
 #[rustfmt::skip]
 const KERNELS: &[Kernel] = &[
     kernel("contacts and coil", &["LD V{b}.{x}", "AN M{m}.{x}", "O V{b}.1", "= V{e}.{x}"]),
@@ -197,7 +197,7 @@ MOVW #a, #r
 MOVW #b, #s
 ";
 
-/// What stands twelve times in the large subroutine.
+/// The part that occurs twelve times in the large subroutine.
 const LARGE: &str = "
 NETWORK
 LDW> #s, #r

@@ -1,6 +1,6 @@
 //! Random charts of sequences, alternative and simultaneous branches, jumps and several sequencers, and calls of them.
 //!
-//! A simultaneous branch has a join of its own and nothing leads into or out of one of its paths, so that no step is entered twice.
+//! A simultaneous branch has its own join and nothing leads into or out of one of its paths, so that no step is entered twice.
 
 use std::ops::Range;
 
@@ -53,7 +53,7 @@ pub struct Call {
     pub paused: bool,
 }
 
-/// What a chart and its calls contain. Charts with less show more clearly what is wrong.
+/// The contents of a chart and its calls. Smaller charts show errors more clearly.
 #[derive(Clone, Debug)]
 struct Features {
     monitoring: bool,
@@ -204,7 +204,7 @@ impl Maker {
         outgoing.next().is_none().then(|| only.to.clone())
     }
 
-    /// Goes on from `from`; the last step.
+    /// Continues from `from`; returns the last step.
     fn chain(&mut self, from: usize, depth: usize, targets: &mut Targets) -> usize {
         let mut at = from;
         let length = self.random.below(6);
@@ -520,7 +520,7 @@ impl Maker {
             Input::RegEf | Input::RegS => (monitoring, 5),
             Input::HaltSq | Input::HaltTm | Input::ZeroOp | Input::EnIl | Input::EnSv => (toggles, 6),
             Input::EnAckreq => (toggles, 4),
-            // With requests several ways may lead to one step that is skipped; the reference leaves open what then happens.
+            // With requests several ways may lead to one step that is skipped; the reference does not define that case.
             Input::EnSskip => (toggles && !requests, 4),
             Input::SPrev | Input::SNext => (paging, 12),
             Input::SwAuto => (modes, 8),

@@ -1,4 +1,4 @@
-//! What a GRAPH function block does in each call, written from the reference alone, phase by phase. Source: GRAPH reference D and E.
+//! A model of a GRAPH function block in each call, written only from the reference, phase by phase. Source: GRAPH reference D and E.
 //!
 //! Where the reference leaves a choice, a comment `choice:` says which one is made here.
 
@@ -28,7 +28,7 @@ struct Timer {
     during: bool,
     after: bool,
     deadline: i64,
-    /// What an off-delay saw last.
+    /// The last value of an off-delay.
     rlo: bool,
 }
 
@@ -110,7 +110,7 @@ impl Memory {
     }
 }
 
-/// What the caller gives to the block.
+/// The inputs from the caller.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Inputs {
     /// By the order of [`Input::ALL`].
@@ -220,7 +220,7 @@ pub struct Outputs {
 /// Requests of ON and OFF rows, until phase 7 of the next call.
 #[derive(Clone, Debug, Default)]
 struct Requests {
-    /// In the order of the rows that asked.
+    /// In the order of the requesting rows.
     on: Vec<usize>,
     off: Vec<usize>,
 }

@@ -156,7 +156,7 @@ impl Player<'_> {
         }
     }
 
-    /// What is not as the model has it.
+    /// The difference from the model.
     fn difference(&self, cpu: &Cpu) -> Option<String> {
         let mut lines = Vec::new();
         let (db, _) = cpu.memory.db(2);

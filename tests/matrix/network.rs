@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::{Case, Refusal, campaign, refusal};
 
-/// A type with the values of its parts, and what is used to move it as a whole.
+/// A type with the values of its parts, and the operation that moves it as a whole.
 struct Kind {
     name: &'static str,
     parts: &'static [(&'static str, &'static str)],

@@ -12,7 +12,7 @@ const EMPTY: u8 = 5;
 const BAD_BCD: u8 = 6;
 const BAD_HEX: u8 = 7;
 
-/// Executes a box; `reset` tells that a timer was reset.
+/// Executes a box; `reset`: a timer was reset.
 pub fn execute(memory: &mut Memory, op: &str, operands: &[Operand], mut reset: impl FnMut(u8)) -> Result<(), Fault> {
     match op {
         "S" | "R" | "SI" | "RI" => set_bits(memory, op, operands, &mut reset),

@@ -17,7 +17,7 @@ pub const RANGE: Fault = Fault::Run(0x0091);
 pub const COUNT: Fault = Fault::Run(0x0092);
 pub const INDEX: Fault = Fault::Run(0x009B);
 
-/// Areas as a pointer knows them, and local data.
+/// Areas that a pointer can address, and local data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Store {
     Bytes(Area),
@@ -25,7 +25,7 @@ pub enum Store {
     CounterValues,
 }
 
-/// Where an operand lies.
+/// The position of an operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     In(Store, u32),
@@ -49,7 +49,7 @@ pub struct Memory {
     pub timer_bits: Vec<bool>,
     pub counter_values: Vec<u8>,
     pub counter_bits: Vec<bool>,
-    /// What the modules see.
+    /// The values at the modules.
     pub physical_inputs: Vec<u8>,
 }
 

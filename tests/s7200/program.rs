@@ -67,7 +67,7 @@ impl Width {
     }
 }
 
-/// What an instruction works on.
+/// The operands of an instruction.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Operand {
     Bit(Area, u32, u8),
@@ -86,7 +86,7 @@ pub enum Operand {
     Text(String),
     /// Subroutine by number.
     Block(usize),
-    /// A parameter by its name; what it means.
+    /// A parameter by its name, and its operand.
     Named(String, Box<Operand>),
 }
 

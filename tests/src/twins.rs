@@ -1,4 +1,4 @@
-//! IR of one program in several files: what tells of the files themselves is taken out of the text.
+//! IR of one program in several files, without the parts of the text that name the files.
 
 use std::collections::HashSet;
 

@@ -74,7 +74,7 @@ impl Function {
         self.layout[0]
     }
 
-    /// Bytes of local data that the function can address directly: its frame, and what is inlined after it.
+    /// Bytes of local data that the function can address directly: its frame, and the frames inlined after it.
     pub fn local_bytes(&self) -> u32 {
         self.frame_bytes.saturating_add(self.inlined_bytes)
     }
@@ -133,7 +133,7 @@ impl Function {
         self.values[value].def = ValueDef::Alias(other);
     }
 
-    /// Replaces aliases by what they mean, in all instructions of all blocks.
+    /// Replaces aliases with their values, in all instructions of all blocks.
     pub fn resolve_aliases(&mut self) {
         // Shorten chains first, so that a long one is walked once.
         for index in 0..self.values.len() {
@@ -161,7 +161,7 @@ impl Function {
         }
     }
 
-    /// The instruction that gives `value`, unless it is a block parameter.
+    /// The instruction that defines `value`, unless it is a block parameter.
     pub fn defining(&self, value: Value) -> Option<&InstData> {
         match self.values[self.resolve(value)].def {
             ValueDef::Result(inst, _) => Some(&self.insts[inst]),

@@ -121,11 +121,11 @@ ops! {
         Bitcast = "bitcast",
         /// Signed i32 or i64 to f32 or f64, to nearest, ties to even.
         FromSint = "from_sint",
-        /// f32 or f64 to signed i32 or i64, towards zero; saturates, NaN gives 0.
+        /// f32 or f64 to signed i32 or i64, towards zero; saturates, NaN becomes 0.
         ToSint = "to_sint",
         /// Unsigned i32 or i64 to f32 or f64, to nearest, ties to even.
         FromUint = "from_uint",
-        /// f32 or f64 to unsigned i32 or i64, towards zero; saturates, NaN gives 0.
+        /// f32 or f64 to unsigned i32 or i64, towards zero; saturates, NaN becomes 0.
         ToUint = "to_uint",
         Fpromote = "fpromote",
         Fdemote = "fdemote",
@@ -176,7 +176,7 @@ impl Region {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Address {
     pub region: Region,
-    /// An i32 number of bytes, known to be in range where the access stands.
+    /// An i32 number of bytes, known to be in range at the access.
     pub base: Option<Value>,
     pub offset: u32,
 }
@@ -206,7 +206,7 @@ impl BlockCall {
     }
 }
 
-/// An instruction. Results stand in [`Function::results`](crate::Function::results).
+/// An instruction. Results are in [`Function::results`](crate::Function::results).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum InstData {
     /// A constant of the result type: an integer zero-extended from its width, or the bits of a float.
@@ -326,7 +326,7 @@ impl InstData {
         )
     }
 
-    /// True if the instruction does more than give its results.
+    /// True if the instruction does more than compute its results.
     pub fn has_side_effect(&self) -> bool {
         match self {
             InstData::Store { .. }

@@ -18,7 +18,7 @@ use crate::instructions::{Address, BinaryOp, BlockCall, ConvertOp, FloatCc, Inst
 use crate::module::{Module, StaticDb};
 use cursor::Cursor;
 
-/// What is wrong with a text.
+/// An error in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParseError {
     /// 1-based.
@@ -34,7 +34,7 @@ impl fmt::Display for ParseError {
 
 impl std::error::Error for ParseError {}
 
-/// What is wrong with a line; the line number is added outside.
+/// An error in a line; the caller adds the line number.
 type LineResult<T> = Result<T, String>;
 
 /// Reads a module. Errors: the first line that cannot be read.
@@ -202,7 +202,7 @@ enum ResultType {
 struct Operation {
     data: InstData,
     results: Vec<ResultType>,
-    /// Type that the text gives for the stored value.
+    /// Type of the stored value in the text.
     stored: Option<(Value, Type)>,
 }
 
@@ -549,7 +549,7 @@ impl<'a> FunctionParser<'a> {
         Ok((addr, cursor.number()?))
     }
 
-    /// Replaces first mentions by what they name, and settles the types that waited for others.
+    /// Resolves forward references, and the types that depend on them.
     fn finish(mut self, line: u32) -> Result<Function, ParseError> {
         if self.function.layout.is_empty() {
             return Err(ParseError { line, message: format!("function @{} has no block", self.function.name) });

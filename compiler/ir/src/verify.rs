@@ -24,7 +24,7 @@
 //!   `to_sint` are between i32 or i64 and f32 or f64; `fpromote` is f32 to f64, `fdemote` the reverse.
 //! - `select` and `branch` decide by an i1, `switch` by an i32.
 //! - Memory holds no i1 except as a bit 0 to 7. Address bases, DB numbers, addresses and frame bases are i32.
-//! - Calls supply what the callee's entry block takes and give what it returns; runtime calls go by their table.
+//! - Calls match the parameters of the callee's entry block and its results; runtime calls match their table.
 //!
 //! Regions
 //! - `any` and `anydb` have a base.
@@ -186,7 +186,7 @@ impl Verifier<'_> {
         self.collect_definitions();
         self.check_references();
         if self.errors.len() > errors_before {
-            // What follows relies on the structure.
+            // The following checks rely on the structure.
             return;
         }
         for &block in &function.layout {

@@ -1,8 +1,8 @@
-//! Direct addressing of what is known at compile time.
+//! Direct addressing where the address is known at compile time.
 //!
 //! The DBs of the program are never deleted or moved, so that base and length of a DB with a constant number are constants. An
 //! access with a constant base, or with the address of a place as base, is made direct where it surely is in the region;
-//! then what it may alias is known.
+//! then its aliases are known.
 //!
 //! ```text
 //! v1 = const.i32 10

@@ -32,7 +32,7 @@ impl Access {
     }
 }
 
-/// A range with what is known about it.
+/// A range with the facts about it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent<T> {
     pub start: u64,
@@ -86,7 +86,7 @@ impl<T: Copy + PartialEq> Extents<T> {
         (item.start <= start && end <= item.end).then_some(*item)
     }
 
-    /// Forgets `start..end`. What is left of a range that lies partly in it is kept if `divisible` says so.
+    /// Forgets `start..end`. The rest of a range that is partly inside is kept if `divisible` allows it.
     pub fn cut(&mut self, start: u64, end: u64, divisible: impl Fn(T) -> bool) {
         let range = self.overlapping(start, end);
         if range.is_empty() {
@@ -122,7 +122,7 @@ impl<T: Copy + PartialEq> Extents<T> {
         self.items.splice(range, [new]);
     }
 
-    /// Keeps what `keep` says.
+    /// Keeps the ranges that `keep` accepts.
     pub fn retain(&mut self, keep: impl FnMut(&Extent<T>) -> bool) {
         self.items.retain(keep);
     }

@@ -1,7 +1,7 @@
 //! Which bits of a value are surely 0.
 //!
 //! The accumulators are 32 bits wide and most instructions work on their low word, so that values are cut apart and put
-//! together all the time. What is known about zero bits takes this apart again, and decides bounds checks.
+//! together all the time. Facts about zero bits undo this, and decide bounds checks.
 
 use plcc_abi::layout;
 use plcc_ir::{Address, BinaryOp, ConvertOp, Function, InstData, Region, Value, eval};

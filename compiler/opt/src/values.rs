@@ -92,7 +92,7 @@ fn known_condition(function: &Function, cfg: &ControlFlow, block: Block) -> Opti
     }
 }
 
-/// What identifies the result of a pure instruction; constant addresses and runtime functions without effect included.
+/// The key of the result of a pure instruction. Constant addresses and runtime functions without effect are included.
 fn key_of(function: &Function, inst: Inst) -> Option<(Type, InstData)> {
     let data = match &function.insts[inst] {
         InstData::Binary { op, args: [a, b] } if is_commutative(*op) && b.index() < a.index() => {

@@ -226,7 +226,7 @@ impl Generator<'_> {
         }
     }
 
-    /// Which NaN an operation gives is not settled at this level.
+    /// The bits of a resulting NaN are not defined at this level.
     fn set_float(&mut self, value: Value) {
         let is_nan = self.b.fcmp(FloatCc::Uno, value, value);
         let nan = self.b.i32_const(u32::MAX);

@@ -49,7 +49,7 @@ struct Edge {
     moves: List,
 }
 
-/// What an address counts from.
+/// The base of an address.
 #[derive(Clone, Copy)]
 pub enum Base {
     Memory,

@@ -77,7 +77,7 @@ impl<'a> Cursor<'a> {
         type_named(self.word()?)
     }
 
-    /// True if the line goes on with `v` or `b` and a number.
+    /// True if the line continues with `v` or `b` and a number.
     pub fn starts_entity(&self, prefix: char) -> bool {
         let word = &self.rest[..self.word_len()];
         word.strip_prefix(prefix).is_some_and(|digits| digits.bytes().all(|b| b.is_ascii_digit()) && !digits.is_empty())

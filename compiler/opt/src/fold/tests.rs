@@ -1,4 +1,4 @@
-//! What the rules make of typical code. Each expectation is checked after dead code is gone.
+//! The rules on typical code. Each expectation is checked after dead code is removed.
 
 use plcc_ir::parse::parse_module;
 use plcc_ir::print::module_text;

@@ -11,13 +11,13 @@ pub struct Splice<'a> {
     caller: &'a mut Function,
     callee: &'a Function,
     call: Inst,
-    /// The caller's block that ends where the call stands.
+    /// The caller's block that ends at the call.
     at: Block,
     /// Where the caller returns on STOP.
     stop: Option<Block>,
-    /// What the callee's values are in the caller.
+    /// The callee's values in the caller.
     values: EntityVec<Value, Option<Value>>,
-    /// What the callee's blocks are in the caller.
+    /// The callee's blocks in the caller.
     blocks: EntityVec<Block, Block>,
     loc: Loc,
 }
@@ -41,7 +41,7 @@ impl<'a> Splice<'a> {
         Splice { caller, callee, call, at, stop, values, blocks, loc }
     }
 
-    /// Makes the copy; returns the block in which the caller goes on.
+    /// Makes the copy; returns the block in which the caller continues.
     pub fn run(mut self) -> Block {
         self.caller.inlined_bytes = self.caller.inlined_bytes.max(self.callee.local_bytes());
         let copied = self.make_blocks();
@@ -116,7 +116,7 @@ impl<'a> Splice<'a> {
         block
     }
 
-    /// Gives the results of a block's instructions their values, before any of them is used.
+    /// Assigns values to the results of a block's instructions, before any of them is used.
     fn make_results(&mut self, block: Block) {
         for &inst in &self.callee.blocks[block].insts {
             let types: Vec<_> = self.callee.results[inst].iter().map(|&result| self.callee.ty(result)).collect();
@@ -128,7 +128,7 @@ impl<'a> Splice<'a> {
         }
     }
 
-    /// The callee's place in the source, or the call's for what belongs to none.
+    /// The callee's place in the source, or that of the call for code without a place.
     fn loc_of(&self, inst: Inst) -> Loc {
         match self.callee.locs[inst] {
             Loc(0) => self.loc,
