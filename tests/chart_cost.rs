@@ -1,4 +1,4 @@
-//! What a call of a chart costs follows the active steps, not the chart: counted in instructions that the interpreter executes.
+//! The cost of a chart call depends on the active steps, not on the size of the chart. It is counted in interpreted instructions.
 //! Source: GRAPH reference, chapter G, and J.13.
 
 use std::rc::Rc;
@@ -58,7 +58,7 @@ fn cost(rings: &Rings) -> f64 {
     counted as f64 / (CYCLES * INSTANCES as u64) as f64
 }
 
-/// All kinds of charts with so many active steps.
+/// All kinds of charts with this number of active steps.
 fn variants(rings: usize) -> impl Iterator<Item = Rings> {
     ["Minimum", "Standard"].into_iter().flat_map(move |interface| {
         [(false, false), (false, true), (true, false), (true, true)].map(|(supervised, switching)| Rings {

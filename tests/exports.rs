@@ -1,5 +1,5 @@
 //! Exports in XML with elements cut out, doubled and exchanged, and with values exchanged: checking them ends soon, without a panic, every
-//! message has a place, and what has no errors lowers to IR that the verifier and the passes accept.
+//! message has a place, and a program without errors lowers to IR that the verifier and the passes accept.
 
 use std::path::PathBuf;
 

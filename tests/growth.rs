@@ -1,5 +1,5 @@
 //! Programs that are four times as long take about four times the work: each shape of program in which something could be compared with
-//! everything. Work is processor time of this process and bytes that were allocated; both hardly depend on what else the computer does.
+//! everything. Work is processor time of this process and bytes that were allocated; both hardly depend on other load on the computer.
 
 #![allow(unsafe_code, reason = "an allocator that counts, and the clock of the process")]
 
@@ -18,7 +18,7 @@ struct Counting;
 
 static ALLOCATED: AtomicU64 = AtomicU64::new(0);
 
-// SAFETY: every call goes on to the allocator of the system.
+// SAFETY: every call is passed on to the allocator of the system.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATED.fetch_add(layout.size() as u64, Ordering::Relaxed);
@@ -337,7 +337,7 @@ fn work(shape: &Shape, size: usize, level: Level) -> (u64, u64) {
     plcc_driver::on_large_stack(run).expect("no panic")
 }
 
-/// Four times the size may take so many times the work. Proportional work gives 4, quadratic 16.
+/// Maximum factor of work for four times the size. Proportional work gives 4, quadratic 16.
 const FACTOR_MAX: f64 = 11.0;
 
 #[test]
@@ -345,7 +345,7 @@ fn work_follows_the_size() {
     let mut failures = String::new();
     for shape in SHAPES {
         for level in [Level::O0, Level::O2] {
-            // The lesser of two tries is what the work itself takes.
+            // The smaller of two tries is the cost of the work itself.
             let tries = [work(shape, shape.size, level), work(shape, shape.size, level)];
             let small = (tries[0].0.min(tries[1].0), tries[0].1.min(tries[1].1));
             let large = work(shape, 4 * shape.size, level);

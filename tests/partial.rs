@@ -1,7 +1,7 @@
 //! Complete programs of which parts are taken away: with `--partial` the rest must build and run. Parts are files, blocks, declared
 //! variables, rows of tables and constants. No error may come, nothing may panic, the IR must be valid, and three cycles must run.
 //!
-//! `PLCC_RANDOM_PARTIAL=N` sets how many programs are tried, `PLCC_RANDOM_PARTIAL_FROM` the first of them; `PLCC_RANDOM_PARTIAL_ALL` goes on behind one that fails.
+//! `PLCC_RANDOM_PARTIAL=N` sets how many programs are tried, `PLCC_RANDOM_PARTIAL_FROM` the first of them; `PLCC_RANDOM_PARTIAL_ALL` goes on after one that fails.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -68,7 +68,7 @@ fn programs() -> Vec<PathBuf> {
     found
 }
 
-/// The program at `path` as it is, if it has no errors.
+/// The program at `path`, unchanged, if it has no errors.
 fn whole(path: &Path) -> Option<Parsed> {
     let settings = Settings { require_main: true, ..Settings::default() };
     let read = inputs::read(&[path.to_path_buf()]);

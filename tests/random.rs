@@ -17,14 +17,14 @@ use proptest::prelude::*;
 /// Memory bytes that programs use and that are compared: MB 0 to MB 63.
 const MEMORY_BYTES: u32 = 64;
 
-/// A part of a program; each is correct wherever it stands.
+/// A part of a program; each is correct in every position.
 #[derive(Clone, Debug)]
 enum Piece {
     /// A line of instructions without jumps.
     Line(String),
     /// A conditional jump over pieces.
     Skip { jump: &'static str, over: Vec<Piece> },
-    /// `LOOP`, so many times.
+    /// `LOOP`, this many times.
     Loop { count: u8, body: Vec<Piece> },
     /// A jump list by the value of a byte.
     JumpList { byte: u32, arms: Vec<Vec<Piece>> },
@@ -262,7 +262,7 @@ impl Writer {
                     self.place(&label);
                 }
                 Piece::Loop { count, body } => {
-                    // A counter of its own at each depth, outside of the memory that pieces write.
+                    // A separate counter at each depth, outside the memory that pieces write.
                     let (label, counter) = (self.label(), 110 + 2 * self.depth);
                     self.depth += 1;
                     self.line(&format!("L {count}"));
@@ -379,7 +379,7 @@ fn program(pieces: &[Piece], seed: &[u32]) -> String {
     )
 }
 
-/// A pointer, mostly to somewhere that does not exist: every area code, and offsets at the ends of areas.
+/// A pointer, usually to somewhere that does not exist: every area code, and offsets at the ends of areas.
 fn pointer() -> impl Strategy<Value = u32> {
     let code =
         prop::sample::select(vec![0x00, 0x01, 0x04, 0x7F, 0x80, 0x81, 0x82, 0x83, 0x84, 0x85, 0x86, 0x87, 0x88, 0xFF]);
@@ -439,7 +439,7 @@ fn wild() -> impl Strategy<Value = String> {
     ]
 }
 
-/// Error OBs that put what they are told into the compared memory.
+/// Error OBs that copy their start information into the compared memory.
 const ERROR_BLOCKS: &str = "
 ORGANIZATION_BLOCK OB 121
 VAR_TEMP

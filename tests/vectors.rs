@@ -1,4 +1,4 @@
-//! Recorded executions of STL instructions, `../shared/vectors/stl300` beside the project (see the README there).
+//! Recorded executions of STL instructions, `../shared/vectors/stl300` next to the project (see the README there).
 //!
 //! Each batch is a program that leaves results in DB 1. The expected values become assertions at its end, so that all forms at
 //! both levels are compared with them, and with each other.
@@ -36,7 +36,7 @@ fn main() -> ExitCode {
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
-/// A program with what `plcc test` must find.
+/// A program with the expected result of `plcc test`.
 #[derive(Clone)]
 struct TestProgram {
     name: String,
@@ -71,7 +71,7 @@ fn batch_programs(path: &Path) -> Vec<TestProgram> {
         .collect()
 }
 
-/// `[address, value]`, or `[address, value, {"f32_ulp": n}]`: so many units in the last place off are allowed.
+/// `[address, value]`, or `[address, value, {"f32_ulp": n}]`: an error of this many units in the last place is allowed.
 fn assert_cell(cell: &Value, asserts: &mut String) {
     let (address, value) = (text(&cell[0]), cell[1].as_u64().expect("an unsigned value") as u32);
     let mut line = |op: &str, value: u32| {

@@ -1,6 +1,6 @@
-//! Builds the runtime that every executable is linked with, as one relocatable object inside plcc.
+//! Builds the runtime that is linked into every executable, as one relocatable object inside plcc.
 //!
-//! The runtime crate is compiled once more as a static library with `main`, in a target folder of its own, so that the
+//! The runtime crate is compiled once more as a static library with `main`, in a separate target folder, so that the
 //! outer build's lock is not touched. A partial link then picks from it and from the standard library what `main` and the
 //! runtime functions need: linking an executable takes a fraction of the time that it takes with the archive.
 
@@ -58,7 +58,7 @@ fn variable(name: &str) -> PathBuf {
     PathBuf::from(env::var_os(name).unwrap_or_else(|| panic!("cargo sets {name}")))
 }
 
-/// How sections are put together: one of a kind, so that the final link has little to do. Generated code and the runtime abort
+/// How sections are combined: one of each kind, so that the final link has little to do. Generated code and the runtime abort
 /// instead of unwinding, so unwind tables go, as does the standard library's bitcode.
 const LINKER_SCRIPT: &str = "SECTIONS {
   .text 0 : { *(.text .text.*) }
@@ -88,7 +88,7 @@ fn build_archive(root: &Path, target_dir: &Path) -> PathBuf {
         cargo.envs(PROFILE);
         cargo
     };
-    // What the outer build needs, it has fetched already, and the runtime is part of it.
+    // The outer build contains the runtime, so it has already fetched everything.
     let built = cargo(true).output().is_ok_and(|output| output.status.success());
     if !built {
         run(&mut cargo(false), "building the runtime");

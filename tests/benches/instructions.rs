@@ -1,7 +1,7 @@
 //! Cost of the instruction classes: time and machine code of one instruction, in JIT code at -O2.
 //!
 //! Each kernel is a short sequence, repeated in OB 1; the same OB without it is subtracted. `cargo bench` prints a table, then one of
-//! networks in LAD beside the STL that does the same, then the distribution of each kernel's run. How to read it: docs/benchmarks.md.
+//! networks in LAD next to the STL that does the same, then the distribution of each kernel's run. How to read it: docs/benchmarks.md.
 
 use std::rc::Rc;
 use std::time::Instant;
@@ -130,7 +130,7 @@ const PAIRS: &[Pair] = &[
     },
 ];
 
-/// How often a kernel stands in OB 1.
+/// How often a kernel is in OB 1.
 const REPETITIONS: usize = 250;
 
 /// Cycles of one run: enough that making the CPU does not count.
@@ -523,7 +523,7 @@ fn print_table() {
     println!();
 }
 
-/// What a network costs in LAD and in STL; by the fastest runs.
+/// The cost of a network in LAD and in STL, from the fastest runs.
 fn print_pairs() {
     println!("{:<28}{:>12}{:>12}{:>10}{:>12}{:>12}", "network", "LAD ns", "STL ns", "ratio", "LAD bytes", "STL bytes");
     for pair in PAIRS {

@@ -1,6 +1,6 @@
-//! What instructions of the S7-200 cost, in JIT code at -O2, and what a scan costs that does nothing.
+//! The cost of S7-200 instructions in JIT code at -O2, and of an empty scan.
 //!
-//! A row is a sequence that stands many times in the main program, each time with other operands; the same program without it is
+//! A row is a sequence that occurs many times in the main program, each time with other operands; the same program without it is
 //! subtracted. `cargo bench` prints a table. How to read it: docs/benchmarks.md.
 
 use std::rc::Rc;
@@ -17,12 +17,12 @@ use plcc_runtime::{Code, TestOptions, functions};
 /// A sequence of statements.
 struct Kernel {
     name: &'static str,
-    /// Statements that stand once before all repetitions, in the program that is subtracted too.
+    /// Statements that occur once before all repetitions, in the program that is subtracted too.
     before: &'static [&'static str],
     /// One repetition. Operands change from one to the next; see `filled`.
     lines: &'static [&'static str],
     repetitions: usize,
-    /// What a row is divided by: how often one repetition does what the row tells of.
+    /// Divisor of a row: how often one repetition does the measured operation.
     times: usize,
 }
 
@@ -30,16 +30,16 @@ const fn kernel(name: &'static str, lines: &'static [&'static str]) -> Kernel {
     Kernel { name, before: &[], lines, repetitions: REPETITIONS, times: 1 }
 }
 
-/// How often a sequence stands in the program.
+/// How often a sequence is in the program.
 const REPETITIONS: usize = 250;
 
-/// Scans of one run: short enough that some runs are not disturbed by what else the machine does.
+/// Scans of one run: short enough that some runs are not disturbed by other load on the machine.
 const SCANS: u64 = 1000;
 
 /// Runs of a row.
 const RUNS: usize = 51;
 
-/// V8000.0 is 1, VW8002 is 3: what the compiler does not know.
+/// V8000.0 is 1, VW8002 is 3: values unknown to the compiler.
 #[rustfmt::skip]
 const KERNELS: &[Kernel] = &[
     kernel("contacts and coil", &["LD V{b}.{x}", "AN M{m}.{x}", "O V{b}.1", "= V{e}.{x}"]),
@@ -50,11 +50,11 @@ const KERNELS: &[Kernel] = &[
     kernel("compare words", &["LDW>= VW{b}, VW{c}", "= V{e}.{x}"]),
     kernel("compare REALs", &["LDR> VD{d}, VD{f}", "= V{e}.{x}"]),
     kernel("MOVW", &["LD SM0.0", "MOVW VW{b}, VW{c}"]),
-    kernel("MOVW behind a contact", &["LD V8000.0", "MOVW VW{b}, VW{c}"]),
-    kernel("MOVW from a pointer", &["LD SM0.0", "MOVW *VD{d}, VW{b}"]).behind(POINTERS),
-    kernel("MOVW to a pointer in AC1", &["LD SM0.0", "MOVW VW{b}, *AC1"]).behind(POINTERS),
+    kernel("MOVW after a contact", &["LD V8000.0", "MOVW VW{b}, VW{c}"]),
+    kernel("MOVW from a pointer", &["LD SM0.0", "MOVW *VD{d}, VW{b}"]).after(POINTERS),
+    kernel("MOVW to a pointer in AC1", &["LD SM0.0", "MOVW VW{b}, *AC1"]).after(POINTERS),
     kernel("+I", &["LD SM0.0", "+I VW{b}, VW{c}"]),
-    kernel("+I behind a contact", &["LD V8000.0", "+I VW{b}, VW{c}"]),
+    kernel("+I after a contact", &["LD V8000.0", "+I VW{b}, VW{c}"]),
     kernel("+I, AENO, +I, AENO, coil", &["LD V8000.0", "+I VW{b}, VW{c}", "AENO", "+I 7, VW{e}", "AENO", "= M{m}.{x}"]),
     kernel("*D", &["LD SM0.0", "*D VD{d}, VD{f}"]),
     kernel("/I", &["LD SM0.0", "/I VW8002, VW{b}"]),
@@ -71,9 +71,9 @@ const KERNELS: &[Kernel] = &[
     kernel("CTU", &["LD V{b}.{x}", "LD V{c}.{x}", "CTU C{n}, 10", "LD C{n}", "= V{e}.{x}"]),
     kernel("CALL with three parameters", &["LD SM0.0", "CALL Sum, VW{b}, VW{c}, VW{e}"]),
     kernel("the same in place", &["LD SM0.0", "MOVW VW{b}, VW{e}", "+I VW{c}, VW{e}"]),
-    kernel("CALL behind a contact", &["LD V8000.0", "CALL Sum, VW{b}, VW{c}, VW{e}"]),
+    kernel("CALL after a contact", &["LD V8000.0", "CALL Sum, VW{b}, VW{c}, VW{e}"]),
     kernel("CALL of a large block", &["LD SM0.0", "CALL Large, VW{b}, VW{c}, VW{e}"]),
-    kernel("sequence step, active", STEP).behind(&["LD SM0.1", "S S0.0, 250"]),
+    kernel("sequence step, active", STEP).after(&["LD SM0.1", "S S0.0, 250"]),
     kernel("sequence step, not active", STEP),
     kernel("pass of a FOR loop", &["LD SM0.0", "FOR VW0, 1, 1000", "LD SM0.0", "+D 1, VD{d}", "NEXT"]).times(1).each(1000),
     kernel("BMB of 100 bytes", &["LD SM0.0", "BMB VB{b}, VB{g}, 100"]),
@@ -84,7 +84,7 @@ const KERNELS: &[Kernel] = &[
     kernel("ITA", &["LD SM0.0", "ITA VW{b}, VB{g}, 2#1011"]),
     kernel("SCPY of 5 letters", &["LD SM0.0", "SCPY \"12 kg\", VB{g}"]),
     kernel("network, interrupts attached", &["LD V{b}.{x}", "AN M{m}.{x}", "O V{b}.1", "= V{e}.{x}"])
-        .behind(&["LD SM0.1", "MOVB 100, SMB34", "ATCH Tick, 10", "ENI"]),
+        .after(&["LD SM0.1", "MOVB 100, SMB34", "ATCH Tick, 10", "ENI"]),
     kernel("network of a program of 1000", MIXTURE).times(100).each(10),
 ];
 
@@ -150,7 +150,7 @@ const MIXTURE: &[&str] = &[
 
 impl Kernel {
     /// With these statements before it.
-    const fn behind(self, before: &'static [&'static str]) -> Kernel {
+    const fn after(self, before: &'static [&'static str]) -> Kernel {
         Kernel { before, ..self }
     }
 
@@ -197,7 +197,7 @@ MOVW #a, #r
 MOVW #b, #s
 ";
 
-/// What stands twelve times in the large subroutine.
+/// The part that occurs twelve times in the large subroutine.
 const LARGE: &str = "
 NETWORK
 LDW> #s, #r

@@ -1,4 +1,4 @@
-//! A GRAPH function block as plain data: what the generator makes, the model executes and `text` prints.
+//! A GRAPH function block as plain data: the generator makes it, the model executes it and `text` prints it.
 //!
 //! Steps and transitions are named by their index. Transitions are in the order of the text: the last one is the leftmost path.
 
@@ -9,7 +9,7 @@ pub struct Chart {
     pub transitions: Vec<Transition>,
     /// Permanent instructions before the sequencers.
     pub before: Vec<Permanent>,
-    /// Permanent instructions behind them.
+    /// Permanent instructions after them.
     pub after: Vec<Permanent>,
     /// `AckReq`.
     pub acknowledge: bool,

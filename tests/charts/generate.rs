@@ -1,6 +1,6 @@
 //! Random charts of sequences, alternative and simultaneous branches, jumps and several sequencers, and calls of them.
 //!
-//! A simultaneous branch has a join of its own and nothing leads into or out of one of its paths, so that no step is entered twice.
+//! A simultaneous branch has its own join and nothing leads into or out of one of its paths, so that no step is entered twice.
 
 use std::ops::Range;
 
@@ -53,7 +53,7 @@ pub struct Call {
     pub paused: bool,
 }
 
-/// What a chart and its calls contain. Charts with less show more clearly what is wrong.
+/// The contents of a chart and its calls. Smaller charts show errors more clearly.
 #[derive(Clone, Debug)]
 struct Features {
     monitoring: bool,
@@ -196,7 +196,7 @@ impl Maker {
         }
     }
 
-    /// The entries of the paths of an outer simultaneous branch, if the first branch behind `first` is one.
+    /// The entries of the paths of an outer simultaneous branch, if the first branch after `first` is one.
     fn opening(&self, first: usize) -> Option<Vec<usize>> {
         let from = first.checked_sub(1)?;
         let mut outgoing = self.chart.transitions.iter().filter(|transition| transition.from == [from]);
@@ -204,7 +204,7 @@ impl Maker {
         outgoing.next().is_none().then(|| only.to.clone())
     }
 
-    /// Goes on from `from`; the last step.
+    /// Continues from `from`; returns the last step.
     fn chain(&mut self, from: usize, depth: usize, targets: &mut Targets) -> usize {
         let mut at = from;
         let length = self.random.below(6);
@@ -261,7 +261,7 @@ impl Maker {
             let mut targets = vec![first];
             let last = self.chain(first, depth + 1, &mut targets);
             if self.random.percent(20) {
-                // A way back, beside the join.
+                // A way back, next to the join.
                 let target = self.random.of(&targets);
                 self.transition(&[last], &[target]);
             }
@@ -520,7 +520,7 @@ impl Maker {
             Input::RegEf | Input::RegS => (monitoring, 5),
             Input::HaltSq | Input::HaltTm | Input::ZeroOp | Input::EnIl | Input::EnSv => (toggles, 6),
             Input::EnAckreq => (toggles, 4),
-            // With requests several ways may lead to one step that is skipped; the reference leaves open what then happens.
+            // With requests several ways may lead to one step that is skipped; the reference does not define that case.
             Input::EnSskip => (toggles && !requests, 4),
             Input::SPrev | Input::SNext => (paging, 12),
             Input::SwAuto => (modes, 8),

@@ -1,4 +1,4 @@
-//! The traces of the reference, H.1 and H.2, as the model gives them.
+//! The traces of the reference, H.1 and H.2, compared with the model.
 
 use crate::chart::{Action, Area, Bit, Chart, Condition, Order, Row, Step, Time, Transition};
 use crate::model::{Inputs, Memory, Model};

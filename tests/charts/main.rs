@@ -1,4 +1,4 @@
-//! Random GRAPH charts: the interpreter and machine code do in each call what a model does that was written from the reference alone.
+//! Random GRAPH charts: the interpreter and machine code do the same in each call as a model written only from the reference.
 
 mod chart;
 mod generate;

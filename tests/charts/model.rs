@@ -1,4 +1,4 @@
-//! What a GRAPH function block does in each call, written from the reference alone, phase by phase. Source: GRAPH reference D and E.
+//! A model of a GRAPH function block in each call, written only from the reference, phase by phase. Source: GRAPH reference D and E.
 //!
 //! Where the reference leaves a choice, a comment `choice:` says which one is made here.
 
@@ -28,7 +28,7 @@ struct Timer {
     during: bool,
     after: bool,
     deadline: i64,
-    /// What an off-delay saw last.
+    /// The last value of an off-delay.
     rlo: bool,
 }
 
@@ -110,7 +110,7 @@ impl Memory {
     }
 }
 
-/// What the caller gives to the block.
+/// The inputs from the caller.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Inputs {
     /// By the order of [`Input::ALL`].
@@ -220,7 +220,7 @@ pub struct Outputs {
 /// Requests of ON and OFF rows, until phase 7 of the next call.
 #[derive(Clone, Debug, Default)]
 struct Requests {
-    /// In the order of the rows that asked.
+    /// In the order of the requesting rows.
     on: Vec<usize>,
     off: Vec<usize>,
 }
@@ -358,13 +358,13 @@ impl Model {
     /// Phase 1: the step that is shown.
     fn display(&mut self, edge: &dyn Fn(Input) -> bool, s_sel: i16) {
         let manual = self.mode == Mode::Manual;
-        // choice: a change of S_SEL outside of manual mode is no change later.
+        // choice: a change of S_SEL outside of manual mode is not a change later.
         let changed = std::mem::replace(&mut self.s_sel_old, s_sel) != s_sel;
         if manual && changed {
             // choice: a number that no step has changes nothing.
             self.shown = self.numbered(s_sel).or(self.shown);
         }
-        // choice: manual mode pages over all steps, the others over active ones; behind the last one nothing changes. S_NEXT
+        // choice: manual mode pages over all steps, the others over active ones; after the last one nothing changes. S_NEXT
         // goes over S_PREV.
         let number = self.shown.map_or(0, |step| self.chart.steps[step].number);
         let candidates = (0..self.steps.len()).filter(|&step| manual || self.steps[step].x);
@@ -615,9 +615,9 @@ impl Model {
         fired
     }
 
-    /// Transitions in the order in which they are looked at. It matters where they have no FROM step in common.
+    /// Transitions in the order in which they are checked. It matters where they have no FROM step in common.
     ///
-    /// choice: as their owners were activated; behind them joins with a rival, and their rivals.
+    /// choice: as their owners were activated; after them joins with a rival, and their rivals.
     fn walk(&self) -> Vec<usize> {
         let transitions = &self.chart.transitions;
         let rivals = |a: &Transition, b: &Transition| {
@@ -669,7 +669,7 @@ impl Model {
 
     /// Phase 9.
     ///
-    /// choice: a step that is active and not left in this call is entered anew, and is the last in the order of activation.
+    /// choice: a step that is active and not left in this call is entered again, and is the last in the order of activation.
     fn enter(&mut self, step: usize, memory: &Memory) {
         self.order.retain(|&other| other != step);
         self.order.push(step);

@@ -44,7 +44,7 @@ impl Best {
         }
     }
 
-    /// Leaves out the calls behind the failure.
+    /// Leaves out the calls after the failure.
     fn cut(&mut self) {
         if let Failure::Different { call, .. } = self.failure {
             self.case.calls.truncate(call);
@@ -153,7 +153,7 @@ fn parts(condition: &Condition) -> Vec<Condition> {
     }
 }
 
-/// Changes all numbers of steps and transitions in a condition; what has none any more is TRUE.
+/// Changes all numbers of steps and transitions in a condition; a condition on a removed one becomes TRUE.
 fn renumber(
     condition: &mut Condition,
     step: &impl Fn(usize) -> Option<usize>,
@@ -192,7 +192,7 @@ fn without_transition(chart: &mut Chart, removed: usize) {
     places(chart).for_each(|condition| renumber(condition, &Some, &without(removed)));
 }
 
-/// Removes a step: what led to it leads to where its first transition leads.
+/// Removes a step: transitions to it now go to the target of its first transition.
 fn without_step(chart: &mut Chart, removed: usize) {
     let next = chart.transitions.iter().position(|transition| transition.from == [removed]);
     let after = next.map_or(Vec::new(), |next| chart.transitions[next].to.clone());

@@ -1,4 +1,4 @@
-//! Compiles a chart with its caller, runs it and compares it with the model behind each cycle.
+//! Compiles a chart with its caller, runs it and compares it with the model after each cycle.
 
 use std::rc::Rc;
 
@@ -156,7 +156,7 @@ impl Player<'_> {
         }
     }
 
-    /// What is not as the model has it.
+    /// The difference from the model.
     fn difference(&self, cpu: &Cpu) -> Option<String> {
         let mut lines = Vec::new();
         let (db, _) = cpu.memory.db(2);

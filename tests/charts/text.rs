@@ -16,7 +16,7 @@ pub const S_SEL: u8 = 198;
 /// BOOL inputs of the block start at this byte, in the order of [`crate::chart::Input::ALL`].
 pub const PARAMETERS: u8 = 200;
 
-/// Charts use C 0 and so many.
+/// Charts use C 0 and this many more.
 pub const COUNTERS: u8 = 3;
 /// T 0 is for TL, T 1 for TD; the others are for one TF each.
 pub const TIMERS: u8 = 8;
@@ -39,7 +39,7 @@ const STEP_BITS: [StepBit; 13] = [
 
 const TRANSITION_BITS: [TransitionBit; 3] = [TransitionBit::TV, TransitionBit::TT, TransitionBit::TS];
 
-/// What a watched value is in the model.
+/// A watched value in the model.
 type Expected = Box<dyn Fn(&Model, &Memory) -> i64>;
 
 /// A value that OB 1 copies into DB 2.
@@ -50,7 +50,7 @@ pub struct Watch {
     pub byte: u32,
     /// 1: a bit, the lowest of its byte.
     pub bits: u32,
-    /// What it is in the model.
+    /// Its value in the model.
     pub value: Expected,
 }
 
@@ -255,7 +255,7 @@ impl Display for Order {
     }
 }
 
-/// A condition as text. What is not a single operand stands in parentheses.
+/// A condition as text. Everything except a single operand is in parentheses.
 struct Shown<'a>(&'a Chart, &'a Condition);
 
 impl Display for Shown<'_> {
@@ -305,7 +305,7 @@ impl Display for Shown<'_> {
     }
 }
 
-/// OB 1, the instance DB 1, and DB 2 with what is watched.
+/// OB 1, the instance DB 1, and DB 2 with the watched values.
 pub fn caller(chart: &Chart) -> String {
     let mut out = String::new();
     print_caller(chart, &mut out).expect("a string takes all");

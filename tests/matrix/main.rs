@@ -1,9 +1,9 @@
-//! Each kind of variable of a block, with each type, in each use, in every language: what binds compiles, and interpreter and machine
-//! code bring a value from one end to the other; what does not bind is what the tools of Siemens refuse, too.
+//! Each kind of variable of a block, with each type, in each use, in every language: a case that binds compiles, and interpreter and machine
+//! code move a value from one end to the other; a case that does not bind is also refused by the tools of Siemens.
 //!
 //! A case is a small program. Its block has a variable of a section (input, output, in-out, static, temp) in a form (whole, element,
 //! member of a structure), which holds a sample; the use brings the sample to a place where the main program compares it. A case that is
-//! refused must stand in the table of its language, with the code of the message; one that stands there must be refused.
+//! refused must be in the table of its language, with the code of the message; one that is there must be refused.
 //!
 //! `PLCC_MATRIX=all` runs all cases, `PLCC_MATRIX=N` one in N. Left out, each language runs as many as its share of time allows.
 //! `PLCC_MATRIX_FAILURES=FILE` writes all failures with their sources to a file.
@@ -35,7 +35,7 @@ struct Case {
     kind: String,
     ty: &'static str,
     using: &'static str,
-    /// What else is chosen, for messages: CPU, place of the actual parameter.
+    /// The other choices, for messages: CPU, place of the actual parameter.
     variant: String,
     ending: &'static str,
     cpu: &'static str,
@@ -48,7 +48,7 @@ impl Case {
     }
 }
 
-/// Cases that the tools of Siemens refuse. `*` stands for any text; of several words each stands for itself.
+/// Cases that the tools of Siemens refuse. `*` means any text; of several words each means itself.
 struct Refusal {
     kinds: &'static [&'static str],
     types: &'static [&'static str],
@@ -83,7 +83,7 @@ fn matches(pattern: &str, text: &str) -> bool {
     }
 }
 
-/// What came of a case.
+/// The outcome of a case.
 enum Outcome {
     /// Codes of the errors, and the messages.
     Refused(Vec<String>, String),
@@ -133,7 +133,7 @@ fn run(ending: &str, cpu: &str, source: String) -> Outcome {
 /// Passed programs of a language that become executables.
 const EXECUTABLES: usize = 8;
 
-/// Runs one in `stride` of the cases, and compares what was refused with `refusals`.
+/// Runs one in `stride` of the cases, and compares the refused ones with `refusals`.
 fn campaign(cases: Vec<Case>, stride: usize, refusals: &[Refusal]) {
     let wish = std::env::var("PLCC_MATRIX").ok();
     let stride = match wish.as_deref() {

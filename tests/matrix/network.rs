@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::{Case, Refusal, campaign, refusal};
 
-/// A type with the values of its parts, and what is used to move it as a whole.
+/// A type with the values of its parts, and the operation that moves it as a whole.
 struct Kind {
     name: &'static str,
     parts: &'static [(&'static str, &'static str)],
@@ -73,7 +73,7 @@ const FORMS: &[(&str, &str, &str)] = &[
     ("member", "Struct pad : Bool; m : T; END_STRUCT", "#v.m"),
 ];
 
-/// Uses: rungs behind the begin of one. `@` stands for the value, `|` for the begin of another rung.
+/// Uses: rungs after the start of one. `@` means the value, `|` for the start of another rung.
 const USES: &[(&str, &str)] = &[
     ("move", "Move( in := @, out1 => \"D\".r )"),
     ("moved to", "Move( in := \"D\".x, out1 => @ ) Move( in := @, out1 => \"D\".r )"),

@@ -40,7 +40,7 @@ impl Link {
     }
 }
 
-/// A use: its name, the statements, and what holds after the call. `@` stands for `LAR1 P##p` of the block.
+/// A use: its name, the statements, and the conditions after the call. `@` means `LAR1 P##p` of the block.
 type Use = (&'static str, &'static str, &'static str);
 
 struct Kind {

@@ -1,4 +1,4 @@
-//! STL of the TIA Portal on an S7-1500: types of 64 bits, texts of two bytes a character, and blocks of SCL beside those of STL.
+//! STL of the TIA Portal on an S7-1500: types of 64 bits, texts with two bytes per character, and blocks of SCL next to those of STL.
 //!
 //! A block of STL gets the variable from SCL, and hands it to blocks of SCL and STL.
 
@@ -81,7 +81,7 @@ impl Plan {
             && (self.using.0 != "load" || self.kind.2)
             && (self.using.0 != "logic" || is_bit)
             && !(self.using.0 == "moved" && is_bit)
-            // STL gives no length to a text of TEMP.
+            // In STL a text of TEMP has no length.
             && !(self.section == "VAR_TEMP" && self.kind.0.contains("String"))
             && !(self.section == "VAR_INPUT" && matches!(self.using.0, "by reference" | "to output" | "block output" | "block in-out"))
     }

@@ -10,7 +10,7 @@ struct Kind {
     width: &'static str,
     mover: &'static str,
     value: &'static str,
-    /// What the bits of the sample are.
+    /// The meaning of the sample's bits.
     bits: &'static str,
     /// Compare contact.
     equal: &'static str,
@@ -87,7 +87,7 @@ impl Plan {
             && !(bit && matches!(self.using, "compare" | "arithmetic"))
             && !(self.is_text() && self.using == "arithmetic")
             && !(self.place.0 == "constant" && self.section != "VAR_INPUT")
-            // A string of `VAR` is a pointer that nobody sets.
+            // A string of `VAR` is a pointer that is never set.
             && !(self.is_text() && self.section == "VAR")
             // A text is 255 bytes long.
             && !(self.is_text() && !matches!(self.place.0, "V" | "pointer" | "pointer in V" | "constant"))

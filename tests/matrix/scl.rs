@@ -107,7 +107,7 @@ impl Section {
     }
 }
 
-/// How the value lies in the variable: type of the variable with `T` for the type, and the way to the value.
+/// How the value is in the variable: type of the variable with `T` for the type, and the way to the value.
 const FORMS: &[(&str, &str, &str)] = &[
     ("whole", "T", "#v"),
     ("element", "Array[-1..1] of T", "#v[1]"),
@@ -153,7 +153,7 @@ const USES: &[(&str, &str)] = &[
     ("branch", "IF \"D\".n = 0 THEN \"D\".r := @; ELSE @ := \"D\".e; END_IF;"),
 ];
 
-/// Where the actual parameter lies.
+/// The memory of the actual parameter.
 const PLACES: &[(&str, &str)] = &[("data block", "\"D\".a"), ("local data", "#a")];
 
 /// Where a program runs, and how it is written.
@@ -528,7 +528,7 @@ const REFUSALS: &[Refusal] = &[
     // No order among timers' values, none of structures in SCL of STEP 7.
     refusal(&["*"], &["S5Time"], &["compare"], "P0401"),
     refusal(&["Classic *"], &STRUCTURED, &["compare"], "P0401"),
-    // What has no way to a DINT.
+    // Types without a conversion to DINT.
     refusal(&["*"], &["Bool", "S5Time", "Date*", "String*", "WString*", "DTL", "LTime*", "LDT"], &["convert"], "P0401"),
     refusal(&["Classic *", "S7300 *"], &["Time_Of_Day", "Char", "Real"], &["convert"], "P0401"),
 ];

@@ -119,7 +119,7 @@ const TYPES: &[Kind] = &[
     ),
 ];
 
-/// What the block is.
+/// The kind of block.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Block {
     Function,
@@ -181,7 +181,7 @@ const USES: &[&str] = &[
     "any handed on",
 ];
 
-/// Where the actual parameter lies.
+/// The memory of the actual parameter.
 const PLACES: &[&str] = &["data block", "local data", "memory", "formal of a function", "formal of a block"];
 
 #[derive(Clone, Copy)]
@@ -238,7 +238,7 @@ impl Plan {
         }
     }
 
-    /// `to` gets what `from` has; both are names.
+    /// Copies `from` to `to`; both are names.
     fn copy(&self, from: &str, to: &str) -> String {
         match self.kind.class {
             Bit => format!("A {from}; = {to};\n"),
@@ -255,7 +255,7 @@ impl Plan {
         self.pointed("DB10.x", 10)
     }
 
-    /// A variable behind a word in a data block, for SFC 20 as bytes.
+    /// A variable after a word in a data block, for SFC 20 as bytes.
     fn pointed(&self, name: &str, db: u32) -> String {
         match self.kind.class {
             Complex => format!("P#DB{db}.DBX 2.0 BYTE {}", self.kind.bytes),
@@ -349,7 +349,7 @@ impl Plan {
         let in_function = self.block == Block::Function && self.section.0 != Section::Temp;
         let through_pointer = self.kind.class == Complex && (in_function || self.section.0 == Section::InOut);
         if through_pointer {
-            // Six bytes: number of the data block, area pointer. In an instance they lie behind AR2.
+            // Six bytes: number of the data block, area pointer. In an instance they are after AR2.
             let base = if in_function { "" } else { "TAR2; +AR1; " };
             _ = writeln!(out, "LAR1 P##v; {base}L W [AR1,P#0.0]; T #n; L D [AR1,P#2.0]; LAR1;");
         } else if in_function {
@@ -501,7 +501,7 @@ impl Plan {
             Block::Function => {}
             Block::FunctionBlock => out.push_str("DATA_BLOCK DB 1\nFB 1\nBEGIN\nEND_DATA_BLOCK\n"),
             Block::MultiInstance => {
-                // Behind other data; the call goes through a formal of its own where one is wanted.
+                // After other data; the call uses a separate formal parameter where one is needed.
                 let section = if self.place == "formal of a block" {
                     format!("{} w : {variable}; END_VAR\n", self.section.1)
                 } else {
@@ -638,7 +638,7 @@ fn cases(cpu: &'static str) -> Vec<Case> {
     cases
 }
 
-/// What STEP 7 refuses, too.
+/// Cases that STEP 7 also refuses.
 const REFUSALS: &[Refusal] = &[];
 
 #[test]

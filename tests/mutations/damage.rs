@@ -2,7 +2,7 @@
 
 use crate::random::Random;
 
-/// Words that stand where they should not.
+/// Words in wrong positions.
 #[rustfmt::skip]
 const WORDS: &[&str] = &[
     "0", "-1", "1", "32767", "32768", "65535", "65536", "2147483647", "2147483648", "4294967295", "4294967296",
@@ -15,10 +15,10 @@ const WORDS: &[&str] = &[
     "\u{feff}", "\0", "\u{4e2d}", "<", ">", "&lt;", "/>", "</", "&#0;", "true",
 ];
 
-/// The text with some damage, or as it is. `other` is one of the same kind.
+/// The text with some damage, or unchanged. `other` is one of the same kind.
 pub fn damaged(random: &mut Random, text: &str, other: &str) -> String {
     let mut text = text.to_string();
-    // The text as it is, too.
+    // The text unchanged, too.
     let rounds = if random.percent(2) { 0 } else { 1 + random.below(3) };
     for _ in 0..rounds {
         text = match random.below(10) {

@@ -1,4 +1,4 @@
-//! What lies beside sources, damaged: symbol and tag tables of all forms, texts, settings, scenarios, and traces.
+//! Damaged files that accompany sources: symbol and tag tables of all forms, texts, settings, scenarios, and traces.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -46,7 +46,7 @@ const TABLES: &[(&str, &str)] = &[
 const PROGRAM: &str =
     "ORGANIZATION_BLOCK OB 1\nBEGIN\nA \"Start\"; = M 0.0; L \"Speed\"; T MW 20;\nEND_ORGANIZATION_BLOCK\n";
 
-/// Files beside sources in a project.
+/// Files that accompany sources in a project.
 fn companions(project: &Path) -> Vec<PathBuf> {
     let mut found: Vec<PathBuf> =
         ["s7res", "sdf", "xlsx", "toml", "xml"].iter().flat_map(|ending| files_of(project, ending)).collect();
@@ -100,7 +100,7 @@ fn damaged_bytes(random: &mut Random, bytes: &mut Vec<u8>) {
     }
 }
 
-/// Damages a file of the project in `folder`, and does with it what plcc does.
+/// Damages a file of the project in `folder`, and processes it like plcc.
 fn endures(seed: u64, programs: &[PathBuf], traces: &[PathBuf]) -> Result<(), String> {
     let mut random = Random::new(seed);
     if random.percent(15) {
@@ -134,7 +134,7 @@ fn endures(seed: u64, programs: &[PathBuf], traces: &[PathBuf]) -> Result<(), St
         }
     };
     let bytes = if text.is_empty() { bytes } else { text.clone().into_bytes() };
-    // A scenario is read beside the program as it is.
+    // A scenario is read with the unchanged program.
     if name.starts_with("tests") {
         let read: Read = inputs::read(std::slice::from_ref(project));
         return robust::within(LIMIT, move || {

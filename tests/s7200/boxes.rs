@@ -12,7 +12,7 @@ const EMPTY: u8 = 5;
 const BAD_BCD: u8 = 6;
 const BAD_HEX: u8 = 7;
 
-/// Executes a box; `reset` tells that a timer was reset.
+/// Executes a box; `reset`: a timer was reset.
 pub fn execute(memory: &mut Memory, op: &str, operands: &[Operand], mut reset: impl FnMut(u8)) -> Result<(), Fault> {
     match op {
         "S" | "R" | "SI" | "RI" => set_bits(memory, op, operands, &mut reset),
@@ -99,7 +99,7 @@ pub fn execute(memory: &mut Memory, op: &str, operands: &[Operand], mut reset: i
         }
         "SSCPY" => part(memory, operands),
         "SFND" | "CFND" => find(memory, op, operands),
-        _ => unreachable!("{op} is no instruction of the model"),
+        _ => unreachable!("{op} is not an instruction of the model"),
     }
 }
 
@@ -152,7 +152,7 @@ fn set_bits(memory: &mut Memory, op: &str, operands: &[Operand], reset: &mut dyn
                 }
             }
         }
-        _ => unreachable!("{} is no bit", operands[0]),
+        _ => unreachable!("{} is not a bit", operands[0]),
     }
     Ok(())
 }

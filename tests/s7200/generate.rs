@@ -1,10 +1,10 @@
-//! Random valid programs and the inputs of their scans, with values, counts and addresses at the edges of what is allowed.
+//! Random valid programs and the inputs of their scans, with values, counts and addresses at the limits of the allowed range.
 
 use crate::operands::{self, Local};
 use crate::program::{Area, Block, Data, Direction, NETWORK, Operand, Parameter, Program, Statement, Width};
 use crate::random::Random;
 
-/// What a scan gets.
+/// The inputs of a scan.
 #[derive(Clone, Debug)]
 pub struct Scan {
     /// Milliseconds since the scan before.
@@ -517,7 +517,7 @@ impl Writer {
                 for _ in 0..9 {
                     self.add("LPP", Vec::new());
                 }
-                // What was pushed out is lost.
+                // The level that was pushed out is lost.
                 self.contact("O");
             }
         }
@@ -529,7 +529,7 @@ impl Writer {
             1 => return self.counter(),
             2 => return self.branches(),
             3 if !self.code.is_empty() && self.random.percent(30) => {
-                // No load: the stack top is what it was.
+                // No load: the stack top does not change.
                 self.add(NETWORK, Vec::new());
                 return self.output();
             }

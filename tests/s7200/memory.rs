@@ -17,7 +17,7 @@ pub const RANGE: Fault = Fault::Run(0x0091);
 pub const COUNT: Fault = Fault::Run(0x0092);
 pub const INDEX: Fault = Fault::Run(0x009B);
 
-/// Areas as a pointer knows them, and local data.
+/// Areas that a pointer can address, and local data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Store {
     Bytes(Area),
@@ -25,7 +25,7 @@ pub enum Store {
     CounterValues,
 }
 
-/// Where an operand lies.
+/// The position of an operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     In(Store, u32),
@@ -49,7 +49,7 @@ pub struct Memory {
     pub timer_bits: Vec<bool>,
     pub counter_values: Vec<u8>,
     pub counter_bits: Vec<bool>,
-    /// What the modules see.
+    /// The values at the modules.
     pub physical_inputs: Vec<u8>,
 }
 
@@ -101,7 +101,7 @@ impl Memory {
         }
     }
 
-    /// The place of an operand that is no constant; bytes there must lie in the area for a pointer.
+    /// The place of an operand that is not a constant; bytes there must be in the area for a pointer.
     pub fn place(&self, operand: &Operand, bytes: u32) -> Result<Place, Fault> {
         Ok(match operand {
             Operand::Cell(area, _, byte) => Place::In(Store::Bytes(*area), *byte),
@@ -171,7 +171,7 @@ impl Memory {
             Operand::Timer(number) => self.timer_bits[usize::from(*number)],
             Operand::Counter(number) => self.counter_bits[usize::from(*number)],
             Operand::Named(_, place) => self.bit(place),
-            _ => unreachable!("{operand} is no bit"),
+            _ => unreachable!("{operand} is not a bit"),
         }
     }
 
@@ -184,7 +184,7 @@ impl Memory {
             Operand::Timer(number) => self.timer_bits[usize::from(*number)] = value,
             Operand::Counter(number) => self.counter_bits[usize::from(*number)] = value,
             Operand::Named(_, place) => self.set_bit(place, value),
-            _ => unreachable!("{operand} is no bit"),
+            _ => unreachable!("{operand} is not a bit"),
         }
     }
 

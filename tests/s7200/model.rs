@@ -1,4 +1,4 @@
-//! What a program does, statement by statement, written from the manual alone: logic stack, contacts, timers, counters, flow.
+//! A model of a program, statement by statement, written only from the manual: logic stack, contacts, timers, counters, flow.
 //! [`boxes`](crate::boxes) has the instructions that only change memory.
 
 use std::collections::HashMap;
@@ -36,7 +36,7 @@ struct Timer {
     preset: i16,
 }
 
-/// Where control goes behind a statement.
+/// Where control goes after a statement.
 enum Next {
     On,
     To(usize),

@@ -171,7 +171,7 @@ impl IntoSm for (u32, u8) {
     }
 }
 
-/// Numbers of timers that boxes mostly have; none of 1 ms.
+/// Numbers of timers that boxes usually have; none of 1 ms.
 fn number_of(random: &mut Random) -> u8 {
     random.of(&[1, 2, 5, 33, 34, 37, 38, 97, 101, 255])
 }
@@ -233,7 +233,7 @@ fn pointed(random: &mut Random) -> Operand {
     Operand::Pointed(Box::new(pointer))
 }
 
-/// What a pointer may point at.
+/// Valid targets of a pointer.
 pub fn target(random: &mut Random) -> Operand {
     let width = random.of(&[Width::Byte, Width::Byte, Width::Word, Width::Dword]);
     match random.below(16) {
@@ -261,7 +261,7 @@ fn buffer(random: &mut Random, size: char) -> Operand {
         0 if size == '2' => Operand::Timer(random.of(&[33, 37, 250, 255])),
         1 if size == '2' => Operand::Counter(random.of(&[0, 2, 250, 255])),
         2 | 3 => pointed(random),
-        // Also what is read is no special memory that the CPU writes.
+        // Reads also avoid special memory that the CPU writes.
         4..=7 => cell(random, width, true),
         _ => Operand::Cell(Area::V, width, random.below(100) as u32),
     }

@@ -67,7 +67,7 @@ impl Width {
     }
 }
 
-/// What an instruction works on.
+/// The operands of an instruction.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Operand {
     Bit(Area, u32, u8),
@@ -86,7 +86,7 @@ pub enum Operand {
     Text(String),
     /// Subroutine by number.
     Block(usize),
-    /// A parameter by its name; what it stands for.
+    /// A parameter by its name, and its operand.
     Named(String, Box<Operand>),
 }
 
@@ -146,7 +146,7 @@ pub struct Block {
 }
 
 impl Block {
-    /// Where parameters lie in L memory. Source: S7-200 system manual, calling a subroutine with parameters.
+    /// Where parameters are in L memory. Source: S7-200 system manual, calling a subroutine with parameters.
     pub fn places(&self) -> Vec<Operand> {
         let (mut byte, mut bit) = (0, 0);
         let mut places = Vec::new();

@@ -50,7 +50,7 @@ impl Best {
         }
     }
 
-    /// Leaves out the scans behind the failure.
+    /// Leaves out the scans after the failure.
     fn cut(&mut self) {
         if let Failure::Different { scan, .. } = self.failure {
             self.case.scans.truncate(scan);
@@ -79,7 +79,7 @@ impl Best {
         }
     }
 
-    /// What begins and ends a part goes together.
+    /// The beginning and end of a part are removed together.
     fn pairs(&mut self) {
         for block in 0..self.case.program.blocks.len() {
             for (first, last) in [("FOR", "NEXT"), ("JMP", "LBL"), ("LSCR", "SCRE"), ("LPS", "LPP"), ("LDS", "LPP")] {

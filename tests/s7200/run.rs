@@ -1,4 +1,4 @@
-//! Runs a program in the model and in plcc, and compares all memory behind each scan.
+//! Runs a program in the model and in plcc, and compares all memory after each scan.
 
 use std::panic::{self, AssertUnwindSafe};
 use std::rc::Rc;
@@ -22,7 +22,7 @@ use crate::model::{Halt, Model};
 
 /// Nanoseconds of host time for a cycle.
 const HANG_LIMIT: u64 = 10_000_000_000;
-/// Differences that are told.
+/// Maximum number of reported differences.
 const SHOWN: usize = 12;
 
 /// How a program fails.
@@ -48,7 +48,7 @@ pub enum Form {
 /// All of them.
 pub const FORMS: [Form; 3] = [Form::Interpreter, Form::Machine(Level::O0), Form::Machine(Level::O2)];
 
-/// What a program leaves behind a scan: memory, or that the CPU stopped.
+/// The state after a scan: memory, or a stopped CPU.
 enum Expected {
     Memory(Box<Memory>),
     Stopped,
@@ -91,7 +91,7 @@ fn checked(case: &Case, forms: &[Form]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What the model leaves behind each scan. Nothing is said of scans that do not end.
+/// The state of the model after each scan. Scans that do not end have none.
 fn expected(case: &Case) -> Vec<Expected> {
     let mut model = Model::new(&case.program);
     let (mut now, mut list) = (0, Vec::new());
@@ -154,7 +154,7 @@ impl Observer for Player<'_> {
     }
 }
 
-/// What is not as the model has it.
+/// The difference from the model.
 fn difference(cpu: &Cpu, memory: &Memory) -> Option<String> {
     let bits = |bits: &[bool]| bits.iter().map(|&bit| u8::from(bit)).collect::<Vec<u8>>();
     let (v, _) = cpu.memory.db(V_DB);

@@ -68,7 +68,7 @@ impl Rings {
         .expect("a String takes all text");
     }
 
-    /// The program at -O2: FB 1 with so many instances, and OB 1, which calls each of them if `called`.
+    /// The program at -O2: FB 1 with this many instances, and OB 1, which calls each of them if `called`.
     pub fn compile(&self, instances: usize, called: bool) -> Compiled {
         let mut main = String::new();
         let mut calls = String::new();

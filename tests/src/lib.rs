@@ -1,4 +1,4 @@
-//! What the tests of the project share: where files are, how expected text is compared, how programs are compiled.
+//! Shared functions of the tests: finding files, comparing expected text, compiling programs.
 
 pub mod charts;
 pub mod robust;
@@ -50,7 +50,7 @@ fn is_project(folder: &Path) -> bool {
     folder.join("plc.toml").is_file()
 }
 
-/// Files with this suffix in `folder` and below, sorted; none if there is no such folder. Those of projects are left out.
+/// Files with this extension in `folder` and below, sorted; none if the folder does not exist. Files of projects are left out.
 pub fn files(folder: &Path, suffix: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut entries: Vec<PathBuf> =

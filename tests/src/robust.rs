@@ -1,4 +1,5 @@
-//! What any input, however damaged, must get: an end soon, no panic, messages with places; and what has no errors compiles and runs.
+//! Requirements for any input, however damaged: it ends soon, without panic, messages have places, and a program without errors
+//! compiles and runs.
 
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
@@ -24,7 +25,7 @@ pub enum Reach {
     Run,
 }
 
-/// Compiles, and demands what the head of this file says. Gives true if the program had no errors.
+/// Compiles, and checks the requirements at the head of this file. Returns true if the program had no errors.
 pub fn endures(read: Read, settings: &Settings, reach: Reach) -> Result<bool, String> {
     let bound = pipeline::front(read, settings);
     for message in &bound.diagnostics {
@@ -52,19 +53,19 @@ pub fn endures(read: Read, settings: &Settings, reach: Reach) -> Result<bool, St
     Ok(true)
 }
 
-/// How often the processor time of a thread is looked at.
+/// How often the processor time of a thread is checked.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// Seconds that are waited for each second of processor time: what sleeps for ever uses none.
+/// Seconds of waiting per second of processor time: code that sleeps forever uses none.
 const WAIT: Duration = Duration::from_secs(30);
 
-/// Runs `work` in a thread of its own, and demands an end before this process has used `limit` of processor time for it, however busy the computer is.
-/// Errors: a panic, or what took so long.
+/// Runs `work` in a separate thread. It must end before this process has used `limit` of processor time, however busy the computer is.
+/// `Err`: a panic, or the work that took too long.
 pub fn within<T: Send + 'static>(limit: Duration, work: impl FnOnce() -> T + Send + 'static) -> Result<T, String> {
     let (begin, start) = (processor_time(), Instant::now());
     let (sender, receiver) = std::sync::mpsc::channel();
     let thread = std::thread::spawn(move || {
-        // Nobody listens any more if the limit has passed.
+        // After the limit there is no receiver.
         _ = sender.send(plcc_driver::on_large_stack(work));
     });
     loop {

@@ -1,4 +1,4 @@
-//! IR of one program in several files: what tells of the files themselves is taken out of the text.
+//! IR of one program in several files, without the parts of the text that name the files.
 
 use std::collections::HashSet;
 
@@ -10,7 +10,7 @@ use plcc_ir::print::module_text;
 const WITH_SITE: [&str; 6] =
     ["@safepoint(", "@sync_error(", "@local_error(", "@stop(", "@call_block(", "@system_function("];
 
-/// The IR behind lowering, without files, sites and their numbers.
+/// The IR after lowering, without files, sites and their numbers.
 pub fn ir_text(bound: &Bound) -> String {
     let text = module_text(&pipeline::lower(bound, Level::O0).module);
     let mut out = String::new();

@@ -182,7 +182,7 @@ pub fn runtime_signature(function: RuntimeFn, isa: &dyn TargetIsa) -> Signature 
     signature
 }
 
-/// True if the memory base stands before the listed parameters.
+/// True if the memory base is before the listed parameters.
 pub fn takes_memory(function: RuntimeFn) -> bool {
     function.effect() != plcc_abi::functions::Effect::Pure
 }

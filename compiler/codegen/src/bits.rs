@@ -74,7 +74,7 @@ impl Bit {
                     std::cmp::Ordering::Greater => b.ins().ushr_imm_u(masked, i64::from(from - to)),
                 }
             }
-            // The shift drops what stands above bit 0.
+            // The shift drops what is above bit 0.
             _ if to == 7 => {
                 let low = self.low(b);
                 b.ins().ishl_imm_u(low, 7)

@@ -42,13 +42,13 @@ pub struct CompiledFunction {
     pub alignment: u64,
     /// Offset of the code that belongs to a source place, and the place; ascending.
     pub places: Vec<(u32, u32)>,
-    /// The disassembly, if it was asked for.
+    /// The disassembly, if it was requested.
     pub text: Option<String>,
     /// Numbers of the functions that it calls, in the order in which the disassembly counts them.
     pub callees: Vec<u32>,
 }
 
-/// A module with what is needed to compile its functions.
+/// A module with the data for compiling its functions.
 pub struct Compiler<'m> {
     pub module: &'m Module,
     pub abis: EntityVec<FuncId, FunctionAbi>,
@@ -72,7 +72,7 @@ impl<'m> Compiler<'m> {
         Ok(Compiler { module, abis, isa, quick_isa, plain_isa, plain_quick_isa, placement })
     }
 
-    /// Tells `output` the functions of the module and the runtime, so that their numbers there are those that lowering uses.
+    /// Declares the functions of the module and the runtime in `output`, with the numbers that lowering uses.
     pub fn declare(&self, output: &mut dyn CraneliftModule) -> Result<(), CodegenError> {
         use cranelift_module::Linkage;
         for (id, function) in self.module.functions.iter() {
@@ -138,7 +138,7 @@ impl<'m> Compiler<'m> {
     }
 }
 
-/// What a thread keeps between functions.
+/// State of a thread that is reused for several functions.
 struct Worker<'c, 'm> {
     compiler: &'c Compiler<'m>,
     want_text: bool,

@@ -8,13 +8,13 @@ use crate::{CodegenError, CodegenOptions};
 /// Where the code will live.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Placement {
-    /// An object file: position-independent, for the baseline instruction set unless asked otherwise.
+    /// An object file: position-independent, by default for the baseline instruction set.
     Object,
     /// The memory of this process.
     Memory,
 }
 
-/// What a function needs beside the options.
+/// Settings of a function in addition to the options.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tuning {
     /// Cranelift's optimisation would take too long.
@@ -34,7 +34,7 @@ pub fn isa(placement: Placement, options: &CodegenOptions, tuning: Tuning) -> Re
         ("is_pic", if placement == Placement::Object { "true" } else { "false" }),
         ("enable_verifier", if options.verify { "true" } else { "false" }),
         ("log2_min_function_alignment", "4"),
-        // A program runs in its own process; nobody can be spied on.
+        // A program runs in its own process; there are no secrets to protect.
         ("enable_table_access_spectre_mitigation", "false"),
         ("enable_heap_access_spectre_mitigation", "false"),
         // Large frames must touch each page, so that a stack overflow cannot jump over the guard page.

@@ -22,7 +22,7 @@ pub struct JitProgram {
 }
 
 impl JitProgram {
-    /// Compiles `module`; `resolve` gives the address of a runtime function, which must fit its row of the table.
+    /// Compiles `module`; `resolve` returns the address of a runtime function, which must match its row of the table.
     pub fn compile(
         module: &Module,
         resolve: &dyn Fn(RuntimeFn) -> *const u8,
@@ -103,7 +103,7 @@ fn fill(
     code.finalize_definitions().map_err(output)
 }
 
-/// What generated code calls from the C library: for clearing and copying of many bytes.
+/// C library functions that generated code calls to clear and copy many bytes.
 fn library_functions() -> [(&'static str, *const u8); 2] {
     use std::ffi::{c_int, c_void};
     unsafe extern "C" {

@@ -1,6 +1,6 @@
 //! Blocks to which many jumps lead are entered through gates.
 //!
-//! A gate is an empty block that takes at most [`JUMPS_MAX`] jumps and hands on what they bring; gates of gates follow until few jumps
+//! A gate is an empty block that takes at most [`JUMPS_MAX`] jumps and passes on their arguments; gates of gates follow until few jumps
 //! remain. Cranelift's register allocator compares the places and values of all jumps to a block with one another, so that an exit of ten thousand loops,
 //! or the end of a CASE of ten thousand arms, takes quadratic time without them. A gate costs nothing at run time: it
 //! is as a rule empty in machine code as well, and jumps to it are led on to where it jumps.

@@ -4,11 +4,11 @@
 //! - `abi`: how functions of a module call each other and the runtime.
 //! - `lower`: one function of the IR to CLIF, with `memory` for accesses to PLC memory, `bits` for i1 values,
 //!   `rounding` for floats and `joins` for blocks to which many jumps lead.
-//! - `compile`: all functions of a module to bytes, on several threads; `work` tells which are too much for the better ways.
-//! - `object`, `jit`, `text`: what is made of the bytes.
+//! - `compile`: all functions of a module to bytes, on several threads; `work` finds those that are too large for the better ways.
+//! - `object`, `jit`, `text`: the outputs made from the bytes.
 //! - `lines`: DWARF line tables of an object file.
 //!
-//! **Invariant**: one lowering serves all outputs, and it knows no source language.
+//! **Invariant**: one lowering serves all outputs, and it is independent of the source language.
 
 #![allow(unsafe_code, reason = "machine code is called")]
 
@@ -37,7 +37,7 @@ pub use text::{asm_text, clif_text};
 pub struct CodegenOptions {
     /// Spend time on good machine code. Off: compile fast.
     pub optimize: bool,
-    /// Use what the processor of this computer offers beyond the baseline of its architecture. Results are the same.
+    /// Use features of this computer's processor beyond the baseline of its architecture. Results are the same.
     pub native: bool,
     /// Check the CLIF before and after each of Cranelift's passes; for tests.
     pub verify: bool,

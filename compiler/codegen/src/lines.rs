@@ -1,7 +1,7 @@
 //! DWARF line tables of an object file.
 //!
-//! A debugger shows the statement at which the program stands and steps from statement to statement. Beside the line table
-//! there is one entry for each function, with the name of its block (`FC12`). File names stand there as the module
+//! A debugger shows the statement at which the program stands and steps from statement to statement. In addition to the line table
+//! there is one entry for each function, with the name of its block (`FC12`). File names are written as the module
 //! has them; relative ones count from where the debugger runs.
 
 use cranelift_object::ObjectProduct;
@@ -19,12 +19,12 @@ use rustc_hash::FxHashMap;
 use crate::CodegenError;
 use crate::compile::CompiledFunction;
 
-/// Version 4 is what every debugger reads.
+/// Every debugger reads version 4.
 const ENCODING: Encoding = Encoding { address_size: 8, format: Format::Dwarf32, version: 4 };
 /// The folder from which relative file names count.
 const FOLDER: &str = ".";
 
-/// Adds line tables to an object file, if the module knows source places.
+/// Adds line tables to an object file, if the module has source places.
 pub fn add(module: &Module, functions: &[CompiledFunction], product: &mut ObjectProduct) -> Result<(), CodegenError> {
     if module.sites.is_empty() || module.files.is_empty() {
         return Ok(());
@@ -66,7 +66,7 @@ fn unit(module: &Module, functions: &[CompiledFunction]) -> DwarfUnit {
     dwarf
 }
 
-/// A name as it may stand in a table of strings: not empty, without a 0.
+/// A valid name for a table of strings: not empty, without a 0 byte.
 fn text(name: &str) -> Vec<u8> {
     let bytes: Vec<u8> = name.bytes().filter(|&byte| byte != 0).collect();
     if bytes.is_empty() { b"?".to_vec() } else { bytes }
@@ -85,12 +85,12 @@ fn line_program(module: &Module, functions: &[CompiledFunction]) -> LineProgram 
     for (symbol, function) in functions.iter().enumerate() {
         let site = |place: u32| module.sites.get((place as usize).checked_sub(1)?);
         let mut places = function.places.iter().filter_map(|&(at, place)| Some((at, site(place)?))).peekable();
-        // What comes before the first statement belongs to it.
+        // Code before the first statement belongs to it.
         let Some(&(_, first)) = places.peek() else { continue };
         program.begin_sequence(Some(start(symbol)));
         let mut before = None;
         for (at, site) in std::iter::once((0, first)).chain(places) {
-            // The first statement begins twice: with the function and behind its prologue, where a debugger stops.
+            // The first statement begins twice: with the function and after its prologue, where a debugger stops.
             if before == Some((site.file, site.line)) && program.row().address_offset > 0 {
                 continue;
             }

@@ -28,7 +28,7 @@ use crate::rounding::{self, Rounding};
 /// A switch with at most this many targets becomes a chain of comparisons.
 const COMPARED_TARGETS_MAX: usize = 3;
 
-/// What lowering must know beside the function.
+/// Input of lowering in addition to the function.
 pub struct Target<'m> {
     pub module: &'m Module,
     pub abis: &'m EntityVec<FuncId, FunctionAbi>,
@@ -55,7 +55,7 @@ pub fn lower(
     let function = &target.module.functions[id];
     let signature = target.abis[id].signature.clone();
     let mut clif = ir::Function::with_name_signature(UserFuncName::user(0, id.index() as u32), signature);
-    // Source places count from 0, so that code does not depend on where a function's first one lies.
+    // Source places count from 0, so code does not depend on the position of a function's first one.
     clif.params.ensure_base_srcloc(SourceLoc::new(0));
     let builder = FunctionBuilder::new(&mut clif, context);
     let mut lowering = Lowering::new(target, id, function, builder);
@@ -647,7 +647,7 @@ fn int_cc(cc: IntCc) -> IntCC {
     }
 }
 
-/// Whether an instruction only computes, or writes a bit, which knows of the bits written before it.
+/// Whether an instruction only computes, or writes a bit, in which case lowering considers the bits written before it.
 fn leaves_memory_alone(data: &InstData) -> bool {
     matches!(
         data,

@@ -4,7 +4,7 @@
 //! PLC areas are big-endian: a load or store of more than one byte goes with a byte swap; the CPU state and the DB
 //! table are in the byte order of the host. No access traps: whoever builds the IR checks ranges.
 //!
-//! Cranelift is told which accesses cannot meet. Its alias regions are disjoint, while an access of `Region::Any` may
+//! Cranelift gets the information which accesses cannot overlap. Its alias regions are disjoint, while an access of `Region::Any` may
 //! touch every area; so in a function that has one, all areas are one alias region. The CPU state and the DB table
 //! are never reached through an area.
 
@@ -164,7 +164,7 @@ impl<'m> Memory<'m> {
         })
     }
 
-    /// What the offset of `region` counts from.
+    /// The base of offsets in `region`.
     fn region_pointer(&self, region: Region) -> Value {
         match region {
             Region::L => self.frame.expect("a function that touches its frame is given it"),
@@ -188,7 +188,7 @@ impl<'m> Memory<'m> {
         }
         let offset = u64::from(self.region_offset(addr.region)?) + u64::from(addr.offset);
         let (pointer, offset) = match i32::try_from(offset) {
-            // Room for the chunks of a copy behind it.
+            // Room for the chunks of a copy after it.
             Ok(offset) if offset < i32::MAX - INLINE_BYTES_MAX as i32 => (pointer, offset),
             _ => (b.ins().iadd_imm_s(pointer, offset as i64), 0),
         };
@@ -249,7 +249,7 @@ impl<'m> Memory<'m> {
         Ok(Bit::Of(b.ins().load(types::I8, place.flags, place.pointer, place.offset), bit))
     }
 
-    /// Bits of one byte that are written behind each other are stored together: the byte of the store before is taken on, and that
+    /// Bits of one byte that are written one after the other are stored together: the byte of the store before is taken on, and that
     /// store goes.
     pub fn store_bit(
         &mut self,
@@ -397,7 +397,7 @@ impl<'m> Memory<'m> {
     }
 }
 
-/// What a bit store writes.
+/// The value that a bit store writes.
 #[derive(Clone, Copy, Debug)]
 pub enum BitValue {
     Constant(bool),

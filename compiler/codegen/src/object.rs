@@ -1,9 +1,9 @@
 //! A module to an object file.
 //!
-//! Beside the code it exports `plcc_image` (the encoded `ProgramImage`), `plcc_image_len` (its length, a `u64`),
+//! In addition to the code it exports `plcc_image` (the encoded `ProgramImage`), `plcc_image_len` (its length, a `u64`),
 //! `plcc_entries` (the addresses of the entry functions) and `plcc_entries_len` (how many, a `u64`).
 //!
-//! Several programs share an executable if each exports under a prefix of its own; a directory object then stands for
+//! Several programs share an executable if each exports under its own prefix; a directory object then represents
 //! the program: `plcc_image_len` is 0, and `plcc_image` holds, for each of `plcc_entries_len` programs, the addresses of its
 //! four symbols in the order above.
 
@@ -21,10 +21,10 @@ pub fn compile_object(module: &Module, image: &[u8], options: &CodegenOptions) -
     compile_object_as(PREFIX, module, image, options)
 }
 
-/// What the exported symbols of a program alone begin with.
+/// The prefix of exported symbols of a single program.
 const PREFIX: &str = "plcc";
 
-/// What stands behind the prefix, in the order of a directory.
+/// The names after the prefix, in the order of a directory.
 const SUFFIXES: [&str; 4] = ["_image", "_image_len", "_entries", "_entries_len"];
 
 /// Object file that exports its symbols with `prefix` in place of `plcc`; see the module comment.
@@ -72,7 +72,7 @@ pub fn directory_object(prefixes: &[&str]) -> Result<Vec<u8>, CodegenError> {
     object.finish().emit().map_err(|error| CodegenError::Output(error.to_string()))
 }
 
-/// Exports what a program consists of, in the order of [`SUFFIXES`].
+/// Exports the parts of a program, in the order of [`SUFFIXES`].
 fn export_program(object: &mut ObjectModule, prefix: &str, data: [DataDescription; 4]) -> Result<(), CodegenError> {
     SUFFIXES.iter().zip(data).try_for_each(|(suffix, data)| export(object, &format!("{prefix}{suffix}"), data))
 }

@@ -68,7 +68,7 @@ fn nearest(b: &mut FunctionBuilder<'_>, limit: Value, magnitude: Value) -> Value
     b.ins().fsub(sum, limit)
 }
 
-/// `near + step` if `near` lies `beyond` `x`.
+/// `near + step` if `near` is `beyond` `x`.
 fn corrected(b: &mut FunctionBuilder<'_>, near: Value, beyond: FloatCC, x: Value, step: f32) -> Value {
     let ty = b.func.dfg.value_type(near);
     let is_beyond = b.ins().fcmp(beyond, near, x);

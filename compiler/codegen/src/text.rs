@@ -25,7 +25,7 @@ pub fn clif_text(module: &Module, options: &CodegenOptions) -> Result<String, Co
     Ok(text)
 }
 
-/// Assembly of every function as it stands in an object file.
+/// Assembly of every function as it is in an object file.
 pub fn asm_text(module: &Module, options: &CodegenOptions) -> Result<String, CodegenError> {
     let compiler = Compiler::new(module, Placement::Object, options)?;
     let functions = compiler.functions(true)?;

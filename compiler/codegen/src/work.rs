@@ -12,12 +12,13 @@ use rustc_hash::FxHashMap;
 /// jumps, and they are pulled apart again one by one.
 const ARGUMENT_WORK: usize = 5;
 
-/// A value that lives across so many instructions is as much work as one of them: it is compared with all that live beside it.
+/// A value that is live across this many instructions counts as one of them: it is compared with all values that are live at the
+/// same time.
 const CROSSED_PER_WORK: usize = 100;
 
 /// How much work good register allocation is, in instructions.
 pub fn allocation(function: &Function) -> usize {
-    // Place at which each value is defined, and the last one at which it is used, as blocks stand one after the other.
+    // Place at which each value is defined, and the last one at which it is used, in the order of blocks.
     let mut lives = vec![(0usize, 0usize); function.values.len()];
     let (mut place, mut arguments, mut crossed) = (0, 0, 0);
     for &block in &function.layout {
@@ -46,7 +47,7 @@ pub fn allocation(function: &Function) -> usize {
     place + ARGUMENT_WORK * arguments + crossed / CROSSED_PER_WORK
 }
 
-/// What has been loaded in a block, and where last. Cranelift keeps it for the next load, however far that is.
+/// The values loaded in a block, and the last position. Cranelift keeps them for the next load, however far away it is.
 #[derive(Default)]
 struct Loaded {
     places: FxHashMap<Region, FxHashMap<u32, usize>>,

@@ -3,7 +3,7 @@
 use crate::codes::{Code, Severity};
 use crate::source::Span;
 
-/// A place with what stands there.
+/// A place with a note about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     pub span: Span,
@@ -16,23 +16,23 @@ pub struct Diagnostic {
     pub code: Code,
     /// What is wrong, in the user's words.
     pub title: String,
-    /// What stands at the place.
+    /// The note at the place.
     pub primary: Label,
     pub secondary: Vec<Label>,
     /// What to write instead.
     pub help: Option<String>,
-    /// Lines that are shown as they stand: a network as a drawing.
+    /// Lines that are shown unchanged: a network as a drawing.
     pub note: Option<String>,
     /// Overrides the severity of the code: `check --partial` turns some errors into warnings.
     pub severity: Severity,
 }
 
-/// Most bytes of a title and of a label, which may quote the source.
+/// Maximum bytes of a title or label, which may quote the source.
 const TEXT_MAX: usize = 1000;
-/// Most bytes of a help text, which may list names.
+/// Maximum bytes of a help text, which may list names.
 const HELP_MAX: usize = 30_000;
 
-/// A text with `…` in place of what is too long.
+/// The text; `…` replaces the part that is too long.
 fn cut(mut text: String, most: usize) -> String {
     if text.len() > most {
         let end = (0..=most).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0);
@@ -56,25 +56,25 @@ impl Diagnostic {
         }
     }
 
-    /// What stands at the primary place.
+    /// Sets the note at the primary place.
     pub fn label(mut self, text: impl Into<String>) -> Diagnostic {
         self.primary.text = cut(text.into(), TEXT_MAX);
         self
     }
 
-    /// Another place that matters.
+    /// Adds another place that matters.
     pub fn also(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
         self.secondary.push(Label { span, text: cut(text.into(), TEXT_MAX) });
         self
     }
 
-    /// What to write.
+    /// Adds what to write instead.
     pub fn help(mut self, text: impl Into<String>) -> Diagnostic {
         self.help = Some(cut(text.into(), HELP_MAX));
         self
     }
 
-    /// Lines to show as they stand.
+    /// Adds lines to show unchanged.
     pub fn note(mut self, text: impl Into<String>) -> Diagnostic {
         self.note = Some(text.into());
         self

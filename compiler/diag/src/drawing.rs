@@ -14,10 +14,10 @@ use crate::codes::{Code, Severity};
 use crate::diagnostic::{Diagnostic, Label};
 use crate::source::{FileId, SourceMap};
 
-/// A source line longer than this is not drawn, in bytes: the place stands in the message then.
+/// A source line with more bytes than this is not drawn; the message then names the place.
 const DRAWN_LINE_MAX: usize = 400;
 
-/// Draws `diagnostics` one after the other, and behind them the list of missing symbols if there are several.
+/// Draws `diagnostics` one after the other. If several symbols are missing, a list of them follows.
 pub fn draw(diagnostics: &[Diagnostic], sources: &SourceMap, color: bool) -> String {
     let mut text = String::new();
     let (shown, omitted) = crate::shown(diagnostics);
@@ -119,19 +119,19 @@ fn translate_label(style: drawn::LabelStyle, label: &Label, sources: &SourceMap)
     drawn::Label::new(style, label.span.file, range).with_message(one_line(&label.text))
 }
 
-/// `range` cut to `text`, at borders of characters.
+/// `range` cut to `text`, at character boundaries.
 fn drawable_range(range: Range<usize>, text: &str) -> Range<usize> {
     let border = |at: usize| (0..=at.min(text.len())).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0);
     let start = border(range.start);
     start..border(range.end).max(start)
 }
 
-/// A message is one line, whatever the source put into it.
+/// A message is one line, whatever it quotes from the source.
 pub(crate) fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
-/// All symbols that nothing defines, as one list: what to look for in the symbol table that is missing.
+/// All undefined symbols as one list: it helps to find the symbol table that is missing.
 fn missing_symbols(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
     let mut symbols: Vec<(String, u32, String)> = Vec::new();
     let mut known: HashMap<String, usize> = HashMap::new();
@@ -159,7 +159,7 @@ fn missing_symbols(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
     text
 }
 
-/// Our sources as the drawing library wants them.
+/// Our sources in the form that the drawing library needs.
 struct Adapter<'a>(&'a SourceMap);
 
 impl<'a> Files<'a> for Adapter<'_> {

@@ -1,4 +1,4 @@
-//! Messages for tools: one JSON object a line.
+//! Messages for tools: one JSON object per line.
 
 use serde::Serialize;
 
@@ -30,7 +30,7 @@ struct Place<'a> {
     label: &'a str,
 }
 
-/// `diagnostics` as JSON objects, one a line. If there are too many, the last object has their number and no place.
+/// `diagnostics` as JSON objects, one per line. If there are too many, the last object has their number and no place.
 pub fn lines(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
     let (shown, omitted) = crate::shown(diagnostics);
     let mut lines: String = shown.into_iter().map(|diagnostic| line(diagnostic, sources) + "\n").collect();

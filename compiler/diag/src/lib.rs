@@ -1,4 +1,4 @@
-//! Source files, spans, diagnostic codes and their drawing; knows no language.
+//! Source files, spans, diagnostic codes and their drawing, for every language.
 //!
 //! [`drawing`] shows messages to people, [`json`] and [`sarif`] to tools, [`reference`](mod@reference) is the page of all codes.
 
@@ -19,10 +19,10 @@ pub fn sort(diagnostics: &mut [Diagnostic]) {
     diagnostics.sort_by_key(|d| (d.primary.span.file, d.primary.span.start, std::cmp::Reverse(d.severity), d.code));
 }
 
-/// Most messages that are written; nobody reads more, and no machine should have to hold them.
+/// Maximum number of messages that are written. Nobody reads more, and they would fill the memory.
 pub const SHOWN_MAX: usize = 5000;
 
-/// The messages that are written, and how many are not: beyond [`SHOWN_MAX`] errors go before warnings.
+/// The messages that are written, and the number of the others. With more than [`SHOWN_MAX`], errors go before warnings.
 pub fn shown(diagnostics: &[Diagnostic]) -> (Vec<&Diagnostic>, usize) {
     let omitted = diagnostics.len().saturating_sub(SHOWN_MAX);
     let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
@@ -34,7 +34,7 @@ pub fn shown(diagnostics: &[Diagnostic]) -> (Vec<&Diagnostic>, usize) {
     (shown, omitted)
 }
 
-/// What stands behind the messages if some are not written.
+/// The line after the messages if some are not written.
 pub(crate) fn omitted_text(omitted: usize) -> String {
     format!("... and {omitted} more messages, which are not shown")
 }

@@ -6,7 +6,7 @@ use crate::codes::{Code, Severity};
 pub fn diagnostics() -> String {
     let mut text = String::from(
         "# Diagnostics\n\n\
-         Every message of plcc has a code. `plcc explain CODE` prints its page, which stands below too.\n\
+         Every message of plcc has a code. `plcc explain CODE` prints its page, which is also below.\n\
          This page is generated from `compiler/diag/src/codes.rs`; `UPDATE_EXPECT=1 cargo test --release` renews it.\n\n\
          | Code | Severity | Meaning |\n| --- | --- | --- |\n",
     );

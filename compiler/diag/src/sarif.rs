@@ -82,7 +82,7 @@ fn location(label: &Label, sources: &SourceMap) -> Value {
     location
 }
 
-/// A path as URI reference: what a URI cannot hold is escaped.
+/// A path as a URI reference: characters that a URI must not contain are escaped.
 fn uri(path: &str) -> String {
     path.replace('\\', "/")
         .bytes()

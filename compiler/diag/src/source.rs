@@ -72,7 +72,7 @@ impl SourceFile {
         self.text[self.line_range(line)].trim_end_matches(['\n', '\r'])
     }
 
-    /// Byte range of 1-based line `line`, its end of line included.
+    /// Byte range of 1-based line `line` with its line ending.
     pub fn line_range(&self, line: u32) -> Range<usize> {
         let start = self.line_starts[line as usize - 1] as usize;
         start..self.line_starts.get(line as usize).map_or(self.text.len(), |&next| next as usize)

@@ -1,4 +1,4 @@
-//! The command line: what can be written, as `clap` reads it.
+//! The command line, as `clap` reads it.
 
 use std::path::PathBuf;
 
@@ -21,13 +21,13 @@ pub struct Cli {
 pub enum Command {
     /// Compile sources to an executable.
     Build(BuildArgs),
-    /// Compile in memory and run.
+    /// Compile a program in memory and run it.
     Run(RunArgs),
-    /// Run assertion pragmas and scenarios.
+    /// Run tests: assertion pragmas and scenarios.
     Test(TestArgs),
-    /// Report what is wrong and compile nothing.
+    /// Check sources and report problems, without compiling.
     Check(CheckArgs),
-    /// List the modules of a project's station with their addresses.
+    /// List the modules of a project's station and their addresses.
     Station {
         /// The folder of the project.
         #[arg(default_value = ".", value_name = "DIR")]
@@ -35,9 +35,9 @@ pub enum Command {
     },
     /// Draw a trace as an SVG picture.
     Plot(PlotArgs),
-    /// Print the page of a diagnostic code.
+    /// Explain a diagnostic code.
     Explain {
-        /// A code as it stands in a message, `P0203`.
+        /// The code that a message shows, such as `P0203`.
         code: String,
     },
 }
@@ -45,27 +45,27 @@ pub enum Command {
 /// How sources are read and compiled.
 #[derive(Args, Clone, Debug)]
 pub struct CompileArgs {
-    /// CPU, `315-2DP`, or family, `s7-300`.
+    /// CPU, such as `315-2DP`, or family, such as `s7-300`.
     #[arg(long, value_name = "NAME")]
     pub cpu: Option<String>,
-    /// Mnemonics of the statement lists; found in each file if left out.
+    /// Mnemonics of the statement lists [default: detected for each file].
     #[arg(long, value_name = "SET")]
     pub mnemonics: Option<MnemonicsArg>,
-    /// Code page of sources that are not UTF-8, `936` or `gbk`; found in each file if left out.
+    /// Code page of sources that are not UTF-8, such as `936` or `gbk` [default: detected for each file].
     #[arg(long, value_name = "PAGE")]
     pub code_page: Option<CodePage>,
     /// Compile blocks of safety programs (F_LAD, F_FBD) as standard blocks, to test their logic.
     #[arg(long)]
     pub safety_as_standard: bool,
-    /// Take a program of which parts are missing: each is a warning, and a stub or a variable of its own stands in for it.
+    /// Accept a program with missing parts: each one gets a warning, and a stub or a separate variable replaces it.
     #[arg(long)]
     pub partial: bool,
 }
 
-/// How much is optimised.
+/// How much to optimise.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct LevelArgs {
-    /// Optimisation: -O0 none, -O2 all.
+    /// Optimisation level: -O0 none, -O2 full.
     #[arg(short = 'O', value_name = "LEVEL", default_value = "2")]
     pub level: Level,
 }
@@ -97,23 +97,23 @@ impl From<MnemonicsArg> for Mnemonics {
 
 #[derive(Args, Debug)]
 pub struct BuildArgs {
-    /// Sources, symbol tables, folders of them, or a project; together one program.
+    /// Sources, symbol tables, folders of these, or a project. Together they are one program.
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
-    /// Where the output goes; the name of the first source or project if left out.
+    /// Output file [default: named after the project or the first source].
     #[arg(short, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// Write an intermediate form instead of an executable.
     #[arg(long, value_name = "KIND")]
     pub emit: Option<Emit>,
-    /// Print the IR behind this pass instead of making an executable.
+    /// Print the IR after this pass instead of writing an executable.
     #[arg(long, value_name = "PASS", conflicts_with = "emit")]
     pub print_after: Option<String>,
     #[command(flatten)]
     pub level: LevelArgs,
     #[command(flatten)]
     pub compile: CompileArgs,
-    /// The program that links.
+    /// Linker: a C compiler [default: cc].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,
 }
@@ -131,7 +131,7 @@ pub enum Emit {
 
 #[derive(Args, Debug)]
 pub struct RunArgs {
-    /// Sources, symbol tables, folders of them, or a project; together one program.
+    /// Sources, symbol tables, folders of these, or a project. Together they are one program.
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
     #[command(flatten)]
@@ -144,39 +144,39 @@ pub struct RunArgs {
 
 #[derive(Args, Debug)]
 pub struct TestArgs {
-    /// Sources, each a test of its own, projects, or folders of both.
+    /// Sources, projects, or folders of both. Each source outside a project is a separate test.
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
-    /// In which form the program runs.
+    /// How to run the program.
     #[arg(long, value_name = "FORM", default_value = "jit")]
     pub form: FormArg,
     #[command(flatten)]
     pub level: LevelArgs,
     #[command(flatten)]
     pub compile: CompileArgs,
-    /// The program that links, for `--form exe`.
+    /// Linker for `--form exe`: a C compiler [default: cc].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FormArg {
-    /// The interpreter of the IR.
+    /// In the interpreter of the IR.
     Interp,
-    /// Machine code in memory.
+    /// As machine code in memory.
     Jit,
-    /// An executable.
+    /// As an executable.
     Exe,
-    /// All three, which must agree.
+    /// In all three ways; the results must agree.
     All,
 }
 
 #[derive(Args, Debug)]
 pub struct CheckArgs {
-    /// Sources, symbol tables, folders of them, or a project; together one program.
+    /// Sources, symbol tables, folders of these, or a project. Together they are one program.
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
-    /// How messages are written.
+    /// Format of the messages.
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     pub message_format: MessageFormat,
     #[command(flatten)]
@@ -185,13 +185,13 @@ pub struct CheckArgs {
 
 #[derive(Args, Debug)]
 pub struct PlotArgs {
-    /// A trace that `--trace FILE.csv` wrote.
+    /// A trace, written by `--trace FILE.csv`.
     #[arg(value_name = "TRACE.csv")]
     pub trace: PathBuf,
-    /// The picture; that of the trace with the suffix svg if left out.
+    /// Output file [default: the name of the trace with the extension svg].
     #[arg(short, value_name = "OUT.svg")]
     pub output: Option<PathBuf>,
-    /// Text above the picture.
+    /// Title above the picture.
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! What a file is. Its content tells; of a file that only lies in a folder, its name may tell that it is no source.
+//! What a file is. Its content decides. For a file that plcc found in a folder, the name may show that it is not a source.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use lines::Signs;
 pub mod foreign;
 mod lines;
 
-/// What a file holds.
+/// What a file contains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// A source in STL of any family, SCL or GRAPH, or an export of blocks in XML.
@@ -21,17 +21,17 @@ pub enum Content {
     SymbolTable,
     /// An export that holds both.
     SourceAndTable,
-    /// Text that does not look like any of them.
+    /// Text that looks like none of these.
     Prose,
-    /// A program in the form of another tool; which, and what to do.
+    /// A program of another tool: which tool, and what to do.
     Program(&'static str),
-    /// Not for us; what it is instead.
+    /// Not for plcc; what it is instead.
     Other(&'static str),
-    /// A document, a picture or an empty file, which nobody expects to be read.
+    /// A document, a picture or an empty file, which nobody expects plcc to read.
     Nothing,
 }
 
-/// Words that begin a line of a source and are no mnemonics.
+/// Words that begin a line of a source but are not mnemonics.
 const FRAME_WORDS: [&str; 22] = [
     "ORGANIZATION_BLOCK",
     "SUBROUTINE_BLOCK",
@@ -57,7 +57,7 @@ const FRAME_WORDS: [&str; 22] = [
     "END_TRANSITION",
 ];
 
-/// Tells what `text` is.
+/// Finds out what `text` is.
 pub fn of(text: &str) -> Content {
     if is_binary(text) {
         return Content::Other("binary data");
@@ -89,8 +89,8 @@ pub fn of(text: &str) -> Content {
     }
 }
 
-/// Tells what the file `path` of a folder is, which nobody named: a text that looks only a little like a source is none.
-/// `is_source`: the ending of its name is that of a source.
+/// Finds out what the file `path` in a folder is. The user did not name it, so it must look clearly like a source.
+/// `is_source`: its extension is that of a source.
 pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
     match foreign::of_name(path) {
         Some(Foreign::Program(what)) => return Content::Program(what),
@@ -139,14 +139,14 @@ fn is_binary(text: &str) -> bool {
     text.chars().take(4096).any(|c| c.is_control() && !matches!(c, '\t' | '\n' | '\r' | '\x0c' | '\x1a'))
 }
 
-/// What a file in XML is, by its objects.
+/// Finds out what an XML file is, from its objects.
 fn of_xml(kind: XmlKind, text: &str) -> Content {
     match kind {
         XmlKind::SimaticMl(contents) => match (contents.blocks, contents.tags, contents.other.as_deref()) {
             (true, true, _) => Content::SourceAndTable,
             (true, false, _) => Content::Source,
             (false, true, _) => Content::SymbolTable,
-            // The parser says best what is missing.
+            // The parser reports best what is missing.
             (false, false, Some(name)) if xml::is_fragment(name) => Content::Source,
             (false, false, Some(name)) if name.starts_with("SW.WatchAndForceTables.") => {
                 Content::Other("a watch or force table")
@@ -165,9 +165,9 @@ fn of_xml(kind: XmlKind, text: &str) -> Content {
         XmlKind::Other(root) => match foreign::of_root(&root) {
             Some(Foreign::Program(what)) => Content::Program(what),
             Some(Foreign::Other(what)) => Content::Other(what),
-            Some(Foreign::Document) | None => Content::Other("XML that is no export of blocks"),
+            Some(Foreign::Document) | None => Content::Other("XML that is not an export of blocks"),
         },
-        // The parser says best what is wrong with a block that was cut off.
+        // The parser reports best what is wrong with an incomplete block.
         XmlKind::Broken if text.contains("<SW.") => Content::Source,
         XmlKind::Broken => Content::Prose,
     }
@@ -182,7 +182,7 @@ fn begins_like_stl(line: &str) -> bool {
     let word = line.trim_start().split([' ', '\t', ';', ',']).next().unwrap_or_default();
     let words = line.split_whitespace().count();
     FRAME_WORDS.iter().any(|frame| frame.eq_ignore_ascii_case(word))
-        // Prose can begin with `A` or `O`, so that a statement must be short too.
+        // Prose can begin with `A` or `O`, so a statement must also be short.
         || words <= 4 && is_mnemonic(word)
 }
 
@@ -221,7 +221,7 @@ mod tests {
             assert_eq!(of(text), Content::Source, "{text:?}");
         }
         assert_eq!(of("%PDF-1.4\n1 0 obj\n"), Content::Other("a PDF document"));
-        assert_eq!(of("<?xml version=\"1.0\"?>\n<Document/>"), Content::Other("XML that is no export of blocks"));
+        assert_eq!(of("<?xml version=\"1.0\"?>\n<Document/>"), Content::Other("XML that is not an export of blocks"));
         assert_eq!(of("<Document><SW.Blocks.FC ID=\"0\"/></Document>"), Content::Source);
         assert_eq!(of("<Document><SW.Tags.PlcTagTable ID=\"0\"/></Document>"), Content::SymbolTable);
         assert_eq!(of("<Tagtable name='t'><Tag addr='%I0.0'>a</Tag></Tagtable>"), Content::SymbolTable);
@@ -236,7 +236,7 @@ mod tests {
         assert_eq!(of("# Tank\n\nA program that fills a tank when the level is low.\n"), Content::Prose);
     }
 
-    /// Files of folders, which nobody named.
+    /// Files in folders, which the user did not name.
     #[test]
     fn files_of_folders_must_look_like_sources() {
         let of = |name: &str, text: &str| in_folder(Path::new(name), text, false);

@@ -1,4 +1,4 @@
-//! Text of the intermediate forms that are made of several files.
+//! Text of the intermediate forms that consist of several files.
 
 use plcc_readers::ReadOptions;
 
@@ -23,7 +23,7 @@ pub fn ast(parsed: &Parsed) -> String {
     )
 }
 
-/// One text alone, several with the name of their file before each.
+/// A single text unchanged; several texts, each after the name of its file.
 fn join<'a>(texts: impl ExactSizeIterator<Item = (&'a str, String)>) -> String {
     if texts.len() == 1 {
         texts.map(|(_, text)| text).collect()
@@ -32,7 +32,7 @@ fn join<'a>(texts: impl ExactSizeIterator<Item = (&'a str, String)>) -> String {
     }
 }
 
-/// The IR behind each run of `pass`.
+/// The IR after each run of `pass`.
 pub fn ir_after(mut compiled: Compiled, pass: &str) -> String {
     let mut text = String::new();
     plcc_opt::optimize_with(&mut compiled.module, &mut |name, module| {

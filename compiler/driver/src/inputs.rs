@@ -1,4 +1,4 @@
-//! FILE|DIR arguments to files that were read: the first arrow of the pipeline, and the only one that reads.
+//! From FILE|DIR arguments to the text of files: the first stage of the pipeline, and the only one that reads.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,20 +16,20 @@ use crate::sheets;
 /// A program as it was read.
 #[derive(Default)]
 pub struct Read {
-    /// Name of the program: of the project, or of the first source without its suffix.
+    /// Name of the program: that of the project, or of the first source without its extension.
     pub name: String,
     pub sources: SourceMap,
     /// Sources in STL of all families, SCL, SIMATIC SD and GRAPH and exports of blocks, in the order in which they were given or found.
     pub units: Vec<FileId>,
     /// Symbol tables.
     pub tables: Vec<FileId>,
-    /// Sources with the texts that lie beside them (`.s7res`).
+    /// Sources with the texts next to them (`.s7res`).
     pub texts: Vec<(FileId, FileId)>,
     pub project: Option<Project>,
     pub diagnostics: Vec<Diagnostic>,
-    /// Files of folders that hold nothing that plcc reads, and what they are.
+    /// Files in folders that plcc does not read, and what they are.
     pub unread: Vec<(PathBuf, String)>,
-    /// Those of them that are programs in the form of other tools.
+    /// Those of them that are programs of other tools.
     pub foreign: Vec<(PathBuf, String)>,
     /// Code page of files that are not UTF-8; `None`: found in each.
     pub code_page: Option<CodePage>,
@@ -41,7 +41,7 @@ impl Read {
         self.diagnostics.iter().any(|d| d.code == Code::Unreadable)
     }
 
-    /// Reports `code` at a place of which nothing can be shown.
+    /// Reports `code` at a place that cannot be shown.
     fn report(&mut self, code: Code, file: &Path, title: String, help: &str) {
         let file = self.sources.add(SourceFile::new(file.display().to_string(), ""));
         self.diagnostics.push(Diagnostic::new(code, Span::new(file, 0..0), title).help(help));
@@ -53,7 +53,7 @@ pub fn read(paths: &[PathBuf]) -> Read {
     read_as(paths, None)
 }
 
-/// As [`read`], with the code page of files that are not UTF-8.
+/// Like [`read`], with the code page of files that are not UTF-8.
 pub fn read_as(paths: &[PathBuf], code_page: Option<CodePage>) -> Read {
     let mut read = Read { code_page, ..Read::default() };
     for path in paths {
@@ -72,12 +72,12 @@ pub fn read_as(paths: &[PathBuf], code_page: Option<CodePage>) -> Read {
     read
 }
 
-/// Names that a message about files that are not read has room for.
+/// Maximum number of names in a message about files that are not read.
 const UNREAD_MAX: usize = 8;
 
-/// One message names all files of folders that were not read.
+/// Reports in one message all files of folders that were not read.
 fn report_unread(read: &mut Read) {
-    // Programs of other tools are what a user may miss.
+    // Programs of other tools come first: a user may miss them.
     let mut unread = std::mem::take(&mut read.foreign);
     unread.append(&mut read.unread);
     let texts: Vec<String> = read.texts.iter().map(|(_, texts)| read.sources.file(*texts).name.clone()).collect();
@@ -85,8 +85,8 @@ fn report_unread(read: &mut Read) {
         unread.iter().filter(|(path, _)| !texts.contains(&path.display().to_string())).collect();
     let Some((first, _)) = unread.first() else { return };
     let title = match unread.len() {
-        1 => "a file of the folder is not read".to_string(),
-        count => format!("{count} files of the folder are not read"),
+        1 => "a file in the folder is not read".to_string(),
+        count => format!("{count} files in the folder are not read"),
     };
     let mut names: Vec<String> =
         unread.iter().take(UNREAD_MAX).map(|(path, what)| format!("{} ({what})", path.display())).collect();
@@ -133,10 +133,10 @@ fn find_tests_below(folder: &Path, tests: &mut Vec<TestInput>) {
     }
 }
 
-/// The ending of a scenario beside its source.
+/// The extension of a scenario next to its source.
 const SCENARIO_ENDING: &str = ".scenario.toml";
 
-/// Scenarios in folders of sources that lie beside none: nothing plays them.
+/// Scenarios that have no source next to them: nothing plays them.
 pub fn lone_scenarios(paths: &[PathBuf], tests: &[TestInput]) -> Vec<PathBuf> {
     let mut scenarios: Vec<PathBuf> =
         paths.iter().filter(|path| path.is_dir()).flat_map(|path| files_below(path)).collect();
@@ -157,7 +157,7 @@ pub fn project_scenarios(folder: &Path) -> Vec<PathBuf> {
     scenarios
 }
 
-/// The scenario of a single test file, if it has one: `x.scenario.toml` beside `x.stl`.
+/// The scenario of a single test file, if it has one: `x.scenario.toml` next to `x.stl`.
 pub fn file_scenario(file: &Path) -> Option<PathBuf> {
     Some(file.with_extension("scenario.toml")).filter(|path| path.is_file())
 }
@@ -166,10 +166,10 @@ fn is_source(path: &Path, text: &str) -> bool {
     matches!(content_in_folder(path, text), Content::Source | Content::SourceAndTable)
 }
 
-/// The suffix of files with the texts of a source in SIMATIC SD.
+/// The extension of files with the texts of a source in SIMATIC SD.
 const TEXTS_SUFFIX: &str = "s7res";
 
-/// What a file holds. The ending of its name tells of a text that might be prose.
+/// What a file contains. For a text that may be prose, the file extension decides.
 fn content_of(path: &Path, text: &str) -> Content {
     if path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case(TEXTS_SUFFIX)) {
         return Content::Other("texts of a block");
@@ -179,7 +179,7 @@ fn content_of(path: &Path, text: &str) -> Content {
     }
     match content::of(text) {
         Content::Prose if pipeline::language_of(&path.display().to_string()).is_some() => Content::Source,
-        // Its name tells best what a binary file is.
+        // For a binary file the name is the best evidence.
         Content::Other(what) => match foreign::of_name(path) {
             Some(Foreign::Program(what)) => Content::Program(what),
             _ => Content::Other(what),
@@ -188,7 +188,7 @@ fn content_of(path: &Path, text: &str) -> Content {
     }
 }
 
-/// As [`content_of`], of a file that nobody named.
+/// Like [`content_of`], for a file that the user did not name.
 fn content_in_folder(path: &Path, text: &str) -> Content {
     let is_text_of_block = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case(TEXTS_SUFFIX));
     if is_text_of_block || is_toml(path) {
@@ -201,12 +201,12 @@ fn is_toml(path: &Path) -> bool {
     path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("toml"))
 }
 
-/// Whether a file that holds no source is a mistake.
+/// Whether a file that is not a source is a mistake.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Wanted {
     /// The user named it.
     Yes,
-    /// It only lies in a folder.
+    /// It is only in a folder.
     No,
 }
 
@@ -223,7 +223,12 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
         Ok(text) => text,
         Err(error) => {
             let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
-            return read.report(Code::Unreadable, path, title, "check the name of the file and who may read it");
+            return read.report(
+                Code::Unreadable,
+                path,
+                title,
+                "check the name of the file and the permission to read it",
+            );
         }
     };
     let content = match wanted {
@@ -237,13 +242,13 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
             Content::Nothing => return,
             Content::Other(_) if is_toml(path) => return,
             Content::Program(what) => return read.foreign.push(named(what)),
-            Content::Prose => return read.unread.push(named("text that is no source")),
+            Content::Prose => return read.unread.push(named("text that is not a source")),
             Content::Other(what) => return read.unread.push(named(what)),
         }
     }
     let source = SourceFile::new(path.display().to_string(), text);
     match content {
-        // The parser says best why a text is no source.
+        // The parser reports best why a text is not a source.
         Content::Source | Content::SourceAndTable | Content::Prose | Content::Nothing => {
             if read.name.is_empty() {
                 read.name = stem(path);
@@ -260,7 +265,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
             read.tables.push(file);
         }
         Content::Other(what) | Content::Program(what) => {
-            let title = format!("`{}` holds no PLC source but {what}", path.display());
+            let title = format!("`{}` is not a PLC source but {what}", path.display());
             let help = "give a source in STL (S7-200 or S7-300/400), SCL, SIMATIC SD or GRAPH, blocks exported as XML, or a symbol table";
             read.report(Code::NotASource, path, title, help);
         }
@@ -273,7 +278,12 @@ fn add_workbook(read: &mut Read, path: &Path, wanted: Wanted) {
         Ok(bytes) => bytes,
         Err(error) => {
             let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
-            return read.report(Code::Unreadable, path, title, "check the name of the file and who may read it");
+            return read.report(
+                Code::Unreadable,
+                path,
+                title,
+                "check the name of the file and the permission to read it",
+            );
         }
     };
     match sheets::text(bytes) {
@@ -285,8 +295,8 @@ fn add_workbook(read: &mut Read, path: &Path, wanted: Wanted) {
             read.unread.push((path.to_path_buf(), "a workbook without tags".to_string()))
         }
         Ok(None) => {
-            let title = format!("`{}` holds no tag table", path.display());
-            let help = "a sheet of tags has the columns Name, Data Type and Logical Address; one of constants Name, Data Type and Value";
+            let title = format!("`{}` contains no tag table", path.display());
+            let help = "a sheet with tags needs the columns Name, Data Type and Logical Address; a sheet with constants needs Name, Data Type and Value";
             read.report(Code::NotASource, path, title, help);
         }
         Err(why) => {
@@ -296,7 +306,7 @@ fn add_workbook(read: &mut Read, path: &Path, wanted: Wanted) {
     }
 }
 
-/// The texts of titles and comments beside a source in SIMATIC SD.
+/// The texts of titles and comments next to a source in SIMATIC SD.
 fn add_texts(read: &mut Read, path: &Path, unit: FileId) {
     let beside = path.with_extension(TEXTS_SUFFIX);
     if pipeline::language_of(&path.display().to_string()) == Some(Language::Sd)
@@ -307,7 +317,7 @@ fn add_texts(read: &mut Read, path: &Path, unit: FileId) {
     }
 }
 
-/// The operating system's words without its number.
+/// The message of the operating system without its number.
 fn reason(error: &std::io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()
@@ -319,7 +329,7 @@ fn add_folder(read: &mut Read, folder: &Path) {
     let is_project = |path: &&PathBuf| path.file_name().is_some_and(|name| name == project::FILE_NAME);
     let projects: Vec<&PathBuf> = files.iter().filter(is_project).collect();
     if let [_, .., last] = projects.as_slice() {
-        let title = format!("the folder `{}` holds {} projects", folder.display(), projects.len());
+        let title = format!("the folder `{}` contains {} projects", folder.display(), projects.len());
         let one = last.parent().unwrap_or(folder).display();
         return read.report(Code::Project, folder, title, &format!("give the folder of one of them, such as `{one}`"));
     }
@@ -327,7 +337,7 @@ fn add_folder(read: &mut Read, folder: &Path) {
         add_file(read, path, Wanted::No);
     }
     if read.units.len() == before {
-        let title = format!("the folder `{}` holds no PLC source", folder.display());
+        let title = format!("the folder `{}` contains no PLC source", folder.display());
         read.report(Code::NotASource, folder, title, "give a file, a folder of sources, or a folder with a plc.toml");
     }
 }
@@ -342,7 +352,7 @@ fn add_project(read: &mut Read, folder: &Path) {
         Ok(text) => text,
         Err(error) => {
             let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
-            return read.report(Code::Unreadable, &path, title, "check who may read the file");
+            return read.report(Code::Unreadable, &path, title, "check the permission to read the file");
         }
     };
     let source = SourceFile::new(path.display().to_string(), text);
@@ -372,7 +382,7 @@ fn add_named(read: &mut Read, folder: &Path, (name, span): &(String, Span)) {
     } else if path.is_file() {
         add_file(read, &path, Wanted::Yes);
     } else {
-        let message = Diagnostic::new(Code::Project, *span, format!("`{name}` is no file or folder of the project"));
+        let message = Diagnostic::new(Code::Project, *span, format!("`{name}` is not a file or folder in the project"));
         read.diagnostics.push(message.help("names are relative to the folder of plc.toml"));
     }
 }
@@ -389,7 +399,7 @@ fn read_text_as(path: &Path, code_page: Option<CodePage>) -> std::io::Result<Str
     Ok(plcc_syntax::decode_as(&fs::read(path)?, code_page))
 }
 
-/// All files below `folder` in the order of their names; hidden ones left out, links to folders not followed: they are among the files.
+/// All files below `folder`, sorted by name, without hidden files. A link to a folder counts as a file and is not followed.
 fn files_below(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for path in entries(folder) {
@@ -419,7 +429,7 @@ fn entries(folder: &Path) -> Vec<PathBuf> {
     entries
 }
 
-/// Last part of a path without its suffix; of a folder, its whole name.
+/// Last part of a path without its extension; for a folder, its whole name.
 fn stem(path: &Path) -> String {
     let full = if path.file_name().is_none() { fs::canonicalize(path).unwrap_or_default() } else { path.to_path_buf() };
     let name = if full.is_dir() { full.file_name() } else { full.file_stem() };
@@ -453,10 +463,10 @@ mod tests {
         let read = read(&[folder.path().to_path_buf()]);
         assert_eq!((read.units.len(), read.tables.len(), read.diagnostics.len()), (2, 1, 1));
         assert_eq!(read.name, "main");
-        // What is not read is named.
+        // The message names what is not read.
         let message = &read.diagnostics[0];
         assert_eq!(message.code, Code::NotRead);
-        assert!(message.help.iter().any(|help| help.contains("notes.txt (text that is no source)")));
+        assert!(message.help.iter().any(|help| help.contains("notes.txt (text that is not a source)")));
     }
 
     #[test]
@@ -500,13 +510,13 @@ mod tests {
         assert_eq!((named.units.len(), codes), (1, vec![Code::NotASource]));
         let all = read(&[folder.path().to_path_buf()]);
         assert_eq!((all.units.len(), all.diagnostics.len()), (1, 0));
-        // One that nothing plays is told.
+        // A scenario that nothing plays is reported.
         fs::write(folder.path().join("b.scenario.toml"), "").unwrap();
         let paths = [folder.path().to_path_buf()];
         assert_eq!(lone_scenarios(&paths, &find_tests(&paths)), [folder.path().join("b.scenario.toml")]);
     }
 
-    /// Reading a pipe would wait for ever.
+    /// Reading a pipe would wait forever.
     #[cfg(unix)]
     #[test]
     fn what_is_no_file_is_not_read() {

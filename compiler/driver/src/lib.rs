@@ -1,8 +1,8 @@
 //! The command line of plcc: reads, calls, prints, links.
 //!
-//! - [`cli`]: what can be written on the command line; [`command`]: what is done.
+//! - [`cli`]: the command line; [`command`]: the commands.
 //! - [`inputs`], [`content`], [`sheets`], [`project`]: from arguments to files.
-//! - [`pipeline`]: from files to code, one function an arrow; [`emit`]: its forms as text; [`link`]: executables.
+//! - [`pipeline`]: from files to code, one function per stage; [`emit`]: its forms as text; [`link`]: executables.
 //! - [`station`]: the modules of a project; [`plot`]: pictures of traces.
 //! - [`code`]: code that runs in this process; [`testing`]: `plcc test`.
 //! - [`report`] writes messages.
@@ -33,10 +33,10 @@ pub mod testing;
 use cli::{Cli, Command};
 use command::exit;
 
-/// Stack of the threads that compile, in bytes: nesting in a source is recursion in the compiler. Only used pages cost.
+/// Stack size of the threads that compile, in bytes. Nesting in a source is recursion in the compiler; only used pages take memory.
 pub const COMPILE_STACK_BYTES: usize = 256 << 20;
 
-/// Runs the command that `args` (with the name of the program first) give; the result is the exit code.
+/// Runs the command in `args`, whose first item is the name of the program. Returns the exit code.
 pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
     match Cli::try_parse_from(args) {
         Ok(cli) => on_large_stack(move || dispatch(&cli)).unwrap_or_else(|fault| {
@@ -59,20 +59,20 @@ fn dispatch(cli: &Cli) -> u8 {
     }
 }
 
-/// Runs `work` in a thread with a large stack. Errors: what a panic said.
+/// Runs `work` in a thread with a large stack. `Err`: the message of a panic.
 pub fn on_large_stack<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, String> {
     let thread = std::thread::Builder::new().stack_size(COMPILE_STACK_BYTES).spawn(work).map_err(|e| e.to_string())?;
     thread.join().map_err(|panic| panic_text(panic.as_ref()))
 }
 
-/// What a panic said.
+/// The message of a panic.
 pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(ToString::to_string);
-    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic without words".to_string())
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic without a message".to_string())
 }
 
-/// Help and version go to standard output; what is wrong with the arguments to standard error, with no line that begins like
-/// a message about a source.
+/// Writes help and version to standard output, and errors in the arguments to standard error. No line begins like a message
+/// about a source.
 fn usage(error: &clap::Error) -> u8 {
     if !error.use_stderr() {
         let _ = error.print();

@@ -11,17 +11,17 @@ use std::process::{Command, Stdio};
 /// The runtime as `build.rs` made it.
 static RUNTIME_OBJECT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/runtime.o"));
 
-/// The program that links, unless another one is named.
+/// The default linker.
 const LINKER: &str = "cc";
 
 /// Why there is no executable.
 #[derive(Debug)]
 pub enum LinkError {
-    /// The runtime could not be put beside the object files: a full or read-only folder for temporary files.
+    /// The runtime could not be put next to the object files: a full or read-only folder for temporary files.
     Runtime(io::Error),
-    /// The linker could not be started: not installed, or misspelt.
+    /// The linker could not be started: it is not installed, or its name is misspelt.
     Start { linker: String, error: io::Error },
-    /// The linker ended with an error: an output that cannot be written, or our bug.
+    /// The linker failed: the output cannot be written, or plcc has a bug.
     Failed { command: String, output: String },
 }
 
@@ -63,7 +63,7 @@ pub fn link(objects: &[impl AsRef<Path>], out: &Path, linker: Option<&str>) -> R
     Err(LinkError::Failed { command: format!("{command:?}"), output: text })
 }
 
-/// A path that the linker does not take for an option.
+/// A path that the linker cannot mistake for an option.
 fn argument(path: &Path) -> OsString {
     if path.as_os_str().as_encoded_bytes().starts_with(b"-") {
         return PathBuf::from(".").join(path).into_os_string();

@@ -1,4 +1,4 @@
-//! The way of a program: read, parse, bind, lower, optimise, generate code. Each arrow is one function, from one type to one type.
+//! The stages of a compilation: read, parse, bind, lower, optimise, generate code. Each stage is one function, from one type to another.
 
 use std::path::Path;
 
@@ -23,14 +23,14 @@ use crate::project::Project;
 use crate::technology;
 use crate::{s7200, station};
 
-/// What the arrows up to the bound program must know.
+/// Settings of the stages up to the bound program.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
     pub cpu: Option<String>,
     pub mnemonics: Option<Mnemonics>,
-    /// `//@` lines are obeyed.
+    /// `//@` lines are applied.
     pub pragmas: bool,
-    /// What is defined nowhere is a warning, and something stands in for it.
+    /// A missing definition is a warning, and a stand-in replaces it.
     pub partial: bool,
     /// A program without OB 1 is an error.
     pub require_main: bool,
@@ -50,7 +50,7 @@ impl Settings {
         }
     }
 
-    /// Whether the command line or the project says that parts may be missing.
+    /// Whether the command line or the project allows missing parts.
     pub fn is_partial(&self, project: Option<&Project>) -> bool {
         self.partial || project.is_some_and(|project| project.partial)
     }
@@ -71,7 +71,7 @@ pub struct Parsed {
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// A program whose names, types and addresses are settled.
+/// A program with resolved names, types and addresses.
 pub struct Bound {
     pub sources: SourceMap,
     pub program: Program,
@@ -85,7 +85,7 @@ impl Bound {
     }
 }
 
-/// A program as IR, with what the runtime must know about it.
+/// A program as IR, with its description for the runtime.
 #[derive(Clone)]
 pub struct Compiled {
     pub module: Module,
@@ -119,12 +119,12 @@ pub fn parse(read: Read, settings: &Settings) -> Parsed {
     Parsed { name, sources, units, tables, project, diagnostics }
 }
 
-/// The language that the name of a file tells.
+/// The language that the name of a file implies.
 pub fn language_of(name: &str) -> Option<Language> {
     Path::new(name).extension().and_then(|extension| Language::of_extension(&extension.to_string_lossy()))
 }
 
-/// Settles names, types and addresses.
+/// Resolves names, types and addresses.
 pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     let Parsed { name, mut sources, units, tables, project, mut diagnostics } = parsed;
     let profile = match pragma_profile(settings, &units) {
@@ -137,7 +137,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     }
     let partial = settings.is_partial(project.as_ref()) || pragma_partial(settings, &units);
     if partial {
-        // Networks that nobody has finished, which binding leaves out.
+        // Unfinished networks, which binding leaves out.
         let drafts = diagnostics.iter_mut().filter(|message| plcc_program::is_about_drafts(message.code));
         let networks = drafts.filter(|message| matches!(message.code, Code::NoSource | Code::OpenBranch));
         networks.for_each(|message| message.severity = Severity::Warning);
@@ -155,7 +155,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         partial,
         stand_ins: None,
         pragmas: settings.pragmas,
-        // Without a source there is another message already.
+        // Without a source there is already another message.
         require_main: settings.require_main && !units.is_empty(),
     };
     // Programs of the S7-200 share nothing with those of the other families.
@@ -166,7 +166,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
             false => plcc_program::complete(&input),
         };
         diagnostics.extend(completed.diagnostics);
-        // Stand-ins have places like everything else.
+        // Stand-ins need places like everything else.
         sources.add(SourceFile::new(STAND_INS, completed.stand_ins));
         completed.program
     } else {
@@ -181,7 +181,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         diagnostics.extend(station::check_program(&program));
     }
     plcc_diag::sort(&mut diagnostics);
-    // Two stages may see the same fault; it is one problem.
+    // Two stages may find the same fault; report it once.
     diagnostics.dedup_by_key(|d| (d.code, d.primary.span));
     Bound { sources, program, diagnostics }
 }
@@ -189,7 +189,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
 /// Name of the file in which stand-ins for missing parts have their places.
 const STAND_INS: &str = "stand-ins of --partial";
 
-/// A test file may say that parts of it are missing.
+/// A test file may allow missing parts.
 fn pragma_partial(settings: &Settings, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
     let mut pragmas = units.iter().flat_map(|(_, unit)| &unit.pragmas);
     let words = |text: &str| {
@@ -218,7 +218,7 @@ fn profile_named(name: &str) -> Option<Profile> {
     }
 }
 
-/// The CPU: of the command line, else of plc.toml, else the one that the sources imply.
+/// The CPU: from the command line, else from plc.toml, else the one that the sources imply.
 fn profile_of(
     settings: &Settings,
     project: Option<&Project>,
@@ -237,7 +237,7 @@ fn profile_of(
         Some(profile) if runs(&profile, units) => return profile,
         Some(profile) if is_s7200 => format!("`{}` does not run programs of the S7-200", profile.name),
         Some(profile) if profile.family == Family::S71200 => {
-            format!("`{}` has no STL: it runs LAD, FBD and SCL", profile.name)
+            format!("`{}` has no STL; it runs LAD, FBD and SCL", profile.name)
         }
         Some(profile) => format!("`{}` is an S7-200, which runs sources of Micro/WIN only", profile.name),
         None => format!("plcc does not know the CPU `{name}`"),
@@ -251,12 +251,12 @@ fn profile_of(
     generic
 }
 
-/// Whether the program is one of an S7-200, whose sources mix with no others.
+/// Whether the program is for an S7-200, whose sources cannot be mixed with others.
 fn is_s7200(units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
     units.iter().any(|(_, unit)| unit.s7200.is_some())
 }
 
-/// Whether the CPU runs programs in these languages: an S7-1200 has no STL, an S7-200 has a language of its own.
+/// Whether the CPU runs programs in these languages: an S7-1200 has no STL, an S7-200 has its own language.
 fn runs(profile: &Profile, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
     match profile.family {
         Family::S7200 => is_s7200(units),
@@ -270,7 +270,7 @@ fn runs(profile: &Profile, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
 }
 
 /// The CPU of sources that name none: the generic S7-200 for those of Micro/WIN; else the generic S7-300, or the S7-400 if an instruction
-/// needs its accumulators, and what exceeds its limits is a warning, since the plant's CPU may have more.
+/// needs its accumulators. Exceeding its limits is a warning, because the CPU of the plant may have more.
 fn implied_profile(units: &[(plcc_diag::FileId, SourceUnit)]) -> Profile {
     if is_s7200(units) {
         return profile::generic(Family::S7200);
@@ -309,7 +309,7 @@ pub fn lower(bound: &Bound, level: Level) -> Compiled {
     Compiled { module: lowered.module, image: lowered.image, level }
 }
 
-/// Runs our passes, at -O2.
+/// Runs the passes of plcc, at -O2.
 pub fn optimize(mut compiled: Compiled) -> Compiled {
     match compiled.level {
         Level::O0 => {}
@@ -328,7 +328,7 @@ impl Compiled {
         CodegenOptions { optimize: self.level == Level::O2, ..CodegenOptions::default() }
     }
 
-    /// The image as it lies in an executable.
+    /// The image as it is in an executable.
     pub fn image_bytes(&self) -> Vec<u8> {
         postcard::to_stdvec(&self.image).expect("an image is plain data, which postcard can hold")
     }

@@ -1,4 +1,4 @@
-//! `plc.toml`: what a project is made of and how its CPU is set. Every key is described in docs/plc-toml.md.
+//! `plc.toml`: the parts of a project and the settings of its CPU. docs/plc-toml.md describes every key.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -21,26 +21,26 @@ pub const FILE_NAME: &str = "plc.toml";
 /// A project as its `plc.toml` describes it. Paths are relative to its folder.
 #[derive(Clone, Debug, Default)]
 pub struct Project {
-    /// Name of the program and its executable; the folder's name if left out.
+    /// Name of the program and its executable; the folder's name by default.
     pub name: Option<String>,
     pub cpu: Option<(String, Span)>,
     pub mnemonics: Option<Mnemonics>,
     /// Blocks of safety programs are compiled as standard blocks.
     pub safety_as_standard: bool,
-    /// Files and folders; `None`: every source below the project's folder, `tests` left out.
+    /// Files and folders; `None`: every source below the project's folder, without `tests`.
     pub sources: Option<Vec<(String, Span)>>,
     pub symbols: Vec<(String, Span)>,
     pub config: Config,
     pub station: Option<Station>,
     /// Parts may be missing.
     pub partial: bool,
-    /// Fast counters and pulse generators, to be checked against the CPU.
+    /// Fast counters and pulse generators, checked later against the CPU.
     pub technology: technology::Used,
-    /// Place of the settings of an S7-200, to be checked against the CPU.
+    /// Place of the settings of an S7-200, checked later against the CPU.
     pub s7200: Option<Span>,
 }
 
-/// Reads the text of a `plc.toml`. What is wrong is left out and reported as P0601.
+/// Reads the text of a `plc.toml`. Reports wrong keys as P0601 and ignores them.
 pub fn parse(file: FileId, source: &SourceFile) -> (Project, Vec<Diagnostic>) {
     let mut context = Context { file, diagnostics: Vec::new() };
     let project = match toml::from_str::<Keys>(&source.text) {
@@ -145,7 +145,7 @@ struct AddressKeys {
     bytes: Spanned<i64>,
 }
 
-/// Codes of SFC 28 by the words of `every`. Source: SFC reference, SET_TINT.
+/// Codes of SFC 28 for the words of `every`. Source: SFC reference, SET_TINT.
 const TIME_OF_DAY_PERIODS: [(&str, u16); 8] = [
     ("once", 0x0000),
     ("minute", 0x0201),
@@ -235,7 +235,7 @@ impl Context {
 
     fn organization_block(&mut self, number: &Spanned<String>, keys: &ObKeys, config: &mut Config) {
         let Ok(ob @ 1..=OB_NUMBER_MAX) = number.get_ref().parse::<u16>() else {
-            let title = format!("`{}` is no number of an organization block", number.get_ref());
+            let title = format!("`{}` is not a number of an organization block", number.get_ref());
             return self.report(number.span(), title, "write `[ob.35]`");
         };
         let class = keys.class.as_ref().and_then(|class| self.class(ob, class));
@@ -249,7 +249,8 @@ impl Context {
         for (key, is_phase) in [(&keys.period, false), (&keys.phase, true)] {
             let Some(time) = key else { continue };
             if !cyclic {
-                let help = "OB 30 to OB 38 have a period and a phase, and OBs from 123 on with `class = \"cyclic\"`";
+                let help =
+                    "OB 30 to OB 38 have a period and a phase, and so do OBs from 123 on with `class = \"cyclic\"`";
                 self.report(time.span(), format!("OB {ob} is not cyclic"), help);
             } else if let Some(ms) = self.duration(time, if is_phase { 0..=60_000 } else { 1..=60_000 }) {
                 let list = if is_phase { &mut config.cyclic_phase_ms } else { &mut config.cyclic_period_ms };
@@ -264,7 +265,7 @@ impl Context {
             (Some(start), every) if time_of_day => {
                 let period = self.time_of_day_period(every.as_ref());
                 if !is_date_and_time(start.get_ref()) {
-                    let title = format!("`{}` is no date and time", start.get_ref());
+                    let title = format!("`{}` is not a date and time", start.get_ref());
                     return self.report(start.span(), title, "write `2026-01-31T06:00:00`");
                 }
                 config.time_of_day.push(TimeOfDay { ob, start: start.get_ref().clone(), period });
@@ -272,7 +273,7 @@ impl Context {
             (Some(key), _) | (None, Some(key)) if !time_of_day => {
                 self.report(
                     key.span(),
-                    format!("OB {ob} is no time-of-day interrupt"),
+                    format!("OB {ob} is not a time-of-day interrupt"),
                     "OB 10 to OB 17 start at a time of day",
                 );
             }
@@ -290,11 +291,11 @@ impl Context {
         if ob < OB_FREE || row.is_none() {
             let words: Vec<&str> = free.iter().map(|row| row.word).collect();
             let title = if ob < OB_FREE {
-                format!("OB {ob} has its class by its number")
+                format!("the number of OB {ob} determines its class")
             } else {
-                format!("`{}` is no class of OB {ob}", word.get_ref())
+                format!("`{}` is not a class of OB {ob}", word.get_ref())
             };
-            let help = format!("OB {OB_FREE} and above have one of the classes {}", words.join(", "));
+            let help = format!("the classes of OB {OB_FREE} and above are {}", words.join(", "));
             self.report(word.span(), title, &help);
             return None;
         }
@@ -307,7 +308,7 @@ impl Context {
             Some((_, code)) => *code,
             None => {
                 let words = TIME_OF_DAY_PERIODS.map(|(word, _)| word).join(", ");
-                let title = format!("`{}` is no period of a time-of-day interrupt", every.get_ref());
+                let title = format!("`{}` is not a period of a time-of-day interrupt", every.get_ref());
                 self.report(every.span(), title, &format!("one of {words}"));
                 0
             }
@@ -323,7 +324,7 @@ impl Context {
             let new = Module { name, input_start, input_bytes, output_start, output_bytes, station: None };
             if let Some(other) = modules.iter().find(|other| overlap(other, &new)) {
                 let title = format!("modules `{}` and `{}` have addresses in common", other.name, new.name);
-                self.report(module.name.span(), title, "give each module addresses of its own");
+                self.report(module.name.span(), title, "give each module its own addresses");
             }
             modules.push(new);
         }
@@ -354,26 +355,26 @@ impl Context {
     fn duration(&mut self, key: &Spanned<String>, range: std::ops::RangeInclusive<u32>) -> Option<u32> {
         let ms = duration_ms(key.get_ref()).filter(|ms| range.contains(ms));
         if ms.is_none() {
-            let title = format!("`{}` is no time from {} to {} ms", key.get_ref(), range.start(), range.end());
+            let title = format!("`{}` is not a time from {} to {} ms", key.get_ref(), range.start(), range.end());
             self.report(key.span(), title, "write `200ms` or `2s`");
         }
         ms
     }
 }
 
-/// `200ms`, `1.5s`, `1m`, in milliseconds; none: no time, or no whole milliseconds.
+/// `200ms`, `1.5s`, `1m`, in milliseconds; none: not a time, or not whole milliseconds.
 pub(crate) fn duration_ms(text: &str) -> Option<u32> {
     duration_of(text, 1_000_000).and_then(|ms| u32::try_from(ms).ok())
 }
 
-/// A duration in units of so many nanoseconds; none: no time, or no whole number of them.
+/// A duration in units of `unit` nanoseconds; none: not a time, or not a whole number of units.
 pub(crate) fn duration_of(text: &str, unit_ns: u64) -> Option<u64> {
-    // A number alone is no time, 0 neither.
+    // A number alone is not a time, not even 0.
     let ns = parse_duration(text).ok().filter(|_| !text.trim().ends_with(|c: char| c.is_ascii_digit()))?.0;
     ns.is_multiple_of(unit_ns).then_some(ns / unit_ns)
 }
 
-/// `2026-01-31T06:00:00`, of the years that an S7 clock knows.
+/// `2026-01-31T06:00:00`, in the years that an S7 clock has.
 fn is_date_and_time(text: &str) -> bool {
     match text.parse::<toml::value::Datetime>() {
         Ok(toml::value::Datetime { date: Some(date), time: Some(_), offset: None }) => {

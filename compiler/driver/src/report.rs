@@ -5,13 +5,13 @@ use std::io::{IsTerminal, Write};
 use clap::ValueEnum;
 use plcc_diag::{Diagnostic, Severity, SourceMap, drawing, json, sarif};
 
-/// How messages are written.
+/// Format of the messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum MessageFormat {
-    /// Drawn, for people.
+    /// Text with source lines, for people.
     #[default]
     Human,
-    /// One JSON object a line.
+    /// One JSON object per line.
     Json,
     /// One SARIF 2.1.0 document.
     Sarif,
@@ -29,7 +29,7 @@ pub fn messages(diagnostics: &mut [Diagnostic], sources: &SourceMap, format: Mes
     line_free(&text);
 }
 
-/// `2 errors, 1 warning`; empty if there is nothing to tell. The line does not begin with the word error.
+/// `2 errors, 1 warning`; empty if there are none. The line does not begin with the word error.
 pub fn summary(diagnostics: &[Diagnostic]) -> String {
     let count = |severity| diagnostics.iter().filter(|d| d.severity == severity).count();
     let plural = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
@@ -41,12 +41,12 @@ pub fn summary(diagnostics: &[Diagnostic]) -> String {
     }
 }
 
-/// Says something else on standard error, with the name of the program before it.
+/// Writes another text to standard error, after the name of the program.
 pub fn say(text: &str) {
     line_free(&format!("plcc: {text}\n"));
 }
 
-/// Writes to standard error; nobody can be told if that fails.
+/// Writes to standard error; a failure cannot be reported.
 fn line_free(text: &str) {
     let _ = std::io::stderr().write_all(text.as_bytes());
 }

@@ -1,4 +1,4 @@
-//! `[s7200]` of plc.toml: station address, ports, the link to other stations, analog modules, and how the CPU behaves.
+//! `[s7200]` of plc.toml: station address, ports, the link to other stations, analog modules, and settings of the CPU.
 
 #[cfg(test)]
 mod tests;
@@ -21,7 +21,7 @@ const STATION_MAX: i64 = 126;
 const STATION_DEFAULT: u8 = 2;
 /// Analog potentiometers of the larger CPUs.
 const POTENTIOMETERS: usize = 2;
-/// Expansion modules of a CPU. Source: S7-200 system manual, expansion I/O.
+/// Maximum number of expansion modules of a CPU. Source: S7-200 system manual, expansion I/O.
 const MODULES_MAX: usize = 7;
 const RANGE_DEFAULT: &str = "0-10 V";
 
@@ -77,7 +77,7 @@ struct AnalogKeys {
     switches: Option<Spanned<String>>,
 }
 
-/// A kind of analog module: its name, and the numbers of inputs and outputs with which it is made, the usual one first.
+/// A kind of analog module: its name, and its possible numbers of inputs and outputs, the usual one first.
 struct Kind {
     name: &'static str,
     inputs: &'static [u8],
@@ -133,18 +133,18 @@ static RANGES: [Range; 17] = [
     range("+-10 V", (-10.0, 10.0), "V", None, None),
 ];
 
-/// Reads the table. What is wrong is left out and reported.
+/// Reads the table. Reports wrong keys and ignores them.
 pub fn read(keys: &S7200Keys, file: FileId) -> (S7200Config, Vec<Diagnostic>) {
     let mut reader = Reader { file, diagnostics: Vec::new() };
     let config = reader.config(keys);
     (config, reader.diagnostics)
 }
 
-/// Reports the table in a project for another CPU.
+/// Reports the table if the project is for another CPU.
 pub fn check(place: Option<Span>, profile: &Profile) -> Option<Diagnostic> {
     let place = place.filter(|_| profile.family != Family::S7200)?;
-    let title = format!("the CPU {} is no S7-200", profile.name);
-    Some(Diagnostic::new(Code::Project, place, title).help("`[s7200]` is for CPUs of the S7-200"))
+    let title = format!("the CPU {} is not an S7-200", profile.name);
+    Some(Diagnostic::new(Code::Project, place, title).help("`[s7200]` is only for CPUs of the S7-200"))
 }
 
 struct Reader {
@@ -187,7 +187,7 @@ impl Reader {
                 "run" => {}
                 "term" => config.mode_switch_term = true,
                 _ => {
-                    let title = format!("`{}` is no position of the mode switch", switch.get_ref());
+                    let title = format!("`{}` is not a position of the mode switch", switch.get_ref());
                     self.report(switch, title, "\"run\" or \"term\"");
                 }
             }
@@ -196,7 +196,7 @@ impl Reader {
             let known = |number: u8| config.ports.iter().any(|port| port.number == number);
             match self.port(port) {
                 Some(new) if known(new.number) => {
-                    self.report(&port.number, format!("port {} is there twice", new.number), "give each port once");
+                    self.report(&port.number, format!("port {} occurs twice", new.number), "give each port once");
                 }
                 new => config.ports.extend(new),
             }
@@ -226,7 +226,7 @@ impl Reader {
     fn watchdog(&mut self, key: &Spanned<String>) -> Option<u16> {
         let ms = duration_ms(key.get_ref()).and_then(|ms| u16::try_from(ms).ok());
         if ms.is_none() {
-            let title = format!("`{}` is no time from 0 to {} ms", key.get_ref(), u16::MAX);
+            let title = format!("`{}` is not a time from 0 to {} ms", key.get_ref(), u16::MAX);
             self.report(key, title, "write `300ms`, or `0ms` for none");
         }
         ms
@@ -235,7 +235,7 @@ impl Reader {
     fn address(&mut self, key: &Spanned<String>) -> Option<String> {
         let found = socket_address(key.get_ref());
         if found.is_none() {
-            let title = format!("`{}` is no address with a port", key.get_ref());
+            let title = format!("`{}` is not an address with a port", key.get_ref());
             self.report(key, title, "write `\"127.0.0.1:7000\"` or `\"localhost:7000\"`");
         }
         found.map(|_| key.get_ref().clone())
@@ -251,7 +251,7 @@ impl Reader {
         ];
         let given = [&keys.device, &keys.pty, &keys.listen, &keys.connect].into_iter().flatten().count();
         if given != 1 {
-            let title = format!("what port {number} is connected to is said {given} times");
+            let title = format!("port {number} has {given} connections");
             self.report(&keys.number, title, "write one of `device`, `pty`, `listen` and `connect`");
             return None;
         }
@@ -262,12 +262,12 @@ impl Reader {
         for (station, address) in keys {
             let number = station.get_ref().parse::<u8>().ok().filter(|number| i64::from(*number) <= STATION_MAX);
             let Some(number) = number else {
-                let title = format!("`{}` is no station address from 0 to {STATION_MAX}", station.get_ref());
+                let title = format!("`{}` is not a station address from 0 to {STATION_MAX}", station.get_ref());
                 self.report(station, title, "write `stations = { \"3\" = \"127.0.0.1:4003\" }`");
                 continue;
             };
             if config.station.unwrap_or(STATION_DEFAULT) == number {
-                self.report(station, format!("station {number} is this one"), "give the other stations only");
+                self.report(station, format!("station {number} is this station"), "give the other stations only");
                 continue;
             }
             let Some(address) = self.address(address) else { continue };
@@ -279,7 +279,7 @@ impl Reader {
     fn analog(&mut self, keys: &AnalogKeys) -> Option<AnalogModule> {
         let wanted = plain(keys.module.get_ref());
         let Some(kind) = KINDS.iter().find(|kind| plain(kind.name) == wanted) else {
-            let title = format!("`{}` is no analog module", keys.module.get_ref());
+            let title = format!("`{}` is not an analog module", keys.module.get_ref());
             self.report(&keys.module, title, "\"EM 231\", \"EM 232\" or \"EM 235\"");
             return None;
         };
@@ -331,8 +331,8 @@ impl Reader {
                 if found.is_none() {
                     let rows: Vec<String> =
                         list.iter().filter_map(|range| Some(format!("{} {}", switches(range)?, range.name))).collect();
-                    let title = format!("`{}` is no setting of the switches of an {}", key.get_ref(), kind.name);
-                    self.report(key, title, &format!("x is on: {}", rows.join(", ")));
+                    let title = format!("`{}` is not a switch setting of an {}", key.get_ref(), kind.name);
+                    self.report(key, title, &format!("x means on: {}", rows.join(", ")));
                     return None;
                 }
                 found
@@ -345,7 +345,7 @@ impl Reader {
                 let found = list.iter().copied().find(|range| plain(range.name) == wanted);
                 if found.is_none() {
                     let names: Vec<&str> = list.iter().map(|range| range.name).collect();
-                    let title = format!("`{}` is no range of an {}", key.get_ref(), kind.name);
+                    let title = format!("`{}` is not a range of an {}", key.get_ref(), kind.name);
                     self.report(key, title, &format!("one of {}", names.join(", ")));
                 }
                 found
@@ -354,7 +354,7 @@ impl Reader {
     }
 }
 
-/// Without blanks, in small letters.
+/// Without blanks, in lower case.
 fn plain(text: &str) -> String {
     text.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase).collect()
 }

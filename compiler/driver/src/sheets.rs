@@ -1,4 +1,4 @@
-//! Workbooks (`.xlsx`) with tag tables, as the TIA Portal exports them: each sheet becomes lines of text, which the reader of symbol tables takes.
+//! Workbooks (`.xlsx`) with tag tables, as the TIA Portal exports them: each sheet becomes lines of text for the reader of symbol tables.
 //!
 //! ```text
 //! Sheet TAB PLC Tags
@@ -19,14 +19,14 @@ use plcc_readers::symbols;
 const COLUMNS_MAX: u32 = 64;
 const ROWS_MAX: u32 = 200_000;
 
-/// Whether the name of a file is that of a workbook. Beside one that is open lies a file of its user, `~$name.xlsx`.
+/// Whether a file is a workbook, from its name. Next to an open workbook there is a lock file, `~$name.xlsx`.
 pub fn is_workbook(path: &Path) -> bool {
     let locks = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("~$"));
     let is = |known: &str| path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case(known));
     !locks && (is("xlsx") || is("xlsm"))
 }
 
-/// The sheets as text; `None`: none of them is a table of tags or constants. `Err`: why the workbook cannot be read.
+/// The sheets as text; `None`: none is a table of tags or constants. `Err`: why the workbook cannot be read.
 pub fn text(bytes: Vec<u8>) -> Result<Option<String>, String> {
     let mut workbook: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(reason)?;
     let mut text = String::new();
@@ -42,7 +42,7 @@ pub fn text(bytes: Vec<u8>) -> Result<Option<String>, String> {
     Ok(Some(text).filter(|text| symbols::is_workbook_of_tags(text)))
 }
 
-/// The cells of a sheet that hold something, by row and column. They are read one by one: a single cell in the last corner costs nothing.
+/// The non-empty cells of a sheet, by row and column. They are read one by one, so a single cell in the last corner costs nothing.
 fn rows(workbook: &mut Xlsx<Cursor<Vec<u8>>>, name: &str) -> Result<BTreeMap<u32, BTreeMap<u32, String>>, String> {
     let mut rows: BTreeMap<u32, BTreeMap<u32, String>> = BTreeMap::new();
     let mut reader = workbook.worksheet_cells_reader(name).map_err(reason)?;
@@ -50,20 +50,20 @@ fn rows(workbook: &mut Xlsx<Cursor<Vec<u8>>>, name: &str) -> Result<BTreeMap<u32
         let (row, column) = found.get_position();
         let text = match found.get_value() {
             DataRef::Empty => continue,
-            DataRef::Error(error) => return Err(format!("row {}: a cell holds the error `{error}`", row + 1)),
+            DataRef::Error(error) => return Err(format!("row {}: a cell contains the error `{error}`", row + 1)),
             DataRef::Bool(value) => if *value { "True" } else { "False" }.to_string(),
             DataRef::Int(value) => value.to_string(),
             DataRef::Float(value) => value.to_string(),
             DataRef::String(value) => cell(value),
             DataRef::SharedString(value) => cell(value),
             DataRef::DateTimeIso(value) | DataRef::DurationIso(value) => cell(value),
-            DataRef::DateTime(_) => return Err(format!("row {}: a cell holds a date", row + 1)),
+            DataRef::DateTime(_) => return Err(format!("row {}: a cell contains a date", row + 1)),
         };
         if text.is_empty() || column >= COLUMNS_MAX {
             continue;
         }
         if row >= ROWS_MAX {
-            return Err(format!("row {}: a tag table has no more than {ROWS_MAX} rows", row + 1));
+            return Err(format!("row {}: a tag table has at most {ROWS_MAX} rows", row + 1));
         }
         rows.entry(row).or_default().insert(column, text);
     }

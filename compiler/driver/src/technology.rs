@@ -12,7 +12,7 @@ use toml::Spanned;
 
 use crate::project::duration_of;
 
-/// Most events that ATTACH can choose from. Source: LAD/FBD reference for S7-1200, organization blocks.
+/// Maximum number of events for ATTACH. Source: LAD/FBD reference for S7-1200, organization blocks.
 const EVENTS_MAX: usize = 50;
 /// Input bytes of the process image.
 const INPUT_BYTES: u32 = 1024;
@@ -82,7 +82,7 @@ pub fn read(
         reader.used.pulses.push((n, reader.span(number)));
         config.pulse_generators.extend(reader.pulse(n, keys));
     }
-    // In the order of the file, which gives the events their constants.
+    // In the order of the file, which determines the constants of the events.
     let mut interrupts: Vec<_> = interrupts.iter().collect();
     interrupts.sort_by_key(|(name, _)| name.span().start);
     for (name, keys) in interrupts {
@@ -97,7 +97,7 @@ pub fn read(
     (reader.used, reader.diagnostics)
 }
 
-/// Reports what the CPU does not have.
+/// Reports settings that the CPU does not have.
 pub fn check(used: &Used, profile: &Profile) -> Vec<Diagnostic> {
     let board = profile::on_board(profile);
     let (counters, pulses) = board.map_or((0, 0), |board| (board.fast_counters, board.pulse_generators));
@@ -115,8 +115,8 @@ pub fn check(used: &Used, profile: &Profile) -> Vec<Diagnostic> {
     if !profile.family.is_portal()
         && let Some(span) = used.events.first()
     {
-        let title = format!("the CPU {} has no hardware interrupts by name", profile.name);
-        let help = "its modules raise OB 40 to OB 47; a scenario gives the events";
+        let title = format!("the CPU {} has no named hardware interrupts", profile.name);
+        let help = "its modules raise OB 40 to OB 47; a scenario provides the events";
         diagnostics.push(Diagnostic::new(Code::Project, *span, title).help(help));
     }
     diagnostics
@@ -140,18 +140,18 @@ impl Reader {
     fn number(&mut self, key: &Spanned<String>, most: u8, table: &str) -> Option<u8> {
         let number = key.get_ref().parse().ok().filter(|number| (1..=most).contains(number));
         if number.is_none() {
-            let title = format!("`{}` is no number from 1 to {most}", key.get_ref());
+            let title = format!("`{}` is not a number from 1 to {most}", key.get_ref());
             self.report(key, title, format!("write `[{table}.1]`"));
         }
         number
     }
 
-    /// What a word means, else a message with all words.
+    /// The meaning of a word; otherwise a message with all words.
     fn word<T: Copy>(&mut self, key: &Spanned<String>, words: &[(&str, T)], what: &str) -> Option<T> {
         let found = words.iter().find(|(word, _)| word == key.get_ref()).map(|(_, value)| *value);
         if found.is_none() {
             let all: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-            self.report(key, format!("`{}` is no {what}", key.get_ref()), format!("one of {}", all.join(", ")));
+            self.report(key, format!("`{}` is not a {what}", key.get_ref()), format!("one of {}", all.join(", ")));
         }
         found
     }
@@ -179,7 +179,7 @@ impl Reader {
                 let ms = duration_us(key.get_ref())
                     .and_then(|us| PERIODS_MS.into_iter().find(|ms| u64::from(*ms) * 1000 == us));
                 let Some(ms) = ms.filter(|_| mode == CountMode::Frequency) else {
-                    let title = format!("`{}` is no measuring period", key.get_ref());
+                    let title = format!("`{}` is not a measuring period", key.get_ref());
                     self.report(key, title, "mode \"frequency\" has \"10ms\", \"100ms\" or \"1s\"".to_string());
                     return None;
                 };
@@ -196,7 +196,7 @@ impl Reader {
             Some(key) => {
                 let us = duration_us(key.get_ref()).filter(|us| (1..=CYCLE_US_MAX).contains(us));
                 let Some(us) = us else {
-                    let title = format!("`{}` is no cycle of a pulse generator", key.get_ref());
+                    let title = format!("`{}` is not a cycle of a pulse generator", key.get_ref());
                     self.report(key, title, "write `\"10ms\"` or `\"500us\"`, up to 16.7 s".to_string());
                     return None;
                 };
@@ -253,14 +253,14 @@ impl Reader {
                     EventSource::Edge { .. } => true,
                 };
                 if !possible {
-                    let title = format!("fast counter {number} has no such event");
-                    self.report(on, title, "its mode or its missing `reset` does not allow it".to_string());
+                    let title = format!("fast counter {number} does not have this event");
+                    self.report(on, title, "its mode does not allow it, or `reset` is missing".to_string());
                     return None;
                 }
                 Some(source)
             }
             (Some(_), Some(_)) | (None, None) => {
-                let title = format!("what raises `{}` is not said", name.get_ref());
+                let title = format!("`{}` has no source, or two", name.get_ref());
                 self.report(name, title, "write either `input = \"I0.0\"` or `hsc = 1`".to_string());
                 None
             }
@@ -274,7 +274,7 @@ impl Reader {
         let found = parts.and_then(|(byte, bit)| Some((byte.parse::<u32>().ok()?, bit.parse::<u8>().ok()?)));
         let found = found.filter(|&(byte, bit)| byte < INPUT_BYTES && bit < 8);
         if found.is_none() {
-            let title = format!("`{}` is no bit of an input", key.get_ref());
+            let title = format!("`{}` is not a bit of an input", key.get_ref());
             self.report(key, title, "write `\"I0.3\"`".to_string());
         }
         found

@@ -1,4 +1,4 @@
-//! What an executable says about its flags and about an endless loop, and that `plcc run` says the same.
+//! What an executable reports about its flags and about an endless loop; `plcc run` reports the same.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -16,7 +16,7 @@ fn command(program: &str, folder: &Path, arguments: &[&str]) -> Output {
     Command::new(program).current_dir(folder).args(arguments).output().expect("it starts")
 }
 
-/// Runs the executable and `plcc run`; both exit with `code` and write the same. Gives standard error.
+/// Runs the executable and `plcc run`; both exit with `code` and write the same. Returns standard error.
 fn both(folder: &Path, flags: &[&str], code: i32) -> String {
     let executable = folder.join("program").display().to_string();
     let built = command(&executable, folder, flags);

@@ -1,4 +1,4 @@
-//! Programs of which parts are missing, by the command line: what stands in is told of by the compiler and at the start of every run.
+//! Programs with missing parts on the command line: the compiler and the start of every run report the stand-ins.
 
 use std::fs;
 use std::path::Path;
@@ -43,7 +43,7 @@ fn what_stands_in_is_told_at_the_start_of_every_run() {
         assert_eq!(errors(&ended).matches(line).count(), 1, "{line} in {}", errors(&ended));
     }
     let quiet = start(&["--cycles", "2", "--quiet"]);
-    assert_eq!(errors(&quiet), "partial: the program was built without 3 of its parts\n");
+    assert_eq!(errors(&quiet), "partial: the program was built with 3 missing parts\n");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// A project of its own with the program of a sample, connected by `network`.
+/// A separate project with the program of a sample, connected by `network`.
 fn project(sample: &str, station: u8, network: &str) -> PathBuf {
     let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../samples/s7-200");
     let source = samples.join(sample).join("main.awl").canonicalize().expect("the sample is there");

@@ -9,7 +9,7 @@ use crate::function::Function;
 /// Predecessors, successors and reverse postorder.
 #[derive(Clone, Debug)]
 pub struct ControlFlow {
-    /// Reachable blocks; each stands before the blocks that it dominates.
+    /// Reachable blocks; each is before the blocks that it dominates.
     pub rpo: Vec<Block>,
     /// Place in `rpo`, or `UNREACHABLE`.
     position: EntityVec<Block, u32>,

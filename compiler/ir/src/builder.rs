@@ -3,8 +3,8 @@
 //! The caller declares variables and writes and reads them; the builder turns them into values and block parameters
 //! (Braun et al., "Simple and efficient construction of static single assignment form", 2013): a read in a block
 //! with several predecessors makes a parameter, which is removed again if all predecessors bring the same value.
-//! A block is *sealed* when all its predecessors are known. What no block on the way writes is not asked for block by
-//! block, see [`paths`]: time and memory follow what is read and written, not variables times blocks.
+//! A block is *sealed* when all its predecessors are known. Variables that no block on the way writes are not searched block by
+//! block, see [`paths`]: time and memory grow with reads and writes, not with variables times blocks.
 //!
 //! Operations on constants are folded as they are built: most of the virtual CPU's state is known at compile time,
 //! and instructions that need not exist need not be removed.
@@ -29,7 +29,7 @@ struct BlockState {
     sealed: bool,
     /// Parameters made by reads before the block was sealed.
     incomplete: Vec<(Var, Value)>,
-    /// Parameters of variables, and what each predecessor brings for them.
+    /// Parameters of variables, and the arguments of each predecessor.
     joined: Vec<(Value, Vec<Value>)>,
     /// Constants at the start, the last one first.
     constants: Vec<Inst>,
@@ -52,7 +52,7 @@ impl VarState {
     }
 }
 
-/// A block with several predecessors, whose parameter for a variable waits for what they bring.
+/// A block with several predecessors. Its parameter for a variable waits for their arguments.
 struct Join {
     block: Block,
     param: Value,
@@ -114,7 +114,7 @@ impl FunctionBuilder {
         self.place_constants();
         self.supply_params();
         self.function.resolve_aliases();
-        // In a circle that nothing enters, a value can be defined by itself: such text would not parse back.
+        // In an unreachable cycle a value can be defined by itself; the text would not parse.
         let flow = ControlFlow::new(&self.function);
         self.function.layout.retain(|&block| flow.is_reachable(block));
         self.function
@@ -261,7 +261,7 @@ impl FunctionBuilder {
     }
 
     /// Walks from `block` to where `var` is known, past blocks that do not write it. `None`: the walk ended at a block with
-    /// several predecessors, which now stands in `joins`.
+    /// several predecessors, which now is in `joins`.
     fn walk_back(&mut self, var: Var, block: Block, joins: &mut Vec<Join>) -> Option<Value> {
         let mut at = block;
         let mut steps = 0;
@@ -312,7 +312,7 @@ impl FunctionBuilder {
 
     /// Reads `var` at the end of every predecessor of every join, and of those that turn up on the way. The joins stand
     /// in a list and not on the stack of the host, since blocks can have thousands of them in a row. `found` is a value for the
-    /// last join. Gives the value of the first one.
+    /// last join. Returns the value of the first one.
     fn complete_joins(&mut self, var: Var, mut joins: Vec<Join>, found: Option<Value>) -> Value {
         let mut found = found;
         loop {
@@ -336,7 +336,7 @@ impl FunctionBuilder {
         }
     }
 
-    /// Notes what every jump to the join gives for its parameter; returns the parameter, or the one value for which it stands.
+    /// Records the argument of every jump to the join; returns the parameter, or the only value that it can have.
     fn complete_param(&mut self, var: Var, join: Join) -> Value {
         let Join { block, param, .. } = join;
         let mut same = None;
@@ -381,7 +381,7 @@ impl FunctionBuilder {
         }
     }
 
-    /// Drops the parameters that stand for other values, and gives all jumps the operands of those that stay.
+    /// Drops the parameters that mean other values, and adds the operands of the remaining ones to all jumps.
     fn supply_params(&mut self) {
         for (block, state) in self.states.iter_mut() {
             let values = &mut self.function.values;
@@ -390,13 +390,13 @@ impl FunctionBuilder {
             for (index, &param) in (0u32..).zip(params.iter()) {
                 values[param].def = ValueDef::Param(block, index);
             }
-            // In the order of the parameters, as the operands stand in the jumps.
+            // In the order of the parameters, like the operands of the jumps.
             state.joined.sort_by_key(|&(param, _)| match values[param].def {
                 ValueDef::Param(_, index) => index,
                 ValueDef::Result(..) | ValueDef::Alias(_) => u32::MAX,
             });
         }
-        // Predecessors stand in the lists in the order in which they ended, once for each jump.
+        // The lists contain the predecessors in the order of their ends, once for each jump.
         let mut next = vec![0; self.states.len()];
         for &block in &self.ended {
             let Some(inst) = self.function.terminator(block) else { continue };

@@ -39,8 +39,8 @@ pub struct Function {
     pub returns: Vec<Type>,
     /// Bytes of L stack that a call takes, a multiple of [`plcc_abi::layout::FRAME_ALIGN`].
     pub frame_bytes: u32,
-    /// Bytes of L stack behind the frame that functions inlined here have as their frames. Callees have theirs in the same place: what
-    /// stands there does not outlive a call. A multiple of [`plcc_abi::layout::FRAME_ALIGN`].
+    /// Bytes of L stack after the frame that functions inlined here have as their frames. Callees have theirs in the same place: what
+    /// is there does not outlive a call. A multiple of [`plcc_abi::layout::FRAME_ALIGN`].
     pub inlined_bytes: u32,
     pub blocks: EntityVec<Block, BlockData>,
     /// Blocks in the order in which they are printed and laid out; the entry is the first.
@@ -74,7 +74,7 @@ impl Function {
         self.layout[0]
     }
 
-    /// Bytes of local data that the function can address directly: its frame, and what is inlined behind it.
+    /// Bytes of local data that the function can address directly: its frame, and the frames inlined after it.
     pub fn local_bytes(&self) -> u32 {
         self.frame_bytes.saturating_add(self.inlined_bytes)
     }
@@ -97,7 +97,7 @@ impl Function {
         value
     }
 
-    /// Makes an instruction that stands in no block yet.
+    /// Makes an instruction that is in no block yet.
     pub fn make_inst(&mut self, data: InstData, result_types: &[Type], loc: Loc) -> Inst {
         let inst = self.insts.push(data);
         let results = (0u32..)
@@ -133,7 +133,7 @@ impl Function {
         self.values[value].def = ValueDef::Alias(other);
     }
 
-    /// Replaces aliases by what they stand for, in all instructions of all blocks.
+    /// Replaces aliases with their values, in all instructions of all blocks.
     pub fn resolve_aliases(&mut self) {
         // Shorten chains first, so that a long one is walked once.
         for index in 0..self.values.len() {
@@ -161,7 +161,7 @@ impl Function {
         }
     }
 
-    /// The instruction that gives `value`, unless it is a block parameter.
+    /// The instruction that defines `value`, unless it is a block parameter.
     pub fn defining(&self, value: Value) -> Option<&InstData> {
         match self.values[self.resolve(value)].def {
             ValueDef::Result(inst, _) => Some(&self.insts[inst]),

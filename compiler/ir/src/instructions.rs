@@ -121,11 +121,11 @@ ops! {
         Bitcast = "bitcast",
         /// Signed i32 or i64 to f32 or f64, to nearest, ties to even.
         FromSint = "from_sint",
-        /// f32 or f64 to signed i32 or i64, towards zero; saturates, NaN gives 0.
+        /// f32 or f64 to signed i32 or i64, towards zero; saturates, NaN becomes 0.
         ToSint = "to_sint",
         /// Unsigned i32 or i64 to f32 or f64, to nearest, ties to even.
         FromUint = "from_uint",
-        /// f32 or f64 to unsigned i32 or i64, towards zero; saturates, NaN gives 0.
+        /// f32 or f64 to unsigned i32 or i64, towards zero; saturates, NaN becomes 0.
         ToUint = "to_uint",
         Fpromote = "fpromote",
         Fdemote = "fdemote",
@@ -151,7 +151,7 @@ pub enum Region {
     V,
     /// A DB known at compile time, by number.
     Db(u16),
-    /// Some DB: the address' `base` is an offset from the memory base that lies in a DB.
+    /// Some DB: the address' `base` is an offset from the memory base that is in a DB.
     AnyDb,
     /// Anywhere in PLC memory: `base` is an offset from the memory base.
     Any,
@@ -176,7 +176,7 @@ impl Region {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Address {
     pub region: Region,
-    /// An i32 number of bytes, known to be in range where the access stands.
+    /// An i32 number of bytes, known to be in range at the access.
     pub base: Option<Value>,
     pub offset: u32,
 }
@@ -206,7 +206,7 @@ impl BlockCall {
     }
 }
 
-/// An instruction. Results stand in [`Function::results`](crate::Function::results).
+/// An instruction. Results are in [`Function::results`](crate::Function::results).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum InstData {
     /// A constant of the result type: an integer zero-extended from its width, or the bits of a float.
@@ -260,7 +260,7 @@ pub enum InstData {
         bit: u8,
         value: Value,
     },
-    /// Offset of `addr` from the memory base, an i32: usable as `base` of `Any` (of `AnyDb` if it lies in a DB).
+    /// Offset of `addr` from the memory base, an i32: usable as `base` of `Any` (of `AnyDb` if it is in a DB).
     AddressOf {
         addr: Address,
     },
@@ -283,7 +283,7 @@ pub enum InstData {
     DbLength {
         number: Value,
     },
-    /// Calls a function of the module; its frame begins `frame_bytes` of the caller behind the caller's.
+    /// Calls a function of the module; its frame begins `frame_bytes` of the caller after the caller's.
     Call {
         callee: FuncId,
         args: Vec<Value>,
@@ -326,7 +326,7 @@ impl InstData {
         )
     }
 
-    /// True if the instruction does more than give its results.
+    /// True if the instruction does more than compute its results.
     pub fn has_side_effect(&self) -> bool {
         match self {
             InstData::Store { .. }

@@ -3,7 +3,7 @@
 //! A [`Module`] holds one [`Function`] a block of the PLC program. Blocks have parameters, as in Cranelift and MLIR.
 //! Memory operations name a [`Region`] and an offset, so aliasing between regions is known.
 //!
-//! **Invariant**: this crate knows no source language and does no I/O.
+//! **Invariant**: this crate is independent of the source language and does no I/O.
 
 pub mod analysis;
 pub mod builder;

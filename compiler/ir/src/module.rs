@@ -15,7 +15,7 @@ pub struct StaticDb {
     pub length: u32,
 }
 
-/// The functions of one PLC program with what they refer to.
+/// The functions of one PLC program and everything that they refer to.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Module {
     pub functions: EntityVec<FuncId, Function>,
@@ -24,13 +24,13 @@ pub struct Module {
     pub entries: Vec<FuncId>,
     /// Sorted by number.
     pub dbs: Vec<StaticDb>,
-    /// What [`Loc`](crate::Loc) n points at is `sites[n - 1]`.
+    /// [`Loc`](crate::Loc) n points to `sites[n - 1]`.
     pub sites: Vec<Site>,
     pub files: Vec<String>,
 }
 
 impl Module {
-    /// The DB `number`, if the module knows its address.
+    /// The DB `number`, if the module has its address.
     pub fn db(&self, number: u16) -> Option<&StaticDb> {
         self.dbs.binary_search_by_key(&number, |db| db.number).ok().map(|index| &self.dbs[index])
     }

@@ -1,6 +1,6 @@
 //! Reads the text form of a module; see [`print`](crate::print) for its shape.
 //!
-//! Values and blocks may have any number in the text; they are numbered anew in the order of their definitions, so
+//! Values and blocks may have any number in the text; they are numbered again in the order of their definitions, so
 //! that the result is canonical. The parser checks what it needs to build the module (names, result types); whether
 //! the module is valid is for the [verifier](crate::verify).
 
@@ -18,7 +18,7 @@ use crate::instructions::{Address, BinaryOp, BlockCall, ConvertOp, FloatCc, Inst
 use crate::module::{Module, StaticDb};
 use cursor::Cursor;
 
-/// What is wrong with a text.
+/// An error in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParseError {
     /// 1-based.
@@ -34,7 +34,7 @@ impl fmt::Display for ParseError {
 
 impl std::error::Error for ParseError {}
 
-/// What is wrong with a line; the line number is added outside.
+/// An error in a line; the caller adds the line number.
 type LineResult<T> = Result<T, String>;
 
 /// Reads a module. Errors: the first line that cannot be read.
@@ -185,7 +185,7 @@ fn parse_site(cursor: &mut Cursor) -> LineResult<Site> {
         [BlockKind::Ob, BlockKind::Fc, BlockKind::Fb, BlockKind::Sfc, BlockKind::Sfb, BlockKind::Db].into_iter();
     let block = kinds.into_iter().find(|kind| kind.prefix() == &name[..digits]);
     let (Some(block), Ok(block_number)) = (block, name[digits..].parse()) else {
-        return Err(format!("`{name}` is no block, e.g. `FC12`"));
+        return Err(format!("`{name}` is not a block, e.g. `FC12`"));
     };
     cursor.word_is("network")?;
     Ok(Site { file, line, block, block_number, network: cursor.number()? })
@@ -202,7 +202,7 @@ enum ResultType {
 struct Operation {
     data: InstData,
     results: Vec<ResultType>,
-    /// Type that the text gives for the stored value.
+    /// Type of the stored value in the text.
     stored: Option<(Value, Type)>,
 }
 
@@ -337,7 +337,7 @@ impl<'a> FunctionParser<'a> {
             if suffix == "bit" {
                 let (addr, bit) = match name {
                     "load" | "store" => self.bit_address(cursor)?,
-                    _ => return Err(format!("`{opcode}` is no instruction")),
+                    _ => return Err(format!("`{opcode}` is not an instruction")),
                 };
                 if name == "load" {
                     return plain(InstData::LoadBit { addr, bit }, &[ResultType::Known(Type::I1)]);
@@ -367,7 +367,7 @@ impl<'a> FunctionParser<'a> {
                     let stored = Some((value, ty));
                     Ok(Operation { data: InstData::Store { addr, value }, results: Vec::new(), stored })
                 }
-                _ => Err(format!("`{opcode}` is no instruction")),
+                _ => Err(format!("`{opcode}` is not an instruction")),
             };
         }
         if let Some(op) = UnaryOp::from_name(name) {
@@ -472,7 +472,7 @@ impl<'a> FunctionParser<'a> {
                 }
                 plain(InstData::Return { values }, &[])
             }
-            _ => Err(format!("`{opcode}` is no instruction")),
+            _ => Err(format!("`{opcode}` is not an instruction")),
         }
     }
 
@@ -530,7 +530,7 @@ impl<'a> FunctionParser<'a> {
     /// `M 20` or `M[v4]+8`
     fn address(&mut self, cursor: &mut Cursor) -> LineResult<Address> {
         let name = cursor.word()?;
-        let region = region_named(name).ok_or_else(|| format!("`{name}` is no memory region"))?;
+        let region = region_named(name).ok_or_else(|| format!("`{name}` is not a memory region"))?;
         let base = if cursor.take("[") {
             let base = self.value(cursor)?;
             cursor.expect("]")?;
@@ -549,7 +549,7 @@ impl<'a> FunctionParser<'a> {
         Ok((addr, cursor.number()?))
     }
 
-    /// Replaces first mentions by what they name, and settles the types that waited for others.
+    /// Resolves forward references, and the types that depend on them.
     fn finish(mut self, line: u32) -> Result<Function, ParseError> {
         if self.function.layout.is_empty() {
             return Err(ParseError { line, message: format!("function @{} has no block", self.function.name) });
@@ -582,7 +582,7 @@ impl<'a> FunctionParser<'a> {
     }
 }
 
-/// Gives each waiting result the type of the other value. Values are mostly defined before they are used, so that one
+/// Returns each waiting result the type of the other value. Values are usually defined before they are used, so that one
 /// round does it.
 fn settle_types(function: &mut Function, waiting: &mut Vec<(Value, Value, u32)>) -> Result<(), ParseError> {
     let mut unknown = vec![false; function.values.len()];
@@ -609,7 +609,7 @@ fn settle_types(function: &mut Function, waiting: &mut Vec<(Value, Value, u32)>)
 
 fn type_named(name: &str) -> LineResult<Type> {
     const TYPES: [Type; 7] = [Type::I1, Type::I8, Type::I16, Type::I32, Type::I64, Type::F32, Type::F64];
-    TYPES.into_iter().find(|ty| ty.name() == name).ok_or_else(|| format!("`{name}` is no type"))
+    TYPES.into_iter().find(|ty| ty.name() == name).ok_or_else(|| format!("`{name}` is not a type"))
 }
 
 fn region_named(name: &str) -> Option<Region> {

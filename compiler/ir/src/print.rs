@@ -115,7 +115,7 @@ struct FunctionText<'a> {
     blocks: EntityVec<Block, u32>,
 }
 
-/// Number of what is defined nowhere.
+/// Number of an entity without a definition.
 const UNKNOWN: u32 = u32::MAX;
 
 impl<'a> FunctionText<'a> {

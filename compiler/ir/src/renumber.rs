@@ -2,7 +2,7 @@
 //!
 //! Canonical: blocks are numbered as laid out, values and instructions in the order in which they are printed, and
 //! nothing else is stored: no aliases, no instruction outside a block, no block outside the layout. A canonical
-//! function equals what the parser makes of its text.
+//! function equals the parsed form of its text.
 
 use rustc_hash::FxHashMap;
 
@@ -11,8 +11,8 @@ use crate::entities::{Block, Entity, EntityVec, Value};
 use crate::function::{BlockData, Function, ValueData, ValueDef};
 
 impl Function {
-    /// Makes the function canonical: drops instructions that stand in no block, aliases, and blocks that are not laid out.
-    /// Values that are used but defined nowhere, which the verifier would reject, are kept behind the others.
+    /// Makes the function canonical: drops instructions outside of blocks, aliases, and blocks that are not laid out.
+    /// Values that are used but defined nowhere, which the verifier would reject, are kept after the others.
     pub fn renumber(&mut self) {
         self.resolve_aliases();
         let mut blocks = FxHashMap::default();

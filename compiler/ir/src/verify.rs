@@ -2,7 +2,7 @@
 //!
 //! Module
 //! - Function names are unique, not empty, and have no space, `(`, `{`, `;` or `"`; entries exist and take and return nothing.
-//! - DBs are sorted by number, each number once; their data lies behind `layout::DB_DATA`, at most 64 KiB each.
+//! - DBs are sorted by number, each number once; their data is after `layout::DB_DATA`, at most 64 KiB each.
 //! - A frame is a multiple of `layout::FRAME_ALIGN` and at most `layout::L_CLASS_BYTES`; with the bytes for inlined functions too.
 //!
 //! Blocks
@@ -12,9 +12,9 @@
 //! - `ret` supplies the values that the function returns.
 //!
 //! Values
-//! - A value has one definition, whose stored place is right. A use is no alias.
+//! - A value has one definition, whose stored place is right. A use is not an alias.
 //! - The definition of a value dominates its uses, in blocks that can be reached.
-//! - An instruction stands at one place; its site exists.
+//! - An instruction is at one place; its site exists.
 //!
 //! Types
 //! - Constants fit their type. `iadd` to `ashr` and the rotates: i8 to i64, `and or xor`: i1 too, both operands and the
@@ -24,11 +24,11 @@
 //!   `to_sint` are between i32 or i64 and f32 or f64; `fpromote` is f32 to f64, `fdemote` the reverse.
 //! - `select` and `branch` decide by an i1, `switch` by an i32.
 //! - Memory holds no i1 except as a bit 0 to 7. Address bases, DB numbers, addresses and frame bases are i32.
-//! - Calls supply what the callee's entry block takes and give what it returns; runtime calls go by their table.
+//! - Calls match the parameters of the callee's entry block and its results; runtime calls match their table.
 //!
 //! Regions
 //! - `any` and `anydb` have a base.
-//! - `DBn` is a DB of the module. Without a base the whole access lies inside the DB, the frame (`L`), one L stack (`V`),
+//! - `DBn` is a DB of the module. Without a base the whole access is inside the DB, the frame (`L`), one L stack (`V`),
 //!   or the area of 64 KiB (`state`, `I`, `Q`, `M`).
 
 use std::fmt;
@@ -99,7 +99,7 @@ fn verify_module(module: &Module, errors: &mut Vec<VerifyError>) {
     }
     for &entry in &module.entries {
         match module.functions.get(entry) {
-            None => report("", format!("entry {entry} is no function")),
+            None => report("", format!("entry {entry} is not a function")),
             Some(function) => {
                 let takes = function.layout.first().is_some_and(|&block| !function.blocks[block].params.is_empty());
                 if takes || !function.returns.is_empty() {
@@ -110,7 +110,7 @@ fn verify_module(module: &Module, errors: &mut Vec<VerifyError>) {
     }
     for pair in module.dbs.windows(2) {
         if pair[0].number >= pair[1].number {
-            report("", format!("DB{} stands behind DB{}", pair[1].number, pair[0].number));
+            report("", format!("DB{} comes after DB{}", pair[1].number, pair[0].number));
         }
     }
     for db in &module.dbs {
@@ -137,7 +137,7 @@ fn verify_function(module: &Module, function: &Function, errors: &mut Vec<Verify
 #[derive(Clone, Copy)]
 struct Definition {
     block: Block,
-    /// Place behind which it may be used: 0 for parameters, 1 + place of the instruction for results.
+    /// Place after which it may be used: 0 for parameters, 1 + place of the instruction for results.
     after: usize,
 }
 
@@ -186,7 +186,7 @@ impl Verifier<'_> {
         self.collect_definitions();
         self.check_references();
         if self.errors.len() > errors_before {
-            // What follows relies on the structure.
+            // The following checks rely on the structure.
             return;
         }
         for &block in &function.layout {

@@ -1,8 +1,8 @@
-//! Direct addressing of what is known at compile time.
+//! Direct addressing where the address is known at compile time.
 //!
 //! The DBs of the program are never deleted or moved, so that base and length of a DB with a constant number are constants. An
-//! access with a constant base, or with the address of a place as base, is made direct where it surely lies in the region;
-//! then what it may alias is known.
+//! access with a constant base, or with the address of a place as base, is made direct where it surely is in the region;
+//! then its aliases are known.
 //!
 //! ```text
 //! v1 = const.i32 10
@@ -146,7 +146,7 @@ impl Resolver<'_> {
             InstData::AddressOf { addr: place } if matches!(addr.region, Region::Any | Region::AnyDb) => {
                 let offset = place.offset.checked_add(addr.offset)?;
                 let moved = Address { offset, ..place };
-                // Behind the end of its region something else begins.
+                // After the end of its region something else begins.
                 let inside = place.base.is_none() && self.is_inside(&moved, bytes);
                 inside.then_some(moved)
             }
@@ -178,7 +178,7 @@ impl Resolver<'_> {
         (anywhere && self.is_inside(&direct, bytes)).then_some(direct)
     }
 
-    /// True if a direct access lies in its region, as the verifier asks for.
+    /// True if a direct access is in its region, as the verifier asks for.
     fn is_inside(&self, addr: &Address, bytes: u32) -> bool {
         let limit = match addr.region {
             Region::State | Region::I | Region::Q | Region::M | Region::System => layout::AREA_BYTES,

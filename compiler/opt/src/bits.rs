@@ -1,7 +1,7 @@
 //! Bits of memory that are taken out of their byte, or put into it, by arithmetic.
 //!
 //! An FC gets a BOOL as the number of a bit, and works on the byte around it. Once the number is known, the access is one of a bit,
-//! which leaves the others alone. What worked on the byte is dead code then.
+//! which leaves the others alone. The byte operations are then dead code.
 //!
 //! ```text
 //! v1 = load.i8 M 4
@@ -34,7 +34,7 @@ fn find_in_function(function: &mut Function) {
         let block = bits.function.layout[index];
         let insts = std::mem::take(&mut bits.function.blocks[block].insts);
         let mut out = Vec::with_capacity(insts.len());
-        // Bytes that were loaded behind the last write of this block.
+        // Bytes that were loaded after the last write of this block.
         let mut fresh: Vec<Value> = Vec::new();
         for inst in insts {
             match &bits.function.insts[inst] {
@@ -76,7 +76,7 @@ fn find_in_function(function: &mut Function) {
     function.resolve_aliases();
 }
 
-/// How often each value is used, but for uses by what nobody uses itself.
+/// How often each value is used, without uses by unused instructions.
 fn count_uses(function: &Function) -> EntityVec<Value, u32> {
     let mut uses = EntityVec::new();
     for _ in function.values.keys() {
@@ -105,9 +105,9 @@ fn count_uses(function: &Function) -> EntityVec<Value, u32> {
     uses
 }
 
-/// What becomes of an instruction.
+/// The replacement of an instruction.
 enum Replaced {
-    /// This load of a bit stands before it: what is known about a byte counts more than what is known about its bits.
+    /// This load of a bit is before it: what is known about a byte counts more than what is known about its bits.
     Load(Inst),
     /// It is that bit.
     Trunc,
@@ -125,7 +125,7 @@ impl Bits<'_> {
         self.uses.get(value) == Some(&1)
     }
 
-    /// The instruction that gives `value`, if nothing else uses it.
+    /// The instruction that defines `value`, if nothing else uses it.
     fn sole(&self, value: Value) -> Option<(Inst, InstData)> {
         let value = self.function.resolve(value);
         match self.function.values[value].def {
@@ -137,7 +137,7 @@ impl Bits<'_> {
     /// Makes a `trunc` of a bit of a byte that was loaded for it alone a load of the bit, where the byte was loaded.
     fn load(&mut self, trunc: Inst, arg: Value) {
         let result = self.function.result(trunc);
-        // What nobody uses does not count as a use: the byte may be another one's.
+        // An unused instruction does not count as a use: the byte may belong to another one.
         if self.function.ty(result) != Type::I1 || self.uses.get(result) == Some(&0) {
             return;
         }
@@ -165,7 +165,7 @@ impl Bits<'_> {
         }
     }
 
-    /// Makes the store of a byte that differs from what is there in one bit a store of the bit.
+    /// Turns the store of a byte that changes only one bit into a store of the bit.
     fn store(&mut self, store: Inst, addr: Address, value: Value, fresh: &[Value], out: &mut Vec<Inst>) {
         if fresh.is_empty() || self.function.ty(value) != Type::I8 {
             return;
@@ -185,7 +185,7 @@ impl Bits<'_> {
         self.changed = true;
     }
 
-    /// The bit in which `value` differs from the byte at `addr`, and what it is then.
+    /// The bit in which `value` differs from the byte at `addr`, and its new value.
     fn changed_bit(&self, addr: &Address, value: Value, fresh: &[Value]) -> Option<(u8, Bit)> {
         let is_old = |value| {
             let byte = self.low_byte(value);
@@ -209,7 +209,7 @@ impl Bits<'_> {
         }
     }
 
-    /// What has the low byte of `value`.
+    /// The value that has the low byte of `value`.
     fn low_byte(&self, value: Value) -> Value {
         let mut value = self.function.resolve(value);
         while let Some(InstData::Convert { op: ConvertOp::Trunc | ConvertOp::Zext, arg }) =
@@ -237,7 +237,7 @@ impl Bits<'_> {
     }
 }
 
-/// What a bit becomes.
+/// The new value of a bit.
 enum Bit {
     Value(Value),
     Constant(u64),
@@ -267,7 +267,7 @@ mod tests {
         );
         let text = "v2 = load.i8 M 4\nv3 = trunc.i1 v2\nstore.bit Q 0.0, v3\nstore.i8 Q 1, v2\nret v0";
         check(text, text);
-        // Another bit of the byte, that nobody uses.
+        // Another bit of the byte, which is unused.
         check(
             "v2 = load.i8 M 4\nv3 = trunc.i1 v2\nv4 = trunc.i1 v2\nstore.bit Q 0.0, v3\nret v0",
             "v3 = load.bit M 4.0\nv2 = load.i8 M 4\nv4 = trunc.i1 v2\nstore.bit Q 0.0, v3\nret v0",

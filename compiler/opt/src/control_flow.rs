@@ -112,7 +112,7 @@ fn next_target(function: &Function, foreign: &[bool], call: &BlockCall) -> Optio
     Some(BlockCall { block: target.block, args: target.args.iter().map(|&arg| argument(arg)).collect() })
 }
 
-/// What a block parameter gets from all jumps.
+/// The arguments of all jumps for a block parameter.
 #[derive(Clone, Copy)]
 enum Incoming {
     Nothing,

@@ -1,6 +1,6 @@
-//! Removal of what nobody uses, across functions.
+//! Removal of unused code and values, across functions.
 //!
-//! Starting from what has an effect, everything that it needs is marked: through instructions, block parameters, and the
+//! Starting from instructions with an effect, the pass marks everything that they need: through instructions, block parameters, and the
 //! parameters and returned values of the functions of the module. The rest goes: status bits that are not read, loads,
 //! parameters that only hand something on, CPU registers that no caller looks at.
 //!
@@ -24,7 +24,7 @@ pub fn eliminate_dead_code(module: &mut Module) {
     }
 }
 
-/// What is used in a function.
+/// The used parts of a function.
 struct Live {
     values: Vec<bool>,
     returns: Vec<bool>,
@@ -118,7 +118,7 @@ impl<'a> Marker<'a> {
         self.live
     }
 
-    /// Marks what an instruction needs for its effect.
+    /// Marks the values that an instruction needs for its effect.
     fn mark_effect(&mut self, id: FuncId, data: &InstData) {
         match data {
             InstData::Call { .. } | InstData::Return { .. } | InstData::Jump { .. } => {}
@@ -179,7 +179,7 @@ fn kept_interfaces(module: &Module, live: &EntityVec<FuncId, Live>) -> EntityVec
     kept
 }
 
-/// Removes what is not marked.
+/// Removes everything that is not marked.
 fn sweep(function: &mut Function, live: &Live, id: FuncId, kept: &EntityVec<FuncId, Kept>) {
     let removed: Vec<bool> = live.values.iter().map(|live| !live).collect();
     remove_params(function, &removed);

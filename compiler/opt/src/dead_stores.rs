@@ -5,7 +5,7 @@
 //! regions that it may alias everything; a call and a runtime function that may run organization blocks take out
 //! everything.
 //!
-//! Local data are looked at as a whole beside that: in a private frame (see `frames`) bytes that are never read anywhere need
+//! Local data are also checked as a whole: in a private frame (see `frames`) bytes that are never read anywhere need
 //! no store and no `clear`.
 
 use plcc_abi::functions::Effect;
@@ -28,14 +28,14 @@ pub fn eliminate_dead_stores(module: &mut Module) {
 /// Ranges that are kept for one base; more are forgotten, so that time stays linear.
 const RANGES_MAX: usize = 1024;
 
-/// Ranges behind each base of a region.
+/// Ranges from each base of a region.
 type Bases = Vec<(Option<Value>, Extents<()>)>;
 
 /// Ranges that are written before they are read.
 #[derive(Default)]
 struct Overwritten {
     ranges: FxHashMap<Region, Bases>,
-    /// The whole frame is dead, indexed or not, but for what a read took out.
+    /// The whole frame is dead, indexed or not, except the ranges that a read excluded.
     frame_ends: bool,
 }
 
@@ -104,7 +104,7 @@ impl Overwritten {
             self.ranges.retain(|&region, _| region == access.region || !region.may_alias(access.region));
             return;
         }
-        // A region of its own overlaps these two and itself, however many there are.
+        // A separate region overlaps these two and itself, however many there are.
         for wide in [Region::Any, Region::AnyDb] {
             if wide.may_alias(access.region) {
                 self.ranges.remove(&wide);
@@ -227,7 +227,7 @@ fn visit(function: &mut Function, id: FuncId, frames: &Frames, inst: Inst, overw
     }
 }
 
-/// Removes stores to local data that nobody reads, and shortens `clear`.
+/// Removes stores to local data that are never read, and shortens `clear`.
 fn remove_unread_local_data(function: &mut Function, id: FuncId, frames: &Frames) {
     let Some(read) = local_data_read(function, id, frames) else { return };
     let overlap = |access: &Access| access.base.is_some() || read.overlaps(access.start, access.end);
@@ -256,7 +256,7 @@ fn remove_unread_local_data(function: &mut Function, id: FuncId, frames: &Frames
     }
 }
 
-/// Ranges of local data that are read anywhere; `None` if that cannot be told.
+/// Ranges of local data that are read anywhere; `None` if they are unknown.
 fn local_data_read(function: &Function, id: FuncId, frames: &Frames) -> Option<Extents<()>> {
     if !frames.is_private(id) || function.frame_bytes == 0 {
         return None;

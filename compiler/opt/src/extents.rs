@@ -10,7 +10,7 @@ use plcc_ir::{Address, Region, Type, Value};
 pub struct Access {
     pub region: Region,
     pub base: Option<Value>,
-    /// First bit behind region and base.
+    /// First bit after region and base.
     pub start: u64,
     /// First bit that is not touched.
     pub end: u64,
@@ -32,7 +32,7 @@ impl Access {
     }
 }
 
-/// A range with what is known about it.
+/// A range with the facts about it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent<T> {
     pub start: u64,
@@ -72,8 +72,8 @@ impl<T: Copy + PartialEq> Extents<T> {
     /// Places of the ranges that overlap `start..end`.
     fn overlapping(&self, start: u64, end: u64) -> std::ops::Range<usize> {
         let first = self.items.partition_point(|item| item.end <= start);
-        let behind = first + self.items[first..].partition_point(|item| item.start < end);
-        first..behind
+        let after = first + self.items[first..].partition_point(|item| item.start < end);
+        first..after
     }
 
     pub fn overlaps(&self, start: u64, end: u64) -> bool {
@@ -86,7 +86,7 @@ impl<T: Copy + PartialEq> Extents<T> {
         (item.start <= start && end <= item.end).then_some(*item)
     }
 
-    /// Forgets `start..end`. What is left of a range that lies partly in it is kept if `divisible` says so.
+    /// Forgets `start..end`. The rest of a range that is partly inside is kept if `divisible` allows it.
     pub fn cut(&mut self, start: u64, end: u64, divisible: impl Fn(T) -> bool) {
         let range = self.overlapping(start, end);
         if range.is_empty() {
@@ -122,7 +122,7 @@ impl<T: Copy + PartialEq> Extents<T> {
         self.items.splice(range, [new]);
     }
 
-    /// Keeps what `keep` says.
+    /// Keeps the ranges that `keep` accepts.
     pub fn retain(&mut self, keep: impl FnMut(&Extent<T>) -> bool) {
         self.items.retain(keep);
     }

@@ -7,14 +7,14 @@
 //! v3 = and v1, -65536        ; the high word of ACCU1 is kept ...
 //! v4 = zext.i32 v2
 //! v5 = or v3, v4
-//! v6 = trunc.i16 v5          ; ... and nobody asks for it: v6 is v2
+//! v6 = trunc.i16 v5          ; ... and it is unused: v6 is v2
 //!
 //! v7 = slt v1, v2            ; CC0
 //! v8 = sgt v1, v2            ; CC1
 //! v9 = or v7, v8             ; `JN` after a comparison: ne v1, v2
 //! ```
 //!
-//! Every rule gives the same bits for all operands; NaN patterns included, which is why floats know few rules. A division is
+//! Every rule produces the same bits for all operands, including NaN patterns. Therefore floats have few rules. A division is
 //! folded only if it is defined. No rule makes an instruction that was not there on a path before.
 
 mod compare;
@@ -42,7 +42,7 @@ fn fold_function(function: &mut Function) {
     function.resolve_aliases();
 }
 
-/// What becomes of an instruction.
+/// The replacement of an instruction.
 enum Change {
     /// Its result is this value.
     Value(Value),
@@ -187,7 +187,7 @@ impl Folder<'_> {
             (ConvertOp::Zext, ConvertOp::Zext)
             | (ConvertOp::Sext, ConvertOp::Sext)
             | (ConvertOp::Trunc, ConvertOp::Trunc) => again(op),
-            // The sign of what was filled with 0 is 0.
+            // The sign of a value filled with 0 is 0.
             (ConvertOp::Sext, ConvertOp::Zext) => again(ConvertOp::Zext),
             (ConvertOp::Trunc, ConvertOp::Zext | ConvertOp::Sext) => {
                 if to == narrow {

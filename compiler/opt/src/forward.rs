@@ -1,7 +1,7 @@
 //! Store-to-load forwarding and removal of redundant loads and stores.
 //!
-//! Walking forward, the pass keeps what is known about memory: ranges of bits that hold a value, or 0 behind a `clear`. A load of
-//! such a range is the value, or a part of it; a store of what is there already goes away.
+//! Walking forward, the pass keeps what is known about memory: ranges of bits that hold a value, or 0 after a `clear`. A load of
+//! this range is the value, or a part of it; a store of the same value is removed.
 //!
 //! ```text
 //! store.bit M 10.0, v1
@@ -11,13 +11,13 @@
 //! v5 = load.bit DB5 3.0      ; bit 0 of v3
 //! ```
 //!
-//! A store makes unknown what it may overlap: in the same region and with the same base what really overlaps; with another
+//! A store invalidates the ranges that it may overlap: in the same region and with the same base the real overlaps; with another
 //! base everything in the region and in those that may alias it. A call makes everything unknown, except a private frame
 //! (see `frames`) that the callee does not touch.
 //!
-//! A block with one predecessor begins with what that one knew at its end; a join with what all predecessors know alike; a loop
-//! head with nothing. Cold blocks call the runtime, which may change all memory but a private frame, so that they begin with what is
-//! known about that. What is known is bounded, so that time stays linear.
+//! A block with one predecessor begins with the facts at its end; a join with the facts that all predecessors share; a loop
+//! head with none. Cold blocks call the runtime, which may change all memory but a private frame, so they begin with the facts
+//! about that. The number of facts is bounded, so time stays linear.
 
 use std::rc::Rc;
 
@@ -72,13 +72,13 @@ fn forward_in_function(function: &mut Function, id: FuncId, frames: &Frames) {
     function.resolve_aliases();
 }
 
-/// What is known at the end of a block, and how many jumps have yet to carry it on.
+/// The facts at the end of a block, and how many jumps still have to pass them on.
 struct AtEnd {
     memory: Memory,
     readers: usize,
 }
 
-/// True if `next`, which comes later in the walk, begins with what is known at the end of `block`, be it of the own frame only.
+/// True if `next`, which comes later in the walk, begins with the facts at the end of `block`, maybe only those about its own frame.
 fn takes_from(function: &Function, cfg: &ControlFlow, block: Block, next: Block, cold_takes_frame: bool) -> bool {
     (!function.blocks[next].cold || cold_takes_frame) && cfg.rpo_index(block) < cfg.rpo_index(next)
 }
@@ -126,7 +126,7 @@ fn known_at_start(
     }
 }
 
-/// What a range of memory holds.
+/// The content of a range of memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Content {
     Value(Value),
@@ -134,14 +134,14 @@ enum Content {
     Zero,
 }
 
-/// What is known behind each base of a region.
+/// The facts from each base of a region.
 type Bases = Vec<(Option<Value>, Rc<Extents<Content>>)>;
 
-/// What is known about memory.
+/// The facts about memory.
 #[derive(Clone, Default)]
 struct Memory {
     regions: FxHashMap<Region, Bases>,
-    /// Entries of the DB table: (number, wants the length, value).
+    /// Entries of the DB table: (number, whether it is the length, value).
     dbs: Vec<(Value, bool, Value)>,
 }
 
@@ -152,7 +152,7 @@ impl Memory {
         }
     }
 
-    /// What is known about the own frame.
+    /// The facts about the function's own frame.
     fn frame(&self) -> Memory {
         let mut frame = Memory::default();
         if let Some(bases) = self.regions.get(&Region::L) {
@@ -166,7 +166,7 @@ impl Memory {
         bases.iter().find(|(base, _)| *base == access.base).map(|(_, extents)| &**extents)
     }
 
-    /// Notes what an access has read or written; the range is unknown so far.
+    /// Records the value that an access has read or written; nothing is known about the range yet.
     fn learn(&mut self, access: &Access, content: Content) {
         let bases = self.regions.entry(access.region).or_default();
         let index = match bases.iter().position(|(base, _)| *base == access.base) {
@@ -186,7 +186,7 @@ impl Memory {
         extents.insert(access.start, access.end, content, content == Content::Zero);
     }
 
-    /// Forgets what a write to `access` may change.
+    /// Forgets the facts that a write to `access` may change.
     fn forget(&mut self, access: &Access) {
         match access.region {
             Region::State | Region::I | Region::Q | Region::M | Region::System | Region::L | Region::V => {
@@ -210,7 +210,7 @@ impl Memory {
         }
     }
 
-    /// Forgets in one region: what overlaps behind the same base, everything behind others.
+    /// Forgets in one region: what overlaps from the same base, everything from others.
     fn forget_in(&mut self, region: Region, access: &Access) {
         let Some(bases) = self.regions.get_mut(&region) else { return };
         bases.retain(|(base, _)| *base == access.base);
@@ -221,7 +221,7 @@ impl Memory {
         }
     }
 
-    /// Forgets everything but, perhaps, the own frame. Frames of inlined functions behind it are overwritten.
+    /// Forgets everything but, perhaps, the own frame. Frames of inlined functions after it are overwritten.
     fn forget_all(&mut self, keep_frame: bool, function: &Function) {
         // A new table: one that was large once would be walked from end to end at each call.
         let frame = self.regions.remove(&Region::L).filter(|_| keep_frame);
@@ -256,7 +256,7 @@ impl Memory {
     }
 }
 
-/// What to do with an instruction.
+/// The action for an instruction.
 enum Step {
     Keep,
     /// It does nothing.
@@ -360,7 +360,7 @@ impl Forward<'_> {
                     None => Step::Keep,
                 };
             }
-            // What is known about its parts, above all bits, is worth more than the whole.
+            // Facts about its parts, above all bits, are worth more than the whole.
             if extents.overlaps(access.start, access.end) {
                 return Step::Keep;
             }
@@ -387,7 +387,7 @@ impl Forward<'_> {
         if !whole_type.is_int() || !ty.is_int() || access.region == Region::State {
             return None;
         }
-        // Memory is big-endian: bytes behind the part are below it. Within its byte a bit has its own number.
+        // Memory is big-endian: bytes after the part are below it. Within its byte a bit has its own number.
         let bytes_behind = (extent.end - access.end.next_multiple_of(8)) / 8;
         let shift = bytes_behind * 8 + if ty == Type::I1 { access.start % 8 } else { 0 };
         let shifted = if shift == 0 {
@@ -459,7 +459,7 @@ impl Forward<'_> {
     }
 }
 
-/// The one word of memory that changes by itself: signals set it.
+/// The only word of memory that changes asynchronously: signals set it.
 fn is_attention(access: &Access) -> bool {
     let start = u64::from(state::ATTENTION) * 8;
     access.region == Region::State && (access.base.is_some() || access.start < start + 32 && start < access.end)
@@ -529,10 +529,10 @@ mod tests {
 
     #[test]
     fn a_private_frame_is_known_behind_a_safepoint() {
-        let around = |behind: &str| {
+        let around = |after: &str| {
             format!(
                 "store.i32 L 0, v0\nstore.i32 M 0, v0\nbranch v1, b1, b2\nb1 cold:\nv2 = rt \
-                 @safepoint(v0)\njump b2\nb2:\n{behind}"
+                 @safepoint(v0)\njump b2\nb2:\n{after}"
             )
         };
         check(

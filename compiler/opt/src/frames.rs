@@ -3,14 +3,14 @@
 //! A frame is *private* if its address goes nowhere: then only the function itself reaches it by region `L`, and a callee by
 //! region `V`. Pointers to local data in PLC memory are area pointers, which code turns into an address by `address` or
 //! `frame_base` where they are used; so a frame that has neither cannot be reached in another way, by organization
-//! blocks that run in between either: they have frames of their own. An address goes nowhere if the
+//! blocks that run in between either: they have their own frames. An address does not escape if the
 //! function calculates with it, compares it, where room on the L stack is counted, or makes accesses to `any` with it as base; those
 //! may alias region `L` anyway.
 
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::{FuncId, Function, InstData, Module, Region, Value};
 
-/// What is known about the frames of a module's functions.
+/// The facts about the frames of a module's functions.
 pub struct Frames {
     facts: EntityVec<FuncId, Facts>,
 }
@@ -30,7 +30,7 @@ impl Frames {
         Frames { facts }
     }
 
-    /// True if nobody but `function` and its direct callees can reach its frame.
+    /// True if only `function` and its direct callees can reach its frame.
     pub fn is_private(&self, function: FuncId) -> bool {
         self.facts[function].is_private
     }
@@ -67,7 +67,7 @@ fn is_given_away(function: &Function, is_local: &dyn Fn(Region) -> bool) -> bool
     if !insts().any(|&inst| is_source(&function.insts[inst])) {
         return false;
     }
-    // What is computed from an address. Definitions come before uses, except where blocks are laid out otherwise: such a use counts
+    // Values computed from an address. Definitions come before uses, except where blocks are laid out otherwise: such a use counts
     // as giving it away.
     let mut derived = vec![false; function.values.len()];
     for &inst in insts() {

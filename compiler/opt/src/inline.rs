@@ -7,18 +7,18 @@
 //! call @FC1(v2, v3)          ; v4 = load.i16 any[v2]; store.i16 any[v3], v4
 //! ```
 //!
-//! Functions are visited with callees before callers, so that what has been inlined into a callee goes on with it. Only a function
+//! Functions are visited with callees before callers, so code inlined into a callee moves with it. Only a function
 //! that makes no calls itself (any more) is inlined:
 //!
-//! - Its frame lies where that of any callee begins, [`Function::inlined_bytes`] behind the caller's frame. So local data lie where
-//!   they lay, and neither their sum nor what area V shows changes.
+//! - Its frame begins where that of any callee begins, [`Function::inlined_bytes`] after the caller's frame. So local data keep
+//!   their addresses, and neither their total size nor the content of area V changes.
 //! - It is not recursive.
 //!
-//! Behind a call stands a safepoint (see `safepoint`). A STOP in the callee is a return, and the safepoint makes the caller return, too:
+//! A safepoint follows each call (see `safepoint`). A STOP in the callee is a return, and the safepoint makes the caller return, too:
 //! inlined code goes there directly. If the callee calls nothing in the runtime that can bring a STOP or an interrupt, it is
 //! as if its instructions stood in the caller, and the safepoint goes away.
 //!
-//! `cost` says what is worth it. Functions that nobody calls any more are removed.
+//! `cost` decides which functions are worth it. Functions without calls are then removed.
 
 mod cost;
 mod safepoint;
@@ -136,7 +136,7 @@ impl<'a> Inliner<'a> {
             for (index, &inst) in insts.iter().enumerate() {
                 match self.chosen(caller, block, inst) {
                     Some((callee, shape)) => {
-                        let safepoint = Safepoint::behind_call(caller, &insts[index + 1..]);
+                        let safepoint = Safepoint::after_call(caller, &insts[index + 1..]);
                         if shape.is_quiet
                             && let Some(safepoint) = &safepoint
                         {
@@ -176,7 +176,7 @@ impl<'a> Inliner<'a> {
     }
 }
 
-/// Where an address of an inlined function lies for the function that has a frame of `frame_bytes`.
+/// The address of an inlined function as seen from the function that has a frame of `frame_bytes`.
 fn address_in_caller(addr: Address, frame_bytes: u32) -> Address {
     match addr.region {
         Region::L => Address { offset: addr.offset + frame_bytes, ..addr },

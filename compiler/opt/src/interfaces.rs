@@ -1,10 +1,10 @@
-//! What functions hand over, seen from both sides.
+//! Parameters and results of functions, seen from both sides.
 //!
 //! - A returned value that is always the same constant, or always the same parameter, is known to the caller without asking:
 //!   most blocks leave the address registers and many status bits as they were.
 //! - A parameter that all callers set to the same constant is that constant.
 //!
-//! What is not needed any more is then dead code.
+//! Values that are no longer needed are then dead code.
 
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::function::ValueDef;
@@ -13,7 +13,7 @@ use plcc_ir::{FuncId, Function, InstData, Loc, Module, Value};
 /// Rounds over the module: knowledge goes up one level of calls with each.
 const ROUNDS_MAX: usize = 4;
 
-/// Spreads what is known about parameters and returned values.
+/// Propagates the facts about parameters and returned values.
 pub fn simplify_interfaces(module: &mut Module) {
     for _ in 0..ROUNDS_MAX {
         let returned = returned_values(module);
@@ -25,7 +25,7 @@ pub fn simplify_interfaces(module: &mut Module) {
     }
 }
 
-/// What is known about a value that crosses the border of a function.
+/// The facts about a value that crosses the boundary of a function.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Known {
     /// Nothing has been seen yet.
@@ -136,7 +136,7 @@ fn replace_uses_of_result(function: &mut Function, result: Value, value: Value) 
     }
 }
 
-/// Gives calls results of their own again where these have become names of other values.
+/// Restores separate results of calls where these have become aliases of other values.
 fn settle_results(function: &mut Function) {
     function.resolve_aliases();
     for index in 0..function.layout.len() {
@@ -161,7 +161,7 @@ fn constant_params(module: &Module) -> EntityVec<FuncId, Vec<Known>> {
                 called[callee.index()] |= *callee != id;
                 for (index, &arg) in args.iter().enumerate() {
                     let known = match known_of(function, arg) {
-                        // A recursive call hands on what the first one got.
+                        // A recursive call passes on the arguments of the first one.
                         Known::Param(param) if *callee == id && param == index => Known::Nothing,
                         Known::Param(_) => Known::Unknown,
                         known => known,

@@ -1,7 +1,7 @@
 //! Which bits of a value are surely 0.
 //!
 //! The accumulators are 32 bits wide and most instructions work on their low word, so that values are cut apart and put
-//! together all the time. What is known about zero bits takes this apart again, and decides bounds checks.
+//! together all the time. Facts about zero bits undo this, and decide bounds checks.
 
 use plcc_abi::layout;
 use plcc_ir::{Address, BinaryOp, ConvertOp, Function, InstData, Region, Value, eval};
@@ -79,7 +79,7 @@ fn zero_bits(function: &Function, value: Value, depth: u32) -> u64 {
             | BinaryOp::Fdiv => 0,
         },
         InstData::Convert { op: ConvertOp::Zext | ConvertOp::Trunc, arg } => of(arg),
-        // All L stacks lie below the DB table.
+        // All L stacks are below the DB table.
         InstData::AddressOf { addr: Address { region: Region::L | Region::V, base: None, offset } }
             if offset <= layout::L_CLASS_BYTES =>
         {

@@ -3,7 +3,7 @@
 //! [`PIPELINE`] is the list of passes in their order; each is one file with its idea on top. All take time near linear in
 //! the size of the program and never recurse by it: a PLC block can have tens of thousands of lines.
 //!
-//! **Invariant**: a pass keeps what an observer of PLC memory can see: memory at calls, at runtime functions that may run
+//! **Invariant**: a pass keeps everything that an observer of PLC memory can see: memory at calls, at runtime functions that may run
 //! organization blocks, and at the end of the block.
 
 mod addresses;
@@ -79,7 +79,7 @@ pub fn optimize(module: &mut Module) {
     });
 }
 
-/// As [`optimize`]; calls `after` with the name of each pass and what it made.
+/// Like [`optimize`]; calls `after` with the name of each pass and its result.
 pub fn optimize_with(module: &mut Module, after: &mut dyn FnMut(&'static str, &Module)) {
     for pass in PIPELINE {
         (pass.run)(module);
@@ -116,14 +116,14 @@ pub fn run_listed_passes(text: &str) -> Result<String, String> {
     Ok(plcc_ir::print::module_text(&module))
 }
 
-/// Panics if the verifier rejects what the pass `name` made: a bug of the pass.
+/// Panics if the verifier rejects the result of the pass `name`: a bug of the pass.
 pub fn check(name: &str, module: &Module) {
     if let Err(errors) = plcc_ir::verify::verify(module) {
         panic!("after {name}: {}\n{}", errors[0], plcc_ir::print::module_text(module));
     }
 }
 
-/// Drops blocks, instructions and values that earlier passes took out, and numbers the rest anew.
+/// Drops blocks, instructions and values that earlier passes took out, and numbers the rest again.
 fn compact(module: &mut Module) {
     module.functions.values_mut().for_each(plcc_ir::Function::compact);
 }

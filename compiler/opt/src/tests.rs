@@ -3,7 +3,7 @@
 use plcc_ir::parse::parse_module;
 use plcc_ir::print::module_text;
 
-/// Runs the pass `name` on a module and compares what it makes with `expected`, both in canonical numbering.
+/// Runs the pass `name` on a module and compares its result with `expected`, both in canonical numbering.
 #[track_caller]
 pub fn check_pass(name: &str, text: &str, expected: &str) {
     let mut module = parse_module(text).expect("text is well formed");

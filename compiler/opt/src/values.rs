@@ -2,7 +2,7 @@
 //!
 //! Blocks are visited in the order of the dominator tree. A pure instruction that computes what another one has computed
 //! whose block dominates this one is replaced by it. Where a block is reached by one arm of a branch only, the condition is
-//! known in it and in all that it dominates: `JC` behind another `JC` on the same RLO needs no test.
+//! known in it and in all that it dominates: `JC` after another `JC` on the same RLO needs no test.
 
 use std::collections::hash_map::Entry;
 
@@ -19,7 +19,7 @@ pub fn share_values(module: &mut Module) {
     module.functions.values_mut().for_each(share_in_function);
 }
 
-/// A condition that is known behind a block.
+/// A condition that is known after a block.
 #[derive(Clone, Copy)]
 struct Known {
     block: Block,
@@ -92,7 +92,7 @@ fn known_condition(function: &Function, cfg: &ControlFlow, block: Block) -> Opti
     }
 }
 
-/// What identifies the result of a pure instruction; constant addresses and runtime functions without effect included.
+/// The key of the result of a pure instruction. Constant addresses and runtime functions without effect are included.
 fn key_of(function: &Function, inst: Inst) -> Option<(Type, InstData)> {
     let data = match &function.insts[inst] {
         InstData::Binary { op, args: [a, b] } if is_commutative(*op) && b.index() < a.index() => {

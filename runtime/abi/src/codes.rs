@@ -28,7 +28,7 @@ pub mod sync {
     pub const IO_WRITE: u8 = 0x43;
 }
 
-/// Instructions with which a block handles its own synchronous errors, and what they give.
+/// Instructions with which a block handles its own synchronous errors, and their results.
 /// Source: LAD/FBD reference for S7-1200, GET_ERROR and GET_ERR_ID.
 pub mod local_error {
     /// Number of the system function GET_ERROR.

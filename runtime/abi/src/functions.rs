@@ -1,7 +1,7 @@
 //! The table of runtime functions that generated code calls.
 //!
 //! One row gives the name, the parameters and the result; the linker symbol is `plcc_rt_` + name. The runtime defines
-//! each as `extern "C"`; unless a row is `pure`, a pointer to the memory base stands before the listed parameters.
+//! each as `extern "C"`; unless a row is `pure`, a pointer to the memory base is before the listed parameters.
 //! A `site` is an index into the sites of the program image.
 //! `i1`, `i8` and `i16` never cross this border: bits and bytes travel as `i32`, 0 or 1 for a bit.
 
@@ -55,7 +55,7 @@ impl Type {
 /// What a runtime function may do to PLC memory, for the optimiser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Effect {
-    /// No memory at all; the same arguments give the same result. No memory pointer is passed.
+    /// No memory at all; the same arguments have the same result. No memory pointer is passed.
     Pure,
     /// Touches timer or counter cells and the clock only.
     Cells,
@@ -109,8 +109,8 @@ runtime_functions! {
     /// at once.
     Safepoint = "safepoint"(site: I32) -> I32, All;
     /// Synchronous error `code` (see `codes::sync`) at `site`; `access` is the access byte, `info` the fault register
-    /// (address or number). Runs OB 121 or OB 122, else STOP. Result as `Safepoint`; afterwards SUBSTITUTE holds what a
-    /// read gives.
+    /// (address or number). Runs OB 121 or OB 122, else STOP. Result as `Safepoint`; afterwards SUBSTITUTE holds the value that a
+    /// read returns.
     SyncError = "sync_error"(site: I32, code: I32, access: I32, info: I32) -> I32, All;
     /// As `SyncError`, in a block that contains GET_ERROR or GET_ERR_ID: keeps the first error in the frame at `lbase`. Result as
     /// `Safepoint`.
@@ -121,7 +121,7 @@ runtime_functions! {
     /// number. Registers travel in the CPU state. `lbase` is where the callee's frame begins, `vbase` where the
     /// caller's does. A missing block is a synchronous error. Result as `Safepoint`.
     CallBlock = "call_block"(site: I32, kind: I32, number: I32, lbase: I32, vbase: I32) -> I32, All;
-    /// Calls system function `number`; its parameters lie at `block`, laid out like a structure (IN, OUT, IN_OUT).
+    /// Calls system function `number`; its parameters are at `block`, laid out like a structure (IN, OUT, IN_OUT).
     /// `lbase` is the caller's frame, to which L and V pointers among them refer. Result: bit 0 BR, bit 1 as `Safepoint`.
     SystemFunction = "system_function"(site: I32, number: I32, block: I32, lbase: I32) -> I32, All;
 
@@ -189,7 +189,7 @@ runtime_functions! {
     S7200Counter = "s7200_counter"(number: I32) -> I32, System;
     /// Milliseconds since the CPU was switched on, 32 bits of them (BITIM).
     S7200Milliseconds = "s7200_milliseconds"() -> I32, Cells;
-    /// The program has written special memory byte `byte`, one of those with an effect of their own.
+    /// The program has written special memory byte `byte`, one of those with a side effect.
     S7200SpecialWritten = "s7200_special_written"(byte: I32), System;
 
     Sin = "sin"(x: F32) -> F32, Pure;

@@ -1,6 +1,6 @@
-//! What the compiler tells the runtime about a program.
+//! The description of a program for the runtime.
 //!
-//! An executable carries a [`ProgramImage`] beside its code, encoded with `postcard` under the symbol `plcc_image`,
+//! An executable carries a [`ProgramImage`] next to its code, encoded with `postcard` under the symbol `plcc_image`,
 //! and the addresses of its entry functions under `plcc_entries`; `plcc run` and `plcc test` hand the value over.
 
 use serde::{Deserialize, Serialize};
@@ -150,10 +150,10 @@ pub enum AssertOp {
 /// What the value of a side of an assertion is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AssertType {
-    /// So many bits without another meaning: registers, addresses, BYTE to LWORD.
+    /// Bits without another meaning: registers, addresses, BYTE to LWORD.
     Bits(u8),
     Bool,
-    /// So many bits with a sign.
+    /// Signed bits.
     Signed(u8),
     Unsigned(u8),
     Real,
@@ -214,7 +214,7 @@ pub enum AssertConstant {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AssertSide {
     pub ty: AssertType,
-    /// Its value; `None`: code brings it.
+    /// Its value; `None`: code supplies it.
     pub constant: Option<AssertConstant>,
 }
 
@@ -245,7 +245,7 @@ pub struct AssertEntry {
     /// The source line, trimmed.
     pub text: String,
     pub condition: AssertCondition,
-    /// At least one. Code brings their values in this order; behind those of the last one the assertion is judged.
+    /// At least one. Code supplies their values in this order; after the last one the assertion is judged.
     pub comparisons: Vec<AssertComparison>,
     /// Both sides are different constants: it must never be reached.
     pub trap: bool,
@@ -266,7 +266,7 @@ pub struct Config {
     pub cycle_time_max_ms: u32,
     /// Time from one cycle start to the next, if the flags of the run say nothing.
     pub cycle_time_ms: Option<u32>,
-    /// S7-1200/1500 without OB 80: whether the first cycle that is too long stops the CPU; `None`: as the family has it.
+    /// S7-1200/1500 without OB 80: whether the first cycle that is too long stops the CPU; `None`: the default of the family.
     pub overrun_stops: Option<bool>,
     /// Clock memory byte, if one is configured.
     pub clock_memory_byte: Option<u16>,
@@ -346,18 +346,18 @@ pub struct Module {
     pub input_bytes: u32,
     pub output_start: u32,
     pub output_bytes: u32,
-    /// What is known of it if plc.toml describes the station.
+    /// Its description if plc.toml describes the station.
     pub station: Option<StationModule>,
 }
 
-/// A module of a station: where it stands and what its channels are.
+/// A module of a station: its position and its channels.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StationModule {
     pub rack: u8,
     pub slot: u8,
     /// `6ES7 331-7KB02-0AB0`; empty if unknown.
     pub order: String,
-    /// Analog input channels, a word each from the start of the inputs; none if the module is not analog.
+    /// Analog input channels, one word each from the start of the inputs; none if the module is not analog.
     pub analog_inputs: Vec<AnalogChannel>,
     /// Analog output channels.
     pub analog_outputs: Vec<AnalogChannel>,
@@ -370,7 +370,7 @@ pub struct StationModule {
 pub struct AnalogChannel {
     /// Name of its measuring or output range, `4..20 mA`; empty if not configured.
     pub range: String,
-    /// Resolution in bits behind the sign, 15 at most.
+    /// Resolution in bits without the sign, 15 at most.
     pub bits: u8,
     /// A current below 1.185 mA is shown as wire break.
     pub wire_break: bool,
@@ -381,7 +381,7 @@ pub struct AnalogChannel {
 pub struct ErrorSlot {
     pub kind: BlockKind,
     pub number: u16,
-    /// Where the ErrorStruct of the first error lies in the block's local data.
+    /// Where the ErrorStruct of the first error is in the block's local data.
     pub offset: u32,
 }
 
@@ -401,11 +401,11 @@ pub struct ProgramImage {
     pub files: Vec<String>,
     pub asserts: Vec<AssertEntry>,
     pub symbols: Vec<SymbolEntry>,
-    /// What stands in for parts that are missing, and what is left out for want of them: a line each, told at the start of a run.
+    /// Stand-ins for missing parts, and parts left out because of them: one line each, reported at the start of a run.
     pub partial: Vec<String>,
     /// The program may end itself (SFC 46, STP): `plcc test` runs it until then.
     pub stops_itself: bool,
-    /// What every run says first, a line each.
+    /// Lines that every run prints first.
     pub notices: Vec<String>,
     /// Of an S7-200.
     pub s7200: Option<S7200Image>,

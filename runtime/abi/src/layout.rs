@@ -1,7 +1,7 @@
 //! Layout of PLC memory.
 //!
-//! All areas of a CPU lie in one allocation. Generated code reaches each of them as `base + offset`; the offsets
-//! below are bytes from that base and hold for every profile, so that a profile changes limits only, never addresses.
+//! All areas of a CPU are in one allocation. Generated code reaches each of them as `base + offset`; the offsets
+//! below are bytes from that base and hold for every profile, so a profile changes only limits, never addresses.
 //! Areas do not begin at the same offset of a memory page: processors take a load for dependent on an earlier store
 //! whose address ends in the same 12 bits, and programs use low addresses of every area.
 //! PLC areas are big-endian, as on the CPU; the CPU state is in host byte order.
@@ -50,7 +50,7 @@ pub const DB_POOL_BYTES: u32 = 4 << 20;
 pub mod state {
     /// Not 0: the next safepoint must call [`RuntimeFn::Safepoint`](crate::RuntimeFn::Safepoint).
     pub const ATTENTION: u32 = 0x00;
-    /// What a read that faulted gives (SFC 44 sets it); 0 otherwise.
+    /// The value of a read that faulted (SFC 44 sets it); 0 otherwise.
     pub const SUBSTITUTE: u32 = 0x04;
     /// `u64`: the runtime's own pointer to its `Cpu`.
     pub const CPU: u32 = 0x08;

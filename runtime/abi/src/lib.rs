@@ -1,12 +1,12 @@
 //! The contract between generated code and the runtime, written once.
 //!
-//! - [`layout`]: where every memory area of the virtual CPU lies.
+//! - [`layout`]: the offsets of all memory areas of the virtual CPU.
 //! - [`functions`]: the table of runtime functions that generated code may call.
-//! - [`image`]: what the compiler tells the runtime about a program.
+//! - [`image`]: the description of a program for the runtime.
 //! - [`codes`]: error numbers of S7 CPUs that both sides use.
 //! - [`technology`]: fast counters, pulse generators, hardware interrupts.
-//! - [`ob`]: organization blocks by what starts them.
-//! - [`s7200`]: what an S7-200 has of its own.
+//! - [`ob`]: organization blocks, grouped by the events that start them.
+//! - [`s7200`]: definitions of the S7-200 only.
 //!
 //! **Invariant**: nothing here executes; it is data and constants only.
 

@@ -1,10 +1,10 @@
-//! Organization blocks by what starts them, and the values that an S7-1200/1500 hands to each.
+//! Organization blocks, grouped by the events that start them, and the values that an S7-1200/1500 hands to each.
 //!
 //! Source: LAD/FBD reference for S7-1200, organization blocks.
 
 use serde::{Deserialize, Serialize};
 
-/// What starts an organization block.
+/// The event that starts an organization block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum ObClass {
     ProgramCycle,
@@ -51,7 +51,7 @@ pub struct ObClassRow {
     pub priority: u8,
 }
 
-/// OBs from this number on have the class that their block or plc.toml gives, else that of the program cycle.
+/// OBs from this number on have the class from their block or from plc.toml, else that of the program cycle.
 pub const OB_FREE: u16 = 123;
 /// Largest number of an OB of an S7-1200/1500.
 pub const OB_NUMBER_MAX: u16 = 32_767;
@@ -107,7 +107,7 @@ pub const OB_CLASSES: &[ObClassRow] = &[
 ];
 
 impl ObClass {
-    /// Nothing that plcc simulates starts such an OB; an event of a scenario may.
+    /// plcc simulates no event that starts this OB; a scenario may.
     pub const fn is_started(self) -> bool {
         !matches!(self, Multicomputing | SynchronousCycle | Motion | IoRedundancy | CpuRedundancy | Background)
     }
@@ -161,7 +161,7 @@ pub enum StartValue {
     /// Of a synchronous error: number and type of the block, 1 OB, 2 FC, 3 FB.
     BlockNr,
     BlockType,
-    /// 0 goes on, 1 takes a substitute value, 2 skips the access.
+    /// 0 continues, 1 uses a substitute value, 2 skips the access.
     Reaction,
     /// Memory area and width of the access.
     Area,
@@ -172,7 +172,7 @@ pub enum StartValue {
     FailedPrio,
 }
 
-/// An input that the CPU knows: class of the OB, name, width in bits, value.
+/// An input that the CPU supplies: class of the OB, name, width in bits, value.
 pub const START_VALUES: &[(ObClass, &str, u32, StartValue)] = &[
     (ProgramCycle, "Initial_Call", 1, StartValue::InitialCall),
     (ProgramCycle, "Remanence", 1, StartValue::Remanence),

@@ -28,13 +28,13 @@ pub const fn pulse_address(number: u8) -> u32 {
 /// How a fast counter counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CountMode {
-    /// One input; the program gives the direction.
+    /// One input; the program sets the direction.
     Single,
     /// One input, and one for the direction.
     SingleExternal,
     /// One input up, one down.
     TwoPhase,
-    /// A and B; so many counts a pulse, 1 or 4.
+    /// A and B; 1 or 4 counts per pulse.
     Quadrature(u8),
     /// Hertz of one input.
     Frequency,
@@ -73,7 +73,7 @@ pub struct FastCounter {
     pub mode: CountMode,
     /// Counts down at first, in mode `Single`.
     pub down: bool,
-    /// Value at the start and behind an external reset.
+    /// Value at the start and after an external reset.
     pub initial: i32,
     pub reference: i32,
     /// Input bit whose rising edge resets the counter.
@@ -116,6 +116,6 @@ pub enum EventSource {
 pub struct HardwareEvent {
     pub name: String,
     pub source: EventSource,
-    /// OB that it starts until ATTACH or DETACH says otherwise; 0: none.
+    /// OB that it starts until ATTACH or DETACH changes it; 0: none.
     pub ob: u16,
 }

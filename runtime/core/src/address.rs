@@ -77,7 +77,7 @@ impl Address {
     }
 }
 
-/// Finds an address or a symbol (with or without quotes). `Err`: what is wrong, in a sentence.
+/// Finds an address or a symbol (with or without quotes). `Err`: the error as a sentence.
 pub fn resolve(text: &str, image: &ProgramImage) -> Result<Address, String> {
     let text = text.trim();
     let bare = text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).unwrap_or(text);
@@ -85,16 +85,16 @@ pub fn resolve(text: &str, image: &ProgramImage) -> Result<Address, String> {
     let is_name = |name: &str| name == text || name == bare;
     if let Some(symbol) = image.symbols.iter().find(|symbol| is_name(&symbol.name)) {
         return parse(&symbol.address)
-            .ok_or_else(|| format!("symbol {text} stands for {}, which is not a value", symbol.address));
+            .ok_or_else(|| format!("symbol {text} means {}, which is not a value", symbol.address));
     }
     if let Some(address) = parse(text).or_else(|| signal::analog_channel(text, image)) {
         return Ok(address);
     }
     // Symbols do not distinguish case; an absolute address goes first.
     let folded = image.symbols.iter().find(|symbol| symbol.name.to_lowercase() == bare.to_lowercase());
-    folded
-        .and_then(|symbol| parse(&symbol.address))
-        .ok_or_else(|| format!("`{text}` is neither an address (as Q4.0, MW20, DB10.DBD4) nor a symbol of the program"))
+    folded.and_then(|symbol| parse(&symbol.address)).ok_or_else(|| {
+        format!("`{text}` is neither an address (such as Q4.0, MW20, DB10.DBD4) nor a symbol of the program")
+    })
 }
 
 /// An absolute address as the CPU of the program has them.
@@ -151,7 +151,7 @@ pub(crate) fn digits(text: &str) -> Option<u32> {
     plain.then(|| text.parse().ok()).flatten()
 }
 
-/// `0.0`, `X0.0`, `B4`, `W4`, `D4`, `L4` behind the area letters. A bit without `X` only where `bare_bit`.
+/// `0.0`, `X0.0`, `B4`, `W4`, `D4`, `L4` after the area letters. A bit without `X` only where `bare_bit`.
 pub(crate) fn offset(text: &str, bare_bit: bool) -> Option<(u32, Width)> {
     let width = match text.chars().next()? {
         'B' => Width::Byte,
@@ -175,7 +175,7 @@ pub(crate) fn offset(text: &str, bare_bit: bool) -> Option<(u32, Width)> {
 pub type Bits = u64;
 
 impl Cpu {
-    /// Whether the address exists on this CPU now. `Err`: what is wrong.
+    /// Whether the address exists on this CPU now. `Err`: the error.
     pub fn check_address(&self, address: &Address) -> Result<(), String> {
         let bytes = address.width.bytes();
         let inside = |byte: u32, length: u32, area: &str| match byte + bytes <= length {
@@ -245,7 +245,7 @@ impl Cpu {
         }
     }
 
-    /// Sets a value from outside: an input goes to its module and into the process image. `Err`: what is wrong.
+    /// Sets a value from outside: an input goes to its module and into the process image. `Err`: the error.
     pub fn write(&self, address: &Address, value: Bits) -> Result<(), String> {
         self.check_address(address)?;
         address.check_settable()?;
@@ -258,7 +258,7 @@ impl Cpu {
             }
             Place::Input(byte) => {
                 if let Width::Bit(_) = address.width {
-                    // The other bits of the byte are what the module shows, not what the program has made of its image.
+                    // The other bits of the byte are the ones of the module, not those that the program has written to the image.
                     let module = self.driver.read(byte, 1).unwrap_or(0);
                     self.memory.set_byte(layout::I + byte, module as u8);
                 }
@@ -276,7 +276,9 @@ impl Cpu {
                 width => self.driver.set_input(byte, width.bytes(), value as u32),
             },
             Place::PeripheralOutput(byte) => match address.width {
-                Width::Lword => return Err("peripheral outputs are set by bytes, words or double words".to_string()),
+                Width::Lword => {
+                    return Err("peripheral outputs can be set only as bytes, words or double words".to_string());
+                }
                 width => {
                     self.peripheral_write(byte, width.bytes(), value as u32);
                 }
@@ -297,7 +299,7 @@ impl Cpu {
         }
     }
 
-    /// Makes the bytes of an input address copied into the process image, from the start, with what its module shows.
+    /// Makes the bytes of an input address copied into the process image, from the start, with the values of its module.
     pub fn name_input(&self, address: &Address) {
         match address.place {
             Place::Input(byte) | Place::PeripheralInput(byte) => self.driver.name_input(byte, address.width.bytes()),

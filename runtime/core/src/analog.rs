@@ -1,6 +1,6 @@
 //! Analog values: from engineering units to the word that a channel shows, and back.
 //!
-//! One table of ranges. A word of 27648 is the end of the nominal range; around it lie overrange and underrange, beyond them
+//! One table of ranges. A word of 27648 is the end of the nominal range; next to it are overrange and underrange, beyond them
 //! overflow (32767) and underflow (-32768).
 //! Source: S7-300 module data, representation of analog values.
 
@@ -19,7 +19,7 @@ const UNDER_UNIPOLAR: i32 = -4864;
 /// Word of 0 V or 0 mA at an output of 1 to 5 V or 4 to 20 mA.
 const LIVE_ZERO: i32 = -6912;
 
-/// What a range measures.
+/// The quantity that a range measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     Voltage,
@@ -45,7 +45,7 @@ pub struct Range {
     most: i32,
     /// Word below `least`.
     below: i16,
-    /// Least word of an output that is not 0 V or 0 mA; `None`: no output has this range.
+    /// Smallest word of an output that is not 0 V or 0 mA; `None`: no output has this range.
     least_output: Option<i32>,
 }
 
@@ -142,7 +142,7 @@ pub fn range(name: &str) -> Option<&'static Range> {
     RANGES.iter().find(|range| plain(range.name) == plain(name))
 }
 
-/// A unit as it is used with a channel.
+/// A unit of a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
     Channel(ChannelScale),
@@ -151,7 +151,7 @@ pub enum Scale {
 }
 
 impl Scale {
-    /// Numbers in `unit` at this channel. `Err`: what is wrong, in a sentence.
+    /// Numbers in `unit` at this channel. `Err`: the error as a sentence.
     pub fn new(channel: &AnalogChannel, unit: &str) -> Result<Scale, String> {
         ChannelScale::new(channel, unit).map(Scale::Channel)
     }
@@ -164,7 +164,7 @@ impl Scale {
         }
     }
 
-    /// What a word means at an input.
+    /// The meaning of a word at an input.
     pub fn input(&self, word: i16) -> f64 {
         match self {
             Scale::Channel(scale) => scale.input(word),
@@ -172,7 +172,7 @@ impl Scale {
         }
     }
 
-    /// What an output gives.
+    /// The value of an output.
     pub fn output(&self, word: i16) -> f64 {
         match self {
             Scale::Channel(scale) => scale.output(word),
@@ -185,7 +185,7 @@ impl Scale {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelScale {
     range: &'static Range,
-    /// Resolution in bits behind the sign.
+    /// Resolution in bits without the sign.
     bits: u8,
     wire_break: bool,
     unit: Unit,
@@ -195,18 +195,18 @@ pub struct ChannelScale {
 enum Unit {
     /// Of 27648.
     Percent,
-    /// So many units of the range.
+    /// A number of units of the range.
     Factor(f64),
 }
 
 impl ChannelScale {
-    /// Numbers in `unit` at this channel. `Err`: what is wrong, in a sentence.
+    /// Numbers in `unit` at this channel. `Err`: the error as a sentence.
     pub fn new(channel: &AnalogChannel, unit: &str) -> Result<ChannelScale, String> {
         if channel.range.is_empty() {
             return Err("the range of this channel is not known; give its module a `range` in plc.toml".to_string());
         }
         let range =
-            range(&channel.range).ok_or_else(|| format!("`{}` is no range of analog modules", channel.range))?;
+            range(&channel.range).ok_or_else(|| format!("`{}` is not a range of analog modules", channel.range))?;
         let base = |name: &str| UNITS.iter().find(|(unit, ..)| *unit == name);
         let unit = match (unit.trim(), base(unit.trim())) {
             ("%", _) if range.quantity != Quantity::Temperature => Unit::Percent,
@@ -245,12 +245,12 @@ impl ChannelScale {
         }
     }
 
-    /// What a word means at an input.
+    /// The meaning of a word at an input.
     pub fn input(&self, word: i16) -> f64 {
         self.number(f64::from(word))
     }
 
-    /// What an output gives: beyond its range 0 V or 0 mA.
+    /// The value of an output: beyond its range 0 V or 0 mA.
     pub fn output(&self, word: i16) -> f64 {
         let least = self.range.least_output.unwrap_or(UNDER);
         let within = (least..=OVER).contains(&i32::from(word));

@@ -38,7 +38,7 @@ impl Assertions {
         Assertions { states: RefCell::new(entries.iter().map(state).collect()) }
     }
 
-    /// Takes the values of a comparison, and judges the assertion behind the last one.
+    /// Takes the values of a comparison, and judges the assertion after the last one.
     pub(crate) fn check(&self, cpu: &Cpu, id: usize, index: usize, left: u64, right: u64) {
         let Some(entry) = cpu.image.asserts.get(id) else { return };
         let Some(comparison) = entry.comparisons.get(index) else { return };
@@ -150,7 +150,7 @@ impl Value {
         }
     }
 
-    /// Nanoseconds; of a moment since 1970. `None`: the bits are no such value.
+    /// Nanoseconds; for a moment, since 1970. `None`: the bits are not a valid value.
     fn nanoseconds(&self, ty: AssertType) -> Option<i128> {
         const NS_PER_MS: i128 = 1_000_000;
         match (ty, self) {
@@ -219,7 +219,7 @@ impl Value {
     }
 }
 
-/// Whether a comparison holds. NaN and bits that are no value of their type are different from everything.
+/// Whether a comparison holds. NaN and bits that are not a value of their type are different from everything.
 fn holds(comparison: &AssertComparison, left: &Value, right: &Value) -> bool {
     let (own, other) = (comparison.left.ty, comparison.right.ty);
     compare(comparison.kind, (left, own), (right, other)).map_or(
@@ -317,7 +317,7 @@ fn clock(ns: i128) -> String {
     format!("{:02}:{:02}:{:02}{point}{fraction}", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }
 
-/// A moment, nanoseconds since 1970; what no clock of the host knows as its number.
+/// A moment, nanoseconds since 1970; the number has no meaning for a clock of the host.
 fn moment(ns: i128, with_time: bool) -> String {
     let day = i128::from(NS_PER_S) * 86_400;
     match i64::try_from(ns) {

@@ -1,4 +1,4 @@
-//! The clock of a CPU: real (monotonic) or virtual (moves only when told to).
+//! The clock of a CPU: real (monotonic) or virtual (moves only on request).
 //!
 //! Time is a `u64` of nanoseconds since the CPU was made. The wall clock is that plus a base which SFC 0 sets.
 

@@ -16,11 +16,12 @@ use crate::clock::{Clock, NS_PER_MS};
 use crate::code::Code;
 use crate::communication::Communication;
 use crate::diagnostics::{Diagnostics, Entry};
+use crate::family::{Family, Step7};
 use crate::io::Driver;
 use crate::memory::Memory;
 use crate::options::CYCLE_TIME_DEFAULT;
 use crate::organization::Running;
-use crate::s7200::S7200;
+use crate::s7200::{S7200, ScanCycle};
 use crate::schedule::Schedule;
 use crate::system::meters::{METERS, Meter};
 use crate::technology::Technology;
@@ -32,7 +33,7 @@ pub struct Stop {
     pub entry: Entry,
     /// The event before it that was its cause, if any.
     pub cause: Option<Entry>,
-    /// Asked for by the program (SFC 46, STP): no fault.
+    /// Requested by the program (SFC 46, STP): not a fault.
     pub asked: bool,
 }
 
@@ -60,7 +61,9 @@ pub struct Cpu {
     pub(crate) communication: RefCell<Communication>,
     /// Fast counters, pulse generators, hardware interrupts.
     pub(crate) technology: Technology,
-    /// What an S7-200 has of its own.
+    /// How startup, cycle and interrupts work on this CPU.
+    pub(crate) family: &'static dyn Family,
+    /// State that only an S7-200 has.
     pub(crate) s7200: Option<Box<S7200>>,
     /// Run-time meters.
     pub(crate) meters: [Meter; METERS],
@@ -78,6 +81,7 @@ impl Cpu {
         let cpu = Rc::new(Cpu {
             schedule: Schedule::new(&image, &blocks),
             technology: Technology::new(&image.config),
+            family: if image.s7200.is_some() { &ScanCycle } else { &Step7 },
             s7200: image.s7200.as_ref().map(|own| Box::new(S7200::new(own, &image.config.s7200))),
             assertions: Assertions::new(&image.asserts),
             watchdog: Watchdog::new(&memory),
@@ -116,7 +120,7 @@ impl Cpu {
         }
     }
 
-    /// Nanoseconds from one cycle start to the next, if nobody asks for another time.
+    /// Nanoseconds from one cycle start to the next, unless another time is set.
     pub fn cycle_time(&self) -> u64 {
         let given = self.image.config.cycle_time_ms.map(|ms| u64::from(ms) * NS_PER_MS);
         given.unwrap_or(CYCLE_TIME_DEFAULT.0)

@@ -11,7 +11,6 @@ use crate::clock::NS_PER_MS;
 use crate::cpu::{Area, Cpu};
 use crate::diagnostics::NO_SITE;
 use crate::events::StartInfo;
-use crate::s7200::ScanTimes;
 
 /// Who looks at the CPU between the phases: scenario, trace.
 pub trait Observer {
@@ -34,10 +33,10 @@ pub struct Pace {
 
 /// Shortest, longest and last time from cycle start to cycle start, in milliseconds.
 #[derive(Default)]
-struct CycleTimes {
-    last: u16,
-    shortest: Option<u16>,
-    longest: u16,
+pub(crate) struct CycleTimes {
+    pub last: u16,
+    pub shortest: Option<u16>,
+    pub longest: u16,
 }
 
 impl CycleTimes {
@@ -46,10 +45,6 @@ impl CycleTimes {
         self.last = ms;
         self.shortest = Some(self.shortest.map_or(ms, |shortest| shortest.min(ms)));
         self.longest = self.longest.max(ms);
-    }
-
-    fn of_scan(&self) -> ScanTimes {
-        ScanTimes { last: self.last, shortest: self.shortest.unwrap_or(0), longest: self.longest }
     }
 }
 
@@ -70,15 +65,14 @@ impl Cpu {
             self.run_cycle(cycle, start, &times, observer);
             self.communicate();
             if !self.is_stopped() {
-                // Real cycles start so far apart; virtual time moves by it, beside what passed within the cycle.
+                // Under the real clock this is the time between cycle starts. Virtual time moves by it, in addition to the time
+                // that passed within the cycle.
                 let from = if self.clock.is_virtual() { self.clock.now() } else { start };
                 self.advance(from.saturating_add(pace.cycle_time), false);
             }
         }
         self.watchdog.set(u64::MAX);
-        if self.s7200.is_some() {
-            self.s7200_finish();
-        }
+        self.family.finish(self);
         cycle
     }
 
@@ -87,13 +81,13 @@ impl Cpu {
         self.log(0x4301, NO_SITE, 0);
         self.arm_hang();
         self.rearm();
-        self.s7200_start();
+        self.family.power_on(self);
         observer.before(self, 0, self.clock.now());
         self.update_clock_memory();
         self.update_system_memory(false);
         self.set_configured_times();
         self.start_technology();
-        self.s7200_start_hardware();
+        self.family.start_hardware(self);
         let cause = match ob {
             101 => 0x83,
             102 => 0x85,
@@ -128,30 +122,24 @@ impl Cpu {
         self.read_inputs();
         self.schedule.monitor.begin(start);
         self.rearm();
-        if self.s7200.is_some() {
-            self.s7200_begin_scan(cycle, times.of_scan());
-        }
+        self.family.begin_cycle(self, cycle, times);
         self.look_at_inputs();
         self.poll();
         self.dispatch();
-        self.run_program_cycle(cycle, times);
+        self.family.run_program(self, cycle, times);
         self.schedule.monitor.end();
-        self.s7200_end_program();
+        self.family.end_program(self);
         if self.is_stopped() {
             self.stop_outputs();
         } else {
             self.write_outputs();
-            self.s7200_keep(false);
+            self.family.end_cycle(self);
         }
         observer.after(self, cycle, start);
     }
 
-    /// OB 1, on an S7-1200/1500 then the other OBs of the program cycle in the order of their numbers.
-    fn run_program_cycle(&self, cycle: u64, times: &CycleTimes) {
-        if self.s7200.is_some() {
-            self.s7200_main();
-            return;
-        }
+    /// OB 1. On an S7-1200/1500, then the other OBs of the program cycle in the order of their numbers.
+    pub(crate) fn run_program_cycle(&self, cycle: u64, times: &CycleTimes) {
         for ob in self.obs_of(ObClass::ProgramCycle) {
             if !self.is_stopped() {
                 self.run_ob(ob, 1, self.cycle_info(ob, cycle, times));
@@ -192,15 +180,16 @@ impl Cpu {
     /// Outputs of the modules in STOP.
     fn stop_outputs(&self) {
         self.driver.stop();
-        self.s7200_stop_outputs();
+        self.family.stop_outputs(self);
     }
 
     /// Copies the process image of outputs to the modules.
     pub(crate) fn write_outputs(&self) {
-        if self.s7200.is_some() {
-            self.s7200_write_outputs();
-            return;
-        }
+        self.family.write_outputs(self);
+    }
+
+    /// Copies the process image of outputs to the modules as it is.
+    pub(crate) fn write_output_image(&self) {
         let (base, length) = self.area(Area::Outputs);
         self.memory.view(base, length, |image| self.driver.write_image(image));
     }
@@ -232,8 +221,7 @@ impl Cpu {
         const MISSING: u64 = 1 << 32;
         match bytes {
             1 | 2 | 4 => {
-                // Trains of pulses show their levels of this moment.
-                self.s7200_poll_counters();
+                self.family.before_input(self);
                 let counter = self.read_counter(address, bytes);
                 counter.or_else(|| self.driver.read(address, bytes)).map_or(MISSING, u64::from)
             }
@@ -246,7 +234,7 @@ impl Cpu {
         if !matches!(bytes, 1 | 2 | 4) || !self.driver.write(address, bytes, self.at_module(address, bytes, value)) {
             return true;
         }
-        self.s7200_analog_written(address, bytes, value);
+        self.family.output_written(self, address, bytes, value);
         let (base, length) = self.area(Area::Outputs);
         for index in 0..bytes {
             let byte = address.saturating_add(index);
@@ -272,7 +260,7 @@ impl Cpu {
         false
     }
 
-    /// Ends waiting between cycles when the process is asked to end.
+    /// Ends waiting between cycles when the process must end.
     pub(crate) fn schedule_ended(&self) -> bool {
         self.running.priority.get() == 0 && crate::run::end_requested()
     }

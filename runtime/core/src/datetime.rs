@@ -25,7 +25,7 @@ pub fn civil(moment: i64) -> DateTime {
     Offset::UTC.to_datetime(timestamp)
 }
 
-/// The moment of a calendar form; one outside of the years 1678..2262 gives 0.
+/// The moment of a calendar form; 0 for one outside the years 1678..2262.
 pub fn moment(datetime: DateTime) -> i64 {
     let timestamp = Offset::UTC.to_timestamp(datetime).map(Timestamp::as_nanosecond).unwrap_or(0);
     i64::try_from(timestamp).unwrap_or(0)
@@ -106,7 +106,7 @@ impl Period {
     }
 
     /// The moment `count` periods after `start`; `None` for `Once` and where the calendar ends. Monthly and yearly
-    /// intervals count from the start, so that a 31st is not lost in February for good.
+    /// intervals count from the start, so that February does not change a 31st permanently.
     pub fn after(self, start: i64, count: i64) -> Option<i64> {
         let step = |span: Span| civil(start).checked_add(span).ok().map(moment);
         match self {

@@ -1,4 +1,4 @@
-//! Diagnostic buffer: what happened to the CPU, newest entry last here and first in print.
+//! Diagnostic buffer: the events of the CPU. The newest entry is last in memory and first in print.
 //!
 //! Entries are plain numbers in a ring made before the first cycle; words are found when it is printed.
 //! Source of the event texts: event list of the CPUs.
@@ -20,7 +20,7 @@ pub const NO_SITE: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
     pub event: u16,
-    /// What the event is about: a number or address, as in the start information.
+    /// Subject of the event: a number or address, as in the start information.
     pub info: u32,
     pub site: u32,
     /// OB that was running, 0: none.
@@ -102,8 +102,8 @@ pub fn event_text(entry: &Entry) -> String {
         0x4570 => "STOP: processing abort and no OB 88".to_string(),
         0x4571 => "STOP: nesting stack error".to_string(),
         0x4572 => "STOP: MCR stack error".to_string(),
-        0x4573 => "STOP: synchronous errors nested too deep".to_string(),
-        0x4575 => "STOP: blocks nested too deep".to_string(),
+        0x4573 => "STOP: synchronous errors nested too deeply".to_string(),
+        0x4575 => "STOP: blocks nested too deeply".to_string(),
         0x4576 => "STOP: local data stack exhausted".to_string(),
         0x457F => "STOP by SFC 46 (STP)".to_string(),
         0x3501 => format!("cycle time exceeded ({info} ms)"),

@@ -45,7 +45,7 @@ pub struct Event {
     pub info: StartInfo,
 }
 
-/// What happens when the OB of an event is not loaded.
+/// The reaction to an event whose OB is not loaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Missing {
     /// STOP with this event.

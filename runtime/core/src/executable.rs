@@ -1,4 +1,4 @@
-//! `main` of a compiled program: its image and code are linked beside the runtime.
+//! `main` of a compiled program: its image and code are linked next to the runtime.
 
 use std::ffi::{CStr, OsString, c_char, c_int};
 use std::io::Write;
@@ -49,7 +49,7 @@ pub unsafe extern "C" fn main(argc: c_int, argv: *const *const c_char) -> c_int 
         return test(&job);
     }
     let arguments = (0..usize::try_from(argc).unwrap_or(0)).map(|index| {
-        // SAFETY: the C runtime gives `argc` pointers to strings that end in 0.
+        // SAFETY: the C runtime passes `argc` pointers to strings that end in 0.
         let argument = unsafe { CStr::from_ptr(*argv.add(index)) };
         OsString::from_vec(argument.to_bytes().to_vec())
     });
@@ -63,7 +63,7 @@ pub unsafe extern "C" fn main(argc: c_int, argv: *const *const c_char) -> c_int 
     }
 }
 
-/// Help goes to standard output; what is wrong with the flags to standard error, with no line that begins like a message about
+/// Help goes to standard output, errors in the flags to standard error. No line begins like a message about
 /// a source.
 fn usage(error: &clap::Error) -> c_int {
     if !error.use_stderr() {
@@ -93,7 +93,7 @@ struct DirectoryEntry {
 /// The program with this number; the only one has number 0.
 fn linked_program(number: usize) -> Result<(ProgramImage, Rc<dyn Code>), String> {
     // SAFETY: the object file of the program defines the four symbols; the lengths are those of the tables. An image of length 0
-    // is a directory of `plcc_entries_len` programs whose pointers are just such symbols.
+    // is a directory of `plcc_entries_len` programs whose pointers are these symbols.
     let (image, entries) = unsafe {
         let mut found = DirectoryEntry {
             image: &raw const plcc_image,
@@ -104,7 +104,7 @@ fn linked_program(number: usize) -> Result<(ProgramImage, Rc<dyn Code>), String>
         if plcc_image_len == 0 {
             let directory = (&raw const plcc_image).cast::<DirectoryEntry>();
             let directory = std::slice::from_raw_parts(directory, plcc_entries_len as usize);
-            let entry = directory.get(number).ok_or_else(|| format!("there is no program {number}"))?;
+            let entry = directory.get(number).ok_or_else(|| format!("program {number} does not exist"))?;
             found = DirectoryEntry { ..*entry };
         }
         (

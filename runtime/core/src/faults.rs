@@ -36,7 +36,7 @@ fn mask_bit(code: u8) -> Option<(usize, u32)> {
     Some((0, 1 << bit))
 }
 
-/// Whether the program or the user has asked for the STOP.
+/// Whether the program or the user requested the STOP.
 fn is_asked(event: u16) -> bool {
     matches!(event, stop::SFC_46 | STOP_BY_REQUEST | crate::s7200::STOP_INSTRUCTION)
 }
@@ -117,7 +117,7 @@ impl Cpu {
         masked
     }
 
-    /// Block type and number of the place, which an S7-400 and an S7-1500 give in the start information.
+    /// Block type and number of the place, which an S7-400 and an S7-1500 put into the start information.
     fn with_block(&self, start: StartInfo, site: u32) -> StartInfo {
         match diagnostics::site(&self.image, site) {
             Some(site) if matches!(self.image.profile.family, Family::S7400 | Family::S71500) => {
@@ -186,10 +186,6 @@ impl Cpu {
 
     /// The cycle took longer than allowed, `ms` milliseconds; this was found at `site`.
     pub(crate) fn cycle_time_exceeded(&self, ms: u32, site: u32) {
-        if self.s7200.is_some() {
-            self.s7200_watchdog(site, ms);
-            return;
-        }
         let cause = self.log(0x3501, site, ms);
         let monitor = &self.schedule.monitor;
         monitor.overruns.set(monitor.overruns.get() + 1);
@@ -210,7 +206,7 @@ impl Cpu {
         }
     }
 
-    /// Start information of OB 80 about a cycle of `ms` milliseconds: what ran then.
+    /// Start information of OB 80 about a cycle of `ms` milliseconds, with the OB that ran then.
     ///
     /// Source: System and standard functions, OB 80.
     pub(crate) fn overrun_info(&self, ms: u32) -> StartInfo {
@@ -223,7 +219,7 @@ impl Cpu {
             .byte(11, self.running.ob.get() as u8)
     }
 
-    /// OB 80 about time-of-day interrupts over which the clock was set: once, with a bit for each; once for each on an S7-1200/1500.
+    /// Requests OB 80 for time-of-day interrupts that the clock skipped: once, with a bit for each. On an S7-1200/1500 once for each.
     pub(crate) fn times_skipped(&self, skipped: &[Event]) {
         if self.image.profile.family.is_portal() {
             skipped.iter().for_each(|event| self.time_error(0x05, *event));

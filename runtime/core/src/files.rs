@@ -1,4 +1,4 @@
-//! Files that are read whole or written: not what waits for a partner or never ends.
+//! Files that are read as a whole or written. Pipes and endless files are refused.
 
 use std::fs;
 use std::io::{Error, Result};
@@ -9,20 +9,20 @@ pub fn regular(path: &Path) -> Result<()> {
     let found = fs::metadata(path)?;
     let wrong = |what: &str| Err(Error::other(what));
     if found.is_dir() {
-        return wrong("a folder, or a link to one, and not a file");
+        return wrong("a folder or a link to one, not a file");
     }
     if !found.is_file() {
-        return wrong("a pipe, a socket or a device, which is not a file");
+        return wrong("a pipe, a socket or a device, not a file");
     }
     // Files of the kernel look like files.
     let real = fs::canonicalize(path)?;
     if real.starts_with("/proc") || real.starts_with("/sys") {
-        return wrong("a file of the kernel, which may have no end");
+        return wrong("a file of the kernel, which may be endless");
     }
     Ok(())
 }
 
-/// Whether a file can be written at `path`: nothing is there, or a file.
+/// Whether a file can be written at `path`: it is free, or it is a file.
 pub fn writable(path: &Path) -> Result<()> {
     match fs::metadata(path) {
         Ok(_) => regular(path),

@@ -1,6 +1,6 @@
 //! The functions that generated code calls: by linker symbol, by address, or by number.
 //!
-//! One table gives all three forms. None of them may panic: a panic must not cross into generated code.
+//! One table defines all three forms. None of them may panic: a panic must not reach generated code.
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::functions::TimerMode;

@@ -29,10 +29,10 @@ impl<O> Code for NativeCode<O> {
     }
 }
 
-/// Reads the bytes at `offset` from the memory base, for an interpreter; what lies outside of the memory reads as scratch.
+/// Reads the bytes at `offset` from the memory base, for an interpreter; addresses outside the memory read as scratch.
 #[allow(clippy::not_unsafe_ptr_arg_deref)] // An interpreter passes on what the runtime gave it.
 pub fn read(mem: *mut u8, offset: u32, buf: &mut [u8]) {
-    // SAFETY: `mem` is what the runtime gave to `Code::call`.
+    // SAFETY: the runtime passed `mem` to `Code::call`.
     let memory = unsafe { &Cpu::of(mem).memory };
     match buf.len() {
         1 => buf.copy_from_slice(&memory.bytes::<1>(offset)),
@@ -45,6 +45,6 @@ pub fn read(mem: *mut u8, offset: u32, buf: &mut [u8]) {
 /// Writes `bytes` at `offset` from the memory base, for an interpreter; nothing is written outside of the memory.
 #[allow(clippy::not_unsafe_ptr_arg_deref)] // An interpreter passes on what the runtime gave it.
 pub fn write(mem: *mut u8, offset: u32, bytes: &[u8]) {
-    // SAFETY: `mem` is what the runtime gave to `Code::call`.
+    // SAFETY: the runtime passed `mem` to `Code::call`.
     unsafe { &Cpu::of(mem).memory }.load(offset, bytes);
 }

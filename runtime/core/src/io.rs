@@ -1,4 +1,4 @@
-//! Inputs and outputs: the driver that stands for the modules.
+//! Inputs and outputs: the driver that represents the modules.
 //!
 //! A driver answers at once, from memory. Exchange with real devices happens on its own threads.
 
@@ -9,19 +9,19 @@ use plcc_abi::image::Module;
 /// Peripheral bytes in each direction.
 pub const PERIPHERAL_BYTES: u32 = 0x1_0000;
 
-/// Stands for the I/O modules. Addresses are peripheral byte addresses, values are big-endian numbers of 1, 2 or 4 bytes.
+/// Represents the I/O modules. Addresses are peripheral byte addresses, values are big-endian numbers of 1, 2 or 4 bytes.
 pub trait Driver {
     /// `None`: no module answers for all of the bytes.
     fn read(&self, address: u32, bytes: u32) -> Option<u32>;
     /// False: no module answers for all of the bytes.
     fn write(&self, address: u32, bytes: u32, value: u32) -> bool;
-    /// Takes over the process image of outputs. Bytes that no module covers are no error: an S7-300 makes no entry.
+    /// Takes over the process image of outputs. Bytes that no module covers are not an error: an S7-300 makes no entry.
     fn write_image(&self, image: &[u8]);
     /// The CPU is in STOP: outputs of modules in a station show 0 or their substitute values.
     fn stop(&self);
-    /// What was last written to an output, for `--print PQW 256`.
+    /// The value last written to an output, for `--print PQW 256`.
     fn output(&self, address: u32, bytes: u32) -> u32;
-    /// Sets what an input module shows; from then on the byte is [named](Driver::named).
+    /// Sets the value of an input module; from then on the byte is [named](Driver::named).
     fn set_input(&self, address: u32, bytes: u32, value: u32);
     /// Makes the bytes named without changing them.
     fn name_input(&self, address: u32, bytes: u32);
@@ -29,7 +29,7 @@ pub trait Driver {
     fn named(&self, limit: u32, each: &mut dyn FnMut(u32, u8));
 }
 
-/// Inputs as a scenario or `--set` gives them; outputs are kept.
+/// Inputs from a scenario or `--set`; outputs are kept.
 pub struct Simulated {
     modules: Option<Vec<Module>>,
     bytes: RefCell<SimulatedBytes>,

@@ -1,19 +1,19 @@
 //! The runtime: process images, organization blocks, timers, counters, system functions.
 //!
 //! - [`cpu`]: the CPU with its memory; [`memory`]: the one allocation.
-//! - [`functions`]: what generated code calls, by symbol or by number; [`math`]: the pure ones.
+//! - [`functions`]: the functions that generated code calls, by symbol or by number; [`math`]: the pure ones.
 //! - [`timers`], [`counters`], [`clock`], [`datetime`]: cells and time.
 //! - [`cycle`], [`organization`], [`schedule`], [`faults`], [`diagnostics`]: cycle, OBs, interrupts, errors.
-//! - [`system`]: system functions (SFC), one file a family.
-//! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: what is behind the I/O.
-//! - [`address`], [`value`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user says and sees.
+//! - [`system`]: system functions (SFC), one file per family.
+//! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: the process at the I/O.
+//! - [`address`], [`value`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user writes and sees.
 //! - [`communication`]: TCP and ISO-on-TCP connections of the program.
-//! - [`s7200`]: what an S7-200 has of its own.
+//! - `family`: differences between the families of CPUs; [`s7200`]: functions of the S7-200 only.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`assertion`]: values of assertions, compared and printed by their types.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
-//! **Invariant**: the runtime knows no source language and never depends on the compiler.
+//! **Invariant**: the runtime is independent of the source language and never depends on the compiler.
 //! **Invariant**: no `&mut Cpu` exists; generated code and runtime enter each other at will, so all state is in cells.
 
 #![allow(unsafe_code, reason = "generated code and the runtime share the memory of the CPU")]
@@ -33,6 +33,7 @@ pub mod diagnostics;
 pub mod events;
 #[cfg(all(feature = "executable", not(test)))]
 mod executable;
+mod family;
 pub mod faults;
 pub mod files;
 pub mod functions;

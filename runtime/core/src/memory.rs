@@ -11,14 +11,14 @@ use plcc_abi::layout::{self, state};
 /// Alignment of the base. Not more than the allocator's own: only then zeroed pages come untouched from the system.
 const BASE_ALIGN: usize = plcc_abi::layout::DB_ALIGN as usize;
 
-/// The allocation. Pages that nobody touches cost nothing.
+/// The allocation. Untouched pages take no memory.
 pub struct Memory {
     base: *mut u8,
     size: u32,
 }
 
 impl Memory {
-    /// Zeroed memory for DBs up to `db_end` and the pool behind them.
+    /// Zeroed memory for DBs up to `db_end` and the pool after them.
     pub fn new(db_end: u32) -> Memory {
         let size = db_end.max(layout::DB_DATA).saturating_add(layout::DB_POOL_BYTES);
         let layout = Self::layout(size);
@@ -50,15 +50,15 @@ impl Memory {
         unsafe { self.base.add(offset as usize) }
     }
 
-    /// Reads `N` bytes as they lie in memory.
+    /// Reads `N` bytes as they are in memory.
     pub fn bytes<const N: usize>(&self, offset: u32) -> [u8; N] {
-        // SAFETY: `at` gives N readable bytes (the scratch area is larger than any N used).
+        // SAFETY: `at` returns N readable bytes (the scratch area is larger than any N used).
         unsafe { self.at(offset, N as u32).cast::<[u8; N]>().read_unaligned() }
     }
 
     /// Writes `N` bytes as they are.
     pub fn set_bytes<const N: usize>(&self, offset: u32, bytes: [u8; N]) {
-        // SAFETY: `at` gives N writable bytes; no reference into memory exists.
+        // SAFETY: `at` returns N writable bytes; no reference into memory exists.
         unsafe { self.at(offset, N as u32).cast::<[u8; N]>().write_unaligned(bytes) }
     }
 
@@ -121,8 +121,8 @@ impl Memory {
     /// Shows a range to `read`, which must not enter code or write PLC memory. Outside of memory: an empty range.
     pub fn view(&self, offset: u32, bytes: u32, read: impl FnOnce(&[u8])) {
         let bytes = if self.contains(offset, bytes) { bytes } else { 0 };
-        // SAFETY: the range is inside the allocation and initialised; nobody writes it while `read` runs (the watchdog
-        // writes the CPU state only, which nobody asks to see).
+        // SAFETY: the range is inside the allocation and initialised; nothing writes it while `read` runs (the watchdog
+        // writes only the CPU state, which is never requested).
         read(unsafe { std::slice::from_raw_parts(self.at(offset, bytes), bytes as usize) });
     }
 

@@ -5,29 +5,29 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-/// Which clock a program runs by.
+/// The clock that a program uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ClockKind {
     /// The time of the host.
     #[default]
     Real,
-    /// Moves by the cycle time at the end of each cycle: the same run every time.
+    /// Advances by the cycle time at the end of each cycle, so every run is the same.
     Virtual,
 }
 
 /// Runtime flags.
 #[derive(Args, Clone, Debug, Default)]
 pub struct RunOptions {
-    /// End after N cycles of OB 1; if left out run until STOP, SIGINT or SIGTERM
+    /// End after N cycles of OB 1 [default: run until STOP, SIGINT or SIGTERM]
     #[arg(long, value_name = "N")]
     pub cycles: Option<u64>,
     /// Clock of the program
     #[arg(long, value_enum, default_value_t)]
     pub clock: ClockKind,
-    /// Time from one cycle start to the next; 10ms if left out, 0: back to back
+    /// Time from one cycle start to the next; 0: no pause [default: 10ms]
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub cycle_time: Option<Duration>,
-    /// Set a value from before the startup OB, e.g. I0.0=1 or "AI0=12 mA"; several by commas or by repeating
+    /// Set a value before the startup OB runs, e.g. I0.0=1 or "AI0=12 mA"; separate several by commas or repeat the flag
     #[arg(long, value_name = "ADDR=VALUE")]
     pub set: Vec<String>,
     /// Print values after the last cycle, e.g. Q4.0,MW20,DB10.DBD4,"AO0 in %"
@@ -36,46 +36,46 @@ pub struct RunOptions {
     /// Print the values as JSON
     #[arg(long)]
     pub json: bool,
-    /// Play a scenario, a TOML file (docs/testing.md)
+    /// Play a scenario: a TOML file (see docs/testing.md)
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<PathBuf>,
-    /// Record values after each cycle to FILE.vcd or FILE.csv
+    /// Record values after each cycle in FILE.vcd or FILE.csv
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// What to record; if left out the values of --print and all symbols, Q0.0 to Q3.7 if there are none
+    /// Values to record [default: the values of --print and all symbols, or Q0.0 to Q3.7 if there are none]
     #[arg(long, value_name = "ADDR,...")]
     pub trace_signals: Vec<String>,
-    /// Record not more often than this; each cycle if left out
+    /// Shortest time between two records [default: record each cycle]
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub trace_step: Option<Duration>,
     /// Print the diagnostic buffer at the end, newest entry first
     #[arg(long)]
     pub diag: bool,
-    /// Print nothing but the values of --print and faults
+    /// Print only faults and the values of --print
     #[arg(long)]
     pub quiet: bool,
-    /// TCP port of ISO-on-TCP connections; 102 if left out, which takes privileges to listen on
+    /// TCP port of ISO-on-TCP connections [default: 102, which needs privileges to listen on]
     #[arg(long, value_name = "PORT")]
     pub iso_port: Option<u16>,
-    /// Host time that a cycle may take under the virtual clock; 10s if left out
+    /// Longest host time of a cycle under the virtual clock [default: 10s]
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub hang_limit: Option<Duration>,
-    /// S7-200: errors that leave a real CPU in RUN stop it, too
+    /// S7-200: stop also on errors that leave a real CPU in RUN
     #[arg(long)]
     pub stop_on_error: bool,
 }
 
-/// A time span in nanoseconds, as given to a flag.
+/// A time span in nanoseconds, the value of a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duration(pub u64);
 
-/// `--cycle-time`, if left out.
+/// Default of `--cycle-time`.
 pub const CYCLE_TIME_DEFAULT: Duration = Duration(10_000_000);
 
-/// `--hang-limit`, if left out.
+/// Default of `--hang-limit`.
 pub const HANG_LIMIT_DEFAULT: Duration = Duration(10_000_000_000);
 
-/// Parses `10ms`, `1.5s`, `500us`, `2m`, `0`. `Err`: what is wrong.
+/// Parses `10ms`, `1.5s`, `500us`, `2m`, `0`. `Err`: the error.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
     let wrong = || format!("`{text}` is not a time; write 10ms, 1.5s, 500us or 2m");
     duration::span(text).map(Duration).ok_or_else(wrong)

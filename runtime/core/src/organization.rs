@@ -42,7 +42,7 @@ pub struct Running {
     pub(crate) called: ObSet,
     /// SFC 41 calls that SFC 42 has not undone, in the running OB.
     pub(crate) delayed: Cell<u16>,
-    /// In OB 121 and OB 122: whether the faulty instruction was a read, whose value SFC 44 can give; `None` elsewhere.
+    /// In OB 121 and OB 122: whether the faulty instruction was a read, whose value SFC 44 can replace; `None` elsewhere.
     pub(crate) replaceable: Cell<Option<bool>>,
     /// The value that SFC 44 gave.
     pub(crate) substitute: Cell<u32>,
@@ -99,7 +99,7 @@ impl Cpu {
         running.masks.set(masks);
     }
 
-    /// Runs OB 121 or OB 122 inside the running class. False: nested too deep.
+    /// Runs OB 121 or OB 122 inside the running class. False: nested too deeply.
     pub(crate) fn run_error_ob(&self, ob: u16, info: StartInfo) -> bool {
         let Some(block) = self.block(BlockKind::Ob, ob) else { return true };
         let running = &self.running;
@@ -112,7 +112,7 @@ impl Cpu {
         running.ob.set(ob);
         let base = layout::l_stack(ERROR_CLASS) + levels * ERROR_SLICE_BYTES;
         let limit = self.image.profile.local_data.min(ERROR_SLICE_BYTES);
-        // The levels of the class are used up to an unknown extent; what error OBs may add is on top of it.
+        // The levels of the class are used up to an unknown extent; error OBs may use more in addition.
         let depth_max = self.image.profile.error_depth.max(1);
         self.enter(block, base, limit, depth_max, running.priority.get(), info);
         running.ob.set(before);
@@ -121,7 +121,7 @@ impl Cpu {
         true
     }
 
-    /// Runs the main program or an interrupt routine of an S7-200 in its class: local data of its own, no start information. Nesting is
+    /// Runs the main program or an interrupt routine of an S7-200 in its class: separate local data, no start information. Nesting is
     /// counted by the code.
     pub(crate) fn run_s7200_block(&self, block: &BlockEntry, priority: u8) {
         let (running, memory) = (&self.running, &self.memory);

@@ -1,4 +1,4 @@
-//! What goes to standard output: the values of `--print` and of a scenario.
+//! Standard output: the values of `--print` and of a scenario.
 
 use std::io::Write;
 
@@ -7,7 +7,7 @@ use crate::cpu::Cpu;
 use crate::plant::Plant;
 use crate::signal::{Signal, Value};
 
-/// Writes one line per signal, or one JSON object. Names stand as given.
+/// Writes one line per signal, or one JSON object. Names are printed as given.
 pub fn write_values(
     cpu: &Cpu,
     plant: Option<&Plant>,

@@ -21,7 +21,7 @@ use crate::signal::{Signal, Source};
 use crate::trace::{self, Recorder};
 use crate::{diagnostics, report, signal};
 
-/// The program ran and stopped as asked.
+/// The program stopped because it was asked to.
 pub const EXIT_OK: u8 = 0;
 /// The CPU went to STOP on a fault, or an expectation of the scenario failed.
 pub const EXIT_FAULT: u8 = 1;
@@ -112,12 +112,12 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
     finish(&cpu, options, &printed, session, cycles)
 }
 
-/// Says what stands in for missing parts: each in a line, or all of them in one.
+/// Reports the stand-ins for missing parts, one per line, or all in one line.
 fn tell_partial(items: &[String], quiet: bool) {
     match (items.len(), quiet) {
         (0, _) => {}
-        (1, true) => say!("partial: the program was built without 1 of its parts"),
-        (count, true) => say!("partial: the program was built without {count} of its parts"),
+        (1, true) => say!("partial: the program was built with 1 missing part"),
+        (count, true) => say!("partial: the program was built with {count} missing parts"),
         (_, false) => items.iter().for_each(|item| say!("partial: {item}")),
     }
 }
@@ -126,7 +126,7 @@ fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session,
     let mut exit = EXIT_OK;
     if !printed.is_empty() {
         let mut out = std::io::stdout().lock();
-        // A closed pipe is no fault of the program.
+        // A closed pipe is not a fault of the program.
         let plant = session.player.plant();
         let _ = report::write_values(cpu, plant, printed, options.json, &mut out).and_then(|()| out.flush());
     }

@@ -1,7 +1,7 @@
-//! Interrupts: what falls due, what waits, and who may run now.
+//! Interrupts: which are due, which wait, and which may run now.
 //!
 //! Sources of interrupts (cyclic, delay, time of day, cycle monitor) each know their next due time. `Cpu::poll` turns
-//! what is due into events, `Cpu::dispatch` runs waiting events whose priority is above the running one, the highest
+//! due sources into events, `Cpu::dispatch` runs waiting events whose priority is above the running one, the highest
 //! first and first come first served among equals. Under the virtual clock only `Cpu::advance` moves time, and it
 //! stops at every due time; so the number of safepoints in the code changes nothing.
 
@@ -21,7 +21,7 @@ use crate::ob_set::ObSet;
 /// Events that can wait.
 const QUEUE_MAX: usize = 64;
 
-/// How often a startup under the real clock looks whether the process is asked to end.
+/// How often a startup under the real clock checks whether the process must end.
 const STARTUP_LOOK: u64 = 100 * NS_PER_MS;
 
 const NS_PER_US: u64 = 1000;
@@ -216,7 +216,7 @@ impl Schedule {
         self.times_of_day.iter().find(|time| time.ob == ob)
     }
 
-    /// Drops what waits for an OB.
+    /// Drops the waiting events of an OB.
     pub(crate) fn forget(&self, ob: u16) {
         self.queue.borrow_mut().retain(|event| event.ob != ob);
     }
@@ -311,7 +311,7 @@ impl Cpu {
         let delays = schedule.delays.iter().map(|delay| delay.due.get());
         let times = schedule.times_of_day.iter().filter(|time| time.active.get());
         let times = times.map(|time| self.clock.time_of(time.next.get()));
-        let other = if self.s7200.is_some() { self.s7200_due() } else { NEVER };
+        let other = self.family.next_due(self);
         cyclic.chain(delays).chain(times).chain(self.next_counter_due()).fold(other, u64::min)
     }
 
@@ -322,13 +322,13 @@ impl Cpu {
         }
         let now = self.clock.now();
         self.poll_counters();
-        self.s7200_poll();
+        self.family.poll(self);
         for cyclic in self.schedule.cyclic.iter().filter(|cyclic| cyclic.due.get() <= now) {
             // Periods that the host slept through are not made up for.
             let period = cyclic.period.get().max(1);
             let missed = (now - cyclic.due.get()) / period;
             cyclic.due.set(cyclic.due.get() + (missed + 1) * period);
-            // On an S7-1200/1500 word 8 tells of the lost events.
+            // On an S7-1200/1500 word 8 has the number of lost events.
             let portal = self.image.profile.family.is_portal();
             let lost = if portal { cyclic.lost.replace(0) } else { 0 };
             let info = StartInfo::new(0x11, events::cause(0x31, 30, cyclic.ob), cyclic.ob)
@@ -371,10 +371,10 @@ impl Cpu {
         }
     }
 
-    /// The wall clock was set. Time-of-day interrupts that it jumped over are a time error, and each comes once, unless OB 80 cancels it; those that
-    /// lie ahead again come again.
+    /// The wall clock was set. Skipped time-of-day interrupts are a time error, and each runs once, unless OB 80 cancels it; those that
+    /// are in the future again run again.
     ///
-    /// Source: System and standard functions, OB 10 and OB 80: bits 0 to 7 of the error information tell which ones.
+    /// Source: System and standard functions, OB 10 and OB 80: bits 0 to 7 of the error information show which ones.
     pub(crate) fn wall_clock_was_set(&self) {
         let wall = self.clock.wall();
         let mut skipped = Vec::new();
@@ -395,7 +395,7 @@ impl Cpu {
         self.rearm();
     }
 
-    /// Tells the watchdog when to raise the attention flag.
+    /// Sets the time at which the watchdog raises the attention flag.
     pub(crate) fn rearm(&self) {
         let schedule = &self.schedule;
         if self.clock.is_virtual() {
@@ -403,22 +403,23 @@ impl Cpu {
             return;
         }
         let now = self.clock.now();
-        // Startup has no time limit; it only looks whether the process is asked to end.
+        // Startup has no time limit; it only checks whether the process must end.
         let due = if schedule.in_run.get() { self.next_due() } else { now.saturating_add(STARTUP_LOOK) };
         let due = due.min(schedule.monitor.deadline.get());
         let left = due.saturating_sub(now);
         self.watchdog.set(if due == NEVER { NEVER } else { self.watchdog.host_now().saturating_add(left) });
     }
 
-    /// Runs waiting events of higher priority than the running one.
+    /// Runs the waiting interrupts that may run now.
     pub(crate) fn dispatch(&self) {
-        if self.s7200.is_some() {
-            self.s7200_dispatch();
-            return;
-        }
+        self.family.dispatch(self);
+    }
+
+    /// Runs waiting events of higher priority than the running one.
+    pub(crate) fn dispatch_by_priority(&self) {
         while !self.is_stopped() && self.running.delayed.get() == 0 {
             let Some((event, priority)) = self.take_next() else { return };
-            // Between cycles an interrupt is monitored by itself, so that an endless one is found.
+            // Between cycles an interrupt has its own monitoring, which finds an endless one.
             let between_cycles = self.running.priority.get() == 0 && self.schedule.monitor.deadline.get() == NEVER;
             if between_cycles {
                 self.schedule.monitor.begin(self.clock.now());
@@ -440,7 +441,7 @@ impl Cpu {
         let mut best: Option<(usize, u8)> = None;
         for (index, event) in queue.iter().enumerate() {
             let error = matches!(event.ob, 80..=88);
-            // In startup OB 80 has 28, the other errors interrupt too; interrupts wait for RUN.
+            // In startup OB 80 has priority 28, and the other errors also interrupt; interrupts wait for RUN.
             let (priority, allowed) = match (in_run, error) {
                 (true, _) => (self.priority_of(event.ob), self.priority_of(event.ob) > running),
                 (false, true) => (28, running < 28),
@@ -469,7 +470,7 @@ impl Cpu {
             }
             self.dispatch();
         }
-        let leaving = self.s7200_is_leaving();
+        let leaving = self.family.is_leaving(self);
         if self.is_stopped() || leaving {
             self.memory.raise_attention();
         }
@@ -480,20 +481,22 @@ impl Cpu {
         let monitor = &self.schedule.monitor;
         let now = self.clock.now();
         if now >= monitor.deadline.get() {
-            self.cycle_time_exceeded((now.saturating_sub(monitor.since.get()) / NS_PER_MS) as u32, site);
+            let ms = (now.saturating_sub(monitor.since.get()) / NS_PER_MS) as u32;
+            self.family.cycle_too_long(self, ms, site);
         }
     }
 
-    /// An endless loop under the virtual clock: OB 80 once, then STOP.
     fn check_hang(&self, site: u32) {
         let schedule = &self.schedule;
         if self.is_stopped() || self.watchdog.host_now() < schedule.hang_deadline.get() {
             return;
         }
-        if self.s7200.is_some() {
-            self.s7200_watchdog(site, crate::s7200::ENDLESS);
-            return;
-        }
+        self.family.hang(self, site);
+    }
+
+    /// An endless loop under the virtual clock: OB 80 once, then STOP.
+    pub(crate) fn hang_limit_exceeded(&self, site: u32) {
+        let schedule = &self.schedule;
         let ms = (schedule.hang_limit.get() / NS_PER_MS) as u32;
         let cause = self.log(0x3501, site, ms);
         let in_time_error = self.running.active.contains(80);
@@ -505,7 +508,7 @@ impl Cpu {
         self.stop_because(0x4568, site, crate::faults::TIME_ERROR_HANG, Some(cause));
     }
 
-    /// Starts the hang limit anew.
+    /// Starts the hang limit again.
     pub(crate) fn arm_hang(&self) {
         if self.clock.is_virtual() {
             let deadline = self.watchdog.host_now().saturating_add(self.schedule.hang_limit.get());
@@ -514,7 +517,7 @@ impl Cpu {
         }
     }
 
-    /// Lets time pass until `target`: what falls due on the way runs at its due time. `monitored`: the cycle monitor
+    /// Lets time pass until `target`. Interrupts run at their due times. `monitored`: the cycle monitor
     /// counts this time.
     pub(crate) fn advance(&self, target: u64, monitored: bool) {
         if !self.clock.is_virtual() {

@@ -1,4 +1,4 @@
-//! What a user watches and compares: an address, an analog channel in its unit, a number at an address, a value of the plant.
+//! Signals that a user watches and compares: an address, an analog channel in its unit, a number at an address, a value of the plant.
 //!
 //! | Text | Value |
 //! | --- | --- |
@@ -9,7 +9,7 @@
 //! | `pulse.1.duty`, `pulse.1.period` | of a pulse generator: on-time in percent of its cycle, cycle in milliseconds |
 //! | `PLS0.COUNT` | pulses of a pulse output of an S7-200 |
 //!
-//! Behind the last three ` in UNIT` may name their unit, for the axis of a picture; it changes nothing.
+//! After the last three ` in UNIT` may name their unit, for the axis of a picture; it changes nothing.
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::{AnalogChannel, Module, StationModule};
@@ -112,7 +112,7 @@ impl Value {
     }
 }
 
-/// Six digits, which is what a REAL has.
+/// Six digits, the precision of a REAL.
 pub fn number_text(number: f64) -> String {
     let rounded = format!("{number:.5e}").parse::<f64>().unwrap_or(number);
     // No `-0`.
@@ -124,11 +124,11 @@ fn without_unit(text: &str) -> &str {
 }
 
 impl Source {
-    /// Finds what `text` names; see the module comment. `Err`: what is wrong, in a sentence.
+    /// Finds what `text` names; see the module comment. `Err`: the error as a sentence.
     pub fn find(text: &str, image: &ProgramImage, plant: Option<&Plant>) -> Result<Source, String> {
         let text = text.trim();
         if let Some(name) = text.strip_prefix("plant.") {
-            let plant = plant.ok_or("there is no plant; a scenario has one in `[plant]`")?;
+            let plant = plant.ok_or("there is no plant; a scenario defines one in `[plant]`")?;
             let name = without_unit(name);
             return plant.find(name).map(Source::Plant).ok_or_else(|| format!("the plant has no value `{name}`"));
         }
@@ -147,10 +147,10 @@ impl Source {
             let address = address::resolve(name, image)?;
             let row = NUMBER_TYPES.iter().find(|(word, ..)| word.eq_ignore_ascii_case(ty.trim()));
             let (_, ty, width) = row.ok_or_else(|| {
-                format!("`{}` is none of SINT, INT, DINT, USINT, UINT, UDINT, REAL, LREAL", ty.trim())
+                format!("`{}` is not one of SINT, INT, DINT, USINT, UINT, UDINT, REAL, LREAL", ty.trim())
             })?;
             if address.width != *width {
-                return Err(format!("{} has another width than {}", name.trim(), row.map_or("", |row| row.0)));
+                return Err(format!("the width of {} is not that of {}", name.trim(), row.map_or("", |row| row.0)));
             }
             return Ok(Source::Number(address, *ty));
         }
@@ -169,7 +169,7 @@ impl Source {
         }
     }
 
-    /// Whether the address exists on this CPU; a DB may still be made by the program. `Err`: what is wrong.
+    /// Whether the address exists on this CPU; a DB may still be made by the program. `Err`: the error.
     pub fn check(&self, cpu: &Cpu) -> Result<(), String> {
         match self.address() {
             Some(address) if !matches!(address.place, Place::Db(..)) || cpu.s7200.is_some() => {
@@ -179,7 +179,7 @@ impl Source {
         }
     }
 
-    /// True for integers: no other number stands for one of them.
+    /// True for integers: no other number means one of them.
     pub fn is_exact(&self) -> bool {
         matches!(self, Source::Number(_, NumberType::Signed | NumberType::Unsigned) | Source::PulseCount(_))
     }
@@ -223,7 +223,7 @@ impl Source {
         }
     }
 
-    /// Sets the address to a number, rounded and limited to what it holds. `Err`: what is wrong.
+    /// Sets the address to a number, rounded and limited to what it holds. `Err`: the error.
     pub fn write_number(&self, cpu: &Cpu, number: f64) -> Result<(), String> {
         let (address, bits) = match self {
             Source::Bits(address) => (address, whole(number, address.width)),
@@ -232,7 +232,7 @@ impl Source {
             Source::PulseDuty(_) | Source::PulsePeriod(_) | Source::PulseCount(_) => {
                 return Err("the program sets a pulse generator".to_string());
             }
-            Source::Plant(_) => return Err("a value of the plant is set by `plant = { name = 1.0 }`".to_string()),
+            Source::Plant(_) => return Err("set a value of the plant with `plant = { name = 1.0 }`".to_string()),
         };
         cpu.write(address, bits)
     }
@@ -278,7 +278,7 @@ fn whole(number: f64, width: Width) -> Bits {
     }
 }
 
-/// The scale of the channel at `address` in `unit`. `Err`: what is wrong, in a sentence.
+/// The scale of the channel at `address` in `unit`. `Err`: the error as a sentence.
 pub fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Result<Scale, String> {
     if image.s7200.is_some() {
         return s7200::scale(address, unit, image).map(Scale::Module);
@@ -346,7 +346,7 @@ pub fn analog_channel(text: &str, image: &ProgramImage) -> Option<Address> {
     Some(Address { place, width: Width::Word })
 }
 
-/// A value for an address: a literal, or a number with a unit if an analog channel is there. `Err`: what is wrong.
+/// A value for an address: a literal, or a number with a unit if an analog channel is there. `Err`: the error.
 pub fn parse_value(text: &str, address: &Address, image: &ProgramImage) -> Result<Bits, String> {
     match (value::parse(text, address.width), analog::with_unit(text)) {
         (Err(_), Some((number, unit))) => Ok(u64::from(scale(address, unit, image)?.word(number) as u16)),

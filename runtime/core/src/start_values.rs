@@ -11,7 +11,7 @@ use plcc_abi::ob::StartValue;
 
 use crate::cpu::Cpu;
 
-/// What IO_State shows when a fault comes, and when it has gone.
+/// IO_State when a fault comes, and when it has gone.
 const IO_STATE_FAULT: u16 = 0x0010;
 const IO_STATE_GOOD: u16 = 0x0001;
 /// First byte of start information: an event that comes.
@@ -66,7 +66,7 @@ fn start_value(value: StartValue, info: &[u8; 12], first: bool) -> u16 {
             _ => 0,
         },
         StartValue::Reaction => match info[1] {
-            // What is read is replaced, what is written is skipped.
+            // A read is replaced, a write is skipped.
             sync::IO_READ | sync::LENGTH_READ | sync::AREA_READ | sync::ALIGN_READ => 1,
             sync::IO_WRITE | sync::LENGTH_WRITE | sync::AREA_WRITE | sync::ALIGN_WRITE => 2,
             _ => 0,

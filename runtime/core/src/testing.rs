@@ -14,14 +14,14 @@ use crate::io::Simulated;
 use crate::options::HANG_LIMIT_DEFAULT;
 use crate::scenario::{Player, Scenario};
 
-/// Cycles that a program which stops itself may take.
+/// Maximum cycles of a program that must stop itself.
 pub const CYCLES_UNTIL_STOP_MAX: u64 = 100_000;
 
 /// Environment variable that makes an executable run as a test; its value is a [`TestJob`] as JSON. The report goes to standard
 /// output as JSON.
 pub const TEST_VARIABLE: &str = "PLCC_TEST";
 
-/// What an executable is to test.
+/// The test that an executable runs.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct TestJob {
     /// Which program, if several share the executable; else 0.
@@ -141,7 +141,7 @@ fn judge(cpu: &Cpu, options: &TestOptions, until_stop: bool, player: &Player, re
     match (&fault, options.expect_fail.as_deref()) {
         (Some(text), None) => report.problems.push(format!("the CPU went to STOP: {text}")),
         (None, Some(_)) => {
-            report.problems.push("the CPU was expected to go to STOP on a fault, and did not".to_string())
+            report.problems.push("the CPU was expected to go to STOP on a fault, but it did not".to_string())
         }
         (None, None) if until_stop && !cpu.is_stopped() => report
             .problems
@@ -152,7 +152,7 @@ fn judge(cpu: &Cpu, options: &TestOptions, until_stop: bool, player: &Player, re
         (None, None) | (Some(_), Some(_)) => {}
     }
     report.stopped = fault;
-    // To go to STOP as expected is what such a test asserts.
+    // A test like this asserts that the CPU goes to STOP as expected.
     if options.expect_fail.is_some() && report.stopped.is_some() && report.passed == 0 && report.failed() == 0 {
         report.passed = 1;
     }

@@ -55,7 +55,7 @@ impl Cell {
         self.flags = if on { self.flags | flag } else { self.flags & !flag };
     }
 
-    /// Stops a timer whose deadline has passed, and gives its status the value it then has.
+    /// Stops a timer whose deadline has passed, and sets its status to the value that it then has.
     fn settle(&mut self, clock: &Clock) {
         if self.is(RUNNING) && clock.now() >= self.deadline {
             self.set(RUNNING, false);

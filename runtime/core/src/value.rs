@@ -1,4 +1,4 @@
-//! Values as a user writes them: what `--print` writes, or an STL literal.
+//! Values as a user writes them: in the form of `--print`, or as an STL literal.
 
 use plcc_literal::calendar::{Clock, Date};
 use plcc_literal::duration::{self, Fraction, Smallest};
@@ -7,7 +7,7 @@ use plcc_literal::number;
 use crate::address::{Bits, Width};
 use crate::bcd;
 
-/// Parses a value for an address of this width. `Err`: what is wrong, in a sentence.
+/// Parses a value for an address of this width. `Err`: the error as a sentence.
 pub fn parse(text: &str, width: Width) -> Result<Bits, String> {
     let text = text.trim();
     let (value, signed) = read(text, width).ok_or_else(|| format!("`{text}` is not a value"))?;
@@ -95,7 +95,7 @@ fn byte_list(list: &str) -> Option<u64> {
     matches!(bytes.len(), 2 | 4).then(|| bytes.iter().fold(0, |value, &byte| value << 8 | u64::from(byte)))
 }
 
-/// `2h_1m_0s_5ms`, `-1s100ms`, `1.001s`: milliseconds; what lies below is cut off.
+/// `2h_1m_0s_5ms`, `-1s100ms`, `1.001s`: milliseconds; smaller parts are cut off.
 fn duration_ms(text: &str) -> Option<i128> {
     Some(duration::nanoseconds(text, Smallest::Millisecond, Fraction::Anywhere).ok()? / 1_000_000)
 }

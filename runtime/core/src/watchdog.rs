@@ -1,7 +1,7 @@
 //! The thread that raises the attention flag when something falls due while code runs.
 //!
 //! It touches one word of PLC memory and nothing else. The CPU gives it a host time; when that has passed, it raises the
-//! flag once, and the next safepoint finds out what is due. Deadlines mostly move later: then setting one is a store;
+//! flag once, and the next safepoint finds out what is due. Deadlines usually move later: then setting one is a store;
 //! the thread is only woken for an earlier one.
 
 use std::cell::RefCell;
@@ -79,7 +79,7 @@ fn watch(shared: &Shared) {
         let now = shared.origin.elapsed().as_nanos() as u64;
         if deadline <= now {
             let flag = std::ptr::with_exposed_provenance_mut::<u32>(shared.flag.load(Ordering::SeqCst));
-            // SAFETY: the flag lies in the memory of the CPU, which outlives this thread (`Watchdog` joins it on drop);
+            // SAFETY: the flag is in the memory of the CPU, which outlives this thread (`Watchdog` joins it on drop);
             // it is aligned, and the runtime accesses it atomically only.
             unsafe { std::sync::atomic::AtomicU32::from_ptr(flag) }.store(1, Ordering::Relaxed);
             // Once only, unless a new deadline was set meanwhile.

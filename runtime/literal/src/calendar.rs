@@ -1,6 +1,6 @@
 //! Dates and times of day.
 
-/// A day of the calendar. Whether it exists, [`Date::exists`] tells.
+/// A day of the calendar. [`Date::exists`] checks whether it exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Date {
     pub year: u32,
@@ -8,7 +8,7 @@ pub struct Date {
     pub day: u32,
 }
 
-/// A time of day. Whether it exists, [`Clock::exists`] tells.
+/// A time of day. [`Clock::exists`] checks whether it exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clock {
     pub hour: u32,
@@ -62,7 +62,7 @@ impl Clock {
         self.hour < 24 && self.minute < 60 && self.second < 60
     }
 
-    /// Since midnight; what lies below a millisecond is cut off.
+    /// Since midnight; parts of a millisecond are cut off.
     pub fn milliseconds(self) -> u32 {
         ((self.hour * 60 + self.minute) * 60 + self.second) * 1000 + self.ns / 1_000_000
     }

@@ -23,7 +23,7 @@ pub enum Smallest {
 pub enum Fault {
     /// Not numbers with units in descending order.
     Form,
-    /// A number that must go into the next larger unit, because one stands before it: `1M_90S`.
+    /// A number that must go into the next larger unit, because one is before it: `1M_90S`.
     Unit { number: i128, unit: &'static str },
 }
 
@@ -38,7 +38,7 @@ const UNITS: [(&str, i128, i128); 7] = [
     ("NS", 1, 1000),
 ];
 
-/// Reads `1D2H3M4S5MS`, with a sign or without, in any letter case, `_` between the units allowed. In nanoseconds; what lies below is
+/// Reads `1D2H3M4S5MS`, with a sign or without, in any letter case, `_` between the units allowed. In nanoseconds; what is below is
 /// cut off.
 pub fn nanoseconds(value: &str, smallest: Smallest, fraction: Fraction) -> Result<i128, Fault> {
     let units = match smallest {
@@ -121,7 +121,7 @@ pub fn interval(text: &str) -> Option<u64> {
 
 /// A decimal number times a unit.
 struct Scaled {
-    /// What lies below 1 is cut off.
+    /// Fractions are cut off.
     whole: i128,
     /// Nothing was cut off.
     exact: bool,

@@ -4,9 +4,9 @@
 //! - [`calendar`]: days of months and years, `2000-6-20`, `5:45:00.5`.
 //! - [`number`]: `-5`, `1_000`, `16#FF`.
 //!
-//! Everything is computed in integers, so that `1.001s` is 1001 ms. Ranges of types and messages are the caller's.
+//! Everything is computed in integers, so `1.001s` is 1001 ms. Ranges of types and messages are the caller's.
 //!
-//! **Invariant**: depends on nothing; knows no language.
+//! **Invariant**: depends on nothing; independent of the language.
 
 pub mod calendar;
 pub mod duration;

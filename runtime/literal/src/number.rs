@@ -19,7 +19,7 @@ pub struct Based {
     pub value: u64,
     /// 2, 8 or 16.
     pub radix: u32,
-    /// How many digits are written, leading zeros too.
+    /// Number of digits in the text, with leading zeros.
     pub digits: u32,
 }
 
@@ -41,7 +41,7 @@ pub fn based(base: &str, digits: &str) -> Result<Based, Fault> {
     if count == 0 { Err(Fault::Empty) } else { Ok(Based { value, radix, digits: count }) }
 }
 
-/// Reads decimal digits without a sign, `_` between them allowed. What exceeds every type saturates; `None`: not a number.
+/// Reads decimal digits without a sign, `_` between them allowed. A value that exceeds every type saturates; `None`: not a number.
 pub fn decimal(digits: &str) -> Option<i128> {
     if !digits.starts_with(|c: char| c.is_ascii_digit()) || digits.contains(|c: char| !c.is_ascii_digit() && c != '_') {
         return None;

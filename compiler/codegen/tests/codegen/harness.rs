@@ -64,7 +64,7 @@ pub fn run_on(module: &Module, index: u32, options: &CodegenOptions, memory: &mu
     unsafe { program.entry(index)(memory.as_mut_ptr(), LBASE, VBASE) };
 }
 
-/// Runs entry 0 on patterned memory at all levels, which must agree; gives the memory after it.
+/// Runs entry 0 on patterned memory at all levels, which must agree; returns the memory after it.
 pub fn run(module: &Module) -> Vec<u8> {
     let results = LEVELS.map(|options| {
         let mut memory = patterned_memory();

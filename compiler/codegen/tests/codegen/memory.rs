@@ -235,7 +235,7 @@ fn offsets_of_addresses() {
 
 #[test]
 fn pointers_meet_every_area() {
-    // A store through a pointer changes what a direct load sees, and the other way round.
+    // A store through a pointer changes the value of a direct load, and vice versa.
     let module = harness::entry(|b| {
         let direct = Address::direct(Region::M, 40);
         let before = b.load(Type::I32, direct);

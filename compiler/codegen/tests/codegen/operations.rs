@@ -1,6 +1,6 @@
 //! Every pure operation on edge values against `plcc_ir::eval`.
 //!
-//! One function computes all results of an operation: operands lie in the CPU state and results go there, so that nothing
+//! One function computes all results of an operation: operands are in the CPU state and results go there, so that nothing
 //! is folded.
 
 use plcc_abi::{Type, layout};
@@ -144,7 +144,7 @@ fn check(
         for x in edge_values(ty) {
             for y in edge_values(ty) {
                 let Some(expected) = expect(x, y) else { continue };
-                // What stands beside a narrow operand must not matter.
+                // The bits next to a narrow operand must not matter.
                 memory[A as usize..RESULT as usize + 8].fill(0xA5);
                 for (slot, value) in [(A, x), (B, y)] {
                     let width = ty.bytes() as usize;

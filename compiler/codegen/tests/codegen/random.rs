@@ -94,11 +94,11 @@ impl Generator<'_> {
         self.b.def_var(var, value);
     }
 
-    /// An address with room for `bytes` behind it.
+    /// An address with room for `bytes` after it.
     fn address(&mut self, bytes: u32) -> Address {
         let regions = [Region::I, Region::Q, Region::M, Region::L, Region::V, Region::Db(DB.number), Region::State];
         let mut region = self.random.pick(&regions);
-        // The slots behind the registers are free.
+        // The slots after the registers are free.
         let start = if region == Region::State { 0x800 } else { 0 };
         let offset = start + self.random.below(20);
         if self.random.chance(3) {
@@ -226,7 +226,7 @@ impl Generator<'_> {
         }
     }
 
-    /// Which NaN an operation gives is not settled at this level.
+    /// The bits of a resulting NaN are not defined at this level.
     fn set_float(&mut self, value: Value) {
         let is_nan = self.b.fcmp(FloatCc::Uno, value, value);
         let nan = self.b.i32_const(u32::MAX);

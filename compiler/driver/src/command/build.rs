@@ -23,7 +23,7 @@ pub fn build(args: &BuildArgs) -> u8 {
 
 fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
     if let Some(pass) = args.print_after.as_deref().filter(|pass| !plcc_opt::passes().contains(pass)) {
-        report::say(&format!("there is no pass `{pass}`; the passes are {}", plcc_opt::passes().join(", ")));
+        report::say(&format!("unknown pass `{pass}`; the passes are {}", plcc_opt::passes().join(", ")));
         return Err(exit::USAGE);
     }
     let unreadable = read.is_unreadable();
@@ -79,7 +79,7 @@ fn object(compiled: &Compiled) -> Result<Vec<u8>, u8> {
         .map_err(|error| internal(&error))
 }
 
-/// What fails behind binding is a fault of plcc, not of the program.
+/// What fails after binding is a fault of plcc, not of the program.
 pub fn internal(error: &dyn std::error::Error) -> u8 {
     report::say(&format!("internal fault, please report it: {error}"));
     exit::COMPILE
@@ -112,7 +112,7 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
 fn write_text(output: Option<&Path>, text: &str) -> Result<(), u8> {
     match output {
         Some(path) => write_bytes(path, text.as_bytes()),
-        // A closed pipe (`| head`) is no fault.
+        // A closed pipe (`| head`) is not a fault.
         None => {
             let _ = std::io::stdout().write_all(text.as_bytes());
             Ok(())

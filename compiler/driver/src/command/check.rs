@@ -5,11 +5,11 @@ use crate::command::exit;
 use crate::report::{self, MessageFormat};
 use crate::{inputs, pipeline};
 
-/// Reports all messages; 0 with or without warnings, 3 with an error.
+/// Reports all messages. Returns 3 after an error, otherwise 0.
 pub fn check(args: &CheckArgs) -> u8 {
     let read = inputs::read_as(&args.inputs, args.compile.code_page);
     let unreadable = read.is_unreadable();
-    // A file alone may be a part of a program, a project is a whole one.
+    // A single file may be part of a program; a project is a whole one.
     let settings = pipeline::Settings::new(&args.compile);
     let require_main = read.project.is_some() && !settings.is_partial(read.project.as_ref());
     let settings = pipeline::Settings { require_main, ..settings };

@@ -14,7 +14,7 @@ pub fn explain(code: &str) -> u8 {
         }
         None => {
             report::say(&format!(
-                "there is no code `{code}`; codes go from {} to {}",
+                "unknown code `{code}`; codes go from {} to {}",
                 Code::ALL.first().map_or("", |code| code.name()),
                 Code::ALL.last().map_or("", |code| code.name())
             ));

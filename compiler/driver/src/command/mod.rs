@@ -1,4 +1,4 @@
-//! The commands, one file each. Each gives the exit code of the process.
+//! The commands, one file each. Each returns the exit code of the process.
 
 pub mod build;
 pub mod check;
@@ -8,12 +8,12 @@ pub mod run;
 pub mod station;
 pub mod test;
 
-/// Exit codes. A command that runs a PLC program gives those of the runtime, which are the same.
+/// Exit codes. A command that runs a PLC program returns the codes of the runtime, which are the same.
 pub mod exit {
     pub const OK: u8 = 0;
     /// A test failed; the program went to STOP on a fault.
     pub const FAILED: u8 = 1;
-    /// Usage, or a file that cannot be read or written.
+    /// Wrong usage, or a file that cannot be read or written.
     pub const USAGE: u8 = 2;
     /// The sources have errors.
     pub const COMPILE: u8 = 3;

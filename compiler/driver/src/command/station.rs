@@ -9,7 +9,7 @@ use crate::{inputs, report, station};
 /// Prints the station of the project in `folder`.
 pub fn station(folder: &Path) -> u8 {
     if !folder.join(FILE_NAME).is_file() {
-        report::say(&format!("{} is no project: it holds no {FILE_NAME}", folder.display()));
+        report::say(&format!("{} is not a project: it contains no {FILE_NAME}", folder.display()));
         return exit::USAGE;
     }
     let read = inputs::read(&[PathBuf::from(folder)]);
@@ -31,7 +31,7 @@ pub fn station(folder: &Path) -> u8 {
         }
         None => {
             report::say(&format!(
-                "{} describes no station; docs/plc-toml.md shows how",
+                "{} does not describe a station; docs/plc-toml.md shows how to",
                 folder.join(FILE_NAME).display()
             ));
             exit::USAGE

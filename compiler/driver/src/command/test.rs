@@ -22,7 +22,7 @@ pub fn test(args: &TestArgs) -> u8 {
     let tests = inputs::find_tests(&args.inputs);
     let outcomes = testing::run(&tests, &plan);
     for scenario in inputs::lone_scenarios(&args.inputs, &tests) {
-        println!("no source beside the scenario: {}", scenario.display());
+        println!("no source next to the scenario: {}", scenario.display());
     }
     if outcomes.is_empty() {
         report::say("no source in the given folders");

@@ -1,13 +1,13 @@
-//! Files of other tools and other languages, by the ending of their name or by the root of their XML.
+//! Files of other tools and other languages, recognized by their extension or by the root of their XML.
 
 use std::path::Path;
 
-/// What the name of a file tells of it.
+/// What the name of a file shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Foreign {
-    /// A program in the form of another tool, which the user may miss.
+    /// A program of another tool, which the user may miss.
     Program(&'static str),
-    /// A document, a picture or a file of a version control system: nobody expects that it is read.
+    /// A document, a picture or a file of a version control system: nobody expects plcc to read it.
     Document,
     /// Something else that is never a PLC source.
     Other(&'static str),
@@ -22,7 +22,7 @@ const CODESYS: &str = "an export of CODESYS: export it as PLCopen XML";
 const LOGIX: &str = "a project of Logix 5000";
 const CONTROL_EXPERT: &str = "a project of Control Expert";
 
-/// Endings of programs in the form of other tools.
+/// Extensions of programs of other tools.
 const PROGRAMS: [(&[&str], &str); 14] = [
     (&["s7p"], "a project of STEP 7: export sources from it"),
     (&["s7l"], "a library of STEP 7: export sources from it"),
@@ -40,14 +40,14 @@ const PROGRAMS: [(&[&str], &str); 14] = [
     (&["cxp", "cxt", "smc2"], "a project of CX-One or Sysmac Studio"),
 ];
 
-/// Endings of documents, pictures and other files that nobody expects to be read.
+/// Extensions of documents, pictures and other files that nobody expects plcc to read.
 const DOCUMENTS: &[&str] = &[
     "md", "markdown", "rst", "adoc", "tex", "pdf", "doc", "docx", "odt", "rtf", "ppt", "pptx", "odp", "chm", "png",
     "jpg", "jpeg", "gif", "bmp", "ico", "svg", "tif", "tiff", "webp", "eps", "drawio", "vsd", "vsdx", "dia", "psd",
     "dwg", "dxf", "mp3", "mp4", "mov", "avi", "webm", "wav", "ttf", "otf", "woff", "woff2",
 ];
 
-/// Names of documents, with any ending of a text or none.
+/// Names of documents, with any extension of a text or none.
 const DOCUMENT_NAMES: &[&str] = &[
     "readme",
     "license",
@@ -73,7 +73,7 @@ const DOCUMENT_NAMES: &[&str] = &[
     "citation",
 ];
 
-/// Endings of files in other languages and forms.
+/// Extensions of files in other languages and forms.
 const OTHERS: [(&[&str], &str); 14] = [
     (&["c", "h", "cc", "cpp", "cxx", "hh", "hpp", "hxx", "ino"], "a source in C or C++"),
     (&["py", "pyw", "pyi", "ipynb"], "a source in Python"),
@@ -97,14 +97,14 @@ const OTHERS: [(&[&str], &str); 14] = [
     (&["exe", "dll", "so", "o", "a", "lib", "obj", "class", "jar", "pyc", "msi"], "a program of the computer"),
 ];
 
-/// Names of files that have no telling ending.
+/// Names of files whose extension does not show what they are.
 const OTHER_NAMES: [(&[&str], &str); 3] = [
     (&["makefile", "gnumakefile", "dockerfile", "jenkinsfile", "vagrantfile", "configure"], "a script"),
     (&["cmakelists.txt", "requirements.txt"], "settings or data"),
     (&["thumbs.db", "desktop.ini"], "a file of the operating system"),
 ];
 
-/// What the name of a file tells; `None`: its content must.
+/// What the name of a file shows; `None`: its content decides.
 pub fn of_name(path: &Path) -> Option<Foreign> {
     let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
     let found = OTHER_NAMES.iter().find(|(names, _)| names.contains(&name.as_str()));
@@ -123,7 +123,7 @@ pub fn of_name(path: &Path) -> Option<Foreign> {
     if let Some((_, what)) = PROGRAMS.iter().find(|(suffixes, _)| suffixes.contains(&suffix)) {
         return Some(Foreign::Program(what));
     }
-    // The number is that of the version: `.ap17`, `.zap15_1`.
+    // The number is the version: `.ap17`, `.zap15_1`.
     let version = suffix.trim_start_matches(|c: char| c.is_ascii_alphabetic());
     if version.starts_with(|c: char| c.is_ascii_digit()) {
         match suffix.strip_suffix(version) {
@@ -136,7 +136,7 @@ pub fn of_name(path: &Path) -> Option<Foreign> {
     OTHERS.iter().find(|(suffixes, _)| suffixes.contains(&suffix)).map(|(_, what)| Foreign::Other(what))
 }
 
-/// What XML with a root of that name is.
+/// What XML with a root of this name is.
 pub fn of_root(root: &str) -> Option<Foreign> {
     Some(match root {
         "TcPlcObject" => Foreign::Program("an object of TwinCAT: export it as PLCopen XML"),

@@ -1,25 +1,25 @@
-//! Whether a text is a PLC source, by what its lines look like.
+//! Decides from its lines whether a text is a PLC source.
 
 use plcc_syntax::s7200;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 
-/// How many lines of a text look like what.
+/// How many lines of a text look like each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Signs {
     /// Headers of blocks and types.
     headers: usize,
-    /// Statements that nothing but a PLC source has.
+    /// Statements that only a PLC source has.
     sure: usize,
     /// Lines that a PLC source may have.
     likely: usize,
     /// Sentences, and lines of other languages.
     alien: usize,
-    /// All the rest.
+    /// All other lines.
     open: usize,
 }
 
 impl Signs {
-    /// Counts the signs of `text`.
+    /// Counts the kinds of lines in `text`.
     pub fn of(text: &str) -> Signs {
         let mut signs = Signs::default();
         let text = without_comments(text);
@@ -29,7 +29,7 @@ impl Signs {
         signs
     }
 
-    /// The text has some PLC code, if only as an example.
+    /// The text contains some PLC code, maybe as an example.
     pub fn has_code(&self) -> bool {
         self.headers > 0 || self.sure > 1
     }
@@ -73,7 +73,7 @@ fn without_comments(text: &str) -> String {
                 match comment[2..].find(close) {
                     Some(end) => (comment, end + 4),
                     None => {
-                        // It is no comment: `(*` may stand in a pattern of another language.
+                        // It is not a comment: `(*` may stand in a pattern of another language.
                         out.push_str(mark);
                         (comment, 2)
                     }
@@ -109,7 +109,7 @@ fn name(text: &str) -> Option<&str> {
 /// The header of a block or type, or its end.
 fn is_header(line: &str) -> bool {
     let (word, rest) = first_word(line);
-    // Before a name stand attributes: `FUNCTION_BLOCK PUBLIC Valve`, `{ ... }`.
+    // Attributes come before a name: `FUNCTION_BLOCK PUBLIC Valve`, `{ ... }`.
     let follows = |rest: &str| rest.is_empty() || rest.starts_with([':', '{', '=']);
     match word.as_str() {
         "ORGANIZATION_BLOCK"
@@ -142,7 +142,7 @@ fn is_header(line: &str) -> bool {
     }
 }
 
-/// A statement in STL of any family or SCL, or a declaration, that hardly anything else looks like.
+/// A statement in STL of any family or in SCL, or a declaration, with a form that is rare elsewhere.
 fn is_statement(line: &str) -> bool {
     let line = after_label(line);
     let (word, rest) = first_word(line);
@@ -170,7 +170,7 @@ fn is_statement(line: &str) -> bool {
         || is_mnemonic(&word) && rest.split([' ', '\t', ',']).count() <= 6 && is_operands(rest)
 }
 
-/// A label of a jump is taken off.
+/// Removes the label of a jump.
 fn after_label(line: &str) -> &str {
     match line.split_once(':') {
         Some((label, rest))
@@ -200,7 +200,7 @@ fn is_call(rest: &str) -> bool {
         })
 }
 
-/// Operands of which each looks like one and at least one is more than a number.
+/// All look like operands, and at least one is more than a number.
 fn is_operands(text: &str) -> bool {
     text.split(',').all(|operand| is_operand(operand.trim()) || is_number(operand.trim()))
         && text.split(',').any(|operand| is_operand(operand.trim()))
@@ -245,7 +245,7 @@ fn is_operand(text: &str) -> bool {
         && rest.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '.' | ' ' | '#' | '_'))
 }
 
-/// A line that sources have, and that may stand elsewhere too.
+/// A line that occurs in sources, but also in other texts.
 fn is_likely(line: &str) -> bool {
     let line = after_label(line);
     let (word, rest) = first_word(line);
@@ -268,7 +268,7 @@ fn is_likely(line: &str) -> bool {
     }
 }
 
-/// Marks that no line of a source has.
+/// Marks that never occur in a line of a source.
 fn is_of_another_language(line: &str) -> bool {
     let begins = [
         "#include", "#define", "#!", "# ", "## ", "import ", "from ", "def ", "class ", "return ", "<", "```", "* ",
@@ -282,7 +282,7 @@ fn is_of_another_language(line: &str) -> bool {
         || !line.starts_with("==") && line.contains("==")
 }
 
-/// A sentence: several words with nothing of code between them.
+/// A sentence: several words without any code between them.
 fn is_sentence(line: &str) -> bool {
     let words = || line.split_whitespace();
     let plain = |word: &&str| {

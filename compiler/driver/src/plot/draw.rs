@@ -12,17 +12,17 @@ const NUMBERS_HEIGHT: u32 = 260;
 const BIT_HEIGHT: u32 = 34;
 /// Axis of time below the last panel.
 const AXIS_HEIGHT: u32 = 46;
-/// Left of the axes, so that all panels begin at one place.
+/// Space left of the axes, so that all panels begin at the same place.
 const LABELS_WIDTH: u32 = 98;
-/// Left of the labels.
+/// Space left of the labels.
 const MARGIN: u32 = 12;
 /// The shortest axis of time, in seconds.
 const END_MIN: f64 = 1e-12;
-/// Least room above and below the values.
+/// Smallest space above and below the values.
 const ROOM_MIN: f64 = 1e-30;
 const FONT: &str = "sans-serif";
 
-/// Colours that can be told apart, on paper and by people who see colours differently (Okabe and Ito).
+/// Colours that are easy to distinguish, on paper and with colour blindness (Okabe and Ito).
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -35,7 +35,7 @@ const COLORS: [RGBColor; 7] = [
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// The picture. `Err`: what the library says.
+/// The picture. `Err`: the message of the library.
 pub(super) fn svg(panels: &Panels, title: &str) -> Result<String, String> {
     let title_height = if title.is_empty() { 8 } else { TITLE_HEIGHT };
     let bits_height = BIT_HEIGHT * panels.bits.len() as u32;
@@ -55,7 +55,7 @@ fn draw(root: &Area, panels: &Panels, title: &str, title_height: u32) -> Result<
     if !title.is_empty() {
         head.titled(title, (FONT, 20))?;
     }
-    // A trace of one sample has an axis too.
+    // A trace with one sample also has an axis.
     let end = if panels.end > END_MIN { panels.end } else { 1.0 };
     for (index, (unit, columns)) in panels.numbers.iter().enumerate() {
         let is_last = panels.bits.is_empty() && index + 1 == panels.numbers.len();
@@ -79,7 +79,7 @@ fn numbers(
     let values = || columns.iter().flat_map(|column| column.points.iter().map(|(_, value)| *value));
     let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
     let room = if most > least { (most - least) * 0.06 } else { 1.0 };
-    // Lines of the axis are counted by adding their distance, which a larger value must not swallow.
+    // The axis adds the distance of its lines repeatedly; the distance must not vanish next to a larger value.
     let room = room.max(most.abs().max(least.abs()) * 1e-6).max(ROOM_MIN);
     let mut chart = ChartBuilder::on(area)
         .margin_left(MARGIN)
@@ -151,7 +151,7 @@ fn name(
     height: f64,
 ) -> Result<(), Box<dyn std::error::Error>> {
     use plotters::style::text_anchor::{HPos, Pos, VPos};
-    // Names that are too long for the place are cut.
+    // Names that are too long are cut.
     let mut shown: String = text.chars().take(16).collect();
     if text.chars().count() > 16 {
         shown.push('…');
@@ -177,7 +177,7 @@ fn steps(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     steps
 }
 
-/// What can be seen: of the samples that fall on one column of pixels the first, the least, the greatest and the last.
+/// The visible samples: for each column of pixels the first, the smallest, the largest and the last.
 fn thinned(points: &[(f64, f64)], end: f64) -> Vec<(f64, f64)> {
     let pixels = f64::from(WIDTH - LABELS_WIDTH);
     let pixel = |time: f64| (time / end * pixels) as i64;

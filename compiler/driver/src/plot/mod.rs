@@ -1,6 +1,6 @@
 //! Pictures of traces: a CSV trace as SVG.
 //!
-//! Numbers stand in one panel for each unit (`AO0 in %`), bits below them as steps, all over one axis of time.
+//! Each unit (`AO0 in %`) has one panel with its numbers. Bits follow below as steps. All share one time axis.
 
 mod draw;
 
@@ -20,14 +20,14 @@ struct Column {
 /// Panels of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Panels {
-    /// Unit and its columns, in the order in which the units first come.
+    /// Unit and its columns, in the order of their first use.
     numbers: Vec<(String, Vec<Column>)>,
     bits: Vec<Column>,
     /// Seconds of the last sample.
     end: f64,
 }
 
-/// Draws a trace in the form that `--trace FILE.csv` writes. `Err`: what is wrong with it.
+/// Draws a trace in the form that `--trace FILE.csv` writes. `Err`: the reason why it cannot be drawn.
 pub fn picture(trace: &str, title: &str) -> Result<String, String> {
     let mut panels = Panels::default();
     for column in columns(trace)? {
@@ -54,7 +54,7 @@ fn columns(trace: &str) -> Result<Vec<Column>, String> {
     let time = header
         .iter()
         .position(|name| name == "time_ms")
-        .ok_or("this is no trace that `--trace FILE.csv` wrote: it has no column `time_ms`")?;
+        .ok_or("this is not a trace of `--trace FILE.csv`: it has no column `time_ms`")?;
     let is_value = |index: usize| index != time && header.get(index) != Some("cycle");
     let mut columns: Vec<(usize, Column)> = Vec::new();
     for (index, name) in header.iter().enumerate().filter(|(index, _)| is_value(*index)) {
@@ -69,7 +69,7 @@ fn columns(trace: &str) -> Result<Vec<Column>, String> {
     for record in reader.records() {
         let record = record.map_err(|error| error.to_string())?;
         let field = |index: usize| record.get(index).unwrap_or("");
-        let wrong = |text: &str| format!("`{text}` is no value of a trace");
+        let wrong = |text: &str| format!("`{text}` is not a value of a trace");
         let ms: f64 = field(time).parse().map_err(|_| wrong(field(time)))?;
         if !(0.0..=TIME_MS_MAX).contains(&ms) {
             return Err(format!(
@@ -81,7 +81,7 @@ fn columns(trace: &str) -> Result<Vec<Column>, String> {
             let text = field(*index);
             let value = value(text).filter(|value| value.is_finite()).ok_or_else(|| wrong(text))?;
             if value.abs() > VALUE_MAX {
-                return Err(format!("`{text}` cannot be drawn: values go to {VALUE_MAX:e}"));
+                return Err(format!("`{text}` cannot be drawn: the largest value is {VALUE_MAX:e}"));
             }
             // Bits are written as 0 and 1, words in base 16, numbers with or without a point.
             column.is_bit &= matches!(text, "0" | "1") && column.unit.is_empty();
@@ -94,7 +94,7 @@ fn columns(trace: &str) -> Result<Vec<Column>, String> {
     Ok(columns.into_iter().map(|(_, column)| column).collect())
 }
 
-/// A number, or a word in base 16 as an INT, wider ones as they are.
+/// A number, or a word in base 16 as an INT; wider values as they are.
 fn value(text: &str) -> Option<f64> {
     match text.strip_prefix("16#") {
         None => text.parse().ok(),
@@ -159,9 +159,9 @@ mod tests {
             ("a,b\n1,2\n", "no column `time_ms`"),
             ("cycle,time_ms\n0,0\n", "no values"),
             ("cycle,time_ms,Q0.0\n", "no samples"),
-            ("cycle,time_ms,Q0.0\n0,0,x\n", "`x` is no value"),
-            ("cycle,time_ms,Q0.0\n0,0,NaN\n", "`NaN` is no value"),
-            ("cycle,time_ms,Q0.0\n0,soon,1\n", "`soon` is no value"),
+            ("cycle,time_ms,Q0.0\n0,0,x\n", "`x` is not a value"),
+            ("cycle,time_ms,Q0.0\n0,0,NaN\n", "`NaN` is not a value"),
+            ("cycle,time_ms,Q0.0\n0,soon,1\n", "`soon` is not a value"),
             ("cycle,time_ms,Q0.0\n0,inf,1\n", "`inf` is not a time"),
             ("cycle,time_ms,Q0.0\n0,1e400,1\n", "`1e400` is not a time"),
             ("cycle,time_ms,Q0.0\n0,NaN,1\n", "`NaN` is not a time"),

@@ -107,7 +107,7 @@ fn ranges_and_switches() {
     assert_eq!(one("switches = \"x--x-x\""), is(0.0, 50.0, "mV"));
     assert_eq!(one("switches = \"x----x\""), is(0.0, 5.0, "V"));
     assert_eq!(one("switches = \"x----x\"\nrange = \"0-20 mA\""), is(0.0, 20.0, "mA"));
-    // Each pattern of an EM 235 stands for one polarity: SW6 on is unipolar.
+    // Each pattern of an EM 235 means one polarity: SW6 on is unipolar.
     for range in &RANGES {
         assert!(range.em_235.is_none_or(|switches| switches.ends_with('x') == (range.low == 0.0)), "{}", range.name);
         assert!(range.em_231.is_none_or(|switches| switches.starts_with('x') == (range.low == 0.0)), "{}", range.name);

@@ -1,4 +1,4 @@
-//! Modules and CPUs by order number: what a station can be made of.
+//! Modules and CPUs by order number: the possible parts of a station.
 //!
 //! Source: SIMATIC S7-300 module data and CPU data; the catalogue of STEP 7's hardware configuration.
 
@@ -18,12 +18,12 @@ pub enum Kind {
     AiAo,
     Fm,
     Cp,
-    /// Dummy module: a slot that stays free.
+    /// Dummy module: it reserves a slot.
     Dm,
 }
 
 impl Kind {
-    /// As `kind` in plc.toml names it.
+    /// Its name for `kind` in plc.toml.
     const NAMES: [(&'static str, Kind); 14] = [
         ("PS", Kind::Ps),
         ("CPU", Kind::Cpu),
@@ -86,7 +86,7 @@ pub struct Type {
     /// Channels of inputs and of outputs.
     pub inputs: u32,
     pub outputs: u32,
-    /// Resolution of analog channels in bits behind the sign.
+    /// Resolution of analog channels in bits without the sign.
     pub bits: u8,
 }
 
@@ -180,13 +180,13 @@ const MODULES: &[Row] = &[
     row("6ES7355-0VH", "FM 355 C PID control",      Fm, 0, 0, 0),
 ];
 
-/// The type that an order number means.
+/// The type with this order number.
 pub fn lookup(order: &str) -> Option<&'static Row> {
     let order = normalized(order);
     MODULES.iter().find(|row| order.starts_with(&normalized(row.order)))
 }
 
-/// Order numbers compare without blanks and hyphens; the letter O is read as 0.
+/// Order numbers are compared without blanks and hyphens; the letter O counts as 0.
 pub fn normalized(order: &str) -> String {
     order
         .chars()
@@ -265,7 +265,7 @@ pub fn cpu_named(profile: &str) -> Option<&'static CpuRow> {
     CPUS.iter().find(|row| row.name == profile)
 }
 
-/// The CPU that an order number means.
+/// The CPU with this order number.
 pub fn cpu_ordered(order: &str) -> Option<&'static CpuRow> {
     let order = normalized(order);
     CPUS.iter().find(|row| row.order != "-" && order.starts_with(&normalized(row.order)))

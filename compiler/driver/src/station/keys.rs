@@ -1,4 +1,4 @@
-//! `[station]` of plc.toml, as it stands in the file.
+//! The keys of `[station]` in plc.toml.
 
 use serde::Deserialize;
 use toml::Spanned;

@@ -1,4 +1,4 @@
-//! The station as a table, as STEP 7's configuration window shows it.
+//! The station as a table, like the configuration window of STEP 7.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use super::{Placed, Station, catalog};
 
 const HEADER: [&str; 7] = ["Rack", "Slot", "Module", "Order number", "I address", "Q address", "Comment"];
 
-/// The table, a line a module, with a line for the CPU.
+/// The table: one line per module, and a line for the CPU.
 pub fn table(station: &Station) -> String {
     let mut rows: Vec<[String; 7]> = Vec::new();
     let has_cpu_row = station.modules.iter().any(|module| module.module.kind == Kind::Cpu);

@@ -1,7 +1,7 @@
-//! The station: racks, slots and modules from plc.toml, with the addresses that the CPU gives them.
+//! The station: racks, slots and modules from plc.toml, with the addresses that the CPU assigns.
 //!
-//! - [`keys`]: the text; [`catalog`]: modules and CPUs; this file: from one to the other.
-//! - [`rules`]: what a station may be; [`list`]: its table as text; [`uses`]: what the program does with its addresses.
+//! - [`keys`]: the text; [`catalog`]: modules and CPUs; this file converts keys to modules.
+//! - [`rules`]: limits of a station; [`list`]: its table as text; [`uses`]: the addresses that the program uses.
 //!
 //! Source: SIMATIC S7-300 hardware and installation, arranging and addressing modules.
 
@@ -56,7 +56,7 @@ struct Placed {
 }
 
 impl Placed {
-    /// As messages name it.
+    /// Its name in messages.
     fn text(&self) -> String {
         format!("`{}` in rack {}, slot {}", self.name, self.rack, self.slot)
     }
@@ -83,7 +83,7 @@ impl Station {
         order.unwrap_or_default()
     }
 
-    /// What the runtime must know.
+    /// The settings for the runtime.
     pub fn modules(&self) -> Vec<Module> {
         self.modules.iter().map(Placed::module).collect()
     }
@@ -114,7 +114,7 @@ impl Placed {
 /// Peripheral addresses are 16 bits wide.
 const PERIPHERAL_BYTES: i64 = 65536;
 
-/// Builds the station of a plc.toml. `cpu`: the project's own key. What is wrong is reported.
+/// Builds the station of a plc.toml. `cpu`: the project's own key. Reports errors.
 pub fn read(keys: &StationKeys, cpu: Option<&(String, Span)>, file: FileId) -> (Station, Vec<Diagnostic>) {
     let mut reader = Reader { file, diagnostics: Vec::new() };
     let place = |text: &Spanned<String>| (text.get_ref().clone(), Span::new(file, text.span()));
@@ -124,7 +124,7 @@ pub fn read(keys: &StationKeys, cpu: Option<&(String, Span)>, file: FileId) -> (
         mpi_address: keys.mpi_address.as_ref().and_then(|key| reader.number(key, 0..=126, "an MPI address")),
         modules: keys.module.iter().filter_map(|module| reader.module(module)).collect(),
     };
-    // A CPU may stand in slot 2 as a module.
+    // A CPU may be listed as a module in slot 2.
     let in_slot = station.modules.iter().find(|module| module.module.kind == Kind::Cpu);
     let slot_cpu =
         in_slot.map(|module| (if module.order.is_empty() { &module.name } else { &module.order }.clone(), module.span));
@@ -211,7 +211,7 @@ impl Reader {
             match order {
                 Some(order) => {
                     let title = format!("plcc does not know the module `{}`", order.get_ref());
-                    self.report(order.span(), title, "give its `kind` and `channels` beside the order number");
+                    self.report(order.span(), title, "give its `kind` and `channels` in addition to the order number");
                 }
                 None => self.report(
                     keys.slot.span(),
@@ -224,7 +224,7 @@ impl Reader {
         let Some(found) = Kind::named(kind.get_ref()) else {
             self.report(
                 kind.span(),
-                format!("`{}` is no kind of module", kind.get_ref()),
+                format!("`{}` is not a kind of module", kind.get_ref()),
                 format!("kinds are {}", Kind::names()),
             );
             return None;
@@ -259,7 +259,7 @@ impl Reader {
             ((true, false), &[inputs]) if good => Some((inputs as u32, 0)),
             ((false, true), &[outputs]) if good => Some((0, outputs as u32)),
             _ => {
-                let title = format!("`{}` has from 1 to {most} channels in each direction", kind.get_ref());
+                let title = format!("`{}` has 1 to {most} channels in each direction", kind.get_ref());
                 self.report(channels.span(), title, format!("write {wanted}"));
                 None
             }
@@ -283,13 +283,13 @@ impl Reader {
             let name = if one_for_all { &given[0] } else { &given[index] };
             match analog::range(name) {
                 Some(range) => *place = channel(range.name),
-                // A channel that is not used.
+                // An unused channel.
                 None if name.is_empty() => {}
                 None => {
                     let names: Vec<&str> = analog::RANGES.iter().map(|range| range.name).collect();
                     self.report(
                         ranges.span(),
-                        format!("`{name}` is no range"),
+                        format!("`{name}` is not a range"),
                         format!("ranges are {}", names.join(", ")),
                     );
                     break;
@@ -321,7 +321,7 @@ impl Reader {
         }
     }
 
-    /// Start addresses that plc.toml gives in place of the default ones.
+    /// Start addresses in plc.toml that replace the default ones.
     fn addresses(&mut self, module: &mut Placed, all: &StationKeys, row: Option<&CpuRow>) {
         let Some(keys) = all.module.iter().find(|keys| Span::new(self.file, keys.slot.span()) == module.span) else {
             return;
@@ -356,7 +356,7 @@ impl Reader {
     }
 }
 
-/// First byte of a slot. Digital: 4 bytes a slot, 32 a rack. All others: 16 bytes a slot and 128 a rack, from 256.
+/// First byte of a slot. Digital: 4 bytes per slot, 32 per rack. All others: 16 bytes per slot and 128 per rack, from 256.
 fn default_start(kind: Kind, rack: u8, slot: u8) -> u32 {
     let (rack, slot) = (u32::from(rack), u32::from(slot.saturating_sub(4)));
     if kind.is_digital() { 32 * rack + 4 * slot } else { 256 + 128 * rack + 16 * slot }

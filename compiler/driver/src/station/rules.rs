@@ -1,4 +1,4 @@
-//! What a station may be: slots, racks, addresses.
+//! Rules for a station: slots, racks, addresses.
 //!
 //! Source: SIMATIC S7-300 hardware and installation, arranging modules on racks.
 
@@ -9,7 +9,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use super::catalog::{CpuRow, Kind};
 use super::{Placed, Station, catalog};
 
-/// Everything that is wrong with the station. `cpu`: the project's own key.
+/// All errors in the station. `cpu`: the project's own key.
 pub(super) fn check(station: &Station, cpu: Option<&(String, Span)>, row: Option<&CpuRow>) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     cpus(station, cpu, &mut diagnostics);
@@ -46,7 +46,7 @@ fn cpus(station: &Station, project: Option<&(String, Span)>, diagnostics: &mut V
     };
     if profile(name).is_some_and(|profile| catalog::cpu_named(&profile).is_none()) {
         let title = format!("the CPU `{name}` has no S7-300 racks");
-        diagnostics.push(wrong(*span, title, "give the addresses of its modules by `[[module]]`"));
+        diagnostics.push(wrong(*span, title, "give the addresses of its modules with `[[module]]`"));
     }
     let in_slot = station.modules.iter().filter(|module| module.module.kind == Kind::Cpu);
     let named = in_slot.map(|module| (if module.order.is_empty() { &module.name } else { &module.order }, module.span));
@@ -70,11 +70,11 @@ fn slot(module: &Placed) -> Option<Diagnostic> {
             "slots 4 to 11 hold signal modules, function modules and communication processors",
         ),
     };
-    (!fits).then(|| wrong(module.span, format!("{} cannot stand there", module.text()), help))
+    (!fits).then(|| wrong(module.span, format!("{} is not allowed there", module.text()), help))
 }
 
 fn limits(module: &Placed, row: &CpuRow) -> Option<Diagnostic> {
-    let help = "take a CPU with more, or another slot";
+    let help = "choose a CPU with more, or another slot";
     if module.rack >= row.racks {
         let title = format!("{}: a CPU {} has rack 0 only", module.text(), row.name);
         return Some(wrong(module.span, title, help));
@@ -97,7 +97,7 @@ fn limits(module: &Placed, row: &CpuRow) -> Option<Diagnostic> {
     })
 }
 
-/// Two modules in one slot, or with bytes in common.
+/// Two modules in one slot, or with common bytes.
 fn pair(a: &Placed, b: &Placed) -> Option<Diagnostic> {
     if a.onboard && b.onboard {
         return None;
@@ -116,7 +116,7 @@ fn pair(a: &Placed, b: &Placed) -> Option<Diagnostic> {
         (None, None) => return None,
     };
     let title = format!("{} and {} both have {what} byte {}", a.text(), b.text(), bytes.start);
-    let message = wrong(b.span, title, "give each module addresses of its own by `inputs` and `outputs`");
+    let message = wrong(b.span, title, "give each module its own addresses with `inputs` and `outputs`");
     Some(message.also(a.span, format!("`{}` is here", a.name)))
 }
 
@@ -126,9 +126,9 @@ fn racks(modules: &[&Placed], diagnostics: &mut Vec<Diagnostic>) {
     let kind = |rack: u8| interface(rack).map(|module| module.module.kind);
     for module in modules.iter().filter(|module| module.module.kind.is_interface()) {
         let title = match (module.rack, module.module.kind) {
-            (0, Kind::Im361) => format!("{} belongs into racks 1 to 3", module.text()),
-            (1..=3, Kind::Im360) => format!("{} belongs into rack 0", module.text()),
-            (2 | 3, Kind::Im365) => format!("{}: IM 365 connect racks 0 and 1 only", module.text()),
+            (0, Kind::Im361) => format!("{} belongs in racks 1 to 3", module.text()),
+            (1..=3, Kind::Im360) => format!("{} belongs in rack 0", module.text()),
+            (2 | 3, Kind::Im365) => format!("{}: an IM 365 connects only racks 0 and 1", module.text()),
             _ => continue,
         };
         diagnostics.push(wrong(
@@ -157,7 +157,7 @@ fn racks(modules: &[&Placed], diagnostics: &mut Vec<Diagnostic>) {
         }
         if kind(0) == Some(Kind::Im365) {
             for module in modules.iter().filter(|m| m.rack == 1 && matches!(m.module.kind, Kind::Fm | Kind::Cp)) {
-                let title = format!("{}: behind an IM 365 there is no communication bus", module.text());
+                let title = format!("{}: a rack after an IM 365 has no communication bus", module.text());
                 diagnostics.push(wrong(
                     module.span,
                     title,

@@ -52,7 +52,7 @@ fn of_statement(statement: &StatementKind, visit: &mut dyn FnMut(&Access)) {
         | StatementKind::Goto(_)
         | StatementKind::Label(_)
         | StatementKind::Assert(_)
-        // Networks in STL are looked at where all STL is.
+        // Networks in STL are handled with all other STL.
         | StatementKind::Sleep(_)
         | StatementKind::Stl(_) => {}
     }

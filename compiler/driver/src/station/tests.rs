@@ -98,9 +98,9 @@ fn default_addresses_follow_rack_and_slot() {
 #[test]
 fn slots_hold_what_belongs_there() {
     let wrong = |slot: u8, order: &str| message(&station(&module(&format!("slot = {slot}\norder = \"{order}\""))));
-    assert_eq!(wrong(3, "6ES7 321-1BL00-0AA0"), (4, "`DI32xDC24V` in rack 0, slot 3 cannot stand there".to_string()));
-    assert!(wrong(1, "6ES7 321-1BL00-0AA0").1.contains("cannot stand there"));
-    assert!(wrong(4, "6ES7 307-1EA00-0AA0").1.contains("cannot stand there"));
+    assert_eq!(wrong(3, "6ES7 321-1BL00-0AA0"), (4, "`DI32xDC24V` in rack 0, slot 3 is not allowed there".to_string()));
+    assert!(wrong(1, "6ES7 321-1BL00-0AA0").1.contains("is not allowed there"));
+    assert!(wrong(4, "6ES7 307-1EA00-0AA0").1.contains("is not allowed there"));
     assert!(wrong(12, "6ES7 321-1BL00-0AA0").1.contains("12 is not a slot from 1 to 11"));
     assert_eq!(wrong(1, "6ES7 307-1EA00-0AA0"), (0, String::new()));
     assert!(wrong(4, "6ES7 999").1.contains("plcc does not know the module"));
@@ -131,7 +131,7 @@ fn racks_need_interface_modules() {
     assert!(
         message(&station(&(interface(0, "IM 365") + &interface(2, "IM 365") + &input(2))))
             .1
-            .contains("racks 0 and 1 only")
+            .contains("connects only racks 0 and 1")
     );
     let cp = module("rack = 1\nslot = 5\nkind = \"CP\"");
     assert!(
@@ -167,7 +167,7 @@ fn kinds_ranges_and_channels_are_checked() {
     assert!(wrong("slot = 4\nkind = \"XY\"").contains("no kind of module"));
     assert!(wrong("slot = 4\nkind = \"DI\"").contains("needs its number of channels"));
     assert!(wrong("slot = 4\nkind = \"AI/AO\"\nchannels = 4").contains("channels in each direction"));
-    assert!(wrong("slot = 4\nkind = \"AI\"\nchannels = 2\nrange = \"4-20\"").contains("`4-20` is no range"));
+    assert!(wrong("slot = 4\nkind = \"AI\"\nchannels = 2\nrange = \"4-20\"").contains("`4-20` is not a range"));
     assert!(
         wrong("slot = 4\nkind = \"AI\"\nchannels = 2\nrange = [\"+-10 V\"]").contains("1 ranges for a module with 2")
     );

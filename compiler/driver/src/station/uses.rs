@@ -1,6 +1,6 @@
-//! What the program does with addresses of inputs and outputs that no module has.
+//! Checks the addresses of inputs and outputs that the program uses against the modules.
 //!
-//! Only addresses that stand in the program are seen; pointers are checked at run time (OB 122).
+//! Only addresses in the text of the program are checked here; pointers are checked at run time (OB 122).
 
 use std::collections::BTreeMap;
 
@@ -129,7 +129,7 @@ impl Uses<'_> {
                 let title =
                     format!("{address} is wider than the module `{}`, which ends before byte {first}", module.name);
                 let message = Diagnostic::new(Code::ModuleAccess, span, title);
-                return self.diagnostics.push(message.help("access the bytes that the module has"));
+                return self.diagnostics.push(message.help("access only the bytes that the module has"));
             }
             if let Some(module) = other {
                 let (has, wrong) = if area.is_input() { ("outputs", "reads") } else { ("inputs", "writes") };
@@ -163,7 +163,7 @@ impl Uses<'_> {
                 1 => format!("{}B {first}", area.letters()),
                 _ => format!("{0}B {first} to {0}B {last}", area.letters()),
             };
-            // The use that stands first in the sources.
+            // The first use in the sources.
             let span =
                 range.iter().map(|(_, span)| *span).min_by_key(|span| (span.file, span.start)).unwrap_or(range[0].1);
             let effect = match (area.is_peripheral(), area.is_input()) {
@@ -175,7 +175,7 @@ impl Uses<'_> {
             self.diagnostics.push(
                 Diagnostic::new(Code::NoModule, span, title)
                     .label(effect)
-                    .help("add the module to `[station]` in plc.toml, or take an address that `plcc station` lists"),
+                    .help("add the module to `[station]` in plc.toml, or use an address that `plcc station` lists"),
             );
         }
         self.diagnostics

@@ -1,10 +1,10 @@
-//! Caret pragmas: `//@   ^^^^^ CODE` marks the message that the line above must give.
+//! Caret pragmas: `//@   ^^^^^ CODE` marks the message that is expected for the line above.
 //!
-//! A file with carets passes if exactly the marked messages come, at the marked spans; it is not run.
+//! A file with carets passes if it produces exactly the marked messages, at the marked spans; it is not run.
 
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
 
-/// A message as a caret line shows it. Columns are 1-based and count characters; `end` is the column behind the last.
+/// A message in the form of a caret line. Columns are 1-based and count characters; `end` is the column after the last.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Mark {
     pub line: u32,
@@ -19,7 +19,7 @@ impl std::fmt::Display for Mark {
     }
 }
 
-/// Columns that `//@` takes on a caret line: what stands there cannot be marked.
+/// Columns that `//@` occupies on a caret line: these cannot be marked.
 const PRAGMA_COLUMNS: u32 = 3;
 
 /// True if `text` has a caret line.
@@ -27,7 +27,7 @@ pub fn has_carets(text: &str) -> bool {
     text.lines().any(|line| caret_text(line).is_some())
 }
 
-/// What stands behind `//@` on a caret line.
+/// The part after `//@` on a caret line.
 fn caret_text(line: &str) -> Option<&str> {
     line.trim_start().strip_prefix("//@").filter(|rest| rest.trim_start().starts_with('^'))
 }
@@ -53,7 +53,7 @@ pub fn marks(file: FileId, source: &SourceFile) -> (Vec<Mark>, Vec<Diagnostic>) 
                 let range = source.line_range(line);
                 let span = Span::new(file, range.start..range.start + text.len());
                 let message = Diagnostic::new(Code::Pragma, span, "a caret line without the code of a message");
-                diagnostics.push(message.help("write `//@   ^^^^ P0203` below the line that gives the message"));
+                diagnostics.push(message.help("write `//@   ^^^^ P0203` below the line with the message"));
             }
         }
     }
@@ -61,7 +61,7 @@ pub fn marks(file: FileId, source: &SourceFile) -> (Vec<Mark>, Vec<Diagnostic>) 
     (marks, diagnostics)
 }
 
-/// A message as a mark: of a span over several lines, the first one.
+/// A message as a mark; for a span over several lines, its first line.
 pub fn mark_of(diagnostic: &Diagnostic, sources: &SourceMap) -> Mark {
     let span = diagnostic.primary.span;
     let file = sources.file(span.file);
@@ -72,7 +72,7 @@ pub fn mark_of(diagnostic: &Diagnostic, sources: &SourceMap) -> Mark {
     Mark { line, start, end: end.max(start + 1), code: diagnostic.code }
 }
 
-/// Compares the marks of a file with its messages. Gives the number of marks that came, and a line for each difference.
+/// Compares the marks of a file with its messages. Returns the number of marks that came, and a line for each difference.
 pub fn compare(marks: &[Mark], diagnostics: &[Diagnostic], sources: &SourceMap) -> (u32, Vec<String>) {
     let mut missing = marks.to_vec();
     let mut failures = Vec::new();
@@ -87,11 +87,11 @@ pub fn compare(marks: &[Mark], diagnostics: &[Diagnostic], sources: &SourceMap) 
         }
     }
     missing.sort();
-    failures.extend(missing.iter().map(|mark| format!("did not come: {mark}")));
+    failures.extend(missing.iter().map(|mark| format!("missing: {mark}")));
     (passed, failures)
 }
 
-/// `text` with caret lines for `marks` in place of those that it has. Marks in the first three columns cannot be written.
+/// `text` with its caret lines replaced by those for `marks`. Marks in the first three columns cannot be written.
 pub fn rewrite(text: &str, marks: &[Mark]) -> String {
     let newline = if text.contains("\r\n") { "\r\n" } else { "\n" };
     let mut marks = marks.to_vec();
@@ -103,7 +103,7 @@ pub fn rewrite(text: &str, marks: &[Mark]) -> String {
         }
         rewritten.push_str(line);
         rewritten.push_str(newline);
-        // The numbers of lines are those of the text with its old caret lines.
+        // Line numbers count the old caret lines.
         for mark in marks.iter().filter(|mark| mark.line as usize == index + 1 && mark.start > PRAGMA_COLUMNS) {
             let blanks = " ".repeat((mark.start - PRAGMA_COLUMNS - 1) as usize);
             let carets = "^".repeat((mark.end - mark.start) as usize);
@@ -137,7 +137,7 @@ mod tests {
         assert_eq!(compare(&marks, &[message(12..17)], &sources), (1, vec![]));
         assert_eq!(compare(&marks, &[message(12..16)], &sources).1.len(), 2);
         assert_eq!(compare(&marks, &[], &sources).1, ["did not come: P0203 at 1:13-18"]);
-        // A span of no length, or over the end of the line, is marked too.
+        // An empty span, or one beyond the end of the line, is marked too.
         assert_eq!(mark_of(&message(17..17), &sources).end, 19);
         assert_eq!(mark_of(&message(12..60), &sources).end, 18);
     }

@@ -1,7 +1,7 @@
 //! Many test programs in few executables: a link takes longer than most programs run.
 //!
 //! The objects of a batch export their symbols under different prefixes. A directory object names them all; the
-//! executable, told by the environment variable `PLCC_TEST` which program to test and how, prints the report as JSON.
+//! executable reads from the environment variable `PLCC_TEST` which program to test and how. It prints the report as JSON.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub fn unique_prefix() -> String {
     format!("plcc{}", NEXT.fetch_add(1, Ordering::Relaxed))
 }
 
-/// Links and runs all programs that wait as objects.
+/// Links and runs all programs that are still objects.
 pub fn run(prepared: &mut [Prepared], linker: Option<&str>) {
     let mut waiting: Vec<(&TestOptions, &mut VariantState)> = prepared
         .iter_mut()

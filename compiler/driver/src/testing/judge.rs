@@ -1,4 +1,4 @@
-//! Reports of all forms of a test to one outcome.
+//! From the reports of all forms of a test to one outcome.
 
 use plcc_diag::{Code, Diagnostic, SourceMap, Span, drawing};
 use plcc_runtime::TestReport;
@@ -25,7 +25,7 @@ pub fn judge(prepared: Prepared) -> Outcome {
     outcome
 }
 
-/// The report of the first form, if all forms say the same.
+/// The report of the first form, if all forms agree.
 fn agreed_report<'a>(program: &'a TestProgram, outcome: &mut Outcome) -> Option<&'a TestReport> {
     let mut first: Option<(Variant, &TestReport)> = None;
     for (variant, state) in &program.variants {
@@ -90,7 +90,7 @@ fn add_report(
     }
 }
 
-/// The message about an assertion that no cycle came to.
+/// The message about an assertion that no cycle reached.
 fn not_reached(sources: &SourceMap, name: &str, line: u32) -> Option<Diagnostic> {
     let (id, file) = sources.files().find(|(_, file)| file.name == name)?;
     if line == 0 || line > file.line_count() {
@@ -101,5 +101,5 @@ fn not_reached(sources: &SourceMap, name: &str, line: u32) -> Option<Diagnostic>
     let indent = text.len() - text.trim_start().len();
     let span = Span::new(id, start + indent..start + text.trim_end().len());
     let message = Diagnostic::new(Code::AssertionNotReached, span, "this assertion was never executed");
-    Some(message.help("let the program run through it, with more cycles (`//@ test cycles=N`) or other inputs"))
+    Some(message.help("make the program reach it, with more cycles (`//@ test cycles=N`) or other inputs"))
 }

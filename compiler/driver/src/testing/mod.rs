@@ -1,9 +1,9 @@
-//! `plcc test`: compiles test programs, runs them in every form that is asked for, and judges what came out.
+//! `plcc test`: compiles test programs, runs them in every requested form, and judges the results.
 //!
-//! - [`prepare`]: one test input to a finished outcome or to programs that run.
-//! - [`carets`]: files that mark the messages they must give.
+//! - [`prepare`]: from one test input to a finished outcome or to programs to run.
+//! - [`carets`]: files that mark their expected messages.
 //! - [`executables`]: many programs in few executables.
-//! - [`judge`]: reports of the forms to one outcome; they must agree.
+//! - [`judge`]: from the reports of the forms, which must agree, to one outcome.
 
 pub mod carets;
 pub mod executables;
@@ -51,7 +51,7 @@ impl std::fmt::Display for Variant {
     }
 }
 
-/// How all tests of a run are done.
+/// Settings of a test run.
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub settings: Settings,
@@ -60,27 +60,27 @@ pub struct Plan {
     pub linker: Option<String>,
 }
 
-/// What came out of one test.
+/// The outcome of one test.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
     pub name: String,
     /// Assertions.
     pub passed: u64,
     pub failed: u64,
-    /// The sources have errors that nobody asked for.
+    /// The sources have unexpected errors.
     pub rejected: bool,
     /// A file could not be read.
     pub unreadable: bool,
     /// Files whose run tested nothing: a source without an assertion, a scenario that expects nothing.
     pub untested: Vec<String>,
-    /// Messages of the compiler, drawn.
+    /// Messages of the compiler as text.
     pub messages: String,
     /// What failed, a few lines each.
     pub failures: String,
 }
 
 impl Outcome {
-    /// One failure more, with the lines that tell of it.
+    /// Adds a failure, with the lines that describe it.
     pub fn fail(&mut self, text: &str) {
         self.failed += 1;
         self.failures.push_str(&format!("FAILED {text}\n"));
@@ -100,7 +100,7 @@ pub fn run(inputs: &[TestInput], plan: &Plan) -> Vec<Outcome> {
     prepared.into_iter().map(judge::judge).collect()
 }
 
-/// The path of a test, as its outcome is called.
+/// The path of a test, which is the name of its outcome.
 pub fn name_of(input: &TestInput) -> String {
     match input {
         TestInput::File(path) | TestInput::Project(path) => path.display().to_string(),

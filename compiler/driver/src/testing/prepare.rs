@@ -10,14 +10,14 @@ use crate::inputs::{self, Read, TestInput};
 use crate::pipeline::{self, Bound, Compiled, Settings};
 use crate::{code, report};
 
-/// A test on its way: what is known of its outcome, and the programs that run.
+/// A test in progress: its outcome so far, and its programs.
 pub struct Prepared {
     pub outcome: Outcome,
     /// One for each scenario; one if there is none; none if the outcome is finished.
     pub programs: Vec<TestProgram>,
 }
 
-/// A program with how it is run and what its forms reported.
+/// A program with its run options and the reports of its forms.
 pub struct TestProgram {
     pub options: TestOptions,
     pub sources: SourceMap,
@@ -26,17 +26,17 @@ pub struct TestProgram {
 
 /// Where a form of a program stands.
 pub enum VariantState {
-    /// An executable: the object that is to be linked, and what its symbols begin with.
+    /// An executable: the object to link, and the prefix of its symbols.
     Object {
         prefix: String,
         bytes: Vec<u8>,
     },
     Done(TestReport),
-    /// It could not be run, which is a fault of plcc.
+    /// It could not run because of a fault in plcc.
     Broken(String),
 }
 
-/// Compiles `input` and runs it where no executable is needed.
+/// Compiles `input` and runs it in the forms that need no executable.
 pub fn prepare(input: &TestInput, plan: &Plan) -> Prepared {
     let (path, scenarios) = match input {
         TestInput::File(path) => (path, inputs::file_scenario(path).into_iter().collect()),
@@ -97,7 +97,7 @@ fn messages_of(read: &Read, plan: &Plan) -> (Vec<Diagnostic>, SourceMap) {
     (bound.diagnostics, bound.sources)
 }
 
-/// The messages of one source with pragmas obeyed, as caret lines must mark them.
+/// The messages of one source with pragmas applied, as caret lines must mark them.
 pub fn messages_of_file(path: &Path, settings: &Settings) -> (Vec<Diagnostic>, SourceMap) {
     let read = inputs::read(&[path.to_path_buf()]);
     let plan = Plan { settings: settings.clone(), variants: Vec::new(), linker: None };
@@ -109,7 +109,7 @@ fn accept(bound: &Bound, outcome: &mut Outcome) -> bool {
     if !bound.has_errors() {
         return true;
     }
-    // A pragma that is wrong must not be what an expected rejection consists of.
+    // A wrong pragma must not count as an expected rejection.
     let pragma_is_wrong = bound.diagnostics.iter().any(|d| d.code == Code::Pragma);
     let expected = bound.program.test.expect_fail.as_deref().filter(|_| !pragma_is_wrong);
     let is_expected = |code: &str| {

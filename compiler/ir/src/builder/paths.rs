@@ -7,20 +7,20 @@
 //! - The *parent* of a block is the closest block that every path to it passes. A block has one if all of its
 //!   predecessors are known; as long as jumps to a block are still to come, it is a root. What is said about a block
 //!   stays true: blocks on the way have all their predecessors, so that no path is added later.
-//! - Time is counted in blocks: it goes on by 1 whenever another block is filled. Blocks on the paths from the parent
+//! - Time is counted in blocks: it advances by 1 whenever another block is filled. Blocks on the paths from the parent
 //!   are filled after the parent ended, and before the *limit* of the block. So if a variable is not written between
 //!   these times, it is not written on these paths. Blocks of other paths may be filled in between, too: then the
-//!   answer is "perhaps", and the predecessors are asked one by one.
+//!   answer is "perhaps", and the predecessors are searched one by one.
 //! - To cross a long row of blocks in few steps, each block also has a *jump* to an ancestor further away, by the scheme
 //!   of skew-binary numbers (Myers, "An applicative random-access stack", 1983). Nothing jumps past a root; when the start of a
-//!   loop stops being one, the jumps from its end are made anew, or a row of loops would be crossed block by block.
+//!   loop stops being one, the jumps from its end are made again, or a row of loops would be crossed block by block.
 
 use crate::entities::{Block, EntityVec};
 
-/// At most so many jumps are made anew when a loop is complete. In longer loops they are few among many.
+/// Maximum number of jumps that are rebuilt when a loop is complete. In longer loops they are few among many.
 const RENEWED_MAX: usize = 256;
 
-/// Time of what has not happened.
+/// Time of an event that has not happened.
 const NEVER: u32 = u32::MAX;
 
 /// A step from a block to one of those that it cannot be reached without.
@@ -102,7 +102,7 @@ impl Paths {
             return;
         }
         let limit = match predecessors {
-            // Nothing lies in between.
+            // Nothing is in between.
             [_] => end,
             _ => self.now,
         };
@@ -117,7 +117,7 @@ impl Paths {
         }
     }
 
-    /// Makes the jumps on the way from `first` up to `last` anew, as far as that is near.
+    /// Makes the jumps on the way from `first` up to `last` again, as far as that is near.
     fn renew(&mut self, first: Block, last: Block) {
         let mut way = Vec::new();
         let mut at = first;
@@ -145,7 +145,7 @@ impl Paths {
         if depths[0].wrapping_sub(depths[1]) != depths[1].wrapping_sub(depths[2]) {
             return step;
         }
-        // What the blocks in between write counts as well.
+        // Writes in the blocks between count as well.
         let limits = [step.limit, parent.end, first.limit, middle.end, second.limit];
         Step { to: second.to, after: second.after, limit: limits.into_iter().fold(0, u32::max) }
     }

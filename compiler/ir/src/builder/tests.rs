@@ -189,7 +189,7 @@ fn random_program() -> impl Strategy<Value = (Vec<RandomBlock>, Vec<bool>, Vec<u
     })
 }
 
-/// Runs the program on variables; gives them at the end. Each block costs a step, and the program ends with the last.
+/// Runs the program on variables; returns them at the end. Each block costs a step, and the program ends with the last.
 fn interpret(program: &[RandomBlock], args: [u32; VARS]) -> [u32; VARS] {
     let mut vars = args;
     let mut at = 0;

@@ -1,7 +1,7 @@
 //! The reference execution of the IR.
 //!
-//! What an instruction means is what happens here; machine code must agree bit for bit. The interpreter is prepared
-//! once: every value gets a register, every address is settled as far as it is known. Memory and runtime functions are
+//! The interpreter defines the meaning of instructions; machine code must agree bit for bit. The interpreter is prepared
+//! once: every value gets a register, every address is resolved as far as it is known. Memory and runtime functions are
 //! behind [`Host`].
 //!
 //! A call inside the IR takes a new window of one register stack, never the stack of the host. A runtime function may come
@@ -18,7 +18,7 @@ use crate::eval;
 use crate::module::Module;
 use prepare::{Base, Code, List, Op, Place};
 
-/// What the interpreted program runs on.
+/// The environment of the interpreted program.
 pub trait Host {
     /// Reads the bytes at `offset` from the memory base.
     fn read(&self, offset: u32, buf: &mut [u8]);
@@ -45,7 +45,7 @@ impl Interpreter {
         Interpreter { functions, stacks: RefCell::default(), executed: Cell::default() }
     }
 
-    /// Runs `func` with the bit patterns `args`; gives those that it returns. `lbase` is where its frame begins and
+    /// Runs `func` with the bit patterns `args`; returns those that it returns. `lbase` is where its frame begins and
     /// `vbase` where its caller's does, as offsets from the memory base.
     pub fn call(&self, host: &dyn Host, func: FuncId, args: &[u64], lbase: u32, vbase: u32) -> Vec<u64> {
         let mut stack = self.stacks.borrow_mut().pop().unwrap_or_default();
@@ -134,7 +134,7 @@ enum Exit {
     Return { values: List },
 }
 
-/// Runs until the function calls another or returns; also gives how many instructions ran.
+/// Runs until the function calls another or returns; also returns the number of instructions.
 fn execute(code: &Code, frame: &mut Frame, r: &mut [u64], host: &dyn Host) -> (Exit, u64) {
     let (lbase, vbase) = (frame.lbase, frame.vbase);
     let address = |r: &[u64], place: &Place| -> u32 {

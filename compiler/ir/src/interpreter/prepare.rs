@@ -33,7 +33,7 @@ impl Code {
         &self.lists[list.start as usize..(list.start + list.len) as usize]
     }
 
-    /// Gives the parameters of the target their values; returns where it begins.
+    /// Returns the parameters of the target their values; returns where it begins.
     pub fn follow(&self, edge: u32, registers: &mut [u64]) -> usize {
         let edge = &self.edges[edge as usize];
         for pair in self.list(edge.moves).chunks_exact(2) {
@@ -49,7 +49,7 @@ struct Edge {
     moves: List,
 }
 
-/// What an address counts from.
+/// The base of an address.
 #[derive(Clone, Copy)]
 pub enum Base {
     Memory,

@@ -1,4 +1,4 @@
-//! What each instruction with an effect does, on a small memory.
+//! The effects of instructions, on a small memory.
 
 use std::cell::RefCell;
 

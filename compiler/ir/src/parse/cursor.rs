@@ -77,7 +77,7 @@ impl<'a> Cursor<'a> {
         type_named(self.word()?)
     }
 
-    /// True if the line goes on with `v` or `b` and a number.
+    /// True if the line continues with `v` or `b` and a number.
     pub fn starts_entity(&self, prefix: char) -> bool {
         let word = &self.rest[..self.word_len()];
         word.strip_prefix(prefix).is_some_and(|digits| digits.bytes().all(|b| b.is_ascii_digit()) && !digits.is_empty())
@@ -97,7 +97,7 @@ impl<'a> Cursor<'a> {
         self.expect("@")?;
         let len = self.rest.find([' ', '(', '{', '\t']).unwrap_or(self.rest.len());
         if len == 0 {
-            return Err("a function name is expected behind `@`".into());
+            return Err("a function name is expected after `@`".into());
         }
         Ok(self.advance(len))
     }
@@ -131,7 +131,7 @@ impl<'a> Cursor<'a> {
                     Some((_, 'u')) => {
                         let digits: String = chars.by_ref().map(|(_, c)| c).skip(1).take_while(|&c| c != '}').collect();
                         let code = u32::from_str_radix(&digits, 16).ok().and_then(char::from_u32);
-                        out.push(code.ok_or_else(|| format!("`\\u{{{digits}}}` is no character"))?);
+                        out.push(code.ok_or_else(|| format!("`\\u{{{digits}}}` is not a character"))?);
                     }
                     Some((_, c)) => out.push(c),
                     None => break,

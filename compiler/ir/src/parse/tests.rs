@@ -1,4 +1,4 @@
-//! Round trips of the text form, and what is said of wrong texts.
+//! Round trips of the text form, and messages about wrong texts.
 
 use proptest::prelude::*;
 
@@ -49,7 +49,7 @@ fn errors_name_their_line() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Whatever stands in a text, it is read or rejected, and what is read can be verified and printed.
+    /// Every text is read or rejected, and every module that is read can be verified and printed.
     #[test]
     fn damaged_texts_do_no_harm(edits in prop::collection::vec((any::<prop::sample::Index>(), 0..4u8, ".{0,3}"), 1..6)) {
         let mut text: Vec<char> = include_str!("../../../../tests/ir/every_line.ir").chars().collect();

@@ -2,7 +2,7 @@
 
 use crate::parse::parse_module;
 
-/// Verifies a function `@F` with `body`; gives the first message, empty if there is none.
+/// Verifies a function `@F` with `body`; returns the first message, empty if there is none.
 fn message(body: &str) -> String {
     let text = format!(
         "db 10 at 0x400000 length 20\nfunc @F -> i32 frame 16 {{\nb0(v0: i32, v1: i1):\n{body}\n}}\nfunc @G \
@@ -65,7 +65,7 @@ fn module_rules() {
     for (text, expected) in [
         ("entry @F\nfunc @F {\nb0(v0: i32):\nret\n}", "@F: an entry takes and returns nothing"),
         ("func @F frame 4 {\nb0:\nret\n}", "@F: a frame of 4 bytes is not aligned or too large"),
-        ("db 2 at 0x400000 length 2\ndb 1 at 0x400010 length 2", "DB1 stands behind DB2"),
+        ("db 2 at 0x400000 length 2\ndb 1 at 0x400010 length 2", "DB1 comes after DB2"),
         ("db 2 at 0 length 2", "DB2 lies outside the data of DBs"),
     ] {
         let errors = super::verify(&parse_module(text).expect("text is well formed")).expect_err("a rule is broken");

@@ -15,7 +15,7 @@ impl Folder<'_> {
         if !ty.is_int() {
             return None;
         }
-        // Constants stand on the right.
+        // Constants are on the right.
         if ca.is_some() && is_commutative(op) {
             return Some(Change::Data(InstData::Binary { op, args: [b, a] }));
         }

@@ -1,4 +1,4 @@
-//! What the rules make of typical code. Each expectation is checked after dead code is gone.
+//! The rules on typical code. Each expectation is checked after dead code is removed.
 
 use plcc_ir::parse::parse_module;
 use plcc_ir::print::module_text;
@@ -44,7 +44,7 @@ fn comparisons_combine() {
     // Signed and unsigned orders do not mix.
     let text = "v10 = slt v0, v1\nv11 = ugt v0, v1\nv12 = or v10, v11\nstore.bit M 0.0, v12\nret v0";
     check(text, text);
-    // The negation of `<` is no comparison if an operand is NaN.
+    // The negation of `<` is not a comparison if an operand is NaN.
     let text = "v10 = flt v4, v4x\nv11 = const.i1 1\nv12 = xor v10, v11\nstore.bit M 0.0, v12\nret v0";
     let text = text.replace("v4x", "v20");
     let text = format!("v20 = fneg v4\n{text}");

@@ -1,7 +1,7 @@
-//! What is worth being inlined.
+//! Which functions are worth inlining.
 //!
-//! A call costs about as much as [`CALL_COST`] instructions: eleven registers of the CPU go in and nine come out. What is not much
-//! larger is always inlined; so is what is called once, since it stands nowhere else then. In between, a program may grow by
+//! A call costs about as much as [`CALL_COST`] instructions: eleven registers of the CPU go in and nine come out. A function that is not
+//! much larger is always inlined; so is one that is called once, because no other copy remains. In between, a program may grow by
 //! part of its size, so that compile time stays linear in the size of the program.
 
 use plcc_abi::functions::Effect;
@@ -19,18 +19,18 @@ const MEDIUM: u32 = 4 * CALL_COST;
 const ONCE_MAX: u32 = 2000;
 /// No function grows beyond this size, but for small callees: code generation takes more than linear time for large ones.
 const CALLER_MAX: u32 = 10_000;
-/// Growth by callees that are not small: a part of the program's size, and what any program may have.
+/// Growth by callees that are not small: a part of the program's size, and a minimum for every program.
 const GROWTH_PART: u32 = 8;
 const GROWTH_FREE: u32 = 1000;
 
-/// What matters of a function as a callee.
+/// The properties of a function as a callee.
 #[derive(Clone, Copy)]
 pub struct Shape {
     /// Instructions on paths that are not cold, weighted.
     pub cost: u32,
     /// Instructions.
     pub size: u32,
-    /// It calls no function of the module, returns, and gives the address of no local data away: the caller's local data stay
+    /// It calls no function of the module, returns, and passes no address of local data on: the caller's local data stay
     /// private then.
     pub is_leaf: bool,
     /// It calls no runtime function that may run organization blocks or stop the CPU.

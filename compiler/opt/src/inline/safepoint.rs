@@ -1,4 +1,4 @@
-//! The safepoint behind a call.
+//! The safepoint after a call.
 //!
 //! ```text
 //! v1 = call @FC1(...)
@@ -25,9 +25,9 @@ pub struct Safepoint {
 }
 
 impl Safepoint {
-    /// The safepoint in `behind`, which is what stands behind the call in its block.
-    pub fn behind_call(function: &Function, behind: &[Inst]) -> Option<Safepoint> {
-        let (&branch, straight) = behind.split_last()?;
+    /// The safepoint in `after`, the instructions after the call in its block.
+    pub fn after_call(function: &Function, after: &[Inst]) -> Option<Safepoint> {
+        let (&branch, straight) = after.split_last()?;
         let InstData::Branch { cond, then_to, else_to } = &function.insts[branch] else { return None };
         let attention = non_zero_test(function, *cond)?;
         let load = straight.iter().position(|&inst| function.results[inst].contains(&attention))?;
@@ -58,7 +58,7 @@ impl Safepoint {
     }
 }
 
-/// Gives a block that returns zeros constants of its own, so that it can be jumped to from anywhere.
+/// Adds constants to a block that returns zeros, so that any block can jump to it.
 pub fn make_independent(function: &mut Function, exit: Block) {
     let Some(last) = function.terminator(exit) else { return };
     let InstData::Return { values } = function.insts[last].clone() else { return };
@@ -75,7 +75,7 @@ pub fn make_independent(function: &mut Function, exit: Block) {
     function.blocks[exit].insts = insts;
 }
 
-/// What `cond` compares with 0.
+/// The value that `cond` compares with 0.
 fn non_zero_test(function: &Function, cond: Value) -> Option<Value> {
     match function.defining(cond)? {
         InstData::IntCompare { cc: IntCc::Ne, args: [value, zero] } if function.constant(*zero) == Some(0) => {
@@ -85,7 +85,7 @@ fn non_zero_test(function: &Function, cond: Value) -> Option<Value> {
     }
 }
 
-/// True for the block by which a function leaves on STOP: it is cold and does nothing but return zeros, which nobody looks at. Any
+/// True for the block by which a function leaves on STOP: it is cold and only returns zeros, which are never used. Any
 /// other cold block calls the runtime.
 pub fn is_stop_exit(function: &Function, block: Block) -> bool {
     let data = &function.blocks[block];

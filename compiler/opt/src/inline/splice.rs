@@ -11,13 +11,13 @@ pub struct Splice<'a> {
     caller: &'a mut Function,
     callee: &'a Function,
     call: Inst,
-    /// The caller's block that ends where the call stands.
+    /// The caller's block that ends at the call.
     at: Block,
     /// Where the caller returns on STOP.
     stop: Option<Block>,
-    /// What the callee's values are in the caller.
+    /// The callee's values in the caller.
     values: EntityVec<Value, Option<Value>>,
-    /// What the callee's blocks are in the caller.
+    /// The callee's blocks in the caller.
     blocks: EntityVec<Block, Block>,
     loc: Loc,
 }
@@ -41,19 +41,19 @@ impl<'a> Splice<'a> {
         Splice { caller, callee, call, at, stop, values, blocks, loc }
     }
 
-    /// Makes the copy; gives the block in which the caller goes on.
+    /// Makes the copy; returns the block in which the caller continues.
     pub fn run(mut self) -> Block {
         self.caller.inlined_bytes = self.caller.inlined_bytes.max(self.callee.local_bytes());
         let copied = self.make_blocks();
         let single = self.only_return(&copied);
         // A callee without jumps is put into the block of the call.
-        let behind =
+        let after =
             if copied.len() == 1 && single.is_some() { self.at } else { self.make_continuation(single.is_some()) };
         for &block in &copied {
             self.make_results(block);
         }
         for &block in &copied {
-            self.copy_insts(block, behind, single.is_some());
+            self.copy_insts(block, after, single.is_some());
         }
         if let Some(values) = single {
             let results = self.caller.results[self.call].clone();
@@ -62,7 +62,7 @@ impl<'a> Splice<'a> {
                 self.caller.replace_value(result, value);
             }
         }
-        behind
+        after
     }
 
     /// Makes a block for each one of the callee with its parameters. On STOP it is left by the caller's own exit.
@@ -103,7 +103,7 @@ impl<'a> Splice<'a> {
         returns.next().is_none().then(|| first.clone())
     }
 
-    /// The block behind the call. Unless the callee returns at one place, its parameters are the call's results.
+    /// The block after the call. Unless the callee returns at one place, its parameters are the call's results.
     fn make_continuation(&mut self, single: bool) -> Block {
         let block = self.caller.add_block();
         self.caller.blocks[block].cold = self.caller.blocks[self.at].cold;
@@ -116,7 +116,7 @@ impl<'a> Splice<'a> {
         block
     }
 
-    /// Gives the results of a block's instructions their values, before any of them is used.
+    /// Assigns values to the results of a block's instructions, before any of them is used.
     fn make_results(&mut self, block: Block) {
         for &inst in &self.callee.blocks[block].insts {
             let types: Vec<_> = self.callee.results[inst].iter().map(|&result| self.callee.ty(result)).collect();
@@ -128,7 +128,7 @@ impl<'a> Splice<'a> {
         }
     }
 
-    /// The callee's place in the source, or the call's for what belongs to none.
+    /// The callee's place in the source, or that of the call for code without a place.
     fn loc_of(&self, inst: Inst) -> Loc {
         match self.callee.locs[inst] {
             Loc(0) => self.loc,
@@ -142,13 +142,13 @@ impl<'a> Splice<'a> {
     }
 
     /// Fills the instructions that [`Self::make_results`] has made.
-    fn copy_insts(&mut self, block: Block, behind: Block, single: bool) {
+    fn copy_insts(&mut self, block: Block, after: Block, single: bool) {
         let target = self.blocks[block];
         let source = &self.callee.blocks[block].insts;
         let first = self.caller.blocks[target].insts.len() - source.len();
         for (index, &inst) in source.iter().enumerate() {
             let new = self.caller.blocks[target].insts[first + index];
-            match self.copy_of(inst, behind, single) {
+            match self.copy_of(inst, after, single) {
                 Some(data) => self.caller.insts[new] = data,
                 // The end of a callee without jumps.
                 None => {
@@ -158,7 +158,7 @@ impl<'a> Splice<'a> {
         }
     }
 
-    fn copy_of(&self, inst: Inst, behind: Block, single: bool) -> Option<InstData> {
+    fn copy_of(&self, inst: Inst, after: Block, single: bool) -> Option<InstData> {
         let mut data = self.callee.insts[inst].clone();
         data.map_uses(|value| self.value(value));
         data.for_each_target_mut(|target| target.block = self.blocks[target.block]);
@@ -166,11 +166,11 @@ impl<'a> Splice<'a> {
         let place = |addr: &mut Address| *addr = address_in_caller(*addr, frame_bytes);
         match &mut data {
             InstData::Return { values } => {
-                if behind == self.at {
+                if after == self.at {
                     return None;
                 }
                 let args = if single { Vec::new() } else { std::mem::take(values) };
-                data = InstData::Jump { target: BlockCall { block: behind, args } };
+                data = InstData::Jump { target: BlockCall { block: after, args } };
             }
             InstData::Load { addr }
             | InstData::Store { addr, .. }

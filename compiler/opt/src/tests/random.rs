@@ -1,4 +1,4 @@
-//! Random modules mean the same before and after every pass: returned values, memory, and what runtime functions see.
+//! Random modules mean the same before and after every pass: returned values, memory, and the memory that runtime functions see.
 //!
 //! Addresses fall into a few bytes of every region, directly, with a base, and through pointers that may point into the frame
 //! of a caller, so that a wrong assumption about aliasing shows.
@@ -297,7 +297,7 @@ impl Builder<'_> {
                 let addr = self.address(place);
                 let value = self.b.load(TYPES[*ty], addr);
                 let value = self.as_word(value);
-                // What was there goes on counting, so that every load is seen in the end.
+                // The old value is included, so every load has an effect on the result.
                 let old = self.word(*to);
                 let old = self.b.binary_imm(BinaryOp::Rotl, old, 5);
                 let value = self.b.xor(old, value);
@@ -352,7 +352,7 @@ impl Builder<'_> {
                 self.b.def_var(self.pointer, value);
             }
             Statement::Call(callee, to, from, bit) => {
-                // Only functions behind this one, so that there is no recursion.
+                // Only functions after this one, so that there is no recursion.
                 if self.index + 1 + callee >= FUNCTIONS {
                     return;
                 }
@@ -453,7 +453,7 @@ fn build(index: usize, program: &[RandomBlock], focus: &Focus) -> Function {
     builder.b.finish()
 }
 
-/// A few bytes of each area, and a log of what runtime functions saw.
+/// A few bytes of each area, and a log of the memory that runtime functions saw.
 struct Memory {
     bytes: RefCell<Vec<u8>>,
     log: RefCell<Vec<u64>>,
@@ -494,7 +494,7 @@ impl Memory {
         panic!("{offset:#x} is outside of the memory of the test");
     }
 
-    /// What an observer may look at: everything but local data.
+    /// The memory that an observer may see: everything except local data.
     fn observed(&self) -> Vec<u8> {
         let l_start: u32 = WINDOWS[..L_WINDOW].iter().map(|window| window.1).sum();
         let mut bytes = self.bytes.borrow().clone();

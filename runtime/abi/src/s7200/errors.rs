@@ -24,11 +24,11 @@ pub mod error {
         SIMULTANEOUS_HSC = 0x0005, "second HSC or PLS before the first one has ended";
         INDIRECT_ADDRESS = 0x0006, "indirect addressing error";
         CLOCK_DATA = 0x0007, "data error of TODR or TODW";
-        NESTING = 0x0008, "subroutines nested too deep";
+        NESTING = 0x0008, "subroutines nested too deeply";
         PORT_0_BUSY = 0x0009, "simultaneous XMT and RCV on port 0";
         HDEF_REPEATED = 0x000A, "HDEF repeated for the same counter";
         PORT_1_BUSY = 0x000B, "simultaneous XMT and RCV on port 1";
-        NO_CLOCK = 0x000C, "there is no clock";
+        NO_CLOCK = 0x000C, "no clock";
         PULSE_OUTPUT_ACTIVE = 0x000D, "redefinition of an active pulse output";
         NO_SEGMENTS = 0x000E, "number of PTO segments is 0";
         ILLEGAL_REAL = 0x000F, "illegal REAL in a compare contact";

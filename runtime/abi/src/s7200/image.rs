@@ -9,7 +9,7 @@ pub struct S7200Image {
     pub timers: Vec<u8>,
     /// Edge memories that are 1 when RUN begins.
     pub rising_edges: u32,
-    /// Edge memories behind them, 0 when RUN begins.
+    /// Edge memories after them, 0 when RUN begins.
     pub falling_edges: u32,
     /// Which CPU it is, for ranges at run time.
     pub cpu: CpuRow,

@@ -1,6 +1,6 @@
 //! S7-200: memory of its own, operations that the runtime does, what an image tells of such a program.
 //!
-//! V memory is DB 1. I, Q, M and L lie where they lie in every CPU; what the other families do not have is the
+//! V memory is DB 1. I, Q, M and L lie where they are in every CPU; what the other families do not have is the
 //! [`layout::SYSTEM`](crate::layout::SYSTEM) area, whose parts are the offsets of [`system`].
 
 mod errors;
@@ -14,11 +14,11 @@ pub use operation::{Operation, TimerKind, result};
 
 /// Number of the DB that is V memory.
 pub const V_DB: u16 = 1;
-/// Number of the DB that holds string constants, behind V memory; no instruction names it.
+/// Number of the DB that holds string constants, after V memory; no instruction names it.
 pub const CONSTANTS_DB: u16 = 2;
 /// Bytes of local data of a block: L0.0 to L63.7. Source: S7-200 system manual, memory ranges.
 pub const LOCAL_BYTES: u32 = 64;
-/// Where analog words lie in the address space of the I/O driver: AIW n at this + n, AQW n likewise among outputs.
+/// Where analog words are in the address space of the I/O driver: AIW n at this + n, AQW n likewise among outputs.
 pub const ANALOG_ADDRESS: u32 = 0x1000;
 /// Levels of the logic stack.
 pub const STACK_LEVELS: usize = 9;
@@ -57,7 +57,7 @@ pub mod system {
     pub const COUNTER_VALUES: u32 = 0xA00;
     /// Bits of counters, a byte each, 0 or 1.
     pub const COUNTER_BITS: u32 = 0xC00;
-    /// Edge memories, a byte each, 0 or 1: of rising edges first (1 when RUN begins), of falling ones behind them (0 when RUN begins).
+    /// Edge memories, a byte each, 0 or 1: of rising edges first (1 when RUN begins), of falling ones after them (0 when RUN begins).
     pub const EDGES: u32 = 0x1000;
     pub const EDGES_MAX: u32 = 0xE000;
 }

@@ -24,7 +24,7 @@ macro_rules! operations {
         /// What [`RuntimeFn::S7200Operation`](crate::RuntimeFn::S7200Operation) does, as its number. `a` to `d` are its operands.
         ///
         /// *Address*: offset from the memory base. *Bit address*: eight times an address, plus the bit. *Value*: zero-extended.
-        /// An operation writes SM1 bits and the errors of SM4.3 itself; it checks that what it reads and writes lies in the area
+        /// An operation writes SM1 bits and the errors of SM4.3 itself; it checks that what it reads and writes is in the area
         /// in which it begins (0091), and does nothing then.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr(u8)]
@@ -66,11 +66,11 @@ operations! {
     ShiftRegister;
     /// ATT: value `a`, address of the table `b`.
     TableAdd;
-    /// FIFO: address of the table `a`; gives the word.
+    /// FIFO: address of the table `a`; returns the word.
     TableFirst;
-    /// LIFO: address of the table `a`; gives the word.
+    /// LIFO: address of the table `a`; returns the word.
     TableLast;
-    /// FND: address of the entry count `a`, pattern `b`, index `c`, relation `d` (0 `=`, 1 `<>`, 2 `<`, 3 `>`); gives the new index.
+    /// FND: address of the entry count `a`, pattern `b`, index `c`, relation `d` (0 `=`, 1 `<>`, 2 `<`, 3 `>`); returns the new index.
     TableFind;
     /// ITA: value `a`, address of the buffer `b`, format `c`.
     IntToAscii;
@@ -88,25 +88,25 @@ operations! {
     AsciiToHex;
     /// HTA: address of bytes `a`, address of characters `b`, number of digits `c`.
     HexToAscii;
-    /// STI: address of the string `a`, index `b`; gives the word.
+    /// STI: address of the string `a`, index `b`; returns the word.
     StringToInt;
-    /// STD; gives the double word.
+    /// STD; returns the double word.
     StringToDint;
-    /// STR; gives the bits of the REAL.
+    /// STR; returns the bits of the REAL.
     StringToReal;
-    /// SLEN: address of the string `a`; gives the byte.
+    /// SLEN: address of the string `a`; returns the byte.
     StringLength;
     /// SCPY: address `a` to address `b`.
     StringCopy;
-    /// SCAT: address `a` behind the string at `b`.
+    /// SCAT: address `a` after the string at `b`.
     StringAppend;
     /// SSCPY: address `a`, index `b`, number `c`, address of the result `d`.
     StringPart;
-    /// SFND: searches the string at `b` in the string at `a`, from position `c`; gives the position.
+    /// SFND: searches the string at `b` in the string at `a`, from position `c`; returns the position.
     StringFind;
-    /// CFND: searches characters of the string at `b` in the string at `a`, from position `c`; gives the position.
+    /// CFND: searches characters of the string at `b` in the string at `a`, from position `c`; returns the position.
     CharacterFind;
-    /// Comparison of the strings at `a` and `b`; gives 1 if they are equal. A length that leaves the area is a fatal error.
+    /// Comparison of the strings at `a` and `b`; returns 1 if they are equal. A length that leaves the area is a fatal error.
     StringEqual;
     /// PID: address of the loop table `a`, loop number `b`, EN `c`: with 0 it only notes that the loop is off.
     Pid;
@@ -142,7 +142,7 @@ operations! {
     NetworkRead;
     /// NETW.
     NetworkWrite;
-    /// GPA: port `a`; gives the station address.
+    /// GPA: port `a`; returns the station address.
     GetStationAddress;
     /// SPA: station address `a`, port `b`.
     SetStationAddress;
@@ -150,6 +150,6 @@ operations! {
     RestartWatchdog;
     /// DLED: value `a`.
     DiagnosticLed;
-    /// STOP instruction. Gives STOP, but not in an interrupt routine: there the scan ends first.
+    /// STOP instruction. Returns STOP, but not in an interrupt routine: there the scan ends first.
     StopMode;
 }

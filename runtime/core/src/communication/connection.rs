@@ -4,7 +4,7 @@
 //!            ┌─────────── 5 ───────────┐
 //!            ▼                         │
 //! passive: Listening ──── 1 ────────► Up     1 a partner has connected        `accept`, `take_caller`
-//! active:  Connecting ─ 2 ─► Greeting ─┘     2 TCP stands: ISO sends its CR   `connected`
+//! active:  Connecting ─ 2 ─► Greeting ─┘     2 TCP is connected: ISO sends its CR   `connected`
 //!            │    ▲            │ 3           3 the partner's CC has come      `greeted`
 //!            4    │            4             4 refused                        `fail`
 //!            └─► Resting ◄─────┘             5 lost: set up again             `restart`
@@ -23,7 +23,7 @@ use super::status;
 const REST_NS: u64 = 100_000_000;
 /// An attempt that takes longer has failed.
 const ATTEMPT_NS: u64 = 10_000_000_000;
-/// Received bytes that nobody takes keep a connection whose partner has ended it open for so long.
+/// Unread bytes keep a connection open for this time after the partner has closed it.
 const LEAVE_NS: u64 = 1_000_000_000;
 /// Messages that wait for a receiver.
 const MESSAGES_MAX: usize = 4;
@@ -68,7 +68,7 @@ pub struct Connection {
     sent_before_loss: bool,
 }
 
-/// What a receive job gets.
+/// The result of a receive job.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Receive {
     Bytes(Vec<u8>),
@@ -215,7 +215,7 @@ impl Connection {
             && remote.is_none_or(|wanted| wanted == from)
     }
 
-    /// Takes a partner that [`Connection::wants`] said yes to.
+    /// Accepts a partner that [`Connection::wants`] has approved.
     pub fn take_caller(&mut self, mut link: Link, offer: &Offer) {
         let (answer, transport) = iso::confirm(offer, self.description.id);
         link.send(&answer);
@@ -242,7 +242,7 @@ impl Connection {
         }
     }
 
-    /// Takes what has arrived: at most `room` bytes, just so many if `exact`. A message is taken whole.
+    /// Takes received bytes: at most `room`, or exactly that many if `exact`. A message is taken as a whole.
     pub fn receive(&mut self, room: usize, exact: bool) -> Receive {
         let State::Up { link, transport, .. } = &mut self.state else { return Receive::Nothing };
         if let Some(iso) = transport {

@@ -4,7 +4,7 @@
 
 use std::net::Ipv4Addr;
 
-/// Length of TCON_Param, which also stands in its first word.
+/// Length of TCON_Param, which is also in its first word.
 pub const PARAM_BYTES: usize = 64;
 /// Length of TCON_IP_v4.
 pub const IP_V4_BYTES: usize = 14;
@@ -33,7 +33,7 @@ pub enum Protocol {
     Iso,
 }
 
-/// What to connect, checked.
+/// A checked connection description.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Description {
     /// 1 to 4095.
@@ -54,7 +54,7 @@ pub struct Description {
 }
 
 impl Description {
-    /// Reads either form, told by its length. `Err`: STATUS.
+    /// Reads either form; its length shows which. `Err`: STATUS.
     pub fn read(bytes: &[u8]) -> Result<Description, u16> {
         match bytes.len() {
             PARAM_BYTES => param(bytes),

@@ -27,7 +27,7 @@ const SIZE_CODES: std::ops::RangeInclusive<u8> = 7..=13;
 const DATA_HEAD: usize = 3;
 /// Longest message; a partner that sends more has lost its way.
 const MESSAGE_MAX: usize = 1 << 16;
-/// Reason of a refusal: no such TSAP.
+/// Reason for a refusal: unknown TSAP.
 const ADDRESS_UNKNOWN: u8 = 3;
 
 /// The partner does not keep to the protocol, or ended the connection.
@@ -48,7 +48,7 @@ pub struct Transport {
     /// Bytes of a message in one DT.
     part: usize,
     partial: Vec<u8>,
-    /// Whole messages that nobody has taken.
+    /// Complete messages that are not yet read.
     pub messages: VecDeque<Vec<u8>>,
 }
 
@@ -90,7 +90,7 @@ pub fn refuse(offer: &Offer) -> Vec<u8> {
     packet(&[6, DISCONNECT_REQUEST, a, b, 0, 0, ADDRESS_UNKNOWN])
 }
 
-/// The next TPDU of what has arrived, which it leaves. `None`: not all of it is there.
+/// Takes the next TPDU from the received bytes. `None`: it is not complete.
 fn take(input: &mut Vec<u8>) -> Result<Option<Vec<u8>>, Broken> {
     let Some(&[version, _, high, low]) = input.first_chunk::<4>() else { return Ok(None) };
     let length = usize::from(u16::from_be_bytes([high, low]));
@@ -122,7 +122,7 @@ fn opening(input: &mut Vec<u8>, code: u8) -> Result<Option<Offer>, Broken> {
             (SIZE, _) => return Err(Broken),
             (CALLING, _) => offer.calling = value.to_vec(),
             (CALLED, _) => offer.called = value.to_vec(),
-            // What this side does not know has no effect.
+            // Unknown parameters have no effect.
             _ => {}
         }
         rest = next;
@@ -155,7 +155,7 @@ impl Transport {
             .collect()
     }
 
-    /// Puts what has arrived together to messages, as long as fewer than `wanted` wait.
+    /// Assembles received bytes into messages, while fewer than `wanted` wait.
     pub fn work(&mut self, input: &mut Vec<u8>, wanted: usize) -> Result<(), Broken> {
         while self.messages.len() < wanted {
             let Some(tpdu) = take(input)? else { return Ok(()) };

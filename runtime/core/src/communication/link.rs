@@ -1,4 +1,4 @@
-//! A byte stream that never blocks, with what waits to be sent and what has arrived.
+//! A byte stream that never blocks, with buffers for unsent and received bytes.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
@@ -8,13 +8,13 @@ use socket2::{SockRef, TcpKeepalive};
 
 /// Received bytes that wait here; more stays with the operating system, which slows the partner down.
 const INPUT_MAX: usize = 1 << 16;
-/// A silent partner is asked after so long.
+/// Time after which a silent partner is probed.
 const KEEP_ALIVE: Duration = Duration::from_secs(30);
 
 /// A TCP stream, or anything else that reads and writes without blocking.
 pub struct Link<S = TcpStream> {
     stream: S,
-    /// What has arrived and nobody has taken.
+    /// Received bytes that are not yet read.
     pub input: Vec<u8>,
     output: Vec<u8>,
     /// Nothing more will arrive.
@@ -52,12 +52,12 @@ impl<S: Read + Write> Link<S> {
         self.output.len()
     }
 
-    /// Forgets what is not with the operating system yet.
+    /// Forgets bytes that are not yet passed to the operating system.
     pub fn discard_backlog(&mut self) {
         self.output.clear();
     }
 
-    /// Sends now what can be sent, the rest by and by.
+    /// Sends as much as possible now, the rest later.
     pub fn send(&mut self, bytes: &[u8]) {
         self.output.extend_from_slice(bytes);
         self.flush();

@@ -1,7 +1,7 @@
 //! Open user communication: TCP and ISO-on-TCP connections to IPv4 partners.
 //!
-//! No call waits: sockets are non-blocking, and every call and the end of each cycle move on what can be moved. A connection
-//! that is lost is set up again by itself until it is closed; STOP closes all.
+//! No call waits: sockets are non-blocking, and every call and the end of each cycle advance all connections. A lost
+//! connection is set up again automatically until it is closed; STOP closes all.
 //!
 //! Under the virtual clock a cycle takes no host time, so a partner would never get to answer: a cycle in which a block waited
 //! for one takes [`PATIENCE`] of host time.
@@ -29,7 +29,7 @@ pub const JOB_BYTES_MAX: u32 = 8192;
 pub const ISO_PORT: u16 = 102;
 /// Host time that a cycle takes under the virtual clock while a block waits for a partner.
 pub const PATIENCE: Duration = Duration::from_millis(1);
-/// Partners that have connected to the ISO port and not yet said whom they want, and how long they may.
+/// Partners on the ISO port that have not yet requested a connection, and how long they may wait.
 const CALLERS_MAX: usize = 8;
 const CALLER_NS: u64 = 5_000_000_000;
 
@@ -42,7 +42,7 @@ pub mod status {
     pub const TEMPORARY: u16 = 0x80C4;
 }
 
-/// A partner on the ISO port that has not said whom it wants.
+/// A partner on the ISO port that has not yet requested a connection.
 struct Caller {
     link: Link,
     from: Ipv4Addr,
@@ -155,7 +155,7 @@ impl Communication {
         Ok(())
     }
 
-    /// Gives partners on the ISO port to the connections that they ask for by TSAP.
+    /// Assigns partners on the ISO port to the connections that they request by TSAP.
     fn accept_iso(&mut self, now: u64) {
         let Some(listener) = &self.iso_listener else { return };
         while self.callers.len() < CALLERS_MAX

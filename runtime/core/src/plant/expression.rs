@@ -1,11 +1,11 @@
 //! An expression of the plant: text over named values.
 //!
 //! Operators and the functions `abs`, `min`, `max`, `sin` and so on are those of the crate `fasteval`; `if`, `clamp`, `sqrt`,
-//! `exp` and `ln` stand here.
+//! `exp` and `ln` are defined here.
 
 use fasteval::{Error, Evaler, ExpressionI, Parser, Slab};
 
-/// Functions beside those of the crate: name and number of arguments.
+/// Functions in addition to those of the crate: name and number of arguments.
 const FUNCTIONS: [(&str, usize); 5] = [("if", 3), ("clamp", 3), ("sqrt", 1), ("exp", 1), ("ln", 1)];
 
 /// Words that are functions of the crate.
@@ -36,12 +36,12 @@ fn marked(text: &str) -> String {
     while let Some(first) = rest.chars().next() {
         let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
         let end = rest.find(|c| !is_part(c)).unwrap_or(rest.len()).max(first.len_utf8());
-        let (word, behind) = rest.split_at(end);
+        let (word, after) = rest.split_at(end);
         if (first.is_ascii_alphabetic() || first == '_') && !is_function(word) {
             marked.push_str(MARK);
         }
         marked.push_str(word);
-        rest = behind;
+        rest = after;
     }
     marked
 }
@@ -59,10 +59,10 @@ impl std::fmt::Debug for Expression {
 }
 
 impl Expression {
-    /// Parses `text`; each name in it must be one that `is_known`. `Err`: what is wrong, in a sentence.
+    /// Parses `text`; each name in it must be one that `is_known`. `Err`: the error as a sentence.
     pub fn parse(text: &str, is_known: impl Fn(&str) -> bool) -> Result<Expression, String> {
         if !text.is_ascii() || text.contains(['"', '[', ']']) {
-            return Err(format!("`{text}` is no expression: write numbers, names, operators and functions"));
+            return Err(format!("`{text}` is not an expression: write numbers, names, operators and functions"));
         }
         let mut slab = Slab::new();
         let root = Parser::new().parse(&marked(text), &mut slab.ps).map_err(|error| wrong(text, &error))?;
@@ -70,7 +70,7 @@ impl Expression {
         let values = names.iter().filter_map(|name| name.strip_prefix(MARK));
         if let Some(name) = values.into_iter().find(|name| !is_known(name)) {
             return Err(format!(
-                "`{name}` is not known here: values are read, set by an earlier equation, states or parameters"
+                "`{name}` is not known here; use values that are read, earlier equations, states or parameters"
             ));
         }
         let expression = Expression { slab, root };
@@ -81,7 +81,7 @@ impl Expression {
         }
     }
 
-    /// The value with the values that `of` gives for names.
+    /// The value, with `of` as the values of names.
     pub fn evaluate(&self, of: &dyn Fn(&str) -> f64) -> Result<f64, Error> {
         let mut names = |name: &str, arguments: Vec<f64>| match (name, arguments.as_slice()) {
             ("if", &[condition, yes, no]) => Some(if condition != 0.0 { yes } else { no }),
@@ -107,9 +107,9 @@ fn wrong(text: &str, error: &Error) -> String {
         Error::TooLong | Error::TooDeep | Error::SlabOverflow => format!("`{text}` is too large"),
         Error::Undefined(name) => match FUNCTIONS.iter().find(|(function, _)| function == name) {
             Some((name, count)) => format!("`{text}`: {name} takes {count} arguments"),
-            None => format!("`{text}`: `{}` is not known as a function", name.trim_start_matches(MARK)),
+            None => format!("`{text}`: `{}` is not a known function", name.trim_start_matches(MARK)),
         },
-        _ => format!("`{text}` is no expression: write numbers, names, operators and functions"),
+        _ => format!("`{text}` is not an expression: write numbers, names, operators and functions"),
     }
 }
 

@@ -1,4 +1,4 @@
-//! A simulated plant: what is behind the outputs and before the inputs. It closes the loop on the clock of the CPU.
+//! A simulated plant: the process between outputs and inputs. It closes the loop on the clock of the CPU.
 //!
 //! A plant is a list of named numbers and of equations over them, from `[plant]` of a scenario. In fixed steps of time it reads
 //! outputs, computes its equations in order, and sets inputs; all steps that are due are done before a cycle reads its inputs.
@@ -38,7 +38,7 @@ pub struct Plant {
     /// The number of each name.
     numbers: HashMap<String, usize>,
     values: Vec<f64>,
-    /// What can be changed by the entries of the scenario: parameters and states.
+    /// Values that entries of the scenario can change: parameters and states.
     settable: HashSet<usize>,
     reads: Vec<(usize, Source)>,
     equations: Vec<Equation>,
@@ -48,7 +48,7 @@ pub struct Plant {
     failed: bool,
 }
 
-/// Value `target` becomes what the expression gives.
+/// Value `target` is set to the result of the expression.
 #[derive(Clone, Debug)]
 struct Equation {
     target: usize,
@@ -56,7 +56,7 @@ struct Equation {
     line: u32,
 }
 
-/// An input becomes what the expression gives.
+/// An input is set to the result of the expression.
 #[derive(Clone, Debug)]
 struct Write {
     name: String,
@@ -65,11 +65,11 @@ struct Write {
     line: u32,
 }
 
-/// What went wrong, and the line of the scenario.
+/// An error, and the line of the scenario.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     pub line: u32,
-    /// What should have a value.
+    /// The signal or variable without a value.
     pub name: String,
     pub message: String,
 }
@@ -118,7 +118,7 @@ impl Plant {
         self.noted(result)
     }
 
-    /// All steps that are due at `now`. After a fault the plant stands still.
+    /// All steps that are due at `now`. After a fault the plant stops.
     pub(crate) fn advance(&mut self, cpu: &Cpu, now: u64) -> Result<(), Fault> {
         if self.failed {
             return Ok(());
@@ -164,7 +164,7 @@ impl Plant {
     fn evaluate(&self, expression: &Expression) -> Result<f64, String> {
         match expression.evaluate(&|name| self.find(name).map_or(0.0, |index| self.values[index])) {
             Ok(value) if value.is_finite() => Ok(value),
-            Ok(value) => Err(format!("the expression gives {value} at {} s", self.values[TIME])),
+            Ok(value) => Err(format!("the result of the expression is {value} at {} s", self.values[TIME])),
             Err(error) => Err(format!("the expression has no value: {error:?}")),
         }
     }
@@ -174,7 +174,7 @@ fn seconds(ns: u64) -> f64 {
     ns as f64 / 1e9
 }
 
-/// What an output module gives: in STOP that differs from the process image.
+/// The value of an output module: in STOP it differs from the process image.
 fn output(cpu: &Cpu, source: &Source) -> f64 {
     let module = |source: &Source| match *source {
         Source::Bits(mut address) => {

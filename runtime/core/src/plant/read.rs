@@ -14,7 +14,7 @@ use crate::options::parse_duration;
 use crate::s7200::Part;
 use crate::signal::Source;
 
-/// As it stands in the file.
+/// As it is in the file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PlantText {
@@ -35,7 +35,7 @@ pub(crate) struct PlantText {
 type Wrong = (usize, String);
 
 impl PlantText {
-    /// The plant of a program. `line` gives the line of an offset. `Err`: offset and message.
+    /// The plant of a program. `line` returns the line of an offset. `Err`: offset and message.
     pub(crate) fn plant(&self, image: &ProgramImage, line: &dyn Fn(usize) -> u32) -> Result<Plant, Wrong> {
         let mut reader = Reader { image, line, plant: empty(self.step()?) };
         for (name, value) in self.parameters.iter().chain(&self.state) {
@@ -67,7 +67,7 @@ impl PlantText {
         let Some(text) = &self.step else { return Ok(STEP_DEFAULT) };
         match parse_duration(text.get_ref()) {
             Ok(step) if step.0 >= STEP_LEAST => Ok(step.0),
-            Ok(_) => Err((text.span().start, "the step of a plant is 1ms or more".to_string())),
+            Ok(_) => Err((text.span().start, "the step of a plant must be at least 1ms".to_string())),
             Err(message) => Err((text.span().start, message)),
         }
     }
@@ -109,7 +109,9 @@ impl Reader<'_> {
         if !expression::is_name(name) {
             return Err((
                 at,
-                format!("`{name}` cannot be the name of a value: letters, digits and _, and no function"),
+                format!(
+                    "`{name}` cannot be the name of a value: use letters, digits and _, and not the name of a function"
+                ),
             ));
         }
         if self.plant.find(name).is_some() {
@@ -135,7 +137,7 @@ impl Reader<'_> {
         let expression = self.expression(value, at)?;
         let target = match self.plant.find(name) {
             Some(index) if is_state(name) => index,
-            Some(_) => return Err((at, format!("`{name}` has a value already; only a state changes by itself"))),
+            Some(_) => return Err((at, format!("`{name}` already has a value; only a state changes on its own"))),
             None => self.add(name, at)?,
         };
         self.plant.equations.push(Equation { target, expression, line: (self.line)(at) });

@@ -1,4 +1,4 @@
-//! What reads and writes of operations mind: where areas end, analog words, timers of 1 ms, special memory.
+//! Checks and side effects when operations read and write: ends of areas, analog words, timers of 1 ms, special memory.
 
 use std::ops::Range;
 
@@ -8,12 +8,12 @@ use plcc_abi::s7200::{ANALOG_ADDRESS, system};
 use super::timers::OF_1_MS;
 use crate::cpu::Cpu;
 
-/// Whether `bytes` bytes from `address` on lie in the area in which they begin.
+/// Whether `bytes` bytes from `address` on are in the area in which they begin.
 pub(super) fn inside(cpu: &Cpu, address: u32, bytes: u32) -> bool {
     cpu.s7200_area(address).is_some_and(|(_, end)| bytes <= end.saturating_sub(address))
 }
 
-/// Before bytes are read: analog inputs and timers among them are brought up to date. Timers also before they are written: what has
+/// Before bytes are read: updates the analog inputs and timers among them. Timers also before they are written: what has
 /// passed until then does not count for the new value.
 pub(super) fn before(cpu: &Cpu, address: u32, bytes: u32) {
     if let Some(part) = part(address, bytes, system::AI, system::ANALOG_BYTES) {
@@ -42,7 +42,7 @@ pub(super) fn sync_timers(cpu: &Cpu, numbers: Range<u32>) {
     OF_1_MS.into_iter().filter(|number| numbers.contains(number)).for_each(|number| cpu.s7200_timer_sync(number));
 }
 
-/// Which of the bytes lie in the part of the system area that has `length` bytes from `start` on, as offsets in it.
+/// Which of the bytes are in the part of the system area that has `length` bytes from `start` on, as offsets in it.
 fn part(address: u32, bytes: u32, start: u32, length: u32) -> Option<Range<u32>> {
     let base = layout::SYSTEM + start;
     let first = address.max(base);
@@ -60,7 +60,7 @@ impl Cpu {
     pub(crate) fn s7200_analog_out(&self, first_byte: u32, bytes: u32) {
         let end = first_byte.saturating_add(bytes).min(system::ANALOG_BYTES);
         for byte in words(first_byte..end) {
-            // A module that is missing takes nothing; that is no error.
+            // A module that is missing takes nothing; that is not an error.
             let word = self.memory.word(layout::SYSTEM + system::AQ + byte);
             self.driver.write(ANALOG_ADDRESS + byte, 2, u32::from(word));
         }

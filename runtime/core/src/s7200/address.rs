@@ -1,4 +1,4 @@
-//! Addresses of an S7-200 as a user writes them, beside those that all CPUs have.
+//! Addresses of an S7-200 as a user writes them, in addition to those that all CPUs have.
 
 use plcc_abi::layout;
 use plcc_abi::s7200::{ACCUMULATORS, ANALOG_ADDRESS, V_DB, system};
@@ -7,7 +7,7 @@ use super::{analog, special};
 use crate::address::{Address, Bits, Place, Width, digits, offset};
 use crate::cpu::Cpu;
 
-/// What only an S7-200 has. The number beside it is that of the byte, timer, counter or accumulator.
+/// Areas that only an S7-200 has. The number is that of the byte, timer, counter or accumulator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     SpecialMemory,
@@ -34,7 +34,7 @@ const ANALOG: [(&str, Part); 8] = [
     ("AQ", Part::AnalogOutput),
     ("AA", Part::AnalogOutput),
 ];
-/// Parts with numbers, the width that the number alone has, and the part behind `.VALUE`.
+/// Parts with numbers, the width that the number alone has, and the part after `.VALUE`.
 const NUMBERED: [(&str, Part, Width, Option<Part>); 8] = [
     ("HC", Part::HighSpeedCounter, Width::Dword, None),
     ("HZ", Part::HighSpeedCounter, Width::Dword, None),
@@ -103,9 +103,9 @@ impl Part {
 }
 
 impl Cpu {
-    /// Whether the address exists on this CPU. `Err`: what is wrong.
+    /// Whether the address exists on this CPU. `Err`: the error.
     pub(crate) fn check_part(&self, part: Part, number: u32, width: Width) -> Result<(), String> {
-        let Some(own) = self.s7200() else { return Err("this CPU is no S7-200".to_string()) };
+        let Some(own) = self.s7200() else { return Err("this CPU is not an S7-200".to_string()) };
         let (cpu, profile) = (&own.image.cpu, &self.image.profile);
         let inside = |length: u32, area: &str| match number.saturating_add(width.bytes()) <= length {
             true => Ok(()),
@@ -132,7 +132,7 @@ impl Cpu {
         }
     }
 
-    /// Reads what is not simply memory; `None`: it is.
+    /// Reads a value that is not plain memory; `None`: it is plain memory.
     pub(crate) fn read_part(&self, part: Part, number: u32) -> Option<Bits> {
         match part {
             Part::AnalogInput => Some(self.driver.read(ANALOG_ADDRESS + number, 2).unwrap_or(0).into()),

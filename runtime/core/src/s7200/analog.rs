@@ -19,7 +19,7 @@ const CURRENT_MASK: i16 = 0x7FF0;
 const OUTPUT_VOLTS: f64 = 10.0;
 const OUTPUT_MILLIAMPERES: f64 = 20.0;
 
-/// A unit as it is used with a channel.
+/// A unit of a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModuleScale {
     channel: Channel,
@@ -49,12 +49,12 @@ impl ModuleScale {
         self.masked(exact.round() as i16)
     }
 
-    /// What a word means at an input.
+    /// The meaning of a word at an input.
     pub fn input(&self, word: i16) -> f64 {
         self.number(f64::from(word))
     }
 
-    /// What an output gives.
+    /// The value of an output.
     pub fn output(&self, word: i16) -> f64 {
         self.number(f64::from(self.masked(word)))
     }
@@ -100,7 +100,7 @@ fn input_module(config: &S7200Config, address: u32) -> Option<&AnalogModule> {
     module(config, address, |module| module.inputs)
 }
 
-/// `word` as the module at AIW `address` shows it; as it is where no module is described.
+/// `word` in the form of the module at AIW `address`; unchanged if no module is described.
 pub(super) fn shown(config: &S7200Config, address: u32, word: u16) -> u16 {
     input_module(config, address).map_or(word, |module| input_word(module.bipolar, word as i16) as u16)
 }
@@ -110,7 +110,7 @@ pub(crate) fn has_module(config: &S7200Config, address: u32) -> bool {
     config.analog.is_empty() || input_module(config, address).is_some()
 }
 
-/// The scale of the channel at `address` in `unit`. `Err`: what is wrong, in a sentence.
+/// The scale of the channel at `address` in `unit`. `Err`: the error as a sentence.
 pub(crate) fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Result<ModuleScale, String> {
     let config = &image.config.s7200;
     let unit = unit.trim();
@@ -122,7 +122,7 @@ pub(crate) fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Resu
             let (low, high) = (f64::from_bits(module.low), f64::from_bits(module.high));
             let span = high - low;
             if !(span.is_finite() && span > 0.0) {
-                return Err(format!("the range of {} is not known; give it in plc.toml", module.name));
+                return Err(format!("the range of {} is not known; set it in plc.toml", module.name));
             }
             let channel = Channel::Input { low, high, bipolar: module.bipolar };
             match (unit, module.unit.as_str()) {
@@ -130,9 +130,9 @@ pub(crate) fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Resu
                 (unit, of_range) if unit == of_range => scale(channel, 1.0),
                 ("mV", "V") => scale(channel, 1e-3),
                 ("V", "mV") | ("A", "mA") => scale(channel, 1e3),
-                (_, of_range) => {
-                    Err(format!("the channel has {low} to {high} {of_range}: write a number in {of_range} or in %"))
-                }
+                (_, of_range) => Err(format!(
+                    "the range of the channel is {low} to {high} {of_range}: write a number in {of_range} or in %"
+                )),
             }
         }
         (Place::S7200(Part::AnalogOutput, byte), Width::Word) => {

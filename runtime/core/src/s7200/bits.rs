@@ -17,9 +17,9 @@ fn masks(first: u32, count: u32) -> impl Iterator<Item = (u32, u8)> {
     let end = first.saturating_add(count);
     let bytes = if count == 0 { 0..0 } else { first / 8..end.div_ceil(8) };
     bytes.map(move |byte| {
-        let (start, behind) = (byte * 8, end - byte * 8);
+        let (start, after) = (byte * 8, end - byte * 8);
         let head = 0xFFu8.wrapping_shl(first.saturating_sub(start));
-        let tail = if behind >= 8 { 0xFF } else { (1u8 << behind) - 1 };
+        let tail = if after >= 8 { 0xFF } else { (1u8 << after) - 1 };
         (byte, head & tail)
     })
 }
@@ -30,7 +30,7 @@ fn with_bits(old: u8, mask: u8, on: bool) -> u8 {
 
 /// Whether a run of at most `most` bits or numbers from `first` on ends before `end`. None at all is an error too.
 fn is_run(first: u32, count: u32, most: u32, end: u32) -> bool {
-    (1..=most).contains(&count) && first.checked_add(count).is_some_and(|behind| behind <= end)
+    (1..=most).contains(&count) && first.checked_add(count).is_some_and(|after| after <= end)
 }
 
 pub(super) fn write(cpu: &Cpu, operands: &Operands) -> u64 {
@@ -63,7 +63,7 @@ pub(super) fn write_outputs_now(cpu: &Cpu, operands: &Operands) -> u64 {
                 shown = with_bits(shown, 1 << number, level);
             }
         }
-        // A module that is missing takes nothing; that is no error.
+        // A module that is missing takes nothing; that is not an error.
         cpu.driver.write(byte, 1, u32::from(shown));
     }
     done()

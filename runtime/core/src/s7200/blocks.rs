@@ -41,7 +41,7 @@ pub(super) fn fill(cpu: &Cpu, operands: &Operands) -> u64 {
     done()
 }
 
-/// The bit that leaves is SM1.1, which is no error here.
+/// The bit that leaves is SM1.1, which is not an error here.
 pub(super) fn shift_register(cpu: &Cpu, operands: &Operands) -> u64 {
     let &Operands { a: data, b: first, c: count, .. } = operands;
     let (length, up) = ((count as i32).unsigned_abs(), count as i32 > 0);
@@ -60,7 +60,7 @@ pub(super) fn shift_register(cpu: &Cpu, operands: &Operands) -> u64 {
     done()
 }
 
-/// Where a shift register of 1 to 64 bits lies.
+/// The position of a shift register of 1 to 64 bits.
 enum Register {
     /// Consecutive bits from a bit address on.
     Bits { first: u32, length: u32 },

@@ -1,7 +1,7 @@
 //! TODR, TODW, TODRX, TODWX. Source: S7-200 system manual, clock instructions.
 //!
 //! The clock of the CPU runs in standard time; what the program reads and sets may be ahead of it. The CPU does not check what it is
-//! set to against the calendar: 30 February is read back until midnight, then it is the day behind 2 March, which it stands for.
+//! set to against the calendar: 30 February is read back until midnight, then it is the day after 2 March, which it represents.
 
 use std::cell::Cell;
 
@@ -16,7 +16,7 @@ use crate::{bcd, datetime};
 const BUFFER_BYTES: u32 = 8;
 const EXTENDED_BYTES: u32 = BUFFER_BYTES + daylight::BYTES as u32;
 
-/// What the clock has beside the moment.
+/// What the clock keeps in addition to the time.
 #[derive(Default)]
 pub struct Calendar {
     /// Settings of daylight-saving time.
@@ -25,7 +25,7 @@ pub struct Calendar {
     weekday_shift: Cell<u8>,
     /// Set to 0: the clock has no day of the week.
     no_weekday: Cell<bool>,
-    /// A day that the clock was set to and that the calendar does not have: the day it stands for, month and day in BCD.
+    /// A day that the clock was set to and that the calendar does not have: the day it means, month and day in BCD.
     day: Cell<Option<(Date, u8, u8)>>,
 }
 
@@ -55,7 +55,7 @@ impl Setting {
         })
     }
 
-    /// The day of the calendar; days behind the end of a month are of the next one.
+    /// The day of the calendar; days after the end of a month are of the next one.
     fn date(&self) -> Option<Date> {
         let first = Date::new(self.year, self.month, 1).ok()?;
         first.checked_add(Span::new().try_days(i64::from(self.day) - 1).ok()?).ok()

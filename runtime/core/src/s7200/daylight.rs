@@ -8,7 +8,7 @@ use crate::datetime::{self, NS_PER_S};
 /// Bytes of the settings: mode, correction (hours, minutes), begin and end (month, day, hour, minute). BCD but for the mode.
 pub const BYTES: usize = 11;
 
-/// The mode in which the program tells begin and end.
+/// The mode in which the program sets start and end.
 const USER: u8 = 0xFF;
 
 /// A Sunday at full hour in standard time.
@@ -59,7 +59,7 @@ pub fn is_valid(settings: [u8; BYTES]) -> bool {
     }
 }
 
-/// What the program tells in mode FF.
+/// The settings of the program in mode FF.
 struct User {
     correction_ns: i64,
     begin: [i8; 4],
@@ -124,7 +124,7 @@ pub fn correction(settings: [u8; BYTES], standard: i64) -> i64 {
     if ahead { ns } else { 0 }
 }
 
-/// The moment in standard time at which the clock shows `shown`. What is shown twice is the first of the two.
+/// The moment in standard time at which the clock shows `shown`. Of a time that the clock shows twice, the first.
 pub fn standard(settings: [u8; BYTES], shown: i64) -> i64 {
     let ahead = match (convention(settings[0]), User::of(settings)) {
         (Some(_), _) => 3600 * NS_PER_S,

@@ -21,7 +21,7 @@ pub(crate) const LED_CHANGED: u16 = 0xFC00;
 /// After this error retentive memory is not saved.
 pub(crate) const INTERNAL_ERROR: u16 = FATAL + fatal::INTERNAL;
 /// In place of the milliseconds: the scan did not end within the hang limit.
-pub(crate) const ENDLESS: u32 = u32::MAX;
+pub(super) const ENDLESS: u32 = u32::MAX;
 
 /// Places with errors that the diagnostic buffer names one by one.
 const PLACES_MAX: usize = 64;

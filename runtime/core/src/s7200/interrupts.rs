@@ -16,10 +16,10 @@ use crate::clock::NS_PER_MS;
 use crate::cpu::Cpu;
 use crate::schedule::NEVER;
 
-/// What an event tells its routine beside its number: a character received in Freeport, and whether its parity was wrong.
+/// Data of an event for its routine: a character received in Freeport, and whether its parity was wrong.
 pub type EventData = Option<(u8, bool)>;
 
-/// Queues, one a group of events.
+/// Queues, one per group of events.
 const GROUPS: usize = 3;
 
 /// Inputs I0.0 to I0.3 raise events 0 to 7: rising and falling edge of each.
@@ -97,8 +97,8 @@ impl Interrupts {
         let mut queues = self.queues.borrow_mut();
         let Some(queue) = queues.get_mut(group).filter(|queue| queue.len() < depth) else { return false };
         let later = |other: &Waiting| other.stamp == waiting.stamp && group_of(other.event).1 > priority;
-        let behind = queue.iter().rev().take_while(|other| later(other)).count();
-        queue.insert(queue.len().saturating_sub(behind), waiting);
+        let after = queue.iter().rev().take_while(|other| later(other)).count();
+        queue.insert(queue.len().saturating_sub(after), waiting);
         true
     }
 
@@ -114,7 +114,7 @@ impl Interrupts {
         self.queues.borrow().iter().any(|queue| !queue.is_empty())
     }
 
-    /// Drops what waits and lets nothing more come.
+    /// Drops waiting events and accepts no more.
     pub(super) fn abandon(&self) {
         self.enabled.set(false);
         self.queues.borrow_mut().iter_mut().for_each(VecDeque::clear);
@@ -193,7 +193,7 @@ impl Cpu {
         self.driver.read(0, 1).unwrap_or(0) as u8 & ((1 << EDGE_INPUTS) - 1)
     }
 
-    /// What happens from now on is simultaneous, until the next call.
+    /// Events from now until the next call are simultaneous.
     pub(super) fn s7200_stamp_events(&self) {
         if let Some(own) = self.s7200() {
             own.interrupts.stamp.set(self.clock.now());
@@ -242,7 +242,7 @@ impl Cpu {
             let Some(waiting) = interrupts.take() else { break };
             self.run_interrupt(own, waiting);
         }
-        // The main program goes on: overflow bits of empty queues are 0 again.
+        // The main program continues: overflow bits of empty queues are 0 again.
         let empty = |queue: &VecDeque<Waiting>| queue.is_empty();
         for (group, _) in (0u8..).zip(interrupts.queues.borrow().iter()).filter(|(_, queue)| empty(queue)) {
             set_special(&self.memory, STATUS, group, false);
@@ -255,7 +255,7 @@ impl Cpu {
         let routine = interrupts.routine(waiting.event.into()).and_then(Cell::get);
         let Some(block) = routine.and_then(|routine| self.block(BlockKind::Int, routine)) else { return };
         let monitor = &self.schedule.monitor;
-        // Between scans a routine is monitored by itself, so that an endless one is found.
+        // Between scans a routine has its own monitoring, which finds an endless one.
         let between_scans = monitor.deadline.get() == NEVER && !own.scan.is_running.get();
         if between_scans {
             monitor.begin(self.clock.now());
@@ -292,7 +292,7 @@ pub(super) fn attach(cpu: &Cpu, operands: &Operands) -> u64 {
     if input < EDGE_INPUTS && cpu.s7200_counter_owns_input(input) {
         return failed(cpu, operands, error::EVENT_INPUT_IS_HSC);
     }
-    // A preset that was reached before is no event.
+    // A preset that was reached before is not an event.
     match event {
         21 => cpu.s7200_timer_sync(32),
         22 => cpu.s7200_timer_sync(96),

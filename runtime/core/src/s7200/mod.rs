@@ -1,9 +1,10 @@
-//! What an S7-200 has of its own. Source: S7-200 system manual.
+//! The S7-200: everything that other families do not have. Source: S7-200 system manual.
 //!
-//! - `scan`: start of RUN, scan, STOP; `special`: special memory; `errors`: fatal and non-fatal errors; `retain`: retentive memory.
+//! - `family`: the hooks for cycle and schedule; `scan`: start of RUN, scan, STOP; `special`: special memory; `errors`: fatal and
+//!   non-fatal errors; `retain`: retentive memory.
 //! - `address`: addresses as a user writes them; `analog`: words of analog modules.
 //! - `interrupts`: events, their queues, interrupt routines; `timers`: the three resolutions.
-//! - `bits`, `blocks`, `tables`, `text`, `strings`, `pid`, `calendar`: operations on memory; `access`: what they mind when they
+//! - `bits`, `blocks`, `tables`, `text`, `strings`, `pid`, `calendar`: operations on memory; `access`: checks when they
 //!   read and write; `daylight`: daylight-saving time; `pointers`: indirect addresses.
 //! - `high_speed`, `pulses`: simulated counters and pulse outputs.
 //! - `freeport`, `network`: serial ports and the PPI link.
@@ -18,6 +19,7 @@ mod blocks;
 mod calendar;
 mod daylight;
 mod errors;
+mod family;
 mod freeport;
 mod high_speed;
 mod interrupts;
@@ -54,8 +56,9 @@ pub use address::Part;
 pub(crate) use address::parse as parse_address;
 pub use analog::ModuleScale;
 pub(crate) use analog::{has_module, scale};
-pub(crate) use errors::{ENDLESS, STOP_INSTRUCTION, event_text};
-pub use scan::ScanTimes;
+use errors::ENDLESS;
+pub(crate) use errors::{STOP_INSTRUCTION, event_text};
+pub(crate) use family::ScanCycle;
 
 /// Operands of an operation, see [`Operation`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,7 +70,7 @@ pub struct Operands {
     pub d: u32,
 }
 
-/// State beside the memory.
+/// State outside the memory.
 pub struct S7200 {
     pub(crate) image: S7200Image,
     pub(crate) config: S7200Config,
@@ -111,7 +114,7 @@ fn done() -> u64 {
     result::ENO
 }
 
-/// It ran without error and gives `value`.
+/// It ran without error and returns `value`.
 fn value(value: u32) -> u64 {
     u64::from(value) << 32 | result::ENO | result::VALUE
 }
@@ -162,12 +165,12 @@ fn starts_hardware(operation: Operation) -> bool {
 }
 
 impl Cpu {
-    /// The S7-200 part; only its programs call what needs it.
+    /// The S7-200 part; only its programs need it.
     pub(crate) fn s7200(&self) -> Option<&S7200> {
         self.s7200.as_deref()
     }
 
-    /// The area that begins at or before `address` and holds it: its first byte and the byte behind its last one, as offsets from the
+    /// The area that begins at or before `address` and holds it: its first byte and the byte after its last one, as offsets from the
     /// memory base. `None`: no area of an S7-200.
     pub(crate) fn s7200_area(&self, address: u32) -> Option<(u32, u32)> {
         let cpu = self.s7200()?.image.cpu;
@@ -194,7 +197,7 @@ impl Cpu {
                 (frame, frame + plcc_abi::s7200::LOCAL_BYTES)
             })
         };
-        // Strings of the program text lie in another DB.
+        // Strings of the program text are in another DB.
         let constants = || {
             let others = self.image.dbs.iter().filter(|db| db.number != plcc_abi::s7200::V_DB);
             let mut ranges = others.map(|db| (db.address, db.address.saturating_add(db.data.len() as u32)));

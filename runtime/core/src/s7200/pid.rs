@@ -39,7 +39,7 @@ impl Default for Loops {
     }
 }
 
-/// What one execution of a loop computes.
+/// The results of one execution of a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Step {
     output: f32,

@@ -12,8 +12,8 @@ const SPECIAL_READ_ONLY: u32 = 30;
 impl Cpu {
     /// See [`RuntimeFn::S7200Pointer`](plcc_abi::RuntimeFn::S7200Pointer).
     ///
-    /// What is a word and nothing else (T, C, AI, AQ) is reached as a word at an even offset only. Analog inputs and SMB0 to SMB29
-    /// are not written. A 21x knows no pointers to SM, AI and AQ. Source: S7-200 system manual, indirect addressing.
+    /// Areas of words (T, C, AI, AQ) can be accessed only as a word at an even offset. Analog inputs and SMB0 to SMB29
+    /// are not written. A 21x has no pointers to SM, AI and AQ. Source: S7-200 system manual, indirect addressing.
     pub(crate) fn s7200_pointer(&self, pointer: u32, bytes: u32, write: bool) -> u32 {
         let Some(own) = self.s7200() else { return 0 };
         let (cpu, profile) = (&own.image.cpu, &self.image.profile);

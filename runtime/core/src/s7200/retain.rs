@@ -4,7 +4,7 @@
 //! not more often than ten times a second, and when the run ends. A new file takes the place of the old one, so that there is always
 //! a whole one.
 //!
-//! The file: [`MAGIC`], then sections of a tag (4 bytes), a length (`u32`), a checksum (`u64`) and so many bytes; numbers are big-endian.
+//! The file: [`MAGIC`], then sections of a tag (4 bytes), a length (`u32`), a checksum (`u64`) and that many bytes; numbers are big-endian.
 //! `KEPT` has the checksum of the data block that V began with, then a length (`u32`) and the bytes of each range. `PERM` has that checksum,
 //! then offset (`u16`) and value (1 byte) of each saved V byte. V of another data block is not taken: a new one was loaded.
 
@@ -36,7 +36,7 @@ const TONR: [(u32, u32); 2] = [(0, 32), (64, 32)];
 /// State of the file.
 #[derive(Default)]
 pub struct Retain {
-    /// What the file holds, as far as we wrote or read it, or will hold when `writer` is ready.
+    /// Content of the file as last written or read, or its content when `writer` is ready.
     written: RefCell<Vec<u8>>,
     /// Writes the file while scans go on: a disk may take longer than a scan.
     writer: RefCell<Option<JoinHandle<std::io::Result<()>>>>,
@@ -44,7 +44,7 @@ pub struct Retain {
     permanent: RefCell<BTreeMap<u16, u8>>,
     /// Retentive memory was expected and is not there.
     lost: Cell<bool>,
-    /// Writing has failed; this was told.
+    /// Writing has failed, and this was reported.
     failed: Cell<bool>,
 }
 
@@ -74,7 +74,7 @@ fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
     Some(*front)
 }
 
-/// Takes a length and so many bytes.
+/// Takes `length` bytes.
 fn take_counted<'a>(bytes: &mut &'a [u8], length: usize) -> Option<&'a [u8]> {
     let (front, rest) = bytes.split_at_checked(length)?;
     *bytes = rest;
@@ -120,7 +120,7 @@ impl Cpu {
         self.s7200().and_then(|own| own.config.retentive_file.as_deref()).map(Path::new)
     }
 
-    /// Whether the file of retentive memory can be one. `Err`: why another file stands in its place.
+    /// Whether the file of retentive memory can be one. `Err`: why another file is in its place.
     pub(crate) fn s7200_check_retentive_file(&self) -> Result<(), String> {
         match self.retentive_file() {
             Some(path) => [path.to_path_buf(), beside(path)].iter().try_for_each(|path| check_ours(path)),
@@ -155,17 +155,20 @@ impl Cpu {
         match section(&file, KEPT).and_then(|kept| self.load_kept(kept, path)) {
             Some(()) => *retain.written.borrow_mut() = file,
             None => {
-                say(&format!("cold start: {} is damaged or holds no retentive memory", path.display()));
+                say(&format!("cold start: {} is damaged or contains no retentive memory", path.display()));
                 retain.lost.set(true);
             }
         }
     }
 
-    /// `None`: it is cut, and nothing was loaded behind the cut.
+    /// `None`: it is cut, and nothing was loaded after the cut.
     fn load_kept(&self, mut body: &[u8], path: &Path) -> Option<()> {
         let same_block = u64::from_be_bytes(take(&mut body)?) == self.data_block_sum();
         if !same_block {
-            say(&format!("the data block is not that of {}: V memory begins with its values", path.display()));
+            say(&format!(
+                "the data block is new: V memory begins with its values, not with those of {}",
+                path.display()
+            ));
         }
         for (index, (address, bytes)) in self.retentive_ranges().into_iter().enumerate() {
             let length = u32::from_be_bytes(take(&mut body)?);
@@ -261,7 +264,7 @@ impl Cpu {
         }
     }
 
-    /// A file that was not written is written again after the next change; the first failure is told.
+    /// A file that was not written is written again after the next change; the first failure is reported.
     fn note_write(&self, path: &Path, result: std::io::Result<()>) {
         let (Some(own), Err(error)) = (self.s7200(), result) else { return };
         own.retain.written.borrow_mut().clear();
@@ -282,7 +285,7 @@ fn beside(path: &Path) -> PathBuf {
 fn check_ours(path: &Path) -> Result<(), String> {
     let wrong = |what: &str| Err(format!("{} {what}; name another file in `retentive`", path.display()));
     match std::fs::metadata(path) {
-        // Nothing is there, or reading it tells what is wrong.
+        // There is no file, or reading it reports the error.
         Err(_) => return Ok(()),
         Ok(found) if !found.is_file() => return wrong("is not a file"),
         Ok(_) => {}
@@ -292,12 +295,14 @@ fn check_ours(path: &Path) -> Result<(), String> {
     // All but the version of the format.
     let magic = &MAGIC[..MAGIC.len() - 1];
     match file.take(magic.len() as u64).read_to_end(&mut head) {
-        Ok(_) if !magic.starts_with(&head) => wrong("holds something else than retentive memory and is left as it is"),
+        Ok(_) if !magic.starts_with(&head) => {
+            wrong("contains something other than retentive memory and is left as it is")
+        }
         Ok(_) | Err(_) => Ok(()),
     }
 }
 
-/// Writes a file beside `path` and puts it in its place when it is on the disk.
+/// Writes a file next to `path` and puts it in its place when it is on the disk.
 fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let new = beside(path);
     for file in [path, &new] {

@@ -64,17 +64,15 @@ impl Cpu {
 
     /// RUN begins, and the inputs have their first values: interrupts and hardware.
     pub(crate) fn s7200_start_hardware(&self) {
-        if self.s7200.is_some() {
-            self.s7200_start_interrupts();
-            self.s7200_start_counters();
-            self.s7200_start_pulses();
-            self.s7200_start_ports();
-            self.s7200_start_network();
-            self.s7200_note_ports();
-        }
+        self.s7200_start_interrupts();
+        self.s7200_start_counters();
+        self.s7200_start_pulses();
+        self.s7200_start_ports();
+        self.s7200_start_network();
+        self.s7200_note_ports();
     }
 
-    /// When anything of an S7-200 next happens by itself. The network waits for the end of the scan.
+    /// When the next event of an S7-200 is due. The network waits for the end of the scan.
     pub(crate) fn s7200_due(&self) -> u64 {
         let network = if self.s7200_is_scanning() { crate::schedule::NEVER } else { self.s7200_network_due() };
         let sources = [
@@ -87,11 +85,8 @@ impl Cpu {
         sources.into_iter().fold(network, u64::min)
     }
 
-    /// Lets happen what is due.
+    /// Handles everything that is due.
     pub(crate) fn s7200_poll(&self) {
-        if self.s7200.is_none() {
-            return;
-        }
         self.s7200_stamp_events();
         self.s7200_poll_counters();
         self.s7200_look_at_inputs();
@@ -126,7 +121,7 @@ impl Cpu {
         }
     }
 
-    /// The main program has ended: what it wrote through pointers takes effect, communication, STOP that an interrupt routine asked for.
+    /// The main program has ended: applies writes through pointers, communication, and a STOP that an interrupt routine requested.
     pub(crate) fn s7200_end_program(&self) {
         let Some(own) = self.s7200() else { return };
         own.scan.is_running.set(false);
@@ -184,7 +179,7 @@ impl Cpu {
         value & !(u32::from(mask) << shift) | u32::from(levels) << shift
     }
 
-    /// What the output module gives: pulse outputs as they are now, all else as it was written.
+    /// The value of the output module: pulse outputs at this moment, all others as written.
     pub(crate) fn module_output(&self, address: u32, bytes: u32) -> u32 {
         let value = self.driver.output(address, bytes);
         if self.is_stopped() { value } else { self.at_module(address, bytes, value) }
@@ -237,9 +232,6 @@ impl Cpu {
 
     /// STOP: outputs of the modules are 0, their image stays.
     pub(crate) fn s7200_stop_outputs(&self) {
-        if self.s7200.is_none() {
-            return;
-        }
         let (_, length) = self.area(Area::Outputs);
         self.driver.write_image(&vec![0; length as usize]);
         for address in (ANALOG_ADDRESS..ANALOG_ADDRESS + system::ANALOG_BYTES).step_by(2) {

@@ -48,11 +48,11 @@ pub(super) struct Dialer {
 
 impl Dialer {
     pub fn new(text: &str) -> Result<Dialer, String> {
-        let address = socket_address(text).ok_or_else(|| format!("`{text}` is no address"))?;
+        let address = socket_address(text).ok_or_else(|| format!("`{text}` is not an address"))?;
         Ok(Dialer { address, state: None })
     }
 
-    /// Moves on; the link when it stands. Afterwards it dials anew.
+    /// Makes progress; returns the link when it is connected. Afterwards it dials again.
     pub fn work(&mut self) -> Option<Link> {
         let now = Instant::now();
         match self.state.take() {

@@ -1,4 +1,4 @@
-//! Special memory that the CPU writes or obeys. Source: S7-200 system manual, special memory bits.
+//! Special memory that the CPU writes or applies. Source: S7-200 system manual, special memory bits.
 
 use std::cell::Cell;
 
@@ -43,10 +43,10 @@ const SAVE_CONTROL: u32 = 31;
 const SAVE_OFFSET: u32 = 32;
 const SAVE_BIT: u8 = 7;
 
-/// What the runtime remembers of bytes that have an effect.
+/// Remembered values of bytes that have an effect.
 #[derive(Default)]
 pub struct Special {
-    /// Control bytes of the ports as they were last obeyed.
+    /// Control bytes of the ports as they were last applied.
     ports: [Cell<u8>; 2],
 }
 
@@ -112,7 +112,7 @@ impl Cpu {
         }
     }
 
-    /// The ports have begun with what their control bytes hold now.
+    /// The ports have started with the current values of their control bytes.
     pub(super) fn s7200_note_ports(&self) {
         let Some(own) = self.s7200() else { return };
         for (last, control) in own.special.ports.iter().zip(PORT_CONTROLS) {
@@ -120,7 +120,7 @@ impl Cpu {
         }
     }
 
-    /// A scan ends: obeys bytes that were written through pointers or from outside.
+    /// A scan ends: applies bytes that were written through pointers or from outside.
     pub(super) fn s7200_look_at_special(&self) {
         let Some(own) = self.s7200() else { return };
         for (last, control) in own.special.ports.iter().zip(PORT_CONTROLS) {

@@ -10,7 +10,7 @@ const COMPARE_RANGE: u16 = fatal::EVENT | fatal::COMPARE_RANGE;
 /// Longest string.
 const LENGTH_MAX: u32 = 254;
 
-/// Length of the string at `address`; `None`: more than a string may have, or it does not lie in its area.
+/// Length of the string at `address`; `None`: more than a string may have, or it is not in its area.
 pub(super) fn length_at(cpu: &Cpu, address: u32) -> Option<u32> {
     if !access::inside(cpu, address, 1) {
         return None;
@@ -55,7 +55,7 @@ pub(super) fn append(cpu: &Cpu, operands: &Operands) -> u64 {
     done()
 }
 
-/// Behind the end of the string nothing is copied: the result is empty.
+/// After the end of the string nothing is copied: the result is empty.
 pub(super) fn part(cpu: &Cpu, operands: &Operands) -> u64 {
     let &Operands { a: from, b: index, c: count, d: to, .. } = operands;
     let Some(length) = length_at(cpu, from) else { return failed(cpu, operands, error::RANGE) };
@@ -83,7 +83,7 @@ pub(super) fn find_character(cpu: &Cpu, operands: &Operands) -> u64 {
     search(cpu, operands, |text, set| text.iter().position(|character| set.contains(character)))
 }
 
-/// Searches what `found` finds in the string at `a` from position `c` on; gives its position, or 0.
+/// Searches what `found` finds in the string at `a` from position `c` on; returns its position, or 0.
 fn search(cpu: &Cpu, operands: &Operands, found: impl Fn(&[u8], &[u8]) -> Option<usize>) -> u64 {
     let &Operands { a: text, b: pattern, c: start, .. } = operands;
     let (Some(length), Some(pattern_length)) = (length_at(cpu, text), length_at(cpu, pattern)) else {

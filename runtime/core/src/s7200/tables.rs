@@ -10,7 +10,7 @@ use crate::cpu::Cpu;
 /// Entries that a table may have.
 const ENTRIES_MAX: u32 = 100;
 
-/// The count of entries of the table whose count word lies at `count_word`; `None`: the table does not lie in its area.
+/// The count of entries of the table whose count word is at `count_word`; `None`: the table is not in its area.
 fn entries(cpu: &Cpu, count_word: u32) -> Option<u32> {
     if !access::inside(cpu, count_word, 2) {
         return None;
@@ -19,7 +19,7 @@ fn entries(cpu: &Cpu, count_word: u32) -> Option<u32> {
     (count <= ENTRIES_MAX && access::inside(cpu, count_word, 2 + 2 * count)).then_some(count)
 }
 
-/// A table that is full sets SM1.4 and stays as it is.
+/// A full table sets SM1.4 and does not change.
 pub(super) fn add(cpu: &Cpu, operands: &Operands) -> u64 {
     let &Operands { a: entry, b: table, .. } = operands;
     if !access::inside(cpu, table, 4) {

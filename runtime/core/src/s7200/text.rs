@@ -5,12 +5,12 @@ use plcc_abi::s7200::error;
 use super::{Operands, access, done, failed, failed_quietly, set_special, sm1, strings, value};
 use crate::cpu::Cpu;
 
-/// Most digits behind the separator.
+/// Most digits after the separator.
 const DECIMALS_MAX: u32 = 5;
 /// Characters of an INT and of a DINT.
 const INT_LENGTH: u32 = 8;
 const DINT_LENGTH: u32 = 12;
-/// Digits of a REAL that are shown; the ones behind are 0.
+/// Digits of a REAL that are shown; the later ones are 0.
 const SIGNIFICANT_DIGITS: u32 = 7;
 
 /// How a number is written.
@@ -21,14 +21,14 @@ struct Format {
 }
 
 impl Format {
-    /// Bits 0 to 2: digits behind the separator; bit 3: comma. `None`: too many digits.
+    /// Bits 0 to 2: digits after the separator; bit 3: comma. `None`: too many digits.
     fn of(bits: u32) -> Option<Format> {
         let (decimals, separator) = (bits & 7, if bits & 8 != 0 { b',' } else { b'.' });
         (decimals <= DECIMALS_MAX).then_some(Format { decimals, separator })
     }
 }
 
-/// A number as it is written: `magnitude` / 10^decimals.
+/// A number in the text: `magnitude` / 10^decimals.
 struct Scaled {
     negative: bool,
     magnitude: u128,
@@ -136,7 +136,7 @@ fn scaled(number: f32, decimals: u32) -> Option<Scaled> {
     Some(Scaled { negative: number < 0.0, magnitude: rounded * unit })
 }
 
-/// Stops at the first character that is no digit 0-9, A-F: SM1.7. What stands before it is converted.
+/// Stops at the first character that is not a digit 0-9, A-F: SM1.7. The characters before it are converted.
 pub(super) fn ascii_to_hex(cpu: &Cpu, operands: &Operands) -> u64 {
     let (from, to, count) = (operands.a, operands.b, operands.c & 0xFF);
     if !access::inside(cpu, from, count) || !access::inside(cpu, to, count.div_ceil(2)) {
@@ -192,7 +192,7 @@ pub(super) fn string_to_real(cpu: &Cpu, operands: &Operands) -> u64 {
     read_text(cpu, operands, |text| Some(real(text)).filter(|number| number.is_finite()).map(f32::to_bits))
 }
 
-/// Gives what `read` makes of the string at `a` from position `b` on; `None` is out of range: SM1.1.
+/// Returns what `read` makes of the string at `a` from position `b` on; `None` is out of range: SM1.1.
 fn read_text(cpu: &Cpu, operands: &Operands, read: impl FnOnce(&[u8]) -> Option<u32>) -> u64 {
     let &Operands { a: string, b: index, .. } = operands;
     let Some(length) = strings::length_at(cpu, string) else { return failed(cpu, operands, error::RANGE) };

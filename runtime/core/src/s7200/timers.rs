@@ -1,6 +1,6 @@
 //! Timers of an S7-200: TON, TONR, TOF with the update rules of 1, 10 and 100 ms. Source: S7-200 system manual, timer instructions.
 //!
-//! Value, bit and last input of a timer lie in the system area. They tell whether it runs: TON and TONR while their input is on, TOF while
+//! Value, bit and last input of a timer are in the system area. They show whether it runs: TON and TONR while their input is on, TOF while
 //! its input is off and its bit still on. So whoever clears the three (R) has stopped the timer.
 //!
 //! | Resolution | Counts |
@@ -37,7 +37,7 @@ fn is_retentive(number: u32) -> bool {
     u8::try_from(number).is_ok_and(is_retentive_timer)
 }
 
-/// What a box of 1 or 10 ms told when it was last executed.
+/// Input and preset of a box of 1 or 10 ms when it was last executed.
 #[derive(Default)]
 struct LastBox {
     /// `None`: not executed since RUN began.
@@ -47,7 +47,7 @@ struct LastBox {
     synced: Cell<u64>,
 }
 
-/// What the runtime keeps of timers beside the system area.
+/// State of timers outside the system area.
 pub struct Timers {
     /// By number, as far as the numbers of 1 and 10 ms go.
     boxes: Vec<LastBox>,
@@ -119,7 +119,7 @@ impl Timer<'_> {
                 old < preset && new >= preset
             }
             TimerKind::Tof if new >= preset => {
-                // It stands at its preset.
+                // It is at its preset.
                 self.set_value(old.max(preset));
                 self.set_bit(false);
                 true

@@ -1,4 +1,4 @@
-//! What a scenario puts on the serial ports of an S7-200, and what it expects there.
+//! Characters that a scenario sends to the serial ports of an S7-200 and expects from them.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ pub struct Received {
     pub line_break: bool,
 }
 
-/// What a port has sent since the last entry that asked.
+/// Characters that a port has sent since the last entry that compared them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sent {
     pub port: u8,
@@ -28,7 +28,7 @@ pub struct Sent {
 
 /// An error with the offset of its place.
 type Wrong = (usize, String);
-/// A table of ports as it stands in the file.
+/// A table of ports as it is in the file.
 pub(super) type PortsText = BTreeMap<Spanned<String>, Spanned<toml::Value>>;
 
 pub(super) fn received(table: &PortsText, image: &ProgramImage) -> Result<Vec<Received>, Wrong> {
@@ -71,7 +71,7 @@ fn port(name: &Spanned<String>, image: &ProgramImage) -> Result<u8, Wrong> {
     match name.get_ref().to_ascii_lowercase().as_str() {
         "port0" => Ok(0),
         "port1" => Ok(1),
-        _ => wrong(format!("`{}` is no port; they are `port0` and `port1`", name.get_ref())),
+        _ => wrong(format!("`{}` is not a port; the ports are `port0` and `port1`", name.get_ref())),
     }
 }
 
@@ -79,17 +79,17 @@ fn port(name: &Spanned<String>, image: &ProgramImage) -> Result<u8, Wrong> {
 fn bytes(value: &toml::Value) -> Result<Vec<u8>, String> {
     match value {
         toml::Value::String(text) => {
-            let byte = |c: char| u8::try_from(c).map_err(|_| format!("`{c}` is no byte"));
+            let byte = |c: char| u8::try_from(c).map_err(|_| format!("`{c}` is not a byte"));
             text.chars().map(byte).collect()
         }
         toml::Value::Array(list) => {
             let byte = |item: &toml::Value| {
                 let byte = item.as_integer().and_then(|number| u8::try_from(number).ok());
-                byte.ok_or_else(|| format!("`{item}` is no byte from 0 to 255"))
+                byte.ok_or_else(|| format!("`{item}` is not a byte from 0 to 255"))
             };
             list.iter().map(byte).collect()
         }
-        _ => Err("characters are a text or a list of bytes".to_string()),
+        _ => Err("write the characters as a text or a list of bytes".to_string()),
     }
 }
 
@@ -164,10 +164,10 @@ mod tests {
         let message = |text: &str| parse(&format!("[[at]]\ncycle = 1\n{text}\n")).unwrap_err();
         assert_eq!(
             message("receive = { port2 = \"a\" }"),
-            "s.toml:3: `port2` is no port; they are `port0` and `port1`"
+            "s.toml:3: `port2` is not a port; the ports are `port0` and `port1`"
         );
-        assert_eq!(message("receive = { port0 = [256] }"), "s.toml:3: `256` is no byte from 0 to 255");
-        assert_eq!(message("receive = { port0 = \"\u{20AC}\" }"), "s.toml:3: `\u{20AC}` is no byte");
+        assert_eq!(message("receive = { port0 = [256] }"), "s.toml:3: `256` is not a byte from 0 to 255");
+        assert_eq!(message("receive = { port0 = \"\u{20AC}\" }"), "s.toml:3: `\u{20AC}` is not a byte");
         assert!(message("receive = { port0 = { text = \"a\" } }").starts_with("s.toml:3: `text`: write `bytes`"));
         assert!(message("expect-sent = { port0 = true }").ends_with("a text or a list of bytes"));
         let other = Scenario::parse("s.toml", "[[at]]\ncycle = 1\nreceive = { port0 = \"a\" }", &image(&[]));

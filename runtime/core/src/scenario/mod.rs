@@ -1,4 +1,4 @@
-//! Scenarios: what happens to a program from outside, and what is expected of it. TOML, see docs/testing.md.
+//! Scenarios: the inputs of a program over time, and its expected results. TOML, see docs/testing.md.
 
 mod line;
 mod player;
@@ -66,7 +66,7 @@ pub struct At {
     pub event: Option<Event>,
     /// Characters that arrive at serial ports.
     pub receive: Vec<Received>,
-    /// What serial ports have sent.
+    /// Characters that serial ports have sent.
     pub sent: Vec<Sent>,
     pub pulses: Vec<Pulses>,
     pub expect: Vec<Setting>,
@@ -95,7 +95,7 @@ impl Scenario {
         read::parse(file, text, image)
     }
 
-    /// The last cycle that an entry names, with cycles so many nanoseconds apart; `None` without entries.
+    /// The last cycle that an entry names, for this many nanoseconds per cycle; `None` without entries.
     pub fn last_cycle(&self, cycle_time: u64) -> Option<u64> {
         let cycle = |at: &At| match at.when {
             When::Cycle(cycle) => cycle,
@@ -142,7 +142,7 @@ mod tests {
         assert!(
             message("[[at]]\ncycle = 1\n\nset = { \"I0.0\" = 2 }\n").starts_with("s.toml:4: I0.0: `2` does not fit")
         );
-        assert!(message("[[at]]\ncycle = 1\nevent = \"OB1\"\n").starts_with("s.toml:3: `OB1` is no OB"));
+        assert!(message("[[at]]\ncycle = 1\nevent = \"OB1\"\n").starts_with("s.toml:3: `OB1` is not an OB"));
         assert!(message("[[at]]\ncycle = 1\nevent = { ob = \"OB40\", x = 1 }\n").contains("no field `x`"));
         assert!(message("[[at]]\ntime = \"soon\"\n").starts_with("s.toml:2: `soon` is not a time"));
         assert!(message("[[at]\n").starts_with("s.toml:1: "));

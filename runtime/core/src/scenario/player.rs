@@ -106,7 +106,7 @@ impl Player {
         })
     }
 
-    /// Writes what `print` asks for to `out`.
+    /// Writes the values of `print` to `out`.
     pub fn print_to(mut self, out: Box<dyn Write>, json: bool) -> Player {
         self.out = Some(out);
         self.json = json;
@@ -123,7 +123,7 @@ impl Player {
         self.expectations_met
     }
 
-    /// What failed, with the expectations of entries that never happened. Call it at the end.
+    /// All failures, and the expectations of entries that were not reached. Call it at the end.
     pub fn failures(&self) -> Vec<AssertFailure> {
         let mut failures = self.failures.clone();
         for (at, _) in self.scenario.entries.iter().zip(&self.happened).filter(|(_, happened)| !**happened) {
@@ -165,7 +165,7 @@ impl Player {
 
 fn holds(setting: &Setting, actual: Value) -> bool {
     match (setting.value, actual) {
-        // A number is what its REAL is.
+        // A number has the value of its REAL.
         (Value::Number(wanted), Value::Number(actual)) => {
             let rounding = if setting.signal.source.is_exact() { 0.0 } else { wanted.abs() * f64::from(f32::EPSILON) };
             (actual - wanted).abs() <= setting.tolerance + rounding
@@ -176,7 +176,7 @@ fn holds(setting: &Setting, actual: Value) -> bool {
 
 impl Observer for Player {
     fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
-        // What came until now counts by the levels before it.
+        // Pulses until now count with the earlier levels.
         cpu.s7200_poll_counters();
         self.step_plant(cpu, cycle, time);
         self.current = self.agenda.take(cycle, time);

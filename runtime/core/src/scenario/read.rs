@@ -115,7 +115,9 @@ impl Reader<'_> {
             let found = self.plant.and_then(|plant| plant.find_settable(name));
             match found.filter(|_| value.get_ref().is_finite()) {
                 Some(index) => Ok((index, *value.get_ref())),
-                None => self.error(value.span().start, &format!("`{name}` is no parameter and no state of the plant")),
+                None => {
+                    self.error(value.span().start, &format!("`{name}` is neither a parameter nor a state of the plant"))
+                }
             }
         });
         Ok(At {
@@ -198,7 +200,7 @@ impl Reader<'_> {
             None => PulsesAt::Counter(self.fast_counter(name, text)?),
         };
         if !(text.frequency > 0.0 && text.frequency <= FREQUENCY_MAX) {
-            let message = format!("{} is no frequency up to 1000000 Hz", text.frequency);
+            let message = format!("{} is not a frequency up to 1000000 Hz", text.frequency);
             return self.error(name.span().start, &message);
         }
         if matches!(at, PulsesAt::S7200(PulseInput::Input(_))) && text.backward {
@@ -240,7 +242,7 @@ impl Reader<'_> {
         };
         let mode = counters.get(counter).map(|counter| counter.mode);
         if text.backward && !mode.is_some_and(CountMode::is_external) {
-            return self.error(name.span().start, "the inputs of this fast counter give no direction");
+            return self.error(name.span().start, "the inputs of this fast counter have no direction");
         }
         Ok(counter)
     }
@@ -255,7 +257,7 @@ impl Reader<'_> {
     }
 }
 
-/// What the TOML reader expected, without the names of its types.
+/// The expectation of the TOML reader, without the names of its types.
 fn in_words(message: &str) -> String {
     [
         ("expected u64", "expected a whole number, 0 or more"),
@@ -276,7 +278,7 @@ fn scalar_text(value: &toml::Value) -> Result<String, String> {
         toml::Value::String(text) => Ok(text.clone()),
         toml::Value::Float(number) => Ok(format!("{number:?}")),
         toml::Value::Datetime(_) | toml::Value::Array(_) | toml::Value::Table(_) => {
-            Err("a value is a number, true, false, or a text as \"16#00FF\"".to_string())
+            Err("a value is a number, true, false, or a text such as \"16#00FF\"".to_string())
         }
     }
 }
@@ -287,7 +289,7 @@ fn parse_event(event: &toml::Value, image: &ProgramImage) -> Result<Event, Strin
         let digits = name.trim().to_ascii_uppercase();
         let number = digits.strip_prefix("OB").map(str::trim).and_then(|digits| digits.parse().ok());
         number.and_then(|ob| events::usual(ob, image.config.class_of(ob))).ok_or_else(|| {
-            format!("`{name}` is no OB that an event starts; those are OB 10-17, 20-23, 30-38, 40-47, 55-57, 80-88 and interrupts from OB 123 on")
+            format!("`{name}` is not an OB that an event starts; those are OB 10-17, 20-23, 30-38, 40-47, 55-57, 80-88 and interrupts from OB 123 on")
         })
     };
     match event {
@@ -313,6 +315,6 @@ fn parse_event(event: &toml::Value, image: &ProgramImage) -> Result<Event, Strin
         | toml::Value::Float(_)
         | toml::Value::Boolean(_)
         | toml::Value::Datetime(_)
-        | toml::Value::Array(_) => Err("an event is a text as \"OB40\" or a table with `ob`".to_string()),
+        | toml::Value::Array(_) => Err("an event is a text such as \"OB40\", or a table with `ob`".to_string()),
     }
 }

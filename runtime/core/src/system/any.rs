@@ -36,7 +36,7 @@ pub(super) const WIDE_STRING: u8 = 0x14;
 /// Type code of WCHAR, in a VARIANT.
 pub(super) const WIDE_CHARACTER: u8 = 0x2C;
 
-/// Bytes of an element by type code; 0 for BOOL, `None` for what is no data.
+/// Bytes of an element by type code; 0 for BOOL, `None` if it is not data.
 fn element_bytes(code: u8) -> Option<u32> {
     Some(match code {
         0x01 => 0,
@@ -60,7 +60,7 @@ fn is_read_only(cpu: &Cpu, number: u16) -> bool {
     cpu.image.dbs.iter().any(|db| db.number == number && db.read_only)
 }
 
-/// Decodes parameter `index`. A range that is only partly there is no error here: the callers differ in what they say.
+/// Decodes parameter `index`. A range that exists only in part is not an error here: the callers report different errors.
 /// `Err`: RET_VAL. `Ok(None)`: a NIL pointer or a length of 0.
 pub(super) fn decode(call: &Call, index: usize, access: Access) -> Result<Option<Range>, u16> {
     let bytes = call.any_bytes(index);
@@ -105,7 +105,7 @@ pub(super) fn decode(call: &Call, index: usize, access: Access) -> Result<Option
         }
         area::L => (call.lbase, memory.host32(state::L_END).saturating_sub(call.lbase)),
         area::V => {
-            // Below the caller's frame lies what the caller was given itself: addresses wrap inside the L stack.
+            // Below the caller's frame are the caller's own parameters: addresses wrap inside the L stack.
             let stack = call.lbase & !(layout::L_CLASS_BYTES - 1);
             let start = stack | (call.lbase + byte) & (layout::L_CLASS_BYTES - 1);
             let existing = memory.host32(state::L_END).saturating_sub(start).min(bytes);

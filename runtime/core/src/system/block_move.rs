@@ -69,7 +69,7 @@ fn ranges(call: &Call) -> Result<Option<(Range, Range)>, u16> {
     Ok(source.zip(destination))
 }
 
-/// A STRING gives its characters only.
+/// Of a STRING only the characters count.
 fn string_characters(cpu: &Cpu, range: Range) -> Range {
     if range.type_code != any::STRING || range.existing < 2 {
         return range;

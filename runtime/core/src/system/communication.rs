@@ -1,4 +1,4 @@
-//! Open user communication: what TCON, TSEND_C, … leave to the runtime. RET_VAL is a STATUS.
+//! Open user communication: the runtime part of TCON, TSEND_C, …. RET_VAL is a STATUS.
 //!
 //! Source: S7-1200 reference, TSEND_C and TRCV_C, tables of STATUS.
 
@@ -9,7 +9,7 @@ use super::parameters::Call;
 use super::{OK, Outcome, error};
 use crate::communication::{Description, IP_V4_BYTES, JOB_BYTES_MAX, PARAM_BYTES, Protocol, Receive, status};
 
-/// Sending or receiving goes on.
+/// Sending or receiving is in progress.
 const RUNNING: u16 = 0x7002;
 const LENGTH: u16 = 0x8085;
 const ID: u16 = 0x8086;

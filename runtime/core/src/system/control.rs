@@ -23,7 +23,7 @@ pub(super) fn re_trigr(call: &Call) -> Outcome {
     Outcome::Plain
 }
 
-/// In OB 121 or OB 122: the value that the faulty read gives. 8080 elsewhere, 8081 after a write.
+/// In OB 121 or OB 122: the value of the faulty read. 8080 elsewhere, 8081 after a write.
 pub(super) fn repl_val(call: &Call) -> Outcome {
     match call.cpu.running.replaceable.get() {
         Some(true) => {
@@ -62,7 +62,7 @@ pub(super) fn snc_rtcb(_call: &Call) -> Outcome {
 }
 
 /// SEND, EVENTN, INFO1, INFO2: an entry in the diagnostic buffer, of a class 8 to B. 8083 INFO1 and 8084 INFO2 cannot be read, 8085
-/// EVENTN, 8086 and 8087 INFO1 is no word, INFO2 no double word; 0091 nobody is there to whom it could be sent.
+/// EVENTN, 8086 and 8087 INFO1 is not a word, INFO2 is not a double word; 0091 there is no receiver.
 pub(super) fn wr_usmsg(call: &Call) -> Outcome {
     let send = call.byte(0) & 1 != 0;
     let event = call.word(1);

@@ -1,6 +1,6 @@
 //! SFC 22 CREAT_DB, SFC 23 DEL_DB, SFC 24 TEST_DB.
 //!
-//! DBs made at run time lie in the pool behind the DBs of the program. The list of them is sorted by address; a new one
+//! DBs made at run time are in the pool after the DBs of the program. The list of them is sorted by address; a new one
 //! goes into the first gap that is large enough.
 
 use plcc_abi::layout::{self, DB_ALIGN};

@@ -10,7 +10,7 @@ const NS_PER_MS: i64 = 1_000_000;
 const MS_PER_DAY: i64 = 86_400_000;
 /// Seconds from 1970 to 1990-01-01, where DATE begins.
 const FIRST_S: i64 = 631_152_000;
-/// Seconds from 1970 to 2090-01-01, behind the last DATE_AND_TIME.
+/// Seconds from 1970 to 2090-01-01, after the last DATE_AND_TIME.
 const END_S: i64 = 3_786_912_000;
 /// RET_VAL: the result was limited to the range of its type.
 const LIMITED: u16 = 0x8001;

@@ -14,7 +14,7 @@ const MS_PER_DAY: i64 = 86_400_000;
 const FIRST_DAY: i64 = 7305;
 const YEARS: std::ops::RangeInclusive<u16> = 1970..=2261;
 
-/// The moment of a DTL; `Err`: the code of what is wrong, by WR_SYS_T. The weekday does not count.
+/// The moment of a DTL; `Err`: the error code of WR_SYS_T. The weekday does not count.
 fn decode(bytes: [u8; 12]) -> Result<i64, u16> {
     let [year_high, year_low, month, day, _, hour, minute, second, ns @ ..] = bytes;
     let (year, ns) = (u16::from_be_bytes([year_high, year_low]), u32::from_be_bytes(ns));
@@ -67,7 +67,7 @@ pub(super) fn set_clock_local(call: &Call) -> Outcome {
     if call.byte(1) & 1 != 0 { error(0x8080) } else { set_clock(call) }
 }
 
-/// Gives a DTL; one that is none is 1970-01-01 with an error.
+/// Reads a DTL. An invalid one yields 1970-01-01 with an error.
 fn give(call: &Call, index: usize, moment: Option<i64>) -> Outcome {
     call.set_dtl(index, encode(moment.unwrap_or(0)));
     Outcome::Flag(moment.is_some())
@@ -79,7 +79,7 @@ pub(super) fn combine(call: &Call) -> Outcome {
     give(call, 2, Some(ms * NS_PER_MS))
 }
 
-/// DTL -> DATE, TIME_OF_DAY, of which one is wanted.
+/// DTL -> DATE or TIME_OF_DAY.
 fn split(call: &Call) -> Option<(u16, u32)> {
     let moment = decode(call.dtl(0)).ok()?;
     let (days, ms) = ((moment / NS_PER_MS).div_euclid(MS_PER_DAY), (moment / NS_PER_MS).rem_euclid(MS_PER_DAY));

@@ -9,7 +9,7 @@ use super::any::{self, Access, Range};
 use super::parameters::Call;
 use super::{OK, Outcome, error};
 
-/// RET_VAL: a character is no hexadecimal digit. ENO is 0, though it is no error code.
+/// RET_VAL: a character is not a hexadecimal digit. ENO is 0, though it is not an error code.
 const NO_DIGIT: u16 = 0x0007;
 /// Codes of IN; those of OUT are higher by [`OF_OUTPUT`].
 const NO_ACCESS: u16 = 0x8101;
@@ -33,7 +33,7 @@ struct Row {
 }
 
 impl Row {
-    /// What parameter `index` points at; to read it, a text ends with its actual length, and to write it with its longest.
+    /// The variable that parameter `index` points to; to read it, a text ends with its actual length, and to write it with its longest.
     fn of(call: &Call, index: usize, access: Access) -> Result<Row, u16> {
         let codes = if access == Access::Read { 0 } else { OF_OUTPUT };
         let range = any::decode(call, index, access).ok().flatten().ok_or(NO_ACCESS + codes)?;
@@ -110,7 +110,7 @@ pub(super) fn from_text(call: &Call) -> Outcome {
 
 /// IN, N -> RET_VAL, OUT: N bytes to two upper-case characters each.
 pub(super) fn to_text(call: &Call) -> Outcome {
-    // Characters of a WSTRING are bytes of their own, its codes up to 255.
+    // Each character of a WSTRING is one byte: codes up to 255.
     let (from, count, to) = match sides(call, |count| 2 * count) {
         Ok(sides) => sides,
         Err(code) => return error(code),

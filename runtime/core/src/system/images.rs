@@ -7,7 +7,7 @@ use super::{OK, Outcome, error};
 
 const FLADDR: usize = 2;
 
-/// PART -> RET_VAL, FLADDR. 8090 no such partial image.
+/// PART -> RET_VAL, FLADDR. 8090 unknown partial image.
 pub(super) fn update_inputs(call: &Call) -> Outcome {
     call.set_word(FLADDR, 0);
     if call.byte(0) != 0 {
@@ -17,7 +17,7 @@ pub(super) fn update_inputs(call: &Call) -> Outcome {
     OK
 }
 
-/// PART -> RET_VAL, FLADDR. 8090 no such partial image.
+/// PART -> RET_VAL, FLADDR. 8090 unknown partial image.
 pub(super) fn update_outputs(call: &Call) -> Outcome {
     call.set_word(FLADDR, 0);
     if call.byte(0) != 0 {

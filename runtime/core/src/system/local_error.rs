@@ -1,5 +1,5 @@
 //! Synchronous errors of a block that contains GET_ERROR or GET_ERR_ID: the block handles them itself. The first since its start, or
-//! since the last such instruction, is kept in its local data as an ErrorStruct.
+//! since the last of these instructions, is kept in its local data as an ErrorStruct.
 //!
 //! Source: LAD/FBD reference for S7-1200, GET_ERROR and GET_ERR_ID.
 
@@ -16,7 +16,7 @@ use crate::diagnostics;
 const PROGRAMMING: u16 = 0x2500;
 const ACCESS: u16 = 0x2900;
 
-/// What a block did with its error: REACTION.
+/// The reaction of a block to its error: REACTION.
 const IGNORED: u8 = 0;
 const SUBSTITUTED: u8 = 1;
 const SKIPPED: u8 = 2;

@@ -55,7 +55,7 @@ pub(super) fn dmsk_flt(call: &Call) -> Outcome {
     outcome(missing)
 }
 
-/// Gives the masked errors that occurred, and forgets them. 0001: one of them is not masked.
+/// Returns the masked errors that occurred, and forgets them. 0001: one of them is not masked.
 pub(super) fn read_err(call: &Call) -> Outcome {
     let (given, mut masks) = (given(call), call.cpu.running.masks.get());
     let missing = (0..2).any(|kind| given[kind] & !masks.masked[kind] != 0);

@@ -1,6 +1,6 @@
 //! Run-time meters: SFC 2 SET_RTM, SFC 3 CTRL_RTM, SFC 4 READ_RTM. They count full hours, 0 to 32767.
 //!
-//! Source: System and standard functions, SFC 2 to 4. Assumption: eight meters, as most CPUs have; the data sheet tells.
+//! Source: System and standard functions, SFC 2 to 4. Assumption: eight meters, as on most CPUs; see the data sheet.
 
 use std::cell::Cell;
 
@@ -33,7 +33,7 @@ fn meter<'a>(call: &'a Call) -> Option<&'a Meter> {
     call.cpu.meters.get(usize::from(call.byte(0)))
 }
 
-/// NR, PV: sets the hours; one that runs goes on from there. 8080 number, 8081 negative.
+/// NR, PV: sets the hours; a running one continues from there. 8080 number, 8081 negative.
 pub(super) fn set(call: &Call) -> Outcome {
     let Some(meter) = meter(call) else { return error(0x8080) };
     let Ok(hours) = u64::try_from(call.word(1) as i16) else { return error(0x8081) };

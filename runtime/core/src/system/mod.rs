@@ -2,7 +2,7 @@
 //!
 //! One table: number, name, parameters in the order of declaration, function. A call finds the parameters in memory as a
 //! structure by the layout rules of a STRUCT in the order IN, OUT with RET_VAL first, IN_OUT; so the offsets follow from
-//! the row. RET_VAL with bit 15 set is an error and gives BR 0.
+//! the row. RET_VAL with bit 15 set is an error and sets BR to 0.
 //!
 //! Source: System and standard functions, parameter tables.
 
@@ -161,7 +161,7 @@ system_functions! {
     1404 SET_CINT (Word, Dword, Dword)      -> (Word)            = technology::set_cint;
     1405 QRY_CINT (Word)                    -> (Word, Dword, Dword, Word) = technology::qry_cint;
     1406 RUNTIME ()                         -> (Lword, Lword)    = technology::runtime;
-    // What blocks of the library do not do themselves.
+    // Parts of library blocks that the runtime does.
     2000 TEXT_JOIN (Any, Word, Word, Any, Word, Word, Any, Word, Word) -> (Word, Any) = text::join;
     2001 TEXT_COMPARE (Any, Any)          -> (Word)            = text::compare;
     2002 TEXT_FIND (Any, Any)             -> (Word)            = text::find;

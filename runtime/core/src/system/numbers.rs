@@ -22,7 +22,7 @@ fn integer(bits: u64, form: u16) -> i128 {
     if form & UNSIGNED != 0 { i128::from(bits) } else { i128::from(bits as i64) }
 }
 
-/// IN LINT, FORM -> RET_VAL, OUT STRING. One that is too short stays as it is.
+/// IN LINT, FORM -> RET_VAL, OUT STRING. A string that is too short does not change.
 pub(super) fn of_integer(call: &Call) -> Outcome {
     let form = call.word(1);
     decimal(call, 3, integer(call.lword(0), form), form)
@@ -78,7 +78,7 @@ fn mantissa_and_exponent(value: f64, digits: usize) -> (Buffer<24>, i32) {
     (buffer, exponent.parse().unwrap_or(0))
 }
 
-/// IN REAL -> RET_VAL, OUT STRING: fixed point, as short as gives the same REAL again. `INF` and `NaN` are errors.
+/// IN REAL -> RET_VAL, OUT STRING: fixed point, the shortest text for the same REAL. `INF` and `NaN` are errors.
 pub(super) fn fixed_of_real(call: &Call) -> Outcome {
     let value = f32::from_bits(call.dword(0));
     let mut buffer: Buffer<64> = Buffer::new();
@@ -98,7 +98,7 @@ fn write_special<const N: usize>(buffer: &mut Buffer<N>, value: f64) -> std::fmt
     buffer.write_str(if value.is_nan() { "NaN" } else { "INF" })
 }
 
-/// What is no number is an error, although a text is given.
+/// NaN and infinity are errors, although they also produce a text.
 fn finish_special(outcome: Outcome, finite: bool) -> Outcome {
     if outcome == OK && !finite { error(INVALID) } else { outcome }
 }
@@ -254,7 +254,7 @@ pub(super) fn float_of(call: &Call) -> Outcome {
     if length == 0 { error(INVALID) } else { OK }
 }
 
-/// IN STRING, FORMAT WORD, P INT -> RET_VAL, OUT REAL, NEXT INT. What is too small for a normal number is 0.
+/// IN STRING, FORMAT WORD, P INT -> RET_VAL, OUT REAL, NEXT INT. A value too small for a normal number becomes 0.
 pub(super) fn real_of(call: &Call) -> Outcome {
     const OUT: usize = 4;
     let value = scanned(call)
@@ -266,7 +266,7 @@ pub(super) fn real_of(call: &Call) -> Outcome {
     if length == 0 { error(INVALID) } else { OK }
 }
 
-/// The parameters of VAL_STRG behind its number.
+/// The parameters of VAL_STRG after its number.
 struct Field {
     size: usize,
     precision: usize,

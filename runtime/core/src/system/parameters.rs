@@ -9,7 +9,7 @@ use crate::cpu::Cpu;
 pub(super) enum Kind {
     /// One bit, the first of its byte.
     Bool,
-    /// A BOOL behind a BOOL: the next bit of the same byte.
+    /// A BOOL after a BOOL: the next bit of the same byte.
     NextBool,
     Byte,
     /// INT, WORD.
@@ -104,7 +104,7 @@ impl Call<'_> {
         self.cpu.memory.bytes(self.at(index))
     }
 
-    /// What a VARIANT says after its ANY: number of elements, 0 of what is no array; number of the type, 0 if it is not known.
+    /// The part of a VARIANT after its ANY: number of elements, 0 if it is not an array; number of the type, 0 if it is not known.
     pub fn pointed(&self, index: usize) -> (u32, u32) {
         let at = self.at(index) + Kind::Any.bytes();
         (self.cpu.memory.dword(at), self.cpu.memory.dword(at + 4))

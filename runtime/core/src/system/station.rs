@@ -55,7 +55,7 @@ fn in_slot(cpu: &Cpu, rack: u16, slot: u16) -> Result<(u8, u32, u32), ()> {
     sides.next().map(|(ioid, (start, length))| (ioid, start, length)).ok_or(())
 }
 
-/// Slot to address. 8094 subnet, 8095 rack, 8096 slot, 8097 subslot, 8098 offset, 8099 no module, 809A no such byte.
+/// Slot to address. 8094 subnet, 8095 rack, 8096 slot, 8097 subslot, 8098 offset, 8099 no module, 809A unknown byte.
 pub(super) fn gadr_lgc(call: &Call) -> Outcome {
     let (subnet, rack, slot, subslot, offset) = (call.byte(0), call.word(1), call.word(2), call.byte(3), call.word(4));
     match (subnet, rack, slot, subslot) {

@@ -1,4 +1,4 @@
-//! SFC 51 RDSYSST: the system status list (SZL), as far as the runtime knows what it tells.
+//! SFC 51 RDSYSST: the system status list (SZL), as far as the runtime has its content.
 //!
 //! Source: System and standard functions, SFC 51 and system status lists.
 
@@ -15,7 +15,7 @@ struct List {
     records: Vec<Vec<u8>>,
 }
 
-/// What can be read: SZL-ID, and the function that gives its records for an index. `Err`: 8083.
+/// The readable lists: SZL-ID, and the function that returns its records for an index. `Err`: 8083.
 type Reader = fn(&Cpu, u16) -> Result<List, u16>;
 
 const WRONG_INDEX: u16 = 0x8083;

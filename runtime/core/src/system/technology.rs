@@ -1,4 +1,4 @@
-//! Hardware interrupts ATTACH, DETACH; cyclic interrupts SET_CINT, QRY_CINT; what CTRL_HSC and CTRL_PWM cannot do themselves; RUNTIME.
+//! Hardware interrupts ATTACH, DETACH; cyclic interrupts SET_CINT, QRY_CINT; the runtime part of CTRL_HSC and CTRL_PWM; RUNTIME.
 //!
 //! Source: LAD/FBD reference for S7-1200, interrupts, pulses, fast counters.
 
@@ -108,7 +108,7 @@ const CV: u8 = 2;
 const RV: u8 = 4;
 const PERIOD: u8 = 8;
 
-/// HSC, REQUEST, NEW_DIR, NEW_CV, NEW_RV, NEW_PERIOD: what CTRL_HSC asks of a counter.
+/// HSC, REQUEST, NEW_DIR, NEW_CV, NEW_RV, NEW_PERIOD: the requests of CTRL_HSC to a counter.
 pub(super) fn hsc_control(call: &Call) -> Outcome {
     let number = call.word(0).wrapping_sub(HSC_ID);
     if !(1..=6).contains(&number) {
@@ -132,7 +132,7 @@ pub(super) fn hsc_control(call: &Call) -> Outcome {
     if request & PERIOD != 0 && (!matches!(period, 10 | 100 | 1000) || counter.config.mode != CountMode::Frequency) {
         return error(0x80B4);
     }
-    // What was reached until now counts with the old reference.
+    // Earlier events count with the old reference.
     call.cpu.poll_counters();
     if request & DIR != 0 {
         counter.set_down(now, direction == -1);

@@ -1,7 +1,7 @@
-//! STRING values behind ANY parameters, and the functions of the library that work on their characters.
+//! STRING values after ANY parameters, and the functions of the library that work on their characters.
 //!
 //! A STRING begins with its maximum and its actual length. It is not valid if the maximum is 0 or 255 or less than the
-//! actual length: so are variables of TEMP that nobody wrote.
+//! actual length: this includes TEMP variables that were never written.
 //! Source: STL reference, composite encodings; string functions FC 2 to FC 32.
 //!
 //! RET_VAL of these functions: 0, [`CUT`] or [`INVALID`].
@@ -12,13 +12,13 @@ use super::{OK, Outcome, error};
 
 /// The result was longer than its STRING can hold.
 pub(super) const CUT: u16 = 0x8001;
-/// A STRING is not valid, or a text has not the form that is wanted.
+/// A STRING is not valid, or a text does not have the required form.
 pub(super) const INVALID: u16 = 0x8002;
 
 /// Characters of the longest STRING.
 pub(super) const LONGEST: usize = 254;
 
-/// Where a valid STRING lies.
+/// The position of a valid STRING.
 #[derive(Clone, Copy)]
 pub(super) struct Text {
     offset: u32,
@@ -75,7 +75,7 @@ impl<const N: usize> Buffer<N> {
         Buffer { characters: [0; N], length: 0 }
     }
 
-    /// Adds a character; what is beyond the capacity is dropped.
+    /// Adds a character; a character beyond the capacity is dropped.
     pub fn push(&mut self, character: u8) {
         if self.length < N {
             self.characters[self.length] = character;
@@ -139,7 +139,7 @@ pub(super) fn give_whole(call: &Call, index: usize, characters: &[u8]) -> Outcom
 }
 
 /// IN1, P1, L1, IN2, P2, L2, IN3, P3, L3 -> RET_VAL, OUT: three parts of texts, one after the other. A part has L characters from
-/// position P; what is not there is left out. One that is not valid makes the result empty.
+/// position P; missing characters are left out. An invalid position makes the result empty.
 pub(super) fn join(call: &Call) -> Outcome {
     const OUT: usize = 10;
     let mut buffer: Buffer<{ 3 * LONGEST }> = Buffer::new();

@@ -1,7 +1,7 @@
 //! Variables of any type as bytes: Serialize, Deserialize, READ_BIG … WRITE_LITTLE, VariantGet, VariantPut, MOVE_BLK_VARIANT.
 //!
 //! All data has the standard layout, so a variable's image is its bytes in memory. The ANY with which a VARIANT begins says BYTE of a
-//! structure, and of an array of such: number and type of elements stand after it.
+//! structure, and of an array of structures: number and type of elements come after it.
 //!
 //! Source: S7-1200 reference, move operations.
 
@@ -12,7 +12,7 @@ use super::parameters::Call;
 use super::{OK, Outcome, error, text};
 use crate::cpu::Area;
 
-/// The areas overlap, or one of them is no variable.
+/// The areas overlap, or one of them is not a variable.
 const AREAS: u16 = 0x80B0;
 /// POS is outside the array.
 const POSITION: u16 = 0x8382;
@@ -21,7 +21,7 @@ const TOO_SHORT: u16 = 0x8383;
 /// MOVE_BLK_VARIANT.
 const TYPES_DIFFER: u16 = 0x80B4;
 const COUNT: u16 = 0x8281;
-/// Codes of SRC, and what those of DEST are higher by.
+/// Codes of SRC, and the difference to those of DEST.
 const NO_ACCESS: u16 = 0x8151;
 const OF_BOOL: u16 = 0x8154;
 const OF_TARGET: u16 = 0x0400;
@@ -160,7 +160,7 @@ struct Elements {
 }
 
 impl Elements {
-    /// What parameter `index` points at; one element if it is no array. `Err`: whether it is write-protected.
+    /// The variable that parameter `index` points to; one element if it is not an array. `Err`: whether it is write-protected.
     fn of(call: &Call, index: usize, access: Access) -> Result<Elements, bool> {
         let protected = any::code(index, 0x30);
         let range = match any::decode(call, index, access) {

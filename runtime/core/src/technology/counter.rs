@@ -1,4 +1,4 @@
-//! A fast counter: it counts trains of pulses, which a scenario gives.
+//! A fast counter: it counts trains of pulses from a scenario.
 //!
 //! Nothing happens at a pulse: the number of pulses up to a moment is computed when somebody looks. The moment at which the counter
 //! reaches its reference is computed, too, so that its interrupt comes at its time.
@@ -10,7 +10,7 @@ use plcc_abi::technology::{CountMode, FastCounter};
 
 use crate::clock::NS_PER_MS;
 
-/// Pulses at equal distances: the first one period behind `start`.
+/// Pulses at equal distances: the first one period after `start`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Train {
     /// In nanoseconds, on the clock of the CPU.
@@ -27,7 +27,7 @@ impl Train {
     }
 }
 
-/// Where counting goes on from: pulses at that moment, and the value then.
+/// The point from which counting continues: pulses and value at that moment.
 #[derive(Clone, Copy, Default)]
 struct Base {
     pulses: i64,
@@ -84,7 +84,7 @@ impl Counter {
         base.value.wrapping_add(((self.pulses(now) - base.pulses).wrapping_mul(self.step())) as i32)
     }
 
-    /// What the input address shows: the count, or the frequency in hertz of the last period that is over.
+    /// The value at the input address: the count, or the frequency in hertz of the last period that is over.
     pub fn value(&self, now: u64) -> i32 {
         if self.config.mode != CountMode::Frequency {
             return self.count(now);
@@ -95,7 +95,7 @@ impl Counter {
         (pulses.unsigned_abs().saturating_mul(1000) / u64::from(self.period_ms.get())) as i32
     }
 
-    /// Counting goes on from `value`.
+    /// Counting continues from `value`.
     pub fn set_count(&self, now: u64, value: i32) {
         let pulses = self.pulses(now);
         self.base.set(Base { pulses, value });

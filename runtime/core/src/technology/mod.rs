@@ -36,7 +36,7 @@ struct Interrupt {
     level: Cell<bool>,
 }
 
-/// What the CPU has of all this.
+/// The technology functions of the CPU.
 pub struct Technology {
     pub(crate) counters: Vec<Counter>,
     pub(crate) pulses: Vec<Pulse>,
@@ -175,14 +175,14 @@ impl Cpu {
         }
     }
 
-    /// What a read of a counter's input address gives; `None`: it is none.
+    /// The value at a counter's input address; `None`: it is not such an address.
     pub(crate) fn read_counter(&self, address: u32, bytes: u32) -> Option<u32> {
         let counter = self.technology.counters.iter().find(|counter| {
             let start = hsc_address(counter.config.number);
             address >= start && address.saturating_add(bytes) <= start + 4
         })?;
-        let behind = hsc_address(counter.config.number) + 4 - (address + bytes);
-        let value = counter.value(self.clock.now()) as u32 >> (8 * behind);
+        let after = hsc_address(counter.config.number) + 4 - (address + bytes);
+        let value = counter.value(self.clock.now()) as u32 >> (8 * after);
         Some(if bytes >= 4 { value } else { value & ((1 << (8 * bytes)) - 1) })
     }
 

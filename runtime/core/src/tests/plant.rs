@@ -115,7 +115,8 @@ fn a_plant_without_a_value_stands_still() {
     let cpu = with_station(Vec::new());
     let text = "[plant]\nequations = [\"x = 1 / (t - 0.02)\"]\n[[at]]\ncycle = 9\n";
     let player = play(&cpu, text, 9);
-    let expected = (2, "a value of the plant for x".to_string(), "the expression gives inf at 0.02 s".to_string());
+    let expected =
+        (2, "a value of the plant for x".to_string(), "the result of the expression is inf at 0.02 s".to_string());
     assert_eq!(failures(&player), [expected]);
     let slow = play(&with_station(Vec::new()), "[plant]\nstep = \"1ms\"\n[[at]]\ncycle = 2\n", 2);
     assert_eq!(failures(&slow), []);
@@ -137,7 +138,10 @@ fn what_is_wrong_in_a_plant_has_its_line() {
         ("[plant.write]\n\"AI0 in V\" = \"1\"\n", "s.toml:2: the channel has the range 4..20 mA"),
         ("[plant]\nspeed = 1\n", "s.toml:2: unknown field `speed`"),
         ("[plant.state]\na = \"x\"\n", "s.toml:2: "),
-        ("[plant.state]\na = 1\n[[at]]\ncycle = 1\nplant = { b = 1 }\n", "s.toml:5: `b` is no parameter and no state"),
+        (
+            "[plant.state]\na = 1\n[[at]]\ncycle = 1\nplant = { b = 1 }\n",
+            "s.toml:5: `b` is neither a parameter nor a state",
+        ),
     ] {
         let message = Scenario::parse("s.toml", text, &cpu.image).unwrap_err();
         assert!(message.starts_with(expected), "{text}: {message}");
@@ -165,7 +169,7 @@ fn outputs_in_stop() {
 /// Where the tests put parameters.
 const AT: u32 = layout::SCRATCH;
 
-/// Calls a system function with these bytes of parameters; gives the bytes behind it.
+/// Calls a system function with these bytes of parameters; returns the bytes after it.
 fn call(cpu: &Cpu, number: u32, parameters: &[u8]) -> [u8; 32] {
     let mut bytes = [0; 32];
     bytes[..parameters.len()].copy_from_slice(parameters);

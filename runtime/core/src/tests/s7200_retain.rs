@@ -142,7 +142,7 @@ fn permanent_memory() {
     std::fs::remove_dir_all(path.parent().unwrap()).unwrap();
 }
 
-/// The path may be mistyped: what stands there and is not ours stays as it is.
+/// The path may be mistyped: what is there and is not ours stays as it is.
 #[test]
 fn other_files_are_left_alone() {
     for (name, content) in [("prose", "a plant diary"), ("short", "S8"), ("similar", "S7200RX1 ...")] {

@@ -50,7 +50,7 @@ fn scans(count: u64, main: impl Fn(&Cpu) -> bool + 'static) -> Vec<u64> {
     found.take()
 }
 
-/// The timer is reset by its own contact; its bit is used behind the box.
+/// The timer is reset by its own contact; its bit is used after the box.
 fn by_own_contact(number: u32, preset: i16) -> Vec<u64> {
     scans(100, move |cpu| {
         let on = !bit(cpu, number);
@@ -127,7 +127,7 @@ fn ton_tonr_tof() {
 
 #[test]
 fn ten_milliseconds_count_when_the_scan_begins() {
-    // TOF with 3 ticks: off in scan 3, so its bit is 0 from the start of scan 6 on, and it stands at 3.
+    // TOF with 3 ticks: off in scan 3, so its bit is 0 from the start of scan 6 on, and it is at 3.
     let on = scans(8, |cpu| {
         let before = bit(cpu, 33);
         cpu.s7200_timer(33, TOF, 3, ms(cpu) < 20);

@@ -39,7 +39,7 @@ fn any(code: u8, count: u16, db: u16, area: u8, byte: u32) -> [u8; 10] {
     [0x10, code, count[0], count[1], db[0], db[1], area, pointer[1], pointer[2], pointer[3]]
 }
 
-/// Calls SFC 20 or 21; gives RET_VAL.
+/// Calls SFC 20 or 21; returns RET_VAL.
 fn block_move(cpu: &Cpu, lbase: u32, number: u32, from: [u8; 10], to: [u8; 10]) -> u16 {
     cpu.memory.set_bytes(AT, from);
     cpu.memory.set_bytes(AT + 12, to);

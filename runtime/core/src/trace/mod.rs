@@ -1,8 +1,8 @@
 //! Recording of values, one sample after the outputs of each cycle.
 //!
-//! What is recorded: the list of `--trace-signals`; without it the values of `--print` and all symbols that are values;
+//! Recorded signals: the list of `--trace-signals`; without it the values of `--print` and all symbols that are values;
 //! without any of these the outputs Q0.0 to Q3.7. A sample has the time at which its cycle started, cycle 0 is the one
-//! after the startup OB. What a pulse output of an S7-200 does between two samples has its own times in a VCD.
+//! after the startup OB. In a VCD the edges of an S7-200 pulse output between two samples have their own times.
 
 mod table;
 mod waveform;
@@ -40,9 +40,9 @@ pub struct Recorder {
     outputs: Vec<(usize, u8)>,
     /// Edges in their order, of one step.
     edges: Vec<(u64, usize, bool)>,
-    /// A remark tells that edges are missing.
+    /// A comment reports that edges are missing.
     cut: bool,
-    /// Nanoseconds that lie between two samples at least, and when the next one is due.
+    /// Minimum nanoseconds between two samples, and when the next one is due.
     step: u64,
     due: u64,
     /// The first error; nothing is written after it.
@@ -50,7 +50,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Creates the file; its suffix tells the format. `step`: nanoseconds between samples, 0: each cycle. `Err`: what is wrong.
+    /// Creates the file; its extension determines the format. `step`: nanoseconds between samples, 0: each cycle. `Err`: the error.
     pub fn create(path: &Path, signals: Vec<Signal>, step: u64) -> Result<Recorder, String> {
         let open = || {
             let file = crate::files::writable(path).and_then(|()| File::create(path));
@@ -84,7 +84,7 @@ impl Recorder {
         }
         let levels = self.pulses(cpu, time);
         if self.error.is_none() && time >= self.due {
-            // Samples lie at multiples of the step. Without one each cycle is a sample, the startup beside the first.
+            // Samples are at multiples of the step. Without one each cycle is a sample, the startup next to the first.
             self.due = time.checked_div(self.step).map_or(0, |steps| (steps + 1).saturating_mul(self.step));
             self.values.clear();
             self.values.extend(self.signals.iter().map(|signal| signal.source.read(cpu, plant)));
@@ -112,7 +112,7 @@ impl Recorder {
             self.edges.extend(edges.iter().map(|edge| (edge.time, index, edge.level)));
             levels.extend(level.map(|level| (index, level)));
             if *cut && !std::mem::replace(&mut self.cut, true) {
-                let text = format!("edges of Q0.{number} are missing: more than are kept between two samples");
+                let text = format!("edges of Q0.{number} are missing: there were too many between two samples");
                 self.error = self.error.take().or(self.sink.remark(&text).err());
             }
         }
@@ -125,7 +125,7 @@ impl Recorder {
         levels
     }
 
-    /// Ends the file. `Err`: what went wrong first.
+    /// Ends the file. `Err`: the first error.
     pub fn finish(mut self) -> std::io::Result<()> {
         match self.error.take() {
             Some(error) => Err(error),
@@ -134,7 +134,7 @@ impl Recorder {
     }
 }
 
-/// What is taken from a pulse output: its edges, whether some are missing, its level.
+/// The recorded part of a pulse output: its edges, whether some are missing, its level.
 type Taken = (Vec<Edge>, bool, Option<bool>);
 
 /// The number of the pulse output that a signal shows.

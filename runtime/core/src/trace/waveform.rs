@@ -37,7 +37,7 @@ impl<W: Write> Waveform<W> {
 }
 
 impl<W: Write> Waveform<W> {
-    /// What follows has this time, in nanoseconds.
+    /// The following entries have this time, in nanoseconds.
     fn stamp(&mut self, time: u64) -> Result<()> {
         let time = time / 1000;
         if self.stamp != Some(time) {

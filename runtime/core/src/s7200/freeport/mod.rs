@@ -3,7 +3,7 @@
 //! - `registers`: special memory of the ports; `receiver`, `transmitter`: RCV and XMT, which know only characters and time.
 //! - `stream`: the serial device, pseudo-terminal or TCP partner; `port`: the line between them.
 //!
-//! A character takes its time on the line by the clock of the CPU, whatever it comes from. With the real clock streams are asked every
+//! A character takes its time on the line by the clock of the CPU, from every source. With the real clock streams are polled every
 //! millisecond, with the virtual one at the end of each scan.
 
 mod port;
@@ -31,7 +31,7 @@ use crate::cpu::Cpu;
 use crate::diagnostics::NO_SITE;
 use crate::schedule::NEVER;
 
-/// How often a stream is asked with the real clock.
+/// How often a stream is polled with the real clock.
 const LOOK_NS: u64 = NS_PER_MS;
 const RECEIVED_CHARACTER: u32 = 2;
 const PARITY_BYTE: u32 = 3;
@@ -41,7 +41,7 @@ const TRANSMITTER_BYTE: u32 = 4;
 #[derive(Default)]
 pub struct Freeport {
     ports: [RefCell<Port>; 2],
-    /// What was raised, for tests.
+    /// The events that were raised, for tests.
     #[cfg(test)]
     raised: RefCell<Vec<(u8, EventData)>>,
 }
@@ -63,13 +63,13 @@ impl Cpu {
         Control::of(byte, &row)
     }
 
-    /// What a port is set to now.
+    /// The current settings of a port.
     pub(super) fn s7200_port_mode(&self, port: u32) -> Option<Mode> {
         let (_, registers) = self.s7200_place(port)?;
         Some(self.s7200_control(self.memory.byte(special(registers.control))).mode)
     }
 
-    /// RUN begins: opens what plc.toml connects the ports to.
+    /// RUN begins: opens the connections of the ports from plc.toml.
     pub(crate) fn s7200_start_ports(&self) {
         let Some(own) = self.s7200() else { return };
         let now = self.clock.now();
@@ -236,7 +236,7 @@ impl Cpu {
         }
     }
 
-    /// What a port has sent since the last question.
+    /// The characters that a port has sent since the last call.
     pub fn s7200_take_sent(&self, port: u8) -> Vec<u8> {
         self.s7200_place(u32::from(port))
             .map(|(port, _)| std::mem::take(&mut port.borrow_mut().sent))
@@ -253,7 +253,7 @@ fn freeport<'a>(cpu: &'a Cpu, operands: &Operands) -> Result<(Place<'a>, Control
     if control.is_freeport() { Ok((place, control)) } else { Err(failed_quietly()) }
 }
 
-/// Whether `bytes` bytes from `table` on lie in one area.
+/// Whether `bytes` bytes from `table` on are in one area.
 fn fits(cpu: &Cpu, table: u32, bytes: u32) -> bool {
     cpu.s7200_area(table).is_some_and(|(_, end)| end.saturating_sub(table) >= bytes)
 }

@@ -1,4 +1,4 @@
-//! One port: what is on its line, in the order of time.
+//! One port: the characters on its line, in the order of time.
 
 use std::collections::VecDeque;
 
@@ -13,7 +13,7 @@ const LINE_MAX: usize = 1 << 14;
 /// Sent bytes that are kept for a scenario.
 const SENT_MAX: usize = 1 << 16;
 
-/// What the port has done, for memory and interrupts.
+/// Events of the port, for memory and interrupts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Happened {
     /// Nothing that the program sees.
@@ -30,17 +30,17 @@ pub enum Happened {
 #[derive(Default)]
 pub struct Port {
     pub stream: Option<Stream>,
-    /// SMB30 as it was last obeyed.
+    /// SMB30 as it was last applied.
     pub control_byte: u8,
     /// When the characters on the line end.
     line: VecDeque<(u64, Arrived)>,
     line_free: u64,
-    /// When the stream was last asked.
+    /// When the stream was last polled.
     looked: u64,
     /// RCV, and its table.
     pub receiver: Option<(Receiver, u32)>,
     pub transmitter: Option<Transmitter>,
-    /// What has left since somebody asked.
+    /// The characters sent since the last call.
     pub sent: Vec<u8>,
 }
 
@@ -62,7 +62,7 @@ impl Port {
         self.transmitter.is_some() || self.receiver.is_some()
     }
 
-    /// When something next happens by itself.
+    /// When the next event is due without input.
     pub fn due(&self) -> u64 {
         let line = self.line.front().map_or(NEVER, |(at, _)| *at);
         let receiver = self.receiver.as_ref().and_then(|(receiver, _)| receiver.due()).unwrap_or(NEVER);
@@ -70,12 +70,12 @@ impl Port {
         line.min(receiver).min(transmitter)
     }
 
-    /// When the stream is to be asked again, if it is every `period`.
+    /// When the stream is polled next, at intervals of `period`.
     pub fn look_due(&self, period: u64) -> u64 {
         self.stream.as_ref().map_or(NEVER, |_| self.looked.saturating_add(period))
     }
 
-    /// Puts characters on the line, behind those that are there; the first one begins at `from` at the earliest. Without room they are lost,
+    /// Puts characters on the line, after those that are there; the first one begins at `from` at the earliest. Without room they are lost,
     /// and the last one before them is faulty: an overrun.
     pub fn put(&mut self, arrived: &[Arrived], from: u64, control: &Control) {
         for &item in arrived {
@@ -96,7 +96,7 @@ impl Port {
         }
     }
 
-    /// Asks the stream. With the real clock characters may have come since the last look: they are as late as they can be, but behind it.
+    /// Asks the stream. With the real clock characters may have come since the last look: they are as late as they can be, but after it.
     pub fn look(&mut self, now: u64, is_virtual: bool, control: &Control) {
         let Some(stream) = &mut self.stream else { return };
         stream.work();
@@ -113,7 +113,7 @@ impl Port {
         if due > now {
             return None;
         }
-        // What ends in the moment of a time-out is in time.
+        // A message that ends at the moment of a time-out is in time.
         if let Some((at, arrived)) = self.line.front().copied().filter(|(at, _)| *at == due) {
             self.line.pop_front();
             return Some(self.arrived(arrived, at));

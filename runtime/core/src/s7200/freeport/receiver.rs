@@ -7,7 +7,7 @@
 //!                      └──────────────── 1 ─────────────────┘
 //! ```
 //!
-//! 1. The line was idle for its time, or a break came: the start character must follow, if one is asked for.
+//! 1. The line was idle for its time, or a break came: the start character must follow, if one is set.
 //! 2. Another character than the start character came: the search begins again.
 //! 3. The start character came; it is the first one of the message.
 //! 4. End character, number of characters, timer, or a faulty character.
@@ -38,7 +38,7 @@ pub mod control {
     pub const BREAK: u8 = 0x02;
 }
 
-/// What begins and ends a message; times in nanoseconds.
+/// Conditions that begin and end a message; times in nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Criteria {
     pub idle_line: Option<u64>,
@@ -91,7 +91,7 @@ enum Phase {
     },
 }
 
-/// What a character or a moment does to the message.
+/// The effect of a character or a moment on the message.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Step {
     /// It belongs to the message, as its character of this number, from 1 on.
@@ -280,7 +280,7 @@ mod tests {
     fn idle_line() {
         let mut receiver = begin(0x90, 3);
         assert_eq!(receiver.due(), Some(5 * MS));
-        // Each character before it is over begins it anew.
+        // Each character before it is over begins it again.
         assert_eq!(feed(&mut receiver, b"ab", 3), [GOES_ON, GOES_ON]);
         assert_eq!(receiver.due(), Some(9 * MS));
         assert_eq!(receiver.time(9 * MS), GOES_ON);

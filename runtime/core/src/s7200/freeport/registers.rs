@@ -75,7 +75,7 @@ impl Registers {
     }
 }
 
-/// What a port does.
+/// The mode of a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     PpiSlave,

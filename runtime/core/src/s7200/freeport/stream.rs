@@ -1,4 +1,4 @@
-//! What a port is connected to: a serial device, a pseudo-terminal, or a TCP partner. No call waits.
+//! The connection of a port: a serial device, a pseudo-terminal, or a TCP partner. No call waits.
 
 use std::fs::{File, OpenOptions};
 use std::net::TcpListener;
@@ -15,10 +15,10 @@ use super::registers::{Control, Parity};
 use crate::communication::link::Link;
 use crate::s7200::sockets::{self, Dialer};
 
-/// Bytes that wait for a partner who does not take them; more are lost, as on a line where nobody listens.
+/// Maximum bytes that wait for a partner. More are lost, as on a line without a receiver.
 const BACKLOG_MAX: usize = 1 << 16;
 
-/// What has arrived.
+/// Received characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrived {
     /// `faulty`: wrong parity or no stop bit.
@@ -53,15 +53,15 @@ impl Stream {
         Ok(Stream { end })
     }
 
-    /// A serial device keeps the time of characters by itself, so it gets them at once.
+    /// A serial device times the characters itself, so it gets them at once.
     pub fn keeps_time(&self) -> bool {
         matches!(self.end, End::Serial { .. })
     }
 
-    /// Gives a serial device the settings of SMB30, and forgets what came before.
+    /// Applies the settings of SMB30 to a serial device, and forgets what it received before.
     pub fn configure(&mut self, control: &Control) {
         if let End::Serial { link, marks } = &mut self.end {
-            // A device that cannot be set as asked goes on as it is.
+            // A device that rejects the settings keeps its own.
             let _ = set_line(link.stream(), control);
             let _ = tcflush(link.stream(), QueueSelector::IFlush);
             link.input.clear();
@@ -69,7 +69,7 @@ impl Stream {
         }
     }
 
-    /// Sends and receives what can be, without waiting.
+    /// Sends and receives as much as possible, without waiting.
     pub fn work(&mut self) {
         match &mut self.end {
             End::Serial { link, .. } | End::PseudoTerminal { link, .. } => work(link),
@@ -88,7 +88,7 @@ impl Stream {
         }
     }
 
-    /// Takes at most `room` bytes of what has arrived.
+    /// Takes at most `room` received bytes.
     pub fn take(&mut self, room: usize) -> Vec<Arrived> {
         let take = |input: &mut Vec<u8>| -> Vec<u8> { input.drain(..input.len().min(room)).collect() };
         let plain = |bytes: Vec<u8>| bytes.into_iter().map(|byte| Arrived::Character { byte, faulty: false }).collect();
@@ -150,7 +150,7 @@ fn serial(path: &str) -> Result<End, String> {
     let flags = libc::O_NOCTTY | libc::O_NONBLOCK;
     let file = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path);
     let file = file.map_err(|error| format!("cannot open {path}: {error}"))?;
-    tcgetattr(&file).map_err(|error| format!("{path} is no serial device: {error}"))?;
+    tcgetattr(&file).map_err(|error| format!("{path} is not a serial device: {error}"))?;
     Ok(End::Serial { link: Link::of(file), marks: Marks::default() })
 }
 
@@ -227,7 +227,7 @@ struct Name(PathBuf);
 
 impl Name {
     fn link(terminal: &Path, path: &Path) -> std::io::Result<Name> {
-        // What an earlier run left behind is replaced, anything else is not.
+        // A link from an earlier run is replaced, anything else is not.
         if path.symlink_metadata().is_ok_and(|old| old.file_type().is_symlink()) {
             std::fs::remove_file(path)?;
         }

@@ -133,7 +133,7 @@ fn transmit_takes_its_time() {
     assert_eq!(sm(&cpu, 4), 0x40);
     assert_eq!(transmit(&cpu, &operands(V, 0)), 0, "0009");
     pass(&cpu, 3 * CHARACTER - 1);
-    // SM4.3 tells of the error.
+    // SM4.3 shows the error.
     assert_eq!((raised(&cpu), sm(&cpu, 4)), (vec![], 0x48));
     pass(&cpu, 1);
     assert_eq!((raised(&cpu), sm(&cpu, 4)), (vec![(9, None)], 0x68));
@@ -180,7 +180,7 @@ fn message_from_start_to_end_character() {
     pass(&cpu, CHARACTER);
     assert_eq!((raised(&cpu), sm(&cpu, 86)), (vec![(23, None)], status::END_CHARACTER));
     assert_eq!(table(&cpu, 100, 6), b"\x04:12\r\0");
-    // Behind the message characters raise events again.
+    // After the message characters raise events again.
     pass(&cpu, CHARACTER);
     assert_eq!(raised(&cpu), [(8, Some((b'y', false)))]);
 }
@@ -346,7 +346,7 @@ fn two_ports_over_tcp() {
     set_sm(&called, 30, FREEPORT);
     prepare(&called, 0xE0);
     receive(&called, &operands(V + 100, 0));
-    // Until they are connected: what is sent before is lost.
+    // Wait for the connection: earlier characters are lost.
     for _ in 0..200 {
         scan(&caller);
         scan(&called);

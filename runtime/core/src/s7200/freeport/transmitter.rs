@@ -12,7 +12,7 @@ pub struct Transmitter {
     character_ns: u64,
 }
 
-/// What has left at a moment.
+/// The characters sent at a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Left {
     Nothing,

@@ -21,14 +21,14 @@ pub(super) struct Bank {
     pub driven: u16,
 }
 
-/// What somebody sees who looks.
+/// The visible state.
 pub(super) struct Look {
     pub time: u64,
     /// Levels that the driver shows.
     pub levels: u16,
     /// Pulses that each pulse output has begun.
     pub pulses: [u64; 2],
-    /// [`Happening::bit`] of what each counter is to tell.
+    /// [`Happening::bit`] of the events that each counter must report.
     pub wanted: [u8; COUNTERS],
 }
 
@@ -40,7 +40,7 @@ impl Bank {
         self.show(levels, 0);
     }
 
-    /// Takes over what the driver shows; inputs of `ended` are 0.
+    /// Reads the levels from the driver; inputs of `ended` are 0.
     fn show(&mut self, levels: u16, ended: u16) {
         self.wires.set_levels(levels & !ended & !self.wires.driven());
     }
@@ -59,7 +59,7 @@ impl Bank {
             told.extend(log.told.into_iter().map(|(time, happening)| (time, index, happening)));
         }
         self.time = time;
-        // What happens at the same time is in the order of the numbers, which is that of the priorities.
+        // Simultaneous events are in the order of their numbers, which is the order of priorities.
         told.sort_unstable_by_key(|&(time, index, happening)| (time, index, happening));
         let events = told.iter().filter_map(|&(_, index, happening)| event(index, happening)).collect();
         (events, driven | ended, self.wires.levels(driven, time))
@@ -123,7 +123,7 @@ impl Bank {
     }
 
     /// Inputs at which pulses of counter `number` arrive: one, or both clocks of a quadrature signal. `None`: it is not defined yet. `Err`:
-    /// why it has no such inputs.
+    /// why it does not have this inputs.
     pub fn pulse_inputs(&self, number: u32, backward: bool) -> Result<Option<(Pin, Option<Pin>)>, String> {
         let none = |why: &str| Err(format!("HSC{number} {why}"));
         let Some(counter) = self.counter(number) else { return Ok(None) };
@@ -133,14 +133,14 @@ impl Bank {
             (Kind::TwoClocks, _, Some(second)) if backward => Ok(Some((second, None))),
             (Kind::TwoClocks, Some(clock), _) => Ok(Some((clock, None))),
             (Kind::Internal | Kind::External, Some(clock), _) if !backward => Ok(Some((clock, None))),
-            (Kind::Internal, ..) => none("has its direction from its control byte in this mode, not from pulses"),
-            (Kind::External, ..) => none("has its direction from an input in this mode: set that"),
-            (Kind::Output, ..) => none("counts a pulse output in mode 12, and no input"),
-            (Kind::TwoClocks | Kind::Quadrature, ..) => none("has no such input"),
+            (Kind::Internal, ..) => none("gets its direction from its control byte in this mode, not from pulses"),
+            (Kind::External, ..) => none("gets its direction from an input in this mode: set that input"),
+            (Kind::Output, ..) => none("counts a pulse output in mode 12, not an input"),
+            (Kind::TwoClocks | Kind::Quadrature, ..) => none("does not have this input"),
         }
     }
 
-    /// When a counter next tells something that is wanted, or one of the inputs of `edges` has an edge of a train.
+    /// When a counter next reports a requested event, or one of the inputs of `edges` has an edge of a train.
     pub fn due(&self, wanted: &[u8; COUNTERS], edges: u16) -> Option<u64> {
         let due =
             |(index, counter): (usize, &Counter)| counter.due(&self.wires, wanted.get(index).copied().unwrap_or(0));

@@ -1,4 +1,4 @@
-//! A high-speed counter: what an edge at its inputs does.
+//! A high-speed counter: the effect of edges at its inputs.
 //!
 //! Nothing happens at a pulse of a train: somebody looks, and the counter counts from where it was to that moment. Where all levels
 //! repeat, whole periods are counted at once. Source: S7-200 system manual, high-speed counter instructions.
@@ -6,7 +6,7 @@
 use super::inputs::Wires;
 use super::modes::{Inputs, Kind, Pin, bit};
 
-/// What a counter tells; its place in [`Row::events`](super::modes::Row::events).
+/// An event of a counter; its place in [`Row::events`](super::modes::Row::events).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Happening {
     /// Counting has made the current value equal to the preset.
@@ -24,14 +24,14 @@ impl Happening {
     }
 }
 
-/// Most happenings of a look that are told; more do not fit in any queue of events.
+/// Maximum events reported by one poll; more do not fit in any event queue.
 const TOLD_MAX: usize = 256;
-/// Edges that a search for the next happening follows; then it gives where it came to.
+/// Maximum edges in a search for the next event; then it returns how far it came.
 const SEARCH_EDGES: u32 = 1000;
 /// Counts that a period of all inputs makes at most.
 const PERIOD_COUNTS: u64 = 4;
 
-/// Happenings that somebody wants, with their times.
+/// Requested events with their times.
 pub(super) struct Log {
     /// [`Happening::bit`] of each.
     pub wanted: u8,
@@ -138,7 +138,7 @@ impl Counter {
         }
     }
 
-    /// The inputs have these levels at `time`. What changes at once: direction, start and reset first, then clocks.
+    /// The inputs have these levels at `time`. Order of simultaneous changes: direction, start and reset first, then clocks.
     pub fn step(&mut self, time: u64, levels: u16, log: &mut Log) {
         let levels = levels & self.inputs.mask();
         let old = std::mem::replace(&mut self.levels, levels);
@@ -180,7 +180,7 @@ impl Counter {
         }
     }
 
-    /// Counts up to `to`, in mode 12 up to so many pulses.
+    /// Counts up to `to`; in mode 12 this is a number of pulses.
     pub fn run(&mut self, wires: &Wires, to: u64, pulses: u64, log: &mut Log) {
         self.run_pulses(to, pulses, log);
         let mask = self.inputs.mask();
@@ -227,7 +227,7 @@ impl Counter {
         counting.then(|| self.pulses.saturating_add(self.distance(self.up)))
     }
 
-    /// Counts whole periods at once, if all levels repeat and nothing that is wanted happens in them. False: there are none.
+    /// Counts whole periods at once, if all levels repeat and no requested event is due in them. False: there are none.
     fn skip(&mut self, wires: &Wires, to: u64, log: &Log) -> bool {
         let mask = self.inputs.mask();
         let held = [self.inputs.reset, self.inputs.start].into_iter().flatten().fold(0, |mask, pin| mask | bit(pin));
@@ -239,7 +239,7 @@ impl Counter {
         if times < 2 {
             return false;
         }
-        // One period shows what each does.
+        // One period shows the effect of each.
         let mut trial = *self;
         let mut trial_log = Log::new(log.wanted);
         let end = self.time.saturating_add(period);
@@ -264,7 +264,7 @@ impl Counter {
         true
     }
 
-    /// When something of `wanted` next happens, if inputs go on as they do. It may be early: then nothing happens there yet.
+    /// When the next event of `wanted` is due, if the inputs continue as they are. It may be too early; then no event is due at that time.
     pub fn due(&self, wires: &Wires, wanted: u8) -> Option<u64> {
         if !self.enabled || wanted == 0 || self.kind == Kind::Output {
             return None;

@@ -1,4 +1,4 @@
-//! Levels of the inputs on board over time: what the driver shows, or a train of pulses.
+//! Levels of the onboard inputs over time: from the driver, or a train of pulses.
 
 use super::modes::{PINS, Pin, bit};
 
@@ -15,13 +15,13 @@ pub(in crate::s7200) struct Train {
 }
 
 impl Train {
-    /// Pulses at one input: the first rising edge comes one period behind `start`.
+    /// Pulses at one input: the first rising edge comes one period after `start`.
     pub fn single(start: u64, period: u64, count: u64) -> Train {
         let period = period.max(4);
         Train { first: start.saturating_add(period), period, high: period / 2, count }
     }
 
-    /// Pulses at clocks A and B a quarter of a period apart; A leads, or B if `backward`. Each period behind `start` has all four edges.
+    /// Pulses at clocks A and B a quarter of a period apart; A leads, or B if `backward`. Each period after `start` has all four edges.
     pub fn pair(start: u64, period: u64, count: u64, backward: bool) -> (Train, Train) {
         let period = period.max(4);
         let train = |offset: u64| Train { first: start.saturating_add(offset), period, high: period / 2, count };
@@ -35,7 +35,7 @@ impl Train {
         Some((since / self.period.max(1), since % self.period.max(1)))
     }
 
-    /// When the pulse behind the last one would begin.
+    /// When the pulse after the last one would begin.
     fn end(&self) -> u64 {
         self.first.saturating_add(self.count.saturating_mul(self.period))
     }
@@ -44,7 +44,7 @@ impl Train {
         self.pulse(time).is_some_and(|(pulse, since)| pulse < self.count && since < self.high)
     }
 
-    /// The next edge behind `time`.
+    /// The next edge after `time`.
     fn next(&self, time: u64) -> Option<u64> {
         match self.pulse(time) {
             None => (self.count > 0).then_some(self.first),
@@ -78,12 +78,12 @@ impl Wires {
         })
     }
 
-    /// The next edge of a train at an input of `mask` behind `time`.
+    /// The next edge of a train at an input of `mask` after `time`.
     pub fn next(&self, mask: u16, time: u64) -> Option<u64> {
         self.trains(mask).filter_map(|(_, train)| train.next(time)).min()
     }
 
-    /// Where levels at the inputs of `mask` repeat behind `time`: their period, and how often; `None`: they do not.
+    /// Where levels at the inputs of `mask` repeat after `time`: their period, and how often; `None`: they do not.
     pub fn repeats(&self, mask: u16, time: u64) -> Option<(u64, u64)> {
         let mut found: Option<(u64, u64)> = None;
         for (_, train) in self.trains(mask).filter(|(_, train)| train.next(time).is_some()) {
@@ -124,7 +124,7 @@ impl Wires {
         }
     }
 
-    /// What the driver shows, for inputs without trains.
+    /// Levels from the driver, for inputs without trains.
     pub fn set_levels(&mut self, levels: u16) {
         self.levels = levels;
     }

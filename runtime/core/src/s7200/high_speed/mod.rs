@@ -1,10 +1,10 @@
 //! High-speed counters HSC0 to HSC5 as simulated hardware.
 //!
-//! They count edges of the inputs on board: trains of pulses that a scenario gives, and levels that it sets. Counting is lazy: a train
+//! They count edges of the onboard inputs: trains of pulses and levels from a scenario. Counting is lazy: a train
 //! is a function of time, and the moment of the next event is computed, so that the event comes exactly then.
 //!
 //! - `modes`: the counters, their modes, inputs, events, special memory; `inputs`: levels over time.
-//! - `counter`: what an edge does; `bank`: all counters together.
+//! - `counter`: the effect of an edge; `bank`: all counters together.
 //!
 //! Source: S7-200 system manual, high-speed counter instructions.
 
@@ -34,7 +34,7 @@ pub struct Counters {
     bank: RefCell<Bank>,
 }
 
-/// Where a scenario gives pulses.
+/// The input that gets pulses from a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PulseInput {
     /// An input on board: 8 × byte + bit.
@@ -82,7 +82,7 @@ impl Cpu {
         let bank = own.counters.bank.borrow();
         let wanted = self.wanted(&bank);
         let inputs = bank.due(&wanted, bank::edge_inputs(|event| self.s7200_is_attached(event)));
-        // Counters of mode 12 are told by the pulse outputs.
+        // The pulse outputs drive counters of mode 12.
         let reached = Happening::Reached.bit();
         let pulses = bank.defined().filter(|&(index, _)| wanted.get(index).is_some_and(|wanted| wanted & reached != 0));
         let pulses = pulses.filter_map(|(index, counter)| {
@@ -169,7 +169,7 @@ impl Cpu {
         }
     }
 
-    /// What each counter is to tell: that which has an interrupt routine.
+    /// The events that each counter must report: those with an interrupt routine.
     fn wanted(&self, bank: &Bank) -> [u8; COUNTERS] {
         let mut wanted = [0; COUNTERS];
         for (index, _) in bank.defined() {
@@ -228,7 +228,7 @@ pub(super) fn define(cpu: &Cpu, operands: &Operands) -> u64 {
 /// HSC: counter `a`.
 pub(super) fn control(cpu: &Cpu, operands: &Operands) -> u64 {
     let Some(own) = cpu.s7200() else { return 0 };
-    // What came until now counts as it was set before.
+    // Earlier pulses count with the old settings.
     cpu.s7200_poll_counters();
     let found = {
         let mut bank = own.counters.bank.borrow_mut();

@@ -1,4 +1,4 @@
-//! Counters, their modes and what belongs to each. Source: S7-200 system manual, high-speed counter instructions.
+//! Counters and their modes. Source: S7-200 system manual, high-speed counter instructions.
 
 use plcc_abi::s7200::image::CpuRow;
 
@@ -8,7 +8,7 @@ pub(super) type Pin = u8;
 /// Inputs that the program can count at: I0.0 to I1.7.
 pub(in crate::s7200) const PINS: usize = 16;
 
-/// What a mode counts.
+/// The pulses that a mode counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Modes 0 to 2: direction by the control byte.
@@ -46,7 +46,7 @@ pub(super) fn bit(pin: Pin) -> u16 {
     1u16.checked_shl(u32::from(pin)).unwrap_or(0)
 }
 
-/// What a counter has.
+/// The features of a counter.
 pub(super) struct Row {
     pub inputs: Inputs,
     /// Bytes of special memory: status; then control at + 1, new current value at + 2, new preset value at + 6.
@@ -82,7 +82,7 @@ pub(super) const ROWS: [Row; 6] = [
     row(inputs(4, None, None, None),                156, [Some(33), None, None],         1, 0),
 ];
 
-/// What a mode counts; `None`: there is no such mode.
+/// The pulses that a mode counts; `None`: the mode does not exist.
 pub(super) fn kind(mode: u32) -> Option<Kind> {
     Some(match mode {
         0..=2 => Kind::Internal,

@@ -79,7 +79,7 @@ impl Client {
         self.requests.push(Request { table, frame, wanted, sent: false, since: now, host_since: Instant::now() });
     }
 
-    /// Moves all on; gives those that have ended.
+    /// Moves all on; returns those that have ended.
     pub fn work(&mut self, now: u64, is_virtual: bool) -> Vec<Done> {
         let mut done = Vec::new();
         for partner in &mut self.partners {

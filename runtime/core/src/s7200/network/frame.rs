@@ -15,11 +15,11 @@ const END: u8 = 0x16;
 const READ: u8 = 0x01;
 const WRITE: u8 = 0x02;
 const ANSWER: u8 = 0x81;
-/// 68 LE LE 68 before, FCS 16 behind.
+/// 68 LE LE 68 before, FCS 16 after.
 const HEAD: usize = 4;
 const TAIL: usize = 2;
 
-/// What a frame says.
+/// The content of a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Body {
     /// FC 01: pointer (4 bytes), number of bytes.
@@ -38,7 +38,7 @@ pub struct Frame {
     pub body: Body,
 }
 
-/// What has come is no frame.
+/// The received bytes are not a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Malformed;
 
@@ -55,7 +55,7 @@ impl Frame {
         [&[START, length, length, START][..], &unit, &[sum(&unit), END]].concat()
     }
 
-    /// Takes the next frame from what has arrived. `None`: it is not all there.
+    /// Takes the next frame from the received bytes. `None`: it is not complete.
     pub fn take(input: &mut Vec<u8>) -> Result<Option<Frame>, Malformed> {
         let head_is_right = match input.as_slice() {
             [] => true,

@@ -1,7 +1,7 @@
 //! NETR, NETW, station addresses: the PPI link, as TCP between running programs. Source: S7-200 system manual, Network Read and Network
 //! Write; docs/decisions/0060-ppi-on-tcp.md.
 //!
-//! - `frame`: what goes over the link; `client`: requests of this station; `server`: those of others.
+//! - `frame`: the data on the link; `client`: requests of this station; `server`: requests of other stations.
 //!
 //! Everything moves between scans only, so a table changes there, too.
 
@@ -48,7 +48,7 @@ const DATA: u32 = 7;
 const STATION_DEFAULT: u8 = 2;
 const STATION_MAX: u32 = 126;
 
-/// Requests of this station, and what other stations ask of it.
+/// Requests of this station, and requests from other stations.
 pub struct Network {
     /// Station address by port.
     addresses: [Cell<u8>; 2],
@@ -83,7 +83,7 @@ impl Cpu {
         }
     }
 
-    /// When a request next times out: never by itself, since it is seen between scans.
+    /// When a request next times out. It is checked only between scans.
     pub(crate) fn s7200_network_due(&self) -> u64 {
         NEVER
     }
@@ -146,7 +146,7 @@ impl Cpu {
         Some(Frame { to: request.from, from: request.to, tag: request.tag, body: Body::Answer { code, data } })
     }
 
-    /// Where the `bytes` bytes lie that another station points to, as offset from the memory base.
+    /// Offset from the memory base of the `bytes` bytes that another station points to.
     fn s7200_remote(&self, pointer: u32, bytes: usize) -> Option<u32> {
         let (start, length) = match pointer_area(pointer)? {
             pointer::I => self.area(Area::Inputs),

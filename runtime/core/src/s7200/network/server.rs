@@ -1,4 +1,4 @@
-//! What other stations ask of this one.
+//! Requests from other stations.
 
 use std::net::TcpListener;
 
@@ -24,7 +24,7 @@ impl Server {
         Ok(Server { listener: sockets::listen(address)?, guests: Vec::new() })
     }
 
-    /// Gives every request to `answer`. A station that sends anything else is turned away.
+    /// Passes every request to `answer`. Disconnects a station that sends anything else.
     pub fn work(&mut self, mut answer: impl FnMut(&Frame) -> Option<Frame>) {
         while self.guests.len() < GUESTS_MAX
             && let Some(guest) = sockets::accept(&self.listener)

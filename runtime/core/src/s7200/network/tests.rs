@@ -13,14 +13,14 @@ use crate::s7200::freeport::tests::{V, V_BYTES, cpu, operands, set_sm};
 
 const MS: u64 = 1_000_000;
 const PPI_MASTER: u8 = 2;
-/// The table stands at VB200.
+/// The table is at VB200.
 const TABLE: u32 = V + 200;
 
 fn free_address() -> String {
     TcpListener::bind("127.0.0.1:0").and_then(|free| free.local_addr()).unwrap().to_string()
 }
 
-/// A master that knows station 3 at `address`.
+/// A master with station 3 at `address`.
 fn master(address: Option<&str>) -> Rc<Cpu> {
     let stations = address.iter().map(|address| (3, address.to_string())).collect();
     let cpu = cpu(S7200Config { stations, ..S7200Config::default() });
@@ -82,7 +82,7 @@ fn master_reads_and_writes_a_station() {
     let bytes: Vec<u8> = (1..=16).collect();
     master.memory.load(TABLE + DATA, &bytes);
     assert_eq!(write(&master, &operands(TABLE, 0)), result::ENO);
-    // What the table holds at the statement is what goes out.
+    // The content of the table at the time of the statement is sent.
     master.memory.set_byte(TABLE + DATA, 99);
     assert_eq!(finish(&master, Some(&slave)), DONE);
     assert_eq!(data(&slave, V + 100, 17), [&bytes[..], &[0]].concat());
@@ -164,7 +164,7 @@ fn another_station_does_not_answer() {
     read(&master, &operands(TABLE, 0));
     assert_eq!(finish(&master, Some(&slave)), DONE | FAILED | code::TIME_OUT);
     assert!(begun.elapsed() >= Duration::from_secs(1), "the station has its second");
-    // The program gives it the address.
+    // The program sets its address.
     assert_eq!(set_address(&slave, &operands(3, 0)), result::ENO);
     fill(&master, TABLE, 3, 0x0800_0064, 2);
     read(&master, &operands(TABLE, 0));
@@ -192,7 +192,7 @@ fn wrong_tables() {
         assert_eq!(read(&cpu, &operands(TABLE, 0)), 0);
         assert_eq!(status(&cpu), DONE | FAILED | code::PARAMETER, "{station} {pointer:08X} {length}");
     }
-    // Port 1 is no master.
+    // Port 1 is not a master.
     fill(&cpu, TABLE, 3, 0x0800_0064, 2);
     assert_eq!((write(&cpu, &operands(TABLE, 1)), status(&cpu)), (0, DONE | FAILED | code::NO_MASTER));
     assert_eq!(read(&cpu, &operands(TABLE, 2)), 0, "no such port");
@@ -217,7 +217,7 @@ fn nonsense_does_no_harm() {
         });
         assert!(gone, "{bytes:?}");
     }
-    // Half a frame makes nobody wait.
+    // Half a frame blocks nothing.
     let mut half = TcpStream::connect(&address).unwrap();
     half.write_all(&[0x68, 9]).unwrap();
     let master = master(Some(&address));
@@ -226,7 +226,7 @@ fn nonsense_does_no_harm() {
     assert_eq!(finish(&master, Some(&slave)), DONE);
 }
 
-/// A partner that takes a request and answers it with what `answer` makes of it.
+/// A partner that answers a request with the result of `answer`.
 fn answered_by(answer: impl FnOnce(Frame) -> Vec<u8> + Send + 'static) -> (Rc<Cpu>, u8) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let master = master(Some(&listener.local_addr().unwrap().to_string()));

@@ -1,9 +1,9 @@
 //! Pulse outputs: PTO and PWM at Q0.0 and Q0.1 as simulated hardware.
 //!
-//! An output is a function of time; what the program sees of it changes at a few moments, which are computed.
+//! An output is a function of time; the part that the program sees changes at a few computed moments.
 //!
 //! - `train`: segments of a PTO in closed form; `width`: PWM.
-//! - `output`: one output, and what PLS does to it.
+//! - `output`: one output, and the effect of PLS on it.
 //!
 //! While a train or PWM runs the generator owns the output. When a train is over the image register has it again.
 //! Source: S7-200 system manual, pulse output instruction.
@@ -41,7 +41,7 @@ mod registers {
     pub const STEP: u32 = 10;
 }
 
-/// What a 21x does not have of the control byte: synchronous updates, profiles.
+/// Bits of the control byte that a 21x does not have: synchronous updates, profiles.
 const NEW_CONTROL: u8 = 0x30;
 /// Events of the end of a train.
 const EVENTS: [u8; PULSE_OUTPUTS as usize] = [19, 20];
@@ -49,7 +49,7 @@ const EVENTS: [u8; PULSE_OUTPUTS as usize] = [19, 20];
 /// Q0.0 and Q0.1 as pulse outputs.
 #[derive(Default)]
 pub struct PulseOutputs {
-    /// PLS was executed, or a trace wants edges: until then both are idle.
+    /// PLS was executed, or a trace needs edges: until then both are idle.
     used: Cell<bool>,
     outputs: RefCell<[Output; PULSE_OUTPUTS as usize]>,
 }
@@ -60,7 +60,7 @@ impl PulseOutputs {
         self.outputs.borrow().get(usize::from(number)).map_or(0, |output| output.count(now))
     }
 
-    /// When pulse `pulse` of output `number` begins, counted from 1; or a time before it at which one knows more.
+    /// When pulse `pulse` of output `number` begins, counted from 1; or an earlier time at which more is known.
     pub(super) fn time_of_pulse(&self, number: u8, pulse: u64) -> Option<u64> {
         self.outputs.borrow().get(usize::from(number))?.time_of_pulse(pulse)
     }
@@ -86,7 +86,7 @@ impl Cpu {
         self.s7200().filter(|own| own.pulses.used.get()).and_then(due).unwrap_or(crate::schedule::NEVER)
     }
 
-    /// Goes on up to now and raises events.
+    /// Advances to now and raises events.
     pub(crate) fn s7200_poll_pulses(&self) {
         let Some(own) = self.s7200().filter(|own| own.pulses.used.get()) else { return };
         let now = self.clock.now();
@@ -124,7 +124,7 @@ impl Cpu {
         self.s7200().map_or(0, |own| own.pulses.count(number, self.clock.now()))
     }
 
-    /// A trace wants the edges of output `number`, from now on.
+    /// A trace needs the edges of output `number`, from now on.
     pub(crate) fn s7200_record_pulses(&self, number: u8) {
         if let Some(own) = self.s7200() {
             own.pulses.used.set(true);
@@ -132,14 +132,14 @@ impl Cpu {
         }
     }
 
-    /// Takes the edges of output `number` up to `time` that nobody has taken; whether there were more of them than are kept; and the
+    /// Takes the edges of output `number` up to `time` that are not yet taken; whether some were lost; and the
     /// level at `time`, if the generator gave it.
     pub(crate) fn s7200_pulse_edges(&self, number: u8, time: u64) -> (Vec<Edge>, bool, Option<bool>) {
         self.s7200_poll_pulses();
         let taken = self.s7200().and_then(|own| {
             self.with_output(own, number, |output| {
                 let (edges, cut) = output.take_edges(time);
-                // An edge behind `time` tells what was before it.
+                // An edge after `time` shows the level before it.
                 let before = output.noted_edge().map(|edge| !edge.level);
                 (edges, cut, before.or_else(|| output.level(self.clock.now())))
             })
@@ -207,7 +207,7 @@ pub(super) fn control(cpu: &Cpu, operands: &Operands) -> u64 {
         return failed(cpu, operands, error::RANGE);
     };
     own.pulses.used.set(true);
-    // Counters of mode 12 count what came until now.
+    // Counters of mode 12 count the pulses until now.
     cpu.s7200_poll_counters();
     let at = |first: u32| special(register(number, first));
     let control = cpu.memory.byte(at(registers::CONTROL));

@@ -1,7 +1,7 @@
-//! One pulse output: what it does between two looks, and what PLS does to it.
+//! One pulse output: its behaviour between two polls, and the effect of PLS.
 //!
 //! ```text
-//!          PLS, PTO              PLS, PTO: waits behind it
+//!          PLS, PTO              PLS, PTO: waits after it
 //!   idle ------------> pto  <------------------------------
 //!        <------------       end (event), bad cycle time, PLS off
 //!        ------------> pwm   PLS, PWM: new times, at once or at the end of the cycle
@@ -46,7 +46,7 @@ pub struct Edge {
     pub level: bool,
 }
 
-/// What PLS reads from special memory.
+/// The settings that PLS reads from special memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Registers {
     pub control: u8,
@@ -68,7 +68,7 @@ enum State {
     Idle,
     Pto {
         train: Train,
-        /// Waits behind it.
+        /// Waits after it.
         next: Option<Train>,
     },
     Pwm {
@@ -98,7 +98,7 @@ struct Edges {
     list: Vec<Edge>,
     /// Up to when they are known.
     until: u64,
-    /// The level behind the last one, if a generator gave it.
+    /// The level after the last one, if a generator gave it.
     level: Option<bool>,
     /// There were more.
     cut: bool,
@@ -127,7 +127,7 @@ impl Output {
         *self = Output { edges: Edges { wanted, until: now, ..Edges::default() }, ..Output::default() };
     }
 
-    /// Notes the edges of what runs, up to `time`.
+    /// Records the edges of the running train, up to `time`.
     fn record(&mut self, time: u64) {
         let edges = &mut self.edges;
         if edges.wanted && time > edges.until {
@@ -140,7 +140,7 @@ impl Output {
         }
     }
 
-    /// What runs from `time` on begins with this level.
+    /// The train from `time` on begins with this level.
     fn record_level(&mut self, time: u64, image: bool) {
         let level = self.level(time).unwrap_or(image);
         self.edges.until = self.edges.until.max(time);
@@ -153,7 +153,7 @@ impl Output {
         }
     }
 
-    /// Goes on up to `now`; `image` is the level of the output without a generator. Result: trains that have ended.
+    /// Advances to `now`; `image` is the level of the output without a generator. Result: trains that have ended.
     pub fn advance(&mut self, now: u64, image: bool) -> u32 {
         let mut ended = 0;
         while let Some(time) = self.due().filter(|&time| time <= now) {
@@ -186,7 +186,7 @@ impl Output {
         ended
     }
 
-    /// When something changes by itself.
+    /// When the next change is due.
     pub fn due(&self) -> Option<u64> {
         match &self.state {
             State::Idle => None,
@@ -213,7 +213,7 @@ impl Output {
         }
     }
 
-    /// When pulse `number` begins, counted from 1 since RUN began; or a time before it at which one knows more.
+    /// When pulse `number` begins, counted from 1 since RUN began; or an earlier time at which more is known.
     pub fn time_of_pulse(&self, number: u64) -> Option<u64> {
         let pulse = number.checked_sub(self.before)?.checked_sub(1)?;
         match &self.state {
@@ -249,7 +249,7 @@ impl Output {
         sticky | if running { 0 } else { IDLE }
     }
 
-    /// PLS at `now`, up to which the output has gone on; `profile` gives the segments if it starts a profile. `Err`: the non-fatal error.
+    /// PLS at `now`, up to which the output has advanced; `profile` returns the segments if it starts a profile. `Err`: the non-fatal error.
     pub fn control(
         &mut self,
         now: u64,

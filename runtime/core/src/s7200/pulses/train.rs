@@ -46,7 +46,7 @@ impl Segment {
         self.begin(pulse.saturating_add(1)).saturating_sub(self.begin(pulse)) / 2
     }
 
-    /// The pulse at `units` behind the beginning, [`pulses`](Segment::pulses) behind the last one.
+    /// The pulse at `units` after the beginning, [`pulses`](Segment::pulses) after the last one.
     fn pulse_at(&self, units: u64) -> u64 {
         let (mut low, mut high) = (0, self.pulses());
         // `low` has begun, or is 0.
@@ -94,7 +94,7 @@ impl Placed {
         self.segment.pulse_at(self.units(time)).saturating_add(1).min(self.segment.pulses())
     }
 
-    /// When `pulse` begins; `None`: it has no such pulse.
+    /// When `pulse` begins; `None`: it does not have this pulse.
     pub fn begin(&self, pulse: u64) -> Option<u64> {
         (pulse < self.segment.pulses()).then(|| self.at(self.segment.begin(pulse)))
     }
@@ -106,7 +106,7 @@ impl Placed {
         time >= self.start && pulse < self.segment.pulses() && since < self.segment.high(pulse)
     }
 
-    /// Edges behind `from`, up to `to`, in order.
+    /// Edges after `from`, up to `to`, in order.
     pub fn edges(&self, from: u64, to: u64) -> impl Iterator<Item = (u64, bool)> + use<> {
         let placed = *self;
         let first = placed.segment.pulse_at(placed.units(from));
@@ -152,7 +152,7 @@ impl Train {
         if self.profile { u8::try_from(self.index + 1).unwrap_or(u8::MAX) } else { 0 }
     }
 
-    /// Goes on to the next segment, which begins at `start`. False: there is none.
+    /// Advances to the next segment, which begins at `start`. False: there is none.
     pub fn next(&mut self, start: u64) -> bool {
         self.index += 1;
         self.start = start;

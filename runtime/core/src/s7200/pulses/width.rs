@@ -12,7 +12,7 @@ pub(super) struct Pwm {
 }
 
 impl Pwm {
-    /// Cycle and width in units of so many nanoseconds.
+    /// Cycle and width, in units of this many nanoseconds.
     pub fn new(cycle: u16, width: u16, unit: u64, start: u64) -> Pwm {
         let unit = unit.max(1);
         let nanoseconds = |units: u16| u64::from(units).saturating_mul(unit);
@@ -46,7 +46,7 @@ impl Pwm {
         self.cycle_begin(self.cycles(time).saturating_add(1))
     }
 
-    /// Pulses that have begun at `time`. What begins with a cycle that new times end is theirs.
+    /// Pulses that have begun at `time`. A pulse that begins when new times end a cycle belongs to the new times.
     pub fn begun(&self, time: u64) -> u64 {
         if self.has_pulses() && time >= self.start { self.cycles(time).saturating_add(1) } else { 0 }
     }
@@ -60,7 +60,7 @@ impl Pwm {
         time.saturating_sub(self.start) % self.cycle < self.width
     }
 
-    /// Edges behind `from`, up to `to`, in order.
+    /// Edges after `from`, up to `to`, in order.
     pub fn edges(&self, from: u64, to: u64) -> impl Iterator<Item = (u64, bool)> + use<> {
         let pwm = *self;
         let last = if pwm.has_pulses() { pwm.cycles(to).saturating_add(1) } else { 0 };

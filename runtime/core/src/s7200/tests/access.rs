@@ -15,7 +15,7 @@ fn a_block_from_analog_inputs_asks_the_modules() {
     cpu.driver.set_input(ANALOG_ADDRESS + 4, 2, 0x5678);
     assert_eq!(run(&cpu, Operation::CopyBlock, &[AI + 2, V, 2, 2]), DONE);
     assert_eq!(cpu.memory.dword(V), 0x1234_5678);
-    // A word that nobody reads is not asked for.
+    // A word is not requested if nothing reads it.
     cpu.driver.set_input(ANALOG_ADDRESS + 6, 2, 7);
     assert_eq!(run(&cpu, Operation::CopyBlock, &[AI + 2, V, 2, 2]), DONE);
     assert_eq!(cpu.memory.word(AI + 6), 0);
@@ -79,7 +79,7 @@ fn senseless_operands_do_no_harm() {
         }
         assert_eq!(cpu.memory.host64(state::CPU), own, "{operation:?}");
         assert_eq!(cpu.memory.db(1), (V, V_BYTES), "{operation:?}");
-        // The byte behind V memory is of no area.
+        // The byte after V memory is of no area.
         assert_eq!(cpu.memory.byte(V + V_BYTES), 0, "{operation:?}");
     }
 }

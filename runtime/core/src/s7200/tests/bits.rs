@@ -35,7 +35,7 @@ fn a_run_stays_in_its_area() {
     assert_eq!(run(&cpu, Operation::WriteBits, &[last, 0, 1]), FAILED);
     assert_eq!(run(&cpu, Operation::WriteBits, &[8 * V, 256, 1]), FAILED);
     assert_eq!(cpu.memory.byte(V + V_BYTES - 1), 0xF0);
-    // M ends with M31.7, though there is memory behind it.
+    // M ends with M31.7, though there is memory after it.
     assert_eq!(run(&cpu, Operation::WriteBits, &[8 * (layout::M + 31) + 7, 1, 1]), DONE);
     assert_eq!(run(&cpu, Operation::WriteBits, &[8 * (layout::M + 31) + 7, 2, 1]), FAILED);
     assert_eq!(run(&cpu, Operation::WriteBits, &[8 * (SYSTEM + system::S + 31), 8, 1]), DONE);

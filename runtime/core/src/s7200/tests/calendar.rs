@@ -128,7 +128,7 @@ fn settings_are_read_back() {
     }
 }
 
-/// Sets the clock to one second before the hour, in a mode; gives hour and day of the month one second later.
+/// Sets the clock to one second before the hour, in a mode; returns hour and day of the month one second later.
 fn next_hour(settings: [u8; 11], [month, day, hour]: [u8; 3]) -> (u8, u8) {
     let cpu = cpu();
     assert_eq!(set_extended(&cpu, [0x26, month, day, hour, 0x59, 0x59, 0, 1], settings), DONE);

@@ -31,7 +31,7 @@ pub const DONE: u64 = result::ENO;
 /// It failed.
 pub const FAILED: u64 = 0;
 
-/// It ran without error and gives a value.
+/// It ran without error and returns a value.
 pub fn gives(value: u32) -> u64 {
     u64::from(value) << 32 | result::ENO | result::VALUE
 }

@@ -70,7 +70,7 @@ fn without_integral_or_gain() {
 fn the_change_to_automatic_is_bumpless() {
     let cpu = cpu();
     let table = [0.5, 0.75, 0.25, 1.0, 1.0, 1.0, 0.0, 0.0, 0.125];
-    // In the first scan the loop goes on as if it had run.
+    // In the first scan the loop continues as if it had run.
     put(&cpu, table);
     assert_eq!(execute(&cpu, 1), DONE);
     assert_eq!(field(&cpu, 4), 0.75);
@@ -84,7 +84,7 @@ fn the_change_to_automatic_is_bumpless() {
     cpu.memory.set_dword(V + 4, 0.75f32.to_bits());
     assert_eq!(execute(&cpu, 1), DONE);
     assert_eq!(field(&cpu, 4), 0.75);
-    // Other loops have a history of their own.
+    // Other loops have their own history.
     assert_eq!(run(&cpu, Operation::Pid, &[V, 7, 0]), FAILED);
     assert_eq!(execute(&cpu, 1), DONE);
     assert_eq!(field(&cpu, 4), 0.75);

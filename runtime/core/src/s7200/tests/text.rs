@@ -12,7 +12,7 @@ fn dotted(cpu: &Cpu, count: u32) -> String {
     String::from_utf8(v_bytes(cpu, 0, count)).unwrap().replace(' ', ".")
 }
 
-/// What a number becomes, of so many characters; `None`: it failed, and blanks stand there.
+/// A number converted to text of fixed length; `None`: it failed and wrote blanks.
 fn converted(operation: Operation, bits: u32, format: u32, count: u32) -> Option<String> {
     let cpu = cpu();
     load_v(&cpu, 0, &[b'#'; 20]);
@@ -193,7 +193,7 @@ fn hex_to_ascii() {
     assert_eq!(run(&cpu, Operation::HexToAscii, &[V + V_BYTES - 1, V, 2]), DONE);
 }
 
-/// What the text gives from position 1 on.
+/// The value of the text from position 1 on.
 fn read(operation: Operation, text: &str) -> u64 {
     let cpu = cpu();
     put_string(&cpu, 0, text);
@@ -267,7 +267,7 @@ fn strings_become_reals() {
 #[test]
 fn numbers_are_read_from_a_position_on() {
     let cpu = cpu();
-    // As an example of the manual: the number begins behind words.
+    // As an example of the manual: the number begins after words.
     put_string(&cpu, 0, "Temp  98.6C");
     assert_eq!(run(&cpu, Operation::StringToInt, &[V, 7]), gives(98));
     assert_eq!(run(&cpu, Operation::StringToReal, &[V, 7]), gives(98.6f32.to_bits()));

@@ -165,6 +165,6 @@ fn pulses_that_cannot_be() {
     };
     assert!(message("\"I2.0\" = { count = 1, frequency = 10 }").starts_with("s.toml:3: `I2.0` takes no pulses"));
     assert!(message("HSC6 = { count = 1, frequency = 10 }").starts_with("s.toml:3: `HSC6` takes no pulses"));
-    assert!(message("HSC1 = { count = 1, frequency = 0 }").contains("is no frequency"));
+    assert!(message("HSC1 = { count = 1, frequency = 0 }").contains("is not a frequency"));
     assert!(message("\"I0.0\" = { count = 1, frequency = 1, backward = true }").contains("no direction"));
 }

@@ -55,7 +55,7 @@ impl Bench {
         self.bank.look(&look).0
     }
 
-    /// Inputs change, a millisecond later; gives the events.
+    /// Inputs change, a millisecond later; returns the events.
     pub fn set(&mut self, pins: &[(u8, bool)]) -> Vec<u8> {
         self.time += 1_000_000;
         for &(pin, on) in pins {
@@ -64,7 +64,7 @@ impl Bench {
         self.events()
     }
 
-    /// An input goes on and off; gives the events.
+    /// An input goes on and off; returns the events.
     pub fn pulse(&mut self, pin: u8) -> Vec<u8> {
         let mut events = self.set(&[(pin, true)]);
         events.extend(self.set(&[(pin, false)]));

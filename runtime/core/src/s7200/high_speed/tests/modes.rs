@@ -1,4 +1,4 @@
-//! What each mode counts, by single edges.
+//! The counting of each mode, tested with single edges.
 
 use plcc_abi::s7200::error;
 use plcc_abi::s7200::image::CpuRow;
@@ -139,7 +139,7 @@ fn direction_by_an_input() {
     assert_eq!(bench.status(1), 0);
     bench.pulse(CLOCK);
     assert_eq!(bench.current(1), 1);
-    // The first clock tells of an input that was low from the start.
+    // The first clock shows that an input was low from the start.
     let mut bench = Bench::counter(1, 3, UP, 0, 100);
     assert_eq!(bench.pulse(CLOCK), [14]);
     assert_eq!(bench.current(1), -1);
@@ -157,7 +157,7 @@ fn two_clocks() {
     // Both at once count nothing and change no direction.
     assert!(bench.set(&[(CLOCK, true), (SECOND, true)]).is_empty());
     assert_eq!((bench.current(1), bench.status(1)), (0, 0));
-    // What happens at once is in the order of the numbers.
+    // Simultaneous events are in the order of their numbers.
     bench.set(&[(CLOCK, false), (SECOND, false)]);
     bench.control(1, 0xA0, 0, 1);
     assert_eq!(bench.pulse(CLOCK), [13, 14]);
@@ -187,7 +187,7 @@ fn quadrature_four_times() {
     assert_eq!(bench.current(1), 3);
     BACKWARD[1..].iter().for_each(|&edge| assert!(bench.set(&[edge]).is_empty()));
     assert_eq!(bench.current(1), 0);
-    // Both at once tell no direction.
+    // Both at once have no direction.
     bench.set(&[(CLOCK, true), (SECOND, true)]);
     assert_eq!(bench.current(1), 0);
 }
