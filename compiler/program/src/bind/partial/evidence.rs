@@ -114,7 +114,7 @@ impl Shape {
         &mut self.members[at].1
     }
 
-    /// An element of the array; an index that is not a constant is none.
+    /// An element of the array; `indices`: `None` for those that are not constants.
     pub fn element(&mut self, indices: &[Option<i64>]) -> &mut Shape {
         let elements = self
             .elements
