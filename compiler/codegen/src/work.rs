@@ -77,7 +77,7 @@ impl Loaded {
     }
 }
 
-/// Number of jumps that close a loop: those to a block that reverse postorder does not put after the jump. Where blocks happen to stand says
+/// Number of jumps that close a loop: those to a block that reverse postorder does not put after the jump. The positions of blocks say
 /// nothing about loops.
 pub fn jumps_back(function: &Function) -> usize {
     let flow = ControlFlow::new(function);

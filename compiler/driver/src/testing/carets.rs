@@ -72,7 +72,7 @@ pub fn mark_of(diagnostic: &Diagnostic, sources: &SourceMap) -> Mark {
     Mark { line, start, end: end.max(start + 1), code: diagnostic.code }
 }
 
-/// Compares the marks of a file with its messages. Returns the number of marks that came, and a line for each difference.
+/// Compares the marks of a file with its messages. Returns the number of matched marks, and a line for each difference.
 pub fn compare(marks: &[Mark], diagnostics: &[Diagnostic], sources: &SourceMap) -> (u32, Vec<String>) {
     let mut missing = marks.to_vec();
     let mut failures = Vec::new();

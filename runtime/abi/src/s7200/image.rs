@@ -1,8 +1,8 @@
-//! What the image of an S7-200 program has beside blocks and DB 1.
+//! Data of an S7-200 program in addition to blocks and DB 1.
 
 use serde::{Deserialize, Serialize};
 
-/// What the compiler tells of the program.
+/// The compiler's description of the program.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct S7200Image {
     /// Timers that are used, by number; numbers tell their resolution.

@@ -1,6 +1,6 @@
-//! S7-200: memory of its own, operations that the runtime does, what an image tells of such a program.
+//! S7-200: its own memory, operations of the runtime, and the description of a program in its image.
 //!
-//! V memory is DB 1. I, Q, M and L lie where they are in every CPU; what the other families do not have is the
+//! V memory is DB 1. I, Q, M and L are at the same offsets as in every CPU; the areas that other families do not have are the
 //! [`layout::SYSTEM`](crate::layout::SYSTEM) area, whose parts are the offsets of [`system`].
 
 mod errors;
@@ -62,7 +62,7 @@ pub mod system {
     pub const EDGES_MAX: u32 = 0xE000;
 }
 
-/// Area tags of pointers, the high byte; the rest is the byte offset in the area. Words of timers and counters lie two bytes apart.
+/// Area tags of pointers, the high byte; the rest is the byte offset in the area. Words of timers and counters are two bytes apart.
 /// A pointer literal of another origin has another tag, and is an error.
 pub mod pointer {
     pub const I: u8 = 0x01;

@@ -97,7 +97,7 @@ impl Observer for Nobody {
     fn after(&mut self, _: &Cpu, _: u64, _: u64) {}
 }
 
-/// Runs so many cycles of 10 ms.
+/// Runs this many cycles of 10 ms.
 pub fn run(cpu: &Cpu, cycles: u64) {
     run_observed(cpu, cycles, &mut Nobody);
 }

@@ -87,7 +87,7 @@ impl Cpu {
             }
             match Stream::open(&wanted.link) {
                 Ok(stream) => port.stream = Some(stream),
-                // A closed standard error is no reason to stop a plant.
+                // A closed standard error must not stop a plant.
                 Err(message) => drop(writeln!(std::io::stderr(), "runtime: port {}: {message}", wanted.number)),
             }
         }

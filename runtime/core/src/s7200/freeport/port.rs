@@ -20,7 +20,7 @@ pub enum Happened {
     Nothing,
     /// A character outside of RCV.
     Character { byte: u8, faulty: bool },
-    /// A message goes on or ends.
+    /// A message continues or ends.
     Message { table: u32, byte: u8, step: Step },
     /// XMT has ended.
     Transmitted,

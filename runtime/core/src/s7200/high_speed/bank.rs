@@ -33,7 +33,7 @@ pub(super) struct Look {
 }
 
 impl Bank {
-    /// RUN begins: no counter is defined. Trains go on.
+    /// RUN begins: no counter is defined. Trains continue.
     pub fn start(&mut self, time: u64, levels: u16) {
         self.counters = [None; COUNTERS];
         self.time = time;
