@@ -1,4 +1,4 @@
-//! Complete programs of which parts are taken away: with `--partial` the rest must build and run. Parts are files, blocks, declared
+//! Complete programs with parts removed: with `--partial` the rest must build and run. Parts are files, blocks, declared
 //! variables, rows of tables and constants. No error may come, nothing may panic, the IR must be valid, and three cycles must run.
 //!
 //! `PLCC_RANDOM_PARTIAL=N` sets how many programs are tried, `PLCC_RANDOM_PARTIAL_FROM` the first of them; `PLCC_RANDOM_PARTIAL_ALL` continues after one that fails.

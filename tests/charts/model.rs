@@ -358,7 +358,7 @@ impl Model {
     /// Phase 1: the step that is shown.
     fn display(&mut self, edge: &dyn Fn(Input) -> bool, s_sel: i16) {
         let manual = self.mode == Mode::Manual;
-        // choice: a change of S_SEL outside of manual mode is not a change later.
+        // choice: a change of S_SEL outside manual mode is not a change later.
         let changed = std::mem::replace(&mut self.s_sel_old, s_sel) != s_sel;
         if manual && changed {
             // choice: a number that no step has changes nothing.
@@ -615,7 +615,7 @@ impl Model {
         fired
     }
 
-    /// Transitions in the order in which they are checked. It matters where they have no FROM step in common.
+    /// Transitions in the order in which they are checked. It matters where they share no FROM step.
     ///
     /// choice: as their owners were activated; after them joins with a rival, and their rivals.
     fn walk(&self) -> Vec<usize> {

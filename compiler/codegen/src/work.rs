@@ -8,7 +8,7 @@ use plcc_ir::entities::Entity;
 use plcc_ir::{Block, Function, InstData, Region};
 use rustc_hash::FxHashMap;
 
-/// A value that a jump brings to a block is so much more work for register allocation than an instruction: it is tied to those of the other
+/// A value that a jump passes to a block is this much more work for register allocation than an instruction: it is tied to those of the other
 /// jumps, and they are pulled apart again one by one.
 const ARGUMENT_WORK: usize = 5;
 

@@ -104,7 +104,7 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
         cycle_time: options.cycle_time.map_or_else(|| cpu.cycle_time(), |time| time.0),
         hang_limit: options.hang_limit.unwrap_or(HANG_LIMIT_DEFAULT).0,
     };
-    // Also with --quiet: whoever looks at the values must know.
+    // Also with --quiet: the user must know this to judge the values.
     for notice in &cpu.image.notices {
         say!("{notice}");
     }

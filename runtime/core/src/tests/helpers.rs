@@ -23,7 +23,7 @@ pub struct Closures(pub Vec<Block>);
 
 impl Code for Closures {
     fn call(&self, entry: u32, mem: *mut u8, lbase: u32, _vbase: u32) {
-        // SAFETY: the runtime gives the base of its own memory.
+        // SAFETY: the runtime passes the base of its own memory.
         let cpu = unsafe { Cpu::of(mem) };
         (self.0[entry as usize])(cpu, lbase);
     }

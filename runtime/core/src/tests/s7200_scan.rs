@@ -242,7 +242,7 @@ fn values_from_outside() {
     for name in ["T37", "T37.VALUE", "C50", "C50.VALUE", "HC0"] {
         assert!(set(name, "0").unwrap_err().contains("set"), "{name}");
     }
-    // What an output gives, raw and in its unit.
+    // The value of an output, raw and in its unit.
     assert!(!cpu.peripheral_write(ANALOG_ADDRESS, 2, 16_000));
     assert_eq!((read("AQW0"), cpu.memory.word(SM + system::AQ)), (16_000, 16_000));
     let volts = Source::find("AQW0 in V", &cpu.image, None).unwrap();
