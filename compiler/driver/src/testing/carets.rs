@@ -136,7 +136,7 @@ mod tests {
         let message = |range| Diagnostic::new(Code::OperandKind, Span::new(file, range), "no");
         assert_eq!(compare(&marks, &[message(12..17)], &sources), (1, vec![]));
         assert_eq!(compare(&marks, &[message(12..16)], &sources).1.len(), 2);
-        assert_eq!(compare(&marks, &[], &sources).1, ["did not come: P0203 at 1:13-18"]);
+        assert_eq!(compare(&marks, &[], &sources).1, ["missing: P0203 at 1:13-18"]);
         // An empty span, or one beyond the end of the line, is marked too.
         assert_eq!(mark_of(&message(17..17), &sources).end, 19);
         assert_eq!(mark_of(&message(12..60), &sources).end, 18);
