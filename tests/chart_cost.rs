@@ -15,7 +15,7 @@ const INSTANCES: usize = 2;
 const WARM_UP: u64 = 10;
 const CYCLES: u64 = 100;
 
-/// The IR in its interpreter, which this file can ask.
+/// The IR in its interpreter, which this file can measure.
 struct Counted {
     interpreter: Interpreter,
     entries: Vec<FuncId>,

@@ -337,7 +337,7 @@ fn work(shape: &Shape, size: usize, level: Level) -> (u64, u64) {
     plcc_driver::on_large_stack(run).expect("no panic")
 }
 
-/// Maximum factor of work for four times the size. Proportional work gives 4, quadratic 16.
+/// Maximum factor of work for four times the size. Proportional work yields 4, quadratic 16.
 const FACTOR_MAX: f64 = 11.0;
 
 #[test]

@@ -1,7 +1,7 @@
-//! Complete programs of which parts are taken away: with `--partial` the rest must build and run. Parts are files, blocks, declared
+//! Complete programs with parts removed: with `--partial` the rest must build and run. Parts are files, blocks, declared
 //! variables, rows of tables and constants. No error may come, nothing may panic, the IR must be valid, and three cycles must run.
 //!
-//! `PLCC_RANDOM_PARTIAL=N` sets how many programs are tried, `PLCC_RANDOM_PARTIAL_FROM` the first of them; `PLCC_RANDOM_PARTIAL_ALL` goes on after one that fails.
+//! `PLCC_RANDOM_PARTIAL=N` sets how many programs are tried, `PLCC_RANDOM_PARTIAL_FROM` the first of them; `PLCC_RANDOM_PARTIAL_ALL` continues after one that fails.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -80,7 +80,7 @@ fn whole(path: &Path) -> Option<Parsed> {
     Some(pipeline::parse(read, &settings))
 }
 
-/// Takes parts away; a line for each.
+/// Removes parts; returns a line for each.
 fn take_away(parsed: &mut Parsed, chance: &mut Chance) -> Vec<String> {
     let mut gone = Vec::new();
     if parsed.units.len() > 1 && chance.one_in(3) {

@@ -85,7 +85,7 @@ fn print_rows(kind: &Rings, sizes: &[usize]) {
 }
 
 fn main() {
-    // `cargo test --benches` asks whether it works, not how fast it is.
+    // `cargo test --benches` checks that it works, not its speed.
     if !std::env::args().any(|argument| argument == "--bench") {
         let kind = Rings { steps: 5, rings: 1, interface: "Minimum", supervised: true, switching: true };
         Timed::new(&kind, true).run();

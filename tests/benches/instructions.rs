@@ -541,7 +541,7 @@ fn print_pairs() {
 }
 
 fn main() {
-    // `cargo test --benches` asks whether it works, not how fast it is.
+    // `cargo test --benches` checks that it works, not its speed.
     if std::env::args().any(|argument| argument == "--bench") {
         print_table();
         print_pairs();

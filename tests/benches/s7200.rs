@@ -330,7 +330,7 @@ fn print_idle_scan() {
 }
 
 fn main() {
-    // `cargo test --benches` asks whether it works, not how fast it is.
+    // `cargo test --benches` checks that it works, not its speed.
     if !std::env::args().any(|argument| argument == "--bench") {
         return KERNELS.iter().for_each(|kernel| drop(compile(kernel, true)));
     }

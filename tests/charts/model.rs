@@ -358,7 +358,7 @@ impl Model {
     /// Phase 1: the step that is shown.
     fn display(&mut self, edge: &dyn Fn(Input) -> bool, s_sel: i16) {
         let manual = self.mode == Mode::Manual;
-        // choice: a change of S_SEL outside of manual mode is not a change later.
+        // choice: a change of S_SEL outside manual mode is not a change later.
         let changed = std::mem::replace(&mut self.s_sel_old, s_sel) != s_sel;
         if manual && changed {
             // choice: a number that no step has changes nothing.
@@ -395,7 +395,7 @@ impl Model {
         }
     }
 
-    /// Phase 3: events of the last call end, times go on.
+    /// Phase 3: events of the last call end, times continue.
     fn time(&mut self, dt: i64, memory: &mut Memory) {
         // choice: TS holds for its call; TV and TT of a transition hold until its owner, the first of its FROM steps, has been left.
         for (transition, state) in self.chart.transitions.iter().zip(&mut self.transitions) {
@@ -541,7 +541,7 @@ impl Model {
 
     /// Phase 9: enters steps, or those that come instead of them, once each. Source: D.9, skip steps.
     ///
-    /// choice: steps are skipped however they would be entered, where transitions may fire. The time of such a step begins with 0. The
+    /// choice: steps are skipped however they would be entered, where transitions may fire. The time of this step begins with 0. The
     /// first satisfied transition by priority counts; its TS stays 0, and its steps come in place of that one.
     fn enter_all(&mut self, steps: Vec<usize>, may_skip: bool, memory: &Memory) {
         let mut met = vec![false; self.steps.len()];
@@ -615,7 +615,7 @@ impl Model {
         fired
     }
 
-    /// Transitions in the order in which they are checked. It matters where they have no FROM step in common.
+    /// Transitions in the order in which they are checked. It matters where they share no FROM step.
     ///
     /// choice: as their owners were activated; after them joins with a rival, and their rivals.
     fn walk(&self) -> Vec<usize> {
@@ -742,7 +742,7 @@ impl Model {
             | Action::TimerStop(_)
                 if !interlock => {}
             Action::N(bit) => {
-                // choice: zeroed operands are 0 also in event N rows; other rows go on.
+                // choice: zeroed operands are 0 also in event N rows; other rows continue.
                 memory.set(bit, !self.zeroed);
                 self.pulses.push(bit);
             }

@@ -1,4 +1,4 @@
-//! Compiles a chart with its caller, runs it and compares it with the model after each cycle.
+//! Compiles a chart with its caller, runs it, and compares it with the model after each cycle.
 
 use std::rc::Rc;
 

@@ -17,7 +17,7 @@ use crate::{damage, number};
 /// Processor time that no file takes.
 const LIMIT: Duration = Duration::from_secs(20);
 
-/// Tables in forms of which the project has no file, with their endings.
+/// Tables in forms without a file in the project, with their extensions.
 const TABLES: &[(&str, &str)] = &[
     (
         "asc",

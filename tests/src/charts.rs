@@ -1,4 +1,4 @@
-//! Charts of any size for measurements, as GRAPH source text: rings of steps, in each of which one step is active.
+//! Charts of any size for measurements, as GRAPH source text: rings of steps with one active step each.
 
 use std::fmt::Write as _;
 

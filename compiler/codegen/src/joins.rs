@@ -42,7 +42,7 @@ impl Joins {
         Joins { jumps, gates: FxHashMap::default(), order: Vec::new() }
     }
 
-    /// Where the next jump to `block` goes, of which `made` was made: there, or to a gate.
+    /// Where the next jump to `block` goes, after `made` jumps: there, or to a gate.
     pub fn entrance(&mut self, b: &mut FunctionBuilder<'_>, block: Block, made: ir::Block) -> ir::Block {
         if self.jumps[block.index()] <= JUMPS_MAX {
             return made;

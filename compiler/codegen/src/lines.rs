@@ -1,6 +1,6 @@
 //! DWARF line tables of an object file.
 //!
-//! A debugger shows the statement at which the program stands and steps from statement to statement. In addition to the line table
+//! A debugger shows the statement at which the program is and steps from statement to statement. In addition to the line table
 //! there is one entry for each function, with the name of its block (`FC12`). File names are written as the module
 //! has them; relative ones count from where the debugger runs.
 

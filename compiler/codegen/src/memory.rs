@@ -71,7 +71,7 @@ impl AliasClass {
     }
 }
 
-/// An address whose base is settled: `pointer + offset`.
+/// An address with a known base: `pointer + offset`.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     pointer: Value,

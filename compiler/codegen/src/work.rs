@@ -8,7 +8,7 @@ use plcc_ir::entities::Entity;
 use plcc_ir::{Block, Function, InstData, Region};
 use rustc_hash::FxHashMap;
 
-/// A value that a jump brings to a block is so much more work for register allocation than an instruction: it is tied to those of the other
+/// A value that a jump passes to a block is this much more work for register allocation than an instruction: it is tied to those of the other
 /// jumps, and they are pulled apart again one by one.
 const ARGUMENT_WORK: usize = 5;
 
@@ -77,7 +77,7 @@ impl Loaded {
     }
 }
 
-/// Number of jumps that close a loop: those to a block that reverse postorder does not put after the jump. Where blocks happen to stand says
+/// Number of jumps that close a loop: those to a block that reverse postorder does not put after the jump. The positions of blocks say
 /// nothing about loops.
 pub fn jumps_back(function: &Function) -> usize {
     let flow = ControlFlow::new(function);

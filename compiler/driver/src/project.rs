@@ -315,7 +315,7 @@ impl Context {
         }
     }
 
-    /// The modules of the station, and those that `[[module]]` gives by their addresses.
+    /// The modules of the station, and those that `[[module]]` describes with their addresses.
     fn modules(&mut self, mut modules: Vec<Module>, keys: &[ModuleKeys]) -> Vec<Module> {
         for module in keys {
             let (input_start, input_bytes) = self.addresses(module.inputs.as_ref());

@@ -49,7 +49,7 @@ fn wrong_flags_are_usage_errors() {
         (&["--scenario", "missing.toml"], "missing.toml"),
         (&["--scenario", "pipe.toml"], "pipe.toml: a pipe, a socket or a device"),
         (&["--scenario", "/dev/zero"], "/dev/zero: a pipe, a socket or a device"),
-        (&["--scenario", "."], "a folder, or a link to one"),
+        (&["--scenario", "."], "a folder or a link to one"),
         (&["--trace", "pipe.csv"], "pipe.csv: a pipe, a socket or a device"),
     ] {
         let errors = both(folder, flags, 2);

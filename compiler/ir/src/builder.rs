@@ -71,7 +71,7 @@ impl Join {
 pub struct FunctionBuilder {
     function: Function,
     vars: EntityVec<Var, VarState>,
-    /// Values of variables at the ends of blocks, besides the latest ones.
+    /// Values of variables at the ends of blocks, except the latest ones.
     known: FxHashMap<(Var, Block), Value>,
     states: EntityVec<Block, BlockState>,
     paths: Paths,
@@ -310,7 +310,7 @@ impl FunctionBuilder {
         clean.map(|step| step.to)
     }
 
-    /// Reads `var` at the end of every predecessor of every join, and of those that turn up on the way. The joins stand
+    /// Reads `var` at the end of every predecessor of every join, and of those found on the way. The joins are
     /// in a list and not on the stack of the host, since blocks can have thousands of them in a row. `found` is a value for the
     /// last join. Returns the value of the first one.
     fn complete_joins(&mut self, var: Var, mut joins: Vec<Join>, found: Option<Value>) -> Value {

@@ -11,7 +11,7 @@ use crate::entities::{Block, Entity, EntityVec, Value};
 use crate::function::{BlockData, Function, ValueData, ValueDef};
 
 impl Function {
-    /// Makes the function canonical: drops instructions outside of blocks, aliases, and blocks that are not laid out.
+    /// Makes the function canonical: drops instructions outside blocks, aliases, and blocks that are not laid out.
     /// Values that are used but defined nowhere, which the verifier would reject, are kept after the others.
     pub fn renumber(&mut self) {
         self.resolve_aliases();

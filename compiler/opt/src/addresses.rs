@@ -178,7 +178,7 @@ impl Resolver<'_> {
         (anywhere && self.is_inside(&direct, bytes)).then_some(direct)
     }
 
-    /// True if a direct access is in its region, as the verifier asks for.
+    /// True if a direct access is in its region, as the verifier requires.
     fn is_inside(&self, addr: &Address, bytes: u32) -> bool {
         let limit = match addr.region {
             Region::State | Region::I | Region::Q | Region::M | Region::System => layout::AREA_BYTES,

@@ -380,7 +380,7 @@ impl Forward<'_> {
             if whole_type == ty {
                 return Some(whole);
             }
-            // An i32 of which an f32 is read.
+            // An i32 that is read as an f32.
             let same_width = whole_type.bits() == ty.bits() && whole_type.is_int() != ty.is_int();
             return same_width.then(|| self.emit(InstData::Convert { op: ConvertOp::Bitcast, arg: whole }, ty));
         }

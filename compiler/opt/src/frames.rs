@@ -67,7 +67,7 @@ fn is_given_away(function: &Function, is_local: &dyn Fn(Region) -> bool) -> bool
     if !insts().any(|&inst| is_source(&function.insts[inst])) {
         return false;
     }
-    // Values computed from an address. Definitions come before uses, except where blocks are laid out otherwise: such a use counts
+    // Values computed from an address. Definitions come before uses, except with another block order: that use counts
     // as giving it away.
     let mut derived = vec![false; function.values.len()];
     for &inst in insts() {

@@ -192,7 +192,7 @@ fn address_in_caller(addr: Address, frame_bytes: u32) -> Address {
     }
 }
 
-/// Removes functions all calls of which have been inlined.
+/// Removes functions whose calls have all been inlined.
 fn remove_uncalled(module: &mut Module, before: &CallGraph) {
     let mut is_needed = vec![false; module.functions.len()];
     for (id, function) in module.functions.iter() {

@@ -1,6 +1,6 @@
 //! The table of runtime functions that generated code calls.
 //!
-//! One row gives the name, the parameters and the result; the linker symbol is `plcc_rt_` + name. The runtime defines
+//! One row defines the name, the parameters and the result; the linker symbol is `plcc_rt_` + name. The runtime defines
 //! each as `extern "C"`; unless a row is `pure`, a pointer to the memory base is before the listed parameters.
 //! A `site` is an index into the sites of the program image.
 //! `i1`, `i8` and `i16` never cross this border: bits and bytes travel as `i32`, 0 or 1 for a bit.

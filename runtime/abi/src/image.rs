@@ -385,7 +385,7 @@ pub struct ErrorSlot {
     pub offset: u32,
 }
 
-/// Everything the runtime must know about a program besides its code.
+/// Everything about a program that the runtime needs, except its code.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProgramImage {
     pub name: String,

@@ -69,7 +69,7 @@ pub mod state {
     pub const RETURN_VALUES: u32 = 0x100;
 }
 
-/// The CPU registers that a block call hands over and brings back, in the order of their slots in
+/// The CPU registers that a block call passes and returns, in the order of their slots in
 /// [`state::REGISTERS`]. /FC, OR, STA, OS have fixed values at block borders and are not among them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]

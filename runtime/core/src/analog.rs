@@ -156,7 +156,7 @@ impl Scale {
         ChannelScale::new(channel, unit).map(Scale::Channel)
     }
 
-    /// The word that an input shows, or that gives this value at an output.
+    /// The word that an input shows, or that produces this value at an output.
     pub fn word(&self, value: f64) -> i16 {
         match self {
             Scale::Channel(scale) => scale.word(value),
@@ -224,7 +224,7 @@ impl ChannelScale {
         Ok(ChannelScale { range, bits: channel.bits, wire_break: channel.wire_break, unit })
     }
 
-    /// The word that an input shows, or that gives this value at an output.
+    /// The word that an input shows, or that produces this value at an output.
     pub fn word(&self, value: f64) -> i16 {
         let exact = match self.unit {
             Unit::Percent => value / 100.0 * f64::from(NOMINAL),

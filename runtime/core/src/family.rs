@@ -4,7 +4,7 @@ use crate::cpu::Cpu;
 use crate::cycle::CycleTimes;
 use crate::schedule::NEVER;
 
-/// The hooks of startup, cycle and interrupts. They are called in the order in which they are listed.
+/// The hooks of startup, cycle and interrupts. They are called in this order.
 pub(crate) trait Family {
     /// The CPU is switched on. Its inputs have no values yet.
     fn power_on(&self, _cpu: &Cpu) {}
@@ -27,7 +27,7 @@ pub(crate) trait Family {
     /// The outputs of the cycle are written.
     fn end_cycle(&self, _cpu: &Cpu) {}
 
-    /// The CPU has stopped; the driver knows it.
+    /// The CPU has stopped, and the driver has been told to stop.
     fn stop_outputs(&self, _cpu: &Cpu) {}
 
     /// The run ends, in STOP or because the last cycle has ended.

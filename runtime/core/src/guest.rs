@@ -42,7 +42,7 @@ pub fn read(mem: *mut u8, offset: u32, buf: &mut [u8]) {
     }
 }
 
-/// Writes `bytes` at `offset` from the memory base, for an interpreter; nothing is written outside of the memory.
+/// Writes `bytes` at `offset` from the memory base, for an interpreter; nothing is written outside the memory.
 #[allow(clippy::not_unsafe_ptr_arg_deref)] // An interpreter passes on what the runtime gave it.
 pub fn write(mem: *mut u8, offset: u32, bytes: &[u8]) {
     // SAFETY: the runtime passed `mem` to `Code::call`.

@@ -24,12 +24,12 @@ pub fn tan(x: f32) -> f32 {
     single(f64::from(x).tan())
 }
 
-/// -π/2..π/2; NaN outside of -1..1.
+/// -π/2..π/2; NaN outside -1..1.
 pub fn asin(x: f32) -> f32 {
     single(f64::from(x).asin())
 }
 
-/// 0..π; NaN outside of -1..1.
+/// 0..π; NaN outside -1..1.
 pub fn acos(x: f32) -> f32 {
     single(f64::from(x).acos())
 }

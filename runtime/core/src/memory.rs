@@ -1,7 +1,7 @@
 //! PLC memory: the one allocation that holds all areas, with big-endian access.
 //!
 //! Generated code reaches it through the raw base pointer, so nothing here ever makes a reference into it. An offset
-//! outside of the allocation ends in the scratch area: the runtime computes none, but a wrong image must not do harm.
+//! outside the allocation ends in the scratch area: the runtime computes none, but a wrong image must not do harm.
 
 use std::alloc::{Layout, alloc_zeroed, dealloc, handle_alloc_error};
 use std::sync::atomic::{AtomicU32, Ordering};

@@ -28,7 +28,7 @@ pub const EXIT_FAULT: u8 = 1;
 /// A flag or file is wrong.
 pub const EXIT_USAGE: u8 = 2;
 
-/// Writes a line to standard error; a closed one is no reason to stop a plant.
+/// Writes a line to standard error; a closed one must not stop a plant.
 macro_rules! say {
     ($($arg:tt)*) => {{
         let _ = writeln!(std::io::stderr(), $($arg)*);
@@ -104,7 +104,7 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
         cycle_time: options.cycle_time.map_or_else(|| cpu.cycle_time(), |time| time.0),
         hang_limit: options.hang_limit.unwrap_or(HANG_LIMIT_DEFAULT).0,
     };
-    // Also with --quiet: whoever looks at the values must know.
+    // Also with --quiet: the user must know this to judge the values.
     for notice in &cpu.image.notices {
         say!("{notice}");
     }
@@ -157,7 +157,7 @@ fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session,
         cpu.s7200_error_report().iter().for_each(|line| say!("{line}"));
     }
     if let Some(Err(error)) = session.recorder.map(Recorder::finish) {
-        say!("runtime: the trace is not complete: {error}");
+        say!("runtime: the trace is incomplete: {error}");
         exit = EXIT_USAGE;
     }
     exit

@@ -86,7 +86,7 @@ pub(crate) struct TimeOfDay {
 /// Cycle-time monitoring.
 pub(crate) struct Monitor {
     limit: u64,
-    /// When the cycle is too long; [`NEVER`] outside of cycles.
+    /// When the cycle is too long; [`NEVER`] outside cycles.
     pub deadline: Cell<u64>,
     /// Since when it counts.
     pub since: Cell<u64>,

@@ -1,7 +1,7 @@
 //! S5 timers. Source: Statement List (STL), chapter 12 (timers).
 //!
 //! A running timer is a deadline on the clock. Nothing counts down in the background: a cell is brought up to date
-//! (`Cell::settle`) by whoever looks at it, and the status bit is the one of that moment. A stopped timer keeps the
+//! (`Cell::settle`) at each access, and the status bit is the one of that moment. A stopped timer keeps the
 //! remaining value, which stays readable until `R`.
 
 use plcc_abi::functions::TimerMode;

@@ -1,6 +1,6 @@
 //! The thread that raises the attention flag when something falls due while code runs.
 //!
-//! It touches one word of PLC memory and nothing else. The CPU gives it a host time; when that has passed, it raises the
+//! It touches one word of PLC memory and nothing else. The CPU sets a host time; when that has passed, it raises the
 //! flag once, and the next safepoint finds out what is due. Deadlines usually move later: then setting one is a store;
 //! the thread is only woken for an earlier one.
 

@@ -113,7 +113,7 @@ fn write(b: &mut FunctionBuilder, value: Value) {
     }
 }
 
-/// A NaN is one value here: which bits it has is settled above this level.
+/// A NaN is one value here: its bits are defined above this level.
 fn normal(ty: Type, bits: u64) -> u64 {
     match ty {
         Type::F32 if f32::from_bits(bits as u32).is_nan() => 0x7FC0_0000,

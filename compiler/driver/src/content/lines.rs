@@ -73,7 +73,7 @@ fn without_comments(text: &str) -> String {
                 match comment[2..].find(close) {
                     Some(end) => (comment, end + 4),
                     None => {
-                        // It is not a comment: `(*` may stand in a pattern of another language.
+                        // It is not a comment: `(*` may occur in a pattern of another language.
                         out.push_str(mark);
                         (comment, 2)
                     }

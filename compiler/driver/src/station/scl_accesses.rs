@@ -1,4 +1,4 @@
-//! All variables that a block in SCL reads, writes or hands over.
+//! All variables that a block in SCL reads, writes or passes on.
 
 use plcc_model::scl::{
     Access, Actual, Base, Body, Call, Complex, Expr, ExprKind, IndexedArea, Instance, Statement, StatementKind,

@@ -164,7 +164,7 @@ fn cpus_have_limits() {
 fn kinds_ranges_and_channels_are_checked() {
     let wrong = |keys: &str| message(&station(&module(keys))).1;
     assert!(wrong("slot = 4").contains("needs `order`"));
-    assert!(wrong("slot = 4\nkind = \"XY\"").contains("no kind of module"));
+    assert!(wrong("slot = 4\nkind = \"XY\"").contains("not a kind of module"));
     assert!(wrong("slot = 4\nkind = \"DI\"").contains("needs its number of channels"));
     assert!(wrong("slot = 4\nkind = \"AI/AO\"\nchannels = 4").contains("channels in each direction"));
     assert!(wrong("slot = 4\nkind = \"AI\"\nchannels = 2\nrange = \"4-20\"").contains("`4-20` is not a range"));

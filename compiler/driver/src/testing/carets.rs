@@ -72,7 +72,7 @@ pub fn mark_of(diagnostic: &Diagnostic, sources: &SourceMap) -> Mark {
     Mark { line, start, end: end.max(start + 1), code: diagnostic.code }
 }
 
-/// Compares the marks of a file with its messages. Returns the number of marks that came, and a line for each difference.
+/// Compares the marks of a file with its messages. Returns the number of matched marks, and a line for each difference.
 pub fn compare(marks: &[Mark], diagnostics: &[Diagnostic], sources: &SourceMap) -> (u32, Vec<String>) {
     let mut missing = marks.to_vec();
     let mut failures = Vec::new();
@@ -136,7 +136,7 @@ mod tests {
         let message = |range| Diagnostic::new(Code::OperandKind, Span::new(file, range), "no");
         assert_eq!(compare(&marks, &[message(12..17)], &sources), (1, vec![]));
         assert_eq!(compare(&marks, &[message(12..16)], &sources).1.len(), 2);
-        assert_eq!(compare(&marks, &[], &sources).1, ["did not come: P0203 at 1:13-18"]);
+        assert_eq!(compare(&marks, &[], &sources).1, ["missing: P0203 at 1:13-18"]);
         // An empty span, or one beyond the end of the line, is marked too.
         assert_eq!(mark_of(&message(17..17), &sources).end, 19);
         assert_eq!(mark_of(&message(12..60), &sources).end, 18);

@@ -24,7 +24,7 @@ pub struct TestProgram {
     pub variants: Vec<(Variant, VariantState)>,
 }
 
-/// Where a form of a program stands.
+/// State of a form of a program.
 pub enum VariantState {
     /// An executable: the object to link, and the prefix of its symbols.
     Object {

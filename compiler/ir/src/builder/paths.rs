@@ -86,7 +86,7 @@ impl Paths {
         self.nodes[block].jump
     }
 
-    /// Jumps to `block` are still to come, besides those from `predecessors`: it stays a root.
+    /// More jumps to `block` will come, in addition to those from `predecessors`: it stays a root.
     pub fn open(&mut self, block: Block, predecessors: &[Block]) {
         if let Some(&first) = predecessors.first() {
             self.nodes[block].depth = self.nodes[first].depth + 1;

@@ -128,7 +128,7 @@ struct Frame {
     vbase: u32,
 }
 
-/// Why the operations of a function do not go on.
+/// Why the operations of a function do not continue.
 enum Exit {
     Call { callee: usize, args: List },
     Return { values: List },

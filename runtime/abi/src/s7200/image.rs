@@ -1,8 +1,8 @@
-//! What the image of an S7-200 program has beside blocks and DB 1.
+//! Data of an S7-200 program in addition to blocks and DB 1.
 
 use serde::{Deserialize, Serialize};
 
-/// What the compiler tells of the program.
+/// The compiler's description of the program.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct S7200Image {
     /// Timers that are used, by number; numbers tell their resolution.
@@ -25,7 +25,7 @@ pub struct CpuRow {
     pub s_bytes: u32,
     /// Bytes of analog inputs and of analog outputs.
     pub analog_bytes: u32,
-    /// High-speed counters, a bit each.
+    /// High-speed counters, one bit each.
     pub high_speed_counters: u8,
     /// Freeport and PPI ports.
     pub ports: u8,
@@ -35,7 +35,7 @@ pub struct CpuRow {
     pub subroutines: u16,
     pub interrupts: u16,
     pub labels: u16,
-    /// Events, a bit each.
+    /// Events, one bit each.
     pub events: u64,
     /// Depth of the queues of communication, I/O and timed interrupts.
     pub queues: [u8; 3],
@@ -43,7 +43,7 @@ pub struct CpuRow {
     pub watchdog_ms: u16,
     /// Bits 7-4 of SMB6.
     pub id: u8,
-    /// Digital inputs and outputs on board.
+    /// Digital inputs and outputs of the CPU.
     pub inputs: u8,
     pub outputs: u8,
 }

@@ -1,6 +1,6 @@
-//! S7-200: memory of its own, operations that the runtime does, what an image tells of such a program.
+//! S7-200: its own memory, operations of the runtime, and the description of a program in its image.
 //!
-//! V memory is DB 1. I, Q, M and L lie where they are in every CPU; what the other families do not have is the
+//! V memory is DB 1. I, Q, M and L are at the same offsets as in every CPU; the areas that other families do not have are the
 //! [`layout::SYSTEM`](crate::layout::SYSTEM) area, whose parts are the offsets of [`system`].
 
 mod errors;
@@ -47,22 +47,22 @@ pub mod system {
     /// Last values of analog outputs.
     pub const AQ: u32 = 0x580;
     pub const ANALOG_BYTES: u32 = 64;
-    /// Current values of timers, a word each.
+    /// Current values of timers, one word each.
     pub const TIMER_VALUES: u32 = 0x600;
-    /// Bits of timers, a byte each, 0 or 1.
+    /// Bits of timers, one byte each, 0 or 1.
     pub const TIMER_BITS: u32 = 0x800;
-    /// Whether the box of a timer was last executed with its input on, a byte each, 0 or 1. Cleared with the timer.
+    /// Whether the box of a timer was last executed with its input on, one byte each, 0 or 1. Cleared with the timer.
     pub const TIMER_INPUTS: u32 = 0x900;
-    /// Current values of counters, a word each.
+    /// Current values of counters, one word each.
     pub const COUNTER_VALUES: u32 = 0xA00;
-    /// Bits of counters, a byte each, 0 or 1.
+    /// Bits of counters, one byte each, 0 or 1.
     pub const COUNTER_BITS: u32 = 0xC00;
-    /// Edge memories, a byte each, 0 or 1: of rising edges first (1 when RUN begins), of falling ones after them (0 when RUN begins).
+    /// Edge memories, one byte each, 0 or 1: of rising edges first (1 when RUN begins), of falling ones after them (0 when RUN begins).
     pub const EDGES: u32 = 0x1000;
     pub const EDGES_MAX: u32 = 0xE000;
 }
 
-/// Area tags of pointers, the high byte; the rest is the byte offset in the area. Words of timers and counters lie two bytes apart.
+/// Area tags of pointers, the high byte; the rest is the byte offset in the area. Words of timers and counters are two bytes apart.
 /// A pointer literal of another origin has another tag, and is an error.
 pub mod pointer {
     pub const I: u8 = 0x01;

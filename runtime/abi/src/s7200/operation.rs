@@ -1,6 +1,6 @@
 //! Operations of S7-200 instructions that the runtime does.
 
-/// Bits of the low half of what an operation gives; the high half is its value.
+/// Bits of the low half of the result of an operation; the high half is its value.
 pub mod result {
     /// It ran without error: the ENO of the instruction.
     pub const ENO: u64 = 1;

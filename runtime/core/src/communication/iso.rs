@@ -20,7 +20,7 @@ const SIZE: u8 = 0xC0;
 const CALLING: u8 = 0xC1;
 const CALLED: u8 = 0xC2;
 const LAST: u8 = 0x80;
-/// Size of a TPDU that this side asks for: 1024 bytes, as S7 CPUs do.
+/// Size of a TPDU that this side requests: 1024 bytes, as S7 CPUs do.
 const SIZE_CODE: u8 = 10;
 const SIZE_CODES: std::ops::RangeInclusive<u8> = 7..=13;
 /// Bytes of a DT TPDU before its data.
@@ -68,7 +68,7 @@ fn head(code: u8, destination: u16, source: u16, parameters: &[u8]) -> Vec<u8> {
     packet(&[&[length, code, a, b, c, d, 0], parameters].concat())
 }
 
-/// The packet that asks for a connection.
+/// The packet that requests a connection.
 pub fn request(source: u16, calling: &[u8], called: &[u8]) -> Vec<u8> {
     let parameters = [parameter(SIZE, &[SIZE_CODE]), parameter(CALLING, calling), parameter(CALLED, called)].concat();
     head(CONNECT_REQUEST, 0, source, &parameters)

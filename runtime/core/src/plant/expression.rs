@@ -150,9 +150,9 @@ mod tests {
             ("sqrt(1, 2)", "sqrt takes 1 arguments"),
             ("if(1)", "if takes 3 arguments"),
             ("clamp", "clamp takes 3 arguments"),
-            ("level(3)", "`level` is not known"),
-            ("print(\"x\")", "no expression"),
-            ("höhe", "no expression"),
+            ("level(3)", "`level` is not a known function"),
+            ("print(\"x\")", "not an expression"),
+            ("höhe", "not an expression"),
             (&"(".repeat(5000), "too large"),
             (&"(".repeat(100), "too large"),
         ] {

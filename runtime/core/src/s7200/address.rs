@@ -23,7 +23,7 @@ pub enum Part {
     Accumulator,
 }
 
-/// Words of which an address names the whole.
+/// Areas whose addresses always name a whole word.
 const ANALOG: [(&str, Part); 8] = [
     ("AIW", Part::AnalogInput),
     ("AEW", Part::AnalogInput),

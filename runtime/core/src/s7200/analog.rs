@@ -35,7 +35,7 @@ enum Channel {
 }
 
 impl ModuleScale {
-    /// The word that an input shows, or that gives this value at an output.
+    /// The word that an input shows, or that produces this value at an output.
     pub fn word(&self, value: f64) -> i16 {
         let value = value * self.factor.unwrap_or(FULL / 100.0);
         let part = |low: f64, high: f64, from: f64| from + (value - low) / (high - low) * (FULL - from);

@@ -69,7 +69,7 @@ pub(super) fn write_outputs_now(cpu: &Cpu, operands: &Operands) -> u64 {
     done()
 }
 
-/// Sets the bits of timers or counters, a byte each.
+/// Sets the bits of timers or counters, one byte each.
 fn set_all(memory: &Memory, bits: u32, first: u32, count: u32) {
     let ones = [1u8; COUNT_MAX as usize];
     memory.load(layout::SYSTEM + bits + first, ones.get(..count as usize).unwrap_or_default());

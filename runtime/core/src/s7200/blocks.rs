@@ -64,7 +64,7 @@ pub(super) fn shift_register(cpu: &Cpu, operands: &Operands) -> u64 {
 enum Register {
     /// Consecutive bits from a bit address on.
     Bits { first: u32, length: u32 },
-    /// Bits of consecutive timers or counters, a byte each.
+    /// Bits of consecutive timers or counters, one byte each.
     Bytes { first: u32, length: u32 },
 }
 

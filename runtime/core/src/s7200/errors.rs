@@ -74,7 +74,7 @@ impl Cpu {
         }
     }
 
-    /// First and last non-fatal error, a line each; none if there was no error.
+    /// First and last non-fatal error, one line each; none if there was no error.
     pub fn s7200_error_report(&self) -> Vec<String> {
         let Some(errors) = self.s7200().map(|own| &own.errors) else { return Vec::new() };
         let line = |what: &str, entry: &Entry| format!("{what}: {}", diagnostics::line(&self.image, entry));

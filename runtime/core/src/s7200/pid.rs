@@ -28,7 +28,7 @@ mod field {
     pub const LAST_PROCESS_VARIABLE: u32 = 32;
 }
 
-/// Whether the loops had power flow when they were last executed, a bit each; set when RUN begins.
+/// Whether the loops had power flow when they were last executed, one bit each; set when RUN begins.
 pub struct Loops {
     had_power: Cell<u8>,
 }

@@ -38,7 +38,7 @@ const TONR: [(u32, u32); 2] = [(0, 32), (64, 32)];
 pub struct Retain {
     /// Content of the file as last written or read, or its content when `writer` is ready.
     written: RefCell<Vec<u8>>,
-    /// Writes the file while scans go on: a disk may take longer than a scan.
+    /// Writes the file while scans continue: a disk may take longer than a scan.
     writer: RefCell<Option<JoinHandle<std::io::Result<()>>>>,
     last_write: Cell<Option<Instant>>,
     permanent: RefCell<BTreeMap<u16, u8>>,

@@ -1,6 +1,6 @@
 //! ATT, FIFO, LIFO, FND. Source: S7-200 system manual, table instructions.
 //!
-//! A table is its length in entries, the count of entries, then the entries, a word each.
+//! A table is its length in entries, the count of entries, then the entries, one word each.
 
 use plcc_abi::s7200::error;
 

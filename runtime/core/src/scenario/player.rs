@@ -231,7 +231,7 @@ impl Observer for Player {
             }
             if let Some(out) = self.out.as_mut().filter(|_| !at.print.is_empty()) {
                 let plant = self.scenario.plant.as_ref();
-                // A closed pipe is no reason to stop a plant.
+                // A closed pipe must not stop a plant.
                 let _ = report::write_values(cpu, plant, &at.print, self.json, out.as_mut());
             }
             self.failures.extend(failed);

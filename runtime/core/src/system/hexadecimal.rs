@@ -1,6 +1,6 @@
 //! ATH and HTA: hexadecimal characters and bytes.
 //!
-//! Each side is a text, of which the characters and the length count, or a row of characters or bytes. Codes are those of the table: 81yy of
+//! Each side is a text, with its characters and length, or a row of characters or bytes. Codes are those of the table: 81yy of
 //! IN, 83yy of OUT.
 //!
 //! Source: S7-1200 reference, string conversion, ATH and HTA.

@@ -3,7 +3,7 @@
 //! Source: System and standard functions, SFC 36 to 38.
 //!
 //! Masks hold in the running priority class until its OB ends. All three take a mask of programming errors and one of
-//! access errors, and give two back.
+//! access errors, and return two results.
 
 use plcc_abi::image::Family;
 

@@ -64,7 +64,7 @@ impl Text {
     }
 }
 
-/// Characters outside of PLC memory, so that a function may write into the STRING that it reads.
+/// Characters outside PLC memory, so that a function may write into the STRING that it reads.
 pub(super) struct Buffer<const N: usize> {
     characters: [u8; N],
     length: usize,

@@ -129,7 +129,7 @@ impl Counter {
         changed && self.config.mode.is_external()
     }
 
-    /// When the count reaches the reference, if the pulses go on.
+    /// When the count reaches the reference, if the pulses continue.
     pub fn due(&self, now: u64) -> Option<u64> {
         let trains = self.trains.borrow();
         let train = trains.last()?;

@@ -116,7 +116,7 @@ fn calls_of_missing_blocks() {
     }
 }
 
-/// Waits so many milliseconds by SFC 47.
+/// Waits this many milliseconds with SFC 47.
 fn wait(ms: u32) -> Block {
     Box::new(move |cpu, lbase| {
         for _ in 0..ms {

@@ -23,7 +23,7 @@ pub struct Closures(pub Vec<Block>);
 
 impl Code for Closures {
     fn call(&self, entry: u32, mem: *mut u8, lbase: u32, _vbase: u32) {
-        // SAFETY: the runtime gives the base of its own memory.
+        // SAFETY: the runtime passes the base of its own memory.
         let cpu = unsafe { Cpu::of(mem) };
         (self.0[entry as usize])(cpu, lbase);
     }
@@ -97,7 +97,7 @@ impl Observer for Nobody {
     fn after(&mut self, _: &Cpu, _: u64, _: u64) {}
 }
 
-/// Runs so many cycles of 10 ms.
+/// Runs this many cycles of 10 ms.
 pub fn run(cpu: &Cpu, cycles: u64) {
     run_observed(cpu, cycles, &mut Nobody);
 }

@@ -18,7 +18,7 @@ fn log(entries: &Log, text: &'static str) -> Block {
     Box::new(move |cpu, _| entries.borrow_mut().push(format!("{text}@{}", cpu.clock.now() / 1_000_000)))
 }
 
-/// As `log`, then so many milliseconds of `//@ sleep`.
+/// Like `log`, then this many milliseconds of `//@ sleep`.
 fn log_sleep(entries: &Log, text: &'static str, ms: u64) -> Block {
     let entries = entries.clone();
     Box::new(move |cpu, _| {

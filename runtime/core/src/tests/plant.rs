@@ -73,7 +73,7 @@ fn engineering_values_need_a_channel() {
     assert!(message("set = { \"AI0\" = \"12 V\" }").contains("write a number in mA or in %"));
     assert!(message("set = { \"AI2\" = 1 }").contains("`AI2` is neither an address"));
     assert!(message("set = { \"I5.0\" = 1 }").starts_with("s.toml:3: I5.0: no module of the station has these"));
-    assert!(message("expect = { \"MW0 as REAL\" = 1.0 }").contains("has another width than REAL"));
+    assert!(message("expect = { \"MW0 as REAL\" = 1.0 }").contains("is not that of REAL"));
     assert!(message("expect = { \"plant.level\" = 1.0 }").contains("there is no plant"));
 }
 
@@ -126,10 +126,10 @@ fn a_plant_without_a_value_stands_still() {
 fn what_is_wrong_in_a_plant_has_its_line() {
     let cpu = with_station(Vec::new());
     for (text, expected) in [
-        ("[plant]\nstep = \"0\"\n", "s.toml:2: the step of a plant is 1ms or more"),
+        ("[plant]\nstep = \"0\"\n", "s.toml:2: the step of a plant must be at least 1ms"),
         ("[plant]\nequations = [\n  \"x = y\",\n]\n", "s.toml:3: `y` is not known here"),
         ("[plant]\nequations = [\"x\"]\n", "s.toml:2: `x`: write `name = expression`"),
-        ("[plant]\nequations = [\"x = 1\", \"x = 2\"]\n", "s.toml:2: `x` has a value already"),
+        ("[plant]\nequations = [\"x = 1\", \"x = 2\"]\n", "s.toml:2: `x` already has a value"),
         ("[plant]\nequations = [\"x = (1\"]\n", "s.toml:2: `(1` ends too early"),
         ("[plant.state]\nmin = 1\n", "s.toml:2: `min` cannot be the name"),
         ("[plant.state]\na = 1\n[plant.parameters]\na = 1\n", "s.toml:2: the plant has two values `a`"),

@@ -27,7 +27,7 @@ fn keeping(path: &Path, main: Block) -> Rc<Cpu> {
     s7200_with(main, Vec::new(), |image| image.config.s7200.retentive_file = Some(path.display().to_string()))
 }
 
-/// Runs a scan and gives V, values of T5, T37 and C50, bit of C50, MB13, MB14 as it found them, and SM0.2.
+/// Runs a scan and returns V, values of T5, T37 and C50, bit of C50, MB13, MB14 as it found them, and SM0.2.
 fn found(path: &Path) -> ([u16; 7], bool) {
     let seen = Rc::new(RefCell::new(([0; 7], false)));
     let log = seen.clone();

@@ -110,7 +110,7 @@ fn non_fatal_errors_are_noted() {
         "{report:?}"
     );
     assert!(report[1].ends_with("non-fatal error 0091: operand out of range; OB 1"), "{report:?}");
-    // In the buffer each place stands once.
+    // The buffer contains each place once.
     let errors = cpu.diagnostics.newest_first().iter().filter(|entry| entry.event >> 8 == 0xFB).count();
     assert_eq!(errors, 2);
 }
@@ -176,7 +176,7 @@ fn an_endless_loop_is_found() {
     assert!(text.starts_with("fatal error 0003: endless loop"), "{text}");
 }
 
-/// Runs `main` under the real clock for a scan with a watchdog of so many milliseconds. Result: exit code.
+/// Runs `main` under the real clock for a scan with a watchdog of this many milliseconds. Result: exit code.
 fn watched(main: Block, watchdog_ms: u16) -> u8 {
     let mut image = s7200_image(&[(BlockKind::Ob, 1)]);
     image.config.s7200.watchdog_ms = Some(watchdog_ms);
@@ -184,7 +184,7 @@ fn watched(main: Block, watchdog_ms: u16) -> u8 {
     crate::run(image, Rc::new(Closures(vec![main])), &options)
 }
 
-/// Loops for so many milliseconds, with or without WDR.
+/// Loops for this many milliseconds, with or without WDR.
 fn looping(ms: u64, restart: bool) -> Block {
     Box::new(move |cpu, _| {
         let flag = cpu.memory.attention();
@@ -242,7 +242,7 @@ fn values_from_outside() {
     for name in ["T37", "T37.VALUE", "C50", "C50.VALUE", "HC0"] {
         assert!(set(name, "0").unwrap_err().contains("set"), "{name}");
     }
-    // What an output gives, raw and in its unit.
+    // The value of an output, raw and in its unit.
     assert!(!cpu.peripheral_write(ANALOG_ADDRESS, 2, 16_000));
     assert_eq!((read("AQW0"), cpu.memory.word(SM + system::AQ)), (16_000, 16_000));
     let volts = Source::find("AQW0 in V", &cpu.image, None).unwrap();

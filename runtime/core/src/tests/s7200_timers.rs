@@ -37,7 +37,7 @@ fn ms(cpu: &Cpu) -> u64 {
     cpu.clock.now() / 1_000_000
 }
 
-/// Runs `main` for so many scans of 10 ms and gives the scans in which it was true.
+/// Runs `main` for this many scans of 10 ms and returns the scans in which it was true.
 fn scans(count: u64, main: impl Fn(&Cpu) -> bool + 'static) -> Vec<u64> {
     let found = Rc::new(RefCell::new(Vec::new()));
     let seen = found.clone();

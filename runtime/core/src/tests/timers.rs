@@ -224,7 +224,7 @@ fn invalid_bcd() {
     assert_eq!(bench.start(TimerMode::OnDelay, 0x0A00, 1), START_BAD_BCD);
     assert_eq!(bench.start(TimerMode::OnDelay, 0x0A00, 0), START_WRITES_OV | START_OV);
     assert_eq!(bench.start(TimerMode::OnDelay, 0x0100, 0), START_WRITES_OV);
-    // An error is not an execution: the edge still comes.
+    // A failed execution does not count: the edge still comes.
     bench.start(TimerMode::Pulse, 0x0100, 1);
     assert!(bench.q());
 }

@@ -1,6 +1,6 @@
 //! Freeport: XMT, RCV, character interrupts. Source: S7-200 system manual, Freeport mode.
 //!
-//! - `registers`: special memory of the ports; `receiver`, `transmitter`: RCV and XMT, which know only characters and time.
+//! - `registers`: special memory of the ports; `receiver`, `transmitter`: RCV and XMT, which depend only on characters and time.
 //! - `stream`: the serial device, pseudo-terminal or TCP partner; `port`: the line between them.
 //!
 //! A character takes its time on the line by the clock of the CPU, from every source. With the real clock streams are polled every
@@ -87,7 +87,7 @@ impl Cpu {
             }
             match Stream::open(&wanted.link) {
                 Ok(stream) => port.stream = Some(stream),
-                // A closed standard error is no reason to stop a plant.
+                // A closed standard error must not stop a plant.
                 Err(message) => drop(writeln!(std::io::stderr(), "runtime: port {}: {message}", wanted.number)),
             }
         }

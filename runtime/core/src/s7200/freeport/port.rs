@@ -18,9 +18,9 @@ const SENT_MAX: usize = 1 << 16;
 pub enum Happened {
     /// Nothing that the program sees.
     Nothing,
-    /// A character outside of RCV.
+    /// A character outside RCV.
     Character { byte: u8, faulty: bool },
-    /// A message goes on or ends.
+    /// A message continues or ends.
     Message { table: u32, byte: u8, step: Step },
     /// XMT has ended.
     Transmitted,

@@ -13,7 +13,7 @@
 //! 4. End character, number of characters, timer, or a faulty character.
 //!
 //! With a start character alone it begins in *Starting* and stays there. Idle times are measured from the end of one character to the
-//! end of the next, as the CPU does: the manual asks for idle times above that of a character.
+//! end of the next, as the CPU does: the manual requires idle times above that of a character.
 
 const NS_PER_MS: u64 = 1_000_000;
 

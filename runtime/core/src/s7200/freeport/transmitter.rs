@@ -30,7 +30,7 @@ impl Transmitter {
         self.ends
     }
 
-    /// It is `now`; ask again until nothing has left.
+    /// It is `now`; call again until nothing has been sent.
     pub fn time(&mut self, now: u64) -> Left {
         if now < self.ends {
             return Left::Nothing;

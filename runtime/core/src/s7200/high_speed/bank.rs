@@ -17,7 +17,7 @@ pub(super) struct Bank {
     pub wires: Wires,
     /// When somebody last looked.
     time: u64,
-    /// Inputs that have had a train, a bit each.
+    /// Inputs that have had a train, one bit each.
     pub driven: u16,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Look {
 }
 
 impl Bank {
-    /// RUN begins: no counter is defined. Trains go on.
+    /// RUN begins: no counter is defined. Trains continue.
     pub fn start(&mut self, time: u64, levels: u16) {
         self.counters = [None; COUNTERS];
         self.time = time;
@@ -92,7 +92,7 @@ impl Bank {
         (0usize..).zip(&self.counters).filter_map(|(index, counter)| Some((index, counter.as_ref()?)))
     }
 
-    /// Inputs that counters own, a bit each.
+    /// Inputs that counters own, one bit each.
     pub fn owned(&self) -> u16 {
         self.defined().fold(0, |mask, (_, counter)| mask | counter.inputs.mask())
     }

@@ -197,7 +197,7 @@ impl Counter {
         self.time = to.max(self.time);
     }
 
-    /// Counts from the current value until it is `preset` if counting goes on in this direction: 1 to 2^32.
+    /// Counts from the current value until it is `preset` if counting continues in this direction: 1 to 2^32.
     fn distance(&self, up: bool) -> u64 {
         let (from, to) = if up { (self.current, self.preset) } else { (self.preset, self.current) };
         match to.wrapping_sub(from) as u32 {

@@ -1,4 +1,4 @@
-//! Levels of the onboard inputs over time: from the driver, or a train of pulses.
+//! Levels of the inputs of the CPU over time: from the driver, or a train of pulses.
 
 use super::modes::{PINS, Pin, bit};
 
@@ -96,7 +96,7 @@ impl Wires {
         found
     }
 
-    /// Inputs with trains, a bit each.
+    /// Inputs with trains, one bit each.
     pub fn driven(&self) -> u16 {
         self.trains(u16::MAX).fold(0, |mask, (pin, _)| mask | bit(pin))
     }

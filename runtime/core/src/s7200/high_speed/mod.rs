@@ -1,6 +1,6 @@
 //! High-speed counters HSC0 to HSC5 as simulated hardware.
 //!
-//! They count edges of the onboard inputs: trains of pulses and levels from a scenario. Counting is lazy: a train
+//! They count edges of the inputs of the CPU: trains of pulses and levels from a scenario. Counting is lazy: a train
 //! is a function of time, and the moment of the next event is computed, so that the event comes exactly then.
 //!
 //! - `modes`: the counters, their modes, inputs, events, special memory; `inputs`: levels over time.
@@ -151,7 +151,7 @@ impl Cpu {
         Ok(true)
     }
 
-    /// Levels of the inputs on board, as the driver shows them.
+    /// Levels of the inputs of the CPU, as the driver shows them.
     fn pin_levels(&self) -> u16 {
         let byte = |address: u32| self.driver.read(address, 1).unwrap_or(0) as u16 & 0xFF;
         byte(1) << 8 | byte(0)

@@ -35,7 +35,7 @@ pub(super) struct Inputs {
 }
 
 impl Inputs {
-    /// All of them, a bit each.
+    /// All of them, one bit each.
     pub fn mask(&self) -> u16 {
         [self.clock, self.second, self.reset, self.start].into_iter().flatten().fold(0, |mask, pin| mask | bit(pin))
     }
@@ -53,7 +53,7 @@ pub(super) struct Row {
     pub status: u32,
     /// Events: the preset is reached, the direction changes, external reset.
     pub events: [Option<u8>; 3],
-    /// Modes, a bit each.
+    /// Modes, one bit each.
     modes: u16,
     /// Pulse output of mode 12.
     pub output: u8,

@@ -77,7 +77,7 @@ impl Cpu {
         if let (None, Some(address)) = (&*server, &own.config.listen) {
             match Server::new(address) {
                 Ok(new) => *server = Some(new),
-                // A closed standard error is no reason to stop a plant.
+                // A closed standard error must not stop a plant.
                 Err(message) => drop(writeln!(std::io::stderr(), "runtime: network: {message}")),
             }
         }

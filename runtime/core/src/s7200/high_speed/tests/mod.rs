@@ -64,7 +64,7 @@ impl Bench {
         self.events()
     }
 
-    /// An input goes on and off; returns the events.
+    /// An input turns on and off; returns the events.
     pub fn pulse(&mut self, pin: u8) -> Vec<u8> {
         let mut events = self.set(&[(pin, true)]);
         events.extend(self.set(&[(pin, false)]));
