@@ -64,7 +64,7 @@ fn every_instruction_has_its_test_file() {
 
 #[test]
 fn every_instruction_of_the_s7_200_is_in_a_test() {
-    let folder = tests_folder().join("run/awl");
+    let folder = tests_folder().join("run/s7200");
     let written = first_words(&files(&folder, "awl"));
     let missing: Vec<String> = Insn::ROWS
         .iter()

@@ -98,7 +98,12 @@ fn programs() -> Vec<PathBuf> {
     let twins = folders(&tests_folder().join("twins"));
     let carriers = twins.iter().flat_map(|twin| ["xml", "open"].map(|carrier| twin.join(carrier)));
     let mut found: Vec<PathBuf> = carriers.filter(|folder| folder.is_dir()).collect();
-    found.extend(projects(&tests_folder().join("run/simatic-ml")));
+    let exports = ["lad-fbd", "graph", "scl/exports"].map(|folder| projects(&tests_folder().join("run").join(folder)));
+    let has_xml = |folder: &PathBuf| {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.into_iter().any(|entry| entry.path().extension().is_some_and(|extension| extension == "xml"))
+    };
+    found.extend(exports.into_iter().flatten().filter(has_xml));
     found
 }
 

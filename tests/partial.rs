@@ -56,12 +56,15 @@ fn programs() -> Vec<PathBuf> {
         ("run/scl/language", "scl"),
         ("run/scl/programs", "scl"),
         ("run/scl/library", "scl"),
-        ("run/gr7", "gr7"),
-        ("run/sd", "s7dcl"),
-        ("run/awl/subroutines", "awl"),
-        ("run/awl/plants", "awl"),
+        ("run/graph", "gr7"),
+        ("run/lad-fbd", "s7dcl"),
+        ("run/lad-fbd", "xml"),
+        ("run/graph", "xml"),
+        ("run/scl/exports", "xml"),
+        ("run/stl/exports", "xml"),
+        ("run/s7200/subroutines", "awl"),
+        ("run/s7200/plants", "awl"),
         ("run/plcopen", "xml"),
-        ("run/simatic-ml", "xml"),
     ] {
         found.extend(files(&tests_folder().join(folder), suffix));
     }
