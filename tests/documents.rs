@@ -379,7 +379,7 @@ fn files_that_contributors_are_sent_to_exist() {
         let words = text.split('`').skip(1).step_by(2);
         let paths = words.filter(|word| {
             let begins = ["compiler/", "runtime/", "stdlib/", "tests/", "docs/", "samples/"];
-            begins.iter().any(|begin| word.starts_with(begin)) && !word.contains(["*", " ", "<"])
+            begins.iter().any(|begin| word.starts_with(begin)) && !word.contains(['*', ' ', '<'])
         });
         for path in paths.filter(|path| !path.contains("ROW") && !path.contains("NNNN")) {
             assert!(root().join(path).exists(), "{document} names {path}");

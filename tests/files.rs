@@ -124,7 +124,7 @@ impl Group {
     }
 }
 
-/// The verifier passes the IR of the program behind lowering and after each pass.
+/// The verifier passes the IR of the program after lowering and after each pass.
 fn verify_passes(path: &Path) -> Result<(), String> {
     let settings = Settings { pragmas: true, require_main: true, ..Settings::default() };
     let bound = pipeline::front(inputs::read(&[path.to_path_buf()]), &settings);

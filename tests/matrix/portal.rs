@@ -74,7 +74,6 @@ struct Plan {
 }
 
 impl Plan {
-    #[expect(clippy::nonminimal_bool, reason = "each line is a combination that does not exist")]
     fn exists(&self) -> bool {
         let is_bit = self.kind.0 == "Bool";
         !(self.function && self.section == "VAR")

@@ -142,7 +142,7 @@ impl Plan {
                 "W" => format!("LD     SM0.0\nORW    #v, {result}\n"),
                 _ => format!("LD     SM0.0\nORD    #v, {result}\n"),
             },
-            "twice" => format!("LD     SM0.0\nCALL   ByValue, #v\nCALL   ByValue, #v\n"),
+            "twice" => "LD     SM0.0\nCALL   ByValue, #v\nCALL   ByValue, #v\n".to_string(),
             "deep" => "LD     SM0.0\nCALL   Outer, #v\n".to_string(),
             "not called" => format!("LDN    SM0.0\nCALL   ByValue, #v\n{to_result}"),
             other => unreachable!("{other}"),

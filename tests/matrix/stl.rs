@@ -123,7 +123,7 @@ const TYPES: &[Kind] = &[
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Block {
     Function,
-    FunctionBlock,
+    Instance,
     MultiInstance,
 }
 
@@ -195,7 +195,6 @@ struct Plan {
 }
 
 impl Plan {
-    #[expect(clippy::nonminimal_bool, reason = "each line is a combination that does not exist")]
     fn exists(&self) -> bool {
         let (section, class) = (self.section.0, self.kind.class);
         let passes = matches!(section, Section::Input | Section::Output | Section::InOut);
@@ -479,7 +478,7 @@ impl Plan {
             format!("{} v : {variable}; END_VAR\n{own}VAR_TEMP n : INT; k : INT; d : DATE; END_VAR\n", self.section.1);
         match self.block {
             Block::Function => _ = writeln!(out, "FUNCTION FC 1 : VOID\n{declared}BEGIN\n{fill}{body}END_FUNCTION"),
-            Block::FunctionBlock | Block::MultiInstance => {
+            Block::Instance | Block::MultiInstance => {
                 _ = writeln!(out, "FUNCTION_BLOCK FB 1\n{declared}BEGIN\n{fill}{body}END_FUNCTION_BLOCK");
             }
         }
@@ -499,7 +498,7 @@ impl Plan {
         };
         match self.block {
             Block::Function => {}
-            Block::FunctionBlock => out.push_str("DATA_BLOCK DB 1\nFB 1\nBEGIN\nEND_DATA_BLOCK\n"),
+            Block::Instance => out.push_str("DATA_BLOCK DB 1\nFB 1\nBEGIN\nEND_DATA_BLOCK\n"),
             Block::MultiInstance => {
                 // After other data; the call uses a separate formal parameter where one is needed.
                 let section = if self.place == "formal of a block" {
@@ -524,7 +523,7 @@ impl Plan {
         }
         let target = match self.block {
             Block::Function => "FC 1",
-            Block::FunctionBlock => "FB 1, DB 1",
+            Block::Instance => "FB 1, DB 1",
             Block::MultiInstance => "FB 2, DB 2",
         };
         let mut main = String::new();
@@ -611,7 +610,7 @@ impl Plan {
 
 fn cases(cpu: &'static str) -> Vec<Case> {
     let mut cases = Vec::new();
-    for block in [Block::Function, Block::FunctionBlock, Block::MultiInstance] {
+    for block in [Block::Function, Block::Instance, Block::MultiInstance] {
         for section in SECTIONS {
             for form in FORMS {
                 for kind in TYPES {

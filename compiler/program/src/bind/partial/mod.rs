@@ -2,9 +2,9 @@
 //!
 //! 1. The program is bound as it is. There is one warning for all names that are defined nowhere.
 //! 2. [`look`], [`scl`], [`stl`] and [`network`] examine the uses of missing names; [`evidence`] collects what they show. [`write`] makes
-//!   declarations from it, and the next pass knows more: the type of a tag may follow from a missing block. This ends when nothing new is found.
+//!    declarations from it, and the next pass knows more: the type of a tag may follow from a missing block. This ends when nothing new is found.
 //! 3. The program is bound with the stand-ins. Parts that still cannot be bound are left out, the smallest that can be removed ([`leave_out`]),
-//!   and reported. Errors that the program also has without stand-ins stay errors.
+//!    and reported. Errors that the program also has without stand-ins stay errors.
 //!
 //! Meaning: docs/decisions/0082 and 0083.
 
