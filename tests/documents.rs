@@ -10,10 +10,10 @@ use plcc_driver::cli::Level;
 use plcc_driver::inputs::{self, TestInput};
 use plcc_driver::pipeline::{self, Settings};
 use plcc_driver::testing::{self, Form, Variant};
-use plcc_syntax::ParseOptions;
-use plcc_syntax::ast::Block;
+use plcc_syntax::ast::{Block, SectionKind, TypeKind, TypeRef};
 use plcc_syntax::s7200::{Compare, Insn};
 use plcc_syntax::stl::{Mnemonics, StlInsn};
+use plcc_syntax::{Elementary, ParseOptions};
 use plcc_tests::{expect_file, files, plan, root, shown, tests_folder};
 
 #[test]
@@ -153,18 +153,21 @@ fn every_code_has_a_failing_and_a_passing_file() {
 
 #[test]
 fn the_runtime_has_the_system_functions_that_the_library_declares() {
-    let mut declared: Vec<(u16, &str, usize)> = plcc_stdlib::blocks()
+    let mut declared: Vec<(u16, &str, Vec<u32>)> = plcc_stdlib::blocks()
         .iter()
         .filter(|block| block.class == plcc_stdlib::BlockClass::Sfc && block.form == plcc_stdlib::Form::Runtime)
         .map(|block| (block.number, block.name, parameters_of(block)))
         .collect();
     // The sources of the library have them by subject, the runtime by number.
     declared.sort_unstable();
-    assert_eq!(declared, plcc_runtime::system::table().collect::<Vec<_>>());
+    for (declared, row) in declared.iter().zip(plcc_runtime::system::table()) {
+        assert_eq!(*declared, row, "a declaration and a row of the runtime");
+    }
+    assert_eq!(declared.len(), plcc_runtime::system::table().count());
 }
 
-/// Parameters that the source of one function declares, RET_VAL included.
-fn parameters_of(block: &plcc_stdlib::SystemBlock) -> usize {
+/// Bytes of the parameters that the source of one function declares, as in `plcc_runtime::system::table`.
+fn parameters_of(block: &plcc_stdlib::SystemBlock) -> Vec<u32> {
     let source = block.source;
     let mut sources = SourceMap::default();
     let file = sources.add(SourceFile::new("sfc.stl", source));
@@ -175,8 +178,55 @@ fn parameters_of(block: &plcc_stdlib::SystemBlock) -> usize {
     };
     assert!(messages.is_empty(), "{messages:?}");
     let [Block::Code(block)] = unit.blocks.as_slice() else { panic!("one block: {source}") };
-    let variables = block.sections.iter().map(|section| section.variables.len()).sum::<usize>();
-    variables + usize::from(block.return_type.is_some())
+    let types = |kind: SectionKind| {
+        let sections = block.sections.iter().filter(move |section| section.kind == kind);
+        sections.flat_map(|section| &section.variables).map(|variable| &variable.ty)
+    };
+    let result = block.return_type.iter().filter(|ty| !is_void(ty));
+    let all =
+        types(SectionKind::Input).chain(result).chain(types(SectionKind::Output)).chain(types(SectionKind::InOut));
+    let mut bytes: Vec<u32> = Vec::new();
+    let mut after_bool = false;
+    for ty in all {
+        let size = if after_bool && is_bool(ty) { 0 } else { bytes_of(ty) };
+        after_bool = is_bool(ty);
+        bytes.push(size);
+    }
+    bytes
+}
+
+fn is_void(ty: &TypeRef) -> bool {
+    matches!(&ty.kind, TypeKind::Named(name) if name.eq_ignore_ascii_case("VOID"))
+}
+
+fn is_bool(ty: &TypeRef) -> bool {
+    matches!(&ty.kind, TypeKind::Named(name) if name.eq_ignore_ascii_case("BOOL"))
+}
+
+/// Bytes of a type among the parameters of a system function.
+fn bytes_of(ty: &TypeRef) -> u32 {
+    match &ty.kind {
+        TypeKind::Named(name) => match name.to_ascii_uppercase().as_str() {
+            "DATE_AND_TIME" | "DT" => 8,
+            "ANY" => 10,
+            "DTL" => 12,
+            "POINTER" => 6,
+            "VARIANT" => 18,
+            "ERRORSTRUCT" => 28,
+            // Numbers of hardware and of events.
+            "OB_ATT" | "OB_CYCLIC" | "OB_RT" | "HW_HSC" | "HW_PWM" | "RTM" => 2,
+            "EVENT_ATT" => 4,
+            name => {
+                let elementary = Elementary::from_word(name).unwrap_or_else(|| panic!("the type {name}"));
+                elementary.bits().div_ceil(8)
+            }
+        },
+        // Structures of the start information.
+        TypeKind::Struct(members) => members.iter().map(|member| bytes_of(&member.ty)).sum(),
+        // Texts are handed over by their pointers.
+        TypeKind::String(_) | TypeKind::WideString(_) => 6,
+        other => panic!("no parameter of a system function has the type {other:?}"),
+    }
 }
 
 #[test]

@@ -203,10 +203,11 @@ fn row(number: u32) -> Option<&'static Row> {
     TABLE.binary_search_by_key(&number, |row| row.number).ok().map(|index| &TABLE[index])
 }
 
-/// Number, standard name and number of parameters (RET_VAL included) of each system function: what the declarations of the
-/// standard library must agree with.
-pub fn table() -> impl Iterator<Item = (u16, &'static str, usize)> {
-    TABLE.iter().map(|row| (row.number, row.name, row.parameters.len()))
+/// Number, standard name and parameters of each system function, which the declarations of the standard library must agree with.
+/// Parameters are bytes, in the order IN, OUT with RET_VAL first, IN_OUT; 0 for a BOOL in the byte of the BOOL before it.
+pub fn table() -> impl Iterator<Item = (u16, &'static str, Vec<u32>)> {
+    let bytes = |row: &Row| row.parameters.iter().map(|kind| kind.bytes()).collect();
+    TABLE.iter().map(move |row| (row.number, row.name, bytes(row)))
 }
 
 /// True for a system function that exists and may be called without parameters (`UC SFC 43`).

@@ -31,7 +31,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    const fn bytes(self) -> u32 {
+    pub(super) const fn bytes(self) -> u32 {
         match self {
             Kind::NextBool => 0,
             Kind::Bool | Kind::Byte => 1,
