@@ -70,7 +70,7 @@ use plcc_binding::{BindInput, Bound, assertion, value};
 use plcc_model::types::StructType;
 use plcc_model::{BlockKey, Body, CodeBlock, Program, TestSettings};
 use plcc_syntax::symbols::SymbolTarget;
-pub use scl::reference as scl_reference;
+pub use scl::{functions as scl_functions, reference as scl_reference};
 
 /// TEMP of an OB holds at least its start information.
 const OB_START_INFORMATION_BYTES: u32 = 20;

@@ -58,7 +58,7 @@ use plcc_syntax::scl::ast::{Body as Tree, Dialect, ExprKind, NameForm};
 
 use super::{Binder, Ctx};
 use plcc_model::scl::Body;
-pub use reference::{effect, reference};
+pub use reference::{effect, functions, reference};
 pub use rules::{Rules, Scope};
 
 /// The purpose of an access.

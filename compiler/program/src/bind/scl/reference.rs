@@ -241,3 +241,7 @@ const fn timer(kind: TimerKind) -> &'static str {
         TimerKind::OffDelay => "S5 timer, off delay",
     }
 }
+/// Names of the functions of the language, without the types that some names end with.
+pub fn functions() -> impl Iterator<Item = &'static str> {
+    ROWS.iter().map(|row| row.name)
+}
