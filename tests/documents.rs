@@ -254,7 +254,7 @@ fn bytes_of(ty: &TypeRef) -> u32 {
             "VARIANT" => 18,
             "ERRORSTRUCT" => 28,
             // Numbers of hardware and of events.
-            "OB_ATT" | "OB_CYCLIC" | "OB_RT" | "HW_HSC" | "HW_PWM" | "RTM" => 2,
+            "OB_ATT" | "OB_CYCLIC" | "HW_HSC" | "HW_PWM" | "RTM" => 2,
             "EVENT_ATT" => 4,
             name => {
                 let elementary = Elementary::from_word(name).unwrap_or_else(|| panic!("the type {name}"));

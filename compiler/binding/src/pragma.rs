@@ -26,7 +26,7 @@ pub fn file_pragma(report: &mut Report, pragma: &Pragma, settings: &mut TestSett
         }
         "test" => {
             if let Some(code) = rest.strip_prefix("expect=fail").filter(|code| is_code(code)) {
-                settings.expect_fail = Some(code.trim().to_string());
+                settings.expect_fail = Some(code.trim().to_ascii_uppercase());
             } else if let Some(Ok(cycles)) = rest.strip_prefix("cycles=").map(str::parse::<u32>) {
                 settings.cycles = Some(cycles);
             } else if rest != "partial" {

@@ -56,6 +56,9 @@ fn expected_faults() {
     let expected = test(one.clone(), code(fault()), &options);
     assert_eq!((expected.passed, expected.failed()), (1, 0));
     assert!(expected.stopped.unwrap().starts_with("16#4562"));
+    let other = TestOptions { expect_fail: Some("16#2522".to_string()), ..TestOptions::default() };
+    let other = test(one.clone(), code(fault()), &other);
+    assert_eq!((other.passed, other.failed()), (0, 1), "another fault than the expected one");
     let unexpected = test(one.clone(), code(fault()), &TestOptions::default());
     assert_eq!((unexpected.passed, unexpected.failed()), (0, 1));
     let missing = test(one, code(vec![Box::new(|_: &Cpu, _| ())]), &options);
