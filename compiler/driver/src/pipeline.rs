@@ -315,6 +315,11 @@ pub fn optimize(mut compiled: Compiled) -> Compiled {
         Level::O0 => {}
         Level::O2 => plcc_opt::optimize(&mut compiled.module),
     }
+    let usage = plcc_opt::usage(&compiled.module);
+    compiled.image.outputs_used = usage.outputs;
+    if let Some(own) = &mut compiled.image.s7200 {
+        own.logic_only = usage.logic_only;
+    }
     compiled
 }
 

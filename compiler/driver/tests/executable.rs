@@ -66,6 +66,7 @@ fn image() -> ProgramImage {
         symbols: Vec::new(),
         partial: Vec::new(),
         stops_itself: false,
+        outputs_used: u32::MAX,
         notices: Vec::new(),
         s7200: None,
     }

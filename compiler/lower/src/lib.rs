@@ -138,6 +138,7 @@ impl<'s> Output<'s> {
             symbols: program.symbols.clone(),
             partial: program.partial.clone(),
             stops_itself: facts.stops_itself,
+            outputs_used: u32::MAX,
             notices: program.notices.clone(),
             s7200: None,
         };

@@ -18,9 +18,11 @@ mod frames;
 mod inline;
 mod interfaces;
 mod known_bits;
+mod usage;
 mod values;
 
 use plcc_ir::Module;
+pub use usage::{Usage, usage};
 
 /// A pass with the name that `--print-after` and tests use.
 #[derive(Clone, Copy)]

@@ -403,6 +403,8 @@ pub struct ProgramImage {
     pub symbols: Vec<SymbolEntry>,
     /// Stand-ins for missing parts, and parts left out because of them: one line each, reported at the start of a run.
     pub partial: Vec<String>,
+    /// No code of the program changes output bytes from here on: they need not be copied to the modules in each cycle.
+    pub outputs_used: u32,
     /// The program may end itself (SFC 46, STP): `plcc test` runs it until then.
     pub stops_itself: bool,
     /// Lines that every run prints first.

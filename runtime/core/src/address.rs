@@ -252,6 +252,7 @@ impl Cpu {
         match address.place {
             Place::Timer(_) | Place::Counter(_) => {}
             Place::S7200(part, number) => {
+                self.s7200_look_always();
                 if !self.write_part(part, number, value) {
                     self.write_memory(address, value);
                 }
@@ -290,6 +291,9 @@ impl Cpu {
 
     fn write_memory(&self, address: &Address, value: Bits) {
         let Some(offset) = self.offset_of(address.place) else { return };
+        if let Place::Output(_) = address.place {
+            self.all_outputs.set(true);
+        }
         match address.width {
             Width::Bit(bit) => self.memory.set_bit(offset, bit, value & 1 != 0),
             Width::Byte => self.memory.set_byte(offset, value as u8),

@@ -17,17 +17,19 @@ pub struct Clock {
     now: Cell<u64>,
     /// Wall clock at time 0.
     wall_base: Cell<i64>,
+    /// A full second of the wall clock and its DATE_AND_TIME.
+    second: Cell<(i64, [u8; 8])>,
 }
 
 impl Clock {
     pub fn real() -> Clock {
         let wall = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as i64);
-        Clock { origin: Some(Instant::now()), now: Cell::new(0), wall_base: Cell::new(wall) }
+        Clock { origin: Some(Instant::now()), now: Cell::new(0), wall_base: Cell::new(wall), second: no_second() }
     }
 
     /// Starts at time 0 and 1994-01-01 00:00:00.
     pub fn simulated() -> Clock {
-        Clock { origin: None, now: Cell::new(0), wall_base: Cell::new(datetime::VIRTUAL_START) }
+        Clock { origin: None, now: Cell::new(0), wall_base: Cell::new(datetime::VIRTUAL_START), second: no_second() }
     }
 
     pub fn is_virtual(&self) -> bool {
@@ -57,6 +59,19 @@ impl Clock {
         self.wall_base.get().saturating_add(self.now() as i64)
     }
 
+    /// The wall clock as DATE_AND_TIME. Every OB has it in its start information, so it is worth computing the date once a second only.
+    pub fn wall_bytes(&self) -> [u8; 8] {
+        let wall = self.wall();
+        let (start, bytes) = self.second.get();
+        let since = wall.wrapping_sub(start);
+        if (0..datetime::NS_PER_S).contains(&since) {
+            return datetime::with_milliseconds(bytes, (since as u64 / NS_PER_MS) as u32);
+        }
+        let start = wall.div_euclid(datetime::NS_PER_S) * datetime::NS_PER_S;
+        self.second.set((start, datetime::encode(start)));
+        datetime::encode(wall)
+    }
+
     /// Sets the wall clock to `moment`; what is due by the other clock stays.
     pub fn set_wall(&self, moment: i64) {
         self.wall_base.set(moment.saturating_sub(self.now() as i64));
@@ -65,5 +80,26 @@ impl Clock {
     /// The time at which the wall clock shows `moment`; 0 if that is past.
     pub fn time_of(&self, moment: i64) -> u64 {
         u64::try_from(moment.saturating_sub(self.wall_base.get())).unwrap_or(0)
+    }
+}
+
+/// A second that no clock shows.
+fn no_second() -> Cell<(i64, [u8; 8])> {
+    Cell::new((i64::MIN, [0; 8]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_of_the_wall_clock_are_those_of_its_moment() {
+        let clock = Clock::simulated();
+        for step in [0, 1, 999_999, 1_000_000, 10_500_000, 998_000_000, 999_999_999, 86_400_000_000_000] {
+            clock.move_to(clock.now() + step);
+            assert_eq!(clock.wall_bytes(), datetime::encode(clock.wall()), "{step}");
+        }
+        clock.set_wall(datetime::VIRTUAL_START - 12_345_678);
+        assert_eq!(clock.wall_bytes(), datetime::encode(clock.wall()));
     }
 }

@@ -65,6 +65,10 @@ pub struct Cpu {
     pub(crate) family: &'static dyn Family,
     /// State that only an S7-200 has.
     pub(crate) s7200: Option<Box<S7200>>,
+    /// Outputs may have changed that the program does not use: the next copy to the modules is of all.
+    pub(crate) all_outputs: Cell<bool>,
+    /// The OBs of the program cycle in the order of their numbers.
+    pub(crate) cycle_obs: Vec<LoadedOb>,
     /// Run-time meters.
     pub(crate) meters: [Meter; METERS],
 }
@@ -78,6 +82,8 @@ impl Cpu {
         let mut blocks = image.blocks.clone();
         blocks.sort_by_key(|block| (block.kind, block.number));
         let memory = Memory::new(image.db_end);
+        let cycle_obs = obs_of(&blocks, &image, ObClass::ProgramCycle).map(|ob| LoadedOb::new(ob, &blocks, &image));
+        let cycle_obs = cycle_obs.collect();
         let cpu = Rc::new(Cpu {
             schedule: Schedule::new(&image, &blocks),
             technology: Technology::new(&image.config),
@@ -98,6 +104,8 @@ impl Cpu {
             diagnostics_changed: Cell::new(false),
             communication: RefCell::default(),
             meters: Default::default(),
+            all_outputs: Cell::new(true),
+            cycle_obs,
         });
         cpu.memory.set_host64(state::CPU, Rc::as_ptr(&cpu) as u64);
         cpu.load_dbs();
@@ -128,15 +136,22 @@ impl Cpu {
 
     /// The block of this kind and number.
     pub fn block(&self, kind: BlockKind, number: u16) -> Option<&BlockEntry> {
-        let index = self.blocks.binary_search_by_key(&(kind, number), |block| (block.kind, block.number)).ok()?;
-        self.blocks.get(index)
+        self.blocks.get(position(&self.blocks, kind, number)?)
     }
 
-    /// Loaded OBs of a class, in the order of their numbers. From OB 123 on only an S7-1200/1500 has them.
+    /// The block of a loaded OB.
+    pub(crate) fn block_of(&self, ob: &LoadedOb) -> Option<&BlockEntry> {
+        self.blocks.get(ob.block)
+    }
+
+    /// A loaded OB, with what the runtime looks up for each run.
+    pub(crate) fn loaded_ob(&self, ob: u16) -> Option<LoadedOb> {
+        self.has_ob(ob).then(|| LoadedOb::new(ob, &self.blocks, &self.image))
+    }
+
+    /// Loaded OBs of a class, in the order of their numbers.
     pub(crate) fn obs_of(&self, class: ObClass) -> impl Iterator<Item = u16> {
-        let portal = self.image.profile.family.is_portal();
-        let obs = self.blocks.iter().filter(|block| block.kind == BlockKind::Ob).map(|block| block.number);
-        obs.filter(move |&ob| (portal || ob < OB_FREE) && self.image.config.class_of(ob) == Some(class))
+        obs_of(&self.blocks, &self.image, class)
     }
 
     pub fn has_ob(&self, number: u16) -> bool {
@@ -165,6 +180,38 @@ impl Cpu {
             Area::Inputs => (layout::I, cut(profile.inputs)),
             Area::Outputs => (layout::Q, cut(profile.outputs)),
             Area::BitMemory => (layout::M, cut(profile.bit_memory)),
+        }
+    }
+}
+
+/// Where the block of this kind and number is in `blocks`, which are sorted.
+fn position(blocks: &[BlockEntry], kind: BlockKind, number: u16) -> Option<usize> {
+    blocks.binary_search_by_key(&(kind, number), |block| (block.kind, block.number)).ok()
+}
+
+/// Loaded OBs of a class, in the order of their numbers. From OB 123 on only an S7-1200/1500 has them.
+fn obs_of<'a>(blocks: &'a [BlockEntry], image: &'a ProgramImage, class: ObClass) -> impl Iterator<Item = u16> + 'a {
+    let portal = image.profile.family.is_portal();
+    let obs = blocks.iter().filter(|block| block.kind == BlockKind::Ob).map(|block| block.number);
+    obs.filter(move |&ob| (portal || ob < OB_FREE) && image.config.class_of(ob) == Some(class))
+}
+
+/// An OB that is loaded, with what depends on its number alone.
+#[derive(Clone, Copy)]
+pub(crate) struct LoadedOb {
+    pub number: u16,
+    /// Place of its block among the CPU's.
+    block: usize,
+    /// Nesting depth that its class allows.
+    pub depth_max: u32,
+}
+
+impl LoadedOb {
+    fn new(number: u16, blocks: &[BlockEntry], image: &ProgramImage) -> LoadedOb {
+        LoadedOb {
+            number,
+            block: position(blocks, BlockKind::Ob, number).unwrap_or(usize::MAX),
+            depth_max: image.profile.depth_max(image.config.class_of(number)),
         }
     }
 }

@@ -12,6 +12,9 @@ use crate::cpu::{Area, Cpu};
 use crate::diagnostics::NO_SITE;
 use crate::events::StartInfo;
 
+/// Priority of the OBs of the program cycle.
+const CYCLE_PRIORITY: u8 = 1;
+
 /// Who looks at the CPU between the phases: scenario, trace.
 pub trait Observer {
     /// Before `cycle` reads its inputs; cycle 0 is before the startup OB. `time` in nanoseconds.
@@ -52,6 +55,9 @@ impl Cpu {
     /// Startup and cycles. Returns the number of OB 1 cycles that were begun.
     pub fn execute(&self, pace: &Pace, observer: &mut dyn Observer) -> u64 {
         self.schedule.hang_limit.set(pace.hang_limit);
+        if self.clock.is_virtual() {
+            self.watchdog.watch_beats(pace.hang_limit);
+        }
         self.start_up(observer);
         let mut times = CycleTimes::default();
         let mut cycle = 0;
@@ -72,6 +78,7 @@ impl Cpu {
             }
         }
         self.watchdog.set(u64::MAX);
+        self.watchdog.watch_beats(u64::MAX);
         self.family.finish(self);
         cycle
     }
@@ -121,7 +128,7 @@ impl Cpu {
         self.update_system_memory(cycle == 1);
         self.read_inputs();
         self.schedule.monitor.begin(start);
-        self.rearm();
+        self.arm_watchdog();
         self.family.begin_cycle(self, cycle, times);
         self.look_at_inputs();
         self.poll();
@@ -140,9 +147,9 @@ impl Cpu {
 
     /// OB 1. On an S7-1200/1500, then the other OBs of the program cycle in the order of their numbers.
     pub(crate) fn run_program_cycle(&self, cycle: u64, times: &CycleTimes) {
-        for ob in self.obs_of(ObClass::ProgramCycle) {
+        for ob in &self.cycle_obs {
             if !self.is_stopped() {
-                self.run_ob(ob, 1, self.cycle_info(ob, cycle, times));
+                self.run_loaded(ob, CYCLE_PRIORITY, self.cycle_info(ob.number, cycle, times));
             }
         }
     }
@@ -154,7 +161,7 @@ impl Cpu {
             (1, _) => 1,
             (_, _) => 3,
         };
-        StartInfo::new(0x11, scan, ob).word(6, times.last).word(8, times.shortest.unwrap_or(0)).word(10, times.longest)
+        StartInfo::of_cycle(scan, CYCLE_PRIORITY, ob, [times.last, times.shortest.unwrap_or(0), times.longest])
     }
 
     /// Moves connections on, or ends them in STOP. Without a real clock the partner gets some time here if a block waits for it.
@@ -188,9 +195,10 @@ impl Cpu {
         self.family.write_outputs(self);
     }
 
-    /// Copies the process image of outputs to the modules as it is.
+    /// Copies the process image of outputs to the modules as it is: the part that the program uses, unless more has changed.
     pub(crate) fn write_output_image(&self) {
         let (base, length) = self.area(Area::Outputs);
+        let length = if self.all_outputs.take() { length } else { length.min(self.image.outputs_used) };
         self.memory.view(base, length, |image| self.driver.write_image(image));
     }
 

@@ -35,18 +35,25 @@ pub fn moment(datetime: DateTime) -> i64 {
 pub fn encode(moment: i64) -> [u8; 8] {
     let at = civil(moment);
     let two = |value: i64| bcd::from_int(value.unsigned_abs() as u32, 2) as u8;
-    let ms = i64::from(at.subsec_nanosecond()) / 1_000_000;
     let weekday = at.date().weekday().to_sunday_one_offset() as u8;
-    [
+    let bytes = [
         two(i64::from(at.year()) % 100),
         two(i64::from(at.month())),
         two(i64::from(at.day())),
         two(i64::from(at.hour())),
         two(i64::from(at.minute())),
         two(i64::from(at.second())),
-        two(ms / 10),
-        (ms % 10) as u8 * 16 + weekday,
-    ]
+        0,
+        weekday,
+    ];
+    with_milliseconds(bytes, at.subsec_nanosecond().unsigned_abs() / 1_000_000)
+}
+
+/// A DATE_AND_TIME of a full second, with these milliseconds (0..=999) added.
+pub fn with_milliseconds(second: [u8; 8], ms: u32) -> [u8; 8] {
+    let digits = ms / 100 * 256 + ms / 10 % 10 * 16 + ms % 10;
+    // The last four bits are the weekday.
+    (u64::from_be_bytes(second) | u64::from(digits) << 4).to_be_bytes()
 }
 
 /// The moment of a DATE_AND_TIME; the weekday is ignored.

@@ -22,6 +22,18 @@ impl StartInfo {
         StartInfo(bytes)
     }
 
+    /// Of an OB of the program cycle: `words` are bytes 6 to 11. Made in two pieces of the size in which it is read again, because it is
+    /// needed in each cycle.
+    pub fn of_cycle(cause: u8, priority: u8, ob: u16, words: [u16; 3]) -> StartInfo {
+        let [last, shortest, longest] = words;
+        let head = u64::from(u32::from_be_bytes([0x11, cause, priority, ob as u8])) << 32 | u64::from(last);
+        let tail = u32::from(shortest) << 16 | u32::from(longest);
+        let mut bytes = [0; 12];
+        bytes[..8].copy_from_slice(&head.to_be_bytes());
+        bytes[8..].copy_from_slice(&tail.to_be_bytes());
+        StartInfo(bytes)
+    }
+
     pub fn byte(mut self, offset: usize, value: u8) -> StartInfo {
         self.0[offset] = value;
         self

@@ -38,6 +38,11 @@ pub(crate) trait Family {
         NEVER
     }
 
+    /// True while nothing can happen but at the times of [`next_due`](Family::next_due).
+    fn is_timed_only(&self, _cpu: &Cpu) -> bool {
+        true
+    }
+
     /// Handles the events that only this family has and that are due now.
     fn poll(&self, _cpu: &Cpu) {}
 
@@ -75,7 +80,9 @@ impl Family for Step7 {
     }
 
     fn dispatch(&self, cpu: &Cpu) {
-        cpu.dispatch_by_priority();
+        if !cpu.schedule.is_queue_empty() {
+            cpu.dispatch_by_priority();
+        }
     }
 
     fn cycle_too_long(&self, cpu: &Cpu, ms: u32, site: u32) {

@@ -11,11 +11,11 @@ use plcc_abi::image::{BlockEntry, BlockKind};
 use plcc_abi::layout::{self, CpuRegister, state};
 use plcc_abi::s7200::LOCAL_BYTES;
 
-use crate::cpu::Cpu;
+use crate::cpu::{Cpu, LoadedOb};
 use crate::diagnostics::NO_SITE;
+use crate::events;
 use crate::events::StartInfo;
 use crate::ob_set::ObSet;
-use crate::{datetime, events};
 
 /// First priority class that no OB uses (OB 90 has 29 by name, and class 0 here).
 const ERROR_CLASS: u32 = 29;
@@ -76,7 +76,15 @@ struct Saved {
 impl Cpu {
     /// Runs the OB in its priority class. The caller has checked that it is higher than the running one.
     pub(crate) fn run_ob(&self, ob: u16, priority: u8, info: StartInfo) {
-        let Some(block) = self.block(BlockKind::Ob, ob) else { return };
+        if let Some(ob) = self.loaded_ob(ob) {
+            self.run_loaded(&ob, priority, info.byte(2, priority));
+        }
+    }
+
+    /// As [`run_ob`](Cpu::run_ob), for an OB that was looked up. `info` has the priority.
+    pub(crate) fn run_loaded(&self, loaded: &LoadedOb, priority: u8, info: StartInfo) {
+        let Some(block) = self.block_of(loaded) else { return };
+        let ob = loaded.number;
         let running = &self.running;
         let before = (running.priority.get(), running.ob.get(), running.delayed.get(), running.error_depth.get());
         let replaceable = running.replaceable.take();
@@ -88,8 +96,7 @@ impl Cpu {
         running.error_depth.set(0);
         running.active.set(ob, true);
         let limit = self.image.profile.local_data.min(layout::L_CLASS_BYTES);
-        let depth_max = self.image.profile.depth_max(self.image.config.class_of(ob));
-        self.enter(block, layout::l_stack(class), limit, depth_max, priority, info);
+        self.enter(block, layout::l_stack(class), limit, loaded.depth_max, before.0 != 0, info);
         running.active.set(ob, false);
         running.priority.set(before.0);
         running.ob.set(before.1);
@@ -114,7 +121,7 @@ impl Cpu {
         let limit = self.image.profile.local_data.min(ERROR_SLICE_BYTES);
         // The levels of the class are used up to an unknown extent; error OBs may use more in addition.
         let depth_max = self.image.profile.error_depth.max(1);
-        self.enter(block, base, limit, depth_max, running.priority.get(), info);
+        self.enter(block, base, limit, depth_max, true, info.byte(2, running.priority.get()));
         running.ob.set(before);
         running.error_depth.set(depth);
         running.error_levels.set(levels);
@@ -128,40 +135,45 @@ impl Cpu {
         let ob = if block.kind == BlockKind::Ob { block.number } else { 0 };
         let before = (running.priority.replace(priority), running.ob.replace(ob));
         let base = layout::l_stack(u32::from(priority).min(ERROR_CLASS - 1));
-        let saved = self.save();
+        let saved = (before.0 != 0).then(|| self.save());
         memory.clear(base, block.frame.clamp(LOCAL_BYTES, layout::L_CLASS_BYTES));
         memory.clear(state::REGISTERS, 4 * REGISTER_SLOTS as u32);
         memory.set_host32(state::DEPTH, 1);
         memory.set_host32(state::DEPTH_MAX, u32::MAX);
         memory.set_host32(state::L_END, base + layout::L_CLASS_BYTES);
         self.code.call(block.entry, memory.base(), base, base);
-        self.restore(&saved);
+        if let Some(saved) = &saved {
+            self.restore(saved);
+        }
         running.priority.set(before.0);
         running.ob.set(before.1);
     }
 
-    fn enter(&self, block: &BlockEntry, base: u32, limit: u32, depth_max: u32, priority: u8, info: StartInfo) {
+    /// `inside`: it interrupts code, whose registers must be as before afterwards.
+    fn enter(&self, block: &BlockEntry, base: u32, limit: u32, depth_max: u32, inside: bool, info: StartInfo) {
         let memory = &self.memory;
         if block.frame.max(events::START_INFO_BYTES as u32) > limit {
             self.stop_by(plcc_abi::codes::stop::LOCAL_DATA, NO_SITE, 0);
             return;
         }
-        let saved = self.save();
+        let saved = inside.then(|| self.save());
         memory.clear(base, block.frame.max(events::START_INFO_BYTES as u32));
-        let info = info.byte(2, priority).0;
+        let info = info.0;
         let outer_info = self.running.info.replace(info);
         if matches!(block.number, 100..=102) {
             self.running.startup_info.set(info);
         }
         memory.set_bytes(base, info);
         self.set_start_inputs(block, base, &info, !self.running.called.set(block.number, true));
-        memory.set_bytes(base + 12, datetime::encode(self.clock.wall()));
+        memory.set_bytes(base + 12, self.clock.wall_bytes());
         memory.clear(state::REGISTERS, 4 * REGISTER_SLOTS as u32);
         memory.set_host32(state::DEPTH, 1);
         memory.set_host32(state::DEPTH_MAX, depth_max);
         memory.set_host32(state::L_END, base + limit);
         self.code.call(block.entry, memory.base(), base, base);
-        self.restore(&saved);
+        if let Some(saved) = &saved {
+            self.restore(saved);
+        }
         self.running.info.set(outer_info);
     }
 

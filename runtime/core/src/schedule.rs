@@ -129,7 +129,8 @@ pub struct Schedule {
     pub(crate) in_run: Cell<bool>,
     /// Host time that a cycle may take under the virtual clock; set by the cycle.
     pub(crate) hang_limit: Cell<u64>,
-    pub(crate) hang_deadline: Cell<u64>,
+    /// Nothing is due before this time; see [`Cpu::rearm`].
+    quiet_until: Cell<u64>,
 }
 
 /// Nanoseconds that a cycle may take. The scan watchdog of an S7-200 can be off.
@@ -196,7 +197,7 @@ impl Schedule {
             disabled: ObSet::default(),
             in_run: Cell::new(false),
             hang_limit: Cell::new(NEVER),
-            hang_deadline: Cell::new(NEVER),
+            quiet_until: Cell::new(0),
         }
     }
 
@@ -219,6 +220,11 @@ impl Schedule {
     /// Drops the waiting events of an OB.
     pub(crate) fn forget(&self, ob: u16) {
         self.queue.borrow_mut().retain(|event| event.ob != ob);
+    }
+
+    /// No event waits.
+    pub(crate) fn is_queue_empty(&self) -> bool {
+        self.queue.borrow().is_empty()
     }
 
     fn is_waiting(&self, ob: u16) -> bool {
@@ -272,6 +278,7 @@ impl Cpu {
         for cyclic in &self.schedule.cyclic {
             cyclic.start(now);
         }
+        self.rearm();
     }
 
     /// Time-of-day interrupts from plc.toml.
@@ -305,7 +312,15 @@ impl Cpu {
     }
 
     /// When the next timed interrupt is due.
+    #[inline]
     fn next_due(&self) -> u64 {
+        match self.schedule.quiet_until.get() {
+            0 => self.find_next_due(),
+            time => time,
+        }
+    }
+
+    fn find_next_due(&self) -> u64 {
         let schedule = &self.schedule;
         let cyclic = schedule.cyclic.iter().map(|cyclic| cyclic.due.get());
         let delays = schedule.delays.iter().map(|delay| delay.due.get());
@@ -316,10 +331,15 @@ impl Cpu {
     }
 
     /// Turns everything that is due now into events.
+    #[inline]
     pub(crate) fn poll(&self) {
-        if !self.schedule.in_run.get() {
-            return;
+        if self.schedule.in_run.get() && self.clock.now() >= self.schedule.quiet_until.get() {
+            self.serve_due();
+            self.find_quiet_time();
         }
+    }
+
+    fn serve_due(&self) {
         let now = self.clock.now();
         self.poll_counters();
         self.family.poll(self);
@@ -395,11 +415,22 @@ impl Cpu {
         self.rearm();
     }
 
-    /// Sets the time at which the watchdog raises the attention flag.
+    /// Something that is due at a certain time was added, moved or taken out: finds the next time at which to look again.
     pub(crate) fn rearm(&self) {
+        self.find_quiet_time();
+        self.arm_watchdog();
+    }
+
+    /// What has no due time (inputs that are looked at, events of other sources) leaves 0: always look.
+    fn find_quiet_time(&self) {
+        let quiet = self.schedule.in_run.get() && self.technology.is_unused() && self.family.is_timed_only(self);
+        self.schedule.quiet_until.set(if quiet { self.find_next_due() } else { 0 });
+    }
+
+    /// Sets the time at which the watchdog raises the attention flag. Under the virtual clock it watches beats instead.
+    pub(crate) fn arm_watchdog(&self) {
         let schedule = &self.schedule;
         if self.clock.is_virtual() {
-            self.watchdog.set(schedule.hang_deadline.get());
             return;
         }
         let now = self.clock.now();
@@ -424,7 +455,7 @@ impl Cpu {
             if between_cycles {
                 self.schedule.monitor.begin(self.clock.now());
                 self.arm_hang();
-                self.rearm();
+                self.arm_watchdog();
             }
             self.run_ob(event.ob, priority, event.info);
             if between_cycles {
@@ -466,7 +497,7 @@ impl Cpu {
                 }
                 self.poll();
                 self.check_cycle_time(site);
-                self.rearm();
+                self.arm_watchdog();
             }
             self.dispatch();
         }
@@ -487,11 +518,9 @@ impl Cpu {
     }
 
     fn check_hang(&self, site: u32) {
-        let schedule = &self.schedule;
-        if self.is_stopped() || self.watchdog.host_now() < schedule.hang_deadline.get() {
-            return;
+        if !self.is_stopped() && self.watchdog.is_overdue() {
+            self.family.hang(self, site);
         }
-        self.family.hang(self, site);
     }
 
     /// An endless loop under the virtual clock: OB 80 once, then STOP.
@@ -509,12 +538,9 @@ impl Cpu {
     }
 
     /// Starts the hang limit again.
+    #[inline]
     pub(crate) fn arm_hang(&self) {
-        if self.clock.is_virtual() {
-            let deadline = self.watchdog.host_now().saturating_add(self.schedule.hang_limit.get());
-            self.schedule.hang_deadline.set(deadline);
-            self.rearm();
-        }
+        self.watchdog.beat();
     }
 
     /// Lets time pass until `target`. Interrupts run at their due times. `monitored`: the cycle monitor

@@ -64,6 +64,7 @@ pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap) -> Lowe
         rising_edges: plan.rising_edges.next,
         falling_edges: plan.falling_edges.next - plan.falling_edges.first,
         cpu,
+        logic_only: false,
     });
     output.finish()
 }

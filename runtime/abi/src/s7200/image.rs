@@ -13,6 +13,9 @@ pub struct S7200Image {
     pub falling_edges: u32,
     /// Which CPU it is, for ranges at run time.
     pub cpu: CpuRow,
+    /// No code touches interrupts, fast counters, pulse outputs, ports, network, or anything through pointers: the CPU need not
+    /// look at them in each scan.
+    pub logic_only: bool,
 }
 
 /// Limits of a CPU of the S7-200. Source: S7-200 system manual, memory ranges and features.

@@ -5,6 +5,7 @@ use super::scan::ScanTimes;
 use crate::cpu::Cpu;
 use crate::cycle::CycleTimes;
 use crate::family::Family;
+use crate::schedule::NEVER;
 
 /// See the module comment. The state is in [`S7200`](super::S7200).
 pub(crate) struct ScanCycle;
@@ -48,7 +49,11 @@ impl Family for ScanCycle {
     }
 
     fn next_due(&self, cpu: &Cpu) -> u64 {
-        cpu.s7200_due()
+        if is_logic_only(cpu) { NEVER } else { cpu.s7200_due() }
+    }
+
+    fn is_timed_only(&self, cpu: &Cpu) -> bool {
+        is_logic_only(cpu)
     }
 
     fn poll(&self, cpu: &Cpu) {
@@ -56,7 +61,9 @@ impl Family for ScanCycle {
     }
 
     fn dispatch(&self, cpu: &Cpu) {
-        cpu.s7200_dispatch();
+        if !is_logic_only(cpu) {
+            cpu.s7200_dispatch();
+        }
     }
 
     fn is_leaving(&self, cpu: &Cpu) -> bool {
@@ -78,4 +85,9 @@ impl Family for ScanCycle {
     fn output_written(&self, cpu: &Cpu, address: u32, bytes: u32, value: u32) {
         cpu.s7200_analog_written(address, bytes, value);
     }
+}
+
+/// See [`S7200::logic_only`](super::S7200::logic_only).
+fn is_logic_only(cpu: &Cpu) -> bool {
+    cpu.s7200().is_some_and(|own| own.logic_only.get())
 }

@@ -47,6 +47,8 @@ pub use sockets::socket_address;
 #[cfg(test)]
 pub(crate) use freeport::tests::freeport_cpu as cpu_for_tests;
 
+use std::cell::Cell;
+
 use plcc_abi::layout;
 use plcc_abi::s7200::{Operation, S7200Config, S7200Image, result, system};
 
@@ -72,6 +74,8 @@ pub struct Operands {
 
 /// State outside the memory.
 pub struct S7200 {
+    /// Neither the program nor a scenario touches interrupts and hardware: scans need not look at them.
+    pub(crate) logic_only: Cell<bool>,
     pub(crate) image: S7200Image,
     pub(crate) config: S7200Config,
     pub(crate) scan: scan::Scan,
@@ -91,6 +95,7 @@ pub struct S7200 {
 impl S7200 {
     pub(crate) fn new(image: &S7200Image, config: &S7200Config) -> S7200 {
         S7200 {
+            logic_only: Cell::new(image.logic_only),
             image: image.clone(),
             config: config.clone(),
             scan: scan::Scan::default(),

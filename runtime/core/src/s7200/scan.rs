@@ -62,6 +62,14 @@ impl Cpu {
         own.scan.stop_site.set(None);
     }
 
+    /// Something besides the program touches special memory or hardware.
+    pub(crate) fn s7200_look_always(&self) {
+        if let Some(own) = self.s7200() {
+            own.logic_only.set(false);
+            self.rearm();
+        }
+    }
+
     /// RUN begins, and the inputs have their first values: interrupts and hardware.
     pub(crate) fn s7200_start_hardware(&self) {
         self.s7200_start_interrupts();
@@ -125,7 +133,7 @@ impl Cpu {
     pub(crate) fn s7200_end_program(&self) {
         let Some(own) = self.s7200() else { return };
         own.scan.is_running.set(false);
-        if self.is_stopped() {
+        if self.is_stopped() || own.logic_only.get() {
             return;
         }
         self.s7200_look_at_special();
@@ -163,7 +171,7 @@ impl Cpu {
     /// The bits of output byte 0 that pulse outputs own, and their levels.
     fn pulse_bits(&self) -> (u8, u8) {
         let none = (0, 0);
-        if self.s7200.is_none() {
+        if self.s7200.as_ref().is_none_or(|own| own.logic_only.get()) {
             return none;
         }
         let level = |number: u8| self.s7200_pulse_level(number).map(|on| (1 << number, u8::from(on) << number));

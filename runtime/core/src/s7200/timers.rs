@@ -21,8 +21,6 @@ use crate::schedule::NEVER;
 
 /// Timers of 1 ms.
 pub(super) const OF_1_MS: [u32; 4] = [0, 32, 64, 96];
-/// Timers of 10 ms.
-const OF_10_MS: [u32; 16] = [1, 2, 3, 4, 33, 34, 35, 36, 65, 66, 67, 68, 97, 98, 99, 100];
 /// Timers of 1 ms that raise an event when they reach their preset, and the events.
 const WITH_EVENT: [(u32, u8); 2] = [(32, 21), (96, 22)];
 const LARGEST: i16 = i16::MAX;
@@ -240,7 +238,11 @@ impl Cpu {
         let Some(own) = self.s7200() else { return };
         let now = self.millisecond();
         let ticks = (now / 10).saturating_sub(own.timers.tick_10.replace(now / 10));
-        for number in OF_10_MS {
+        let used = |resolution_wanted: Resolution| {
+            let numbers = own.image.timers.iter().map(|&number| u32::from(number));
+            numbers.filter(move |&number| resolution(number) == resolution_wanted)
+        };
+        for number in used(Resolution::Ms10) {
             let (timer, Some(last)) = (self.timer(number), own.timers.last_box(number)) else { continue };
             if let Some(kind) = last.kind.get().filter(|&kind| timer.is_running(kind)) {
                 timer.count(kind, last.preset.get(), ticks);
@@ -248,7 +250,7 @@ impl Cpu {
         }
         let ticks = (now / 100).saturating_sub(own.timers.tick_100.replace(now / 100));
         self.memory.set_dword(layout::SYSTEM + system::TICKS_100_MS, u32::try_from(ticks).unwrap_or(u32::MAX));
-        OF_1_MS.iter().for_each(|&number| self.s7200_timer_sync(number));
+        used(Resolution::Ms1).for_each(|number| self.s7200_timer_sync(number));
     }
 
     /// When a timer next raises an event to which a routine is attached.

@@ -61,6 +61,13 @@ impl Technology {
     }
 }
 
+impl Technology {
+    /// The CPU has neither fast counters nor hardware interrupts.
+    pub(crate) fn is_unused(&self) -> bool {
+        self.counters.is_empty() && self.interrupts.is_empty()
+    }
+}
+
 impl Cpu {
     /// Before the startup: levels of inputs, widths of pulses.
     pub(crate) fn start_technology(&self) {

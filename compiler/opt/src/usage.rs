@@ -1,0 +1,82 @@
+//! What the program uses of the CPU, so that the runtime does in each cycle only what is needed.
+
+use plcc_ir::{Address, Function, InstData, Module, Region, RuntimeFn};
+
+/// No byte of the outputs is sure to stay as it is.
+const ALL: u32 = u32::MAX;
+
+/// See the module comment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Usage {
+    /// The output byte from which on no code of the program changes one. Only the bytes before it are copied to the modules after
+    /// each cycle; an S7-1500 has 32 KB of them.
+    pub outputs: u32,
+    /// Code of an S7-200 touches neither interrupts nor counters, pulse outputs, ports or network, nor anything through pointers.
+    pub logic_only: bool,
+}
+
+/// Looks at all code of the module.
+pub fn usage(module: &Module) -> Usage {
+    let mut usage = Usage { outputs: 0, logic_only: true };
+    for function in module.functions.values() {
+        for &block in &function.layout {
+            for &inst in &function.blocks[block].insts {
+                usage.add(function, &function.insts[inst]);
+            }
+        }
+    }
+    usage
+}
+
+impl Usage {
+    fn add(&mut self, function: &Function, inst: &InstData) {
+        let outputs = match inst {
+            InstData::Store { addr, value } => end_of(addr, function.ty(*value).bytes()),
+            InstData::StoreBit { addr, .. } => end_of(addr, 1),
+            InstData::Clear { addr, len } | InstData::Copy { to: addr, len, .. } => end_of(addr, *len),
+            // Whoever has the address may write there.
+            InstData::AddressOf { addr } if addr.region == Region::Q => ALL,
+            InstData::CallRuntime { function, .. } => match function {
+                // Their parameters may be pointers to outputs.
+                RuntimeFn::SystemFunction | RuntimeFn::CallBlock | RuntimeFn::CopyText => ALL,
+                RuntimeFn::S7200Operation
+                | RuntimeFn::S7200Pointer
+                | RuntimeFn::S7200Counter
+                | RuntimeFn::S7200SpecialWritten => {
+                    self.logic_only = false;
+                    ALL
+                }
+                _ => 0,
+            },
+            _ => 0,
+        };
+        self.outputs = self.outputs.max(outputs);
+    }
+}
+
+/// The first output byte after those that a write to `addr` touches.
+fn end_of(addr: &Address, bytes: u32) -> u32 {
+    match (addr.region, addr.base) {
+        (Region::Q, None) => addr.offset.saturating_add(bytes),
+        (Region::Q, Some(_)) | (Region::Any, _) => ALL,
+        _ => 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(code: &str) -> Usage {
+        let text = format!("func @F {{\nb0:\n v0 = const.i32 1\n{code} ret\n}}\n");
+        usage(&plcc_ir::parse::parse_module(&text).expect("text is well formed"))
+    }
+
+    #[test]
+    fn outputs_end_after_the_last_byte_written() {
+        assert_eq!(of("").outputs, 0);
+        assert_eq!(of(" store.i32 M 9, v0\n store.i32 Q 4, v0\n").outputs, 8);
+        assert_eq!(of(" store.i32 Q[v0]+4, v0\n").outputs, ALL);
+        assert_eq!(of(" v1 = address Q 0\n").outputs, ALL);
+    }
+}
