@@ -18,6 +18,7 @@ mod frames;
 mod inline;
 mod interfaces;
 mod known_bits;
+mod ranges;
 mod usage;
 mod values;
 
@@ -52,6 +53,12 @@ pub const PIPELINE: &[Pass] = &[
     pass("control-flow", control_flow::simplify_control_flow),
     pass("addresses", addresses::resolve_addresses),
     pass("bits", bits::find_bits),
+    pass("values", values::share_values),
+    pass("forward", forward::forward_memory),
+    pass("fold", fold::fold),
+    pass("ranges", ranges::use_ranges),
+    pass("fold", fold::fold),
+    pass("control-flow", control_flow::simplify_control_flow),
     pass("values", values::share_values),
     pass("forward", forward::forward_memory),
     pass("fold", fold::fold),

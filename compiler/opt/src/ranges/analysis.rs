@@ -1,0 +1,638 @@
+//! Which numbers each value can be, found by sweeps over the dominator tree.
+//!
+//! A sweep computes each value from its operands, in the order of the tree, so that what a branch has tested is known in all
+//! blocks that only it leads to. Values that come over jumps back are those of the sweep before; none come in the first one,
+//! so that a sweep only ever finds more numbers. A parameter that grows from sweep to sweep is widened to the next landmark;
+//! when nothing grows any more, a few sweeps without widening make intervals smaller again.
+
+use plcc_ir::analysis::{ControlFlow, Dominators};
+use plcc_ir::entities::Entity;
+use plcc_ir::function::ValueDef;
+use plcc_ir::{BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, IntCc, Type, Value};
+use rustc_hash::FxHashMap;
+
+use super::interval::{self, Interval};
+
+/// Sweeps until nothing grows any more; with more the function is left as it is.
+const GROWING_MAX: usize = 16;
+/// Sweeps that make intervals smaller.
+const SHRINKING: usize = 2;
+/// How many steps back a condition is followed: conversions, sums with constants, conditions joined by AND and OR.
+const DEPTH_MAX: u32 = 4;
+/// Where widening stops: the numbers at which loops usually end.
+const LANDMARKS: [i64; 10] = [-32768, -128, -1, 0, 1, 127, 255, 1023, 32767, 65535];
+
+/// The knowledge of a point of the function while a sweep is there.
+pub struct Ranges<'f> {
+    function: &'f Function,
+    cfg: &'f ControlFlow,
+    dominators: &'f Dominators,
+    /// What each value can be anywhere; `None`: it was not computed yet.
+    values: Vec<Option<Interval>>,
+    /// What is known in addition here.
+    here: FxHashMap<Value, Interval>,
+    /// Entries of `here` before they were changed, for the way back up the tree.
+    undo: Vec<(Value, Option<Interval>)>,
+    /// Blocks on the way from the root, and the length of `undo` before each.
+    path: Vec<(Block, usize)>,
+    reached: Vec<bool>,
+    /// For parameters of blocks: what came over jumps forward in this sweep, and over jumps back in the sweep before and in this one.
+    forward: FxHashMap<Value, Interval>,
+    back: FxHashMap<Value, Interval>,
+    next_back: FxHashMap<Value, Interval>,
+    /// Limits of parameters of loops that count along with another one.
+    limits: FxHashMap<Value, Interval>,
+    /// Values that are a conversion of another one, or its sum with a constant: what is learnt of that one says something of them.
+    derived: FxHashMap<Value, Vec<Value>>,
+    phase: Phase,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Growing(usize),
+    Shrinking,
+}
+
+impl<'f> Ranges<'f> {
+    /// Analyses `function`; `None`: it takes too long.
+    pub fn of(function: &'f Function, cfg: &'f ControlFlow, dominators: &'f Dominators) -> Option<Ranges<'f>> {
+        let mut ranges = Ranges {
+            function,
+            cfg,
+            dominators,
+            values: vec![None; function.values.len()],
+            here: FxHashMap::default(),
+            undo: Vec::new(),
+            path: Vec::new(),
+            reached: vec![false; function.blocks.len()],
+            forward: FxHashMap::default(),
+            back: FxHashMap::default(),
+            next_back: FxHashMap::default(),
+            limits: FxHashMap::default(),
+            derived: derived(function, cfg),
+            phase: Phase::Growing(0),
+        };
+        let loops = has_loops(function, cfg);
+        let mut sweeps = 0;
+        while ranges.sweep() && loops {
+            sweeps += 1;
+            if sweeps > GROWING_MAX {
+                return None;
+            }
+            ranges.phase = Phase::Growing(sweeps);
+        }
+        if loops {
+            ranges.phase = Phase::Shrinking;
+            for _ in 0..SHRINKING {
+                ranges.sweep();
+            }
+            ranges.find_companions();
+            for _ in 0..SHRINKING {
+                ranges.sweep();
+            }
+        }
+        Some(ranges)
+    }
+
+    /// One sweep. Result: whether something grew.
+    fn sweep(&mut self) -> bool {
+        self.begin();
+        let mut grew = false;
+        for &block in &self.dominators.preorder {
+            grew |= self.enter(block);
+            if !self.reached[block.index()] {
+                continue;
+            }
+            for &inst in &self.function.blocks[block].insts {
+                self.compute(inst);
+            }
+            grew |= self.leave(block);
+        }
+        std::mem::swap(&mut self.back, &mut self.next_back);
+        grew
+    }
+
+    /// A sweep begins.
+    pub fn begin(&mut self) {
+        self.here.clear();
+        self.undo.clear();
+        self.path.clear();
+        self.forward.clear();
+        self.next_back.clear();
+    }
+
+    /// The sweep comes to a block: what its branch has tested is known, and so are its parameters. Result: whether they grew.
+    pub fn enter(&mut self, block: Block) -> bool {
+        while let Some(&(above, length)) = self.path.last() {
+            if self.dominators.dominates(above, block) {
+                break;
+            }
+            self.path.pop();
+            while self.undo.len() > length {
+                let Some((value, before)) = self.undo.pop() else { break };
+                match before {
+                    Some(before) => self.here.insert(value, before),
+                    None => self.here.remove(&value),
+                };
+            }
+        }
+        self.path.push((block, self.undo.len()));
+        let entry = block == self.function.entry();
+        self.reached[block.index()] |= entry;
+        if !self.reached[block.index()] {
+            return false;
+        }
+        if let &[pred] = self.cfg.predecessors(block) {
+            self.learn_edge(pred, block);
+        }
+        let mut grew = false;
+        for &param in &self.function.blocks[block].params {
+            let full = Interval::full(self.function.ty(param));
+            let came = match (self.forward.get(&param), self.back.get(&param)) {
+                _ if entry => Some(full),
+                (Some(&a), Some(&b)) => Some(a.join(b)),
+                (a, b) => a.or(b).copied(),
+            };
+            let Some(mut came) = came else { continue };
+            if let Some(&limit) = self.limits.get(&param) {
+                came = came.meet(limit).unwrap_or(limit);
+            }
+            let before = self.values[param.index()];
+            if let (Some(before), Phase::Growing(sweep)) = (before, self.phase) {
+                came = came.join(before);
+                if came != before && sweep > 1 {
+                    came = widened(before, came, full);
+                }
+            }
+            grew |= before.is_none_or(|before| !before.contains(came));
+            self.values[param.index()] = Some(came);
+        }
+        grew
+    }
+
+    /// The sweep comes to the end of a block: its jumps bring values. Result: whether they reach a block for the first time.
+    pub fn leave(&mut self, block: Block) -> bool {
+        let Some(inst) = self.function.terminator(block) else { return false };
+        match &self.function.insts[inst] {
+            InstData::Jump { target } => self.bring(block, target),
+            InstData::Branch { cond, then_to, else_to } => {
+                let known = self.get(*cond).and_then(Interval::single);
+                let mut grew = false;
+                for (target, holds) in [(then_to, true), (else_to, false)] {
+                    if known.is_none_or(|known| (known != 0) == holds) {
+                        let length = self.undo.len();
+                        // Both arms to one block bring what they know apart.
+                        self.learn(*cond, holds, DEPTH_MAX);
+                        grew |= self.bring(block, target);
+                        self.forget(length);
+                    }
+                }
+                grew
+            }
+            InstData::Switch { targets, default, .. } => {
+                targets.iter().chain([default]).fold(false, |grew, target| self.bring(block, target) | grew)
+            }
+            _ => false,
+        }
+    }
+
+    fn forget(&mut self, length: usize) {
+        while self.undo.len() > length {
+            let Some((value, before)) = self.undo.pop() else { break };
+            match before {
+                Some(before) => self.here.insert(value, before),
+                None => self.here.remove(&value),
+            };
+        }
+    }
+
+    fn bring(&mut self, from: Block, target: &BlockCall) -> bool {
+        let new = !std::mem::replace(&mut self.reached[target.block.index()], true);
+        let back = self.cfg.rpo_index(target.block) <= self.cfg.rpo_index(from);
+        for (&param, &arg) in self.function.blocks[target.block].params.iter().zip(&target.args) {
+            let Some(range) = self.get(arg) else { continue };
+            let into = if back { &mut self.next_back } else { &mut self.forward };
+            into.entry(param).and_modify(|known| *known = known.join(range)).or_insert(range);
+        }
+        // What is brought back is only seen in the next sweep.
+        new || (back && self.phase != Phase::Shrinking && self.brought_more(target.block))
+    }
+
+    fn brought_more(&self, block: Block) -> bool {
+        self.function.blocks[block].params.iter().any(|param| {
+            match (self.next_back.get(param), self.values[param.index()]) {
+                (Some(&next), Some(now)) => !now.contains(next),
+                (Some(_), None) => true,
+                (None, _) => false,
+            }
+        })
+    }
+
+    /// What `value` can be here; `None`: nothing, this place is not reached.
+    pub fn get(&self, value: Value) -> Option<Interval> {
+        let value = self.function.resolve(value);
+        if let Some(bits) = self.function.constant(value) {
+            let ty = self.function.ty(value);
+            let tracked = ty.is_int() || ty == Type::I1;
+            return Some(if tracked { Interval::constant(ty, bits) } else { Interval::full(ty) });
+        }
+        let range = self.values[value.index()]?;
+        match self.here.get(&value) {
+            Some(&known) => range.meet(known),
+            None => Some(range),
+        }
+    }
+
+    /// Computes the results of an instruction.
+    pub fn compute(&mut self, inst: Inst) {
+        for &result in &self.function.results[inst] {
+            let ty = self.function.ty(result);
+            let range =
+                if ty.is_int() || ty == Type::I1 { self.result(inst, ty) } else { Some(Interval::full(Type::I64)) };
+            if range.is_some() {
+                self.values[result.index()] = range;
+            }
+        }
+    }
+
+    fn result(&mut self, inst: Inst, ty: Type) -> Option<Interval> {
+        let full = Interval::full(ty);
+        let decided = |known: Option<bool>| known.map_or(full, |known| Interval::between(known.into(), known.into()));
+        Some(match &self.function.insts[inst] {
+            InstData::Const { bits } => Interval::constant(ty, *bits),
+            InstData::Binary { op, args } => {
+                let [a, b] = [self.get(args[0])?, self.get(args[1])?];
+                if ty == Type::I1 { bit(*op, a, b) } else { interval::binary(*op, ty, a, b) }
+            }
+            InstData::IntCompare { cc, args } => {
+                let [a, b] = [self.get(args[0])?, self.get(args[1])?];
+                if self.function.ty(args[0]) == Type::I1 { full } else { decided(interval::compare(*cc, a, b)) }
+            }
+            InstData::Convert { op: op @ (ConvertOp::Sext | ConvertOp::Zext | ConvertOp::Trunc), arg } => {
+                interval::convert(*op, self.function.ty(*arg), ty, self.get(*arg)?)
+            }
+            InstData::Select { cond, if_true, if_false } => {
+                let arms = [(*if_true, true), (*if_false, false)].map(|(arm, holds)| {
+                    let length = self.undo.len();
+                    let possible = self.get(*cond).and_then(Interval::single).is_none_or(|known| (known != 0) == holds);
+                    self.learn(*cond, holds, DEPTH_MAX);
+                    let range = self.get(arm).filter(|_| possible);
+                    self.forget(length);
+                    range
+                });
+                match arms {
+                    [Some(a), Some(b)] => a.join(b),
+                    [a, b] => a.or(b)?,
+                }
+            }
+            InstData::AddressOf { .. } => Interval::between(0, i64::from(i32::MAX)),
+            _ => full,
+        })
+    }
+
+    /// The condition of the only branch to `block` is known in it.
+    fn learn_edge(&mut self, pred: Block, block: Block) {
+        let Some(inst) = self.function.terminator(pred) else { return };
+        match &self.function.insts[inst] {
+            InstData::Branch { cond, then_to, .. } => self.learn(*cond, then_to.block == block, DEPTH_MAX),
+            InstData::Switch { value, targets, .. } => {
+                if let Some(index) = targets.iter().position(|target| target.block == block) {
+                    self.note(*value, Interval::between(index as i64, index as i64));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// `cond` is `holds` here.
+    fn learn(&mut self, cond: Value, holds: bool, depth: u32) {
+        self.note(cond, Interval::between(holds.into(), holds.into()));
+        if depth == 0 {
+            return;
+        }
+        match self.function.defining(cond) {
+            Some(&InstData::IntCompare { cc, args: [a, b] }) if self.function.ty(a) != Type::I1 => {
+                let cc = if holds { cc } else { interval::negated(cc) };
+                self.learn_compare(cc, a, b, depth);
+                self.learn_compare(interval::swapped(cc), b, a, depth);
+            }
+            Some(&InstData::Binary { op, args: [a, b] }) => match (op, holds) {
+                (BinaryOp::And, true) | (BinaryOp::Or, false) => {
+                    self.learn(a, holds, depth - 1);
+                    self.learn(b, holds, depth - 1);
+                }
+                (BinaryOp::Xor, _) if self.function.constant(b) == Some(1) => self.learn(a, !holds, depth - 1),
+                _ => {}
+            },
+            _ => {}
+        }
+    }
+
+    /// `a cc b` holds here, which says something about `a` and the values from which it is made.
+    fn learn_compare(&mut self, cc: IntCc, a: Value, b: Value, depth: u32) {
+        let (Some(range), Some(other)) = (self.get(a), self.get(b)) else { return };
+        if let Some(range) = interval::refined(cc, range, other) {
+            self.learn_range(a, range, depth);
+        }
+    }
+
+    fn learn_range(&mut self, value: Value, range: Interval, depth: u32) {
+        self.note(value, range);
+        if depth == 0 {
+            return;
+        }
+        let ty = self.function.ty(value);
+        match self.function.defining(value) {
+            Some(&InstData::Convert { op, arg }) => {
+                let from = self.function.ty(arg);
+                let kept = match op {
+                    ConvertOp::Sext => from != Type::I1,
+                    ConvertOp::Zext => from != Type::I1 && range.hi <= Interval::full(from).hi,
+                    // The operand must have fitted.
+                    ConvertOp::Trunc => {
+                        ty != Type::I1 && self.get(arg).is_some_and(|arg| Interval::full(ty).contains(arg))
+                    }
+                    _ => false,
+                };
+                if kept {
+                    self.learn_range(arg, range, depth - 1);
+                }
+            }
+            Some(&InstData::Binary { op: op @ (BinaryOp::Iadd | BinaryOp::Isub), args: [a, b] }) => {
+                let (Some(of_a), Some(of_b)) = (self.get(a), self.get(b)) else { return };
+                let Some(constant) = of_b.single() else { return };
+                // Without a wrap the sum minus the constant is the operand.
+                let constant = if op == BinaryOp::Iadd { constant } else { constant.wrapping_neg() };
+                let full = Interval::full(ty);
+                let sum = (of_a.lo.checked_add(constant), of_a.hi.checked_add(constant));
+                if let (Some(lo), Some(hi)) = sum
+                    && full.lo <= lo
+                    && hi <= full.hi
+                    && let (Some(lo), Some(hi)) = (range.lo.checked_sub(constant), range.hi.checked_sub(constant))
+                {
+                    self.learn_range(a, Interval { lo, hi, zeros: 0 }, depth - 1);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn note(&mut self, value: Value, range: Interval) {
+        let value = self.function.resolve(value);
+        if self.function.constant(value).is_some() {
+            return;
+        }
+        let before = self.here.get(&value).copied();
+        let now = match before {
+            // Contradictions are left to the code that is never run.
+            Some(before) => before.meet(range).unwrap_or(before),
+            None => range,
+        };
+        if before != Some(now) {
+            self.undo.push((value, before));
+            self.here.insert(value, now);
+            self.derive(value);
+        }
+    }
+
+    /// Something new is known of `value`: computes again what was made of it before.
+    fn derive(&mut self, value: Value) {
+        let Some(derived) = self.derived.get(&value) else { return };
+        for result in derived.clone() {
+            let ValueDef::Result(inst, _) = self.function.values[result].def else { continue };
+            if self.values[result.index()].is_some()
+                && let Some(range) = self.result(inst, self.function.ty(result))
+            {
+                self.note(result, range);
+            }
+        }
+    }
+
+    /// True if the sweeps have found a way to `block`.
+    pub fn is_reached(&self, block: Block) -> bool {
+        self.reached[block.index()]
+    }
+
+    /// Parameters of a loop that all change by a constant with each pass count along with each other: one with known ends says how
+    /// often the loop runs at most, and so how far the others get.
+    fn find_companions(&mut self) {
+        for &header in &self.cfg.rpo {
+            let Some(calls) = self.jumps_back(header) else { continue };
+            let params = &self.function.blocks[header].params;
+            let step = |(index, &param): (usize, &Value)| {
+                let mut steps = calls.iter().map(|call| self.step_of(param, call.args[index]));
+                let first = steps.next()??;
+                steps.all(|other| other == Some(first)).then_some(first)
+            };
+            let steps: Vec<Option<Step>> = params.iter().enumerate().map(step).collect();
+            let passes = params.iter().zip(&steps).filter_map(|(&param, step)| self.passes(param, (*step)?.by)).min();
+            let Some(passes) = passes else { continue };
+            for (&param, step) in params.iter().zip(&steps) {
+                let (Some(step), Some(first)) = (*step, self.first(header, param)) else { continue };
+                if let Some(limit) = reach(first, step, passes, self.function.ty(param)) {
+                    self.limits.insert(param, limit);
+                }
+            }
+        }
+    }
+
+    /// The jumps back to `header`, if it is the head of a loop.
+    fn jumps_back(&self, header: Block) -> Option<Vec<&'f BlockCall>> {
+        let place = self.cfg.rpo_index(header);
+        let mut calls = Vec::new();
+        for &pred in self.cfg.predecessors(header).iter().filter(|&&pred| self.cfg.rpo_index(pred) >= place) {
+            let inst = self.function.terminator(pred)?;
+            if !self.dominators.dominates(header, pred) {
+                return None;
+            }
+            calls.extend(self.function.insts[inst].targets().into_iter().filter(|call| call.block == header));
+        }
+        (!calls.is_empty()).then_some(calls)
+    }
+
+    /// The constant by which the argument of the jump back differs from the parameter.
+    fn step_of(&self, param: Value, arg: Value) -> Option<Step> {
+        let mut step = Step { by: 0, below: i64::MAX };
+        let mut at = self.function.resolve(arg);
+        for _ in 0..=2 * DEPTH_MAX {
+            if at == param {
+                return Some(step);
+            }
+            match *self.function.defining(at)? {
+                InstData::Binary { op: BinaryOp::Iadd, args: [a, b] } => {
+                    step.by = step.by.checked_add(self.constant(b)?)?;
+                    at = self.function.resolve(a);
+                }
+                InstData::Binary { op: BinaryOp::Isub, args: [a, b] } => {
+                    step.by = step.by.checked_sub(self.constant(b)?)?;
+                    at = self.function.resolve(a);
+                }
+                // The address register: the byte of the area stays, the rest is counted in 24 bits.
+                InstData::Binary { op: BinaryOp::Or, args: [a, b] } => {
+                    let kept = |value: Value| match *self.function.defining(value)? {
+                        InstData::Binary { op: BinaryOp::And, args: [x, mask] }
+                            if self.function.resolve(x) == param =>
+                        {
+                            self.constant(mask)
+                        }
+                        _ => None,
+                    };
+                    let (kept, counted) = match (kept(a), kept(b)) {
+                        (Some(mask), _) => (mask, b),
+                        (None, Some(mask)) => (mask, a),
+                        (None, None) => return None,
+                    };
+                    let InstData::Binary { op: BinaryOp::And, args: [_, mask] } = *self.function.defining(counted)?
+                    else {
+                        return None;
+                    };
+                    if self.constant(mask)? & kept != 0 {
+                        return None;
+                    }
+                    at = self.function.resolve(counted);
+                }
+                InstData::Binary { op: BinaryOp::And, args: [a, mask] } => {
+                    let mask = self.constant(mask)?;
+                    if mask < 0 || mask & (mask + 1) != 0 || step.by != 0 {
+                        return None;
+                    }
+                    step.below = step.below.min(mask + 1);
+                    at = self.function.resolve(a);
+                }
+                // A conversion that changes nothing.
+                InstData::Convert { op: ConvertOp::Sext | ConvertOp::Zext | ConvertOp::Trunc, arg } => {
+                    let (from, to) = (self.values[arg.index()]?, self.values[at.index()]?);
+                    if from != to {
+                        return None;
+                    }
+                    at = self.function.resolve(arg);
+                }
+                _ => return None,
+            }
+        }
+        None
+    }
+
+    fn constant(&self, value: Value) -> Option<i64> {
+        let bits = self.function.constant(value)?;
+        Interval::constant(self.function.ty(value), bits).single()
+    }
+
+    /// How often the loop of a parameter that changes by `step` begins a pass at most.
+    fn passes(&self, param: Value, step: i64) -> Option<i64> {
+        let range = self.values[param.index()]?;
+        let full = Interval::full(self.function.ty(param));
+        // At the end of its type it may have wrapped.
+        let ends = match step {
+            1.. => range.hi.checked_add(step)? <= full.hi,
+            0 => false,
+            _ => range.lo.checked_add(step)? >= full.lo,
+        };
+        ends.then(|| (range.hi - range.lo) / step.abs() + 1)
+    }
+
+    /// What a parameter of a loop can be in the first pass.
+    fn first(&self, header: Block, param: Value) -> Option<Interval> {
+        let index = self.function.blocks[header].params.iter().position(|&other| other == param)?;
+        let place = self.cfg.rpo_index(header);
+        let mut first: Option<Interval> = None;
+        for &pred in self.cfg.predecessors(header).iter().filter(|&&pred| self.cfg.rpo_index(pred) < place) {
+            let inst = self.function.terminator(pred)?;
+            for call in self.function.insts[inst].targets().into_iter().filter(|call| call.block == header) {
+                let arg = self.function.resolve(call.args[index]);
+                let range = match self.function.constant(arg) {
+                    Some(_) => self.get(arg)?,
+                    None => self.values[arg.index()]?,
+                };
+                first = Some(first.map_or(range, |first| first.join(range)));
+            }
+        }
+        first
+    }
+}
+
+/// See [`Ranges::derived`].
+fn derived(function: &Function, cfg: &ControlFlow) -> FxHashMap<Value, Vec<Value>> {
+    /// More are not worth the time.
+    const DERIVED_MAX: usize = 4;
+    let mut derived: FxHashMap<Value, Vec<Value>> = FxHashMap::default();
+    for &block in &cfg.rpo {
+        for &inst in &function.blocks[block].insts {
+            let from = match function.insts[inst] {
+                InstData::Convert { op: ConvertOp::Sext | ConvertOp::Zext | ConvertOp::Trunc, arg } => arg,
+                InstData::Binary { op: BinaryOp::Iadd | BinaryOp::Isub, args: [a, b] }
+                    if function.constant(b).is_some() =>
+                {
+                    a
+                }
+                _ => continue,
+            };
+            if function.ty(from) != Type::I1 {
+                let list = derived.entry(function.resolve(from)).or_default();
+                if list.len() < DERIVED_MAX {
+                    list.push(function.result(inst));
+                }
+            }
+        }
+    }
+    derived
+}
+
+/// How a parameter of a loop changes from pass to pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Step {
+    by: i64,
+    /// It is so while the parameter stays in `0..below`; `i64::MAX`: without that condition.
+    below: i64,
+}
+
+/// How far a value gets that changes by `step` from pass to pass; `None`: it may wrap.
+fn reach(first: Interval, Step { by: step, below }: Step, passes: i64, ty: Type) -> Option<Interval> {
+    let way = step.checked_mul(passes.checked_sub(1)?)?;
+    let (lo, hi) = (first.lo.checked_add(way.min(0))?, first.hi.checked_add(way.max(0))?);
+    let full = Interval::full(ty);
+    let zeros = first.zeros.min(if step == 0 { 63 } else { step.trailing_zeros() });
+    // After the last pass it is computed once more.
+    let inside = below == i64::MAX || (lo.min(lo + step) >= 0 && hi.max(hi + step) < below);
+    (inside && full.lo <= lo && hi <= full.hi).then_some(Interval { lo, hi, zeros })
+}
+
+/// The interval with ends that grew moved on to the next landmark.
+fn widened(before: Interval, now: Interval, full: Interval) -> Interval {
+    let lo = if now.lo < before.lo {
+        LANDMARKS.iter().rev().copied().find(|&mark| mark <= now.lo).map_or(full.lo, |mark| mark.max(full.lo))
+    } else {
+        now.lo
+    };
+    let hi = if now.hi > before.hi {
+        LANDMARKS.iter().copied().find(|&mark| mark >= now.hi).map_or(full.hi, |mark| mark.min(full.hi))
+    } else {
+        now.hi
+    };
+    Interval { lo, hi, zeros: now.zeros }
+}
+
+/// An operation on bits.
+fn bit(op: BinaryOp, a: Interval, b: Interval) -> Interval {
+    match (op, a.single(), b.single()) {
+        (BinaryOp::And, Some(0), _) | (BinaryOp::And, _, Some(0)) => Interval::between(0, 0),
+        (BinaryOp::Or, Some(1), _) | (BinaryOp::Or, _, Some(1)) => Interval::between(1, 1),
+        (BinaryOp::And | BinaryOp::Or | BinaryOp::Xor, Some(a), Some(b)) => {
+            let value = match op {
+                BinaryOp::And => a & b,
+                BinaryOp::Or => a | b,
+                _ => a ^ b,
+            };
+            Interval::between(value, value)
+        }
+        _ => Interval::full(Type::I1),
+    }
+}
+
+fn has_loops(function: &Function, cfg: &ControlFlow) -> bool {
+    function
+        .layout
+        .iter()
+        .filter(|&&block| cfg.is_reachable(block))
+        .any(|&block| cfg.successors(block).iter().any(|&target| cfg.rpo_index(target) <= cfg.rpo_index(block)))
+}

@@ -1,0 +1,211 @@
+//! Comparisons, masks and checks that the range of a value decides.
+//!
+//! The analysis finds which numbers each value can be: what a branch has tested, how far the variable of a loop gets, which
+//! low bits of a pointer are 0. With that most checks of indexed accesses go, and what is left of an address is a shift:
+//!
+//! ```text
+//! b2(v1: i16):               ; FOR #i := 0 TO 99: v1 is 0 to 99
+//!     v2 = sext.i32 v1
+//!     v3 = ule v2, 99        ; is true
+//!     v4 = shl v2, 4         ; the pointer of an INT in a table, in bits ...
+//!     v5 = ashr v4, 3        ; ... and in bytes: shl v2, 1
+//! ```
+
+mod analysis;
+mod interval;
+
+use analysis::Ranges;
+use interval::Interval;
+use plcc_ir::analysis::{ControlFlow, Dominators};
+use plcc_ir::{BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Module, Type, Value, eval};
+
+/// Larger functions are left as they are: each sweep looks at all of their code.
+const INSTS_MAX: usize = 400_000;
+
+/// Uses ranges in all functions.
+pub fn use_ranges(module: &mut Module) {
+    module.functions.values_mut().for_each(use_in_function);
+}
+
+/// What becomes of an instruction.
+enum Change {
+    /// Its result is this constant.
+    Constant(u64),
+    /// Its result is another value.
+    Value(Value),
+    /// It is another operation with a constant operand, or with none.
+    Shift(BinaryOp, Value, u64),
+}
+
+fn use_in_function(function: &mut Function) {
+    if function.insts.len() > INSTS_MAX {
+        return;
+    }
+    let cfg = ControlFlow::new(function);
+    let dominators = Dominators::new(function, &cfg);
+    let Some(mut ranges) = Ranges::of(function, &cfg, &dominators) else { return };
+    let mut changes: Vec<(Block, Inst, Change)> = Vec::new();
+    ranges.begin();
+    for &block in &dominators.preorder {
+        ranges.enter(block);
+        if !ranges.is_reached(block) {
+            continue;
+        }
+        for &inst in &function.blocks[block].insts {
+            ranges.compute(inst);
+            if let Some(change) = change_of(function, &ranges, inst) {
+                changes.push((block, inst, change));
+            }
+        }
+        ranges.leave(block);
+    }
+    apply(function, changes);
+}
+
+fn change_of(function: &Function, ranges: &Ranges<'_>, inst: Inst) -> Option<Change> {
+    let &[result] = &function.results[inst][..] else { return None };
+    let ty = function.ty(result);
+    let data = &function.insts[inst];
+    if matches!(data, InstData::Const { .. }) || data.has_side_effect() || !(ty.is_int() || ty == Type::I1) {
+        return None;
+    }
+    let range = ranges.get(result)?;
+    if let Some(number) = range.single()
+        && is_computed(data)
+    {
+        return Some(Change::Constant(eval::mask(ty, number as u64)));
+    }
+    match *data {
+        InstData::Binary { op, args: [a, b] } if ty != Type::I1 => {
+            let (of_a, of_b) = (ranges.get(a)?, ranges.get(b)?);
+            binary(function, ranges, op, ty, (a, of_a), of_b)
+        }
+        InstData::Select { cond, if_true, if_false } => {
+            let chosen = ranges.get(cond)?.single()?;
+            Some(Change::Value(if chosen != 0 { if_true } else { if_false }))
+        }
+        // Out of the narrow type and back into it.
+        InstData::Convert { op: ConvertOp::Sext | ConvertOp::Zext, arg } => match *function.defining(arg)? {
+            InstData::Convert { op: ConvertOp::Trunc, arg: wide } if function.ty(wide) == ty => {
+                let narrow = Interval::full(function.ty(arg));
+                (function.ty(arg) != Type::I1
+                    && narrow.contains(ranges.get(wide)?)
+                    && range.contains(ranges.get(wide)?))
+                .then_some(Change::Value(wide))
+            }
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// True of operations without memory: a load whose result is known is left to the pass for memory.
+fn is_computed(data: &InstData) -> bool {
+    matches!(
+        data,
+        InstData::Binary { .. } | InstData::IntCompare { .. } | InstData::Convert { .. } | InstData::Select { .. }
+    )
+}
+
+fn binary(
+    function: &Function,
+    ranges: &Ranges<'_>,
+    op: BinaryOp,
+    ty: Type,
+    (a, of_a): (Value, Interval),
+    of_b: Interval,
+) -> Option<Change> {
+    let constant = of_b.single()?;
+    let count = (constant & i64::from(ty.bits() - 1)) as u32;
+    match op {
+        // A mask that keeps all bits that can be set.
+        BinaryOp::And if of_a.is_natural() && constant >= 0 => {
+            let (set, low) = (bits_of(of_a), (1i64 << of_a.zeros.min(62)) - 1);
+            (set & !low & !constant == 0).then_some(Change::Value(a))
+        }
+        BinaryOp::And if of_a.zeros > 0 && constant < 0 => {
+            let low = (1i64 << of_a.zeros.min(62)) - 1;
+            (constant | low == -1).then_some(Change::Value(a))
+        }
+        // Left and right again: without a wrap it is one shift.
+        BinaryOp::Ashr | BinaryOp::Lshr => {
+            let (inner, first) = match *function.defining(a)? {
+                InstData::Binary { op: BinaryOp::Shl, args: [x, first] } => (x, ranges.get(first)?.single()?),
+                _ => return natural(op, a, of_a, constant),
+            };
+            let first = (first & i64::from(ty.bits() - 1)) as u32;
+            let of_inner = ranges.get(inner)?;
+            let whole = interval::binary(BinaryOp::Shl, ty, of_inner, Interval::between(first.into(), first.into()));
+            let fits = i128::from(of_inner.lo) << first == i128::from(whole.lo)
+                && i128::from(of_inner.hi) << first == i128::from(whole.hi);
+            if !fits || (op == BinaryOp::Lshr && !of_inner.is_natural()) {
+                return natural(op, a, of_a, constant);
+            }
+            Some(match first.cmp(&count) {
+                std::cmp::Ordering::Equal => Change::Value(inner),
+                std::cmp::Ordering::Greater => Change::Shift(BinaryOp::Shl, inner, u64::from(first - count)),
+                std::cmp::Ordering::Less => Change::Shift(op, inner, u64::from(count - first)),
+            })
+        }
+        // Divisions of natural numbers by a power of two.
+        BinaryOp::Sdiv | BinaryOp::Udiv if of_a.is_natural() && constant > 0 && constant.count_ones() == 1 => {
+            Some(Change::Shift(BinaryOp::Lshr, a, constant.trailing_zeros().into()))
+        }
+        BinaryOp::Srem | BinaryOp::Urem if of_a.is_natural() && constant > of_a.hi => Some(Change::Value(a)),
+        BinaryOp::Srem if of_a.is_natural() && constant > 0 && constant.count_ones() == 1 => {
+            Some(Change::Shift(BinaryOp::And, a, constant as u64 - 1))
+        }
+        _ => None,
+    }
+}
+
+/// Of natural numbers both shifts right are the same: one form is shared and combined.
+fn natural(op: BinaryOp, a: Value, of_a: Interval, count: i64) -> Option<Change> {
+    (op == BinaryOp::Ashr && of_a.is_natural()).then_some(Change::Shift(BinaryOp::Lshr, a, count as u64))
+}
+
+/// The bits that a natural number of the interval can have set.
+fn bits_of(range: Interval) -> i64 {
+    if range.hi == 0 { 0 } else { (u64::MAX >> range.hi.leading_zeros()) as i64 }
+}
+
+fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
+    let mut changes = changes.into_iter().peekable();
+    while let Some(&(block, ..)) = changes.peek() {
+        let insts = std::mem::take(&mut function.blocks[block].insts);
+        let mut out = Vec::with_capacity(insts.len() + 4);
+        for inst in insts {
+            let Some((_, _, change)) = changes.next_if(|&(at, changed, _)| at == block && changed == inst) else {
+                out.push(inst);
+                continue;
+            };
+            let (result, loc) = (function.result(inst), function.locs[inst]);
+            match change {
+                Change::Constant(bits) => {
+                    function.insts[inst] = InstData::Const { bits };
+                    function.locs[inst] = Loc(0);
+                    out.push(inst);
+                }
+                Change::Value(value) => {
+                    if function.resolve(value) == result {
+                        out.push(inst);
+                    } else {
+                        function.replace_value(result, value);
+                    }
+                }
+                Change::Shift(op, arg, by) => {
+                    let ty = function.ty(result);
+                    let count = function.make_inst(InstData::Const { bits: by }, &[ty], loc);
+                    out.push(count);
+                    function.insts[inst] = InstData::Binary { op, args: [arg, function.result(count)] };
+                    out.push(inst);
+                }
+            }
+        }
+        function.blocks[block].insts = out;
+    }
+    function.resolve_aliases();
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,164 @@
+use crate::tests::check_pass;
+
+#[test]
+fn the_index_of_a_loop_needs_no_check() {
+    check_pass(
+        "ranges",
+        "func @F -> i32 {
+        b0:
+        v0 = const.i16 0
+        jump b1(v0)
+        b1(v1: i16):
+        v2 = const.i16 99
+        v3 = sle v1, v2
+        branch v3, b2, b4
+        b2:
+        v4 = sext.i32 v1
+        v5 = const.i32 99
+        v6 = ule v4, v5
+        v7 = const.i32 4
+        v8 = shl v4, v7
+        v9 = const.i32 3
+        v10 = ashr v8, v9
+        store.i16 M[v10]+0, v1
+        branch v6, b3, b4
+        b3:
+        v11 = const.i16 1
+        v12 = iadd v1, v11
+        jump b1(v12)
+        b4:
+        v13 = const.i32 1
+        ret v13
+        }",
+        "func @F -> i32 {
+        b0:
+        v0 = const.i16 0
+        jump b1(v0)
+        b1(v1: i16):
+        v2 = const.i16 99
+        v3 = sle v1, v2
+        branch v3, b2, b4
+        b2:
+        v4 = sext.i32 v1
+        v5 = const.i32 99
+        v6 = const.i1 1
+        v7 = const.i32 4
+        v8 = shl v4, v7
+        v9 = const.i32 3
+        v10 = const.i32 1
+        v11 = shl v4, v10
+        store.i16 M[v11]+0, v1
+        branch v6, b3, b4
+        b3:
+        v12 = const.i16 1
+        v13 = iadd v1, v12
+        jump b1(v13)
+        b4:
+        v14 = const.i32 1
+        ret v14
+        }",
+    );
+}
+
+#[test]
+fn a_pointer_gets_as_far_as_the_counter_lets_it() {
+    check_pass(
+        "ranges",
+        "func @F -> i32 {
+        b0:
+        v0 = const.i32 40
+        v1 = const.i32 0
+        jump b1(v0, v1)
+        b1(v2: i32, v3: i32):
+        v4 = const.i32 7
+        v5 = and v3, v4
+        v6 = const.i32 16777215
+        v7 = and v3, v6
+        v8 = const.i32 2496
+        v9 = ule v7, v8
+        branch v9, b2, b3
+        b2:
+        v10 = const.i32 64
+        v11 = iadd v3, v10
+        v12 = const.i32 1
+        v13 = isub v2, v12
+        v14 = ne v13, v1
+        branch v14, b1(v13, v11), b3
+        b3:
+        ret v5
+        }",
+        "func @F -> i32 {
+        b0:
+        v0 = const.i32 40
+        v1 = const.i32 0
+        jump b1(v0, v1)
+        b1(v2: i32, v3: i32):
+        v4 = const.i32 7
+        v5 = const.i32 0
+        v6 = const.i32 16777215
+        v7 = const.i32 2496
+        v8 = const.i1 1
+        branch v8, b2, b3
+        b2:
+        v9 = const.i32 64
+        v10 = iadd v3, v9
+        v11 = const.i32 1
+        v12 = isub v2, v11
+        v13 = ne v12, v1
+        branch v13, b1(v12, v10), b3
+        b3:
+        ret v5
+        }",
+    );
+}
+
+#[test]
+fn what_was_tested_is_known_where_only_the_test_leads() {
+    check_pass(
+        "ranges",
+        "func @F -> i1 {
+        b0(v0: i32):
+        v1 = const.i32 9
+        v2 = ule v0, v1
+        branch v2, b1, b2
+        b1:
+        v3 = const.i32 0
+        v4 = sge v0, v3
+        ret v4
+        b2:
+        v5 = ule v0, v1
+        ret v5
+        }",
+        "func @F -> i1 {
+        b0(v0: i32):
+        v1 = const.i32 9
+        v2 = ule v0, v1
+        branch v2, b1, b2
+        b1:
+        v3 = const.i32 0
+        v4 = const.i1 1
+        ret v4
+        b2:
+        v5 = ule v0, v1
+        ret v5
+        }",
+    );
+}
+
+#[test]
+fn a_counter_that_may_wrap_says_nothing() {
+    let text = "func @F -> i32 {
+        b0(v9: i16):
+        jump b1(v9)
+        b1(v1: i16):
+        v2 = const.i16 1
+        v3 = iadd v1, v2
+        v4 = const.i16 0
+        v5 = ne v3, v4
+        branch v5, b1(v3), b2
+        b2:
+        v6 = sext.i32 v1
+        ret v6
+        }";
+    check_pass("ranges", text, text);
+}
