@@ -8,14 +8,13 @@ use plcc_ir::StaticDb;
 use plcc_ir::entities::{Entity, FuncId};
 use plcc_model::Program;
 use plcc_model::scl;
+use plcc_model::scl::walk::{self, Visitor};
 use plcc_model::{
     Actual, AddressRegister, Argument, BlockKey, Body, Call, CodeBlock, Number, Operand, Parameter, Passing, Place,
     StlStatement, StlStatementKind,
 };
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
-
-use crate::scl::walk::{self, Visitor};
 
 /// SFC that stops the CPU.
 const SFC_STP: u16 = 46;

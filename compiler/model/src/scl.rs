@@ -1,6 +1,8 @@
 //! Bound SCL: a typed tree. Every name and address is settled, every expression has its final type, and implicit conversions are
 //! separate nodes.
 
+pub mod walk;
+
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
 

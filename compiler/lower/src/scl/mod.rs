@@ -1,7 +1,7 @@
 //! Statements of SCL: the typed tree to SSA IR. Source: SCL reference.
 //!
 //! - `statement`: control flow and assignments; `expression`, `arithmetic`, `convert`, `function`: values.
-//! - `access`: variables; `promote`: those in SSA values; `walk`: walks over the tree.
+//! - `access`: variables; `promote`: those in SSA values.
 //! - `call`, `argument`: calls of blocks; `text`: STRING and WSTRING; `cell`: timers and counters.
 
 mod access;
@@ -15,12 +15,11 @@ mod function;
 mod promote;
 mod statement;
 mod text;
-pub mod walk;
 
 use plcc_abi::image::BlockKind;
 use plcc_ir::{Address, Block, Function, Region, Type, Value, Var};
 use plcc_model::layout;
-use plcc_model::scl::{Access, Body, StatementKind};
+use plcc_model::scl::{Access, Body, Statement, StatementKind, walk};
 use plcc_model::types::{Class, Elementary};
 use plcc_model::{CodeBlock, Direction, LabelId, Passing};
 use rustc_hash::FxHashMap;
@@ -222,7 +221,7 @@ fn count_jumps(body: &Body) -> Vec<(LabelId, u32)> {
         counts: FxHashMap<LabelId, u32>,
     }
     impl walk::Visitor for Jumps {
-        fn statement(&mut self, statement: &plcc_model::scl::Statement) {
+        fn statement(&mut self, statement: &Statement) {
             let jumps = match &statement.kind {
                 StatementKind::Goto(label) => vec![*label],
                 StatementKind::Stl(statement) => crate::stl::jumps_of(statement),
