@@ -50,7 +50,7 @@ use index::Index;
 use instance::Members;
 use parameters::{Effect, PARAMETERS, Parameter};
 use plcc_model::Direction;
-use plcc_model::scl::{Body, Statement, StatementKind};
+use plcc_model::scl::{Body, Statement, StatementKind, walk};
 use plcc_model::types::DataType;
 use template::{ENGINE, MONITOR, Meaning};
 
@@ -283,17 +283,5 @@ fn is_declared(ctx: &Ctx, parameter: &Parameter) -> bool {
 
 /// A jump label among statements.
 fn label(statements: &[Statement]) -> Option<Span> {
-    statements.iter().find_map(|statement| match &statement.kind {
-        StatementKind::Label(_) => Some(statement.span),
-        StatementKind::If { branches, otherwise } => {
-            branches.iter().find_map(|(_, body)| label(body)).or_else(|| label(otherwise))
-        }
-        StatementKind::Case { arms, otherwise, .. } => {
-            arms.iter().find_map(|arm| label(&arm.body)).or_else(|| label(otherwise))
-        }
-        StatementKind::For { body, .. } | StatementKind::While { body, .. } | StatementKind::Repeat { body, .. } => {
-            label(body)
-        }
-        _ => None,
-    })
+    walk::find(statements, &|statement| matches!(statement.kind, StatementKind::Label(_)).then_some(statement.span))
 }
