@@ -2,7 +2,7 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_diag::Span;
-use plcc_ir::{IntCc, Type, Value};
+use plcc_ir::{Type, Value};
 use plcc_model::s7200::{Assert, AssertSide, Operand, Width};
 use plcc_model::{Compared, ComparedValue};
 
@@ -47,8 +47,7 @@ impl Context<'_, '_> {
     pub fn sleep(&mut self, ms: u32) {
         let ms = self.b.i32_const(ms);
         let stop = self.b.call_runtime(RuntimeFn::Sleep, &[ms]).expect("sleep has a result");
-        let stops = self.b.icmp_imm(IntCc::Ne, stop, 0);
-        self.stop_if(stops);
+        self.stop_check(stop);
     }
 }
 

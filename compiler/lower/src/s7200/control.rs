@@ -15,26 +15,25 @@ impl<'p> Context<'p, '_> {
     /// `JMP`: a backward jump passes a safepoint on its way.
     pub fn jump(&mut self, operands: &[Operand]) {
         let Some(Operand::Const(number)) = operands.first() else { return };
-        let Some(label) = self.labels.get(number) else { return };
-        let (target, placed) = (label.block, label.placed);
+        let Some(label) = self.labels.get(*number) else { return };
         let enable = self.top();
         let (taken, next) = (self.b.create_block(), self.b.create_block());
         self.b.branch(enable, taken, next);
         self.b.seal_block(taken);
         self.b.seal_block(next);
         self.b.switch_to(taken);
-        if placed {
+        if label.placed {
             self.safepoint();
         }
-        self.b.jump(target, &[]);
-        self.jump_done(*number);
+        self.b.jump(label.block, &[]);
+        self.labels.jump_done(&mut self.b, *number);
         self.b.switch_to(next);
     }
 
     /// `LBL`.
     pub fn label(&mut self, operands: &[Operand]) {
         if let Some(Operand::Const(number)) = operands.first() {
-            self.label_placed(*number);
+            self.labels.place(&mut self.b, *number);
         }
     }
 

@@ -238,7 +238,7 @@ impl Context<'_, '_> {
 
     /// Leaves the block if the operation requires it.
     pub fn stop_if_told(&mut self, result: Value) {
-        let stop = self.result_bit(result, result::STOP);
-        self.stop_if(stop);
+        let stop = self.b.binary_imm(BinaryOp::And, result, result::STOP as i64);
+        self.stop_check(stop);
     }
 }
