@@ -12,7 +12,7 @@ use plcc_abi::layout::{self, CpuRegister, area, state};
 use plcc_ir::{Address, BinaryOp, FuncId, FunctionBuilder, IntCc, Region, Type, Value};
 use plcc_model::{Actual, Argument, BlockKey, Call, CodeBlock, Direction, Instance, Parameter, Passing, Place, Width};
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 use crate::place::{self, BitNumber, Target, TargetKind};
 use crate::plan;
@@ -20,7 +20,7 @@ use crate::plan;
 /// The SFC with a separate runtime function: timers use it in every call.
 const TIME_TCK: u16 = 64;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// `CALL` with its parameters.
     pub fn call(&mut self, call: &Call) {
         let plan = self.plan;
@@ -211,15 +211,15 @@ impl Context<'_, '_> {
     pub fn reference(&mut self, target: Target, width: Width, direction: place::Direction) -> Value {
         let (addr, bit, mut checks) = self.in_memory(target, width, direction);
         checks.retain(|check| self.b.constant_bits(check.ok) != Some(1));
-        let reference = |context: &mut Self| {
-            let address = context.b.address_of(addr);
+        let reference = |lowering: &mut Self| {
+            let address = lowering.b.address_of(addr);
             if width != Width::Bit {
                 return address;
             }
-            let bits = context.b.binary_imm(BinaryOp::Shl, address, 3);
+            let bits = lowering.b.binary_imm(BinaryOp::Shl, address, 3);
             match bit {
-                BitNumber::Known(bit) => context.b.binary_imm(BinaryOp::Iadd, bits, i64::from(bit)),
-                BitNumber::Dynamic(bit) => context.b.iadd(bits, bit),
+                BitNumber::Known(bit) => lowering.b.binary_imm(BinaryOp::Iadd, bits, i64::from(bit)),
+                BitNumber::Dynamic(bit) => lowering.b.iadd(bits, bit),
             }
         };
         if checks.is_empty() {
@@ -295,11 +295,11 @@ impl Context<'_, '_> {
                 let Actual::Place(place) = actual else { unreachable!("the binder gives IN_OUT variables") };
                 let fields = self.pointer_fields(place);
                 let target = self.instance_target(base, byte, Width::Dword);
-                self.store_at(target, |context, addr| context.store_pointer_fields(addr, fields));
+                self.store_at(target, |lowering, addr| lowering.store_pointer_fields(addr, fields));
             }
             (Passing::Complex { .. }, Actual::Const(constant)) => {
                 let target = self.instance_target(base, byte, Width::Dword);
-                self.store_at(target, |context, addr| context.store_bytes(addr, constant));
+                self.store_at(target, |lowering, addr| lowering.store_bytes(addr, constant));
             }
             (Passing::Complex { bytes }, Actual::Place(place)) => {
                 let to = self.instance_target(base, byte, Width::Byte);
@@ -312,7 +312,7 @@ impl Context<'_, '_> {
             (Passing::Pointer | Passing::Any | Passing::Variant, actual) => {
                 let any = parameter.passing != Passing::Pointer;
                 let target = self.instance_target(base, byte, Width::Byte);
-                self.store_at(target, |context, addr| context.store_pointer(addr, actual, any));
+                self.store_at(target, |lowering, addr| lowering.store_pointer(addr, actual, any));
             }
             (Passing::Elementary(_) | Passing::Complex { .. } | Passing::Number | Passing::OpenArray { .. }, _) => {
                 unreachable!("the binder gives each formal an actual of its kind")

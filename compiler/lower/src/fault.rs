@@ -8,7 +8,7 @@ use plcc_abi::RuntimeFn;
 use plcc_abi::layout::state;
 use plcc_ir::{Block, Value};
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 
 /// A condition; if it is false, an instruction is a synchronous error.
 pub struct Check {
@@ -27,17 +27,17 @@ pub struct Check {
 pub enum Substitute {
     /// Nothing: it is skipped.
     None,
-    /// A value of 32 bits in [`Context::result`].
+    /// A value of 32 bits in [`BlockLowering::result`].
     Word,
-    /// 0 in [`Context::result_bit`].
+    /// 0 in [`BlockLowering::result_bit`].
     Bit,
-    /// 0 in [`Context::result_long`].
+    /// 0 in [`BlockLowering::result_long`].
     Long,
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// Begins the path on which all `checks` hold; a failed check continues at the returned block, for
-    /// [`Context::end_guard`]. `None`: nothing can fail.
+    /// [`BlockLowering::end_guard`]. `None`: nothing can fail.
     pub fn begin_guard(&mut self, checks: Vec<Check>, substitute: Substitute) -> Option<Block> {
         let mut after = None;
         for check in checks {
@@ -84,7 +84,7 @@ impl Context<'_, '_> {
         self.stop_exit.leave_if(&mut self.b, stop, after);
     }
 
-    /// Ends the path that [`Context::begin_guard`] began; both paths meet.
+    /// Ends the path that [`BlockLowering::begin_guard`] began; both paths meet.
     pub fn end_guard(&mut self, after: Option<Block>) {
         if let Some(after) = after {
             self.b.jump(after, &[]);

@@ -1,19 +1,19 @@
 //! Lowers the bound program to the SSA IR; this is where PLC semantics are defined.
 //!
 //! - `plan` settles what blocks must know about each other: addresses of DBs, functions, depth of calls.
-//! - `context` holds the state of one block while it is lowered: the virtual CPU's registers as SSA variables.
+//! - `block` holds the state of one block while it is lowered: the virtual CPU's registers as SSA variables.
 //! - `place` turns addresses into checked memory accesses, `fault` builds the cold paths.
 //! - `call` passes parameters; `stl` has one function per family of instructions, `scl` one per kind of node of the typed tree.
-//! - `s7200` lowers programs of an S7-200, which share the IR and what is the same for all families: `stop` has the safepoints and the
-//!   way out of a function, `labels` the targets of jumps.
+//! - `s7200` lowers programs of an S7-200, with its own state of a block.
+//! - For all families: `stop` has the safepoints and the way out of a function, `labels` the targets of jumps.
 //! - `assertion`: code that assertions of all languages share.
 //! - `entry` creates the functions that the runtime calls.
 //!
 //! **Invariant**: a program that was bound without errors lowers without errors.
 
 mod assertion;
+mod block;
 mod call;
-mod context;
 mod entry;
 mod fault;
 mod labels;

@@ -8,7 +8,7 @@ use plcc_abi::{RuntimeFn, Type, layout};
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
 use plcc_model::{AddressRegister, Passing, Place, PlaceArea, Width};
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 
 /// Pointers and address registers hold an address of 24 bits below the area code.
@@ -75,7 +75,7 @@ impl Target {
     }
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// Reads `place`: an i32, zero-extended, an i1 with width Bit, an i64 with width Lword. After a fault, the value that the error OB supplies.
     pub fn read(&mut self, place: &Place, width: Width) -> Value {
         let target = self.target(place, width, Direction::Read);
@@ -660,8 +660,8 @@ impl Context<'_, '_> {
     }
 }
 
-fn constant_zero(context: &mut Context<'_, '_>) -> Value {
-    context.b.i32_const(0)
+fn constant_zero(lowering: &mut BlockLowering<'_, '_>) -> Value {
+    lowering.b.i32_const(0)
 }
 
 /// Type of an access in memory.

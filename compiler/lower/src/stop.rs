@@ -4,8 +4,8 @@ use plcc_abi::layout::state;
 use plcc_abi::{RuntimeFn, Type};
 use plcc_ir::{Block, FunctionBuilder, IntCc, Value};
 
-/// Where a function leaves when the CPU goes to STOP; values returned from there have no meaning. The block exists once something leads
-/// to it.
+/// Where a function leaves when the CPU goes to STOP; values returned from there have no meaning. The block exists once
+/// something leads to it.
 #[derive(Default)]
 pub struct StopExit {
     block: Option<Block>,

@@ -4,10 +4,10 @@ use plcc_abi::s7200::{Operation, error, fatal};
 use plcc_ir::{BinaryOp, FloatCc, IntCc, Type, Value};
 use plcc_model::s7200::{Compare, CompareKind, Contact, Operand, Relation, Width};
 
-use super::context::{Context, OnError};
+use super::block::{OnError, S7200Lowering};
 use super::operand::Use;
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// `LDW>=` and other compare contacts. Both operands are read with any S0; a bad pointer stops the CPU.
     pub fn compare(&mut self, compare: Compare, operands: &[Operand]) {
         let [left, right] = operands else { return };
@@ -50,7 +50,7 @@ impl Context<'_, '_> {
             self.error_unless(ordered, error::ILLEGAL_REAL, fatal::COMPARE_REAL);
         } else {
             self.on_error = OnError::Skip;
-            self.guarded(|context| context.error_unless(ordered, error::ILLEGAL_REAL, fatal::COMPARE_REAL));
+            self.guarded(|lowering| lowering.error_unless(ordered, error::ILLEGAL_REAL, fatal::COMPARE_REAL));
         }
         self.b.and(holds, ordered)
     }

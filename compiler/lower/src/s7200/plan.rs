@@ -57,7 +57,7 @@ impl Texts {
 }
 
 /// See the module comment.
-pub struct Plan<'p> {
+pub struct S7200Plan<'p> {
     pub program: &'p Program,
     pub dbs: Vec<StaticDb>,
     pub db_end: u32,
@@ -72,10 +72,10 @@ pub struct Plan<'p> {
     pub stops_itself: bool,
 }
 
-impl<'p> Plan<'p> {
-    pub fn new(program: &'p Program) -> Plan<'p> {
+impl<'p> S7200Plan<'p> {
+    pub fn new(program: &'p Program) -> S7200Plan<'p> {
         let (mut dbs, mut db_end) = place_dbs(program);
-        let mut plan = Plan {
+        let mut plan = S7200Plan {
             program,
             dbs: Vec::new(),
             db_end,

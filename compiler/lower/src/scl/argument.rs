@@ -8,8 +8,8 @@ use plcc_model::{Direction, Parameter, Passing, Place, Pointed, Width};
 
 use super::access::Located;
 use super::text::{Text, text_limit};
+use crate::block::BlockLowering;
 use crate::call::has_area_pointer;
-use crate::context::Context;
 use crate::fault::Substitute;
 use crate::place::{self, BitNumber, Target};
 use crate::pointer::{ANY_HEAD_BYTES, PointerFields, moved};
@@ -85,7 +85,7 @@ pub fn place_of(actual: &Actual) -> Option<&Place> {
     }
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// Evaluates an argument.
     pub fn give<'m>(&mut self, parameter: &Parameter, argument: &'m Argument) -> Given<'m> {
         let given = |supply, back| Given { parameter: argument.parameter, supply, back };

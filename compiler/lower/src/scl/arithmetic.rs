@@ -8,7 +8,7 @@ use plcc_model::types::Elementary;
 
 use super::expression::least;
 use super::value_type;
-use crate::context::Context;
+use crate::block::BlockLowering;
 
 /// A day in the units of TIME_OF_DAY and of LTOD.
 const DAY_MS: i64 = 86_400_000;
@@ -21,7 +21,7 @@ const INFINITY_LONG: i64 = 0x7FF0_0000_0000_0000;
 /// Every NaN that an operation produces.
 pub const NAN: i64 = 0xFFFF_FFFF;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// `a op b`; `right` is the type of `b` if it differs (shift counts, milliseconds).
     pub fn binary(&mut self, op: BinaryOp, a: Value, b: Value, ty: Elementary, right: Elementary) -> Value {
         match op {
@@ -150,9 +150,9 @@ impl Context<'_, '_> {
 
     /// i1: the exact result, computed in 64 bits, is different.
     fn overflow_narrow(&mut self, op: Ir, a: Value, b: Value, result: Value, ty: Elementary) -> Value {
-        let widen = |context: &mut Self, value| match ty.is_signed() {
-            true => context.b.sext(Type::I64, value),
-            false => context.b.zext(Type::I64, value),
+        let widen = |lowering: &mut Self, value| match ty.is_signed() {
+            true => lowering.b.sext(Type::I64, value),
+            false => lowering.b.zext(Type::I64, value),
         };
         let (a, b) = (widen(self, a), widen(self, b));
         let exact = self.b.binary(op, a, b);

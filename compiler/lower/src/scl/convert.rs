@@ -6,7 +6,7 @@ use plcc_model::scl::{Conversion, Overflow};
 use plcc_model::types::{Class, Elementary};
 
 use super::value_type;
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::fault::Substitute;
 
 /// Nanoseconds in a millisecond.
@@ -15,7 +15,7 @@ const MS: i64 = 1_000_000;
 const S5_MAX: i64 = 9_990_000;
 const S5_BASES: [(i64, i64); 3] = [(9_990, 10), (99_900, 100), (999_000, 1_000)];
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// Converts `value` of type `from` to type `to`.
     pub fn convert(&mut self, conversion: Conversion, value: Value, from: Elementary, to: Elementary) -> Value {
         match conversion {
@@ -115,7 +115,7 @@ impl Context<'_, '_> {
             Type::F64 => rounded,
             _ => self.b.convert(ConvertOp::Fpromote, Type::F64, rounded),
         };
-        let limit = |context: &mut Self, value: f64| context.b.iconst(Type::F64, value.to_bits() as i64);
+        let limit = |lowering: &mut Self, value: f64| lowering.b.iconst(Type::F64, value.to_bits() as i64);
         let magnitude_bits = to.bits() - u32::from(to.is_signed());
         let above = 2f64.powi(magnitude_bits as i32);
         let low = limit(self, if to.is_signed() { -above } else { 0.0 });

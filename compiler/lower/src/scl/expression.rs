@@ -6,9 +6,9 @@ use plcc_model::scl::{Expr, ExprKind, UnaryOp};
 use plcc_model::types::Elementary;
 
 use super::value_type;
-use crate::context::Context;
+use crate::block::BlockLowering;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// The value of an expression, in the IR type of its type.
     pub fn value(&mut self, expr: &Expr) -> Value {
         match &expr.kind {

@@ -7,9 +7,9 @@ use plcc_model::types::Elementary;
 
 use super::arithmetic::NAN;
 use super::value_type;
-use crate::context::Context;
+use crate::block::BlockLowering;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// `function` of `values`, the last of which has type `ty`; the result has type `result`.
     pub fn function(&mut self, function: Function, values: &[Value], ty: Elementary, result: Elementary) -> Value {
         match (function, values) {
@@ -133,8 +133,8 @@ impl Context<'_, '_> {
         let float = if self.b.ty(value) == Type::F64 { Elementary::Lreal } else { Elementary::Real };
         // Limits of wide integers only keep their digits in LREAL.
         let inner = if result == Elementary::Real && float == result { result } else { Elementary::Lreal };
-        let of_inner = |context: &mut Self, x, ty: Elementary| {
-            if ty == inner { x } else { context.convert(Conversion::Value(Overflow::LowBits), x, ty, inner) }
+        let of_inner = |lowering: &mut Self, x, ty: Elementary| {
+            if ty == inner { x } else { lowering.convert(Conversion::Value(Overflow::LowBits), x, ty, inner) }
         };
         let (from, to) = (of_inner(self, low, result), of_inner(self, high, result));
         let part = of_inner(self, value, float);

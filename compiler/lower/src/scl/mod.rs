@@ -25,7 +25,7 @@ use plcc_model::{CodeBlock, Direction, LabelId, Passing};
 use rustc_hash::FxHashMap;
 
 use crate::Output;
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::place::{BitNumber, Target};
 use crate::plan::Plan;
 
@@ -58,20 +58,20 @@ struct Loop {
 
 /// Lowers a block to a function.
 pub fn lower_block<'p>(plan: &'p Plan<'p>, output: &mut Output<'p>, block: &'p CodeBlock, body: &'p Body) -> Function {
-    let mut context = Context::new(plan, output, block);
-    context.uses_mcr = body
+    let mut lowering = BlockLowering::new(plan, output, block);
+    lowering.uses_mcr = body
         .statements
         .iter()
         .any(|statement| matches!(&statement.kind, StatementKind::Stl(statement) if crate::stl::uses_mcr(statement)));
-    context.begin_scl(body);
+    lowering.begin_scl(body);
     for (label, jumps) in count_jumps(body) {
-        context.declare_label(label, jumps);
+        lowering.declare_label(label, jumps);
     }
-    context.statements(&body.statements);
-    context.finish_scl()
+    lowering.statements(&body.statements);
+    lowering.finish_scl()
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     fn begin_scl(&mut self, body: &Body) {
         let yes = self.b.bool_const(true);
         let flags = [self.b.declare_var(Type::I1), self.b.declare_var(Type::I1)];
@@ -165,7 +165,7 @@ impl Context<'_, '_> {
         self.b.def_var(flag, after);
     }
 
-    /// Whether anything uses the effect of [`Context::fail_if`].
+    /// Whether anything uses the effect of [`BlockLowering::fail_if`].
     pub fn wants_flag(&self) -> bool {
         self.scl.sets_flag
     }

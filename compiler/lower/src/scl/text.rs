@@ -7,7 +7,7 @@ use plcc_model::types::{DataType, Elementary};
 use plcc_model::{Place, Width};
 
 use super::access::Located;
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::fault::Substitute;
 use crate::place::Direction;
 
@@ -44,7 +44,7 @@ pub fn result_bytes(ty: &DataType) -> u32 {
     }
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// TEMP texts begin empty, with the declared maximum.
     pub fn prepare_texts(&mut self, body: &Body) {
         for text in &body.temporary_texts {

@@ -4,7 +4,7 @@ use plcc_abi::RuntimeFn;
 use plcc_ir::{BinaryOp, FloatCc, IntCc, Type, UnaryOp, Value};
 use plcc_model::Operand;
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 
 /// Every NaN that an instruction produces has this pattern.
 pub const NAN: u32 = 0xFFFF_FFFF;
@@ -12,7 +12,7 @@ pub const NAN: u32 = 0xFFFF_FFFF;
 const INFINITY: i64 = 0x7F80_0000;
 const LEAST_NORMAL: i64 = 0x0080_0000;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// ACCU2-L and ACCU1-L, as i16.
     fn int_operands(&mut self) -> (Value, Value) {
         let (a, b) = (self.accu2(), self.accu1());

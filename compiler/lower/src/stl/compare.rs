@@ -2,9 +2,9 @@
 
 use plcc_ir::{FloatCc, IntCc, Type, Value};
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// ACCU2-L with ACCU1-L.
     pub fn compare_int(&mut self, cc: IntCc) {
         let (a, b) = (self.accu2(), self.accu1());

@@ -4,7 +4,7 @@ use plcc_abi::RuntimeFn;
 use plcc_abi::codes::sync;
 use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 
 /// Largest magnitudes of three and of seven BCD digits.
@@ -14,7 +14,7 @@ const BCD7_MAX: i64 = 9_999_999;
 const DINT_MIN: f32 = -2_147_483_648.0;
 const DINT_MAX: f32 = 2_147_483_520.0;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// `BTI`, `BTD`. A digit above 9 is a synchronous error; ACCU1 then stays.
     pub fn bcd_to_int(&mut self, double: bool) {
         let accu1 = self.accu1();

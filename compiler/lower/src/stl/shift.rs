@@ -3,7 +3,7 @@
 use plcc_ir::{BinaryOp, IntCc, Type, Value};
 use plcc_model::Operand;
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 
 /// A shift instruction.
 #[derive(Clone, Copy)]
@@ -23,7 +23,7 @@ impl Shift {
     pub const RIGHT_DWORD: Shift = Shift { width: 32, left: false, signed: false };
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// The count: the literal, or ACCU2-LL. An i32.
     fn shift_count(&mut self, operand: &Operand) -> Value {
         match Self::constant(operand) {

@@ -104,8 +104,8 @@ pub struct JumpEdge {
     safepoint: Option<SafepointBlocks>,
 }
 
-/// The data for lowering one block.
-pub struct Context<'p, 'o> {
+/// A block in STL or in the typed tree of SCL while it is lowered.
+pub struct BlockLowering<'p, 'o> {
     pub plan: &'p Plan<'p>,
     pub output: &'o mut Output<'p>,
     pub block: &'p CodeBlock,
@@ -143,9 +143,9 @@ pub struct Context<'p, 'o> {
     pub scl: SclState,
 }
 
-impl<'p, 'o> Context<'p, 'o> {
-    /// A context at the start of the block's function, with registers as the caller passes them.
-    pub fn new(plan: &'p Plan<'p>, output: &'o mut Output<'p>, block: &'p CodeBlock) -> Context<'p, 'o> {
+impl<'p, 'o> BlockLowering<'p, 'o> {
+    /// Begins at the start of the block's function, with registers as the caller passes them.
+    pub fn new(plan: &'p Plan<'p>, output: &'o mut Output<'p>, block: &'p CodeBlock) -> BlockLowering<'p, 'o> {
         let mut b = FunctionBuilder::new(
             plan::function_name(block),
             &plan.function_params(block),
@@ -156,7 +156,7 @@ impl<'p, 'o> Context<'p, 'o> {
         let result_long = b.declare_var(Type::I64);
         let reference = b.declare_var(Type::I32);
         let local_bytes = plan.local_bytes(block);
-        let mut context = Context {
+        let mut lowering = BlockLowering {
             plan,
             output,
             block,
@@ -181,8 +181,8 @@ impl<'p, 'o> Context<'p, 'o> {
             reference,
             scl: SclState::default(),
         };
-        context.start();
-        context
+        lowering.start();
+        lowering
     }
 
     /// Registers and local data at the first statement.
@@ -380,7 +380,7 @@ impl<'p, 'o> Context<'p, 'o> {
         self.labels.get(label).is_some_and(|label| label.placed)
     }
 
-    /// Where a jump to `label` goes; a backward jump passes a safepoint on its way, which [`Context::jump_done`] builds.
+    /// Where a jump to `label` goes; a backward jump passes a safepoint on its way, which [`BlockLowering::jump_done`] builds.
     pub fn label_target(&mut self, label: LabelId) -> JumpEdge {
         if !self.is_backward(label) {
             return JumpEdge { label, block: self.label_block(label), safepoint: None };

@@ -8,7 +8,7 @@ use plcc_ir::{Address, Block, FunctionBuilder, Loc, Region, Type, Value, Var};
 use plcc_model::CodeBlock;
 use plcc_model::s7200::{self as model, Direction, Insn, Operand, Statement, StatementKind, Width};
 
-use super::plan::{self, Plan};
+use super::plan::{self, S7200Plan};
 use crate::Output;
 use crate::labels::Labels;
 use crate::stop::StopExit;
@@ -40,9 +40,9 @@ pub struct Step<'p> {
     pub gate: Var,
 }
 
-/// The data for lowering one block.
-pub struct Context<'p, 'o> {
-    pub plan: &'o mut Plan<'p>,
+/// A block of an S7-200 while it is lowered.
+pub struct S7200Lowering<'p, 'o> {
+    pub plan: &'o mut S7200Plan<'p>,
     pub output: &'o mut Output<'p>,
     pub block: &'p CodeBlock,
     pub body: &'p model::Body,
@@ -64,18 +64,18 @@ pub struct Context<'p, 'o> {
     pub step: Option<Step<'p>>,
 }
 
-impl<'p, 'o> Context<'p, 'o> {
+impl<'p, 'o> S7200Lowering<'p, 'o> {
     pub fn new(
-        plan: &'o mut Plan<'p>,
+        plan: &'o mut S7200Plan<'p>,
         output: &'o mut Output<'p>,
         block: &'p CodeBlock,
         body: &'p model::Body,
-    ) -> Context<'p, 'o> {
+    ) -> S7200Lowering<'p, 'o> {
         let name = format!("{}{}", block.kind.prefix(), block.number);
         let mut b = FunctionBuilder::new(name, &plan::parameters(body), &plan::returns(body));
         let stack = std::array::from_fn(|_| b.declare_var(Type::I1));
         let (eno, result) = (b.declare_var(Type::I1), b.declare_var(Type::I32));
-        let mut context = Context {
+        let mut lowering = S7200Lowering {
             plan,
             output,
             block,
@@ -93,8 +93,8 @@ impl<'p, 'o> Context<'p, 'o> {
             loops: Vec::new(),
             step: None,
         };
-        context.start();
-        context
+        lowering.start();
+        lowering
     }
 
     /// OB1 begins with an empty stack, other blocks with S0 = 1. Local data is 0, except for copied parameters.
@@ -259,7 +259,7 @@ impl<'p, 'o> Context<'p, 'o> {
         }
     }
 
-    /// Like [`Context::guarded`], for a `body` that ends its block; an error goes to `after`.
+    /// Like [`S7200Lowering::guarded`], for a `body` that ends its block; an error goes to `after`.
     pub fn guarded_to(&mut self, after: Block, body: impl FnOnce(&mut Self)) {
         let outer = self.failure.take();
         body(self);
