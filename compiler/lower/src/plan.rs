@@ -363,7 +363,13 @@ impl BlockFacts {
         facts
     }
 
-    fn scan_scl(&mut self, block: &CodeBlock, body: &scl::Body, program: &Program, index: &FxHashMap<BlockKey, usize>) {
+    fn scan_scl(
+        &mut self,
+        block: &CodeBlock,
+        body: &scl::SclBody,
+        program: &Program,
+        index: &FxHashMap<BlockKey, usize>,
+    ) {
         let mut scan = SclScan { facts: self, program, index, statement: 0, most: 0 };
         walk::statements(&body.statements, &mut scan);
         let temporaries = scan.most;

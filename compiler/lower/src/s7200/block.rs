@@ -45,7 +45,7 @@ pub struct S7200Lowering<'p, 'o> {
     pub plan: &'o mut S7200Plan<'p>,
     pub output: &'o mut Output<'p>,
     pub block: &'p CodeBlock,
-    pub body: &'p model::Body,
+    pub body: &'p model::S7200Body,
     pub b: FunctionBuilder,
     /// The logic stack, S0 first.
     pub stack: [Var; STACK_LEVELS],
@@ -69,7 +69,7 @@ impl<'p, 'o> S7200Lowering<'p, 'o> {
         plan: &'o mut S7200Plan<'p>,
         output: &'o mut Output<'p>,
         block: &'p CodeBlock,
-        body: &'p model::Body,
+        body: &'p model::S7200Body,
     ) -> S7200Lowering<'p, 'o> {
         let name = format!("{}{}", block.kind.prefix(), block.number);
         let mut b = FunctionBuilder::new(name, &plan::parameters(body), &plan::returns(body));

@@ -84,7 +84,7 @@ fn lower_block<'p>(
     plan: &mut S7200Plan<'p>,
     output: &mut Output<'p>,
     block: &'p CodeBlock,
-    body: &'p model::Body,
+    body: &'p model::S7200Body,
 ) -> Function {
     let mut lowering = S7200Lowering::new(plan, output, block, body);
     let mut network = None;

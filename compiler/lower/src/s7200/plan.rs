@@ -144,7 +144,7 @@ impl<'p> S7200Plan<'p> {
     }
 
     /// Function and code of subroutine `number`.
-    pub fn subroutine(&self, number: u16) -> Option<(FuncId, &'p model::Body)> {
+    pub fn subroutine(&self, number: u16) -> Option<(FuncId, &'p model::S7200Body)> {
         let key = BlockKey { kind: BlockKind::Sbr, number };
         let index = self.program.blocks.binary_search_by_key(&key, CodeBlock::key).ok()?;
         match &self.program.blocks[index].body {
@@ -169,7 +169,7 @@ impl<'p> S7200Plan<'p> {
     }
 
     /// Levels of calls below a block; `None`: not bounded.
-    fn depth(&self, body: &model::Body, depths: &mut FxHashMap<u16, Option<u32>>) -> Option<u32> {
+    fn depth(&self, body: &model::S7200Body, depths: &mut FxHashMap<u16, Option<u32>>) -> Option<u32> {
         let mut deepest = 0;
         for statement in &body.statements {
             let StatementKind::Call { number, .. } = statement.kind else { continue };
@@ -200,13 +200,13 @@ pub fn ir_type(width: Width) -> Type {
 }
 
 /// Parameters of a block's function: the values to copy in.
-pub fn parameters(body: &model::Body) -> Vec<Type> {
+pub fn parameters(body: &model::S7200Body) -> Vec<Type> {
     let copied_in = body.parameters.iter().filter(|parameter| parameter.direction != Direction::Out);
     copied_in.map(|parameter| ir_type(parameter.width)).collect()
 }
 
 /// The return values of a block's function: the values to copy back.
-pub fn returns(body: &model::Body) -> Vec<Type> {
+pub fn returns(body: &model::S7200Body) -> Vec<Type> {
     let copied_back = body.parameters.iter().filter(|parameter| parameter.direction != Direction::In);
     copied_back.map(|parameter| ir_type(parameter.width)).collect()
 }

@@ -19,7 +19,7 @@ mod text;
 use plcc_abi::image::BlockKind;
 use plcc_ir::{Address, Block, Function, Region, Type, Value, Var};
 use plcc_model::layout;
-use plcc_model::scl::{Access, Body, Statement, StatementKind, walk};
+use plcc_model::scl::{Access, SclBody, Statement, StatementKind, walk};
 use plcc_model::types::{Class, Elementary};
 use plcc_model::{CodeBlock, Direction, LabelId, Passing};
 use rustc_hash::FxHashMap;
@@ -57,7 +57,12 @@ struct Loop {
 }
 
 /// Lowers a block to a function.
-pub fn lower_block<'p>(plan: &'p Plan<'p>, output: &mut Output<'p>, block: &'p CodeBlock, body: &'p Body) -> Function {
+pub fn lower_block<'p>(
+    plan: &'p Plan<'p>,
+    output: &mut Output<'p>,
+    block: &'p CodeBlock,
+    body: &'p SclBody,
+) -> Function {
     let mut lowering = BlockLowering::new(plan, output, block);
     lowering.uses_mcr = body
         .statements
@@ -72,7 +77,7 @@ pub fn lower_block<'p>(plan: &'p Plan<'p>, output: &mut Output<'p>, block: &'p C
 }
 
 impl BlockLowering<'_, '_> {
-    fn begin_scl(&mut self, body: &Body) {
+    fn begin_scl(&mut self, body: &SclBody) {
         let yes = self.b.bool_const(true);
         let flags = [self.b.declare_var(Type::I1), self.b.declare_var(Type::I1)];
         for flag in flags {
@@ -214,7 +219,7 @@ pub fn value_type(ty: Elementary) -> Type {
 }
 
 /// Jumps to each label that has any, in order of the first jumps.
-fn count_jumps(body: &Body) -> Vec<(LabelId, u32)> {
+fn count_jumps(body: &SclBody) -> Vec<(LabelId, u32)> {
     #[derive(Default)]
     struct Jumps {
         order: Vec<LabelId>,
