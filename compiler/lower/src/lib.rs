@@ -5,12 +5,13 @@
 //! - `place` turns addresses into checked memory accesses, `fault` builds the cold paths.
 //! - `call` passes parameters; `stl` has one function per family of instructions, `scl` one per kind of node of the typed tree.
 //! - `s7200` lowers programs of an S7-200, with its own state of a block.
-//! - For all families: `stop` has the safepoints and the way out of a function, `labels` the targets of jumps.
+//! - For all families: `arithmetic`, `stop` has the safepoints and the way out of a function, `labels` the targets of jumps.
 //! - `assertion`: code that assertions of all languages share.
 //! - `entry` creates the functions that the runtime calls.
 //!
 //! **Invariant**: a program that was bound without errors lowers without errors.
 
+mod arithmetic;
 mod assertion;
 mod block;
 mod call;

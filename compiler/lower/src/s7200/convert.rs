@@ -1,15 +1,14 @@
 //! Conversions of numbers. Source: S7-200 system manual, conversion instructions.
 
-use plcc_abi::RuntimeFn;
 use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
 use plcc_model::s7200::{Operand, Width};
 
 use super::block::S7200Lowering;
 use super::math::{NOT_BCD, OVERFLOW};
 use super::plan::ir_type;
+use crate::arithmetic::bcd::Bcd;
+use crate::arithmetic::{bits, float};
 
-/// Set in the result of `BCD_TO_INT` if a digit is above 9.
-const BAD_DIGIT: i64 = 0x8000_0000;
 /// Segments of the digits 0 to 7 and 8 to F, the first one lowest. Source: S7-200 system manual, segment instruction.
 const SEGMENTS_LOW: u64 = 0x077D_6D66_4F5B_063F;
 const SEGMENTS_HIGH: u64 = 0x7179_5E39_7C77_677F;
@@ -91,10 +90,7 @@ impl S7200Lowering<'_, '_> {
             let x = lowering.b.convert(ConvertOp::Fpromote, Type::F64, real);
             let whole = lowering.b.unary(UnaryOp::Ftrunc, x);
             let whole = if round { lowering.round_away(x, whole) } else { whole };
-            let (least, most) = (lowering.f64_const(f64::from(i32::MIN)), lowering.f64_const(f64::from(i32::MAX)));
-            let (above, below) =
-                (lowering.b.fcmp(FloatCc::Ge, whole, least), lowering.b.fcmp(FloatCc::Le, whole, most));
-            let fits = lowering.b.and(above, below);
+            let fits = float::fits_integer(&mut lowering.b, whole, 32, true);
             (lowering.b.convert(ConvertOp::ToSint, Type::I32, whole), fits)
         });
     }
@@ -103,8 +99,9 @@ impl S7200Lowering<'_, '_> {
     /// its fraction.
     fn round_away(&mut self, x: Value, whole: Value) -> Value {
         let fraction = self.b.binary(BinaryOp::Fsub, x, whole);
-        let (half, minus_half) = (self.f64_const(0.5), self.f64_const(-0.5));
-        let (one, minus_one, zero) = (self.f64_const(1.0), self.f64_const(-1.0), self.f64_const(0.0));
+        let mut constant = |value| float::constant(&mut self.b, Type::F64, value);
+        let (half, minus_half) = (constant(0.5), constant(-0.5));
+        let (one, minus_one, zero) = (constant(1.0), constant(-1.0), constant(0.0));
         let up = self.b.fcmp(FloatCc::Ge, fraction, half);
         let down = self.b.fcmp(FloatCc::Le, fraction, minus_half);
         let step = self.b.select(down, minus_one, zero);
@@ -112,30 +109,17 @@ impl S7200Lowering<'_, '_> {
         self.b.binary(BinaryOp::Fadd, whole, step)
     }
 
-    fn f64_const(&mut self, value: f64) -> Value {
-        let bits = self.b.iconst(Type::I64, value.to_bits() as i64);
-        self.b.bitcast(Type::F64, bits)
-    }
-
     /// `BCDI`, in place.
     pub fn bcd_to_int(&mut self, operands: &[Operand]) {
         self.bcd(operands, |lowering, wide| {
-            let digits = lowering.b.i32_const(4);
-            let result = lowering.b.call_pure(RuntimeFn::BcdToInt, &[wide, digits]);
-            let bad = lowering.b.binary_imm(BinaryOp::And, result, BAD_DIGIT);
-            (result, lowering.b.icmp_imm(IntCc::Ne, bad, 0))
+            let (number, good) = Bcd::UNSIGNED_WORD.magnitude(&mut lowering.b, wide);
+            (number, lowering.b.not(good))
         });
     }
 
     /// `IBCD`, in place.
     pub fn int_to_bcd(&mut self, operands: &[Operand]) {
-        self.bcd(operands, |lowering, wide| {
-            let bad = lowering.b.icmp_imm(IntCc::Ugt, wide, 9999);
-            let zero = lowering.b.i32_const(0);
-            let value = lowering.b.select(bad, zero, wide);
-            let digits = lowering.b.i32_const(4);
-            (lowering.b.call_pure(RuntimeFn::IntToBcd, &[value, digits]), bad)
-        });
+        self.bcd(operands, |lowering, wide| Bcd::UNSIGNED_WORD.digits(&mut lowering.b, wide));
     }
 
     /// SM1.6 reports a value without a BCD form; OUT stays.
@@ -157,29 +141,15 @@ impl S7200Lowering<'_, '_> {
     /// `DECO`.
     pub fn decode(&mut self, operands: &[Operand]) {
         self.conversion(operands, Width::Byte, Width::Word, |lowering, value| {
-            let number = lowering.b.zext(Type::I16, value);
-            let number = lowering.b.binary_imm(BinaryOp::And, number, 0xF);
-            let one = lowering.b.iconst(Type::I16, 1);
-            lowering.b.binary(BinaryOp::Shl, one, number)
+            bits::only_bit(&mut lowering.b, Type::I16, value)
         });
     }
 
     /// `ENCO`: the lowest bit that is set; 0 if none is.
     pub fn encode(&mut self, operands: &[Operand]) {
         self.conversion(operands, Width::Word, Width::Byte, |lowering, value| {
-            let zero = lowering.b.iconst(Type::I16, 0);
-            let negated = lowering.b.isub(zero, value);
-            let lowest = lowering.b.and(value, negated);
-            let mut number = lowering.b.iconst(Type::I8, 0);
-            // Bit n of the number: the position of the lowest bit has that bit.
-            for (shift, places) in [0xAAAA, 0xCCCC, 0xF0F0, 0xFF00].into_iter().enumerate() {
-                let masked = lowering.b.binary_imm(BinaryOp::And, lowest, places);
-                let set = lowering.b.icmp_imm(IntCc::Ne, masked, 0);
-                let bit = lowering.b.zext(Type::I8, set);
-                let bit = lowering.b.binary_imm(BinaryOp::Shl, bit, shift as i64);
-                number = lowering.b.or(number, bit);
-            }
-            number
+            let (number, _) = bits::lowest_bit(&mut lowering.b, value);
+            lowering.b.trunc(Type::I8, number)
         });
     }
 

@@ -9,6 +9,8 @@ use plcc_model::s7200::{Operand, Width};
 use super::block::S7200Lowering;
 use super::operand::Place;
 use super::plan::ir_type;
+use crate::arithmetic::float;
+use crate::arithmetic::integer::{self, Narrowed};
 
 /// Bits of SM1.
 pub const ZERO: u8 = 0;
@@ -17,30 +19,20 @@ pub const NEGATIVE: u8 = 2;
 pub const DIVIDE_BY_ZERO: u8 = 3;
 pub const NOT_BCD: u8 = 6;
 
-/// Exponent bits of a REAL; all of them are set in infinities and NaN.
-const EXPONENT: i64 = 0x7F80_0000;
-
 impl S7200Lowering<'_, '_> {
     /// `+I -I +D -D`.
     pub fn integer_sum(&mut self, operands: &[Operand], width: Width, op: BinaryOp) {
         self.in_place(operands, width, |lowering, old, input| {
             let result = lowering.b.binary(op, old, input);
-            let from_old = lowering.b.xor(old, result);
-            let other = if op == BinaryOp::Iadd { lowering.b.xor(input, result) } else { lowering.b.xor(old, input) };
-            let both = lowering.b.and(from_old, other);
-            (result, lowering.b.icmp_imm(IntCc::Slt, both, 0))
+            (result, integer::sum_overflow(&mut lowering.b, op, old, input, result))
         });
     }
 
     /// `*I`, `*D`: a product of the width of its operands.
     pub fn integer_product(&mut self, operands: &[Operand], width: Width) {
         self.in_place(operands, width, |lowering, old, input| {
-            let wide = if width == Width::Word { Type::I32 } else { Type::I64 };
-            let (a, b) = (lowering.b.sext(wide, old), lowering.b.sext(wide, input));
-            let product = lowering.b.binary(BinaryOp::Imul, a, b);
-            let result = lowering.b.trunc(ir_type(width), product);
-            let fits = lowering.b.sext(wide, result);
-            (result, lowering.b.icmp(IntCc::Ne, product, fits))
+            let product = integer::product(&mut lowering.b, old, input);
+            (product.value, product.overflow)
         });
     }
 
@@ -91,11 +83,8 @@ impl S7200Lowering<'_, '_> {
                 // One step wider, so the smallest number divided by -1 is representable.
                 let wide = if width == Width::Word { Type::I32 } else { Type::I64 };
                 let (a, b) = (lowering.b.sext(wide, old), lowering.b.sext(wide, divisor));
-                let quotient = lowering.b.binary(BinaryOp::Sdiv, a, b);
-                let result = lowering.b.trunc(ir_type(width), quotient);
-                let fits = lowering.b.sext(wide, result);
-                let overflow = lowering.b.icmp(IntCc::Ne, quotient, fits);
-                lowering.finish_integer(target, width, old, result, overflow);
+                let quotient = integer::quotient(&mut lowering.b, a, b, ir_type(width));
+                lowering.finish_integer(target, width, old, quotient.value, quotient.overflow);
             });
         });
     }
@@ -147,18 +136,11 @@ impl S7200Lowering<'_, '_> {
             lowering.unless_zero(zero, |lowering| {
                 let low = lowering.b.trunc(Type::I16, old);
                 let (a, b) = (lowering.b.sext(Type::I32, low), lowering.b.sext(Type::I32, divisor));
-                let quotient = lowering.b.binary(BinaryOp::Sdiv, a, b);
-                let remainder = lowering.b.binary(BinaryOp::Srem, a, b);
-                let low = lowering.b.trunc(Type::I16, quotient);
-                let fits = lowering.b.sext(Type::I32, low);
-                let overflow = lowering.b.icmp(IntCc::Ne, quotient, fits);
-                let high = lowering.b.binary_imm(BinaryOp::Shl, remainder, 16);
-                let wide_low = lowering.b.zext(Type::I32, low);
-                let result = lowering.b.or(high, wide_low);
+                let (Narrowed { value, overflow, .. }, result) = integer::quotient_and_remainder(&mut lowering.b, a, b);
                 let stored = lowering.b.select(overflow, old, result);
                 lowering.store(target, Width::Dword, stored);
                 let (zero, negative) =
-                    (lowering.b.icmp_imm(IntCc::Eq, low, 0), lowering.b.icmp_imm(IntCc::Slt, low, 0));
+                    (lowering.b.icmp_imm(IntCc::Eq, value, 0), lowering.b.icmp_imm(IntCc::Slt, value, 0));
                 lowering.set_result_flags(zero, negative, overflow);
             });
         });
@@ -201,8 +183,7 @@ impl S7200Lowering<'_, '_> {
     /// i1: neither infinite nor NaN.
     fn is_finite(&mut self, x: Value) -> Value {
         let bits = self.b.bitcast(Type::I32, x);
-        let exponent = self.b.binary_imm(BinaryOp::And, bits, EXPONENT);
-        self.b.icmp_imm(IntCc::Ne, exponent, EXPONENT)
+        float::is_finite_from_bits(&mut self.b, bits)
     }
 
     /// `+R -R *R /R`.

@@ -8,6 +8,7 @@ use plcc_model::s7200::{Operand, Width};
 use super::block::S7200Lowering;
 use super::math::OVERFLOW;
 use super::plan::ir_type;
+use crate::arithmetic::bits;
 
 impl S7200Lowering<'_, '_> {
     /// `SRB SRW SRD SLB SLW SLD`: by at most the width.
@@ -23,15 +24,7 @@ impl S7200Lowering<'_, '_> {
             let too_many = lowering.b.icmp(IntCc::Ugt, count, most);
             let count = lowering.b.select(too_many, most, count);
             let wide = lowering.b.zext(Type::I64, old);
-            let (result, out) = if op == BinaryOp::Shl {
-                let shifted = lowering.b.binary(BinaryOp::Shl, wide, count);
-                (shifted, lowering.bit_of(shifted, bits))
-            } else {
-                // One position to the left first, so that the bit shifted out last is bit 0.
-                let doubled = lowering.b.binary_imm(BinaryOp::Shl, wide, 1);
-                let shifted = lowering.b.binary(BinaryOp::Lshr, doubled, count);
-                (lowering.b.binary_imm(BinaryOp::Lshr, shifted, 1), lowering.bit_of(shifted, 0))
-            };
+            let (result, out) = bits::shift(&mut lowering.b, op, wide, count, width.bits());
             let result = lowering.b.trunc(ir_type(width), result);
             lowering.finish_logic(target, width, result);
             let none = lowering.b.icmp_imm(IntCc::Eq, count, 0);
@@ -50,19 +43,11 @@ impl S7200Lowering<'_, '_> {
             let bits = i64::from(width.bits());
             let count = lowering.b.binary_imm(BinaryOp::And, count, bits - 1);
             let places = if ty == Type::I8 { count } else { lowering.b.zext(ty, count) };
-            let result = lowering.b.binary(op, old, places);
+            let (result, out) = bits::rotate(&mut lowering.b, op, old, places);
             lowering.finish_logic(target, width, result);
-            let out = lowering.bit_of(result, if op == BinaryOp::Rotr { bits - 1 } else { 0 });
             let none = lowering.b.icmp_imm(IntCc::Eq, count, 0);
             lowering.set_bit_out(none, out);
         });
-    }
-
-    /// Bit `bit` of a value, an i1.
-    fn bit_of(&mut self, value: Value, bit: i64) -> Value {
-        let shifted = self.b.binary_imm(BinaryOp::Lshr, value, bit);
-        let masked = self.b.binary_imm(BinaryOp::And, shifted, 1);
-        self.b.icmp_imm(IntCc::Ne, masked, 0)
     }
 
     fn set_bit_out(&mut self, none: Value, out: Value) {

@@ -6,6 +6,7 @@ use plcc_model::scl::{Expr, ExprKind, UnaryOp};
 use plcc_model::types::Elementary;
 
 use super::value_type;
+use crate::arithmetic::integer;
 use crate::block::BlockLowering;
 
 impl BlockLowering<'_, '_> {
@@ -87,7 +88,7 @@ impl BlockLowering<'_, '_> {
             return;
         }
         let failed = if ty.is_signed() {
-            self.b.icmp_imm(plcc_ir::IntCc::Eq, value, least(ty))
+            self.b.icmp_imm(plcc_ir::IntCc::Eq, value, integer::least(ty.bits()))
         } else {
             self.b.icmp_imm(plcc_ir::IntCc::Ne, value, 0)
         };
@@ -122,9 +123,4 @@ impl BlockLowering<'_, '_> {
     pub fn masked(&mut self, value: Value, mask: i64) -> Value {
         self.b.binary_imm(BinaryOp::And, value, mask)
     }
-}
-
-/// The smallest value of a signed type.
-pub const fn least(ty: Elementary) -> i64 {
-    i64::MIN >> (64 - ty.bits())
 }

@@ -1,7 +1,7 @@
 //! The walk over the typed tree: whoever looks for something in it implements [`Visitor`].
 //!
-//! Each part is reported before what it contains, except for calls and complex values, whose room in the frame is needed after that of
-//! their arguments.
+//! Each part is reported before what it contains, except for calls and complex values, whose room in the frame is needed
+//! after that of their arguments.
 
 use super::{
     Access, Actual, Base, Call, Complex, CounterCall, Expr, ExprKind, IndexedArea, Instance, Statement, StatementKind,
