@@ -1,11 +1,8 @@
 //! The cost of a chart call depends on the active steps, not on the size of the chart. It is counted in interpreted instructions.
 //! Source: GRAPH reference, chapter G, and J.13.
 
-use std::rc::Rc;
-
-use plcc_ir::FuncId;
-use plcc_ir::interpreter::{Host, Interpreter};
-use plcc_runtime::{Code, TestOptions, functions, guest};
+use plcc_driver::code;
+use plcc_runtime::TestOptions;
 use plcc_tests::charts::Rings;
 
 /// Instances of the chart, each called once in a cycle.
@@ -15,44 +12,15 @@ const INSTANCES: usize = 2;
 const WARM_UP: u64 = 10;
 const CYCLES: u64 = 100;
 
-/// The IR in its interpreter, which this file can measure.
-struct Counted {
-    interpreter: Interpreter,
-    entries: Vec<FuncId>,
-}
-
-impl Code for Counted {
-    fn call(&self, entry: u32, mem: *mut u8, lbase: u32, vbase: u32) {
-        self.interpreter.call(&Guest(mem), self.entries[entry as usize], &[], lbase, vbase);
-    }
-}
-
-struct Guest(*mut u8);
-
-impl Host for Guest {
-    fn read(&self, offset: u32, buf: &mut [u8]) {
-        guest::read(self.0, offset, buf);
-    }
-
-    fn write(&self, offset: u32, bytes: &[u8]) {
-        guest::write(self.0, offset, bytes);
-    }
-
-    fn call_runtime(&self, function: plcc_ir::RuntimeFn, args: &[u64]) -> u64 {
-        functions::call(function, self.0, args)
-    }
-}
-
 /// Instructions of one call, on average.
 fn cost(rings: &Rings) -> f64 {
     let compiled = rings.compile(INSTANCES, true);
     let executed = |cycles: u64| {
-        let interpreter = Interpreter::new(&compiled.module);
-        let code = Rc::new(Counted { interpreter, entries: compiled.module.entries.clone() });
+        let code = code::interpreter(&compiled);
         let options = TestOptions { cycles: Some(cycles), ..TestOptions::default() };
         let report = plcc_runtime::test(compiled.image.clone(), code.clone(), &options);
         assert_eq!(report.stopped, None);
-        code.interpreter.executed()
+        code.executed()
     };
     let counted = executed(WARM_UP + CYCLES) - executed(WARM_UP);
     counted as f64 / (CYCLES * INSTANCES as u64) as f64

@@ -17,13 +17,21 @@ pub fn jit(compiled: &Compiled) -> Result<Rc<dyn Code>, CodegenError> {
 }
 
 /// The IR in its interpreter.
-pub fn interpreter(compiled: &Compiled) -> Rc<dyn Code> {
+pub fn interpreter(compiled: &Compiled) -> Rc<Interpreted> {
     Rc::new(Interpreted { interpreter: Interpreter::new(&compiled.module), entries: compiled.module.entries.clone() })
 }
 
-struct Interpreted {
+/// A module in the interpreter, with the memory and the functions of the runtime.
+pub struct Interpreted {
     interpreter: Interpreter,
     entries: Vec<FuncId>,
+}
+
+impl Interpreted {
+    /// Instructions that have run so far.
+    pub fn executed(&self) -> u64 {
+        self.interpreter.executed()
+    }
 }
 
 impl Code for Interpreted {

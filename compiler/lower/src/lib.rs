@@ -1,33 +1,37 @@
 //! Lowers the bound program to the SSA IR; this is where PLC semantics are defined.
 //!
 //! - `plan` settles what blocks must know about each other: addresses of DBs, functions, depth of calls.
-//! - `context` holds the state of one block while it is lowered: the virtual CPU's registers as SSA variables.
+//! - `block` holds the state of one block while it is lowered: the virtual CPU's registers as SSA variables.
 //! - `place` turns addresses into checked memory accesses, `fault` builds the cold paths.
 //! - `call` passes parameters; `stl` has one function per family of instructions, `scl` one per kind of node of the typed tree.
-//! - `s7200` lowers programs of an S7-200, which only share the IR.
+//! - `s7200` lowers programs of an S7-200, with its own state of a block.
+//! - For all families: `arithmetic`, `stop` has the safepoints and the way out of a function, `labels` the targets of jumps.
 //! - `assertion`: code that assertions of all languages share.
 //! - `entry` creates the functions that the runtime calls.
 //!
 //! **Invariant**: a program that was bound without errors lowers without errors.
 
+mod arithmetic;
 mod assertion;
+mod block;
 mod call;
-mod context;
 mod entry;
 mod fault;
+mod labels;
 mod place;
 mod plan;
 mod pointer;
 mod s7200;
 mod scl;
 mod stl;
+mod stop;
 
 use plcc_abi::ProgramImage;
-use plcc_abi::image::{AssertEntry, BlockEntry, BlockKind, DbEntry, ErrorSlot};
+use plcc_abi::image::{AssertEntry, BlockEntry, BlockKind, DbEntry, ErrorSlot, Site};
 use plcc_diag::SourceMap;
 use plcc_ir::{Module, StaticDb};
 use plcc_model::Program;
-use plcc_model::{Assert, Body};
+use plcc_model::{Assert, Body, CodeBlock};
 
 use crate::plan::Plan;
 
@@ -146,8 +150,19 @@ impl<'s> Output<'s> {
     }
 
     /// Index of the span's file in the image, and its line there. Blocks of the standard library have the spans of their first calls.
-    pub fn place(&self, span: plcc_diag::Span) -> (u32, u32) {
+    fn place(&self, span: plcc_diag::Span) -> (u32, u32) {
         (span.file.0, self.sources.file(span.file).line(span.start))
+    }
+
+    /// Number of the site of code of `block` at `span`; a new one if it is another than the last.
+    pub fn site(&mut self, block: &CodeBlock, span: plcc_diag::Span, network: u16) -> u32 {
+        let (file, line) = self.place(span);
+        let site = Site { file, line, block: block.kind, block_number: block.number, network };
+        let sites = &mut self.module.sites;
+        if sites.last() != Some(&site) {
+            sites.push(site);
+        }
+        sites.len() as u32 - 1
     }
 
     /// Enters an assertion in the program's list; returns its number there.

@@ -6,7 +6,7 @@ use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
 use plcc_model::layout;
 use plcc_model::{Actual, Direction, Passing, Place, Pointed, Width};
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::place::{BitNumber, Target};
 use crate::plan;
 
@@ -26,7 +26,7 @@ pub struct PointerFields {
     pub pointer: Value,
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// A pointer to `place` for a called block: local data of this block is the callee's area V.
     pub fn pointer_fields(&mut self, place: &Place) -> PointerFields {
         let known = |code: u8, byte: u32, bit: u8| (u32::from(code) << 24) | (byte << 3) | u32::from(bit);
@@ -66,7 +66,7 @@ impl Context<'_, '_> {
     }
 
     /// The target of a formal parameter of this FC: its own POINTER, moved on. An elementary one has none: the pointer goes to a
-    /// copy in this frame, which [`bring_back`](Context::bring_back) copies back after the call.
+    /// copy in this frame, which [`bring_back`](BlockLowering::bring_back) copies back after the call.
     fn parameter_pointer(&mut self, parameter: usize, byte: u32, bit: u8) -> PointerFields {
         match self.passing(parameter) {
             Passing::Complex { .. } | Passing::OpenArray { .. } => {

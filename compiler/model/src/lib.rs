@@ -1,7 +1,7 @@
 //! The bound program: the output of binding and the input of lowering.
 //!
 //! - [`Program`]: blocks, data blocks and symbols, with every name, type and address settled. Bodies differ by language: STL keeps its
-//!   statements, all others are the typed tree [`scl`], and the S7-200 has its own ([`s7200`]).
+//!   statements, all others are the typed tree [`scl`], which [`scl::walk`] walks over, and the S7-200 has its own ([`s7200`]).
 //! - [`types`], [`layout`]: data types, and the addresses of their components.
 //! - [`profile`]: the CPUs and their limits.
 //!

@@ -166,9 +166,9 @@ impl Passing {
 #[derive(Clone, Debug)]
 pub enum Body {
     Stl(Vec<StlStatement>),
-    Scl(scl::Body),
+    Scl(scl::SclBody),
     /// STL of an S7-200.
-    S7200(s7200::Body),
+    S7200(s7200::S7200Body),
     /// A system function that the runtime implements, under its own number.
     Runtime,
 }

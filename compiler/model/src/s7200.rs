@@ -6,7 +6,7 @@ pub use plcc_syntax::s7200::{Compare, CompareKind, Contact, Insn, Relation};
 
 /// Code of a block.
 #[derive(Clone, Debug, Default)]
-pub struct Body {
+pub struct S7200Body {
     /// Formal parameters, in the order of the local variable table: IN, IN_OUT, OUT.
     pub parameters: Vec<Parameter>,
     pub statements: Vec<Statement>,

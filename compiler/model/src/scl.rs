@@ -1,6 +1,8 @@
 //! Bound SCL: a typed tree. Every name and address is settled, every expression has its final type, and implicit conversions are
 //! separate nodes.
 
+pub mod walk;
+
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
 
@@ -9,7 +11,7 @@ use crate::types::DataType;
 
 /// Code of a block in SCL.
 #[derive(Clone, Debug, Default)]
-pub struct Body {
+pub struct SclBody {
     pub statements: Vec<Statement>,
     /// Overflows, failed conversions and similar errors clear the block's OK/ENO bit; otherwise only assignments change it.
     pub sets_flag: bool,
@@ -21,7 +23,7 @@ pub struct Body {
     pub networks: Vec<u32>,
 }
 
-impl Body {
+impl SclBody {
     /// Number of the network at a position, 1 for the first; 0 if the block has none.
     pub fn network_at(&self, start: u32) -> u16 {
         self.networks.partition_point(|begin| *begin <= start) as u16

@@ -10,11 +10,11 @@ use super::Binder;
 use super::interface::Locals;
 use super::stack::Stack;
 use super::structure::Structure;
-use plcc_model::s7200::{Body, Operand, Statement, StatementKind};
+use plcc_model::s7200::{Operand, S7200Body, Statement, StatementKind};
 
 impl Binder<'_> {
     /// The code of block `index`.
-    pub fn bind_body(&mut self, index: usize) -> Option<Body> {
+    pub fn bind_body(&mut self, index: usize) -> Option<S7200Body> {
         let block = self.blocks.get(index)?;
         let (ast, kind, locals) = (block.ast, block.kind, block.locals.clone());
         let mut stack = Stack::new(kind);
@@ -52,7 +52,7 @@ impl Binder<'_> {
             }
         }
         structure.finish(&mut self.report);
-        Some(Body { parameters: locals.formals(), statements })
+        Some(S7200Body { parameters: locals.formals(), statements })
     }
 
     /// The mnemonic as the sources spell it.

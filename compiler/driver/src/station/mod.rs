@@ -9,7 +9,6 @@ mod catalog;
 mod keys;
 mod list;
 mod rules;
-mod scl_accesses;
 #[cfg(test)]
 mod tests;
 mod uses;

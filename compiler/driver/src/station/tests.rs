@@ -176,11 +176,15 @@ fn kinds_ranges_and_channels_are_checked() {
 
 /// Messages about a program with the tank's station: code, line and title.
 fn uses(text: &str) -> Vec<(&'static str, u32, String)> {
+    uses_in("main.stl", text)
+}
+
+fn uses_in(name: &str, text: &str) -> Vec<(&'static str, u32, String)> {
     let mut read = crate::inputs::Read::default();
     let source = SourceFile::new("plc.toml", TANK);
     let file = read.sources.add(source.clone());
     read.project = Some(project::parse(file, &source).0);
-    let unit = read.sources.add(SourceFile::new("main.stl", text));
+    let unit = read.sources.add(SourceFile::new(name, text));
     read.units.push(unit);
     let bound = crate::pipeline::front(read, &crate::pipeline::Settings::default());
     let line = |sources: &SourceMap, span: Span| sources.file(span.file).line(span.start);
@@ -198,6 +202,22 @@ fn uses_without_module_are_told_once_for_each_range() {
         ("P0605", 5, "no module of the station has PIB 500 to PIB 501"),
     ];
     assert_eq!(messages, expected.map(|(code, line, text)| (code, line, text.to_string())));
+}
+
+#[test]
+fn the_first_use_in_scl_is_the_first_one_in_the_source() {
+    let text = "FUNCTION FC1 : VOID
+BEGIN
+IF I0.0 THEN
+    Q0.0 := I60.0;
+ELSIF I60.0 THEN
+    Q0.0 := FALSE;
+END_IF;
+END_FUNCTION
+";
+    let expected = [("P0605", 4, "no module of the station has IB 60")];
+    let messages = uses_in("main.scl", text);
+    assert_eq!(messages.iter().map(|(code, line, title)| (*code, *line, title.as_str())).collect::<Vec<_>>(), expected);
 }
 
 #[test]

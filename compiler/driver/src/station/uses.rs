@@ -6,10 +6,9 @@ use std::collections::BTreeMap;
 
 use plcc_abi::image::Module;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_model::scl::{Base, StatementKind};
+use plcc_model::scl::walk::{self, Role, Visitor};
+use plcc_model::scl::{Access, Base, Statement, StatementKind};
 use plcc_model::{Actual, Body, Operand, Place, Program, StlStatement, StlStatementKind, Width};
-
-use super::scl_accesses;
 
 /// The four kinds of addresses.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,22 +42,11 @@ impl Area {
 /// peripheral access of the wrong direction or width.
 pub fn check_program(program: &Program) -> Vec<Diagnostic> {
     let Some(modules) = &program.config.modules else { return Vec::new() };
-    let mut uses = Uses { modules, missing: BTreeMap::new(), diagnostics: Vec::new() };
+    let mut uses = Uses { program, modules, missing: BTreeMap::new(), diagnostics: Vec::new() };
     for block in &program.blocks {
         match &block.body {
-            Body::Stl(statements) => statements.iter().for_each(|statement| uses.stl_statement(program, statement)),
-            Body::Scl(body) => {
-                scl_accesses::of_body(body, &mut |access| {
-                    if let (Base::Place(place), Some(ty)) = (&access.base, access.elementary()) {
-                        uses.place(place, ty.bits().div_ceil(8), access.span);
-                    }
-                });
-                for statement in &body.statements {
-                    if let StatementKind::Stl(statement) = &statement.kind {
-                        uses.stl_statement(program, statement);
-                    }
-                }
-            }
+            Body::Stl(statements) => statements.iter().for_each(|statement| uses.stl_statement(statement)),
+            Body::Scl(body) => walk::statements(&body.statements, &mut uses),
             Body::S7200(_) | Body::Runtime => {}
         }
     }
@@ -83,14 +71,29 @@ fn passing_bytes(passing: Option<plcc_model::Passing>) -> u32 {
 }
 
 struct Uses<'a> {
+    program: &'a Program,
     modules: &'a [Module],
-    /// Bytes that no module has, with their first use.
+    /// Bytes that no module has, with their first use in the sources.
     missing: BTreeMap<(Area, u32), Span>,
     diagnostics: Vec<Diagnostic>,
 }
 
+impl Visitor for Uses<'_> {
+    fn statement(&mut self, statement: &Statement) {
+        if let StatementKind::Stl(statement) = &statement.kind {
+            self.stl_statement(statement);
+        }
+    }
+
+    fn access(&mut self, access: &Access, _role: Role) {
+        if let (Base::Place(place), Some(ty)) = (&access.base, access.elementary()) {
+            self.place(place, ty.bits().div_ceil(8), access.span);
+        }
+    }
+}
+
 impl Uses<'_> {
-    fn stl_statement(&mut self, program: &Program, statement: &StlStatement) {
+    fn stl_statement(&mut self, statement: &StlStatement) {
         match &statement.kind {
             StlStatementKind::Instruction { operand: Operand::Memory { place, width }, .. } => {
                 self.place(place, width_bytes(*width), statement.span);
@@ -98,7 +101,7 @@ impl Uses<'_> {
             StlStatementKind::Call(call) => {
                 for argument in &call.arguments {
                     if let Actual::Place(place) = &argument.actual {
-                        let ty = program.block(call.target).and_then(|block| {
+                        let ty = self.program.block(call.target).and_then(|block| {
                             block.interface.parameters.get(argument.parameter).map(|parameter| parameter.passing)
                         });
                         self.place(place, passing_bytes(ty), argument.span);
@@ -141,7 +144,10 @@ impl Uses<'_> {
             }
         }
         for byte in missing {
-            self.missing.entry((area, byte)).or_insert(span);
+            let first = self.missing.entry((area, byte)).or_insert(span);
+            if (span.file, span.start) < (first.file, first.start) {
+                *first = span;
+            }
         }
     }
 

@@ -2,27 +2,27 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_diag::Span;
-use plcc_ir::{IntCc, Type, Value};
+use plcc_ir::{Type, Value};
 use plcc_model::s7200::{Assert, AssertSide, Operand, Width};
 use plcc_model::{Compared, ComparedValue};
 
-use super::context::Context;
+use super::block::S7200Lowering;
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// `//@ assert`. An assertion whose pointer is bad is an error of the program, and fails by not being executed.
     pub fn assert(&mut self, assert: &Assert, span: Span) {
         let id = self.output.register_assert(assert, span);
-        self.guarded(|context| {
+        self.guarded(|lowering| {
             for (index, comparison) in assert.comparisons.iter().enumerate() {
                 let mut value = |side: &Compared<AssertSide>| match &side.value {
                     ComparedValue::Constant(_) => None,
-                    ComparedValue::Code(side) => Some(context.assert_side(side)),
+                    ComparedValue::Code(side) => Some(lowering.assert_side(side)),
                 };
                 let sides = [value(&comparison.left), value(&comparison.right)];
-                let (function, values) = crate::assertion::call(&mut context.b, comparison, sides);
-                let mut arguments = vec![context.b.i32_const(id), context.b.i32_const(index as u32)];
+                let (function, values) = crate::assertion::call(&mut lowering.b, comparison, sides);
+                let mut arguments = vec![lowering.b.i32_const(id), lowering.b.i32_const(index as u32)];
                 arguments.extend(values);
-                context.b.call_runtime(function, &arguments);
+                lowering.b.call_runtime(function, &arguments);
             }
         });
     }
@@ -47,8 +47,7 @@ impl Context<'_, '_> {
     pub fn sleep(&mut self, ms: u32) {
         let ms = self.b.i32_const(ms);
         let stop = self.b.call_runtime(RuntimeFn::Sleep, &[ms]).expect("sleep has a result");
-        let stops = self.b.icmp_imm(IntCc::Ne, stop, 0);
-        self.stop_if(stops);
+        self.stop_check(stop);
     }
 }
 

@@ -5,7 +5,7 @@ use plcc_abi::s7200::{Operation, STACK_LEVELS, system};
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Type, Value};
 use plcc_model::s7200::{Area, Operand, Width};
 
-use super::context::Context;
+use super::block::S7200Lowering;
 use super::operand::{Use, area_address};
 
 /// Limit of bits that S and R with a constant count write directly.
@@ -13,7 +13,7 @@ const DIRECT_BITS: u32 = 64;
 /// The same for timers and counters.
 const DIRECT_CELLS: u32 = 4;
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     fn bit(&mut self, operands: &[Operand], negated: bool) -> Value {
         let value = self.read(&operands[0], Width::Bit);
         if negated { self.b.not(value) } else { value }
@@ -155,28 +155,28 @@ impl Context<'_, '_> {
     /// `S`, `R`.
     pub fn write_bits(&mut self, operands: &[Operand], value: bool) {
         let [target, count] = operands else { return };
-        self.boxed(|context| match (target, count) {
+        self.boxed(|lowering| match (target, count) {
             (Operand::Timer { number, .. }, _) => {
                 let operation = if value { Operation::SetTimers } else { Operation::ResetTimers };
-                context.write_cells(operation, *number, count);
+                lowering.write_cells(operation, *number, count);
             }
             (Operand::Counter { number, .. }, Operand::Const(known @ 1..=DIRECT_CELLS)) => {
-                context.write_counters(*number, *known, value);
+                lowering.write_counters(*number, *known, value);
             }
             (Operand::Counter { number, .. }, _) => {
                 let operation = if value { Operation::SetCounters } else { Operation::ResetCounters };
-                context.write_cells(operation, *number, count);
+                lowering.write_cells(operation, *number, count);
             }
             (Operand::Memory { area, byte, bit, .. }, Operand::Const(known @ 1..=DIRECT_BITS)) => {
-                context.write_known_bits(*area, *byte, *bit, *known, value);
+                lowering.write_known_bits(*area, *byte, *bit, *known, value);
             }
             (Operand::Memory { area, byte, bit, .. }, _) => {
-                let at = context.b.address_of(area_address(*area, *byte));
-                let first = context.b.binary_imm(BinaryOp::Shl, at, 3);
-                let first = context.b.binary_imm(BinaryOp::Iadd, first, i64::from(*bit));
-                let count = context.count(count);
-                let value = context.b.i32_const(u32::from(value));
-                context.run(Operation::WriteBits, &[first, count, value]);
+                let at = lowering.b.address_of(area_address(*area, *byte));
+                let first = lowering.b.binary_imm(BinaryOp::Shl, at, 3);
+                let first = lowering.b.binary_imm(BinaryOp::Iadd, first, i64::from(*bit));
+                let count = lowering.count(count);
+                let value = lowering.b.i32_const(u32::from(value));
+                lowering.run(Operation::WriteBits, &[first, count, value]);
             }
             _ => {}
         });
@@ -238,11 +238,11 @@ impl Context<'_, '_> {
     /// `SI`, `RI`.
     pub fn write_outputs_now(&mut self, operands: &[Operand], value: bool) {
         let [Operand::Memory { byte, bit, .. }, count] = operands else { return };
-        self.boxed(|context| {
-            let count = context.count(count);
-            let first = context.b.i32_const(8 * byte + u32::from(*bit));
-            let value = context.b.i32_const(u32::from(value));
-            context.run(Operation::WriteOutputsNow, &[first, count, value]);
+        self.boxed(|lowering| {
+            let count = lowering.count(count);
+            let first = lowering.b.i32_const(8 * byte + u32::from(*bit));
+            let value = lowering.b.i32_const(u32::from(value));
+            lowering.run(Operation::WriteOutputsNow, &[first, count, value]);
         });
     }
 

@@ -7,29 +7,29 @@ use plcc_abi::s7200::{Operation, Resolution, TimerKind, system, timer_resolution
 use plcc_ir::{Address, BinaryOp, ConvertOp, IntCc, Region, Type, Value};
 use plcc_model::s7200::{Insn, Operand, Width};
 
-use super::context::Context;
+use super::block::S7200Lowering;
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// `TON TONR TOF`.
     pub fn timer(&mut self, insn: Insn, operands: &[Operand]) {
         let [Operand::Timer { number, .. }, preset] = operands else { return };
-        self.guarded(|context| {
-            let preset = context.read(preset, Width::Word);
-            let enable = context.top();
+        self.guarded(|lowering| {
+            let preset = lowering.read(preset, Width::Word);
+            let enable = lowering.top();
             if insn == Insn::Ton && timer_resolution(*number) == Resolution::Ms100 {
-                return context.on_delay_100_ms(*number, preset, enable);
+                return lowering.on_delay_100_ms(*number, preset, enable);
             }
-            if insn == Insn::Tof && context.step.is_some() {
-                context.reset_in_inactive_step(*number);
+            if insn == Insn::Tof && lowering.step.is_some() {
+                lowering.reset_in_inactive_step(*number);
             }
             let kind = match insn {
                 Insn::Ton => TimerKind::Ton,
                 Insn::Tonr => TimerKind::Tonr,
                 _ => TimerKind::Tof,
             };
-            let (number, kind) = (context.b.i32_const(u32::from(*number)), context.b.i32_const(kind as u32));
-            let (preset, enable) = (context.b.zext(Type::I32, preset), context.b.zext(Type::I32, enable));
-            context.b.call_runtime(RuntimeFn::S7200Timer, &[number, kind, preset, enable]);
+            let (number, kind) = (lowering.b.i32_const(u32::from(*number)), lowering.b.i32_const(kind as u32));
+            let (preset, enable) = (lowering.b.zext(Type::I32, preset), lowering.b.zext(Type::I32, enable));
+            lowering.b.call_runtime(RuntimeFn::S7200Timer, &[number, kind, preset, enable]);
         });
     }
 
@@ -80,21 +80,21 @@ impl Context<'_, '_> {
 
     /// `BITIM`.
     pub fn begin_interval(&mut self, operands: &[Operand]) {
-        self.boxed(|context| {
-            let target = context.target(&operands[0], Width::Dword);
-            let now = context.b.call_runtime(RuntimeFn::S7200Milliseconds, &[]).expect("it returns a value");
-            context.store(target, Width::Dword, now);
+        self.boxed(|lowering| {
+            let target = lowering.target(&operands[0], Width::Dword);
+            let now = lowering.b.call_runtime(RuntimeFn::S7200Milliseconds, &[]).expect("it returns a value");
+            lowering.store(target, Width::Dword, now);
         });
     }
 
     /// `CITIM`: modulo 2^32.
     pub fn interval(&mut self, operands: &[Operand]) {
-        self.boxed(|context| {
-            let from = context.read(&operands[0], Width::Dword);
-            let target = context.target(&operands[1], Width::Dword);
-            let now = context.b.call_runtime(RuntimeFn::S7200Milliseconds, &[]).expect("it returns a value");
-            let passed = context.b.isub(now, from);
-            context.store(target, Width::Dword, passed);
+        self.boxed(|lowering| {
+            let from = lowering.read(&operands[0], Width::Dword);
+            let target = lowering.target(&operands[1], Width::Dword);
+            let now = lowering.b.call_runtime(RuntimeFn::S7200Milliseconds, &[]).expect("it returns a value");
+            let passed = lowering.b.isub(now, from);
+            lowering.store(target, Width::Dword, passed);
         });
     }
 
@@ -121,18 +121,18 @@ impl Context<'_, '_> {
     pub fn count_up(&mut self, operands: &[Operand]) {
         let [Operand::Counter { number, .. }, preset] = operands else { return };
         let up = self.counting_edge(1);
-        self.guarded(|context| {
-            let preset = context.read(preset, Width::Word);
-            let reset = context.top();
-            let count = context.count_of(*number);
-            let below = context.b.icmp_imm(IntCc::Slt, count, i64::from(i16::MAX));
-            let counts = context.b.and(up, below);
-            let step = context.b.zext(Type::I16, counts);
-            let counted = context.b.iadd(count, step);
-            let zero = context.b.iconst(Type::I16, 0);
-            let new = context.b.select(reset, zero, counted);
-            let bit = context.reached(new, preset, reset);
-            context.set_counter(*number, new, bit);
+        self.guarded(|lowering| {
+            let preset = lowering.read(preset, Width::Word);
+            let reset = lowering.top();
+            let count = lowering.count_of(*number);
+            let below = lowering.b.icmp_imm(IntCc::Slt, count, i64::from(i16::MAX));
+            let counts = lowering.b.and(up, below);
+            let step = lowering.b.zext(Type::I16, counts);
+            let counted = lowering.b.iadd(count, step);
+            let zero = lowering.b.iconst(Type::I16, 0);
+            let new = lowering.b.select(reset, zero, counted);
+            let bit = lowering.reached(new, preset, reset);
+            lowering.set_counter(*number, new, bit);
         });
     }
 
@@ -147,19 +147,19 @@ impl Context<'_, '_> {
     pub fn count_down(&mut self, operands: &[Operand]) {
         let [Operand::Counter { number, .. }, preset] = operands else { return };
         let down = self.counting_edge(1);
-        self.guarded(|context| {
-            let preset = context.read(preset, Width::Word);
-            let load = context.top();
-            let count = context.count_of(*number);
-            let above = context.b.icmp_imm(IntCc::Sgt, count, 0);
-            let counts = context.b.and(down, above);
-            let step = context.b.zext(Type::I16, counts);
-            let counted = context.b.isub(count, step);
-            let new = context.b.select(load, preset, counted);
-            let empty = context.b.icmp_imm(IntCc::Eq, new, 0);
-            let free = context.b.not(load);
-            let bit = context.b.and(empty, free);
-            context.set_counter(*number, new, bit);
+        self.guarded(|lowering| {
+            let preset = lowering.read(preset, Width::Word);
+            let load = lowering.top();
+            let count = lowering.count_of(*number);
+            let above = lowering.b.icmp_imm(IntCc::Sgt, count, 0);
+            let counts = lowering.b.and(down, above);
+            let step = lowering.b.zext(Type::I16, counts);
+            let counted = lowering.b.isub(count, step);
+            let new = lowering.b.select(load, preset, counted);
+            let empty = lowering.b.icmp_imm(IntCc::Eq, new, 0);
+            let free = lowering.b.not(load);
+            let bit = lowering.b.and(empty, free);
+            lowering.set_counter(*number, new, bit);
         });
     }
 
@@ -167,17 +167,17 @@ impl Context<'_, '_> {
     pub fn count_up_down(&mut self, operands: &[Operand]) {
         let [Operand::Counter { number, .. }, preset] = operands else { return };
         let (up, down) = (self.counting_edge(2), self.counting_edge(1));
-        self.guarded(|context| {
-            let preset = context.read(preset, Width::Word);
-            let reset = context.top();
-            let count = context.count_of(*number);
-            let (up, down) = (context.b.zext(Type::I16, up), context.b.zext(Type::I16, down));
-            let counted = context.b.iadd(count, up);
-            let counted = context.b.binary(BinaryOp::Isub, counted, down);
-            let zero = context.b.iconst(Type::I16, 0);
-            let new = context.b.select(reset, zero, counted);
-            let bit = context.reached(new, preset, reset);
-            context.set_counter(*number, new, bit);
+        self.guarded(|lowering| {
+            let preset = lowering.read(preset, Width::Word);
+            let reset = lowering.top();
+            let count = lowering.count_of(*number);
+            let (up, down) = (lowering.b.zext(Type::I16, up), lowering.b.zext(Type::I16, down));
+            let counted = lowering.b.iadd(count, up);
+            let counted = lowering.b.binary(BinaryOp::Isub, counted, down);
+            let zero = lowering.b.iconst(Type::I16, 0);
+            let new = lowering.b.select(reset, zero, counted);
+            let bit = lowering.reached(new, preset, reset);
+            lowering.set_counter(*number, new, bit);
         });
     }
 }

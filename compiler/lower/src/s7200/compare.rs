@@ -3,20 +3,23 @@
 use plcc_abi::s7200::{Operation, error, fatal};
 use plcc_ir::{BinaryOp, FloatCc, IntCc, Type, Value};
 use plcc_model::s7200::{Compare, CompareKind, Contact, Operand, Relation, Width};
+use plcc_model::scl::CompareOp;
 
-use super::context::{Context, OnError};
+use super::block::{OnError, S7200Lowering};
 use super::operand::Use;
+use crate::arithmetic::compare::{self, float_condition, integer_condition};
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// `LDW>=` and other compare contacts. Both operands are read with any S0; a bad pointer stops the CPU.
     pub fn compare(&mut self, compare: Compare, operands: &[Operand]) {
         let [left, right] = operands else { return };
         self.on_error = OnError::Stop;
+        let op = operator(compare.relation);
         let value = match compare.kind {
-            CompareKind::Byte => self.compare_integers(unsigned(compare.relation), left, right, Width::Byte),
-            CompareKind::Word => self.compare_integers(signed(compare.relation), left, right, Width::Word),
-            CompareKind::Dword => self.compare_integers(signed(compare.relation), left, right, Width::Dword),
-            CompareKind::Real => self.compare_reals(compare.relation, left, right),
+            CompareKind::Byte => self.compare_integers(integer_condition(op, false), left, right, Width::Byte),
+            CompareKind::Word => self.compare_integers(integer_condition(op, true), left, right, Width::Word),
+            CompareKind::Dword => self.compare_integers(integer_condition(op, true), left, right, Width::Dword),
+            CompareKind::Real => self.compare_reals(float_condition(op), left, right),
             CompareKind::Text => self.compare_texts(compare.relation, left, right),
         };
         match compare.contact {
@@ -32,27 +35,19 @@ impl Context<'_, '_> {
     }
 
     /// A NaN makes the result 0, and is error 000F; with strict comparison it stops the CPU.
-    fn compare_reals(&mut self, relation: Relation, left: &Operand, right: &Operand) -> Value {
+    fn compare_reals(&mut self, cc: FloatCc, left: &Operand, right: &Operand) -> Value {
         let (left, right) = (self.read(left, Width::Dword), self.read(right, Width::Dword));
         let (left, right) = (self.b.bitcast(Type::F32, left), self.b.bitcast(Type::F32, right));
-        let cc = match relation {
-            Relation::Eq => FloatCc::Eq,
-            Relation::Ne => FloatCc::Ne,
-            Relation::Ge => FloatCc::Ge,
-            Relation::Le => FloatCc::Le,
-            Relation::Gt => FloatCc::Gt,
-            Relation::Lt => FloatCc::Lt,
-        };
-        let holds = self.b.fcmp(cc, left, right);
+        let holds = compare::floats(&mut self.b, cc, left, right);
         let unordered = self.b.fcmp(FloatCc::Uno, left, right);
         let ordered = self.b.not(unordered);
         if self.plan.program.config.s7200.strict_compare {
             self.error_unless(ordered, error::ILLEGAL_REAL, fatal::COMPARE_REAL);
         } else {
             self.on_error = OnError::Skip;
-            self.guarded(|context| context.error_unless(ordered, error::ILLEGAL_REAL, fatal::COMPARE_REAL));
+            self.guarded(|lowering| lowering.error_unless(ordered, error::ILLEGAL_REAL, fatal::COMPARE_REAL));
         }
-        self.b.and(holds, ordered)
+        holds
     }
 
     fn compare_texts(&mut self, relation: Relation, left: &Operand, right: &Operand) -> Value {
@@ -64,24 +59,13 @@ impl Context<'_, '_> {
     }
 }
 
-fn signed(relation: Relation) -> IntCc {
+const fn operator(relation: Relation) -> CompareOp {
     match relation {
-        Relation::Eq => IntCc::Eq,
-        Relation::Ne => IntCc::Ne,
-        Relation::Ge => IntCc::Sge,
-        Relation::Le => IntCc::Sle,
-        Relation::Gt => IntCc::Sgt,
-        Relation::Lt => IntCc::Slt,
-    }
-}
-
-fn unsigned(relation: Relation) -> IntCc {
-    match relation {
-        Relation::Eq => IntCc::Eq,
-        Relation::Ne => IntCc::Ne,
-        Relation::Ge => IntCc::Uge,
-        Relation::Le => IntCc::Ule,
-        Relation::Gt => IntCc::Ugt,
-        Relation::Lt => IntCc::Ult,
+        Relation::Eq => CompareOp::Equal,
+        Relation::Ne => CompareOp::NotEqual,
+        Relation::Ge => CompareOp::GreaterEqual,
+        Relation::Le => CompareOp::LessEqual,
+        Relation::Gt => CompareOp::Greater,
+        Relation::Lt => CompareOp::Less,
     }
 }

@@ -4,37 +4,36 @@ use plcc_abi::s7200::{Operation, error, fatal, system};
 use plcc_ir::{Address, IntCc, Region, Type, Value};
 use plcc_model::s7200::{Direction, Operand, Width};
 
-use super::context::{Context, Loop};
+use super::block::{Loop, S7200Lowering};
 use super::operand::Place;
 use super::plan;
 
 /// Limit of nested calls. Source: S7-200 system manual, subroutines.
 const NESTING_MAX: i64 = 8;
 
-impl<'p> Context<'p, '_> {
+impl<'p> S7200Lowering<'p, '_> {
     /// `JMP`: a backward jump passes a safepoint on its way.
     pub fn jump(&mut self, operands: &[Operand]) {
         let Some(Operand::Const(number)) = operands.first() else { return };
-        let Some(label) = self.labels.get(number) else { return };
-        let (target, placed) = (label.block, label.placed);
+        let Some(label) = self.labels.get(*number) else { return };
         let enable = self.top();
         let (taken, next) = (self.b.create_block(), self.b.create_block());
         self.b.branch(enable, taken, next);
         self.b.seal_block(taken);
         self.b.seal_block(next);
         self.b.switch_to(taken);
-        if placed {
+        if label.placed {
             self.safepoint();
         }
-        self.b.jump(target, &[]);
-        self.jump_done(*number);
+        self.b.jump(label.block, &[]);
+        self.labels.jump_done(&mut self.b, *number);
         self.b.switch_to(next);
     }
 
     /// `LBL`.
     pub fn label(&mut self, operands: &[Operand]) {
         if let Some(Operand::Const(number)) = operands.first() {
-            self.label_placed(*number);
+            self.labels.place(&mut self.b, *number);
         }
     }
 
@@ -54,15 +53,15 @@ impl<'p> Context<'p, '_> {
         self.b.branch(enable, start, after);
         self.b.seal_block(start);
         self.b.switch_to(start);
-        self.guarded_to(after, |context| {
-            let initial = context.read(initial, Width::Word);
-            let last = context.read(last, Width::Word);
-            let target = context.target(index, Width::Word);
-            context.store(target, Width::Word, initial);
-            let one = context.b.bool_const(true);
-            context.set(context.eno, one);
-            let runs = context.b.icmp(IntCc::Sle, initial, last);
-            context.b.branch(runs, body, after);
+        self.guarded_to(after, |lowering| {
+            let initial = lowering.read(initial, Width::Word);
+            let last = lowering.read(last, Width::Word);
+            let target = lowering.target(index, Width::Word);
+            lowering.store(target, Width::Word, initial);
+            let one = lowering.b.bool_const(true);
+            lowering.set(lowering.eno, one);
+            let runs = lowering.b.icmp(IntCc::Sle, initial, last);
+            lowering.b.branch(runs, body, after);
         });
         self.b.switch_to(body);
         self.loops.push(Loop { operands: own, body, after });
@@ -75,17 +74,17 @@ impl<'p> Context<'p, '_> {
         let one = self.b.bool_const(true);
         self.set_top(one);
         self.safepoint();
-        self.guarded_to(after, |context| {
-            let target = context.target(index, Width::Word);
-            let value = context.load(target, Width::Word);
-            let last = context.read(last, Width::Word);
-            let more = context.b.icmp_imm(IntCc::Ne, value, i64::from(i16::MAX));
-            let step = context.b.zext(Type::I16, more);
-            let next = context.b.iadd(value, step);
-            context.store(target, Width::Word, next);
-            let within = context.b.icmp(IntCc::Sle, next, last);
-            let again = context.b.and(within, more);
-            context.b.branch(again, body, after);
+        self.guarded_to(after, |lowering| {
+            let target = lowering.target(index, Width::Word);
+            let value = lowering.load(target, Width::Word);
+            let last = lowering.read(last, Width::Word);
+            let more = lowering.b.icmp_imm(IntCc::Ne, value, i64::from(i16::MAX));
+            let step = lowering.b.zext(Type::I16, more);
+            let next = lowering.b.iadd(value, step);
+            lowering.store(target, Width::Word, next);
+            let within = lowering.b.icmp(IntCc::Sle, next, last);
+            let again = lowering.b.and(within, more);
+            lowering.b.branch(again, body, after);
         });
         self.b.seal_block(body);
         self.b.seal_block(after);
@@ -106,37 +105,37 @@ impl<'p> Context<'p, '_> {
 
     /// `STOP`.
     pub fn stop(&mut self) {
-        self.conditional(|context| {
-            let result = context.run_raw(Operation::StopMode, &[]);
-            context.stop_if_told(result);
+        self.conditional(|lowering| {
+            let result = lowering.run_raw(Operation::StopMode, &[]);
+            lowering.stop_if_told(result);
         });
     }
 
     /// `CALL`: IN and IN_OUT are copied in, IN_OUT and OUT back. With S0 = 0, nothing is copied.
     pub fn call(&mut self, number: u16, arguments: &[Operand]) {
         let Some((function, callee)) = self.plan.subroutine(number) else { return };
-        self.boxed(|context| {
+        self.boxed(|lowering| {
             let mut given = Vec::new();
             let mut targets: Vec<(Place, Width)> = Vec::new();
             for (parameter, argument) in callee.parameters.iter().zip(arguments) {
                 match parameter.direction {
-                    Direction::In => given.push(context.read(argument, parameter.width)),
+                    Direction::In => given.push(lowering.read(argument, parameter.width)),
                     Direction::InOut => {
-                        let place = context.target(argument, parameter.width);
-                        given.push(context.load(place, parameter.width));
+                        let place = lowering.target(argument, parameter.width);
+                        given.push(lowering.load(place, parameter.width));
                         targets.push((place, parameter.width));
                     }
-                    Direction::Out => targets.push((context.target(argument, parameter.width), parameter.width)),
+                    Direction::Out => targets.push((lowering.target(argument, parameter.width), parameter.width)),
                 }
             }
-            let depth = context.enter_call();
-            let results = context.b.call(function, given, &plan::returns(callee));
+            let depth = lowering.enter_call();
+            let results = lowering.b.call(function, given, &plan::returns(callee));
             if let Some(depth) = depth {
-                context.b.store(DEPTH, depth);
+                lowering.b.store(DEPTH, depth);
             }
-            context.safepoint();
+            lowering.safepoint();
             for ((place, width), value) in targets.into_iter().zip(results) {
-                context.store(place, width, value);
+                lowering.store(place, width, value);
             }
         });
     }

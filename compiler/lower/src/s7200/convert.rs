@@ -1,20 +1,19 @@
 //! Conversions of numbers. Source: S7-200 system manual, conversion instructions.
 
-use plcc_abi::RuntimeFn;
 use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
 use plcc_model::s7200::{Operand, Width};
 
-use super::context::Context;
+use super::block::S7200Lowering;
 use super::math::{NOT_BCD, OVERFLOW};
 use super::plan::ir_type;
+use crate::arithmetic::bcd::Bcd;
+use crate::arithmetic::{bits, float};
 
-/// Set in the result of `BCD_TO_INT` if a digit is above 9.
-const BAD_DIGIT: i64 = 0x8000_0000;
 /// Segments of the digits 0 to 7 and 8 to F, the first one lowest. Source: S7-200 system manual, segment instruction.
 const SEGMENTS_LOW: u64 = 0x077D_6D66_4F5B_063F;
 const SEGMENTS_HIGH: u64 = 0x7179_5E39_7C77_677F;
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// Reads operand 0, computes, writes operand 1.
     fn conversion(
         &mut self,
@@ -24,29 +23,29 @@ impl Context<'_, '_> {
         compute: impl FnOnce(&mut Self, Value) -> Value,
     ) {
         let [input, output] = operands else { return };
-        self.boxed(|context| {
-            let value = context.read(input, from);
-            let target = context.target(output, to);
-            let result = compute(context, value);
-            context.store(target, to, result);
+        self.boxed(|lowering| {
+            let value = lowering.read(input, from);
+            let target = lowering.target(output, to);
+            let result = compute(lowering, value);
+            lowering.store(target, to, result);
         });
     }
 
     /// `BTI`.
     pub fn byte_to_int(&mut self, operands: &[Operand]) {
-        self.conversion(operands, Width::Byte, Width::Word, |context, value| context.b.zext(Type::I16, value));
+        self.conversion(operands, Width::Byte, Width::Word, |lowering, value| lowering.b.zext(Type::I16, value));
     }
 
     /// `ITD`.
     pub fn int_to_dint(&mut self, operands: &[Operand]) {
-        self.conversion(operands, Width::Word, Width::Dword, |context, value| context.b.sext(Type::I32, value));
+        self.conversion(operands, Width::Word, Width::Dword, |lowering, value| lowering.b.sext(Type::I32, value));
     }
 
     /// `DTR`: to the nearest REAL.
     pub fn dint_to_real(&mut self, operands: &[Operand]) {
-        self.conversion(operands, Width::Dword, Width::Dword, |context, value| {
-            let real = context.b.convert(ConvertOp::FromSint, Type::F32, value);
-            context.b.bitcast(Type::I32, real)
+        self.conversion(operands, Width::Dword, Width::Dword, |lowering, value| {
+            let real = lowering.b.convert(ConvertOp::FromSint, Type::F32, value);
+            lowering.b.bitcast(Type::I32, real)
         });
     }
 
@@ -59,42 +58,40 @@ impl Context<'_, '_> {
         compute: impl FnOnce(&mut Self, Value) -> (Value, Value),
     ) {
         let [input, output] = operands else { return };
-        self.boxed(|context| {
-            let value = context.read(input, from);
-            let target = context.target(output, to);
-            let old = context.load(target, to);
-            let (result, fits) = compute(context, value);
-            let stored = context.b.select(fits, result, old);
-            context.store(target, to, stored);
-            let overflow = context.b.not(fits);
-            context.set_flag(OVERFLOW, overflow);
-            context.set(context.eno, fits);
+        self.boxed(|lowering| {
+            let value = lowering.read(input, from);
+            let target = lowering.target(output, to);
+            let old = lowering.load(target, to);
+            let (result, fits) = compute(lowering, value);
+            let stored = lowering.b.select(fits, result, old);
+            lowering.store(target, to, stored);
+            let overflow = lowering.b.not(fits);
+            lowering.set_flag(OVERFLOW, overflow);
+            lowering.set(lowering.eno, fits);
         });
     }
 
     /// `ITB` (0 to 255), `DTI`.
     pub fn narrow(&mut self, operands: &[Operand], from: Width, to: Width) {
-        self.checked_conversion(operands, from, to, |context, value| {
-            let result = context.b.trunc(ir_type(to), value);
+        self.checked_conversion(operands, from, to, |lowering, value| {
+            let result = lowering.b.trunc(ir_type(to), value);
             let back = match to {
-                Width::Byte => context.b.zext(ir_type(from), result),
-                _ => context.b.sext(ir_type(from), result),
+                Width::Byte => lowering.b.zext(ir_type(from), result),
+                _ => lowering.b.sext(ir_type(from), result),
             };
-            (result, context.b.icmp(IntCc::Eq, value, back))
+            (result, lowering.b.icmp(IntCc::Eq, value, back))
         });
     }
 
     /// `ROUND` (halves away from zero), `TRUNC`.
     pub fn real_to_dint(&mut self, operands: &[Operand], round: bool) {
-        self.checked_conversion(operands, Width::Dword, Width::Dword, |context, value| {
-            let real = context.b.bitcast(Type::F32, value);
-            let x = context.b.convert(ConvertOp::Fpromote, Type::F64, real);
-            let whole = context.b.unary(UnaryOp::Ftrunc, x);
-            let whole = if round { context.round_away(x, whole) } else { whole };
-            let (least, most) = (context.f64_const(f64::from(i32::MIN)), context.f64_const(f64::from(i32::MAX)));
-            let (above, below) = (context.b.fcmp(FloatCc::Ge, whole, least), context.b.fcmp(FloatCc::Le, whole, most));
-            let fits = context.b.and(above, below);
-            (context.b.convert(ConvertOp::ToSint, Type::I32, whole), fits)
+        self.checked_conversion(operands, Width::Dword, Width::Dword, |lowering, value| {
+            let real = lowering.b.bitcast(Type::F32, value);
+            let x = lowering.b.convert(ConvertOp::Fpromote, Type::F64, real);
+            let whole = lowering.b.unary(UnaryOp::Ftrunc, x);
+            let whole = if round { lowering.round_away(x, whole) } else { whole };
+            let fits = float::fits_integer(&mut lowering.b, whole, 32, true);
+            (lowering.b.convert(ConvertOp::ToSint, Type::I32, whole), fits)
         });
     }
 
@@ -102,8 +99,9 @@ impl Context<'_, '_> {
     /// its fraction.
     fn round_away(&mut self, x: Value, whole: Value) -> Value {
         let fraction = self.b.binary(BinaryOp::Fsub, x, whole);
-        let (half, minus_half) = (self.f64_const(0.5), self.f64_const(-0.5));
-        let (one, minus_one, zero) = (self.f64_const(1.0), self.f64_const(-1.0), self.f64_const(0.0));
+        let mut constant = |value| float::constant(&mut self.b, Type::F64, value);
+        let (half, minus_half) = (constant(0.5), constant(-0.5));
+        let (one, minus_one, zero) = (constant(1.0), constant(-1.0), constant(0.0));
         let up = self.b.fcmp(FloatCc::Ge, fraction, half);
         let down = self.b.fcmp(FloatCc::Le, fraction, minus_half);
         let step = self.b.select(down, minus_one, zero);
@@ -111,90 +109,63 @@ impl Context<'_, '_> {
         self.b.binary(BinaryOp::Fadd, whole, step)
     }
 
-    fn f64_const(&mut self, value: f64) -> Value {
-        let bits = self.b.iconst(Type::I64, value.to_bits() as i64);
-        self.b.bitcast(Type::F64, bits)
-    }
-
     /// `BCDI`, in place.
     pub fn bcd_to_int(&mut self, operands: &[Operand]) {
-        self.bcd(operands, |context, wide| {
-            let digits = context.b.i32_const(4);
-            let result = context.b.call_pure(RuntimeFn::BcdToInt, &[wide, digits]);
-            let bad = context.b.binary_imm(BinaryOp::And, result, BAD_DIGIT);
-            (result, context.b.icmp_imm(IntCc::Ne, bad, 0))
+        self.bcd(operands, |lowering, wide| {
+            let (number, good) = Bcd::UNSIGNED_WORD.magnitude(&mut lowering.b, wide);
+            (number, lowering.b.not(good))
         });
     }
 
     /// `IBCD`, in place.
     pub fn int_to_bcd(&mut self, operands: &[Operand]) {
-        self.bcd(operands, |context, wide| {
-            let bad = context.b.icmp_imm(IntCc::Ugt, wide, 9999);
-            let zero = context.b.i32_const(0);
-            let value = context.b.select(bad, zero, wide);
-            let digits = context.b.i32_const(4);
-            (context.b.call_pure(RuntimeFn::IntToBcd, &[value, digits]), bad)
-        });
+        self.bcd(operands, |lowering, wide| Bcd::UNSIGNED_WORD.digits(&mut lowering.b, wide));
     }
 
     /// SM1.6 reports a value without a BCD form; OUT stays.
     fn bcd(&mut self, operands: &[Operand], compute: impl FnOnce(&mut Self, Value) -> (Value, Value)) {
-        self.boxed(|context| {
-            let target = context.target(&operands[0], Width::Word);
-            let old = context.load(target, Width::Word);
-            let wide = context.b.zext(Type::I32, old);
-            let (result, bad) = compute(context, wide);
-            let result = context.b.trunc(Type::I16, result);
-            let stored = context.b.select(bad, old, result);
-            context.store(target, Width::Word, stored);
-            context.set_flag(NOT_BCD, bad);
-            let good = context.b.not(bad);
-            context.set(context.eno, good);
+        self.boxed(|lowering| {
+            let target = lowering.target(&operands[0], Width::Word);
+            let old = lowering.load(target, Width::Word);
+            let wide = lowering.b.zext(Type::I32, old);
+            let (result, bad) = compute(lowering, wide);
+            let result = lowering.b.trunc(Type::I16, result);
+            let stored = lowering.b.select(bad, old, result);
+            lowering.store(target, Width::Word, stored);
+            lowering.set_flag(NOT_BCD, bad);
+            let good = lowering.b.not(bad);
+            lowering.set(lowering.eno, good);
         });
     }
 
     /// `DECO`.
     pub fn decode(&mut self, operands: &[Operand]) {
-        self.conversion(operands, Width::Byte, Width::Word, |context, value| {
-            let number = context.b.zext(Type::I16, value);
-            let number = context.b.binary_imm(BinaryOp::And, number, 0xF);
-            let one = context.b.iconst(Type::I16, 1);
-            context.b.binary(BinaryOp::Shl, one, number)
+        self.conversion(operands, Width::Byte, Width::Word, |lowering, value| {
+            bits::only_bit(&mut lowering.b, Type::I16, value)
         });
     }
 
     /// `ENCO`: the lowest bit that is set; 0 if none is.
     pub fn encode(&mut self, operands: &[Operand]) {
-        self.conversion(operands, Width::Word, Width::Byte, |context, value| {
-            let zero = context.b.iconst(Type::I16, 0);
-            let negated = context.b.isub(zero, value);
-            let lowest = context.b.and(value, negated);
-            let mut number = context.b.iconst(Type::I8, 0);
-            // Bit n of the number: the position of the lowest bit has that bit.
-            for (shift, places) in [0xAAAA, 0xCCCC, 0xF0F0, 0xFF00].into_iter().enumerate() {
-                let masked = context.b.binary_imm(BinaryOp::And, lowest, places);
-                let set = context.b.icmp_imm(IntCc::Ne, masked, 0);
-                let bit = context.b.zext(Type::I8, set);
-                let bit = context.b.binary_imm(BinaryOp::Shl, bit, shift as i64);
-                number = context.b.or(number, bit);
-            }
-            number
+        self.conversion(operands, Width::Word, Width::Byte, |lowering, value| {
+            let (number, _) = bits::lowest_bit(&mut lowering.b, value);
+            lowering.b.trunc(Type::I8, number)
         });
     }
 
     /// `SEG`.
     pub fn segments(&mut self, operands: &[Operand]) {
-        self.conversion(operands, Width::Byte, Width::Byte, |context, value| {
-            let wide = context.b.zext(Type::I64, value);
-            let high = context.b.binary_imm(BinaryOp::And, wide, 8);
-            let is_high = context.b.icmp_imm(IntCc::Ne, high, 0);
+        self.conversion(operands, Width::Byte, Width::Byte, |lowering, value| {
+            let wide = lowering.b.zext(Type::I64, value);
+            let high = lowering.b.binary_imm(BinaryOp::And, wide, 8);
+            let is_high = lowering.b.icmp_imm(IntCc::Ne, high, 0);
             let (low, high) =
-                (context.b.iconst(Type::I64, SEGMENTS_LOW as i64), context.b.iconst(Type::I64, SEGMENTS_HIGH as i64));
-            let table = context.b.select(is_high, high, low);
-            let place = context.b.binary_imm(BinaryOp::And, wide, 7);
-            let place = context.b.binary_imm(BinaryOp::Shl, place, 3);
-            let shifted = context.b.binary(BinaryOp::Lshr, table, place);
-            context.b.trunc(Type::I8, shifted)
+                (lowering.b.iconst(Type::I64, SEGMENTS_LOW as i64), lowering.b.iconst(Type::I64, SEGMENTS_HIGH as i64));
+            let table = lowering.b.select(is_high, high, low);
+            let place = lowering.b.binary_imm(BinaryOp::And, wide, 7);
+            let place = lowering.b.binary_imm(BinaryOp::Shl, place, 3);
+            let shifted = lowering.b.binary(BinaryOp::Lshr, table, place);
+            lowering.b.trunc(Type::I8, shifted)
         });
     }
 }

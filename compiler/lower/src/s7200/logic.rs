@@ -3,30 +3,30 @@
 use plcc_ir::{BinaryOp, IntCc, Value};
 use plcc_model::s7200::{Operand, Width};
 
-use super::context::Context;
+use super::block::S7200Lowering;
 use super::math::ZERO;
 use super::operand::Place;
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// `ANDW` and other operations with two operands.
     pub fn word_logic(&mut self, operands: &[Operand], width: Width, op: BinaryOp) {
         let [input, output] = operands else { return };
-        self.boxed(|context| {
-            let input = context.read(input, width);
-            let target = context.target(output, width);
-            let old = context.load(target, width);
-            let result = context.b.binary(op, old, input);
-            context.finish_logic(target, width, result);
+        self.boxed(|lowering| {
+            let input = lowering.read(input, width);
+            let target = lowering.target(output, width);
+            let old = lowering.load(target, width);
+            let result = lowering.b.binary(op, old, input);
+            lowering.finish_logic(target, width, result);
         });
     }
 
     /// `INVW` and other inversions.
     pub fn invert(&mut self, operands: &[Operand], width: Width) {
-        self.boxed(|context| {
-            let target = context.target(&operands[0], width);
-            let old = context.load(target, width);
-            let result = context.b.binary_imm(BinaryOp::Xor, old, -1);
-            context.finish_logic(target, width, result);
+        self.boxed(|lowering| {
+            let target = lowering.target(&operands[0], width);
+            let old = lowering.load(target, width);
+            let result = lowering.b.binary_imm(BinaryOp::Xor, old, -1);
+            lowering.finish_logic(target, width, result);
         });
     }
 

@@ -6,9 +6,11 @@ use plcc_abi::RuntimeFn;
 use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
 use plcc_model::s7200::{Operand, Width};
 
-use super::context::Context;
+use super::block::S7200Lowering;
 use super::operand::Place;
 use super::plan::ir_type;
+use crate::arithmetic::float;
+use crate::arithmetic::integer::{self, Narrowed};
 
 /// Bits of SM1.
 pub const ZERO: u8 = 0;
@@ -17,30 +19,20 @@ pub const NEGATIVE: u8 = 2;
 pub const DIVIDE_BY_ZERO: u8 = 3;
 pub const NOT_BCD: u8 = 6;
 
-/// Exponent bits of a REAL; all of them are set in infinities and NaN.
-const EXPONENT: i64 = 0x7F80_0000;
-
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// `+I -I +D -D`.
     pub fn integer_sum(&mut self, operands: &[Operand], width: Width, op: BinaryOp) {
-        self.in_place(operands, width, |context, old, input| {
-            let result = context.b.binary(op, old, input);
-            let from_old = context.b.xor(old, result);
-            let other = if op == BinaryOp::Iadd { context.b.xor(input, result) } else { context.b.xor(old, input) };
-            let both = context.b.and(from_old, other);
-            (result, context.b.icmp_imm(IntCc::Slt, both, 0))
+        self.in_place(operands, width, |lowering, old, input| {
+            let result = lowering.b.binary(op, old, input);
+            (result, integer::sum_overflow(&mut lowering.b, op, old, input, result))
         });
     }
 
     /// `*I`, `*D`: a product of the width of its operands.
     pub fn integer_product(&mut self, operands: &[Operand], width: Width) {
-        self.in_place(operands, width, |context, old, input| {
-            let wide = if width == Width::Word { Type::I32 } else { Type::I64 };
-            let (a, b) = (context.b.sext(wide, old), context.b.sext(wide, input));
-            let product = context.b.binary(BinaryOp::Imul, a, b);
-            let result = context.b.trunc(ir_type(width), product);
-            let fits = context.b.sext(wide, result);
-            (result, context.b.icmp(IntCc::Ne, product, fits))
+        self.in_place(operands, width, |lowering, old, input| {
+            let product = integer::product(&mut lowering.b, old, input);
+            (product.value, product.overflow)
         });
     }
 
@@ -52,12 +44,12 @@ impl Context<'_, '_> {
         compute: impl FnOnce(&mut Self, Value, Value) -> (Value, Value),
     ) {
         let [input, output] = operands else { return };
-        self.boxed(|context| {
-            let input = context.read(input, width);
-            let target = context.target(output, width);
-            let old = context.load(target, width);
-            let (result, overflow) = compute(context, old, input);
-            context.finish_integer(target, width, old, result, overflow);
+        self.boxed(|lowering| {
+            let input = lowering.read(input, width);
+            let target = lowering.target(output, width);
+            let old = lowering.load(target, width);
+            let (result, overflow) = compute(lowering, old, input);
+            lowering.finish_integer(target, width, old, result, overflow);
         });
     }
 
@@ -82,20 +74,17 @@ impl Context<'_, '_> {
     /// `/I`, `/D`: towards 0.
     pub fn integer_quotient(&mut self, operands: &[Operand], width: Width) {
         let [input, output] = operands else { return };
-        self.boxed(|context| {
-            let divisor = context.read(input, width);
-            let target = context.target(output, width);
-            let old = context.load(target, width);
-            let zero = context.b.icmp_imm(IntCc::Eq, divisor, 0);
-            context.unless_zero(zero, |context| {
+        self.boxed(|lowering| {
+            let divisor = lowering.read(input, width);
+            let target = lowering.target(output, width);
+            let old = lowering.load(target, width);
+            let zero = lowering.b.icmp_imm(IntCc::Eq, divisor, 0);
+            lowering.unless_zero(zero, |lowering| {
                 // One step wider, so the smallest number divided by -1 is representable.
                 let wide = if width == Width::Word { Type::I32 } else { Type::I64 };
-                let (a, b) = (context.b.sext(wide, old), context.b.sext(wide, divisor));
-                let quotient = context.b.binary(BinaryOp::Sdiv, a, b);
-                let result = context.b.trunc(ir_type(width), quotient);
-                let fits = context.b.sext(wide, result);
-                let overflow = context.b.icmp(IntCc::Ne, quotient, fits);
-                context.finish_integer(target, width, old, result, overflow);
+                let (a, b) = (lowering.b.sext(wide, old), lowering.b.sext(wide, divisor));
+                let quotient = integer::quotient(&mut lowering.b, a, b, ir_type(width));
+                lowering.finish_integer(target, width, old, quotient.value, quotient.overflow);
             });
         });
     }
@@ -124,52 +113,46 @@ impl Context<'_, '_> {
     /// `MUL`: 32 bits of product; it always fits.
     pub fn long_product(&mut self, operands: &[Operand]) {
         let [input, output] = operands else { return };
-        self.boxed(|context| {
-            let input = context.read(input, Width::Word);
-            let target = context.target(output, Width::Dword);
-            let old = context.load(target, Width::Dword);
-            let low = context.b.trunc(Type::I16, old);
-            let (a, b) = (context.b.sext(Type::I32, low), context.b.sext(Type::I32, input));
-            let product = context.b.binary(BinaryOp::Imul, a, b);
-            let fits = context.b.bool_const(false);
-            context.finish_integer(target, Width::Dword, old, product, fits);
+        self.boxed(|lowering| {
+            let input = lowering.read(input, Width::Word);
+            let target = lowering.target(output, Width::Dword);
+            let old = lowering.load(target, Width::Dword);
+            let low = lowering.b.trunc(Type::I16, old);
+            let (a, b) = (lowering.b.sext(Type::I32, low), lowering.b.sext(Type::I32, input));
+            let product = lowering.b.binary(BinaryOp::Imul, a, b);
+            let fits = lowering.b.bool_const(false);
+            lowering.finish_integer(target, Width::Dword, old, product, fits);
         });
     }
 
     /// `DIV`: remainder in the high word, with the sign of the dividend; quotient in the low word, which sets the flags.
     pub fn division_with_remainder(&mut self, operands: &[Operand]) {
         let [input, output] = operands else { return };
-        self.boxed(|context| {
-            let divisor = context.read(input, Width::Word);
-            let target = context.target(output, Width::Dword);
-            let old = context.load(target, Width::Dword);
-            let zero = context.b.icmp_imm(IntCc::Eq, divisor, 0);
-            context.unless_zero(zero, |context| {
-                let low = context.b.trunc(Type::I16, old);
-                let (a, b) = (context.b.sext(Type::I32, low), context.b.sext(Type::I32, divisor));
-                let quotient = context.b.binary(BinaryOp::Sdiv, a, b);
-                let remainder = context.b.binary(BinaryOp::Srem, a, b);
-                let low = context.b.trunc(Type::I16, quotient);
-                let fits = context.b.sext(Type::I32, low);
-                let overflow = context.b.icmp(IntCc::Ne, quotient, fits);
-                let high = context.b.binary_imm(BinaryOp::Shl, remainder, 16);
-                let wide_low = context.b.zext(Type::I32, low);
-                let result = context.b.or(high, wide_low);
-                let stored = context.b.select(overflow, old, result);
-                context.store(target, Width::Dword, stored);
-                let (zero, negative) = (context.b.icmp_imm(IntCc::Eq, low, 0), context.b.icmp_imm(IntCc::Slt, low, 0));
-                context.set_result_flags(zero, negative, overflow);
+        self.boxed(|lowering| {
+            let divisor = lowering.read(input, Width::Word);
+            let target = lowering.target(output, Width::Dword);
+            let old = lowering.load(target, Width::Dword);
+            let zero = lowering.b.icmp_imm(IntCc::Eq, divisor, 0);
+            lowering.unless_zero(zero, |lowering| {
+                let low = lowering.b.trunc(Type::I16, old);
+                let (a, b) = (lowering.b.sext(Type::I32, low), lowering.b.sext(Type::I32, divisor));
+                let (Narrowed { value, overflow, .. }, result) = integer::quotient_and_remainder(&mut lowering.b, a, b);
+                let stored = lowering.b.select(overflow, old, result);
+                lowering.store(target, Width::Dword, stored);
+                let (zero, negative) =
+                    (lowering.b.icmp_imm(IntCc::Eq, value, 0), lowering.b.icmp_imm(IntCc::Slt, value, 0));
+                lowering.set_result_flags(zero, negative, overflow);
             });
         });
     }
 
     /// `INCB` and the other increments and decrements: the value wraps, and the flags are those of the stored value. Bytes have no sign.
     pub fn step(&mut self, operands: &[Operand], width: Width, by: i64) {
-        self.boxed(|context| {
-            let target = context.target(&operands[0], width);
-            let old = context.load(target, width);
-            let result = context.b.binary_imm(BinaryOp::Iadd, old, by);
-            context.store(target, width, result);
+        self.boxed(|lowering| {
+            let target = lowering.target(&operands[0], width);
+            let old = lowering.load(target, width);
+            let result = lowering.b.binary_imm(BinaryOp::Iadd, old, by);
+            lowering.store(target, width, result);
             let last = match (width, by > 0) {
                 (Width::Byte, true) => 0xFF,
                 (Width::Byte, false) => 0,
@@ -178,16 +161,16 @@ impl Context<'_, '_> {
                 (_, true) => i64::from(i32::MAX),
                 (_, false) => i64::from(i32::MIN),
             };
-            let overflow = context.b.icmp_imm(IntCc::Eq, old, last);
-            let zero = context.b.icmp_imm(IntCc::Eq, result, 0);
-            context.set_flag(ZERO, zero);
-            context.set_flag(OVERFLOW, overflow);
+            let overflow = lowering.b.icmp_imm(IntCc::Eq, old, last);
+            let zero = lowering.b.icmp_imm(IntCc::Eq, result, 0);
+            lowering.set_flag(ZERO, zero);
+            lowering.set_flag(OVERFLOW, overflow);
             if width != Width::Byte {
-                let negative = context.b.icmp_imm(IntCc::Slt, result, 0);
-                context.set_flag(NEGATIVE, negative);
+                let negative = lowering.b.icmp_imm(IntCc::Slt, result, 0);
+                lowering.set_flag(NEGATIVE, negative);
             }
-            let fits = context.b.not(overflow);
-            context.set(context.eno, fits);
+            let fits = lowering.b.not(overflow);
+            lowering.set(lowering.eno, fits);
         });
     }
 
@@ -200,31 +183,30 @@ impl Context<'_, '_> {
     /// i1: neither infinite nor NaN.
     fn is_finite(&mut self, x: Value) -> Value {
         let bits = self.b.bitcast(Type::I32, x);
-        let exponent = self.b.binary_imm(BinaryOp::And, bits, EXPONENT);
-        self.b.icmp_imm(IntCc::Ne, exponent, EXPONENT)
+        float::is_finite_from_bits(&mut self.b, bits)
     }
 
     /// `+R -R *R /R`.
     pub fn real_binary(&mut self, operands: &[Operand], op: BinaryOp) {
         let [input, output] = operands else { return };
-        self.boxed(|context| {
-            let input = context.read_real(input);
-            let target = context.target(output, Width::Dword);
-            let old = context.load(target, Width::Dword);
-            let a = context.b.bitcast(Type::F32, old);
+        self.boxed(|lowering| {
+            let input = lowering.read_real(input);
+            let target = lowering.target(output, Width::Dword);
+            let old = lowering.load(target, Width::Dword);
+            let a = lowering.b.bitcast(Type::F32, old);
             if op != BinaryOp::Fdiv {
                 // A result that is finite has finite operands.
-                let result = context.b.binary(op, a, input);
-                let fits = context.is_finite(result);
-                return context.finish_real(target, old, result, fits);
+                let result = lowering.b.binary(op, a, input);
+                let fits = lowering.is_finite(result);
+                return lowering.finish_real(target, old, result, fits);
             }
-            let nothing = context.b.f32_const(0.0);
-            let zero = context.b.fcmp(FloatCc::Eq, input, nothing);
-            context.unless_zero(zero, |context| {
-                let result = context.b.binary(op, a, input);
-                let (result_fits, input_fits) = (context.is_finite(result), context.is_finite(input));
-                let fits = context.b.and(result_fits, input_fits);
-                context.finish_real(target, old, result, fits);
+            let nothing = lowering.b.f32_const(0.0);
+            let zero = lowering.b.fcmp(FloatCc::Eq, input, nothing);
+            lowering.unless_zero(zero, |lowering| {
+                let result = lowering.b.binary(op, a, input);
+                let (result_fits, input_fits) = (lowering.is_finite(result), lowering.is_finite(input));
+                let fits = lowering.b.and(result_fits, input_fits);
+                lowering.finish_real(target, old, result, fits);
             });
         });
     }
@@ -242,20 +224,20 @@ impl Context<'_, '_> {
     /// A function of one REAL; operand and result must be finite.
     fn real_unary(&mut self, operands: &[Operand], compute: impl FnOnce(&mut Self, Value) -> Value) {
         let [input, output] = operands else { return };
-        self.boxed(|context| {
-            let x = context.read_real(input);
-            let target = context.target(output, Width::Dword);
-            let old = context.load(target, Width::Dword);
-            let result = compute(context, x);
-            let (result_fits, input_fits) = (context.is_finite(result), context.is_finite(x));
-            let fits = context.b.and(result_fits, input_fits);
-            context.finish_real(target, old, result, fits);
+        self.boxed(|lowering| {
+            let x = lowering.read_real(input);
+            let target = lowering.target(output, Width::Dword);
+            let old = lowering.load(target, Width::Dword);
+            let result = compute(lowering, x);
+            let (result_fits, input_fits) = (lowering.is_finite(result), lowering.is_finite(x));
+            let fits = lowering.b.and(result_fits, input_fits);
+            lowering.finish_real(target, old, result, fits);
         });
     }
 
     /// `SQRT`: NaN for a negative number, an overflow.
     pub fn square_root(&mut self, operands: &[Operand]) {
-        self.real_unary(operands, |context, x| context.b.unary(UnaryOp::Fsqrt, x));
+        self.real_unary(operands, |lowering, x| lowering.b.unary(UnaryOp::Fsqrt, x));
     }
 
     /// `LN`: infinite for 0, NaN for a negative number.
@@ -265,10 +247,10 @@ impl Context<'_, '_> {
 
     /// `SIN COS TAN EXP LN`: in double precision, rounded once.
     pub fn real_function(&mut self, operands: &[Operand], function: RuntimeFn) {
-        self.real_unary(operands, |context, x| {
-            let x = context.b.convert(ConvertOp::Fpromote, Type::F64, x);
-            let y = context.b.call_pure(function, &[x]);
-            context.b.convert(ConvertOp::Fdemote, Type::F32, y)
+        self.real_unary(operands, |lowering, x| {
+            let x = lowering.b.convert(ConvertOp::Fpromote, Type::F64, x);
+            let y = lowering.b.call_pure(function, &[x]);
+            lowering.b.convert(ConvertOp::Fdemote, Type::F32, y)
         });
     }
 }

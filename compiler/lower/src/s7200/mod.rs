@@ -1,15 +1,15 @@
 //! Lowers blocks of an S7-200. Source: S7-200 system manual, instruction set.
 //!
 //! - `plan`: numbers of functions and edge memories, string constants, whether calls must be counted.
-//! - `context`: one block while it is lowered: logic stack and ENO as SSA variables, boxes, errors, labels.
+//! - `block`: one block while it is lowered: logic stack and ENO as SSA variables, boxes, errors, labels.
 //! - `operand`: operands to memory accesses; `pointer`: the operand after `*`.
 //! - One file per family of instructions; `operations` are those that the runtime performs.
 
 mod assert;
 mod bits;
+mod block;
 mod cells;
 mod compare;
-mod context;
 mod control;
 mod convert;
 mod logic;
@@ -30,13 +30,13 @@ use plcc_model::Program;
 use plcc_model::s7200::{self as model, Insn, StatementKind};
 use plcc_model::{Body, CodeBlock};
 
-use self::context::Context;
-use self::plan::Plan;
+use self::block::S7200Lowering;
+use self::plan::S7200Plan;
 use crate::{Facts, Lowered, Output};
 
 /// Lowers a program for the S7-200 that was bound without errors.
 pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap) -> Lowered {
-    let mut plan = Plan::new(program);
+    let mut plan = S7200Plan::new(program);
     let facts =
         Facts { dbs: plan.dbs.clone(), db_end: plan.db_end, error_slots: Vec::new(), stops_itself: plan.stops_itself };
     let mut output = Output::new(program, sources, facts);
@@ -82,30 +82,30 @@ fn add_entry(output: &mut Output, block: &CodeBlock, function: FuncId) {
 }
 
 fn lower_block<'p>(
-    plan: &mut Plan<'p>,
+    plan: &mut S7200Plan<'p>,
     output: &mut Output<'p>,
     block: &'p CodeBlock,
-    body: &'p model::Body,
+    body: &'p model::S7200Body,
 ) -> Function {
-    let mut context = Context::new(plan, output, block, body);
+    let mut lowering = S7200Lowering::new(plan, output, block, body);
     let mut network = None;
     for (index, statement) in body.statements.iter().enumerate() {
-        context.begin_statement(index, statement);
+        lowering.begin_statement(index, statement);
         // Waiting interrupts run between networks, in programs that have any.
         if network.replace(statement.network) != Some(statement.network) && network.is_some() {
-            context.network_safepoint();
+            lowering.network_safepoint();
         }
         match &statement.kind {
-            StatementKind::Instruction { insn, operands } => context.instruction(*insn, operands),
-            StatementKind::Call { number, arguments } => context.call(*number, arguments),
-            StatementKind::Assert(assert) => context.assert(assert, statement.span),
-            StatementKind::Sleep(ms) => context.sleep(*ms),
+            StatementKind::Instruction { insn, operands } => lowering.instruction(*insn, operands),
+            StatementKind::Call { number, arguments } => lowering.call(*number, arguments),
+            StatementKind::Assert(assert) => lowering.assert(assert, statement.span),
+            StatementKind::Sleep(ms) => lowering.sleep(*ms),
         }
     }
-    context.finish()
+    lowering.finish()
 }
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// One instruction; operands are as its row says.
     fn instruction(&mut self, insn: Insn, operands: &[model::Operand]) {
         use model::Width::{Byte, Dword, Word};

@@ -5,7 +5,7 @@ use plcc_abi::s7200::{ANALOG_ADDRESS, V_DB, error, fatal, system};
 use plcc_ir::{Address, Region, Type, Value};
 use plcc_model::s7200::{Area, Operand, Width};
 
-use super::context::Context;
+use super::block::S7200Lowering;
 use super::plan::ir_type;
 
 /// Special memory bytes that do something when they are written: SMB30, SMB31, SMB130.
@@ -26,7 +26,7 @@ pub enum Use {
     Write,
 }
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// Follows the pointer of an operand that is accessed with `bytes` bytes.
     pub fn place<'a>(&mut self, operand: &'a Operand, bytes: u32, purpose: Use) -> Place<'a> {
         match operand {

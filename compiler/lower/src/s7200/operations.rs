@@ -5,7 +5,7 @@ use plcc_abi::s7200::{Operation, result};
 use plcc_ir::{BinaryOp, IntCc, Type, Value};
 use plcc_model::s7200::{Insn, Operand, Width};
 
-use super::context::Context;
+use super::block::S7200Lowering;
 use super::operand::Use;
 
 /// An operand of an operation.
@@ -101,38 +101,38 @@ fn row_of(insn: Insn) -> Option<Row> {
     })
 }
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// An instruction of the table above, or PID.
     pub fn operation(&mut self, insn: Insn, operands: &[Operand]) {
         if insn == Insn::Pid {
             return self.pid(operands);
         }
         let Some(row) = row_of(insn) else { return };
-        let body = |context: &mut Self| {
-            let given: Vec<Value> = row.give.iter().map(|give| context.given(*give, operands)).collect();
+        let body = |lowering: &mut Self| {
+            let given: Vec<Value> = row.give.iter().map(|give| lowering.given(*give, operands)).collect();
             match row.takes {
                 None if insn.eno() == "-" => {
-                    context.run_raw(row.operation, &given);
+                    lowering.run_raw(row.operation, &given);
                 }
-                None => context.run(row.operation, &given),
+                None => lowering.run(row.operation, &given),
                 Some((output, width)) => {
-                    let target = context.target(&operands[output], width);
-                    let result = context.run_raw(row.operation, &given);
-                    context.take_eno(result);
-                    let value = context.value_of(result);
-                    let (store, after) = (context.b.create_block(), context.b.create_block());
-                    let valid = context.result_bit(result, result::VALUE);
-                    context.b.branch(valid, store, after);
-                    context.b.seal_block(store);
-                    context.b.switch_to(store);
+                    let target = lowering.target(&operands[output], width);
+                    let result = lowering.run_raw(row.operation, &given);
+                    lowering.take_eno(result);
+                    let value = lowering.value_of(result);
+                    let (store, after) = (lowering.b.create_block(), lowering.b.create_block());
+                    let valid = lowering.result_bit(result, result::VALUE);
+                    lowering.b.branch(valid, store, after);
+                    lowering.b.seal_block(store);
+                    lowering.b.switch_to(store);
                     let value = match width {
                         Width::Dword => value,
-                        width => context.b.trunc(super::plan::ir_type(width), value),
+                        width => lowering.b.trunc(super::plan::ir_type(width), value),
                     };
-                    context.store(target, width, value);
-                    context.b.jump(after, &[]);
-                    context.b.seal_block(after);
-                    context.b.switch_to(after);
+                    lowering.store(target, width, value);
+                    lowering.b.jump(after, &[]);
+                    lowering.b.seal_block(after);
+                    lowering.b.switch_to(after);
                 }
             }
         };
@@ -183,23 +183,23 @@ impl Context<'_, '_> {
     fn pid(&mut self, operands: &[Operand]) {
         let [table, number] = operands else { return };
         let enable = self.top();
-        self.guarded(|context| {
-            let table = context.operand_address(table, Use::Write);
-            let number = context.read(number, Width::Byte);
-            let number = context.b.zext(Type::I32, number);
-            let on = context.b.zext(Type::I32, enable);
-            let result = context.run_raw(Operation::Pid, &[table, number, on]);
-            let ran = context.result_bit(result, result::ENO);
-            let eno = context.b.and(ran, enable);
-            context.set(context.eno, eno);
+        self.guarded(|lowering| {
+            let table = lowering.operand_address(table, Use::Write);
+            let number = lowering.read(number, Width::Byte);
+            let number = lowering.b.zext(Type::I32, number);
+            let on = lowering.b.zext(Type::I32, enable);
+            let result = lowering.run_raw(Operation::Pid, &[table, number, on]);
+            let ran = lowering.result_bit(result, result::ENO);
+            let eno = lowering.b.and(ran, enable);
+            lowering.set(lowering.eno, eno);
         });
     }
 
     /// `ENI`: waiting interrupts run now.
     pub fn enable_interrupts(&mut self) {
-        self.boxed(|context| {
-            context.run(Operation::EnableInterrupts, &[]);
-            context.safepoint();
+        self.boxed(|lowering| {
+            lowering.run(Operation::EnableInterrupts, &[]);
+            lowering.safepoint();
         });
     }
 
@@ -238,7 +238,7 @@ impl Context<'_, '_> {
 
     /// Leaves the block if the operation requires it.
     pub fn stop_if_told(&mut self, result: Value) {
-        let stop = self.result_bit(result, result::STOP);
-        self.stop_if(stop);
+        let stop = self.b.binary_imm(BinaryOp::And, result, result::STOP as i64);
+        self.stop_check(stop);
     }
 }

@@ -57,7 +57,7 @@ impl Texts {
 }
 
 /// See the module comment.
-pub struct Plan<'p> {
+pub struct S7200Plan<'p> {
     pub program: &'p Program,
     pub dbs: Vec<StaticDb>,
     pub db_end: u32,
@@ -72,10 +72,10 @@ pub struct Plan<'p> {
     pub stops_itself: bool,
 }
 
-impl<'p> Plan<'p> {
-    pub fn new(program: &'p Program) -> Plan<'p> {
+impl<'p> S7200Plan<'p> {
+    pub fn new(program: &'p Program) -> S7200Plan<'p> {
         let (mut dbs, mut db_end) = place_dbs(program);
-        let mut plan = Plan {
+        let mut plan = S7200Plan {
             program,
             dbs: Vec::new(),
             db_end,
@@ -144,7 +144,7 @@ impl<'p> Plan<'p> {
     }
 
     /// Function and code of subroutine `number`.
-    pub fn subroutine(&self, number: u16) -> Option<(FuncId, &'p model::Body)> {
+    pub fn subroutine(&self, number: u16) -> Option<(FuncId, &'p model::S7200Body)> {
         let key = BlockKey { kind: BlockKind::Sbr, number };
         let index = self.program.blocks.binary_search_by_key(&key, CodeBlock::key).ok()?;
         match &self.program.blocks[index].body {
@@ -169,7 +169,7 @@ impl<'p> Plan<'p> {
     }
 
     /// Levels of calls below a block; `None`: not bounded.
-    fn depth(&self, body: &model::Body, depths: &mut FxHashMap<u16, Option<u32>>) -> Option<u32> {
+    fn depth(&self, body: &model::S7200Body, depths: &mut FxHashMap<u16, Option<u32>>) -> Option<u32> {
         let mut deepest = 0;
         for statement in &body.statements {
             let StatementKind::Call { number, .. } = statement.kind else { continue };
@@ -200,13 +200,13 @@ pub fn ir_type(width: Width) -> Type {
 }
 
 /// Parameters of a block's function: the values to copy in.
-pub fn parameters(body: &model::Body) -> Vec<Type> {
+pub fn parameters(body: &model::S7200Body) -> Vec<Type> {
     let copied_in = body.parameters.iter().filter(|parameter| parameter.direction != Direction::Out);
     copied_in.map(|parameter| ir_type(parameter.width)).collect()
 }
 
 /// The return values of a block's function: the values to copy back.
-pub fn returns(body: &model::Body) -> Vec<Type> {
+pub fn returns(body: &model::S7200Body) -> Vec<Type> {
     let copied_back = body.parameters.iter().filter(|parameter| parameter.direction != Direction::In);
     copied_back.map(|parameter| ir_type(parameter.width)).collect()
 }

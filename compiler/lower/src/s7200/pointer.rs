@@ -4,10 +4,10 @@ use plcc_abi::RuntimeFn;
 use plcc_abi::s7200::{V_DB, pointer};
 use plcc_ir::{BinaryOp, IntCc, Value};
 
-use super::context::Context;
+use super::block::S7200Lowering;
 use super::operand::Use;
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// Offset of the target of `pointer` from the memory base, an i32, with access to `bytes` bytes. On a bad pointer the
     /// instruction ends here.
     pub fn follow(&mut self, pointer: Value, bytes: u32, purpose: Use) -> Value {

@@ -6,9 +6,9 @@
 use plcc_ir::Type;
 use plcc_model::s7200::{Operand, StatementKind, Width};
 
-use super::context::{Context, Step};
+use super::block::{S7200Lowering, Step};
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// `LSCR`.
     pub fn begin_step(&mut self, operands: &[Operand]) {
         let body = self.body;
@@ -29,12 +29,12 @@ impl Context<'_, '_> {
     pub fn transition(&mut self, operands: &[Operand]) {
         let [next] = operands else { return };
         let Some(step) = self.step else { return };
-        self.conditional(|context| {
-            let (on, off) = (context.b.bool_const(true), context.b.bool_const(false));
-            let own = context.target(step.relay, Width::Bit);
-            context.store(own, Width::Bit, off);
-            let next = context.target(next, Width::Bit);
-            context.store(next, Width::Bit, on);
+        self.conditional(|lowering| {
+            let (on, off) = (lowering.b.bool_const(true), lowering.b.bool_const(false));
+            let own = lowering.target(step.relay, Width::Bit);
+            lowering.store(own, Width::Bit, off);
+            let next = lowering.target(next, Width::Bit);
+            lowering.store(next, Width::Bit, on);
         });
     }
 

@@ -5,64 +5,49 @@ use plcc_abi::s7200::system;
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Type, Value};
 use plcc_model::s7200::{Operand, Width};
 
-use super::context::Context;
+use super::block::S7200Lowering;
 use super::math::OVERFLOW;
 use super::plan::ir_type;
+use crate::arithmetic::bits;
 
-impl Context<'_, '_> {
+impl S7200Lowering<'_, '_> {
     /// `SRB SRW SRD SLB SLW SLD`: by at most the width.
     pub fn shift(&mut self, operands: &[Operand], width: Width, op: BinaryOp) {
         let [output, count] = operands else { return };
-        self.boxed(|context| {
-            let count = context.read(count, Width::Byte);
-            let target = context.target(output, width);
-            let old = context.load(target, width);
+        self.boxed(|lowering| {
+            let count = lowering.read(count, Width::Byte);
+            let target = lowering.target(output, width);
+            let old = lowering.load(target, width);
             let bits = i64::from(width.bits());
-            let count = context.b.zext(Type::I64, count);
-            let most = context.b.iconst(Type::I64, bits);
-            let too_many = context.b.icmp(IntCc::Ugt, count, most);
-            let count = context.b.select(too_many, most, count);
-            let wide = context.b.zext(Type::I64, old);
-            let (result, out) = if op == BinaryOp::Shl {
-                let shifted = context.b.binary(BinaryOp::Shl, wide, count);
-                (shifted, context.bit_of(shifted, bits))
-            } else {
-                // One position to the left first, so that the bit shifted out last is bit 0.
-                let doubled = context.b.binary_imm(BinaryOp::Shl, wide, 1);
-                let shifted = context.b.binary(BinaryOp::Lshr, doubled, count);
-                (context.b.binary_imm(BinaryOp::Lshr, shifted, 1), context.bit_of(shifted, 0))
-            };
-            let result = context.b.trunc(ir_type(width), result);
-            context.finish_logic(target, width, result);
-            let none = context.b.icmp_imm(IntCc::Eq, count, 0);
-            context.set_bit_out(none, out);
+            let count = lowering.b.zext(Type::I64, count);
+            let most = lowering.b.iconst(Type::I64, bits);
+            let too_many = lowering.b.icmp(IntCc::Ugt, count, most);
+            let count = lowering.b.select(too_many, most, count);
+            let wide = lowering.b.zext(Type::I64, old);
+            let (result, out) = bits::shift(&mut lowering.b, op, wide, count, width.bits());
+            let result = lowering.b.trunc(ir_type(width), result);
+            lowering.finish_logic(target, width, result);
+            let none = lowering.b.icmp_imm(IntCc::Eq, count, 0);
+            lowering.set_bit_out(none, out);
         });
     }
 
     /// `RRB RRW RRD RLB RLW RLD`: modulo the width.
     pub fn rotate(&mut self, operands: &[Operand], width: Width, op: BinaryOp) {
         let [output, count] = operands else { return };
-        self.boxed(|context| {
-            let count = context.read(count, Width::Byte);
-            let target = context.target(output, width);
-            let old = context.load(target, width);
+        self.boxed(|lowering| {
+            let count = lowering.read(count, Width::Byte);
+            let target = lowering.target(output, width);
+            let old = lowering.load(target, width);
             let ty = ir_type(width);
             let bits = i64::from(width.bits());
-            let count = context.b.binary_imm(BinaryOp::And, count, bits - 1);
-            let places = if ty == Type::I8 { count } else { context.b.zext(ty, count) };
-            let result = context.b.binary(op, old, places);
-            context.finish_logic(target, width, result);
-            let out = context.bit_of(result, if op == BinaryOp::Rotr { bits - 1 } else { 0 });
-            let none = context.b.icmp_imm(IntCc::Eq, count, 0);
-            context.set_bit_out(none, out);
+            let count = lowering.b.binary_imm(BinaryOp::And, count, bits - 1);
+            let places = if ty == Type::I8 { count } else { lowering.b.zext(ty, count) };
+            let (result, out) = bits::rotate(&mut lowering.b, op, old, places);
+            lowering.finish_logic(target, width, result);
+            let none = lowering.b.icmp_imm(IntCc::Eq, count, 0);
+            lowering.set_bit_out(none, out);
         });
-    }
-
-    /// Bit `bit` of a value, an i1.
-    fn bit_of(&mut self, value: Value, bit: i64) -> Value {
-        let shifted = self.b.binary_imm(BinaryOp::Lshr, value, bit);
-        let masked = self.b.binary_imm(BinaryOp::And, shifted, 1);
-        self.b.icmp_imm(IntCc::Ne, masked, 0)
     }
 
     fn set_bit_out(&mut self, none: Value, out: Value) {

@@ -10,7 +10,7 @@ use plcc_model::{Place, PlaceArea, Width};
 
 use super::promote;
 use super::value_type;
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::fault::Check;
 use crate::place::{BitNumber, Direction, Target, TargetKind};
 use crate::pointer::PointerFields;
@@ -59,7 +59,7 @@ impl Located<'_> {
     }
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// Computes the indices of an access, from left to right.
     pub fn locate<'m>(&mut self, access: &'m Access) -> Located<'m> {
         let base = match &access.base {

@@ -2,26 +2,18 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::image::Family;
-use plcc_ir::{BinaryOp as Ir, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
+use plcc_ir::{BinaryOp as Ir, ConvertOp, FloatCc, IntCc, Type, Value};
 use plcc_model::scl::{BinaryOp, CompareOp};
 use plcc_model::types::Elementary;
 
-use super::expression::least;
 use super::value_type;
-use crate::context::Context;
+use crate::arithmetic::{bits, compare, float, integer};
+use crate::block::BlockLowering;
 
 /// A day in the units of TIME_OF_DAY and of LTOD.
 const DAY_MS: i64 = 86_400_000;
 const DAY_NS: i64 = DAY_MS * 1_000_000;
-/// Smallest normal magnitude and infinity of REAL.
-const LEAST_NORMAL: i64 = 0x0080_0000;
-const INFINITY: i64 = 0x7F80_0000;
-const LEAST_NORMAL_LONG: i64 = 0x0010_0000_0000_0000;
-const INFINITY_LONG: i64 = 0x7FF0_0000_0000_0000;
-/// Every NaN that an operation produces.
-pub const NAN: i64 = 0xFFFF_FFFF;
-
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// `a op b`; `right` is the type of `b` if it differs (shift counts, milliseconds).
     pub fn binary(&mut self, op: BinaryOp, a: Value, b: Value, ty: Elementary, right: Elementary) -> Value {
         match op {
@@ -49,8 +41,7 @@ impl Context<'_, '_> {
             BinaryOp::ShiftLeft | BinaryOp::ShiftRight => self.shift_by(op, a, b, ty, right),
             BinaryOp::RotateLeft | BinaryOp::RotateRight => {
                 let op = if op == BinaryOp::RotateLeft { Ir::Rotl } else { Ir::Rotr };
-                // The IR takes the count modulo the width, which is a power of two: the low bits are enough.
-                let count = self.count_as(b, value_type(ty));
+                let count = bits::count_as(&mut self.b, b, value_type(ty));
                 self.b.binary(op, a, count)
             }
             BinaryOp::AddDay | BinaryOp::SubtractDay => self.day_time(op, a, b, ty, right),
@@ -69,9 +60,7 @@ impl Context<'_, '_> {
         if self.wants_flag() && matches!(op, Ir::Fmul | Ir::Fdiv) {
             let zero = self.b.iconst(self.b.ty(a), 0);
             let is_zero = self.b.fcmp(FloatCc::Eq, result, zero);
-            let a_set = self.b.fcmp(FloatCc::Ne, a, zero);
-            let b_set = if op == Ir::Fmul { self.b.fcmp(FloatCc::Ne, b, zero) } else { self.is_finite(b) };
-            let inexact = self.b.and(a_set, b_set);
+            let inexact = float::zero_is_inexact(&mut self.b, op, a, b);
             let underflow = self.b.and(is_zero, inexact);
             self.fail_if(underflow);
         }
@@ -87,7 +76,7 @@ impl Context<'_, '_> {
     /// 0 of the same sign in place of a denormal number.
     fn flushed(&mut self, result: Value) -> Value {
         let bits = self.b.bitcast(Type::I32, result);
-        let exponent = self.b.binary_imm(Ir::And, bits, INFINITY);
+        let exponent = self.b.binary_imm(Ir::And, bits, float::INFINITY);
         let small = self.b.icmp_imm(IntCc::Eq, exponent, 0);
         let sign = self.b.binary_imm(Ir::And, bits, i64::from(i32::MIN));
         let zero = self.b.bitcast(Type::F32, sign);
@@ -99,33 +88,15 @@ impl Context<'_, '_> {
         let ty = self.b.ty(result);
         let result = if self.flushes(ty) { self.flushed(result) } else { result };
         let nan = self.b.fcmp(FloatCc::Uno, result, result);
-        let pattern = self.b.iconst(ty, if ty == Type::F32 { NAN } else { -1 });
+        let pattern = self.b.iconst(ty, float::NAN);
         let value = self.b.select(nan, pattern, result);
         if self.wants_flag() {
-            let (int, least, infinity) = match ty {
-                Type::F32 => (Type::I32, LEAST_NORMAL, INFINITY),
-                _ => (Type::I64, LEAST_NORMAL_LONG, INFINITY_LONG),
-            };
-            let bits = self.b.bitcast(int, result);
-            let magnitude = self.b.binary_imm(Ir::Shl, bits, 1);
-            let not_zero = self.b.icmp_imm(IntCc::Ne, magnitude, 0);
-            let magnitude = self.b.binary_imm(Ir::Lshr, magnitude, 1);
-            let above_least = self.b.binary_imm(Ir::Isub, magnitude, least);
-            let not_normal = self.b.icmp_imm(IntCc::Uge, above_least, infinity - least);
-            let failed = self.b.and(not_zero, not_normal);
+            let bits = self.as_bits(result);
+            let magnitude = float::magnitude_bits(&mut self.b, bits);
+            let (_, failed) = float::not_normal(&mut self.b, magnitude);
             self.fail_if(failed);
         }
         value
-    }
-
-    /// i1: neither infinite nor NaN.
-    pub fn is_finite(&mut self, value: Value) -> Value {
-        let magnitude = self.b.unary(UnaryOp::Fabs, value);
-        let infinity = match self.b.ty(value) {
-            Type::F32 => self.b.iconst(Type::F32, INFINITY),
-            _ => self.b.iconst(Type::F64, INFINITY_LONG),
-        };
-        self.b.fcmp(FloatCc::Lt, magnitude, infinity)
     }
 
     // Integers.
@@ -138,58 +109,10 @@ impl Context<'_, '_> {
         };
         let result = self.b.binary(ir, a, b);
         if self.wants_flag() {
-            let failed = if ty.bits() < 64 {
-                self.overflow_narrow(ir, a, b, result, ty)
-            } else {
-                self.overflow_wide(ir, a, b, result, ty)
-            };
+            let failed = integer::overflow(&mut self.b, ir, ty.is_signed(), a, b, result);
             self.fail_if(failed);
         }
         result
-    }
-
-    /// i1: the exact result, computed in 64 bits, is different.
-    fn overflow_narrow(&mut self, op: Ir, a: Value, b: Value, result: Value, ty: Elementary) -> Value {
-        let widen = |context: &mut Self, value| match ty.is_signed() {
-            true => context.b.sext(Type::I64, value),
-            false => context.b.zext(Type::I64, value),
-        };
-        let (a, b) = (widen(self, a), widen(self, b));
-        let exact = self.b.binary(op, a, b);
-        let kept = widen(self, result);
-        self.b.icmp(IntCc::Ne, exact, kept)
-    }
-
-    fn overflow_wide(&mut self, op: Ir, a: Value, b: Value, result: Value, ty: Elementary) -> Value {
-        match (op, ty.is_signed()) {
-            (Ir::Iadd, true) => {
-                let (x, y) = (self.b.xor(a, result), self.b.xor(b, result));
-                let both = self.b.and(x, y);
-                self.b.icmp_imm(IntCc::Slt, both, 0)
-            }
-            (Ir::Isub, true) => {
-                let (x, y) = (self.b.xor(a, b), self.b.xor(a, result));
-                let both = self.b.and(x, y);
-                self.b.icmp_imm(IntCc::Slt, both, 0)
-            }
-            (Ir::Iadd, false) => self.b.icmp(IntCc::Ult, result, a),
-            (Ir::Isub, false) => self.b.icmp(IntCc::Ult, a, b),
-            // The product divided by a factor is the other factor; 0 is always right, and -1 only wrong for the smallest number.
-            (_, signed) => {
-                let zero = self.b.icmp_imm(IntCc::Eq, a, 0);
-                let minus = if signed { self.b.icmp_imm(IntCc::Eq, a, -1) } else { self.b.bool_const(false) };
-                let trivial = self.b.or(zero, minus);
-                let one = self.b.iconst(Type::I64, 1);
-                let divisor = self.b.select(trivial, one, a);
-                let back = self.b.binary(if signed { Ir::Sdiv } else { Ir::Udiv }, result, divisor);
-                let differs = self.b.icmp(IntCc::Ne, back, b);
-                let usual = self.b.not(trivial);
-                let wrong = self.b.and(usual, differs);
-                let is_least = self.b.icmp_imm(IntCc::Eq, b, i64::MIN);
-                let least_negated = self.b.and(minus, is_least);
-                self.b.or(wrong, least_negated)
-            }
-        }
     }
 
     /// The divisor, made harmless: 1 in place of 0 and -1; and whether it is 0 and -1.
@@ -210,7 +133,7 @@ impl Context<'_, '_> {
         let minus = self.b.isub(none, a);
         let quotient = self.b.select(by_minus, minus, quotient);
         if self.wants_flag() {
-            let is_least = self.b.icmp_imm(IntCc::Eq, a, least(ty));
+            let is_least = self.b.icmp_imm(IntCc::Eq, a, integer::least(ty.bits()));
             let overflow = self.b.and(by_minus, is_least);
             let failed = self.b.or(by_zero, overflow);
             self.fail_if(failed);
@@ -231,12 +154,6 @@ impl Context<'_, '_> {
 
     // Shifts.
 
-    /// A shift count as a value of the shifted type, its low bits.
-    fn count_as(&mut self, count: Value, ty: Type) -> Value {
-        let (have, want) = (self.b.ty(count).bits(), ty.bits());
-        if have < want { self.b.zext(ty, count) } else { self.narrowed(count, ty) }
-    }
-
     /// A count of at least the width leaves zeros, or copies of the sign. A negative count is taken modulo 256.
     fn shift_by(&mut self, op: BinaryOp, a: Value, count: Value, ty: Elementary, count_ty: Elementary) -> Value {
         let signed = op == BinaryOp::ShiftRight && ty.is_signed();
@@ -253,7 +170,7 @@ impl Context<'_, '_> {
         };
         let width = i64::from(ty.bits());
         let beyond = self.b.icmp_imm(IntCc::Uge, count, width);
-        let ir_count = self.count_as(count, value_type(ty));
+        let ir_count = bits::count_as(&mut self.b, count, value_type(ty));
         let ir = match (op, signed) {
             (BinaryOp::ShiftLeft, _) => Ir::Shl,
             (_, true) => Ir::Ashr,
@@ -295,42 +212,14 @@ impl Context<'_, '_> {
 
     pub fn compare(&mut self, op: CompareOp, a: Value, b: Value, ty: Elementary) -> Value {
         if ty.is_float() {
-            return self.compare_float(op, a, b);
+            return compare::floats(&mut self.b, compare::float_condition(op), a, b);
         }
-        let signed = ty.is_signed();
-        let cc = match (op, signed) {
-            (CompareOp::Equal, _) => IntCc::Eq,
-            (CompareOp::NotEqual, _) => IntCc::Ne,
-            (CompareOp::Less, true) => IntCc::Slt,
-            (CompareOp::Less, false) => IntCc::Ult,
-            (CompareOp::LessEqual, true) => IntCc::Sle,
-            (CompareOp::LessEqual, false) => IntCc::Ule,
-            (CompareOp::Greater, true) => IntCc::Sgt,
-            (CompareOp::Greater, false) => IntCc::Ugt,
-            (CompareOp::GreaterEqual, true) => IntCc::Sge,
-            (CompareOp::GreaterEqual, false) => IntCc::Uge,
-        };
+        let cc = compare::integer_condition(op, ty.is_signed());
         if ty == Elementary::Bool {
             let (a, b) = (self.b.zext(Type::I32, a), self.b.zext(Type::I32, b));
             return self.b.icmp(cc, a, b);
         }
         self.b.icmp(cc, a, b)
-    }
-
-    /// False with a NaN, even `<>`.
-    fn compare_float(&mut self, op: CompareOp, a: Value, b: Value) -> Value {
-        let cc = match op {
-            CompareOp::Equal => FloatCc::Eq,
-            CompareOp::NotEqual => {
-                let (less, greater) = (self.b.fcmp(FloatCc::Lt, a, b), self.b.fcmp(FloatCc::Gt, a, b));
-                return self.b.or(less, greater);
-            }
-            CompareOp::Less => FloatCc::Lt,
-            CompareOp::LessEqual => FloatCc::Le,
-            CompareOp::Greater => FloatCc::Gt,
-            CompareOp::GreaterEqual => FloatCc::Ge,
-        };
-        self.b.fcmp(cc, a, b)
     }
 
     fn min_max(&mut self, op: BinaryOp, a: Value, b: Value, ty: Elementary) -> Value {

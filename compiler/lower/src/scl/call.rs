@@ -9,7 +9,7 @@ use plcc_model::{CodeBlock, Direction, Parameter, Passing, Place, Width};
 
 use super::argument::{self, Given};
 use super::value_type;
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 use crate::place::{self, BitNumber, Target};
 
@@ -30,7 +30,7 @@ struct InstanceAt {
     ar2: Value,
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     pub fn scl_call(&mut self, call: &Call) -> Returned {
         let plan = self.plan;
         let (callee, function) = plan.block(call.target).expect("the binder only passes calls of known blocks");

@@ -6,9 +6,9 @@ use plcc_model::scl::{CounterCall, Expr, TimerCall, TimerKind};
 use plcc_model::{CellKind, Operand};
 use plcc_syntax::stl::StlInsn;
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// `S_ODT` and other timers: the start with its edge, the reset, then the time that is read, an S5TIME.
     pub fn timer_function(&mut self, call: &TimerCall) -> Value {
         let operand = Operand::Cell { kind: CellKind::Timer, number: call.timer.clone() };

@@ -6,7 +6,9 @@ use plcc_model::scl::{Conversion, Overflow};
 use plcc_model::types::{Class, Elementary};
 
 use super::value_type;
-use crate::context::Context;
+use crate::arithmetic::bcd::Bcd;
+use crate::arithmetic::float;
+use crate::block::BlockLowering;
 use crate::fault::Substitute;
 
 /// Nanoseconds in a millisecond.
@@ -15,7 +17,7 @@ const MS: i64 = 1_000_000;
 const S5_MAX: i64 = 9_990_000;
 const S5_BASES: [(i64, i64); 3] = [(9_990, 10), (99_900, 100), (999_000, 1_000)];
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// Converts `value` of type `from` to type `to`.
     pub fn convert(&mut self, conversion: Conversion, value: Value, from: Elementary, to: Elementary) -> Value {
         match conversion {
@@ -115,13 +117,7 @@ impl Context<'_, '_> {
             Type::F64 => rounded,
             _ => self.b.convert(ConvertOp::Fpromote, Type::F64, rounded),
         };
-        let limit = |context: &mut Self, value: f64| context.b.iconst(Type::F64, value.to_bits() as i64);
-        let magnitude_bits = to.bits() - u32::from(to.is_signed());
-        let above = 2f64.powi(magnitude_bits as i32);
-        let low = limit(self, if to.is_signed() { -above } else { 0.0 });
-        let high = limit(self, above);
-        let (ge, lt) = (self.b.fcmp(FloatCc::Ge, rounded, low), self.b.fcmp(FloatCc::Lt, rounded, high));
-        let fits = self.b.and(ge, lt);
+        let fits = float::fits_integer(&mut self.b, rounded, to.bits(), to.is_signed());
         let failed = self.b.not(fits);
         self.fail_if(failed);
         let ty = value_type(to);
@@ -138,7 +134,7 @@ impl Context<'_, '_> {
                 }
             }
             Overflow::LowBits => {
-                let edge = limit(self, 2f64.powi(63));
+                let edge = float::constant(&mut self.b, Type::F64, 2f64.powi(63));
                 let magnitude = self.b.unary(UnaryOp::Fabs, rounded);
                 let has_bits = self.b.fcmp(FloatCc::Lt, magnitude, edge);
                 let signed = self.b.convert(ConvertOp::ToSint, Type::I64, rounded);
@@ -212,16 +208,11 @@ impl Context<'_, '_> {
     // BCD.
 
     fn bcd_value(&mut self, value: Value, to: Elementary, fault: bool) -> Value {
-        let double = to.bits() == 32;
-        let wide = if self.b.ty(value) == Type::I32 { value } else { self.b.zext(Type::I32, value) };
-        let digits = self.b.i32_const(if double { 7 } else { 3 });
-        let answer = self.b.call_pure(RuntimeFn::BcdToInt, &[wide, digits]);
-        let ok = self.b.icmp_imm(IntCc::Sge, answer, 0);
-        let sign = self.b.binary_imm(BinaryOp::Lshr, wide, if double { 31 } else { 15 });
-        let negative = self.narrowed(sign, Type::I1);
+        let form = if to.bits() == 32 { Bcd::DWORD } else { Bcd::WORD };
+        let wide = self.b.zext(Type::I32, value);
+        let (magnitude, ok) = form.magnitude(&mut self.b, wide);
+        let number = form.with_sign(&mut self.b, wide, magnitude);
         let zero = self.b.i32_const(0);
-        let minus = self.b.isub(zero, answer);
-        let number = self.b.select(negative, minus, answer);
         let number = self.b.select(ok, number, zero);
         if fault {
             let check = self.bcd_check(ok);
@@ -236,19 +227,8 @@ impl Context<'_, '_> {
 
     fn bcd_of(&mut self, value: Value, from: Elementary, to: Elementary) -> Value {
         let number = self.as_i32(value, from);
-        let negative = self.b.icmp_imm(IntCc::Slt, number, 0);
-        let zero = self.b.i32_const(0);
-        let minus = self.b.isub(zero, number);
-        let magnitude = self.b.select(negative, minus, number);
-        let double = to.bits() == 32;
-        let (max, count, sign) = if double { (9_999_999, 7, 0xF000_0000) } else { (999, 3, 0xF000) };
-        let too_large = self.b.icmp_imm(IntCc::Ugt, magnitude, max);
-        let within = self.b.select(too_large, zero, magnitude);
-        let digits = self.b.i32_const(count);
-        let bcd = self.b.call_pure(RuntimeFn::IntToBcd, &[within, digits]);
-        let sign = self.b.i32_const(sign);
-        let sign = self.b.select(negative, sign, zero);
-        let result = self.b.or(bcd, sign);
+        let form = if to.bits() == 32 { Bcd::DWORD } else { Bcd::WORD };
+        let (result, too_large) = form.digits_and_sign(&mut self.b, number);
         let result = self.b.select(too_large, number, result);
         self.fail_if(too_large);
         self.narrowed(result, value_type(to))

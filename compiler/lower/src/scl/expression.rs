@@ -6,9 +6,10 @@ use plcc_model::scl::{Expr, ExprKind, UnaryOp};
 use plcc_model::types::Elementary;
 
 use super::value_type;
-use crate::context::Context;
+use crate::arithmetic::integer;
+use crate::block::BlockLowering;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// The value of an expression, in the IR type of its type.
     pub fn value(&mut self, expr: &Expr) -> Value {
         match &expr.kind {
@@ -87,7 +88,7 @@ impl Context<'_, '_> {
             return;
         }
         let failed = if ty.is_signed() {
-            self.b.icmp_imm(plcc_ir::IntCc::Eq, value, least(ty))
+            self.b.icmp_imm(plcc_ir::IntCc::Eq, value, integer::least(ty.bits()))
         } else {
             self.b.icmp_imm(plcc_ir::IntCc::Ne, value, 0)
         };
@@ -122,9 +123,4 @@ impl Context<'_, '_> {
     pub fn masked(&mut self, value: Value, mask: i64) -> Value {
         self.b.binary_imm(BinaryOp::And, value, mask)
     }
-}
-
-/// The smallest value of a signed type.
-pub const fn least(ty: Elementary) -> i64 {
-    i64::MIN >> (64 - ty.bits())
 }

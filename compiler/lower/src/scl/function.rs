@@ -1,15 +1,15 @@
 //! Functions of the language that are computed in place. Source: SCL reference, numbers and bits; LAD and FBD reference, conversions.
 
 use plcc_abi::RuntimeFn;
-use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
+use plcc_ir::{BinaryOp, FloatCc, IntCc, Type, UnaryOp, Value};
 use plcc_model::scl::{CompareOp, Conversion, Function, Overflow};
 use plcc_model::types::Elementary;
 
-use super::arithmetic::NAN;
 use super::value_type;
-use crate::context::Context;
+use crate::arithmetic::{bits, float};
+use crate::block::BlockLowering;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// `function` of `values`, the last of which has type `ty`; the result has type `result`.
     pub fn function(&mut self, function: Function, values: &[Value], ty: Elementary, result: Elementary) -> Value {
         match (function, values) {
@@ -27,11 +27,9 @@ impl Context<'_, '_> {
                 self.checked_float(rest)
             }
             (Function::Expd, &[x]) => {
-                let float = self.b.ty(x);
-                let (ten, function) = match float {
-                    Type::F64 => (self.b.iconst(Type::F64, 10f64.to_bits() as i64), RuntimeFn::PowLong),
-                    _ => (self.b.f32_const(10.0), RuntimeFn::Pow),
-                };
+                let ty = self.b.ty(x);
+                let ten = float::constant(&mut self.b, ty, 10.0);
+                let function = if ty == Type::F64 { RuntimeFn::PowLong } else { RuntimeFn::Pow };
                 let power = self.b.call_pure(function, &[ten, x]);
                 self.checked_float(power)
             }
@@ -57,15 +55,9 @@ impl Context<'_, '_> {
             (Function::NormX, &[low, value, high]) => self.norm(low, value, high, ty, result),
             (Function::ScaleX, &[low, value, high]) => self.scale(low, value, high, result),
             (Function::Encode, &[x]) => self.encode(x),
-            (Function::Decode, &[x]) => {
-                let target = value_type(result);
-                let one = self.b.iconst(target, 1);
-                let number = self.b.ty(x).bits();
-                let count = if number < target.bits() { self.b.zext(target, x) } else { self.narrowed(x, target) };
-                self.b.binary(BinaryOp::Shl, one, count)
-            }
+            (Function::Decode, &[x]) => bits::only_bit(&mut self.b, value_type(result), x),
             (Function::BitSum, &[x]) => self.bit_sum(x),
-            (Function::IsValid, &[x]) => self.is_finite(x),
+            (Function::IsValid, &[x]) => float::is_finite(&mut self.b, x),
             _ => unreachable!("the binder gives each function its arguments"),
         }
     }
@@ -87,8 +79,7 @@ impl Context<'_, '_> {
         let input = self.b.fcmp(FloatCc::Uno, value, value);
         let nan = self.b.or(limits, input);
         self.fail_if(nan);
-        let float = self.b.ty(value);
-        let pattern = self.b.iconst(float, if float == Type::F32 { NAN } else { -1 });
+        let pattern = self.b.iconst(self.b.ty(value), float::NAN);
         self.b.select(nan, pattern, result)
     }
 
@@ -111,16 +102,12 @@ impl Context<'_, '_> {
     fn norm(&mut self, low: Value, value: Value, high: Value, ty: Elementary, result: Elementary) -> Value {
         let wrong = self.compare(CompareOp::LessEqual, high, low, ty);
         self.fail_if(wrong);
-        let float = value_type(result);
         let mut as_float = |x| {
             if ty == result { x } else { self.convert(Conversion::Value(Overflow::LowBits), x, ty, result) }
         };
         let (low, value, high) = (as_float(low), as_float(value), as_float(high));
         let (above, range) = (self.b.binary(BinaryOp::Fsub, value, low), self.b.binary(BinaryOp::Fsub, high, low));
-        let one = match float {
-            Type::F64 => self.b.iconst(Type::F64, 1f64.to_bits() as i64),
-            _ => self.b.f32_const(1.0),
-        };
+        let one = float::constant(&mut self.b, value_type(result), 1.0);
         let range = self.b.select(wrong, one, range);
         let part = self.b.binary(BinaryOp::Fdiv, above, range);
         let part = self.b.select(wrong, value, part);
@@ -133,8 +120,8 @@ impl Context<'_, '_> {
         let float = if self.b.ty(value) == Type::F64 { Elementary::Lreal } else { Elementary::Real };
         // Limits of wide integers only keep their digits in LREAL.
         let inner = if result == Elementary::Real && float == result { result } else { Elementary::Lreal };
-        let of_inner = |context: &mut Self, x, ty: Elementary| {
-            if ty == inner { x } else { context.convert(Conversion::Value(Overflow::LowBits), x, ty, inner) }
+        let of_inner = |lowering: &mut Self, x, ty: Elementary| {
+            if ty == inner { x } else { lowering.convert(Conversion::Value(Overflow::LowBits), x, ty, inner) }
         };
         let (from, to) = (of_inner(self, low, result), of_inner(self, high, result));
         let part = of_inner(self, value, float);
@@ -149,19 +136,9 @@ impl Context<'_, '_> {
         self.b.select(wrong, low, scaled)
     }
 
-    /// Number of the lowest bit that is 1: the exponent of that bit alone as a float.
     fn encode(&mut self, x: Value) -> Value {
-        let wide = if self.b.ty(x) == Type::I64 { x } else { self.b.zext(Type::I64, x) };
-        let zero = self.b.iconst(Type::I64, 0);
-        let minus = self.b.isub(zero, wide);
-        let lowest = self.b.and(wide, minus);
-        let float = self.b.convert(ConvertOp::FromUint, Type::F64, lowest);
-        let bits = self.b.bitcast(Type::I64, float);
-        let exponent = self.b.binary_imm(BinaryOp::Lshr, bits, 52);
-        let number = self.b.binary_imm(BinaryOp::Isub, exponent, 1023);
-        let none = self.b.icmp_imm(IntCc::Eq, wide, 0);
+        let (number, none) = bits::lowest_bit(&mut self.b, x);
         self.fail_if(none);
-        let number = self.b.select(none, zero, number);
         self.b.trunc(Type::I16, number)
     }
 

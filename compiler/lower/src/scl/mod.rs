@@ -1,7 +1,7 @@
 //! Statements of SCL: the typed tree to SSA IR. Source: SCL reference.
 //!
 //! - `statement`: control flow and assignments; `expression`, `arithmetic`, `convert`, `function`: values.
-//! - `access`: variables; `promote`: those in SSA values; `walk`: walks over the tree.
+//! - `access`: variables; `promote`: those in SSA values.
 //! - `call`, `argument`: calls of blocks; `text`: STRING and WSTRING; `cell`: timers and counters.
 
 mod access;
@@ -15,18 +15,17 @@ mod function;
 mod promote;
 mod statement;
 mod text;
-pub mod walk;
 
 use plcc_abi::image::BlockKind;
 use plcc_ir::{Address, Block, Function, Region, Type, Value, Var};
 use plcc_model::layout;
-use plcc_model::scl::{Access, Body, StatementKind};
+use plcc_model::scl::{Access, SclBody, Statement, StatementKind, walk};
 use plcc_model::types::{Class, Elementary};
 use plcc_model::{CodeBlock, Direction, LabelId, Passing};
 use rustc_hash::FxHashMap;
 
 use crate::Output;
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::place::{BitNumber, Target};
 use crate::plan::Plan;
 
@@ -58,22 +57,27 @@ struct Loop {
 }
 
 /// Lowers a block to a function.
-pub fn lower_block<'p>(plan: &'p Plan<'p>, output: &mut Output<'p>, block: &'p CodeBlock, body: &'p Body) -> Function {
-    let mut context = Context::new(plan, output, block);
-    context.uses_mcr = body
+pub fn lower_block<'p>(
+    plan: &'p Plan<'p>,
+    output: &mut Output<'p>,
+    block: &'p CodeBlock,
+    body: &'p SclBody,
+) -> Function {
+    let mut lowering = BlockLowering::new(plan, output, block);
+    lowering.uses_mcr = body
         .statements
         .iter()
         .any(|statement| matches!(&statement.kind, StatementKind::Stl(statement) if crate::stl::uses_mcr(statement)));
-    context.begin_scl(body);
+    lowering.begin_scl(body);
     for (label, jumps) in count_jumps(body) {
-        context.declare_label(label, jumps);
+        lowering.declare_label(label, jumps);
     }
-    context.statements(&body.statements);
-    context.finish_scl()
+    lowering.statements(&body.statements);
+    lowering.finish_scl()
 }
 
-impl Context<'_, '_> {
-    fn begin_scl(&mut self, body: &Body) {
+impl BlockLowering<'_, '_> {
+    fn begin_scl(&mut self, body: &SclBody) {
         let yes = self.b.bool_const(true);
         let flags = [self.b.declare_var(Type::I1), self.b.declare_var(Type::I1)];
         for flag in flags {
@@ -166,7 +170,7 @@ impl Context<'_, '_> {
         self.b.def_var(flag, after);
     }
 
-    /// Whether anything uses the effect of [`Context::fail_if`].
+    /// Whether anything uses the effect of [`BlockLowering::fail_if`].
     pub fn wants_flag(&self) -> bool {
         self.scl.sets_flag
     }
@@ -215,14 +219,14 @@ pub fn value_type(ty: Elementary) -> Type {
 }
 
 /// Jumps to each label that has any, in order of the first jumps.
-fn count_jumps(body: &Body) -> Vec<(LabelId, u32)> {
+fn count_jumps(body: &SclBody) -> Vec<(LabelId, u32)> {
     #[derive(Default)]
     struct Jumps {
         order: Vec<LabelId>,
         counts: FxHashMap<LabelId, u32>,
     }
     impl walk::Visitor for Jumps {
-        fn statement(&mut self, statement: &plcc_model::scl::Statement) {
+        fn statement(&mut self, statement: &Statement) {
             let jumps = match &statement.kind {
                 StatementKind::Goto(label) => vec![*label],
                 StatementKind::Stl(statement) => crate::stl::jumps_of(statement),

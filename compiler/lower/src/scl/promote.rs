@@ -7,12 +7,11 @@
 use std::collections::BTreeMap;
 
 use plcc_model::layout;
+use plcc_model::scl::walk::{self, Role, Visitor};
 use plcc_model::scl::{Access, Base, Statement, StatementKind};
 use plcc_model::types::{DataType, Elementary};
 use plcc_model::{Assert, AssertSide, CodeBlock, Direction, Operand, Passing, Place};
 use rustc_hash::{FxHashMap, FxHashSet};
-
-use super::walk::{self, Role, Visitor};
 
 /// Statements that all promoted variables of a block may span together: some tenths of a second of register allocation.
 const SPANS_MAX: u64 = 1_000_000;

@@ -7,7 +7,7 @@ use plcc_model::scl::{Access, Arm, Base, Complex, Expr, Statement, StatementKind
 use plcc_model::types::Elementary;
 
 use super::Loop;
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::fault::Substitute;
 use crate::place::Direction;
 
@@ -21,7 +21,7 @@ const TABLE_MAX: i128 = 4096;
 /// A range of values, and the arm that it belongs to.
 type Range = (i128, i128, usize);
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     pub fn statements(&mut self, statements: &[Statement]) {
         for statement in statements {
             self.reachable();
@@ -243,9 +243,9 @@ impl Context<'_, '_> {
         let start = self.value(start);
         let end = self.value(end);
         let step_value = self.value(step);
-        let write = |context: &mut Self, value| match &located {
-            Some(located) => context.write_located(variable, located, value),
-            None => context.write_access(variable, value),
+        let write = |lowering: &mut Self, value| match &located {
+            Some(located) => lowering.write_located(variable, located, value),
+            None => lowering.write_access(variable, value),
         };
         write(self, start);
         let (head, run, next, exit) =

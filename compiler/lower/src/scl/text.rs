@@ -2,12 +2,12 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_ir::{Address, IntCc, Region, Type};
-use plcc_model::scl::{Access, Base, Body, Complex};
+use plcc_model::scl::{Access, Base, Complex, SclBody};
 use plcc_model::types::{DataType, Elementary};
 use plcc_model::{Place, Width};
 
 use super::access::Located;
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::fault::Substitute;
 use crate::place::Direction;
 
@@ -44,9 +44,9 @@ pub fn result_bytes(ty: &DataType) -> u32 {
     }
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// TEMP texts begin empty, with the declared maximum.
-    pub fn prepare_texts(&mut self, body: &Body) {
+    pub fn prepare_texts(&mut self, body: &SclBody) {
         for text in &body.temporary_texts {
             let kind = if text.wide { Text::Wide } else { Text::Narrow };
             self.store_head(Address::direct(Region::L, text.byte), kind, u32::from(text.maximum), 0);

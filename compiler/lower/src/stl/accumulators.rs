@@ -3,9 +3,9 @@
 use plcc_ir::{BinaryOp, Type, UnaryOp, Value, Var};
 use plcc_model::Operand;
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// Constant of an instruction that has one.
     pub fn constant(operand: &Operand) -> Option<(u32, bool)> {
         match operand {

@@ -4,15 +4,11 @@ use plcc_abi::RuntimeFn;
 use plcc_ir::{BinaryOp, FloatCc, IntCc, Type, UnaryOp, Value};
 use plcc_model::Operand;
 
-use crate::context::Context;
+use crate::arithmetic::float;
+use crate::arithmetic::integer::{self, Narrowed};
+use crate::block::BlockLowering;
 
-/// Every NaN that an instruction produces has this pattern.
-pub const NAN: u32 = 0xFFFF_FFFF;
-/// Bits of a REAL without its sign: infinity, the smallest normal number.
-const INFINITY: i64 = 0x7F80_0000;
-const LEAST_NORMAL: i64 = 0x0080_0000;
-
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// ACCU2-L and ACCU1-L, as i16.
     fn int_operands(&mut self) -> (Value, Value) {
         let (a, b) = (self.accu2(), self.accu1());
@@ -23,7 +19,7 @@ impl Context<'_, '_> {
     pub fn add_sub_int(&mut self, op: BinaryOp) {
         let (a, b) = self.int_operands();
         let result = self.b.binary(op, a, b);
-        let overflow = self.overflow(op, a, b, result);
+        let overflow = integer::sum_overflow(&mut self.b, op, a, b, result);
         self.set_accu1_low(result);
         let (cc1, cc0) = self.conditions_of(result);
         self.set_conditions(cc1, cc0);
@@ -35,7 +31,7 @@ impl Context<'_, '_> {
     pub fn add_sub_dint(&mut self, op: BinaryOp) {
         let (a, b) = (self.accu2(), self.accu1());
         let result = self.b.binary(op, a, b);
-        let overflow = self.overflow(op, a, b, result);
+        let overflow = integer::sum_overflow(&mut self.b, op, a, b, result);
         self.set_accu1(result);
         let (cc1, cc0) = self.conditions_of(result);
         self.set_conditions(cc1, cc0);
@@ -43,24 +39,12 @@ impl Context<'_, '_> {
         self.shift_down();
     }
 
-    /// Overflow of a sum or difference: the operands' signs do not allow the result's.
-    fn overflow(&mut self, op: BinaryOp, a: Value, b: Value, result: Value) -> Value {
-        let from_a = self.b.xor(a, result);
-        let other = if op == BinaryOp::Iadd { self.b.xor(b, result) } else { self.b.xor(a, b) };
-        let both = self.b.and(from_a, other);
-        self.b.icmp_imm(IntCc::Slt, both, 0)
-    }
-
     /// `*I`: the whole product of 32 bits.
     pub fn mul_int(&mut self) {
         let (a, b) = self.int_operands();
-        let (a, b) = (self.b.sext(Type::I32, a), self.b.sext(Type::I32, b));
-        let product = self.b.binary(BinaryOp::Imul, a, b);
-        let low = self.low_word(product);
-        let fits = self.b.sext(Type::I32, low);
-        let overflow = self.b.icmp(IntCc::Ne, product, fits);
-        self.set_accu1(product);
-        let (cc1, cc0) = self.conditions_of(product);
+        let Narrowed { exact, overflow, .. } = integer::product(&mut self.b, a, b);
+        self.set_accu1(exact);
+        let (cc1, cc0) = self.conditions_of(exact);
         self.set_conditions(cc1, cc0);
         self.set_overflow(overflow);
         self.shift_down();
@@ -69,13 +53,9 @@ impl Context<'_, '_> {
     /// `*D`: the low 32 bits; CC1 and CC0 by the true product.
     pub fn mul_dint(&mut self) {
         let (a, b) = (self.accu2(), self.accu1());
-        let (a, b) = (self.b.sext(Type::I64, a), self.b.sext(Type::I64, b));
-        let product = self.b.binary(BinaryOp::Imul, a, b);
-        let low = self.b.trunc(Type::I32, product);
-        let fits = self.b.sext(Type::I64, low);
-        let overflow = self.b.icmp(IntCc::Ne, product, fits);
-        self.set_accu1(low);
-        let (cc1, cc0) = self.conditions_of(product);
+        let Narrowed { exact, value, overflow } = integer::product(&mut self.b, a, b);
+        self.set_accu1(value);
+        let (cc1, cc0) = self.conditions_of(exact);
         self.set_conditions(cc1, cc0);
         self.set_overflow(overflow);
         self.shift_down();
@@ -86,16 +66,8 @@ impl Context<'_, '_> {
         let (a, b) = self.int_operands();
         let (a, b) = (self.b.sext(Type::I32, a), self.b.sext(Type::I32, b));
         let (zero, divisor) = self.guard_divisor(b);
-        let quotient = self.b.binary(BinaryOp::Sdiv, a, divisor);
-        let remainder = self.b.binary(BinaryOp::Srem, a, divisor);
-        let low = self.low_word(quotient);
-        // Only -32768 / -1 does not fit.
-        let fits = self.b.sext(Type::I32, low);
-        let too_large = self.b.icmp(IntCc::Ne, quotient, fits);
-        let high = self.b.binary_imm(BinaryOp::Shl, remainder, 16);
-        let low = self.b.zext(Type::I32, low);
-        let result = self.b.or(high, low);
-        self.set_quotient(zero, result, quotient, too_large);
+        let (quotient, result) = integer::quotient_and_remainder(&mut self.b, a, divisor);
+        self.set_quotient(zero, result, quotient.exact, quotient.overflow);
     }
 
     /// `/D`: the quotient.
@@ -104,11 +76,8 @@ impl Context<'_, '_> {
         // In 64 bits, so the smallest number divided by -1 is representable.
         let (a, b) = (self.b.sext(Type::I64, a), self.b.sext(Type::I64, b));
         let (zero, divisor) = self.guard_divisor(b);
-        let quotient = self.b.binary(BinaryOp::Sdiv, a, divisor);
-        let low = self.b.trunc(Type::I32, quotient);
-        let fits = self.b.sext(Type::I64, low);
-        let too_large = self.b.icmp(IntCc::Ne, quotient, fits);
-        self.set_quotient(zero, low, quotient, too_large);
+        let quotient = integer::quotient(&mut self.b, a, divisor, Type::I32);
+        self.set_quotient(zero, quotient.value, quotient.exact, quotient.overflow);
     }
 
     /// `MOD`: the remainder, with the sign of the dividend.
@@ -153,19 +122,7 @@ impl Context<'_, '_> {
         let (a, b) = (self.accu2(), self.accu1());
         let (a, b) = (self.b.bitcast(Type::F32, a), self.b.bitcast(Type::F32, b));
         let result = self.b.binary(op, a, b);
-        // A zero that is not exact is an underflow; sums are exact there.
-        let inexact_zero = match op {
-            BinaryOp::Fmul => {
-                let (a, b) = (self.is_not(a, 0.0), self.is_not(b, 0.0));
-                self.b.and(a, b)
-            }
-            BinaryOp::Fdiv => {
-                let magnitude = self.b.unary(UnaryOp::Fabs, b);
-                let (a, b) = (self.is_not(a, 0.0), self.is_not(magnitude, f32::INFINITY));
-                self.b.and(a, b)
-            }
-            _ => self.b.bool_const(false),
-        };
+        let inexact_zero = float::zero_is_inexact(&mut self.b, op, a, b);
         self.set_real(result, inexact_zero);
         self.shift_down();
     }
@@ -217,24 +174,20 @@ impl Context<'_, '_> {
     fn set_real(&mut self, result: Value, inexact_zero: Value) {
         let nan = self.b.fcmp(FloatCc::Uno, result, result);
         let bits = self.b.bitcast(Type::I32, result);
-        let pattern = self.b.i32_const(NAN);
+        let pattern = self.b.iconst(Type::I32, float::NAN);
         let accu1 = self.b.select(nan, pattern, bits);
         self.set_accu1(accu1);
-        let magnitude = self.b.binary_imm(BinaryOp::And, bits, 0x7FFF_FFFF);
-        let counts = self.b.icmp_imm(IntCc::Uge, magnitude, LEAST_NORMAL);
+        let magnitude = float::magnitude_bits(&mut self.b, bits);
+        let counts = float::counts_as_not_zero(&mut self.b, magnitude);
         let negative = self.b.icmp_imm(IntCc::Slt, bits, 0);
         let positive = self.b.not(negative);
         let (above, below) = (self.b.or(positive, nan), self.b.or(negative, nan));
         let (cc1, cc0) = (self.b.and(counts, above), self.b.and(counts, below));
         self.set_conditions(cc1, cc0);
-        // Not 0, and not between the smallest normal number and infinity.
-        let not_zero = self.b.icmp_imm(IntCc::Ne, magnitude, 0);
-        let above_least = self.b.binary_imm(BinaryOp::Isub, magnitude, LEAST_NORMAL);
-        let not_normal = self.b.icmp_imm(IntCc::Uge, above_least, INFINITY - LEAST_NORMAL);
-        let not_representable = self.b.and(not_zero, not_normal);
+        let (not_zero, not_normal) = float::not_normal(&mut self.b, magnitude);
         let zero = self.b.not(not_zero);
         let underflow = self.b.and(zero, inexact_zero);
-        let overflow = self.b.or(not_representable, underflow);
+        let overflow = self.b.or(not_normal, underflow);
         self.set_overflow(overflow);
     }
 

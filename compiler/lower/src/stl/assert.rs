@@ -5,11 +5,11 @@ use plcc_diag::Span;
 use plcc_ir::{Type, Value};
 use plcc_model::{Assert, AssertRegister, AssertSide, CellKind, Compared, ComparedValue, Operand, Place, Width};
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 use crate::place::{Direction, TargetKind};
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     pub fn assert(&mut self, assert: &Assert, span: Span) {
         let id = self.output.register_assert(assert, span);
         for (index, comparison) in assert.comparisons.iter().enumerate() {

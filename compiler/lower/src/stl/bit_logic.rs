@@ -4,7 +4,7 @@ use plcc_ir::{IntCc, Value};
 use plcc_model::{CellKind, Operand, Place, StatusOperand, Width};
 use plcc_syntax::stl::StlInsn;
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::place::Direction;
 
 /// How a scan combines with the RLO.
@@ -15,7 +15,7 @@ pub enum Combine {
     Xor,
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// `A AN O ON X XN` with an operand.
     pub fn combine(&mut self, how: Combine, negated: bool, operand: &Operand) {
         let scanned = self.scan(operand);
@@ -120,7 +120,7 @@ impl Context<'_, '_> {
             self.set(saved, value);
         }
         self.nesting.push(nesting);
-        debug_assert!(self.nesting.len() <= crate::context::NESTING_MAX, "checked when bound");
+        debug_assert!(self.nesting.len() <= crate::block::NESTING_MAX, "checked when bound");
         self.set_bit(self.regs.sta, true);
         self.end_logic_string();
     }

@@ -6,11 +6,11 @@ use plcc_ir::{BinaryOp, IntCc};
 use plcc_model::{BlockKey, Call, Number, Operand, StlStatement, StlStatementKind};
 use plcc_syntax::stl::StlInsn;
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 use crate::plan;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// Determines how the block reaches its instance. As long as nothing changes AR2 or DI, the instance has one address, whose
     /// extent every caller has checked; otherwise each access uses the current AR2 and DI.
     pub fn prepare_instance(&mut self, statements: &[StlStatement]) {

@@ -7,10 +7,10 @@ use plcc_ir::{BinaryOp, Block, IntCc, Type, Value};
 use plcc_model::{CellKind, Number, Operand, Width};
 use plcc_syntax::stl::StlInsn;
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// A number known at compile time or run time, an i32.
     pub fn number(&mut self, number: &Number) -> Value {
         match number {

@@ -2,9 +2,10 @@
 
 use plcc_ir::{FloatCc, IntCc, Type, Value};
 
-use crate::context::Context;
+use crate::arithmetic::compare;
+use crate::block::BlockLowering;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// ACCU2-L with ACCU1-L.
     pub fn compare_int(&mut self, cc: IntCc) {
         let (a, b) = (self.accu2(), self.accu1());
@@ -31,9 +32,7 @@ impl Context<'_, '_> {
         let (a, b) = (self.accu2(), self.accu1());
         let (a, b) = (self.b.bitcast(Type::F32, a), self.b.bitcast(Type::F32, b));
         let unordered = self.b.fcmp(FloatCc::Uno, a, b);
-        let ordered = self.b.not(unordered);
-        let holds = self.b.fcmp(cc, a, b);
-        let result = self.b.and(holds, ordered);
+        let result = compare::floats(&mut self.b, cc, a, b);
         let (above, below) = (self.b.fcmp(FloatCc::Gt, a, b), self.b.fcmp(FloatCc::Lt, a, b));
         let (cc1, cc0) = (self.b.or(above, unordered), self.b.or(below, unordered));
         self.set_conditions(cc1, cc0);

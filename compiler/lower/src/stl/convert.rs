@@ -1,34 +1,22 @@
 //! Conversions. Source: STL reference, conversion instructions.
 
-use plcc_abi::RuntimeFn;
 use plcc_abi::codes::sync;
-use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
+use plcc_ir::{BinaryOp, ConvertOp, IntCc, Type, UnaryOp, Value};
 
-use crate::context::Context;
+use crate::arithmetic::bcd::Bcd;
+use crate::arithmetic::{float, integer};
+use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 
-/// Largest magnitudes of three and of seven BCD digits.
-const BCD3_MAX: i64 = 999;
-const BCD7_MAX: i64 = 9_999_999;
-/// REALs that a DINT can hold: from -2^31 to the greatest REAL below 2^31.
-const DINT_MIN: f32 = -2_147_483_648.0;
-const DINT_MAX: f32 = 2_147_483_520.0;
-
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// `BTI`, `BTD`. A digit above 9 is a synchronous error; ACCU1 then stays.
     pub fn bcd_to_int(&mut self, double: bool) {
         let accu1 = self.accu1();
-        let digits = self.b.i32_const(if double { 7 } else { 3 });
-        let answer = self.b.call_pure(RuntimeFn::BcdToInt, &[accu1, digits]);
-        let ok = self.b.icmp_imm(IntCc::Sge, answer, 0);
+        let form = if double { Bcd::DWORD } else { Bcd::WORD };
+        let (magnitude, ok) = form.magnitude(&mut self.b, accu1);
         let check = self.bcd_check(ok);
         let guard = self.begin_guard(vec![check], Substitute::None);
-        let sign_bit = if double { 31 } else { 15 };
-        let sign = self.b.binary_imm(BinaryOp::Lshr, accu1, sign_bit);
-        let negative = self.b.trunc(Type::I1, sign);
-        let zero = self.b.i32_const(0);
-        let minus = self.b.isub(zero, answer);
-        let value = self.b.select(negative, minus, answer);
+        let value = form.with_sign(&mut self.b, accu1, magnitude);
         if double {
             self.set_accu1(value);
         } else {
@@ -54,18 +42,8 @@ impl Context<'_, '_> {
             let word = self.low_word(accu1);
             self.b.sext(Type::I32, word)
         };
-        let negative = self.b.icmp_imm(IntCc::Slt, value, 0);
-        let zero = self.b.i32_const(0);
-        let minus = self.b.isub(zero, value);
-        let magnitude = self.b.select(negative, minus, value);
-        let max = if double { BCD7_MAX } else { BCD3_MAX };
-        let too_large = self.b.icmp_imm(IntCc::Ugt, magnitude, max);
-        let digits = self.b.i32_const(if double { 7 } else { 3 });
-        let within = self.b.select(too_large, zero, magnitude);
-        let bcd = self.b.call_pure(RuntimeFn::IntToBcd, &[within, digits]);
-        let sign = self.b.i32_const(if double { 0xF000_0000 } else { 0xF000 });
-        let sign = self.b.select(negative, sign, zero);
-        let result = self.b.or(bcd, sign);
+        let form = if double { Bcd::DWORD } else { Bcd::WORD };
+        let (result, too_large) = form.digits_and_sign(&mut self.b, value);
         let result = if double {
             result
         } else {
@@ -118,10 +96,8 @@ impl Context<'_, '_> {
 
     /// Two's complement with its status bits; the smallest number stays and sets OV.
     fn negate(&mut self, value: Value) -> Value {
-        let ty = self.b.ty(value);
-        let zero = self.b.iconst(ty, 0);
-        let result = self.b.isub(zero, value);
-        let least = 1i64 << (ty.bits() - 1);
+        let result = integer::negated(&mut self.b, value);
+        let least = integer::least(self.b.ty(value).bits());
         let overflow = self.b.icmp_imm(IntCc::Eq, value, least);
         let (cc1, cc0) = self.conditions_of(result);
         self.set_conditions(cc1, cc0);
@@ -133,9 +109,7 @@ impl Context<'_, '_> {
     pub fn real_to_dint(&mut self, rounding: UnaryOp) {
         let accu1 = self.accu1();
         let x = self.accu1_real();
-        let (min, max) = (self.b.f32_const(DINT_MIN), self.b.f32_const(DINT_MAX));
-        let (above, below) = (self.b.fcmp(FloatCc::Ge, x, min), self.b.fcmp(FloatCc::Le, x, max));
-        let fits = self.b.and(above, below);
+        let fits = float::fits_integer(&mut self.b, x, 32, true);
         let rounded = self.b.unary(rounding, x);
         let value = self.b.convert(ConvertOp::ToSint, Type::I32, rounded);
         let result = self.b.select(fits, value, accu1);

@@ -3,7 +3,7 @@
 use plcc_ir::{BinaryOp, IntCc, Value};
 use plcc_model::{LabelId, Operand, StatusOperand};
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 
 /// Conditions of jumps that do not change the status word.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -19,7 +19,7 @@ pub enum Condition {
     Unordered,
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     fn label(operand: &Operand) -> LabelId {
         match operand {
             Operand::Label(label) => *label,

@@ -3,12 +3,12 @@
 use plcc_abi::codes::stop;
 use plcc_ir::{BinaryOp, IntCc, Type};
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 
 /// Entries of the MCR stack.
 const MCR_DEPTH: i64 = 8;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// `MCRA`, `MCRD`.
     pub fn mcr_activate(&mut self, active: bool) {
         self.set_bit(self.regs.mcr_active, active);

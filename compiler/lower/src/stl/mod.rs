@@ -23,7 +23,7 @@ use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
 
 use crate::Output;
-use crate::context::Context;
+use crate::block::BlockLowering;
 use crate::plan::Plan;
 
 use self::bit_logic::Combine;
@@ -36,17 +36,17 @@ pub fn lower_block<'p>(
     block: &'p CodeBlock,
     statements: &[StlStatement],
 ) -> Function {
-    let mut context = Context::new(plan, output, block);
-    context.uses_mcr = statements.iter().any(uses_mcr);
-    context.prepare_instance(statements);
+    let mut lowering = BlockLowering::new(plan, output, block);
+    lowering.uses_mcr = statements.iter().any(uses_mcr);
+    lowering.prepare_instance(statements);
     for (label, jumps) in count_jumps(statements) {
-        context.declare_label(label, jumps);
+        lowering.declare_label(label, jumps);
     }
     for statement in statements {
-        context.set_statement(statement);
-        context.lower_statement(statement);
+        lowering.set_statement(statement);
+        lowering.lower_statement(statement);
     }
-    context.finish()
+    lowering.finish()
 }
 
 /// The statement begins the work of the Master Control Relay.
@@ -82,7 +82,7 @@ pub fn jumps_of(statement: &StlStatement) -> Vec<LabelId> {
     }
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// A statement of a network in STL between networks of other languages.
     pub fn stl_statement(&mut self, statement: &StlStatement) {
         self.set_statement(statement);

@@ -3,27 +3,27 @@
 use plcc_ir::{BinaryOp, IntCc, Type, Value};
 use plcc_model::Operand;
 
-use crate::context::Context;
+use crate::arithmetic::bits;
+use crate::block::BlockLowering;
 
 /// A shift instruction.
 #[derive(Clone, Copy)]
 pub struct Shift {
     /// 16 or 32.
-    width: u8,
-    left: bool,
-    signed: bool,
+    width: u32,
+    op: BinaryOp,
 }
 
 impl Shift {
-    pub const SIGNED_WORD: Shift = Shift { width: 16, left: false, signed: true };
-    pub const SIGNED_DWORD: Shift = Shift { width: 32, left: false, signed: true };
-    pub const LEFT_WORD: Shift = Shift { width: 16, left: true, signed: false };
-    pub const RIGHT_WORD: Shift = Shift { width: 16, left: false, signed: false };
-    pub const LEFT_DWORD: Shift = Shift { width: 32, left: true, signed: false };
-    pub const RIGHT_DWORD: Shift = Shift { width: 32, left: false, signed: false };
+    pub const SIGNED_WORD: Shift = Shift { width: 16, op: BinaryOp::Ashr };
+    pub const SIGNED_DWORD: Shift = Shift { width: 32, op: BinaryOp::Ashr };
+    pub const LEFT_WORD: Shift = Shift { width: 16, op: BinaryOp::Shl };
+    pub const RIGHT_WORD: Shift = Shift { width: 16, op: BinaryOp::Lshr };
+    pub const LEFT_DWORD: Shift = Shift { width: 32, op: BinaryOp::Shl };
+    pub const RIGHT_DWORD: Shift = Shift { width: 32, op: BinaryOp::Lshr };
 }
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// The count: the literal, or ACCU2-LL. An i32.
     fn shift_count(&mut self, operand: &Operand) -> Value {
         match Self::constant(operand) {
@@ -35,8 +35,7 @@ impl Context<'_, '_> {
         }
     }
 
-    /// Shifts in 64 bits with one bit of room at the end where bits leave, so that the last one out can be read there. Beyond one
-    /// more than the width nothing changes, so greater counts are limited to that.
+    /// Beyond one more than the width nothing changes, so greater counts are limited to that.
     pub fn shift(&mut self, shift: Shift, operand: &Operand) {
         let count = self.shift_count(operand);
         let most = i64::from(shift.width) + 1;
@@ -46,18 +45,9 @@ impl Context<'_, '_> {
         let steps = self.b.zext(Type::I64, steps);
         let accu1 = self.accu1();
         let narrow = if shift.width == 16 { self.low_word(accu1) } else { accu1 };
-        let wide = if shift.signed { self.b.sext(Type::I64, narrow) } else { self.b.zext(Type::I64, narrow) };
-        let (shifted, last) = if shift.left {
-            let shifted = self.b.binary(BinaryOp::Shl, wide, steps);
-            let last = self.b.binary_imm(BinaryOp::Lshr, shifted, i64::from(shift.width));
-            (shifted, last)
-        } else {
-            let room = self.b.binary_imm(BinaryOp::Shl, wide, 1);
-            let op = if shift.signed { BinaryOp::Ashr } else { BinaryOp::Lshr };
-            let last = self.b.binary(op, room, steps);
-            (self.b.binary_imm(op, last, 1), last)
-        };
-        let last = self.b.trunc(Type::I1, last);
+        let wide =
+            if shift.op == BinaryOp::Ashr { self.b.sext(Type::I64, narrow) } else { self.b.zext(Type::I64, narrow) };
+        let (shifted, last) = bits::shift(&mut self.b, shift.op, wide, steps, shift.width);
         let result = if shift.width == 16 {
             let low = self.b.trunc(Type::I16, shifted);
             let low = self.b.zext(Type::I32, low);
@@ -74,9 +64,7 @@ impl Context<'_, '_> {
         let count = self.shift_count(operand);
         let accu1 = self.accu1();
         let op = if left { BinaryOp::Rotl } else { BinaryOp::Rotr };
-        let result = self.b.binary(op, accu1, count);
-        let last = if left { result } else { self.b.binary_imm(BinaryOp::Lshr, result, 31) };
-        let last = self.b.trunc(Type::I1, last);
+        let (result, last) = bits::rotate(&mut self.b, op, accu1, count);
         self.set_shifted(count, result, last);
     }
 

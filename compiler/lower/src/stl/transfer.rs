@@ -5,12 +5,12 @@ use plcc_abi::layout::area;
 use plcc_ir::{BinaryOp, Type, Value, Var};
 use plcc_model::{AddressRegister, CellKind, Operand, Passing, SpecialRegister, Width};
 
-use crate::context::Context;
+use crate::block::BlockLowering;
 
 /// Address part of an address register.
 const ADDRESS_MASK: i64 = 0x00FF_FFFF;
 
-impl Context<'_, '_> {
+impl BlockLowering<'_, '_> {
     /// `L`.
     pub fn load(&mut self, operand: &Operand) {
         let value = self.load_value(operand);

@@ -8,7 +8,7 @@ use plcc_syntax::s7200::ast::*;
 
 use plcc_binding::BindInput;
 use plcc_model::profile;
-use plcc_model::s7200::{Body, StatementKind as Bound};
+use plcc_model::s7200::{S7200Body, StatementKind as Bound};
 use plcc_model::{BlockKey, Program};
 
 /// Each statement has its own position, so that messages can be distinguished.
@@ -178,7 +178,7 @@ pub fn codes(statements: &[(Insn, &[Operand])]) -> Vec<&'static str> {
     codes_on(vec![main(vec![network(statements)])], "226")
 }
 
-pub fn body(program: &Program, kind: plcc_abi::image::BlockKind, number: u16) -> &Body {
+pub fn body(program: &Program, kind: plcc_abi::image::BlockKind, number: u16) -> &S7200Body {
     match &program.block(BlockKey { kind, number }).expect("the test defines the block").body {
         plcc_model::Body::S7200(body) => body,
         _ => panic!("no block of an S7-200"),

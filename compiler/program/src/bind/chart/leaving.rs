@@ -5,7 +5,7 @@ use plcc_syntax::stl::StlInsn;
 
 use crate::bind::Binder;
 use plcc_model::StlStatementKind;
-use plcc_model::scl::{Statement, StatementKind};
+use plcc_model::scl::{Statement, StatementKind, walk};
 
 impl Binder<'_> {
     /// Reports RETURN and other exits among statements of an action, a condition or a permanent instruction.
@@ -24,7 +24,7 @@ impl Binder<'_> {
 
 /// The first statement that leaves the block.
 fn block_end(statements: &[Statement]) -> Option<Span> {
-    statements.iter().find_map(|statement| match &statement.kind {
+    walk::find(statements, &|statement| match &statement.kind {
         StatementKind::Return(_) => Some(statement.span),
         StatementKind::Stl(stl) => match &stl.kind {
             StlStatementKind::Instruction {
@@ -33,26 +33,6 @@ fn block_end(statements: &[Statement]) -> Option<Span> {
             } => Some(stl.span),
             _ => None,
         },
-        StatementKind::If { branches, otherwise } => {
-            branches.iter().find_map(|(_, body)| block_end(body)).or_else(|| block_end(otherwise))
-        }
-        StatementKind::Case { arms, otherwise, .. } => {
-            arms.iter().find_map(|arm| block_end(&arm.body)).or_else(|| block_end(otherwise))
-        }
-        StatementKind::For { body, .. } | StatementKind::While { body, .. } | StatementKind::Repeat { body, .. } => {
-            block_end(body)
-        }
-        StatementKind::Assign { .. }
-        | StatementKind::AssignText { .. }
-        | StatementKind::Copy { .. }
-        | StatementKind::SetFlag(_)
-        | StatementKind::Call(_)
-        | StatementKind::Evaluate(_)
-        | StatementKind::Exit
-        | StatementKind::Continue
-        | StatementKind::Goto(_)
-        | StatementKind::Label(_)
-        | StatementKind::Assert(_)
-        | StatementKind::Sleep(_) => None,
+        _ => None,
     })
 }

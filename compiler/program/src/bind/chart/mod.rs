@@ -50,7 +50,7 @@ use index::Index;
 use instance::Members;
 use parameters::{Effect, PARAMETERS, Parameter};
 use plcc_model::Direction;
-use plcc_model::scl::{Body, Statement, StatementKind};
+use plcc_model::scl::{SclBody, Statement, StatementKind, walk};
 use plcc_model::types::DataType;
 use template::{ENGINE, MONITOR, Meaning};
 
@@ -81,7 +81,7 @@ const ONLY_STEPS: &str = "IF DINT_TO_UDINT(INT_TO_DINT(#k) - 1) <= #last_step TH
 
 impl Binder<'_> {
     /// Binds the chart of a block.
-    pub fn bind_chart(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, chart: &Chart) -> Body {
+    pub fn bind_chart(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, chart: &Chart) -> SclBody {
         let dialect = match chart.dialect {
             Dialect::Classic => scl::ast::Dialect::Classic,
             Dialect::Tia | Dialect::Sfc => scl::ast::Dialect::Tia,
@@ -95,15 +95,15 @@ impl Binder<'_> {
         let chart = &self.resolved_chart(block, chart, &index, &members);
         let span = block.name.span();
         if instance::clashes(block, chart) {
-            return Body::default();
+            return SclBody::default();
         }
-        let Some(mut engine) = Engine::new(ctx, chart, &index, &members, span) else { return Body::default() };
+        let Some(mut engine) = Engine::new(ctx, chart, &index, &members, span) else { return SclBody::default() };
         let parts = self.chart_parts(ctx, &mut engine);
         self.unused_data(ctx, block, false);
         let mut statements = self.fill_engine(ctx, &mut engine, parts);
         let yes = number(1, Elementary::Bool, span);
         statements.push(Statement { kind: StatementKind::SetFlag(yes), span });
-        Body {
+        SclBody {
             statements,
             sets_flag,
             calls_set_flag: false,
@@ -283,17 +283,5 @@ fn is_declared(ctx: &Ctx, parameter: &Parameter) -> bool {
 
 /// A jump label among statements.
 fn label(statements: &[Statement]) -> Option<Span> {
-    statements.iter().find_map(|statement| match &statement.kind {
-        StatementKind::Label(_) => Some(statement.span),
-        StatementKind::If { branches, otherwise } => {
-            branches.iter().find_map(|(_, body)| label(body)).or_else(|| label(otherwise))
-        }
-        StatementKind::Case { arms, otherwise, .. } => {
-            arms.iter().find_map(|arm| label(&arm.body)).or_else(|| label(otherwise))
-        }
-        StatementKind::For { body, .. } | StatementKind::While { body, .. } | StatementKind::Repeat { body, .. } => {
-            label(body)
-        }
-        _ => None,
-    })
+    walk::find(statements, &|statement| matches!(statement.kind, StatementKind::Label(_)).then_some(statement.span))
 }

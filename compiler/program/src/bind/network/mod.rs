@@ -43,7 +43,7 @@ use super::scl::temporary;
 use super::scl::{Rules, Scope};
 use super::{Binder, Ctx};
 use classic::Registers;
-use plcc_model::scl::{Body, Expr, ExprKind, Statement, StatementKind};
+use plcc_model::scl::{Expr, ExprKind, SclBody, Statement, StatementKind};
 use sheet::{Pool, Sheet};
 
 /// Data that the networks of a block share.
@@ -74,7 +74,7 @@ const DRAWINGS_MAX: usize = 50;
 
 impl Binder<'_> {
     /// Binds the networks of a block.
-    pub fn bind_networks(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, networks: &Networks) -> Body {
+    pub fn bind_networks(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, networks: &Networks) -> SclBody {
         ctx.scl = Scope::new(self.input, &block.header, Dialect::Tia);
         // Boxes report their errors through ENO.
         ctx.scl.sets_flag = true;
@@ -103,7 +103,7 @@ impl Binder<'_> {
             self.not_bound(span);
         }
         self.unused_data(ctx, block, networks.networks.is_empty());
-        Body {
+        SclBody {
             statements,
             sets_flag: true,
             calls_set_flag: true,

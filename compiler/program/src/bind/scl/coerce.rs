@@ -13,7 +13,8 @@ use crate::bind::{Binder, Ctx};
 use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::layout;
-use plcc_model::scl::{Access, Base, Complex, Expr, ExprKind, Function};
+use plcc_model::scl::walk::{self, Role, Visitor};
+use plcc_model::scl::{Access, Complex, Expr, ExprKind, Function};
 use plcc_model::types::{DataType, StructType};
 
 /// Longest STRING.
@@ -308,32 +309,22 @@ pub fn copied_bytes(ty: &DataType) -> u32 {
 
 /// A call in an expression or in the indices of a variable: it may change something.
 pub fn has_call(expr: &Expr) -> bool {
-    match &expr.kind {
-        ExprKind::Call(_) | ExprKind::Timer(_) | ExprKind::Counter(_) => true,
-        ExprKind::Load(access) => access_has_call(access),
-        ExprKind::Unary { operand, .. } | ExprKind::Convert { operand, .. } => has_call(operand),
-        ExprKind::Binary { left, right, .. } | ExprKind::Compare { left, right, .. } => {
-            has_call(left) || has_call(right)
-        }
-        ExprKind::Function { arguments, .. } => arguments.iter().any(has_call),
-        ExprKind::Bound { dimension, .. } => has_call(dimension),
-        ExprKind::Const(_) | ExprKind::Cell { .. } | ExprKind::Flag | ExprKind::LastEno => false,
-    }
+    let mut calls = HasCall(false);
+    walk::expr(expr, &mut calls);
+    calls.0
 }
 
 /// Like [`has_call`], for a variable.
 pub fn access_has_call(access: &Access) -> bool {
-    use plcc_model::scl::IndexedArea;
-    let base = match &access.base {
-        Base::Place(_) => false,
-        Base::Indexed { area, byte, bit } => {
-            let area = match area {
-                IndexedArea::Memory(_) | IndexedArea::Db(_) => false,
-                IndexedArea::DynamicDb(db) => has_call(db),
-                IndexedArea::Coded { area, db } => has_call(area) || has_call(db),
-            };
-            area || has_call(byte) || bit.as_ref().is_some_and(|bit| has_call(bit))
-        }
-    };
-    base || access.indices.iter().any(|index| has_call(&index.value))
+    let mut calls = HasCall(false);
+    walk::access(access, Role::Value, &mut calls);
+    calls.0
+}
+
+struct HasCall(bool);
+
+impl Visitor for HasCall {
+    fn expr(&mut self, expr: &Expr) {
+        self.0 |= matches!(expr.kind, ExprKind::Call(_) | ExprKind::Timer(_) | ExprKind::Counter(_));
+    }
 }

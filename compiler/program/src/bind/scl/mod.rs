@@ -57,7 +57,7 @@ use plcc_syntax::ast;
 use plcc_syntax::scl::ast::{Body as Tree, Dialect, ExprKind, NameForm};
 
 use super::{Binder, Ctx};
-use plcc_model::scl::Body;
+use plcc_model::scl::SclBody;
 pub use reference::{effect, functions, reference};
 pub use rules::{Rules, Scope};
 
@@ -72,14 +72,14 @@ pub enum Intent {
 
 impl Binder<'_> {
     /// Binds the statements of a block.
-    pub fn bind_scl(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, body: &Tree) -> Body {
+    pub fn bind_scl(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, body: &Tree) -> SclBody {
         ctx.scl = Scope::new(self.input, &block.header, body.dialect);
         ctx.scl.marks_locals = body.dialect == Dialect::Tia && marks_locals(&block.code);
         self.collect_labels(ctx, &body.statements);
         let statements = self.statements(ctx, &body.statements);
         self.unused_data(ctx, block, body.statements.is_empty());
         let scope = &ctx.scl;
-        Body {
+        SclBody {
             statements,
             sets_flag: scope.sets_flag,
             calls_set_flag: scope.rules != Rules::Classic,

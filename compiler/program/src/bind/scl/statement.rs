@@ -285,27 +285,11 @@ fn has_enable(tree: &Tree) -> bool {
 fn leaves(statement: &Statement) -> bool {
     match &statement.kind {
         StatementKind::Exit | StatementKind::Return(_) | StatementKind::Goto(_) => true,
-        StatementKind::If { branches, otherwise } => {
-            branches.iter().any(|(_, body)| body.iter().any(leaves)) || otherwise.iter().any(leaves)
-        }
-        StatementKind::Case { arms, otherwise, .. } => {
-            arms.iter().any(|arm| arm.body.iter().any(leaves)) || otherwise.iter().any(leaves)
-        }
         // EXIT leaves the inner loop only.
         StatementKind::For { body, .. } | StatementKind::While { body, .. } | StatementKind::Repeat { body, .. } => {
             body.iter().any(|inner| !matches!(inner.kind, StatementKind::Exit) && leaves(inner))
         }
-        StatementKind::Assign { .. }
-        | StatementKind::AssignText { .. }
-        | StatementKind::Copy { .. }
-        | StatementKind::SetFlag(_)
-        | StatementKind::Call(_)
-        | StatementKind::Evaluate(_)
-        | StatementKind::Continue
-        | StatementKind::Label(_)
-        | StatementKind::Assert(_)
-        | StatementKind::Sleep(_)
-        | StatementKind::Stl(_) => false,
+        other => other.bodies().into_iter().flatten().any(leaves),
     }
 }
 

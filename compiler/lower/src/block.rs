@@ -1,17 +1,17 @@
 //! State of one block while it is lowered: the virtual CPU's registers as SSA variables.
 
 use plcc_abi::Type;
-use plcc_abi::image::{BlockKind, Site};
+use plcc_abi::image::BlockKind;
 use plcc_abi::layout::{self, CpuRegister};
 use plcc_ir::{Address, Block, FunctionBuilder, Loc, Region, Value, Var};
 use plcc_model::{CodeBlock, LabelId, Passing, Place, StlStatement, Width};
 use plcc_syntax::stl::StlInsn;
-use rustc_hash::FxHashMap;
 
 use crate::Output;
-use crate::fault::SafepointBlocks;
+use crate::labels::Labels;
 use crate::plan::{self, Plan};
 use crate::scl::SclState;
+use crate::stop::{SafepointBlocks, StopExit};
 
 /// Entries of the nesting stack. Source: STL reference, nesting expressions.
 pub const NESTING_MAX: usize = 7;
@@ -96,13 +96,6 @@ impl Registers {
     }
 }
 
-/// Jumps to a label: where its block is, and how many of its jumps are not built yet.
-struct LabelState {
-    block: Block,
-    jumps_left: u32,
-    placed: bool,
-}
-
 /// A jump to a label: the block that it goes to, and the blocks of the safepoint on the way.
 #[derive(Clone, Copy)]
 pub struct JumpEdge {
@@ -111,8 +104,8 @@ pub struct JumpEdge {
     safepoint: Option<SafepointBlocks>,
 }
 
-/// The data for lowering one block.
-pub struct Context<'p, 'o> {
+/// A block in STL or in the typed tree of SCL while it is lowered.
+pub struct BlockLowering<'p, 'o> {
     pub plan: &'p Plan<'p>,
     pub output: &'o mut Output<'p>,
     pub block: &'p CodeBlock,
@@ -137,8 +130,8 @@ pub struct Context<'p, 'o> {
     pub site: u32,
     /// False: the block has no `MCRA`, so the MCR is never off.
     pub uses_mcr: bool,
-    exit: Option<Block>,
-    labels: FxHashMap<LabelId, LabelState>,
+    pub stop_exit: StopExit,
+    labels: Labels<LabelId>,
     /// Result of an access that may fault, 32 bits or a bit.
     pub result: Var,
     pub result_bit: Var,
@@ -150,9 +143,9 @@ pub struct Context<'p, 'o> {
     pub scl: SclState,
 }
 
-impl<'p, 'o> Context<'p, 'o> {
-    /// A context at the start of the block's function, with registers as the caller passes them.
-    pub fn new(plan: &'p Plan<'p>, output: &'o mut Output<'p>, block: &'p CodeBlock) -> Context<'p, 'o> {
+impl<'p, 'o> BlockLowering<'p, 'o> {
+    /// Begins at the start of the block's function, with registers as the caller passes them.
+    pub fn new(plan: &'p Plan<'p>, output: &'o mut Output<'p>, block: &'p CodeBlock) -> BlockLowering<'p, 'o> {
         let mut b = FunctionBuilder::new(
             plan::function_name(block),
             &plan.function_params(block),
@@ -163,7 +156,7 @@ impl<'p, 'o> Context<'p, 'o> {
         let result_long = b.declare_var(Type::I64);
         let reference = b.declare_var(Type::I32);
         let local_bytes = plan.local_bytes(block);
-        let mut context = Context {
+        let mut lowering = BlockLowering {
             plan,
             output,
             block,
@@ -180,16 +173,16 @@ impl<'p, 'o> Context<'p, 'o> {
             frame_bytes: local_bytes,
             site: 0,
             uses_mcr: false,
-            exit: None,
-            labels: FxHashMap::default(),
+            stop_exit: StopExit::default(),
+            labels: Labels::default(),
             result,
             result_bit,
             result_long,
             reference,
             scl: SclState::default(),
         };
-        context.start();
-        context
+        lowering.start();
+        lowering
     }
 
     /// Registers and local data at the first statement.
@@ -350,13 +343,7 @@ impl<'p, 'o> Context<'p, 'o> {
     pub fn set_place(&mut self, span: plcc_diag::Span, network: u16) {
         // Code in a block of the standard library belongs to the position that uses the block.
         let span = if span.file == self.block.span.file { span } else { self.block.span };
-        let (file, line) = self.output.place(span);
-        let site = Site { file, line, block: self.block.kind, block_number: self.block.number, network };
-        let sites = &mut self.output.module.sites;
-        if sites.last() != Some(&site) {
-            sites.push(site);
-        }
-        self.site = sites.len() as u32 - 1;
+        self.site = self.output.site(self.block, span, network);
         self.b.set_loc(Loc(self.site + 1));
         self.temporaries = self.local_bytes;
     }
@@ -378,53 +365,41 @@ impl<'p, 'o> Context<'p, 'o> {
 
     // Control flow.
 
-    /// Where the block leaves when the CPU goes to STOP; values returned from there have no meaning.
-    pub fn exit(&mut self) -> Block {
-        *self.exit.get_or_insert_with(|| self.b.create_cold_block())
-    }
-
     /// Creates the block of a label that `jumps` statements jump to.
     pub fn declare_label(&mut self, label: LabelId, jumps: u32) {
-        let block = self.b.create_block();
-        self.labels.insert(label, LabelState { block, jumps_left: jumps, placed: false });
+        self.labels.declare(&mut self.b, label, jumps);
     }
 
     /// Code built from now on is at `label`.
     pub fn place_label(&mut self, label: LabelId) {
-        let Some(state) = self.labels.get_mut(&label) else { return };
-        state.placed = true;
-        let (block, complete) = (state.block, state.jumps_left == 0);
-        if self.b.is_reachable() {
-            self.b.jump(block, &[]);
-        }
-        if complete {
-            self.b.seal_block(block);
-        }
-        self.b.switch_to(block);
+        self.labels.place(&mut self.b, label);
     }
 
     /// Whether a jump to `label` goes backward.
     pub fn is_backward(&self, label: LabelId) -> bool {
-        self.labels.get(&label).is_some_and(|state| state.placed)
+        self.labels.get(label).is_some_and(|label| label.placed)
     }
 
-    /// Where a jump to `label` goes; a backward jump passes a safepoint on its way, which [`Context::jump_done`] builds.
+    /// Where a jump to `label` goes; a backward jump passes a safepoint on its way, which [`BlockLowering::jump_done`] builds.
     pub fn label_target(&mut self, label: LabelId) -> JumpEdge {
-        let target = self.labels[&label].block;
         if !self.is_backward(label) {
-            return JumpEdge { label, block: target, safepoint: None };
+            return JumpEdge { label, block: self.label_block(label), safepoint: None };
         }
         let block = self.b.create_block();
-        JumpEdge { label, block, safepoint: Some(self.safepoint_blocks()) }
+        JumpEdge { label, block, safepoint: Some(SafepointBlocks::new(&mut self.b)) }
+    }
+
+    fn label_block(&self, label: LabelId) -> Block {
+        self.labels.get(label).expect("labels are declared before statements are lowered").block
     }
 
     /// The jump over `edge` has been built; seals the label's block after the last one. There is no current block after it.
     pub fn jump_done(&mut self, edge: JumpEdge) {
-        let target = self.labels[&edge.label].block;
         if let Some(safepoint) = edge.safepoint {
+            let target = self.label_block(edge.label);
             self.b.seal_block(edge.block);
             self.b.switch_to(edge.block);
-            self.safepoint_in(safepoint);
+            self.stop_exit.safepoint_in(&mut self.b, safepoint, self.site);
             self.b.jump(target, &[]);
         }
         self.jump_skipped(edge.label);
@@ -432,12 +407,7 @@ impl<'p, 'o> Context<'p, 'o> {
 
     /// A jump to `label` is unreachable, or has been built.
     pub fn jump_skipped(&mut self, label: LabelId) {
-        let state = self.labels.get_mut(&label).expect("labels are declared before statements are lowered");
-        state.jumps_left -= 1;
-        if state.jumps_left == 0 && state.placed {
-            let block = state.block;
-            self.b.seal_block(block);
-        }
+        self.labels.jump_done(&mut self.b, label);
     }
 
     /// Returns to the caller with the current registers.
@@ -457,13 +427,7 @@ impl<'p, 'o> Context<'p, 'o> {
         if self.b.is_reachable() {
             self.return_registers();
         }
-        if let Some(exit) = self.exit {
-            self.b.seal_block(exit);
-            self.b.switch_to(exit);
-            let zeros: Vec<Value> =
-                self.plan.function_returns(self.block).into_iter().map(|ty| self.b.iconst(ty, 0)).collect();
-            self.b.ret(&zeros);
-        }
+        self.stop_exit.finish(&mut self.b, &self.plan.function_returns(self.block));
         self.b.set_frame_bytes(layout::frame_bytes(self.frame_bytes));
         self.b.finish()
     }

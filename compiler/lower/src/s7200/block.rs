@@ -1,16 +1,17 @@
 //! One block while it is lowered.
 
 use plcc_abi::RuntimeFn;
-use plcc_abi::image::{BlockKind, Site};
-use plcc_abi::layout::{self, state};
+use plcc_abi::image::BlockKind;
+use plcc_abi::layout;
 use plcc_abi::s7200::{LOCAL_BYTES, STACK_LEVELS};
-use plcc_ir::{Address, Block, FunctionBuilder, IntCc, Loc, Region, Type, Value, Var};
+use plcc_ir::{Address, Block, FunctionBuilder, Loc, Region, Type, Value, Var};
 use plcc_model::CodeBlock;
 use plcc_model::s7200::{self as model, Direction, Insn, Operand, Statement, StatementKind, Width};
-use rustc_hash::FxHashMap;
 
-use super::plan::{self, Plan};
+use super::plan::{self, S7200Plan};
 use crate::Output;
+use crate::labels::Labels;
+use crate::stop::StopExit;
 
 /// The effect of an instruction's error, apart from being noted.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -19,13 +20,6 @@ pub enum OnError {
     Skip,
     /// The CPU stops: compare contacts.
     Stop,
-}
-
-/// A label: its block, and how many of its jumps are not built yet.
-pub struct Label {
-    pub block: Block,
-    jumps_left: u32,
-    pub placed: bool,
 }
 
 /// A FOR that waits for its NEXT.
@@ -46,12 +40,12 @@ pub struct Step<'p> {
     pub gate: Var,
 }
 
-/// The data for lowering one block.
-pub struct Context<'p, 'o> {
-    pub plan: &'o mut Plan<'p>,
+/// A block of an S7-200 while it is lowered.
+pub struct S7200Lowering<'p, 'o> {
+    pub plan: &'o mut S7200Plan<'p>,
     pub output: &'o mut Output<'p>,
     pub block: &'p CodeBlock,
-    pub body: &'p model::Body,
+    pub body: &'p model::S7200Body,
     pub b: FunctionBuilder,
     /// The logic stack, S0 first.
     pub stack: [Var; STACK_LEVELS],
@@ -64,24 +58,24 @@ pub struct Context<'p, 'o> {
     pub on_error: OnError,
     /// The target of an error of this statement, if one is possible.
     failure: Option<Block>,
-    exit: Option<Block>,
-    pub labels: FxHashMap<u32, Label>,
+    stop_exit: StopExit,
+    pub labels: Labels<u32>,
     pub loops: Vec<Loop<'p>>,
     pub step: Option<Step<'p>>,
 }
 
-impl<'p, 'o> Context<'p, 'o> {
+impl<'p, 'o> S7200Lowering<'p, 'o> {
     pub fn new(
-        plan: &'o mut Plan<'p>,
+        plan: &'o mut S7200Plan<'p>,
         output: &'o mut Output<'p>,
         block: &'p CodeBlock,
-        body: &'p model::Body,
-    ) -> Context<'p, 'o> {
+        body: &'p model::S7200Body,
+    ) -> S7200Lowering<'p, 'o> {
         let name = format!("{}{}", block.kind.prefix(), block.number);
         let mut b = FunctionBuilder::new(name, &plan::parameters(body), &plan::returns(body));
         let stack = std::array::from_fn(|_| b.declare_var(Type::I1));
         let (eno, result) = (b.declare_var(Type::I1), b.declare_var(Type::I32));
-        let mut context = Context {
+        let mut lowering = S7200Lowering {
             plan,
             output,
             block,
@@ -94,13 +88,13 @@ impl<'p, 'o> Context<'p, 'o> {
             index: 0,
             on_error: OnError::Skip,
             failure: None,
-            exit: None,
-            labels: FxHashMap::default(),
+            stop_exit: StopExit::default(),
+            labels: Labels::default(),
             loops: Vec::new(),
             step: None,
         };
-        context.start();
-        context
+        lowering.start();
+        lowering
     }
 
     /// OB1 begins with an empty stack, other blocks with S0 = 1. Local data is 0, except for copied parameters.
@@ -127,27 +121,14 @@ impl<'p, 'o> Context<'p, 'o> {
             if let StatementKind::Instruction { insn: insn @ (Insn::Lbl | Insn::Jmp), operands } = &statement.kind
                 && let Some(Operand::Const(number)) = operands.first()
             {
-                let b = &mut self.b;
-                let label = self.labels.entry(*number).or_insert_with(|| Label {
-                    block: b.create_block(),
-                    jumps_left: 0,
-                    placed: false,
-                });
-                label.jumps_left += u32::from(*insn == Insn::Jmp);
+                self.labels.declare(&mut self.b, *number, u32::from(*insn == Insn::Jmp));
             }
         }
     }
 
     /// Instructions built from now on belong to this statement.
     pub fn begin_statement(&mut self, index: usize, statement: &Statement) {
-        let (file, line) = self.output.place(statement.span);
-        let site =
-            Site { file, line, block: self.block.kind, block_number: self.block.number, network: statement.network };
-        let sites = &mut self.output.module.sites;
-        if sites.last() != Some(&site) {
-            sites.push(site);
-        }
-        self.site = sites.len() as u32 - 1;
+        self.site = self.output.site(self.block, statement.span, statement.network);
         self.b.set_loc(Loc(self.site + 1));
         self.index = index;
         self.on_error = OnError::Skip;
@@ -278,7 +259,7 @@ impl<'p, 'o> Context<'p, 'o> {
         }
     }
 
-    /// Like [`Context::guarded`], for a `body` that ends its block; an error goes to `after`.
+    /// Like [`S7200Lowering::guarded`], for a `body` that ends its block; an error goes to `after`.
     pub fn guarded_to(&mut self, after: Block, body: impl FnOnce(&mut Self)) {
         let outer = self.failure.take();
         body(self);
@@ -299,19 +280,15 @@ impl<'p, 'o> Context<'p, 'o> {
         self.b.seal_block(cold);
         self.b.seal_block(next);
         self.b.switch_to(cold);
-        let site = self.site_value();
         match self.on_error {
             OnError::Skip => {
-                let code = self.b.i32_const(u32::from(code));
+                let (site, code) = (self.site_value(), self.b.i32_const(u32::from(code)));
                 self.b.call_runtime(RuntimeFn::S7200Error, &[site, code]);
                 let failure = *self.failure.get_or_insert_with(|| self.b.create_cold_block());
                 self.b.jump(failure, &[]);
             }
             OnError::Stop => {
-                let event = self.b.i32_const(u32::from(plcc_abi::s7200::fatal::EVENT | fatal));
-                self.b.call_runtime(RuntimeFn::Stop, &[site, event]);
-                let exit = self.exit();
-                self.b.jump(exit, &[]);
+                self.stop_exit.stop(&mut self.b, self.site, plcc_abi::s7200::fatal::EVENT | fatal);
             }
         }
         self.b.switch_to(next);
@@ -319,63 +296,20 @@ impl<'p, 'o> Context<'p, 'o> {
 
     // Control flow.
 
-    /// Where the block leaves when the CPU goes to STOP; values returned from there have no meaning.
-    pub fn exit(&mut self) -> Block {
-        *self.exit.get_or_insert_with(|| self.b.create_cold_block())
+    /// Leaves the block if `stop`, an integer, is not 0.
+    pub fn stop_check(&mut self, stop: Value) {
+        self.stop_exit.check(&mut self.b, stop);
     }
 
-    /// Leaves the block if `stop`, an i1.
-    pub fn stop_if(&mut self, stop: Value) {
-        let next = self.b.create_block();
-        let exit = self.exit();
-        self.b.branch(stop, exit, next);
-        self.b.seal_block(next);
-        self.b.switch_to(next);
-    }
-
-    /// Runs events that are due: one load, one test, one branch that is rarely taken.
+    /// Runs events that are due.
     pub fn safepoint(&mut self) {
-        let attention = self.b.load_state(state::ATTENTION);
-        let due = self.b.icmp_imm(IntCc::Ne, attention, 0);
-        let (cold, next) = (self.b.create_cold_block(), self.b.create_block());
-        self.b.branch(due, cold, next);
-        self.b.seal_block(cold);
-        self.b.switch_to(cold);
-        let site = self.site_value();
-        let stop = self.b.call_runtime(RuntimeFn::Safepoint, &[site]).expect("safepoint has a result");
-        let stops = self.b.icmp_imm(IntCc::Ne, stop, 0);
-        let exit = self.exit();
-        self.b.branch(stops, exit, next);
-        self.b.seal_block(next);
-        self.b.switch_to(next);
+        self.stop_exit.safepoint(&mut self.b, self.site);
     }
 
     pub fn network_safepoint(&mut self) {
         if self.plan.has_interrupts {
             self.safepoint();
         }
-    }
-
-    /// A jump to a label has been built; seals its block after the last one.
-    pub fn jump_done(&mut self, number: u32) {
-        let Some(label) = self.labels.get_mut(&number) else { return };
-        label.jumps_left = label.jumps_left.saturating_sub(1);
-        if label.jumps_left == 0 && label.placed {
-            let block = label.block;
-            self.b.seal_block(block);
-        }
-    }
-
-    /// The label's block is at its position, and is the current one.
-    pub fn label_placed(&mut self, number: u32) {
-        let Some(label) = self.labels.get_mut(&number) else { return };
-        label.placed = true;
-        let (block, complete) = (label.block, label.jumps_left == 0);
-        self.b.jump(block, &[]);
-        if complete {
-            self.b.seal_block(block);
-        }
-        self.b.switch_to(block);
     }
 
     /// Returns, with the values to copy back.
@@ -398,13 +332,7 @@ impl<'p, 'o> Context<'p, 'o> {
         if self.b.is_reachable() {
             self.leave();
         }
-        if let Some(exit) = self.exit {
-            self.b.seal_block(exit);
-            self.b.switch_to(exit);
-            let returns = plan::returns(self.body);
-            let zeros: Vec<Value> = returns.into_iter().map(|ty| self.b.iconst(ty, 0)).collect();
-            self.b.ret(&zeros);
-        }
+        self.stop_exit.finish(&mut self.b, &plan::returns(self.body));
         self.b.set_frame_bytes(layout::frame_bytes(LOCAL_BYTES));
         self.b.finish()
     }

@@ -1,11 +1,13 @@
-//! Walks over the typed tree of SCL.
+//! The walk over the typed tree: whoever looks for something in it implements [`Visitor`].
+//!
+//! Each part is reported before what it contains, except for calls and complex values, whose room in the frame is needed
+//! after that of their arguments.
 
-use plcc_model::Assert;
-use plcc_model::scl::{
+use super::{
     Access, Actual, Base, Call, Complex, CounterCall, Expr, ExprKind, IndexedArea, Instance, Statement, StatementKind,
     TimerCall,
 };
-use plcc_model::{Number, Place};
+use crate::{Assert, Number, Place};
 
 /// How a place is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,32 +20,81 @@ pub enum Role {
 
 /// What a walk reports.
 pub trait Visitor {
-    /// An access; its indices are walked separately.
-    fn access(&mut self, _access: &Access, _role: Role) {}
-    /// A place that is not an access: a number in memory.
-    fn place(&mut self, _place: &Place) {}
-    /// A call, after what its arguments contain.
-    fn call(&mut self, _call: &Call) {}
-    /// A complex value that needs room in the frame.
-    fn complex(&mut self, _complex: &Complex) {}
-    fn assert(&mut self, _assert: &Assert) {}
     /// Before each statement, including those inside others.
     fn statement(&mut self, _statement: &Statement) {}
     /// After the parts of the statement itself, before the statements inside it.
     fn own_part_done(&mut self) {}
     /// This many paths meet: after IF and CASE.
     fn paths_meet(&mut self, _paths: usize) {}
+    /// Before each expression, including those inside others.
+    fn expr(&mut self, _value: &Expr) {}
+    /// An access, before its indices.
+    fn access(&mut self, _access: &Access, _role: Role) {}
+    /// A place that is not an access: a number in memory.
+    fn place(&mut self, _place: &Place) {}
+    /// A call, after what its arguments contain.
+    fn call(&mut self, _call: &Call) {}
+    /// A complex value that needs room in the frame, after what it contains.
+    fn complex(&mut self, _complex: &Complex) {}
+    fn assert(&mut self, _assert: &Assert) {}
 }
 
+/// Walks over statements and all that is inside them.
 pub fn statements(list: &[Statement], visitor: &mut dyn Visitor) {
     for statement in list {
         visitor.statement(statement);
-        self::statement(statement, visitor);
+        own_part(&statement.kind, visitor);
+        visitor.own_part_done();
+        let bodies = statement.kind.bodies();
+        bodies.iter().for_each(|body| statements(body, visitor));
+        if matches!(statement.kind, StatementKind::If { .. } | StatementKind::Case { .. }) {
+            visitor.paths_meet(bodies.len());
+        }
     }
 }
 
-fn statement(statement: &Statement, visitor: &mut dyn Visitor) {
-    match &statement.kind {
+/// The first answer of `look` about a statement, or one inside it, in source order.
+pub fn find<T>(list: &[Statement], look: &dyn Fn(&Statement) -> Option<T>) -> Option<T> {
+    let inside = |statement: &Statement| statement.kind.bodies().into_iter().find_map(|body| find(body, look));
+    list.iter().find_map(|statement| look(statement).or_else(|| inside(statement)))
+}
+
+impl StatementKind {
+    /// The lists of statements inside this one, in source order. IF and CASE always have one for ELSE.
+    pub fn bodies(&self) -> Vec<&[Statement]> {
+        match self {
+            StatementKind::If { branches, otherwise } => {
+                branches.iter().map(|(_, body)| body).chain([otherwise]).map(Vec::as_slice).collect()
+            }
+            StatementKind::Case { arms, otherwise, .. } => {
+                arms.iter().map(|arm| &arm.body).chain([otherwise]).map(Vec::as_slice).collect()
+            }
+            StatementKind::For { body, .. }
+            | StatementKind::While { body, .. }
+            | StatementKind::Repeat { body, .. } => {
+                vec![body]
+            }
+            StatementKind::Assign { .. }
+            | StatementKind::AssignText { .. }
+            | StatementKind::Copy { .. }
+            | StatementKind::SetFlag(_)
+            | StatementKind::Call(_)
+            | StatementKind::Evaluate(_)
+            | StatementKind::Exit
+            | StatementKind::Continue
+            | StatementKind::Return(_)
+            | StatementKind::Goto(_)
+            | StatementKind::Label(_)
+            | StatementKind::Assert(_)
+            | StatementKind::Sleep(_)
+            | StatementKind::Stl(_) => Vec::new(),
+        }
+    }
+}
+
+/// What a statement contains, except for other statements.
+fn own_part(statement: &StatementKind, visitor: &mut dyn Visitor) {
+    match statement {
         StatementKind::Assign { target, value } => {
             access(target, Role::Value, visitor);
             expr(value, visitor);
@@ -54,49 +105,29 @@ fn statement(statement: &Statement, visitor: &mut dyn Visitor) {
         }
         StatementKind::SetFlag(value) | StatementKind::Evaluate(value) => expr(value, visitor),
         StatementKind::Call(value) => call(value, visitor),
-        StatementKind::If { branches, otherwise } => {
-            branches.iter().for_each(|(condition, _)| expr(condition, visitor));
-            visitor.own_part_done();
-            branches.iter().for_each(|(_, body)| statements(body, visitor));
-            statements(otherwise, visitor);
-            visitor.paths_meet(branches.len() + 1);
-            return;
-        }
-        StatementKind::Case { selector, arms, otherwise } => {
-            expr(selector, visitor);
-            visitor.own_part_done();
-            arms.iter().for_each(|arm| statements(&arm.body, visitor));
-            statements(otherwise, visitor);
-            visitor.paths_meet(arms.len() + 1);
-            return;
-        }
-        StatementKind::For { variable, start, end, step, body } => {
+        StatementKind::If { branches, .. } => branches.iter().for_each(|(condition, _)| expr(condition, visitor)),
+        StatementKind::Case { selector, .. } => expr(selector, visitor),
+        StatementKind::For { variable, start, end, step, .. } => {
             access(variable, Role::Value, visitor);
             [start, end, step].into_iter().for_each(|value| expr(value, visitor));
-            visitor.own_part_done();
-            statements(body, visitor);
-            return;
         }
-        StatementKind::While { condition, body } | StatementKind::Repeat { body, until: condition } => {
+        StatementKind::While { condition, .. } | StatementKind::Repeat { until: condition, .. } => {
             expr(condition, visitor);
-            visitor.own_part_done();
-            statements(body, visitor);
-            return;
         }
-        StatementKind::Return(Some(value)) => expr(value, visitor),
+        StatementKind::Return(value) => value.iter().for_each(|value| expr(value, visitor)),
         StatementKind::Assert(assert) => visitor.assert(assert),
         StatementKind::Exit
         | StatementKind::Continue
-        | StatementKind::Return(None)
         | StatementKind::Goto(_)
         | StatementKind::Label(_)
         | StatementKind::Sleep(_)
         | StatementKind::Stl(_) => {}
     }
-    visitor.own_part_done();
 }
 
+/// Walks over an expression and all that is inside it.
 pub fn expr(value: &Expr, visitor: &mut dyn Visitor) {
+    visitor.expr(value);
     match &value.kind {
         ExprKind::Const(_) | ExprKind::Flag | ExprKind::LastEno => {}
         ExprKind::Load(from) => access(from, Role::Value, visitor),
@@ -133,7 +164,9 @@ fn counter(call: &CounterCall, visitor: &mut dyn Visitor) {
     [&call.q, &call.cv].into_iter().flatten().for_each(|target| access(target, Role::Value, visitor));
 }
 
-fn access(access: &Access, role: Role, visitor: &mut dyn Visitor) {
+/// Walks over an access and the expressions of its address.
+pub fn access(access: &Access, role: Role, visitor: &mut dyn Visitor) {
+    visitor.access(access, role);
     if let Base::Indexed { area, byte, bit } = &access.base {
         match area {
             IndexedArea::Memory(_) | IndexedArea::Db(_) => {}
@@ -147,7 +180,6 @@ fn access(access: &Access, role: Role, visitor: &mut dyn Visitor) {
         bit.iter().for_each(|bit| expr(bit, visitor));
     }
     access.indices.iter().for_each(|index| expr(&index.value, visitor));
-    visitor.access(access, role);
 }
 
 fn complex(value: &Complex, visitor: &mut dyn Visitor) {
