@@ -18,9 +18,11 @@ mod frames;
 mod inline;
 mod interfaces;
 mod known_bits;
+mod locals;
 mod ranges;
 mod usage;
 mod values;
+mod variables;
 
 use plcc_ir::Module;
 pub use usage::{Usage, usage};
@@ -55,6 +57,7 @@ pub const PIPELINE: &[Pass] = &[
     pass("bits", bits::find_bits),
     pass("values", values::share_values),
     pass("forward", forward::forward_memory),
+    pass("locals", locals::promote_locals),
     pass("fold", fold::fold),
     pass("ranges", ranges::use_ranges),
     pass("fold", fold::fold),
