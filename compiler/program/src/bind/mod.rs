@@ -11,34 +11,18 @@
 //! With errors the program is incomplete and must not be lowered; the same applies to `partial` runs with warnings about
 //! undefined names.
 
-mod actual;
-mod body;
-mod call;
 mod chart;
-mod constant;
-mod data;
-mod declare;
+mod chart_data;
+mod declarations;
 mod family;
-mod hardware;
-mod initial;
-mod interface;
-mod library;
 mod library_reference;
 mod mentions;
-mod move_call;
-mod names;
 mod network;
-mod ob;
-mod operand;
 mod partial;
 #[cfg(test)]
 mod partial_tests;
-mod path;
-mod pragma;
-mod predefined;
 mod scl;
-mod settle;
-mod system_memory;
+mod stl;
 
 #[cfg(test)]
 mod declaration_tests;
@@ -57,16 +41,17 @@ use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, Width};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 pub use chart::reference as graph_reference;
-use declare::{BoundInterface, Scope, Typed, TypedStruct};
+use declarations::names::Global;
+pub use declarations::names::has_free_obs;
+use declarations::types::{self, BoundInterface, Scope, Typed, TypedStruct};
+use declarations::{data, names};
 pub use family::implied_family;
 pub use library_reference::standard_library;
-use names::Global;
-pub use names::has_free_obs;
 pub use network::{is_about_drafts, reference as lad_fbd_reference};
 pub use partial::complete;
 use plcc_binding::constant::Constants;
-use plcc_binding::report::{self, Report};
-use plcc_binding::{BindInput, Bound, assertion, value};
+use plcc_binding::report::Report;
+use plcc_binding::{BindInput, Bound};
 use plcc_model::types::StructType;
 use plcc_model::{BlockKey, Body, CodeBlock, Program, TestSettings};
 use plcc_syntax::symbols::SymbolTarget;
@@ -212,7 +197,7 @@ struct Binder<'a> {
     limits_told: FxHashSet<(Area, u32)>,
     cells_told: FxHashSet<(CellKind, u32)>,
     /// Pointer parameters of instances: whether some call supplies them, and a call that does not.
-    pointers: FxHashMap<(call::InstanceId, usize), call::PointerUse>,
+    pointers: FxHashMap<(declarations::calls::InstanceId, usize), declarations::calls::PointerUse>,
     /// Data blocks that calls name as instances of undefined blocks: nothing is known of them.
     unknown_instances: FxHashSet<u16>,
     /// Lines that every run of the program prints at its start.
@@ -256,7 +241,7 @@ impl<'a> Binder<'a> {
             udts: FxHashMap::default(),
             predefined: FxHashMap::default(),
             scope: Scope::default(),
-            tia_sources: declare::is_tia(input),
+            tia_sources: types::is_tia(input),
             interfaces: FxHashMap::default(),
             dbs: FxHashMap::default(),
             db_bytes: 0,
@@ -395,101 +380,6 @@ impl<'a> Binder<'a> {
             .collect();
         entries.sort_by(|a, b| a.name.cmp(&b.name));
         entries
-    }
-
-    /// Text of the source at `span`, on one line.
-    fn text(&self, span: Span) -> String {
-        if span.file == SYSTEM_FILE {
-            return String::new();
-        }
-        let overlay =
-            self.input.units.iter().find(|(file, _)| *file == span.file).and_then(|(_, unit)| unit.overlay.as_ref());
-        let file = self.input.sources.files().nth(span.file.0 as usize).map(|(_, file)| &file.text);
-        let text = overlay.or(file).and_then(|text| text.get(span.range())).unwrap_or("");
-        let mut words = text.split_whitespace();
-        let mut line = words.next().unwrap_or("").to_string();
-        for word in words {
-            line.push(' ');
-            line.push_str(word);
-        }
-        line
-    }
-
-    /// Checks an address against its area and the CPU; `None` if it cannot exist, which is reported.
-    fn check_address(&mut self, ctx: &mut Ctx, area: Area, width: Width, byte: u32, span: Span) -> Option<()> {
-        use plcc_abi::layout::{AREA_BYTES, L_CLASS_BYTES};
-        let profile = &self.input.profile;
-        let end = u64::from(byte) + u64::from(width.bytes());
-        let (name, limit, space) = match area {
-            Area::I => ("inputs", profile.inputs, AREA_BYTES),
-            Area::Q => ("outputs", profile.outputs, AREA_BYTES),
-            Area::M => ("bit memory", profile.bit_memory, AREA_BYTES),
-            Area::L => ("local data", profile.local_data, L_CLASS_BYTES),
-            Area::Pi => ("peripheral inputs", AREA_BYTES, AREA_BYTES),
-            Area::Pq => ("peripheral outputs", AREA_BYTES, AREA_BYTES),
-            Area::Db | Area::Di => ("a data block", AREA_BYTES, AREA_BYTES),
-        };
-        if area == Area::L && end <= u64::from(space) {
-            ctx.local_bytes = ctx.local_bytes.max(end as u32);
-        }
-        self.check_limit(end, limit, space, (name, "bytes"), (area, byte), span)
-    }
-
-    fn check_limit(
-        &mut self,
-        end: u64,
-        limit: u32,
-        space: u32,
-        (name, unit): (&str, &str),
-        told: (Area, u32),
-        span: Span,
-    ) -> Option<()> {
-        if end <= u64::from(limit.min(space)) {
-            return Some(());
-        }
-        let profile = &self.input.profile;
-        let hard = end > u64::from(space) || profile.limits_checked;
-        if !hard && !self.limits_told.insert(told) {
-            return Some(());
-        }
-        let limit = limit.min(space);
-        let code = if hard { Code::AddressRange } else { Code::CpuLimit };
-        let message = Diagnostic::new(code, span, format!("this address is beyond the end of {name}")).label(format!(
-            "the profile {} has {limit} {unit} of {name}: 0 to {}",
-            profile.name,
-            limit.saturating_sub(1)
-        ));
-        let message = if end <= u64::from(space) { message.help("name a larger CPU with --cpu") } else { message };
-        self.report.push(message);
-        if hard { None } else { Some(()) }
-    }
-
-    /// Checks the number of a timer or counter; `None` if it cannot exist, which is reported.
-    fn check_cell(&mut self, kind: CellKind, number: u32, span: Span) -> Option<u16> {
-        use plcc_abi::layout::TIMERS_MAX;
-        let profile = &self.input.profile;
-        let (name, limit) = match kind {
-            CellKind::Timer => ("timers", profile.timers),
-            CellKind::Counter => ("counters", profile.counters),
-        };
-        if number < limit.min(TIMERS_MAX) {
-            return Some(number as u16);
-        }
-        let hard = number >= TIMERS_MAX || profile.limits_checked;
-        if hard || self.cells_told.insert((kind, number)) {
-            let code = if hard { Code::AddressRange } else { Code::CpuLimit };
-            let (title, label) = match limit {
-                0 => (format!("the CPU has no {name}"), format!("the profile {} has IEC {name} only", profile.name)),
-                _ => (
-                    format!("the CPU has fewer {name}"),
-                    format!("the profile {} has {limit} {name}: 0 to {}", profile.name, limit - 1),
-                ),
-            };
-            let message = Diagnostic::new(code, span, title).label(label);
-            let message = if number < TIMERS_MAX { message.help("name a larger CPU with --cpu") } else { message };
-            self.report.push(message);
-        }
-        if hard { None } else { Some(number as u16) }
     }
 
     fn file_pragmas(&mut self) -> TestSettings {

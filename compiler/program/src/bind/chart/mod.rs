@@ -1,11 +1,10 @@
 //! Binding of GRAPH: a chart becomes statements of the typed tree of SCL, so that all languages share one lowering.
 //!
-//! - `parameters`: the operating parameters, one row for each; `instance`: data of the chart in the instance.
 //! - `index`: steps and transitions by name and number; `names`: their names in expressions.
 //! - `engine.scl`, `monitor.scl`: one call of the block as SCL with placeholders; `template` reads them.
 //! - `engine_data`: the data that statements of the chart use: where it is, sets of steps; `build`: pieces of the typed tree.
-//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `numbers`: the numbers that they compare and
-//!   rows compute with; `call`: block calls of the first two; `leaving`: statements that are not possible in them.
+//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `call`: block calls of the first two;
+//!   `leaving`: statements that are not possible in them.
 //! - `assemble`: the code of steps and transitions, put into the placeholders.
 //! - `analysis`: which charts are valid.
 //! - `reference`: the page about GRAPH.
@@ -20,18 +19,14 @@ mod call;
 mod condition;
 mod engine_data;
 mod index;
-mod instance;
 mod leaving;
 mod names;
-mod numbers;
-mod parameters;
 mod permanent;
 mod reference;
 mod template;
 #[cfg(test)]
 mod testing;
 
-pub use instance::{expanded, type_named};
 pub use reference::reference;
 
 use plcc_diag::{Code, Diagnostic, Span};
@@ -40,6 +35,8 @@ use plcc_syntax::ast::{self, SectionKind};
 use plcc_syntax::chart::ast::{Body as Chart, Condition as Tree, Dialect, Qualifier};
 use plcc_syntax::scl;
 
+use super::chart_data::parameters::{self, Effect, PARAMETERS, Parameter};
+use super::chart_data::{self, Members};
 use super::scl::Scope;
 use super::scl::temporary;
 use super::{Binder, Ctx};
@@ -47,8 +44,6 @@ use assemble::{Assembly, Condition, Features, Parts};
 use build::number;
 use engine_data::Engine;
 use index::Index;
-use instance::Members;
-use parameters::{Effect, PARAMETERS, Parameter};
 use plcc_model::Direction;
 use plcc_model::scl::{Body, Statement, StatementKind};
 use plcc_model::types::DataType;
@@ -94,7 +89,7 @@ impl Binder<'_> {
         let members = Members::new(block, chart);
         let chart = &self.resolved_chart(block, chart, &index, &members);
         let span = block.name.span();
-        if instance::clashes(block, chart) {
+        if chart_data::clashes(block, chart) {
             return Body::default();
         }
         let Some(mut engine) = Engine::new(ctx, chart, &index, &members, span) else { return Body::default() };

@@ -8,7 +8,7 @@ use plcc_syntax::scl::ast::{Expr, ExprKind, Literal, Name, NameForm, Statement, 
 use rustc_hash::FxHashSet;
 
 use super::index::Index;
-use super::instance::Members;
+use crate::bind::chart_data::Members;
 use crate::bind::{Binder, SYSTEM_FILE};
 use plcc_binding::fold;
 

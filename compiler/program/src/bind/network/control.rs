@@ -9,7 +9,7 @@ use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as Node
 use super::TOP;
 use super::pins::{connected, inverted, no, yes};
 use super::sheet::Sheet;
-use crate::bind::scl::rules::Label;
+use crate::bind::scl::scope::Label;
 use crate::bind::scl::value::Value;
 use crate::bind::{Binder, Ctx};
 use plcc_binding::fold;

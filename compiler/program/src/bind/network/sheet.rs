@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use super::Page;
 use super::classic::Registers;
 use crate::bind::Ctx;
-use crate::bind::path::{self, Variable};
+use crate::bind::declarations::path::{self, Variable};
 use crate::bind::scl::place::Spot;
 use plcc_model::scl::{Access, Expr, ExprKind, Statement, StatementKind};
 use plcc_model::types::DataType;

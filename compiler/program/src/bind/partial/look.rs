@@ -263,7 +263,7 @@ impl<'a> Look<'_, 'a> {
         if self.binder.defined.contains_key(&(prefix, number)) {
             return true;
         }
-        match crate::bind::names::code_kind(prefix) {
+        match crate::bind::declarations::names::code_kind(prefix) {
             Some(kind) => {
                 let key = BlockKey { kind, number };
                 self.binder.code.contains_key(&key) || self.binder.in_library(key)
@@ -710,5 +710,5 @@ pub fn of_constant(constant: &Constant) -> Hint {
 
 /// The type of an address of this width.
 pub const fn of_width(width: Width) -> Elementary {
-    crate::bind::path::type_of_width(width)
+    crate::bind::declarations::path::type_of_width(width)
 }

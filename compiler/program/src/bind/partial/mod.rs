@@ -21,7 +21,7 @@ use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind, SourceUnit};
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::declare::BoundInterface;
+use super::declarations::types::BoundInterface;
 use plcc_binding::report::MissingKey;
 use plcc_binding::stand_ins::{Completed, Missing, Parts, Told, Whole, errors, finish};
 
@@ -228,13 +228,13 @@ impl Look<'_, '_> {
         let bound = self
             .quietly(|binder| binder.interface(key, span))
             .unwrap_or_else(|| std::rc::Rc::new(BoundInterface::default()));
-        let dialect = super::declare::dialect(code).unwrap_or_default();
+        let dialect = super::declarations::types::dialect(code).unwrap_or_default();
         let mut ctx = Ctx {
             key,
             bound,
             unknown_locals: FxHashSet::default(),
             local_bytes: 0,
-            fragment: super::names::is_fragment(code),
+            fragment: super::declarations::names::is_fragment(code),
             fixed_span: None,
             scl: Scope::new(self.binder.input, &code.header, dialect),
         };

@@ -127,7 +127,7 @@ impl Look<'_, '_> {
         let name = long.map_or(name.to_string(), |word| format!("{name}_{word}"));
         let block = plcc_stdlib::find_tia(&name).or_else(|| plcc_stdlib::find_name(&name));
         let Some(key) = block.map(|block| self.binder.library_key(block)) else { return };
-        let prefix = crate::bind::names::kind_prefix(key.kind);
+        let prefix = crate::bind::declarations::names::kind_prefix(key.kind);
         let of = Missing::block(prefix, u32::from(key.number));
         self.with_shape(ctx, &start, &steps, span, &mut |shape| shape.of.clone_from(&of));
     }

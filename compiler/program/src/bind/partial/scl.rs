@@ -239,7 +239,7 @@ impl Look<'_, '_> {
                 shape.is_db = true;
                 shape.of = Some(of.clone());
             });
-            let kind = crate::bind::names::code_kind(prefix);
+            let kind = crate::bind::declarations::names::code_kind(prefix);
             if let Some(kind) = kind {
                 self.known_block(ctx, BlockKey { kind, number }, arguments, base.span);
             }

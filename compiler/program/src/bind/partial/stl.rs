@@ -9,7 +9,7 @@ use super::evidence::Hint;
 use super::look::{Look, Start, Step, of_constant, of_width, step_of_part};
 use super::scl::{parameter_hint, typed};
 use crate::bind::Ctx;
-use crate::bind::settle::Settled;
+use crate::bind::stl::settle::Settled;
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
@@ -242,7 +242,7 @@ impl Look<'_, '_> {
         let Some((start, steps, span)) = start_of_operand(ctx, &call.target) else { return };
         let known = self.quietly(|binder| match binder.settle(ctx, &call.target)? {
             Settled::Block { prefix, number: Number::Known(number) } => {
-                Some(BlockKey { kind: crate::bind::names::code_kind(prefix)?, number })
+                Some(BlockKey { kind: crate::bind::declarations::names::code_kind(prefix)?, number })
             }
             Settled::Complex(variable) => match &variable.ty {
                 DataType::Struct(structure) => {
@@ -311,7 +311,7 @@ impl Look<'_, '_> {
 
 /// A block that is known, as instances refer to it.
 fn known_block(key: BlockKey) -> Option<Missing> {
-    Missing::block(crate::bind::names::kind_prefix(key.kind), u32::from(key.number))
+    Missing::block(crate::bind::declarations::names::kind_prefix(key.kind), u32::from(key.number))
 }
 
 fn start_of_block(name: &BlockName) -> Start {

@@ -10,9 +10,9 @@ use plcc_syntax::scl::{absolute, area_word, db_address, db_area_word};
 
 use super::Intent;
 use super::place::{Db, Root, Spot, Thing};
-use super::rules::TempUse;
+use super::scope::TempUse;
 use super::value::Value;
-use crate::bind::path::{self, Resolved, Variable, type_of_width};
+use crate::bind::declarations::path::{self, Resolved, Variable, type_of_width};
 use crate::bind::{Binder, Ctx};
 use plcc_binding::fold;
 use plcc_model::Number;
@@ -262,7 +262,7 @@ impl Binder<'_> {
             return false;
         }
         let wanted = fold(&name.text);
-        let prefix = crate::bind::names::kind_prefix(ctx.key.kind);
+        let prefix = crate::bind::declarations::names::kind_prefix(ctx.key.kind);
         fold(&self.block_name(prefix, ctx.key.number)) == wanted
             || wanted.split_whitespace().collect::<String>() == format!("fc{}", ctx.key.number)
             || (ctx.key.number >= 1000 || ctx.key.kind == BlockKind::Sfc)

@@ -11,7 +11,7 @@ use plcc_syntax::{Class, Elementary};
 use super::message::described;
 use super::value::Value;
 use super::{Intent, coerce};
-use crate::bind::names::code_kind;
+use crate::bind::declarations::names::code_kind;
 use crate::bind::{Binder, Ctx};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, Conversion, Expr, ExprKind};

@@ -11,7 +11,7 @@ use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKin
 use super::function::Named;
 use super::value::Value;
 use super::{Intent, Rules};
-use crate::bind::names::code_kind;
+use crate::bind::declarations::names::code_kind;
 use crate::bind::{Binder, Ctx};
 use plcc_binding::fold;
 use plcc_binding::similar;
@@ -171,7 +171,9 @@ impl Binder<'_> {
             return Some(Callee::Function(named));
         }
         match self.library_function(rules, &name.text) {
-            Some(key) => self.block_callee(crate::bind::names::kind_prefix(key.kind), key.number, node.span),
+            Some(key) => {
+                self.block_callee(crate::bind::declarations::names::kind_prefix(key.kind), key.number, node.span)
+            }
             None if local => self.variable_callee(ctx, node),
             None => {
                 self.unknown_function(name);
@@ -509,13 +511,13 @@ fn instance_of(access: &Access) -> Option<BlockKey> {
 }
 
 /// An instance that is the same in every call here.
-fn instance_id(ctx: &Ctx, instance: &Instance) -> Option<crate::bind::call::InstanceId> {
+fn instance_id(ctx: &Ctx, instance: &Instance) -> Option<crate::bind::declarations::calls::InstanceId> {
     match instance {
-        Instance::Db(number) => Some(crate::bind::call::InstanceId::Db(*number)),
+        Instance::Db(number) => Some(crate::bind::declarations::calls::InstanceId::Db(*number)),
         Instance::Variable(Access { base: Base::Place(Place::Instance { byte, .. }), indices, .. })
             if indices.is_empty() =>
         {
-            Some(crate::bind::call::InstanceId::Multi(ctx.key, *byte))
+            Some(crate::bind::declarations::calls::InstanceId::Multi(ctx.key, *byte))
         }
         Instance::Variable(_) => None,
     }

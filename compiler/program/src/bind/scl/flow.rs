@@ -6,7 +6,7 @@ use plcc_syntax::ast;
 use plcc_syntax::scl::ast::{Name, Statement, StatementKind};
 use rustc_hash::FxHashSet;
 
-use super::rules::Label;
+use super::scope::Label;
 use crate::bind::{Binder, Ctx};
 use plcc_binding::fold;
 use plcc_binding::similar;

@@ -14,7 +14,7 @@ use super::expression::typed_constant;
 use super::place::{Db, Root, Spot, Thing};
 use super::value::Value;
 use super::{Intent, constant, message};
-use crate::bind::path::{self, Variable, type_of_width};
+use crate::bind::declarations::path::{self, Variable, type_of_width};
 use crate::bind::{Binder, Ctx};
 use plcc_binding::constant::Constant;
 use plcc_model::layout;

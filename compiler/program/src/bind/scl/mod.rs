@@ -13,6 +13,7 @@
 
 mod access;
 mod actual;
+mod address_numbers;
 mod arguments;
 mod array;
 pub(in crate::bind) mod assign;
@@ -37,8 +38,8 @@ pub(in crate::bind) mod place;
 mod pointer;
 mod reference;
 mod result;
-pub(in crate::bind) mod rules;
 mod scatter;
+pub(in crate::bind) mod scope;
 mod statement;
 pub(in crate::bind) mod temporary;
 mod text;
@@ -57,9 +58,10 @@ use plcc_syntax::ast;
 use plcc_syntax::scl::ast::{Body as Tree, Dialect, ExprKind, NameForm};
 
 use super::{Binder, Ctx};
+pub use crate::bind::declarations::rules::Rules;
 use plcc_model::scl::Body;
 pub use reference::{effect, functions, reference};
-pub use rules::{Rules, Scope};
+pub use scope::Scope;
 
 /// The purpose of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

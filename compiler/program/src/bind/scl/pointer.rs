@@ -6,14 +6,15 @@ use super::Intent;
 use super::actual::{access_type, is_variable};
 use super::message::described;
 use super::value::Value;
-use crate::bind::actual::{
+use crate::bind::declarations::pointer::{
     POINTS_AT_NOTHING, code_for, code_for_elements, for_formal, pointed_at, pointed_at_by_literal, pointer_bytes,
-    type_code,
 };
-use crate::bind::actual::{any_bytes, any_number_of_block, any_number_of_cell, known_pointer, local_place};
+use crate::bind::declarations::pointer::{
+    any_bytes, any_number_of_block, any_number_of_cell, known_pointer, local_place,
+};
 use crate::bind::{Binder, Ctx};
 use plcc_binding::constant::Constant;
-use plcc_model::layout;
+use plcc_model::layout::{self, type_code};
 use plcc_model::scl::{Access, Actual, Base, Complex, Expr, ExprKind};
 use plcc_model::types::{DataType, Elementary, ParameterType};
 use plcc_model::{BlockKey, Number, Parameter, Place, Pointed};

@@ -29,7 +29,7 @@ use plcc_syntax::scl::ast::{Expr, ExprKind};
 use rustc_hash::FxHashSet;
 
 use super::index::Index;
-use crate::bind::path::Base;
+use crate::bind::declarations::path::Base;
 use crate::bind::{Binder, Ctx};
 use net::{Net, SET_MAX};
 use plcc_binding::fold;

@@ -4,9 +4,10 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, OperandKind, PathRoot, Width};
 use plcc_syntax::stl::StlInsn;
 
-use super::settle::Settled;
-use super::{Binder, Ctx, value};
+use crate::bind::stl::settle::Settled;
+use crate::bind::{Binder, Ctx};
 use plcc_binding::fold;
+use plcc_binding::value;
 use plcc_model::layout;
 use plcc_model::types::Elementary;
 use plcc_model::{Operand, StlStatementKind};
@@ -66,7 +67,7 @@ impl Binder<'_> {
         let Settled::Memory { width, ty, .. } = self.settle(ctx, to)? else { return self.no_move(span) };
         let load = match self.settle(ctx, from)? {
             Settled::Literal(literal) => {
-                let ty = ty.unwrap_or(super::path::type_of_width(width));
+                let ty = ty.unwrap_or(crate::bind::declarations::path::type_of_width(width));
                 let bytes = value::elementary_bytes(ty, literal, value::Place::Call).ok();
                 match bytes.or_else(|| value::untyped_bytes(ty, literal)) {
                     Some(bytes) if matches!(bytes.len(), 1 | 2 | 4) && width != Width::Bit => {

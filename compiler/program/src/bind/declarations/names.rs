@@ -7,7 +7,7 @@ use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
 use plcc_syntax::scl::ast::{self as scl, Dialect};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::{Binder, mentions};
+use crate::bind::{Binder, mentions};
 use plcc_binding::constant::{Constant, Constants};
 use plcc_binding::fold;
 use plcc_model::BlockKey;
@@ -147,7 +147,9 @@ fn number_of_start_information(block: &ast::Block) -> Option<u32> {
 /// What starts an OB, if its attributes state it.
 fn block_class(block: &ast::Block) -> Option<ObClass> {
     match block {
-        ast::Block::Code(code) if code.kind == CodeKind::Ob => super::ob::class_attribute(&code.header)?.0,
+        ast::Block::Code(code) if code.kind == CodeKind::Ob => {
+            crate::bind::declarations::ob::class_attribute(&code.header)?.0
+        }
         ast::Block::Code(_) | ast::Block::Data(_) | ast::Block::Type(_) => None,
     }
 }
@@ -230,7 +232,7 @@ pub fn has_free_obs(units: &[(plcc_diag::FileId, ast::SourceUnit)]) -> bool {
     let blocks = units.iter().flat_map(|(_, unit)| &unit.blocks);
     for block in blocks.filter(|block| !is_forward(block)) {
         let ast::Block::Code(code) = block else { continue };
-        let tia = super::declare::dialect(code) == Some(Dialect::Tia) || code.header.auto_number;
+        let tia = crate::bind::declarations::types::dialect(code) == Some(Dialect::Tia) || code.header.auto_number;
         if code.kind != CodeKind::Ob || !tia {
             continue;
         }
@@ -540,7 +542,9 @@ impl<'a> Binder<'a> {
         )
         .help("write `ORGANIZATION_BLOCK OB 35`, or give the name its number in the symbol table");
         let tia = match block {
-            ast::Block::Code(code) => super::declare::dialect(code).map_or(self.tia_sources, |of| of == Dialect::Tia),
+            ast::Block::Code(code) => {
+                crate::bind::declarations::types::dialect(code).map_or(self.tia_sources, |of| of == Dialect::Tia)
+            }
             ast::Block::Data(_) | ast::Block::Type(_) => false,
         };
         if !tia && self.input.partial {
@@ -654,12 +658,14 @@ impl<'a> Binder<'a> {
                         ast::Code::Stl(_) if prefix != source_prefix(code.kind) => {
                             let mut code = code.clone();
                             code.kind = if prefix == BlockPrefix::Fb { CodeKind::Fb } else { CodeKind::Fc };
-                            super::CodeSource::Expanded(std::rc::Rc::new(code))
+                            crate::bind::CodeSource::Expanded(std::rc::Rc::new(code))
                         }
-                        ast::Code::Chart(chart) => {
-                            super::CodeSource::Expanded(std::rc::Rc::new(super::chart::expanded(code, chart)))
+                        ast::Code::Chart(chart) => crate::bind::CodeSource::Expanded(std::rc::Rc::new(
+                            crate::bind::chart_data::expanded(code, chart),
+                        )),
+                        ast::Code::Stl(_) | ast::Code::Scl(_) | ast::Code::Graphic(_) => {
+                            crate::bind::CodeSource::User(code)
                         }
-                        ast::Code::Stl(_) | ast::Code::Scl(_) | ast::Code::Graphic(_) => super::CodeSource::User(code),
                     };
                     self.code.insert(BlockKey { kind, number }, source);
                 }

@@ -1,6 +1,8 @@
 //! Data of a chart in the instance of its block: declarations that every language can name, and their addresses.
 //! Source: GRAPH reference, chapter F.
 
+pub mod parameters;
+
 use plcc_diag::Span;
 use plcc_syntax::ParseOptions;
 use plcc_syntax::ast::{self, InitialKind, InitialValue, Section, SectionKind, TypeKind, TypeRef, Variable};
@@ -9,8 +11,8 @@ use plcc_syntax::scl;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal};
 use rustc_hash::FxHashSet;
 
-use super::parameters::{self, OPERATING_BITS};
 use crate::bind::SYSTEM_FILE;
+use parameters::OPERATING_BITS;
 use plcc_binding::fold;
 
 /// Components of a step, as S7-GRAPH of STEP 7 V5 lays them out.

@@ -14,9 +14,9 @@ use plcc_syntax::ast::{self, BlockPrefix};
 use plcc_syntax::{ParseOptions, scl, stl};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::declare::BoundInterface;
-use super::names::kind_prefix;
-use super::{Binder, CodeSource, SYSTEM_FILE, SystemUse, mentions};
+use crate::bind::declarations::names::kind_prefix;
+use crate::bind::declarations::types::BoundInterface;
+use crate::bind::{Binder, CodeSource, SYSTEM_FILE, SystemUse, mentions};
 use plcc_binding::fold;
 use plcc_model::BlockKey;
 
@@ -87,7 +87,7 @@ impl Binder<'_> {
                 }
                 mentions::Called::Name(name) => match self.global(&name) {
                     Some(plcc_syntax::symbols::SymbolTarget::Block { prefix, number }) => {
-                        super::names::code_kind(prefix)
+                        crate::bind::declarations::names::code_kind(prefix)
                             .zip(u16::try_from(number).ok())
                             .and_then(|(kind, number)| self.library_block(BlockKey { kind, number }))
                     }

@@ -8,9 +8,9 @@ use plcc_syntax::ast::{self, SectionKind, TypeKind};
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
-use super::declare::{self, BoundInterface, Local, Scope, StructBuilder, Typed, Use, is_complex};
-use super::path::Base;
-use super::{Binder, CodeSource, State};
+use crate::bind::declarations::path::Base;
+use crate::bind::declarations::types::{self, BoundInterface, Local, Scope, StructBuilder, Typed, Use, is_complex};
+use crate::bind::{Binder, CodeSource, State};
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::layout::{self, Placer};
@@ -44,7 +44,7 @@ impl<'a> Binder<'a> {
             return None;
         }
         if !self.code.contains_key(&key) {
-            self.unknown_block(super::names::kind_prefix(key.kind), key.number, span);
+            self.unknown_block(crate::bind::declarations::names::kind_prefix(key.kind), key.number, span);
             return None;
         }
         self.code.get(&key).cloned()
@@ -62,10 +62,10 @@ impl<'a> Binder<'a> {
     }
 
     fn block_scope(&self, key: BlockKey, block: &ast::CodeBlock) -> Scope {
-        let tia = match declare::dialect(block) {
+        let tia = match types::dialect(block) {
             Some(Dialect::Tia) => true,
             Some(Dialect::Classic) => false,
-            Some(Dialect::Either) | None => declare::portal_cpu(self.input),
+            Some(Dialect::Either) | None => types::portal_cpu(self.input),
         };
         Scope {
             scl: !matches!(block.code, ast::Code::Stl(_)),
@@ -168,7 +168,7 @@ impl<'a> Binder<'a> {
             }
             DataType::String(_) => Some(Constant::Text { bytes: Vec::new(), typed: true }),
             DataType::WideString(_) => Some(Constant::WideText(Vec::new())),
-            DataType::DateAndTime => Some(Constant::DateAndTime(super::value::DT_DEFAULT)),
+            DataType::DateAndTime => Some(Constant::DateAndTime(plcc_binding::value::DT_DEFAULT)),
             other => {
                 let name = layout::type_name(other);
                 self.report.push(
@@ -298,7 +298,7 @@ impl<'a> Binder<'a> {
                 add_local(&mut bound.locals, variable, typed.ty, base, byte, bit);
             }
         }
-        let prefix = super::names::kind_prefix(key.kind);
+        let prefix = crate::bind::declarations::names::kind_prefix(key.kind);
         let name = match self.block_name(prefix, key.number) {
             name if name.is_empty() => key.to_string(),
             name => name,
@@ -364,9 +364,9 @@ impl<'a> Binder<'a> {
     ) {
         let mut placer = Placer::default();
         if key.kind == BlockKind::Ob {
-            bound.interface.start_bytes = super::OB_START_INFORMATION_BYTES;
+            bound.interface.start_bytes = crate::bind::OB_START_INFORMATION_BYTES;
             if self.hides_start_information(key.number, block) {
-                placer.reserve(super::OB_START_INFORMATION_BYTES);
+                placer.reserve(crate::bind::OB_START_INFORMATION_BYTES);
             }
             if self.has_start_inputs(block) {
                 self.start_inputs(key.number, block, bound, names, &mut placer);
@@ -401,7 +401,7 @@ impl<'a> Binder<'a> {
             );
         }
         if key.kind == BlockKind::Ob {
-            bound.temp_bytes = bound.temp_bytes.max(super::OB_START_INFORMATION_BYTES);
+            bound.temp_bytes = bound.temp_bytes.max(crate::bind::OB_START_INFORMATION_BYTES);
         }
     }
 

@@ -7,7 +7,7 @@
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{Area, Width};
 
-use super::Binder;
+use crate::bind::Binder;
 use plcc_binding::fold;
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
@@ -52,7 +52,7 @@ fn byte_of(target: SymbolTarget, bit: Option<u8>) -> Option<u16> {
 
 impl Binder<'_> {
     /// Settles the bytes that the configuration leaves open, and reports it.
-    pub(super) fn system_memory(&mut self) {
+    pub fn system_memory(&mut self) {
         for memory in [Memory::Clock, Memory::System] {
             let configured = match memory {
                 Memory::Clock => self.config.clock_memory_byte,
@@ -97,7 +97,7 @@ impl Binder<'_> {
     }
 
     /// Reports the use of a tag that the system should set, going by its name, but does not, going by its address.
-    pub(super) fn check_system_tag(&mut self, name: &str, target: SymbolTarget, span: Span) {
+    pub fn check_system_tag(&mut self, name: &str, target: SymbolTarget, span: Span) {
         let Some((memory, bit)) = meaning(name) else { return };
         let (configured, what, key) = match memory {
             Memory::Clock => (self.config.clock_memory_byte, "clock memory", "clock_memory"),

@@ -3,11 +3,12 @@
 use plcc_diag::Span;
 use plcc_syntax::ast::{self, Pragma, Width};
 
-use super::assertion::{self, Literal, Side, Type, What};
-use super::settle::Settled;
-use super::{Binder, Ctx, value};
+use crate::bind::stl::settle::Settled;
+use crate::bind::{Binder, Ctx};
+use plcc_binding::assertion::{self, Literal, Side, Type, What};
 use plcc_binding::constant::Constant;
 use plcc_binding::pragma::{bad_pragma, file_pragma, split, unknown_pragma};
+use plcc_binding::value;
 use plcc_model::types::{DTL, DataType};
 use plcc_model::{Assert, AssertSide, ComparedValue, Operand, Place, StlStatementKind, TestSettings};
 

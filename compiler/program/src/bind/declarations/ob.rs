@@ -8,9 +8,9 @@ use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, SectionKind};
 use rustc_hash::FxHashMap;
 
-use super::declare::{self, BoundInterface, Local, Use};
-use super::path::Base;
-use super::{Binder, CodeSource, OB_START_INFORMATION_BYTES};
+use crate::bind::declarations::path::Base;
+use crate::bind::declarations::types::{self, BoundInterface, Local, Use};
+use crate::bind::{Binder, CodeSource, OB_START_INFORMATION_BYTES};
 use plcc_binding::fold;
 use plcc_model::layout::{self, Placer};
 use plcc_model::types::{DataType, Elementary};
@@ -95,7 +95,7 @@ impl Binder<'_> {
 
     /// The OBs of S7-1200/1500 have no start information in VAR_TEMP; those of S7-300/400 declare it first, `OB1_EV_CLASS` and the
     /// rest.
-    pub(super) fn hides_start_information(&self, number: u16, block: &ast::CodeBlock) -> bool {
+    pub fn hides_start_information(&self, number: u16, block: &ast::CodeBlock) -> bool {
         let always = matches!(number, 1 | 30..=38 | 100..=102 | 123..);
         let first = block.sections.iter().flat_map(|section| &section.variables).next();
         let declared = first.is_some_and(|variable| {
@@ -103,19 +103,19 @@ impl Binder<'_> {
             variable.name.get(..2).is_some_and(|letters| letters.eq_ignore_ascii_case("OB"))
                 && digits.starts_with(|letter: char| letter.is_ascii_digit())
         });
-        self.has_start_inputs(block) && !declared && (always || declare::portal_cpu(self.input))
+        self.has_start_inputs(block) && !declared && (always || types::portal_cpu(self.input))
     }
 
     /// OBs of the TIA Portal may have input parameters.
-    pub(super) fn has_start_inputs(&self, block: &ast::CodeBlock) -> bool {
-        match declare::dialect(block) {
-            Some(dialect) => !super::scl::Rules::of(self.input, dialect).is_300(),
-            None => declare::portal_cpu(self.input),
+    pub fn has_start_inputs(&self, block: &ast::CodeBlock) -> bool {
+        match types::dialect(block) {
+            Some(dialect) => !crate::bind::declarations::rules::Rules::of(self.input, dialect).is_300(),
+            None => types::portal_cpu(self.input),
         }
     }
 
     /// The input parameters of an OB, after the start information.
-    pub(super) fn start_inputs(
+    pub fn start_inputs(
         &mut self,
         number: u16,
         block: &ast::CodeBlock,

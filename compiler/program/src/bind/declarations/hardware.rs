@@ -8,7 +8,7 @@ use plcc_abi::technology::{EVENT_ID, HSC_ID, PULSE_ID};
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockPrefix};
 
-use super::Binder;
+use crate::bind::Binder;
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::profile;
@@ -19,7 +19,7 @@ use plcc_syntax::symbols::SymbolTarget;
 const OPTIMIZED_ATTRIBUTES: [&str; 2] = ["S7_Optimized_Access", "S7_Optimized"];
 
 /// The block has optimised access by its attributes.
-pub(super) fn is_optimized(header: &ast::Header) -> bool {
+pub fn is_optimized(header: &ast::Header) -> bool {
     header.attributes.iter().any(|(name, value)| {
         OPTIMIZED_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name))
             && value.trim().trim_matches(['\'', '"']).eq_ignore_ascii_case("TRUE")

@@ -8,9 +8,9 @@ use std::rc::Rc;
 use plcc_abi::image::BlockKind;
 use plcc_syntax::ast::{BlockPrefix, TypeRef};
 
-use super::Binder;
-use super::declare::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
-use super::names;
+use crate::bind::Binder;
+use crate::bind::declarations::names;
+use crate::bind::declarations::types::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
 use plcc_diag::Span;
 use plcc_model::types::{ArrayType, DTL, DataType, Elementary};
 use plcc_stdlib::BlockClass;
@@ -175,7 +175,7 @@ impl Binder<'_> {
         if let Some((ty, _)) = numbers {
             return Some(elementary_typed(*ty));
         }
-        if let Some(kind) = super::chart::type_named(name) {
+        if let Some(kind) = crate::bind::chart_data::type_named(name) {
             return self.resolve_type(&TypeRef { kind, span }, Use::Component);
         }
         let structure = STRUCTURES.iter().find(|structure| structure.name.eq_ignore_ascii_case(name))?;

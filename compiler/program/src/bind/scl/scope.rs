@@ -1,6 +1,5 @@
-//! The rules of a block's source and CPU, and what is known while its statements are bound.
+//! What is known of a block while its statements are bound.
 
-use plcc_abi::image::Family;
 use plcc_diag::Span;
 use plcc_syntax::ast::Header;
 use plcc_syntax::scl::ast::Dialect;
@@ -8,48 +7,10 @@ use rustc_hash::FxHashMap;
 
 use super::place::Spot;
 use crate::bind::BindInput;
-use crate::bind::path::Variable;
+use crate::bind::declarations::path::Variable;
+use crate::bind::declarations::rules::Rules;
 use plcc_model::LabelId;
 use plcc_model::scl::{Expr, Statement};
-
-/// The rules of a block, from its source and the CPU. Source: SCL reference, dialects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Rules {
-    /// S7-SCL of STEP 7 V5.
-    Classic,
-    /// TIA Portal, S7-300/400.
-    Tia300,
-    /// TIA Portal, S7-1200.
-    Tia1200,
-    /// TIA Portal, S7-1500; also for a TIA source without a named CPU.
-    #[default]
-    Tia1500,
-}
-
-impl Rules {
-    /// The rules of a source in this dialect. `named`: the CPU was chosen explicitly.
-    pub const fn new(dialect: Dialect, family: Family, named: bool) -> Rules {
-        match (dialect, family) {
-            (Dialect::Classic, _) => Rules::Classic,
-            (_, Family::S71200) => Rules::Tia1200,
-            (Dialect::Tia, Family::S7300 | Family::S7400) if named => Rules::Tia300,
-            (Dialect::Tia, _) | (Dialect::Either, Family::S71500) => Rules::Tia1500,
-            (Dialect::Either, Family::S7300 | Family::S7400 | Family::S7200) => Rules::Classic,
-        }
-    }
-
-    /// The rules of a source in this dialect in a program.
-    pub fn of(input: &BindInput, dialect: Dialect) -> Rules {
-        // If no CPU is named, limits are not checked.
-        let generic = matches!(input.profile.name.as_str(), "s7-300" | "s7-400");
-        Rules::new(dialect, input.profile.family, !generic || input.profile.limits_checked)
-    }
-
-    /// The CPU is an S7-300/400.
-    pub const fn is_300(self) -> bool {
-        matches!(self, Rules::Classic | Rules::Tia300)
-    }
-}
 
 /// A jump label of the block.
 #[derive(Clone, Copy, Debug)]

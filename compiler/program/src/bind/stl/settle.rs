@@ -7,9 +7,9 @@ use plcc_syntax::ast::{
 };
 use plcc_syntax::literal::Literal;
 
-use super::declare::is_complex;
-use super::path::{Base, Resolved, Variable};
-use super::{Binder, Ctx};
+use crate::bind::declarations::path::{Base, Resolved, Variable};
+use crate::bind::declarations::types::is_complex;
+use crate::bind::{Binder, Ctx};
 use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, ParameterType};
 use plcc_model::{Number, Place};
@@ -48,16 +48,6 @@ pub enum Settled<'o> {
 }
 
 impl Binder<'_> {
-    /// Notes the use of a DB by number; a missing DB is a warning.
-    pub fn use_db(&mut self, number: u16, span: Span) {
-        let known = self.dbs.contains_key(&number)
-            || self.data.contains_key(&number)
-            || self.unknown_instances.contains(&number);
-        if number != 0 && !known {
-            self.report.missing_db(number, span);
-        }
-    }
-
     /// Determines what an operand is; `None` after a message, or if it is not known.
     pub fn settle<'o>(&mut self, ctx: &mut Ctx, operand: &'o ast::Operand) -> Option<Settled<'o>> {
         let span = operand.span;
@@ -133,22 +123,6 @@ impl Binder<'_> {
         self.use_db(number, span);
         self.check_db_end(number, byte + width.bytes(), span);
         Some(Settled::Memory { place: Place::Db { number, byte, bit }, width, ty: None })
-    }
-
-    /// Reports an address beyond the end of its data block, up to byte `end`.
-    pub fn check_db_end(&mut self, number: u16, end: u32, span: Span) {
-        if let Some(db) = self.dbs.get(&number) {
-            let length = db.block.data.len() as u32;
-            if end > length {
-                let defined = db.block.span;
-                self.report.push(
-                    Diagnostic::new(Code::DbRange, span, format!("this address is beyond the end of DB {number}"))
-                        .label(format!("the data block has {length} bytes"))
-                        .also(defined, "the data block")
-                        .help("at run time this is an error (OB 121)"),
-                );
-            }
-        }
     }
 
     /// The word or double word in the brackets of an indirect address.

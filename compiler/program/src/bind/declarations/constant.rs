@@ -10,7 +10,7 @@ use plcc_syntax::Elementary;
 use plcc_syntax::ast::Bound;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
 
-use super::Binder;
+use crate::bind::Binder;
 
 impl Binder<'_> {
     /// The value of a constant expression; reports anything that is not a constant.

@@ -13,7 +13,7 @@ use plcc_binding::constant::Constant;
 
 impl Binder<'_> {
     /// The two sides of a comparison or of `+ - * /`, in the types that it uses.
-    pub(in crate::bind) fn chart_operands(&mut self, ctx: &mut Ctx, left: Value, right: Value) -> (Value, Value) {
+    pub fn chart_operands(&mut self, ctx: &mut Ctx, left: Value, right: Value) -> (Value, Value) {
         let (left_type, right_type) = (taken_as(&left, &right), taken_as(&right, &left));
         (self.chart_operand(ctx, left, left_type), self.chart_operand(ctx, right, right_type))
     }

@@ -6,10 +6,10 @@ use plcc_syntax::ast::{self, AddressRegister, Area, BlockPrefix, CellKind, Speci
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::{OperandClass, StlInsn};
 
-use super::names::code_kind;
-use super::settle::{OFFSET_MAX, Settled, holds_pointer};
-use super::value;
-use super::{Binder, Ctx};
+use crate::bind::declarations::names::code_kind;
+use crate::bind::stl::settle::{OFFSET_MAX, Settled, holds_pointer};
+use crate::bind::{Binder, Ctx};
+use plcc_binding::value;
 use plcc_model::layout;
 use plcc_model::{BlockKey, Number, Operand, Place};
 

@@ -9,9 +9,9 @@ use plcc_syntax::chart::ast as chart;
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
-use super::path::Base;
-use super::predefined;
-use super::{Binder, SYSTEM_FILE, State};
+use crate::bind::declarations::path::Base;
+use crate::bind::declarations::predefined;
+use crate::bind::{Binder, SYSTEM_FILE, State};
 use plcc_binding::constant::Constants;
 use plcc_binding::fold;
 use plcc_model::layout::{self, BYTES_MAX, Placer};
@@ -195,7 +195,7 @@ impl<'a> Binder<'a> {
         }
         let parameter = match word {
             "DATE_AND_TIME" | "DT" => {
-                return Some(Typed { ty: DataType::DateAndTime, image: Rc::from(super::value::DT_DEFAULT) });
+                return Some(Typed { ty: DataType::DateAndTime, image: Rc::from(plcc_binding::value::DT_DEFAULT) });
             }
             "STRING" => return Some(string(254)),
             "WSTRING" => return Some(wide_string(254)),
@@ -566,7 +566,7 @@ pub fn elementary_typed(ty: Elementary) -> Typed {
 }
 
 /// True if names of instructions mean those of the TIA Portal where a data block or UDT declares them.
-pub fn is_tia(input: &super::BindInput) -> bool {
+pub fn is_tia(input: &crate::bind::BindInput) -> bool {
     portal_cpu(input)
         || input.units.iter().flat_map(|(_, unit)| &unit.blocks).any(|block| match block {
             ast::Block::Code(code) => dialect(code) == Some(Dialect::Tia),
@@ -589,6 +589,6 @@ pub fn dialect(block: &ast::CodeBlock) -> Option<Dialect> {
 }
 
 /// Only the TIA Portal can program this CPU.
-pub fn portal_cpu(input: &super::BindInput) -> bool {
+pub fn portal_cpu(input: &crate::bind::BindInput) -> bool {
     matches!(input.profile.family, Family::S71200 | Family::S71500)
 }

@@ -6,9 +6,9 @@ use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, DataContent, OperandKind, PathPart, PathRoot, TypeKind};
 
-use super::declare::{StructBuilder, Typed, TypedStruct, Use};
-use super::path::{Base, Variable};
-use super::{Binder, mentions};
+use crate::bind::declarations::path::{Base, Variable};
+use crate::bind::declarations::types::{StructBuilder, Typed, TypedStruct, Use};
+use crate::bind::{Binder, mentions};
 use plcc_binding::fold;
 use plcc_model::types::{DataType, StructType};
 use plcc_model::{BlockKey, DataBlock};
@@ -62,6 +62,32 @@ impl Binder<'_> {
             );
         }
         self.db_bytes <= ALL_BYTES_MAX
+    }
+
+    /// Notes the use of a DB by number; a missing DB is a warning.
+    pub fn use_db(&mut self, number: u16, span: Span) {
+        let known = self.dbs.contains_key(&number)
+            || self.data.contains_key(&number)
+            || self.unknown_instances.contains(&number);
+        if number != 0 && !known {
+            self.report.missing_db(number, span);
+        }
+    }
+
+    /// Reports an address beyond the end of its data block, up to byte `end`.
+    pub fn check_db_end(&mut self, number: u16, end: u32, span: Span) {
+        if let Some(db) = self.dbs.get(&number) {
+            let length = db.block.data.len() as u32;
+            if end > length {
+                let defined = db.block.span;
+                self.report.push(
+                    Diagnostic::new(Code::DbRange, span, format!("this address is beyond the end of DB {number}"))
+                        .label(format!("the data block has {length} bytes"))
+                        .also(defined, "the data block")
+                        .help("at run time this is an error (OB 121)"),
+                );
+            }
+        }
     }
 
     /// Layout of DB `number`, if known.

@@ -7,11 +7,11 @@ use plcc_syntax::ast::{BlockName, BlockPrefix, Bound, CellKind, InitialKind, Ini
 use plcc_syntax::literal::Literal;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
 
-use super::Binder;
-use super::actual::pointer_bytes;
-use super::declare::put;
-use super::value::{Mismatch, Place, elementary_bytes, literal_kind};
+use crate::bind::Binder;
+use crate::bind::declarations::pointer::pointer_bytes;
+use crate::bind::declarations::types::put;
 use plcc_binding::constant::Constant;
+use plcc_binding::value::{Mismatch, Place, elementary_bytes, literal_kind};
 use plcc_model::layout;
 use plcc_model::types::{ArrayType, DataType, Elementary, ParameterType, StructType};
 use plcc_syntax::symbols::SymbolTarget;

@@ -6,8 +6,8 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Path, PathPart, PathRoot, Width};
 use rustc_hash::FxHashMap;
 
-use super::report::MissingKey;
-use super::{Binder, Ctx};
+use crate::bind::{Binder, Ctx};
+use plcc_binding::report::MissingKey;
 use plcc_binding::{fold, similar};
 use plcc_model::Place;
 use plcc_model::layout;

@@ -1,11 +1,18 @@
 //! Statements of a block: labels, jump lists, and the instructions themselves. The parser has checked that parentheses match.
 
+pub mod actual;
+pub mod call;
+mod move_call;
+pub mod operand;
+pub mod pragma;
+pub mod settle;
+
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, OperandKind, Statement, StatementKind};
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
 
-use super::{Binder, Ctx};
+use crate::bind::{Binder, Ctx};
 use plcc_binding::fold;
 use plcc_model::{LabelId, Operand, StlStatement, StlStatementKind};
 
@@ -44,16 +51,22 @@ impl Binder<'_> {
         self.bind_flow(ctx, &flow)
     }
 
-    /// Binds a network in STL of a block in LAD or FBD: its labels are already known.
-    pub fn bind_statements(&mut self, ctx: &mut Ctx, list: &[Statement], number: u16) -> Vec<StlStatement> {
+    /// Binds a network in STL of a block in LAD or FBD: `labels` are those of the block, by folded name.
+    pub fn bind_statements(
+        &mut self,
+        ctx: &mut Ctx,
+        list: &[Statement],
+        number: u16,
+        labels: FxHashMap<String, LabelId>,
+    ) -> Vec<StlStatement> {
         let mut flow = self.statement_flow(list.iter().map(|statement| (number, statement)).collect());
         let own: Vec<&str> = flow.labels.keys().copied().collect();
         for name in own {
-            if let (Some(known), Some(info)) = (ctx.scl.labels.get(&fold(name)), flow.labels.get_mut(name)) {
-                info.id = known.id;
+            if let (Some(known), Some(info)) = (labels.get(&fold(name)), flow.labels.get_mut(name)) {
+                info.id = *known;
             }
         }
-        flow.elsewhere = ctx.scl.labels.iter().map(|(name, label)| (name.clone(), label.id)).collect();
+        flow.elsewhere = labels;
         self.bind_flow(ctx, &flow)
     }
 
