@@ -4,7 +4,8 @@ use plcc_abi::image::{BlockKind, Config, Family};
 use plcc_diag::{Diagnostic, FileId, Severity, SourceFile, SourceMap};
 use plcc_syntax::ParseOptions;
 
-use super::{BindInput, bind};
+use super::bind;
+use plcc_binding::BindInput;
 use plcc_model::profile;
 use plcc_model::types::DataType;
 use plcc_model::{BlockKey, CodeBlock, Passing, Program};

@@ -6,7 +6,8 @@ use plcc_abi::image::{Config, Family};
 use plcc_diag::{SourceFile, SourceMap, Span};
 use plcc_stdlib::{BlockClass, Form, Language, SystemBlock};
 
-use super::{BindInput, Binder};
+use crate::bind::declarations::Declarations;
+use plcc_binding::BindInput;
 use plcc_model::layout;
 use plcc_model::profile;
 use plcc_model::{Direction, Interface};
@@ -173,7 +174,7 @@ fn interface_of(block: &SystemBlock) -> Option<Interface> {
     let mut sources = SourceMap::default();
     let file = sources.add(SourceFile::new("", ""));
     let input = empty(&sources);
-    let mut binder = Binder::new(&input);
+    let mut binder = Declarations::new(&input);
     let key = binder.library_key(block);
     let bound = binder.interface(key, Span { file, start: 0, end: 0 })?;
     Some(bound.interface.clone())
@@ -206,11 +207,11 @@ mod tests {
             let mut sources = SourceMap::default();
             let file = sources.add(SourceFile::new("", ""));
             let input = empty(&sources);
-            let mut binder = Binder::new(&input);
+            let mut binder = Declarations::new(&input);
             let key = binder.library_key(block);
             assert!(binder.interface(key, Span { file, start: 0, end: 0 }).is_some(), "{}", block.name);
             let mut bound = Vec::new();
-            binder.bind_system_blocks(&mut bound);
+            crate::bind::program::bind_system_blocks(&mut binder, &mut bound);
             let (messages, _) = binder.report.finish();
             assert!(messages.is_empty(), "{}: {messages:#?}", block.name);
             assert!(bound.iter().any(|other| other.key() == key), "{}", block.name);

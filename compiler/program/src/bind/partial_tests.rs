@@ -5,7 +5,8 @@ use plcc_diag::{SourceFile, SourceMap};
 use plcc_readers::ReadOptions;
 use plcc_syntax::Language;
 
-use super::{BindInput, bind};
+use super::bind;
+use plcc_binding::BindInput;
 use plcc_model::profile;
 
 /// The messages about a part of a program in `language`, as code and title.

@@ -7,7 +7,8 @@ use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap};
 use plcc_readers::ReadOptions;
 use plcc_stdlib::BlockClass;
 
-use super::{BindInput, bind};
+use super::bind;
+use plcc_binding::BindInput;
 use plcc_model::profile;
 use plcc_model::types::{DataType, StructType};
 use plcc_model::{Actual, BlockKey, Body, Call, Instance, Operand, Place, Program, StlStatementKind};

@@ -29,17 +29,21 @@ mod testing;
 
 pub use reference::reference;
 
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::network::NetworkBinder;
+use crate::bind::scl::SclBinder;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, SectionKind};
 use plcc_syntax::chart::ast::{Body as Chart, Condition as Tree, Dialect, Qualifier};
 use plcc_syntax::scl;
 
-use super::chart_data::parameters::{self, Effect, PARAMETERS, Parameter};
-use super::chart_data::{self, Members};
 use super::scl::Scope;
 use super::scl::temporary;
-use super::{Binder, Ctx};
+use crate::bind::scl::SclBlock;
+use crate::bind::trees::chart_data::parameters::{self, Effect, PARAMETERS, Parameter};
+use crate::bind::trees::chart_data::{self, Members};
 use assemble::{Assembly, Condition, Features, Parts};
 use build::number;
 use engine_data::Engine;
@@ -74,16 +78,38 @@ END_IF;";
 /// Continues a loop if `k` is not a position of a step.
 const ONLY_STEPS: &str = "IF DINT_TO_UDINT(INT_TO_DINT(#k) - 1) <= #last_step THEN ; ELSE CONTINUE; END_IF;";
 
-impl Binder<'_> {
+/// Binds charts of GRAPH.
+pub struct ChartBinder<'b, 'a> {
+    pub program: &'b mut Declarations<'a>,
+}
+
+impl<'b, 'a> ChartBinder<'b, 'a> {
+    pub fn new(program: &'b mut Declarations<'a>) -> ChartBinder<'b, 'a> {
+        ChartBinder { program }
+    }
+
+    /// SCL, for expressions and statements of conditions and actions.
+    fn scl(&mut self) -> SclBinder<'_, 'a> {
+        SclBinder::new(self.program)
+    }
+
+    /// LAD and FBD, for conditions and actions that are networks.
+    fn networks(&mut self) -> NetworkBinder<'_, 'a> {
+        NetworkBinder::new(self.program)
+    }
+}
+
+impl ChartBinder<'_, '_> {
     /// Binds the chart of a block.
-    pub fn bind_chart(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, chart: &Chart) -> Body {
+    pub fn bind_chart(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, chart: &Chart) -> Body {
         let dialect = match chart.dialect {
             Dialect::Classic => scl::ast::Dialect::Classic,
             Dialect::Tia | Dialect::Sfc => scl::ast::Dialect::Tia,
         };
-        ctx.scl = Scope::new(self.input, &block.header, dialect);
-        ctx.scl.address_numbers = chart.dialect == Dialect::Classic;
-        let sets_flag = ctx.scl.sets_flag;
+        let scope = Scope::new(self.program.input, &block.header, dialect);
+        let ctx = &mut SclBlock { block: current, scope };
+        ctx.scope.address_numbers = chart.dialect == Dialect::Classic;
+        let sets_flag = ctx.scope.sets_flag;
         let index = Index::new(chart);
         self.check_chart(ctx, block, chart, &index);
         let members = Members::new(block, chart);
@@ -94,7 +120,7 @@ impl Binder<'_> {
         }
         let Some(mut engine) = Engine::new(ctx, chart, &index, &members, span) else { return Body::default() };
         let parts = self.chart_parts(ctx, &mut engine);
-        self.unused_data(ctx, block, false);
+        self.scl().unused_data(ctx, block, false);
         let mut statements = self.fill_engine(ctx, &mut engine, parts);
         let yes = number(1, Elementary::Bool, span);
         statements.push(Statement { kind: StatementKind::SetFlag(yes), span });
@@ -102,13 +128,13 @@ impl Binder<'_> {
             statements,
             sets_flag,
             calls_set_flag: false,
-            temporary_texts: temporary::texts(&ctx.bound),
+            temporary_texts: temporary::texts(&ctx.block.bound),
             networks: Vec::new(),
         }
     }
 
     /// Binds conditions, actions and permanent instructions.
-    fn chart_parts(&mut self, ctx: &mut Ctx, engine: &mut Engine) -> Parts {
+    fn chart_parts(&mut self, ctx: &mut SclBlock, engine: &mut Engine) -> Parts {
         let chart = engine.chart;
         let index = engine.index;
         let places = |names: &[scl::ast::Name]| -> Vec<usize> {
@@ -151,7 +177,7 @@ impl Binder<'_> {
     /// A condition, if there is one; FALSE if it could not be bound.
     fn chart_condition(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         engine: &mut Engine,
         condition: Option<&Tree>,
         what: &str,
@@ -161,7 +187,7 @@ impl Binder<'_> {
             .condition_code(ctx, engine, condition, what)
             .unwrap_or_else(|| (Vec::new(), number(0, Elementary::Bool, engine.span)));
         if let Some(span) = label(&statements) {
-            self.report.push(
+            self.program.report.push(
                 Diagnostic::new(Code::ElementPlace, span, format!("{what} has a jump label"))
                     .label("conditions are evaluated without jumps")
                     .help("write the condition with AND, OR and comparisons, or compute it in a permanent instruction"),
@@ -172,7 +198,7 @@ impl Binder<'_> {
     }
 
     /// Puts the code of the chart into the engine.
-    fn fill_engine(&mut self, ctx: &mut Ctx, engine: &mut Engine, parts: Parts) -> Vec<Statement> {
+    fn fill_engine(&mut self, ctx: &mut SclBlock, engine: &mut Engine, parts: Parts) -> Vec<Statement> {
         let chart = engine.chart;
         let owned = assemble::owners(chart.steps.len(), &parts.from, &chart.transitions);
         let competing = assemble::competing(chart.steps.len(), &parts.from, &chart.transitions);
@@ -229,28 +255,28 @@ impl Binder<'_> {
     /// Binds the engine's own statements, with its names and without the names of the user.
     fn bind_template(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         engine: &Engine,
         trees: &[scl::ast::Statement],
         holes: rustc_hash::FxHashMap<&'static str, Vec<Statement>>,
     ) -> Vec<Statement> {
-        let mut scope = Scope::new(self.input, &ast::Header::default(), scl::ast::Dialect::Tia);
+        let mut scope = Scope::new(self.program.input, &ast::Header::default(), scl::ast::Dialect::Tia);
         scope.holes = holes;
         scope.hidden = engine.names.iter().map(|(name, variable)| (name.to_string(), variable.clone())).collect();
-        let users = std::mem::replace(&mut ctx.scl, scope);
-        let span = ctx.fixed_span.replace(engine.span);
-        let told = self.report.diagnostics.len();
-        let statements = self.statements(ctx, trees);
-        let messages = self.report.diagnostics.split_off(told);
+        let users = std::mem::replace(&mut ctx.scope, scope);
+        let span = ctx.block.fixed_span.replace(engine.span);
+        let told = self.program.report.diagnostics.len();
+        let statements = self.scl().statements(ctx, trees);
+        let messages = self.program.report.diagnostics.split_off(told);
         debug_assert!(!messages.iter().any(Diagnostic::is_error), "{messages:?}");
-        ctx.fixed_span = span;
-        ctx.scl = users;
+        ctx.block.fixed_span = span;
+        ctx.scope = users;
         statements
     }
 
     /// Whether a source has this word, in any letter case.
     fn mentions_word(&self, word: &str) -> bool {
-        self.input.sources.files().any(|(_, file)| {
+        self.program.input.sources.files().any(|(_, file)| {
             let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
             file.text.split(|c| !is_word(c)).any(|found| found.eq_ignore_ascii_case(word))
         })
@@ -264,12 +290,12 @@ const DISPLAYS: [&str; 12] = [
 ];
 
 /// The block has this operating parameter: one with its name, type and direction.
-fn is_declared(ctx: &Ctx, parameter: &Parameter) -> bool {
+fn is_declared(ctx: &SclBlock, parameter: &Parameter) -> bool {
     let direction = match parameter.section {
         SectionKind::Output => Direction::Output,
         _ => Direction::Input,
     };
-    ctx.bound.interface.parameters.iter().any(|one| {
+    ctx.block.bound.interface.parameters.iter().any(|one| {
         one.name.eq_ignore_ascii_case(parameter.name)
             && one.direction == direction
             && one.ty == Elementary::from_word(parameter.ty).map_or(DataType::Void, DataType::Elementary)

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use plcc_syntax::ast::SectionKind;
 
-use crate::bind::chart_data::parameters::{Effect, OPERATING_BITS, PARAMETERS, Parameter, Set};
+use crate::bind::trees::chart_data::parameters::{Effect, OPERATING_BITS, PARAMETERS, Parameter, Set};
 
 /// The page without its tables.
 const TEXT: &str = include_str!("reference.md");

@@ -3,9 +3,11 @@
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{Area, CellKind, Width};
 
-use crate::bind::{Binder, Ctx, SYSTEM_FILE};
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::trees::SYSTEM_FILE;
 
-impl Binder<'_> {
+impl Declarations<'_> {
     /// Text of the source at `span`, on one line.
     pub fn text(&self, span: Span) -> String {
         if span.file == SYSTEM_FILE {
@@ -25,7 +27,14 @@ impl Binder<'_> {
     }
 
     /// Checks an address against its area and the CPU; `None` if it cannot exist, which is reported.
-    pub fn check_address(&mut self, ctx: &mut Ctx, area: Area, width: Width, byte: u32, span: Span) -> Option<()> {
+    pub fn check_address(
+        &mut self,
+        ctx: &mut CurrentBlock,
+        area: Area,
+        width: Width,
+        byte: u32,
+        span: Span,
+    ) -> Option<()> {
         use plcc_abi::layout::{AREA_BYTES, L_CLASS_BYTES};
         let profile = &self.input.profile;
         let end = u64::from(byte) + u64::from(width.bytes());

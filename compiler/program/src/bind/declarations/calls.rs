@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 
-use crate::bind::Binder;
+use crate::bind::declarations::Declarations;
 use crate::bind::declarations::types::BoundInterface;
 use plcc_binding::fold;
 use plcc_binding::similar;
@@ -28,7 +28,7 @@ pub struct PointerUse {
     bytes: u32,
 }
 
-impl Binder<'_> {
+impl Declarations<'_> {
     /// Checks that a data block is an instance of a function block.
     pub fn check_instance_db(&mut self, key: BlockKey, number: u16, span: Span) -> Option<()> {
         let Some(db) = self.dbs.get(&number) else {

@@ -10,9 +10,9 @@ use plcc_syntax::Elementary;
 use plcc_syntax::ast::Bound;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
 
-use crate::bind::Binder;
+use crate::bind::declarations::Declarations;
 
-impl Binder<'_> {
+impl Declarations<'_> {
     /// The value of a constant expression; reports anything that is not a constant.
     pub fn constant(&mut self, constants: &Constants, value: &Expr) -> Option<Constant> {
         match &value.kind {

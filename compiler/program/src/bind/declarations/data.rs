@@ -6,9 +6,10 @@ use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, DataContent, OperandKind, PathPart, PathRoot, TypeKind};
 
+use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::{Base, Variable};
 use crate::bind::declarations::types::{StructBuilder, Typed, TypedStruct, Use};
-use crate::bind::{Binder, mentions};
+use crate::bind::trees::mentions;
 use plcc_binding::fold;
 use plcc_model::types::{DataType, StructType};
 use plcc_model::{BlockKey, DataBlock};
@@ -34,7 +35,7 @@ pub struct BoundDb {
     pub ty: Rc<StructType>,
 }
 
-impl Binder<'_> {
+impl Declarations<'_> {
     pub fn bind_data(&mut self) {
         let mut numbers: Vec<u16> = self.data.keys().copied().collect();
         numbers.sort_unstable();

@@ -8,7 +8,7 @@ use plcc_abi::technology::{EVENT_ID, HSC_ID, PULSE_ID};
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockPrefix};
 
-use crate::bind::Binder;
+use crate::bind::declarations::Declarations;
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::profile;
@@ -26,7 +26,7 @@ pub fn is_optimized(header: &ast::Header) -> bool {
     })
 }
 
-impl Binder<'_> {
+impl Declarations<'_> {
     /// Reports the name of a fast counter or pulse generator that the CPU does not have; false: the name means something else.
     pub fn missing_hardware(&mut self, name: &str, span: Span) -> bool {
         let folded = fold(name);

@@ -7,7 +7,7 @@ use plcc_syntax::ast::{BlockName, BlockPrefix, Bound, CellKind, InitialKind, Ini
 use plcc_syntax::literal::Literal;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
 
-use crate::bind::Binder;
+use crate::bind::declarations::Declarations;
 use crate::bind::declarations::pointer::pointer_bytes;
 use crate::bind::declarations::types::put;
 use plcc_binding::constant::Constant;
@@ -16,7 +16,7 @@ use plcc_model::layout;
 use plcc_model::types::{ArrayType, DataType, Elementary, ParameterType, StructType};
 use plcc_syntax::symbols::SymbolTarget;
 
-impl Binder<'_> {
+impl Declarations<'_> {
     /// Writes an initial value over the bytes of a variable of type `ty` at `byte`.`bit` of `image`.
     pub fn encode_initial(&mut self, value: &InitialValue, ty: &DataType, image: &mut [u8], byte: u32, bit: u8) {
         self.encode(value, ty, image, byte, bit);

@@ -8,16 +8,18 @@ use plcc_syntax::ast::{self, SectionKind, TypeKind};
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
+use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::Base;
+use crate::bind::declarations::sources::CodeSource;
+use crate::bind::declarations::sources::State;
 use crate::bind::declarations::types::{self, BoundInterface, Local, Scope, StructBuilder, Typed, Use, is_complex};
-use crate::bind::{Binder, CodeSource, State};
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::layout::{self, Placer};
 use plcc_model::types::{DataType, Elementary, ParameterType};
 use plcc_model::{BlockKey, Direction, Parameter, Passing};
 
-impl<'a> Binder<'a> {
+impl<'a> Declarations<'a> {
     /// The interface of a block of the program or the system; a block that is defined nowhere is reported at `span`.
     pub fn interface(&mut self, key: BlockKey, span: Span) -> Option<Rc<BoundInterface>> {
         match self.interfaces.get(&key) {
@@ -364,9 +366,9 @@ impl<'a> Binder<'a> {
     ) {
         let mut placer = Placer::default();
         if key.kind == BlockKind::Ob {
-            bound.interface.start_bytes = crate::bind::OB_START_INFORMATION_BYTES;
+            bound.interface.start_bytes = crate::bind::declarations::ob::OB_START_INFORMATION_BYTES;
             if self.hides_start_information(key.number, block) {
-                placer.reserve(crate::bind::OB_START_INFORMATION_BYTES);
+                placer.reserve(crate::bind::declarations::ob::OB_START_INFORMATION_BYTES);
             }
             if self.has_start_inputs(block) {
                 self.start_inputs(key.number, block, bound, names, &mut placer);
@@ -401,7 +403,7 @@ impl<'a> Binder<'a> {
             );
         }
         if key.kind == BlockKind::Ob {
-            bound.temp_bytes = bound.temp_bytes.max(crate::bind::OB_START_INFORMATION_BYTES);
+            bound.temp_bytes = bound.temp_bytes.max(crate::bind::declarations::ob::OB_START_INFORMATION_BYTES);
         }
     }
 
@@ -431,7 +433,7 @@ impl<'a> Binder<'a> {
     }
 }
 
-impl Binder<'_> {
+impl Declarations<'_> {
     /// A view is within the variable that it shows. Source: SCL reference, AT views.
     fn check_view(&mut self, variable: &ast::Variable, ty: &DataType, base: &str, under: &DataType) {
         if matches!(ty, DataType::Void) || matches!(under, DataType::Void) {

@@ -14,11 +14,22 @@ use plcc_syntax::ast::{self, BlockPrefix};
 use plcc_syntax::{ParseOptions, scl, stl};
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use crate::bind::declarations::Declarations;
 use crate::bind::declarations::names::kind_prefix;
+use crate::bind::declarations::sources::CodeSource;
 use crate::bind::declarations::types::BoundInterface;
-use crate::bind::{Binder, CodeSource, SYSTEM_FILE, SystemUse, mentions};
+use crate::bind::trees::SYSTEM_FILE;
+use crate::bind::trees::mentions;
 use plcc_binding::fold;
 use plcc_model::BlockKey;
+
+/// A system block that is used.
+pub struct SystemUse {
+    pub key: BlockKey,
+    /// The first use, which messages show instead of its statements.
+    pub span: Span,
+    pub runtime: bool,
+}
 
 const fn class_of(kind: BlockKind) -> Option<BlockClass> {
     match kind {
@@ -39,7 +50,7 @@ const fn kind_of(class: BlockClass) -> BlockKind {
     }
 }
 
-impl Binder<'_> {
+impl Declarations<'_> {
     /// Gives library blocks other numbers if the program uses theirs for its own blocks. `used`: numbers that are taken.
     pub fn move_library(&mut self, used: &FxHashSet<(BlockPrefix, u32)>) {
         let mut free = u32::from(u16::MAX);

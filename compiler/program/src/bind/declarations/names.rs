@@ -1,13 +1,14 @@
 //! Which names and numbers the program defines: symbol tables, blocks of the sources, blocks of the system.
 
-use plcc_abi::image::BlockKind;
+use plcc_abi::image::{BlockKind, SymbolEntry};
 use plcc_abi::ob::{OB_FREE, ObClass};
 use plcc_diag::{Code, Diagnostic, Severity, Span};
-use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
+use plcc_syntax::ast::{self, Area, BlockName, BlockPrefix, CellKind, CodeKind, Width};
 use plcc_syntax::scl::ast::{self as scl, Dialect};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::bind::{Binder, mentions};
+use crate::bind::declarations::Declarations;
+use crate::bind::trees::mentions;
 use plcc_binding::constant::{Constant, Constants};
 use plcc_binding::fold;
 use plcc_model::BlockKey;
@@ -279,7 +280,7 @@ fn is_forward(block: &ast::Block) -> bool {
     }
 }
 
-impl<'a> Binder<'a> {
+impl<'a> Declarations<'a> {
     /// Reads the symbol tables and assigns a number to every block of the sources.
     pub fn collect(&mut self) {
         self.collect_tables();
@@ -658,13 +659,13 @@ impl<'a> Binder<'a> {
                         ast::Code::Stl(_) if prefix != source_prefix(code.kind) => {
                             let mut code = code.clone();
                             code.kind = if prefix == BlockPrefix::Fb { CodeKind::Fb } else { CodeKind::Fc };
-                            crate::bind::CodeSource::Expanded(std::rc::Rc::new(code))
+                            crate::bind::declarations::sources::CodeSource::Expanded(std::rc::Rc::new(code))
                         }
-                        ast::Code::Chart(chart) => crate::bind::CodeSource::Expanded(std::rc::Rc::new(
-                            crate::bind::chart_data::expanded(code, chart),
-                        )),
+                        ast::Code::Chart(chart) => crate::bind::declarations::sources::CodeSource::Expanded(
+                            std::rc::Rc::new(crate::bind::trees::chart_data::expanded(code, chart)),
+                        ),
                         ast::Code::Stl(_) | ast::Code::Scl(_) | ast::Code::Graphic(_) => {
-                            crate::bind::CodeSource::User(code)
+                            crate::bind::declarations::sources::CodeSource::User(code)
                         }
                     };
                     self.code.insert(BlockKey { kind, number }, source);
@@ -761,5 +762,36 @@ impl<'a> Binder<'a> {
             }
             _ => self.report.missing_block(prefix, number, span),
         }
+    }
+
+    /// Named addresses of memory, timers, counters and DBs.
+    pub fn symbol_entries(&self) -> Vec<SymbolEntry> {
+        let mut entries: Vec<SymbolEntry> = self
+            .globals
+            .values()
+            .filter_map(|global| {
+                let address = match global.target {
+                    SymbolTarget::Memory { area, width, byte, bit } => address_text(area, width, byte, bit),
+                    SymbolTarget::Cell { kind: CellKind::Timer, number } => format!("T{number}"),
+                    SymbolTarget::Cell { kind: CellKind::Counter, number } => format!("C{number}"),
+                    SymbolTarget::Block { prefix: BlockPrefix::Db, number } => format!("DB{number}"),
+                    SymbolTarget::Block { .. } => return None,
+                };
+                Some(SymbolEntry { name: global.name.clone(), address })
+            })
+            .collect();
+        entries.sort_by(|a, b| a.name.cmp(&b.name));
+        entries
+    }
+}
+
+/// An address as the runtime reads it: `Q4.0`, `MW20`.
+fn address_text(area: Area, width: Width, byte: u32, bit: u8) -> String {
+    let area = area.letters();
+    match width {
+        Width::Bit => format!("{area}{byte}.{bit}"),
+        Width::Byte => format!("{area}B{byte}"),
+        Width::Word => format!("{area}W{byte}"),
+        Width::Dword | Width::Lword => format!("{area}D{byte}"),
     }
 }

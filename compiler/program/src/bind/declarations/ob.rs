@@ -8,12 +8,16 @@ use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, SectionKind};
 use rustc_hash::FxHashMap;
 
+use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::Base;
+use crate::bind::declarations::sources::CodeSource;
 use crate::bind::declarations::types::{self, BoundInterface, Local, Use};
-use crate::bind::{Binder, CodeSource, OB_START_INFORMATION_BYTES};
 use plcc_binding::fold;
 use plcc_model::layout::{self, Placer};
 use plcc_model::types::{DataType, Elementary};
+
+/// TEMP of an OB holds at least its start information.
+pub const OB_START_INFORMATION_BYTES: u32 = 20;
 
 /// Attributes that state what starts an OB: in sources, in SimaticML.
 const CLASS_ATTRIBUTES: [&str; 2] = ["S7_EventClass", "SecondaryType"];
@@ -26,7 +30,7 @@ pub fn class_attribute(header: &ast::Header) -> Option<(Option<ObClass>, &str)> 
     Some((ObClass::of_name(value), value))
 }
 
-impl Binder<'_> {
+impl Declarations<'_> {
     /// The classes of the program's OBs: from plc.toml, otherwise from their attributes.
     pub fn ob_classes(&mut self) {
         let mut obs: Vec<(u16, &ast::CodeBlock)> = self

@@ -6,7 +6,8 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Path, PathPart, PathRoot, Width};
 use rustc_hash::FxHashMap;
 
-use crate::bind::{Binder, Ctx};
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
 use plcc_binding::report::MissingKey;
 use plcc_binding::{fold, similar};
 use plcc_model::Place;
@@ -106,9 +107,9 @@ pub const fn type_of_width(width: Width) -> Elementary {
     }
 }
 
-impl Binder<'_> {
+impl Declarations<'_> {
     /// Determines what `path` means; reports unknown names.
-    pub fn resolve(&mut self, ctx: &mut Ctx, path: &Path) -> Option<Resolved> {
+    pub fn resolve(&mut self, ctx: &mut CurrentBlock, path: &Path) -> Option<Resolved> {
         let start = match &path.root {
             PathRoot::Local { name, span } => match self.local(ctx, name) {
                 Some(variable) => Resolved::Variable(variable),
@@ -154,19 +155,19 @@ impl Binder<'_> {
         self.walk(variable, &path.parts).map(Resolved::Variable)
     }
 
-    pub fn local(&self, ctx: &Ctx, name: &str) -> Option<Variable> {
+    pub fn local(&self, ctx: &CurrentBlock, name: &str) -> Option<Variable> {
         let local = ctx.bound.locals.get(&fold(name))?;
         let (base, byte, bit, ty) = (local.base, local.byte, local.bit, local.ty.clone());
         Some(Variable { base, byte, bit, ty, untyped: false })
     }
 
     /// `#name` in SCL and networks, where only the block itself can declare it.
-    pub fn unknown_local(&mut self, ctx: &mut Ctx, name: &str, span: Span) {
+    pub fn unknown_local(&mut self, ctx: &mut CurrentBlock, name: &str, span: Span) {
         self.undeclared(ctx, name, span, Code::UnknownLocal);
     }
 
     /// `code`: in STL a `#` before a symbol is ignored, so an unknown name is also an unknown symbol.
-    fn undeclared(&mut self, ctx: &mut Ctx, name: &str, span: Span, code: Code) {
+    fn undeclared(&mut self, ctx: &mut CurrentBlock, name: &str, span: Span, code: Code) {
         if !ctx.unknown_locals.insert(fold(name)) {
             return;
         }
@@ -191,7 +192,7 @@ impl Binder<'_> {
         });
     }
 
-    pub fn resolve_global(&mut self, ctx: &mut Ctx, name: &str, span: Span) -> Option<Resolved> {
+    pub fn resolve_global(&mut self, ctx: &mut CurrentBlock, name: &str, span: Span) -> Option<Resolved> {
         let Some(target) = self.global(name) else {
             self.unknown_name(name, span);
             return None;

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use plcc_abi::image::BlockKind;
 use plcc_syntax::ast::{BlockPrefix, TypeRef};
 
-use crate::bind::Binder;
+use crate::bind::declarations::Declarations;
 use crate::bind::declarations::names;
 use crate::bind::declarations::types::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
 use plcc_diag::Span;
@@ -140,7 +140,7 @@ const INSTANCES: &[(&str, &[&str])] = &[
     ("CTUD_INT",       &["CTUD_INT", "CTUD"]),
 ];
 
-impl Binder<'_> {
+impl Declarations<'_> {
     /// The block that a data type's name means: one of the sources, `FB10`, or one of the library; no message.
     pub fn type_block(&self, name: &str) -> Option<(BlockPrefix, u16)> {
         if let Some(number) = self.type_names.get(&plcc_binding::fold(name)) {
@@ -175,7 +175,7 @@ impl Binder<'_> {
         if let Some((ty, _)) = numbers {
             return Some(elementary_typed(*ty));
         }
-        if let Some(kind) = crate::bind::chart_data::type_named(name) {
+        if let Some(kind) = crate::bind::trees::chart_data::type_named(name) {
             return self.resolve_type(&TypeRef { kind, span }, Use::Component);
         }
         let structure = STRUCTURES.iter().find(|structure| structure.name.eq_ignore_ascii_case(name))?;

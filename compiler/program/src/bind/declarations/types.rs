@@ -9,9 +9,11 @@ use plcc_syntax::chart::ast as chart;
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
+use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::Base;
 use crate::bind::declarations::predefined;
-use crate::bind::{Binder, SYSTEM_FILE, State};
+use crate::bind::declarations::sources::State;
+use crate::bind::trees::SYSTEM_FILE;
 use plcc_binding::constant::Constants;
 use plcc_binding::fold;
 use plcc_model::layout::{self, BYTES_MAX, Placer};
@@ -96,7 +98,17 @@ impl Use {
     }
 }
 
-impl<'a> Binder<'a> {
+impl<'a> Declarations<'a> {
+    /// Every UDT, so that unused ones are checked, too.
+    pub fn bind_types(&mut self) {
+        let mut numbers: Vec<u16> = self.type_blocks.keys().copied().collect();
+        numbers.sort_unstable();
+        for number in numbers {
+            let span = self.type_blocks[&number].name.span();
+            self.udt(number, span);
+        }
+    }
+
     /// The type of a variable; `None` if it is not known, which is reported.
     pub fn variable_type(&mut self, variable: &ast::Variable, used: Use) -> Option<Typed> {
         let outer = std::mem::replace(&mut self.scope.variable, variable.name.clone());
@@ -566,7 +578,7 @@ pub fn elementary_typed(ty: Elementary) -> Typed {
 }
 
 /// True if names of instructions mean those of the TIA Portal where a data block or UDT declares them.
-pub fn is_tia(input: &crate::bind::BindInput) -> bool {
+pub fn is_tia(input: &plcc_binding::BindInput) -> bool {
     portal_cpu(input)
         || input.units.iter().flat_map(|(_, unit)| &unit.blocks).any(|block| match block {
             ast::Block::Code(code) => dialect(code) == Some(Dialect::Tia),
@@ -589,6 +601,6 @@ pub fn dialect(block: &ast::CodeBlock) -> Option<Dialect> {
 }
 
 /// Only the TIA Portal can program this CPU.
-pub fn portal_cpu(input: &crate::bind::BindInput) -> bool {
+pub fn portal_cpu(input: &plcc_binding::BindInput) -> bool {
     matches!(input.profile.family, Family::S71200 | Family::S71500)
 }

@@ -9,16 +9,17 @@ use super::convert;
 use super::place::Thing;
 use super::value::Value;
 use super::{Intent, Rules, message};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::SclBinder;
+use crate::bind::scl::SclBlock;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Complex, Expr, ExprKind, Function, Statement, StatementKind};
 use plcc_model::types::DataType;
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// `a := b += e`: from right to left, one statement for each.
     pub(super) fn assign(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         targets: &[(Node, AssignOp)],
         value: &Node,
         span: Span,
@@ -38,7 +39,7 @@ impl Binder<'_> {
     #[allow(clippy::too_many_arguments, reason = "the parts of one assignment")]
     fn assign_one(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         target: &Node,
         op: AssignOp,
         value: Option<Value>,
@@ -85,7 +86,7 @@ impl Binder<'_> {
 
     pub(in crate::bind) fn binary_value(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: Operator,
         op_span: Span,
         left: Value,
@@ -99,14 +100,19 @@ impl Binder<'_> {
     }
 
     /// The statement that assigns `value` to `target`, by the target's type.
-    pub(in crate::bind) fn assignment(&mut self, ctx: &mut Ctx, target: Access, value: Value) -> Option<StatementKind> {
+    pub(in crate::bind) fn assignment(
+        &mut self,
+        ctx: &mut SclBlock,
+        target: Access,
+        value: Value,
+    ) -> Option<StatementKind> {
         let value = match self.result_in_place(&target, value) {
             Ok(call) => return Some(call),
             Err(value) => value,
         };
         if let Some(ty) = target.elementary() {
             let value = self.scl_convert(ctx, value, ty)?;
-            let value = with_else(ctx.scl.rules, &target, value);
+            let value = with_else(ctx.scope.rules, &target, value);
             return Some(StatementKind::Assign { target, value });
         }
         let ty = target.ty.clone();
@@ -131,7 +137,7 @@ impl Binder<'_> {
     }
 
     /// The target is `OK` or `ENO`.
-    fn is_flag(&mut self, ctx: &mut Ctx, target: &Node) -> bool {
+    fn is_flag(&mut self, ctx: &mut SclBlock, target: &Node) -> bool {
         let NodeKind::Name(name) = &target.kind else { return false };
         if !name.text.eq_ignore_ascii_case("OK") && !name.text.eq_ignore_ascii_case("ENO") {
             return false;
@@ -142,7 +148,7 @@ impl Binder<'_> {
     #[allow(clippy::too_many_arguments, reason = "the parts of one assignment")]
     fn assign_flag(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         target: &Node,
         op: AssignOp,
         value: Value,

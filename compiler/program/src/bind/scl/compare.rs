@@ -11,7 +11,8 @@ use super::expression::{binary_expr, constant_expr, typed_constant};
 use super::numeric::{self, Shape};
 use super::value::Value;
 use super::{Rules, constant, text, time};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::SclBinder;
+use crate::bind::scl::SclBlock;
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, BinaryOp, CompareOp, Complex, Expr, ExprKind};
@@ -32,10 +33,10 @@ const fn library(op: CompareOp) -> (u16, u16) {
     }
 }
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     pub(in crate::bind) fn compare(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: Operator,
         op_span: Span,
         left: Value,
@@ -43,7 +44,8 @@ impl Binder<'_> {
         span: Span,
     ) -> Option<Expr> {
         let op = compare_op(op)?;
-        let (left, right) = if ctx.scl.address_numbers { self.chart_operands(ctx, left, right) } else { (left, right) };
+        let (left, right) =
+            if ctx.scope.address_numbers { self.chart_operands(ctx, left, right) } else { (left, right) };
         if let Some(ty) = self.compared_type(ctx, &left, &right) {
             self.decided_before(op, op_span, &left, &right, ty);
             let left = self.scl_convert(ctx, left, ty);
@@ -85,8 +87,8 @@ impl Binder<'_> {
     }
 
     /// The type in which two single values are compared.
-    fn compared_type(&self, ctx: &Ctx, left: &Value, right: &Value) -> Option<Elementary> {
-        let (rules, strict) = (ctx.scl.rules, ctx.scl.strict);
+    fn compared_type(&self, ctx: &SclBlock, left: &Value, right: &Value) -> Option<Elementary> {
+        let (rules, strict) = (ctx.scope.rules, ctx.scope.strict);
         let (a, b) = (Shape::of(left), Shape::of(right));
         match (a, b) {
             (Shape::Of(Elementary::S5Time), _) | (_, Shape::Of(Elementary::S5Time)) => None,
@@ -148,7 +150,7 @@ impl Binder<'_> {
         };
         let Some(always) = always else { return };
         let word = if always { "TRUE" } else { "FALSE" };
-        self.report.push(
+        self.program.report.push(
             Diagnostic::new(Code::AlwaysSame, op_span, format!("this comparison is always {word}"))
                 .label(format!("a value of type {} is never negative", ty.name()))
                 .help("compare with another value, or remove the condition"),
@@ -157,7 +159,7 @@ impl Binder<'_> {
 
     fn compare_by_call(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         number: u16,
         left: Value,
         right: Value,
@@ -175,7 +177,7 @@ impl Binder<'_> {
     /// `=` and `<>` member by member.
     fn compare_structures(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: CompareOp,
         op_span: Span,
         left: Value,
@@ -187,7 +189,7 @@ impl Binder<'_> {
             (
                 Value::Complex { value: Complex::Variable(a), ty: x, .. },
                 Value::Complex { value: Complex::Variable(b), ty: y, .. },
-            ) if equality && ctx.scl.rules != Rules::Classic && assignable(ctx.scl.rules, x, y) => {
+            ) if equality && ctx.scope.rules != Rules::Classic && assignable(ctx.scope.rules, x, y) => {
                 Some((a.clone(), b.clone()))
             }
             _ => None,

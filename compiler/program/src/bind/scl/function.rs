@@ -12,7 +12,8 @@ use plcc_syntax::scl::ast::Argument as Given;
 use super::value::Value;
 use super::variant::Question;
 use super::{convert, text};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::SclBinder;
+use crate::bind::scl::SclBlock;
 use plcc_model::scl::{BinaryOp, Function, TimerKind};
 
 /// The computation of a function.
@@ -246,11 +247,11 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     ROWS.iter().map(|row| row.name)
 }
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// Binds the call of a function of the language.
     pub fn function(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         named: &Named,
         given: &[Given],
         name: Span,

@@ -54,10 +54,12 @@ mod call_tests;
 #[cfg(test)]
 pub(in crate::bind) mod tests;
 
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::stl::StlBinder;
 use plcc_syntax::ast;
 use plcc_syntax::scl::ast::{Body as Tree, Dialect, ExprKind, NameForm};
 
-use super::{Binder, Ctx};
 pub use crate::bind::declarations::rules::Rules;
 use plcc_model::scl::Body;
 pub use reference::{effect, functions, reference};
@@ -72,20 +74,43 @@ pub enum Intent {
     Both,
 }
 
-impl Binder<'_> {
+/// A block while statements and expressions of SCL are bound in it.
+pub struct SclBlock<'c> {
+    pub block: &'c mut CurrentBlock,
+    pub scope: Scope,
+}
+
+/// Binds statements and expressions of SCL.
+pub struct SclBinder<'b, 'a> {
+    pub program: &'b mut Declarations<'a>,
+}
+
+impl<'b, 'a> SclBinder<'b, 'a> {
+    pub fn new(program: &'b mut Declarations<'a>) -> SclBinder<'b, 'a> {
+        SclBinder { program }
+    }
+
+    /// STL, for the assertions of tests.
+    fn stl(&mut self) -> StlBinder<'_, 'a> {
+        StlBinder::new(self.program)
+    }
+}
+
+impl SclBinder<'_, '_> {
     /// Binds the statements of a block.
-    pub fn bind_scl(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, body: &Tree) -> Body {
-        ctx.scl = Scope::new(self.input, &block.header, body.dialect);
-        ctx.scl.marks_locals = body.dialect == Dialect::Tia && marks_locals(&block.code);
+    pub fn bind_scl(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, body: &Tree) -> Body {
+        let scope = Scope::new(self.program.input, &block.header, body.dialect);
+        let ctx = &mut SclBlock { block: current, scope };
+        ctx.scope.marks_locals = body.dialect == Dialect::Tia && marks_locals(&block.code);
         self.collect_labels(ctx, &body.statements);
         let statements = self.statements(ctx, &body.statements);
         self.unused_data(ctx, block, body.statements.is_empty());
-        let scope = &ctx.scl;
+        let scope = &ctx.scope;
         Body {
             statements,
             sets_flag: scope.sets_flag,
             calls_set_flag: scope.rules != Rules::Classic,
-            temporary_texts: temporary::texts(&ctx.bound),
+            temporary_texts: temporary::texts(&ctx.block.bound),
             networks: Vec::new(),
         }
     }
@@ -94,7 +119,7 @@ impl Binder<'_> {
 /// Whether any name in the code is written with `#`.
 fn marks_locals(code: &ast::Code) -> bool {
     let mut found = false;
-    super::mentions::expressions(code, &mut |value| {
+    crate::bind::trees::mentions::expressions(code, &mut |value| {
         found |= matches!(&value.kind, ExprKind::Name(name) if name.form == NameForm::Local);
     });
     found

@@ -14,15 +14,16 @@ use super::pins::Pins;
 use super::text::is_wide_text;
 use super::value::Value;
 use super::{Rules, constant};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::SclBinder;
+use crate::bind::scl::SclBlock;
 use plcc_binding::constant::Constant;
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, UnaryOp};
 use plcc_model::types::DataType;
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     pub fn number_function(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         row: &Row,
         suffix: Option<Elementary>,
         pins: &Pins,
@@ -129,7 +130,7 @@ impl Binder<'_> {
 
     fn float_function(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         function: Function,
         suffix: Option<Elementary>,
         node: &Node,
@@ -141,17 +142,17 @@ impl Binder<'_> {
     }
 
     /// A value as a float: LREAL stays, everything else converts to REAL.
-    fn float_value(&mut self, ctx: &mut Ctx, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
+    fn float_value(&mut self, ctx: &mut SclBlock, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
         let value = self.scl_value(ctx, node)?;
         let ty = match (suffix, Shape::of(&value)) {
             (Some(ty), _) if ty.is_float() => ty,
             (_, Shape::Of(Elementary::Lreal)) => Elementary::Lreal,
             // A computation with constants alone is as exact as the CPU allows.
-            (_, Shape::Real) => constant::default_type(ctx.scl.rules, &Constant::Real(0.0)),
+            (_, Shape::Real) => constant::default_type(ctx.scope.rules, &Constant::Real(0.0)),
             // Also of a DINT, which TIA only converts to LREAL.
             (_, Shape::Of(ty)) if ty.is_integer() => {
                 let expr = self.scl_own_type(ctx, value)?;
-                return convert::explicit_expr(ctx.scl.rules, expr, Elementary::Real);
+                return convert::explicit_expr(ctx.scope.rules, expr, Elementary::Real);
             }
             _ => Elementary::Real,
         };
@@ -159,7 +160,7 @@ impl Binder<'_> {
     }
 
     /// A value as a bit string: with its own type, or that of the suffix.
-    fn bits_value(&mut self, ctx: &mut Ctx, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
+    fn bits_value(&mut self, ctx: &mut SclBlock, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
         let value = self.scl_value(ctx, node)?;
         let ty = match (suffix, Shape::of(&value)) {
             (Some(ty), _) => ty,
@@ -177,13 +178,13 @@ impl Binder<'_> {
     }
 
     /// A count: an integer of any type.
-    fn count_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
+    fn count_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
         let value = self.scl_value(ctx, node)?;
         if let Value::Constant(Constant::Integer { value: count, .. }, span) = &value
             && *count < 0
         {
             let span = *span;
-            self.report.push(
+            self.program.report.push(
                 Diagnostic::new(Code::ShiftCount, span, "this number is negative")
                     .label("0 or more is expected")
                     .help("for the other direction call the other function"),
@@ -205,13 +206,13 @@ impl Binder<'_> {
             }
             _ => {
                 let is_long = matches!(&value, Value::Constant(Constant::Integer { value: count, .. }, _) if *count > i128::from(i16::MAX));
-                let wide = is_long && !ctx.scl.rules.is_300();
+                let wide = is_long && !ctx.scope.rules.is_300();
                 self.scl_convert(ctx, value, if wide { Elementary::Udint } else { Elementary::Int })
             }
         }
     }
 
-    fn mux(&mut self, ctx: &mut Ctx, suffix: Option<Elementary>, pins: &Pins, span: Span) -> Option<Value> {
+    fn mux(&mut self, ctx: &mut SclBlock, suffix: Option<Elementary>, pins: &Pins, span: Span) -> Option<Value> {
         let selector = self.count_value(ctx, pins.get("K")?);
         let mut nodes = pins.numbered("IN0");
         let otherwise = pins.get("INELSE");
@@ -230,7 +231,7 @@ impl Binder<'_> {
     /// MUX of values that are not single values: INELSE, unless K is the number of an input.
     fn mux_by_selection(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         kind: &str,
         selector: Expr,
         mut values: Vec<Value>,
@@ -259,20 +260,27 @@ impl Binder<'_> {
         Some(result)
     }
 
-    fn round(&mut self, ctx: &mut Ctx, row: &Row, suffix: Option<Elementary>, pins: &Pins, span: Span) -> Option<Expr> {
+    fn round(
+        &mut self,
+        ctx: &mut SclBlock,
+        row: &Row,
+        suffix: Option<Elementary>,
+        pins: &Pins,
+        span: Span,
+    ) -> Option<Expr> {
         let ty = suffix.unwrap_or(Elementary::Dint);
         let value = self.float_value(ctx, pins.get("IN")?, None)?;
         if !ty.is_integer() {
             return self.bad_suffix(row, ty, pins.name);
         }
-        let conversion = convert::rounding(ctx.scl.rules, row.name)?;
+        let conversion = convert::rounding(ctx.scope.rules, row.name)?;
         Some(Expr { span, ..converted(value, conversion, ty) })
     }
 
     /// Shifts and rotates. In the classic form integers are bit strings, so zeros are shifted in.
     fn shift(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: BinaryOp,
         suffix: Option<Elementary>,
         pins: &Pins,
@@ -298,7 +306,7 @@ impl Binder<'_> {
             Expr { kind: ExprKind::Binary { op, left: Box::new(left), right: Box::new(count) }, ty, span }
         };
         Some(match bits {
-            Some(bits) if ctx.scl.rules.is_300() => {
+            Some(bits) if ctx.scope.rules.is_300() => {
                 let pattern = Conversion::Bits { checked: false };
                 converted(make(converted(left, pattern, bits), count?), pattern, ty)
             }
@@ -307,7 +315,12 @@ impl Binder<'_> {
     }
 
     /// Values converted to one type: that of the suffix, or the widest of their own.
-    fn alike(&mut self, ctx: &mut Ctx, nodes: &[&Node], suffix: Option<Elementary>) -> Option<(Vec<Expr>, Elementary)> {
+    fn alike(
+        &mut self,
+        ctx: &mut SclBlock,
+        nodes: &[&Node],
+        suffix: Option<Elementary>,
+    ) -> Option<(Vec<Expr>, Elementary)> {
         let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
         self.alike_values(ctx, values, suffix)
@@ -315,7 +328,7 @@ impl Binder<'_> {
 
     fn alike_values(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         values: Vec<Value>,
         suffix: Option<Elementary>,
     ) -> Option<(Vec<Expr>, Elementary)> {
@@ -328,8 +341,8 @@ impl Binder<'_> {
     }
 
     /// The type that can hold all of the values; reports values that do not go together.
-    fn widest(&mut self, ctx: &Ctx, values: &[Value]) -> Option<Elementary> {
-        let rules = ctx.scl.rules;
+    fn widest(&mut self, ctx: &SclBlock, values: &[Value]) -> Option<Elementary> {
+        let rules = ctx.scope.rules;
         let mut shapes: Vec<(Shape, &Value)> = values.iter().map(|value| (Shape::of(value), value)).collect();
         // Constants without a type follow the others.
         shapes.sort_by_key(|(shape, _)| shape.is_untyped() || *shape == Shape::Letter);
@@ -380,7 +393,7 @@ impl Binder<'_> {
     }
 
     fn bad_suffix<T>(&mut self, row: &Row, ty: Elementary, name: Span) -> Option<T> {
-        self.report.push(
+        self.program.report.push(
             Diagnostic::new(Code::TypeMismatch, name, format!("{} has no variant for type {}", row.name, ty.name()))
                 .label("this type cannot follow the name")
                 .help(format!("write {} alone, and convert its result", row.name)),
@@ -391,7 +404,7 @@ impl Binder<'_> {
     /// `X_TO_Y(value)`, `TO_Y(value)`.
     pub fn conversion(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         from: Option<Elementary>,
         to: Elementary,
         given: &[Given],
@@ -406,10 +419,10 @@ impl Binder<'_> {
             }
         };
         let from = value.ty;
-        match convert::explicit_expr(ctx.scl.rules, value, to) {
+        match convert::explicit_expr(ctx.scope.rules, value, to) {
             Some(expr) => Some(Value::Elementary(Expr { span, ..expr })),
             None => {
-                self.report.push(
+                self.program.report.push(
                     Diagnostic::new(
                         Code::TypeMismatch,
                         span,
@@ -424,19 +437,19 @@ impl Binder<'_> {
     }
 
     /// `BCD_TO_INT` and the other BCD conversions.
-    pub fn bcd_conversion(&mut self, ctx: &mut Ctx, name: &str, given: &[Given], span: Span) -> Option<Value> {
+    pub fn bcd_conversion(&mut self, ctx: &mut SclBlock, name: &str, given: &[Given], span: Span) -> Option<Value> {
         let node = self.only_argument(ctx, given, span)?;
-        let (from, conversion, to) = convert::bcd(ctx.scl.rules, name)?;
+        let (from, conversion, to) = convert::bcd(ctx.scope.rules, name)?;
         let value = self.scl_of_type(ctx, node, from)?;
         Some(Value::Elementary(Expr { span, ..converted(value, conversion, to) }))
     }
 
     /// The argument of a function of one argument, whatever its name.
-    pub fn only_argument<'n>(&mut self, ctx: &mut Ctx, given: &'n [Given], span: Span) -> Option<&'n Node> {
+    pub fn only_argument<'n>(&mut self, ctx: &mut SclBlock, given: &'n [Given], span: Span) -> Option<&'n Node> {
         if let [Given { output: false, value: Some(value), .. }] = given {
             return Some(value);
         }
-        self.report.push(
+        self.program.report.push(
             Diagnostic::new(
                 if given.len() > 1 { Code::SurplusOperand } else { Code::MissingParameter },
                 span,
@@ -450,7 +463,7 @@ impl Binder<'_> {
     }
 
     /// An operator as a function.
-    pub fn operator_function(&mut self, ctx: &mut Ctx, op: NodeOp, pins: &Pins, span: Span) -> Option<Value> {
+    pub fn operator_function(&mut self, ctx: &mut SclBlock, op: NodeOp, pins: &Pins, span: Span) -> Option<Value> {
         let (left, right) = (self.scl_value(ctx, pins.get("IN1")?), self.scl_value(ctx, pins.get("IN2")?));
         self.operation(ctx, op, pins.name, left?, right?, span)
     }
@@ -458,7 +471,7 @@ impl Binder<'_> {
     /// T_ADD, T_SUB and T_DIFF of bound operands.
     pub(super) fn operation(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: NodeOp,
         name: Span,
         left: Value,

@@ -12,18 +12,19 @@ use crate::bind::declarations::pointer::{
 use crate::bind::declarations::pointer::{
     any_bytes, any_number_of_block, any_number_of_cell, known_pointer, local_place,
 };
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::SclBinder;
+use crate::bind::scl::SclBlock;
 use plcc_binding::constant::Constant;
 use plcc_model::layout::{self, type_code};
 use plcc_model::scl::{Access, Actual, Base, Complex, Expr, ExprKind};
 use plcc_model::types::{DataType, Elementary, ParameterType};
 use plcc_model::{BlockKey, Number, Parameter, Place, Pointed};
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// The actual of a POINTER.
     pub fn scl_pointer(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         callee: BlockKey,
         formal: &Parameter,
         node: &Node,
@@ -31,7 +32,7 @@ impl Binder<'_> {
     ) -> Option<Actual> {
         match &node.kind {
             NodeKind::Literal(Literal::Pointer { db, pointer }) => {
-                self.use_db(*db, node.span);
+                self.program.use_db(*db, node.span);
                 return Some(match local_place(*pointer) {
                     Some(place) => to_place(place, node, 0, 0),
                     None => Actual::PointerBytes(pointer_bytes(*db, *pointer)),
@@ -58,7 +59,7 @@ impl Binder<'_> {
     /// The actual of an ANY.
     pub fn scl_any(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         callee: BlockKey,
         formal: &Parameter,
         node: &Node,
@@ -67,7 +68,7 @@ impl Binder<'_> {
         match &node.kind {
             NodeKind::Literal(Literal::Any(bytes)) => {
                 let [_, type_code, high, low, db_high, db_low, pointer @ ..] = *bytes;
-                self.use_db(u16::from_be_bytes([db_high, db_low]), node.span);
+                self.program.use_db(u16::from_be_bytes([db_high, db_low]), node.span);
                 let count = u16::from_be_bytes([high, low]);
                 let any = match local_place(u32::from_be_bytes(pointer)) {
                     Some(place) => to_place(place, node, type_code, count),
@@ -128,7 +129,7 @@ impl Binder<'_> {
         }
     }
 
-    fn any_of_complex(&mut self, ctx: &mut Ctx, formal: &Parameter, node: &Node, ty: &DataType) -> Option<Actual> {
+    fn any_of_complex(&mut self, ctx: &mut SclBlock, formal: &Parameter, node: &Node, ty: &DataType) -> Option<Actual> {
         let (type_code, count) = code_for(formal, ty);
         let value = self.scl_complex(ctx, node, ty)?;
         let any = Actual::PointerToComplex { value, type_code, count: count.min(0xFFFF) as u16 };
@@ -171,7 +172,7 @@ impl Binder<'_> {
     }
 
     /// The variable that a pointer points at. The target of an ANY or POINTER formal is not itself read or written here.
-    fn pointed(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Access> {
+    fn pointed(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Access> {
         self.scl_access(ctx, node, intent)
     }
 }

@@ -6,9 +6,9 @@ use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
 use super::place::Spot;
-use crate::bind::BindInput;
 use crate::bind::declarations::path::Variable;
 use crate::bind::declarations::rules::Rules;
+use plcc_binding::BindInput;
 use plcc_model::LabelId;
 use plcc_model::scl::{Expr, Statement};
 

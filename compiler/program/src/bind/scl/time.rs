@@ -11,7 +11,8 @@ use super::function::Named;
 use super::numeric::Shape;
 use super::value::Value;
 use super::{Intent, Rules};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::SclBinder;
+use crate::bind::scl::SclBlock;
 use Elementary::*;
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
@@ -65,12 +66,12 @@ pub fn compare_as_dates(left: &Value, right: &Value) -> bool {
     (a == Moment::Dtl || a != b) && date(a) && date(b)
 }
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// `left op right` if one of them is a date or time; otherwise returns both.
     #[allow(clippy::result_large_err, reason = "the caller gets the operands back")]
     pub(super) fn time_arithmetic(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: Operator,
         op_span: Span,
         left: Value,
@@ -120,7 +121,7 @@ impl Binder<'_> {
                 })
             }
             (Of(day), Of(other)) if subtract && day == other => self.difference(ctx, day, left, right, span),
-            (Of(Date), Of(TimeOfDay)) if op == Operator::Add && ctx.scl.rules.is_300() => {
+            (Of(Date), Of(TimeOfDay)) if op == Operator::Add && ctx.scope.rules.is_300() => {
                 let left = self.scl_convert(ctx, left, Date);
                 let right = self.scl_convert(ctx, right, TimeOfDay);
                 let both = left.zip(right);
@@ -141,7 +142,7 @@ impl Binder<'_> {
             }
             (Dtl, Of(step @ (Time | Ltime))) if sum => self.dtl_step(ctx, left, right, step, subtract, span),
             (Dtl, Dtl) if subtract => {
-                let ty = if ctx.scl.rules == Rules::Tia1500 { Ltime } else { Time };
+                let ty = if ctx.scope.rules == Rules::Tia1500 { Ltime } else { Time };
                 self.dtl_difference(ctx, left, right, ty, span)
             }
             (Of(Date), Of(TimeOfDay)) if op == Operator::Add => {
@@ -171,7 +172,7 @@ impl Binder<'_> {
     #[allow(clippy::result_large_err, reason = "the caller gets the operands back")]
     pub(super) fn mixed_difference(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         left: Value,
         right: Value,
         span: Span,
@@ -189,7 +190,7 @@ impl Binder<'_> {
     /// T_CONV and T_DIFF whose result is assigned: their type is that of the target. `None`: any other expression; `Some(None)`: after a message.
     pub(in crate::bind) fn value_for_target(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         targets: &[(Node, AssignOp)],
         node: &Node,
     ) -> Option<Option<Value>> {
@@ -198,14 +199,14 @@ impl Binder<'_> {
         };
         let NodeKind::Name(name) = &callee.kind else { return None };
         let Named::Row { row, suffix: None } = Named::find(&name.text)? else { return None };
-        let own = matches!(row.name, "T_CONV" | "T_DIFF") && !ctx.scl.rules.is_300();
-        if !own || self.is_instance(ctx, name) || self.globals.contains_key(&fold(&name.text)) {
+        let own = matches!(row.name, "T_CONV" | "T_DIFF") && !ctx.scope.rules.is_300();
+        if !own || self.is_instance(ctx, name) || self.program.globals.contains_key(&fold(&name.text)) {
             return None;
         }
-        let (told, reads) = (self.report.diagnostics.len(), ctx.scl.temp_reads.len());
+        let (told, reads) = (self.program.report.diagnostics.len(), ctx.scope.temp_reads.len());
         let access = self.scl_access(ctx, target, Intent::Write);
-        self.report.diagnostics.truncate(told);
-        ctx.scl.temp_reads.truncate(reads);
+        self.program.report.diagnostics.truncate(told);
+        ctx.scope.temp_reads.truncate(reads);
         let to = access.filter(|access| access.part.is_none())?.ty;
         let span = node.span;
         let Some(pins) = self.pins(ctx, row, arguments, name.span) else { return Some(None) };
@@ -222,7 +223,7 @@ impl Binder<'_> {
                 let right = self.scl_convert(ctx, right, Date);
                 left.zip(right).and_then(|(left, right)| {
                     let days = binary_expr(BinaryOp::Subtract, days_of(left), days_of(right), Dint, span);
-                    convert::explicit_expr(ctx.scl.rules, days, *ty).map(Value::Elementary)
+                    convert::explicit_expr(ctx.scope.rules, days, *ty).map(Value::Elementary)
                 })
             }
             (Moment::Dtl, Moment::Dtl, DataType::Elementary(Ltime)) => {
@@ -233,14 +234,14 @@ impl Binder<'_> {
     }
 
     /// T_CONV of a value that goes to a variable of type `to`.
-    fn converted_time(&mut self, ctx: &mut Ctx, value: Value, to: &DataType, span: Span) -> Option<Value> {
+    fn converted_time(&mut self, ctx: &mut SclBlock, value: Value, to: &DataType, span: Span) -> Option<Value> {
         if let DataType::Elementary(ty) = to {
             let own = match value {
                 Value::Constant(..) => return Some(value),
                 Value::Elementary(expr) => expr,
                 other => return self.converted_date(ctx, other, to, span),
             };
-            if let Some(converted) = convert::explicit_expr(ctx.scl.rules, own.clone(), *ty) {
+            if let Some(converted) = convert::explicit_expr(ctx.scope.rules, own.clone(), *ty) {
                 return Some(Value::Elementary(Expr { span, ..converted }));
             }
             return self.converted_date(ctx, Value::Elementary(own), to, span);
@@ -248,7 +249,7 @@ impl Binder<'_> {
         self.converted_date(ctx, value, to, span)
     }
 
-    fn converted_date(&mut self, ctx: &mut Ctx, value: Value, to: &DataType, span: Span) -> Option<Value> {
+    fn converted_date(&mut self, ctx: &mut SclBlock, value: Value, to: &DataType, span: Span) -> Option<Value> {
         let words = super::text::type_word(&value).zip(super::text::type_word_of(to));
         match words {
             Some((from, to)) if from != to => match self.converted_text(ctx, &from, &to, value, span, span) {
@@ -268,7 +269,7 @@ impl Binder<'_> {
     /// DTL and TIME or LTIME: a DTL.
     fn dtl_step(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         left: Value,
         right: Value,
         step: Elementary,
@@ -290,7 +291,7 @@ impl Binder<'_> {
     /// The time between two DTL: a TIME, or an LTIME, which can hold every one.
     pub(super) fn dtl_difference(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         left: Value,
         right: Value,
         ty: Elementary,
@@ -305,7 +306,7 @@ impl Binder<'_> {
     }
 
     /// A DTL, DATE_AND_TIME or LDT as LDT, in which TIA computes and compares them all; `None` for anything else.
-    pub(super) fn as_ldt(&mut self, ctx: &mut Ctx, value: Value) -> Option<Expr> {
+    pub(super) fn as_ldt(&mut self, ctx: &mut SclBlock, value: Value) -> Option<Expr> {
         let span = value.span();
         match moment(&value) {
             Moment::Of(Ldt) => self.scl_convert(ctx, value, Ldt),
@@ -324,17 +325,17 @@ impl Binder<'_> {
     /// The value of an instruction of the TIA Portal with the given inputs.
     pub(super) fn instruction_value(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         name: &str,
         inputs: Vec<Value>,
         span: Span,
     ) -> Option<Value> {
-        let key = self.library_key(plcc_stdlib::find_tia(name)?);
+        let key = self.program.library_key(plcc_stdlib::find_tia(name)?);
         self.library_call(ctx, key, inputs, span, span)
     }
 
     /// An integer next to a TIME, as that many milliseconds (LTIME: nanoseconds).
-    fn factor(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Expr> {
+    fn factor(&mut self, ctx: &mut SclBlock, value: Value, ty: Elementary) -> Option<Expr> {
         let own = if ty == Ltime { Lint } else { Dint };
         let value = match value {
             Value::Elementary(expr) => expr,
@@ -343,15 +344,22 @@ impl Binder<'_> {
         };
         let span = value.span;
         let from = value.ty;
-        let converted = convert::explicit_expr(ctx.scl.rules, value, ty);
+        let converted = convert::explicit_expr(ctx.scope.rules, value, ty);
         if converted.is_none() {
-            self.no_conversion(ctx.scl.rules, span, from, ty);
+            self.no_conversion(ctx.scope.rules, span, from, ty);
         }
         converted
     }
 
     /// The time between two dates of one type.
-    fn difference(&mut self, ctx: &mut Ctx, ty: Elementary, left: Value, right: Value, span: Span) -> Option<Value> {
+    fn difference(
+        &mut self,
+        ctx: &mut SclBlock,
+        ty: Elementary,
+        left: Value,
+        right: Value,
+        span: Span,
+    ) -> Option<Value> {
         let left = self.scl_convert(ctx, left, ty);
         let right = self.scl_convert(ctx, right, ty);
         let (left, right) = (left?, right?);
@@ -364,8 +372,8 @@ impl Binder<'_> {
             _ => {
                 let days = simple(Dint, left, right);
                 let milliseconds = constant_expr(DAY_MILLISECONDS, Time, span);
-                if ctx.scl.rules == Rules::Tia1500 {
-                    let days = convert::explicit_expr(ctx.scl.rules, days, Ltime)?;
+                if ctx.scope.rules == Rules::Tia1500 {
+                    let days = convert::explicit_expr(ctx.scope.rules, days, Ltime)?;
                     let day = constant_expr(DAY_MILLISECONDS * 1_000_000, Ltime, span);
                     binary_expr(BinaryOp::Multiply, days, day, Ltime, span)
                 } else {
@@ -378,8 +386,8 @@ impl Binder<'_> {
 
     /// The value of a function of the standard library, called with all its parameters in order.
     pub(super) fn library_value(&mut self, number: u16, actuals: Vec<Actual>, span: Span) -> Option<Value> {
-        let target = self.library_key(plcc_stdlib::find(plcc_stdlib::BlockClass::Fc, number)?);
-        let bound = self.interface(target, span)?;
+        let target = self.program.library_key(plcc_stdlib::find(plcc_stdlib::BlockClass::Fc, number)?);
+        let bound = self.program.interface(target, span)?;
         let result = bound.interface.parameters.iter().find(|formal| formal.name == "RET_VAL");
         let Some(result) = result.filter(|_| bound.interface.parameters.len() == actuals.len() + 1) else {
             self.refuse(

@@ -8,6 +8,8 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, OperandKind, Width};
 use plcc_syntax::literal::Literal;
 
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::names::code_kind;
 use crate::bind::declarations::path::{Base, type_of_width};
 use crate::bind::declarations::pointer::{
@@ -15,19 +17,19 @@ use crate::bind::declarations::pointer::{
     for_formal, known_pointer, local_place, pointed_at, pointed_at_by_literal, pointer_bytes,
 };
 use crate::bind::declarations::types::is_complex;
+use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::Settled;
-use crate::bind::{Binder, Ctx};
 use plcc_binding::constant::Constant;
 use plcc_binding::value::{self, Mismatch};
 use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, ParameterType};
 use plcc_model::{Actual, BlockKey, Direction, Number, Parameter, Place, Pointed};
 
-impl Binder<'_> {
+impl StlBinder<'_, '_> {
     /// Binds the actual of parameter `formal` of block `callee`; `None` after a message or if it cannot be determined.
     pub fn bind_actual(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut CurrentBlock,
         callee: BlockKey,
         formal: &Parameter,
         actual: &ast::Operand,
@@ -35,8 +37,8 @@ impl Binder<'_> {
         let settled = self.settle(ctx, actual)?;
         let span = actual.span;
         if let Settled::Memory { place: Place::Indirect { .. } | Place::Register { .. }, .. } = &settled {
-            let text = self.text(span);
-            self.report.push(
+            let text = self.program.text(span);
+            self.program.report.push(
                 Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
                     .label("this address is only known at run time")
                     .help("load it, transfer it to a variable of TEMP, and pass that variable"),
@@ -54,8 +56,8 @@ impl Binder<'_> {
             ),
         };
         if constant && formal.direction != Direction::Input && !points {
-            let text = self.text(span);
-            self.report.push(
+            let text = self.program.text(span);
+            self.program.report.push(
                 Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
                     .label(format!("`{}` is written by {callee}", formal.name))
                     .help("name an address or a variable"),
@@ -82,7 +84,7 @@ impl Binder<'_> {
                 | ParameterType::BlockSdb),
             ) => self.number_actual(callee, formal, *parameter, settled, span),
             DataType::OpenArray(_) => {
-                self.report.push(
+                self.program.report.push(
                     Diagnostic::new(Code::TypeMismatch, span, format!("`{}` of {callee} is an ARRAY[*]", formal.name))
                         .label("STL cannot pass the bounds")
                         .help("call the block from SCL"),
@@ -95,7 +97,7 @@ impl Binder<'_> {
 
     /// Reports an actual whose type is not that of the formal.
     fn mismatch(&mut self, callee: BlockKey, formal: &Parameter, settled: &Settled, span: Span) -> Option<Actual> {
-        let text = self.text(span);
+        let text = self.program.text(span);
         let is = match settled {
             Settled::Memory { ty: Some(ty), .. } => ty.name().to_string(),
             Settled::Memory { width, .. } => match width {
@@ -123,7 +125,7 @@ impl Binder<'_> {
             format!("`{}` of {callee} is of type {wanted}, but `{text}` is {is}", formal.name),
         )
         .label(is);
-        self.report.push(match (&formal.ty, settled) {
+        self.program.report.push(match (&formal.ty, settled) {
             (DataType::Elementary(ty), Settled::Literal(_)) => {
                 message.help(format!("write a constant as {}", value::example(*ty)))
             }
@@ -161,7 +163,7 @@ impl Binder<'_> {
                     None => self.mismatch(callee, formal, &settled, span),
                 },
                 Err(Mismatch::Range) => {
-                    self.report.push(
+                    self.program.report.push(
                         Diagnostic::new(
                             Code::TypeMismatch,
                             span,
@@ -191,7 +193,7 @@ impl Binder<'_> {
                     }
                     _ => return Some(Actual::Place(place.clone())),
                 };
-                self.report.push(
+                self.program.report.push(
                     Diagnostic::new(Code::Protected, span, title)
                         .label(match formal.direction {
                             Direction::Input => format!("`{}` is read by {callee}", formal.name),
@@ -209,7 +211,7 @@ impl Binder<'_> {
     /// Binds a pointer that a call without names passes: for an elementary parameter it is the address of the actual.
     pub fn bind_positional(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut CurrentBlock,
         callee: BlockKey,
         formal: &Parameter,
         actual: &ast::Operand,
@@ -235,7 +237,7 @@ impl Binder<'_> {
     /// The memory of `bytes` bytes at a pointer constant, checked against its area; `None` after a message.
     fn pointed_place(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut CurrentBlock,
         db: u16,
         pointer: u32,
         formal: &Parameter,
@@ -255,8 +257,8 @@ impl Binder<'_> {
             area::P if formal.direction == Direction::Output => (Area::Pq, Place::Pq { byte, bit }),
             area::P => (Area::Pi, Place::Pi { byte, bit }),
             _ => {
-                let text = self.text(span);
-                self.report.push(
+                let text = self.program.text(span);
+                self.program.report.push(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
                         .label("not an address of this block")
                         .help("name an address of I, Q, M, L or a data block"),
@@ -264,11 +266,11 @@ impl Binder<'_> {
                 return None;
             }
         };
-        self.check_address(ctx, found, Width::Byte, byte, span)?;
-        self.check_address(ctx, found, Width::Byte, byte.saturating_add(bytes.saturating_sub(1)), span)?;
+        self.program.check_address(ctx, found, Width::Byte, byte, span)?;
+        self.program.check_address(ctx, found, Width::Byte, byte.saturating_add(bytes.saturating_sub(1)), span)?;
         if let Place::Db { number, .. } = place {
-            self.use_db(number, span);
-            self.check_db_end(number, byte + bytes, span);
+            self.program.use_db(number, span);
+            self.program.check_db_end(number, byte + bytes, span);
         }
         Some(place)
     }
@@ -277,7 +279,7 @@ impl Binder<'_> {
     /// fit; the outer one after a message.
     fn complex_at_pointer(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut CurrentBlock,
         formal: &Parameter,
         literal: &Literal,
         span: Span,
@@ -310,7 +312,7 @@ impl Binder<'_> {
 
     fn complex_actual(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut CurrentBlock,
         callee: BlockKey,
         formal: &Parameter,
         settled: Settled,
@@ -324,7 +326,7 @@ impl Binder<'_> {
             {
                 let bytes = Constant::of_stl(literal)
                     .ok_or(Mismatch::Type)
-                    .and_then(|constant| Self::constant_bytes(&constant, &formal.ty));
+                    .and_then(|constant| Declarations::constant_bytes(&constant, &formal.ty));
                 return match bytes {
                     Ok(bytes) => Some(Actual::Const(bytes)),
                     Err(_) => self.mismatch(callee, formal, &settled, span),
@@ -365,7 +367,7 @@ impl Binder<'_> {
             }
             (ParameterType::BlockDb, Settled::Block { prefix: BlockPrefix::Db, number }) => {
                 if let Number::Known(number) = number {
-                    self.use_db(*number, span);
+                    self.program.use_db(*number, span);
                 }
                 self.forwarded(number, span)
             }
@@ -378,7 +380,7 @@ impl Binder<'_> {
                 Settled::Block { prefix: prefix @ (BlockPrefix::Fc | BlockPrefix::Sfc), number },
             ) => {
                 if let (Number::Known(number), Some(kind)) = (number, code_kind(*prefix)) {
-                    self.interface(BlockKey { kind, number: *number }, span)?;
+                    self.program.interface(BlockKey { kind, number: *number }, span)?;
                 }
                 self.forwarded(number, span)
             }
@@ -390,8 +392,8 @@ impl Binder<'_> {
     fn forwarded(&mut self, number: &Number, span: Span) -> Option<Actual> {
         match number {
             Number::Word(place) if !matches!(**place, Place::Instance { .. }) => {
-                let text = self.text(span);
-                self.report.push(
+                let text = self.program.text(span);
+                self.program.report.push(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
                         .label("this number is only known at run time")
                         .help("name the timer, counter or block itself"),
@@ -409,7 +411,7 @@ impl Binder<'_> {
         };
         match &settled {
             Settled::Literal(Literal::AreaPointer { db, pointer }) => {
-                self.use_db(*db, span);
+                self.program.use_db(*db, span);
                 Some(match local_place(*pointer) {
                     Some(place) => to(place),
                     None => Actual::PointerBytes(pointer_bytes(*db, *pointer)),
@@ -439,7 +441,7 @@ impl Binder<'_> {
         match &settled {
             Settled::Literal(Literal::Any(bytes)) => {
                 let [_, type_code, high, low, db_high, db_low, pointer @ ..] = *bytes;
-                self.use_db(u16::from_be_bytes([db_high, db_low]), span);
+                self.program.use_db(u16::from_be_bytes([db_high, db_low]), span);
                 let count = u16::from_be_bytes([high, low]);
                 let any = match local_place(u32::from_be_bytes(pointer)) {
                     Some(place) => Actual::PointerTo { place, type_code, count },

@@ -7,18 +7,19 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockPrefix, OperandKind};
 use rustc_hash::FxHashMap;
 
+use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::calls::InstanceId;
 use crate::bind::declarations::names::code_kind;
 use crate::bind::declarations::path::Base;
 use crate::bind::declarations::types::BoundInterface;
+use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::Settled;
-use crate::bind::{Binder, Ctx};
 use plcc_binding::fold;
 use plcc_model::types::DataType;
 use plcc_model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, Passing, Place};
 
-impl Binder<'_> {
-    pub fn bind_call(&mut self, ctx: &mut Ctx, call: &ast::Call, span: Span) -> Option<Call> {
+impl StlBinder<'_, '_> {
+    pub fn bind_call(&mut self, ctx: &mut CurrentBlock, call: &ast::Call, span: Span) -> Option<Call> {
         let Some((key, multi, bound)) = self.call_target(ctx, call) else {
             self.note_names(ctx, call);
             return None;
@@ -36,13 +37,17 @@ impl Binder<'_> {
                 Instance::Multi { byte } => InstanceId::Multi(ctx.key, *byte),
             };
             let supplied: Vec<usize> = arguments.iter().map(|argument| argument.parameter).collect();
-            self.note_pointers(id, key, &bound, &supplied, span);
+            self.program.note_pointers(id, key, &bound, &supplied, span);
         }
         Some(Call { target: key, instance, arguments })
     }
 
     /// The block of a call, the place of a multi-instance, and the interface; `None` after a message.
-    fn call_target(&mut self, ctx: &mut Ctx, call: &ast::Call) -> Option<(BlockKey, Option<u32>, Rc<BoundInterface>)> {
+    fn call_target(
+        &mut self,
+        ctx: &mut CurrentBlock,
+        call: &ast::Call,
+    ) -> Option<(BlockKey, Option<u32>, Rc<BoundInterface>)> {
         let span = call.target.span;
         let (key, multi) = match self.settle(ctx, &call.target)? {
             Settled::Block { prefix, number: Number::Known(number) } if callable(prefix).is_some() => {
@@ -58,16 +63,16 @@ impl Binder<'_> {
             },
             _ => return self.not_callable(span),
         };
-        let bound = self.interface(key, span)?;
+        let bound = self.program.interface(key, span)?;
         let names = call.parameters.iter().map(|parameter| parameter.name.as_str());
-        if self.is_own_of_program(key, &bound, names, span) {
+        if self.program.is_own_of_program(key, &bound, names, span) {
             return None;
         }
         Some((key, multi, bound))
     }
 
     /// Names in a call that cannot be checked are still looked up, so that all undefined ones are reported.
-    fn note_names(&mut self, ctx: &mut Ctx, call: &ast::Call) {
+    fn note_names(&mut self, ctx: &mut CurrentBlock, call: &ast::Call) {
         let actuals = call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref());
         for operand in call.instance.iter().chain(actuals) {
             if !matches!(operand.kind, OperandKind::Block(_)) {
@@ -77,8 +82,8 @@ impl Binder<'_> {
     }
 
     fn not_callable<T>(&mut self, span: Span) -> Option<T> {
-        let text = self.text(span);
-        self.report.push(
+        let text = self.program.text(span);
+        self.program.report.push(
             Diagnostic::new(Code::OperandKind, span, format!("`CALL` calls a block, but `{text}` is not a block"))
                 .label("an FC, FB, SFC, SFB or a multi-instance is expected here")
                 .help("to call a block whose number is only known at run time, use `UC FC [MW 10]`"),
@@ -89,7 +94,7 @@ impl Binder<'_> {
     /// The instance of a call; the outer `None` after a message.
     fn instance(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut CurrentBlock,
         call: &ast::Call,
         key: BlockKey,
         multi: Option<u32>,
@@ -100,7 +105,7 @@ impl Binder<'_> {
                 return Some(Some(Instance::Multi { byte }));
             }
             if needs {
-                self.report.push(
+                self.program.report.push(
                     Diagnostic::new(
                         Code::MissingOperand,
                         call.target.span,
@@ -114,7 +119,7 @@ impl Binder<'_> {
             return Some(None);
         };
         if multi.is_some() || !needs {
-            self.report.push(
+            self.program.report.push(
                 Diagnostic::new(Code::SurplusOperand, operand.span, "this call cannot have an instance data block")
                     .label(if needs {
                         "a multi-instance is in the data of its block"
@@ -128,21 +133,21 @@ impl Binder<'_> {
         let number = match self.settle(ctx, operand)? {
             Settled::Block { prefix: BlockPrefix::Db, number: Number::Known(number) } if number != 0 => number,
             _ => {
-                let text = self.text(operand.span);
-                self.report.push(
+                let text = self.program.text(operand.span);
+                self.program.report.push(
                     Diagnostic::new(Code::OperandKind, operand.span, format!("`{text}` is not a data block"))
                         .label("the instance data block is expected here"),
                 );
                 return None;
             }
         };
-        self.check_instance_db(key, number, operand.span)?;
+        self.program.check_instance_db(key, number, operand.span)?;
         Some(Some(Instance::Db(number)))
     }
 
     fn call_arguments(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut CurrentBlock,
         call: &ast::Call,
         key: BlockKey,
         bound: &Rc<BoundInterface>,
@@ -172,12 +177,12 @@ impl Binder<'_> {
                     continue;
                 }
                 good = false;
-                misspelt.extend(self.unknown_parameter(key, bound, (&given.name, given.name_span)));
+                misspelt.extend(self.program.unknown_parameter(key, bound, (&given.name, given.name_span)));
                 continue;
             };
             if let Some(first) = seen.insert(index, given.name_span) {
                 good = false;
-                self.report.push(
+                self.program.report.push(
                     Diagnostic::new(
                         Code::DuplicateParameter,
                         given.name_span,
@@ -218,14 +223,14 @@ impl Binder<'_> {
                 )
                 .label("a function needs all its parameters");
                 let help = format!("add `{} := ...`", missing[0]);
-                self.report.push(message.help(self.with_library_note(key, help)));
+                self.program.report.push(message.help(self.program.with_library_note(key, help)));
             }
         }
         good.then_some(arguments)
     }
 
     fn surplus_pointer(&mut self, key: BlockKey, count: usize, span: Span) {
-        self.report.push(
+        self.program.report.push(
             Diagnostic::new(
                 Code::UnknownParameter,
                 span,
@@ -262,7 +267,7 @@ impl Binder<'_> {
                 let clash = area == other_area && start < other_end && other_start < end;
                 if clash && outputs > 0 && !(same && outputs == 1) {
                     let name = &bound.interface.parameters[first.parameter].name;
-                    self.report.push(
+                    self.program.report.push(
                         Diagnostic::new(Code::OverlappingActuals, second.span, "two actual parameters overlap")
                             .label("these bytes are also part of another actual")
                             .also(first.span, format!("the actual of `{name}`"))

@@ -4,8 +4,9 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, OperandKind, PathRoot, Width};
 use plcc_syntax::stl::StlInsn;
 
+use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::Settled;
-use crate::bind::{Binder, Ctx};
 use plcc_binding::fold;
 use plcc_binding::value;
 use plcc_model::layout;
@@ -24,20 +25,23 @@ pub fn names_a_type(parameter: &ast::Parameter) -> bool {
     }
 }
 
-impl Binder<'_> {
+impl StlBinder<'_, '_> {
     /// Whether a call means the instruction MOVE: no block of the program has the name.
     pub fn is_move(&self, call: &ast::Call) -> bool {
         let OperandKind::Path(path) = &call.target.kind else { return false };
         match &path.root {
             PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. } => {
-                path.parts.is_empty() && call.instance.is_none() && fold(name) == "move" && self.global(name).is_none()
+                path.parts.is_empty()
+                    && call.instance.is_none()
+                    && fold(name) == "move"
+                    && self.program.global(name).is_none()
             }
             PathRoot::Local { .. } | PathRoot::Block(_) => false,
         }
     }
 
     /// `CALL MOVE (IN := …, OUT := …)` as load and transfer; `None` after a message.
-    pub fn bind_move(&mut self, ctx: &mut Ctx, call: &ast::Call) -> Option<[StlStatementKind; 2]> {
+    pub fn bind_move(&mut self, ctx: &mut CurrentBlock, call: &ast::Call) -> Option<[StlStatementKind; 2]> {
         let span = call.target.span;
         let (mut from, mut to) = (None, None);
         for parameter in call.parameters.iter().filter(|parameter| !names_a_type(parameter)) {
@@ -45,7 +49,7 @@ impl Binder<'_> {
                 "in" => from = parameter.actual.as_ref(),
                 "out" | "out1" => to = parameter.actual.as_ref(),
                 _ => {
-                    self.report.push(
+                    self.program.report.push(
                         Diagnostic::new(
                             Code::UnknownParameter,
                             parameter.name_span,
@@ -59,7 +63,7 @@ impl Binder<'_> {
             }
         }
         let (Some(from), Some(to)) = (from, to) else {
-            self.report.push(
+            self.program.report.push(
                 Diagnostic::new(Code::MissingParameter, span, "MOVE needs IN and OUT").label("one of them is missing"),
             );
             return None;
@@ -97,7 +101,7 @@ impl Binder<'_> {
     }
 
     fn no_move<T>(&mut self, span: Span) -> Option<T> {
-        self.report.push(
+        self.program.report.push(
             Diagnostic::new(
                 Code::TypeMismatch,
                 span,

@@ -6,9 +6,10 @@ use plcc_syntax::ast::{self, AddressRegister, Area, BlockPrefix, CellKind, Speci
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::{OperandClass, StlInsn};
 
+use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::names::code_kind;
+use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::{OFFSET_MAX, Settled, holds_pointer};
-use crate::bind::{Binder, Ctx};
 use plcc_binding::value;
 use plcc_model::layout;
 use plcc_model::{BlockKey, Number, Operand, Place};
@@ -60,11 +61,11 @@ fn wanted(class: OperandClass) -> (&'static str, &'static str) {
     }
 }
 
-impl Binder<'_> {
+impl StlBinder<'_, '_> {
     /// Checks and settles the operand of `insn`; `None` after a message.
     pub fn bind_operand(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut CurrentBlock,
         insn: StlInsn,
         mnemonic: Span,
         operand: Option<&ast::Operand>,
@@ -74,8 +75,8 @@ impl Binder<'_> {
             return self.without_operand(class, mnemonic);
         };
         if class == OperandClass::None {
-            let name = self.text(mnemonic);
-            self.report.push(
+            let name = self.program.text(mnemonic);
+            self.program.report.push(
                 Diagnostic::new(Code::SurplusOperand, operand.span, format!("`{name}` cannot have an operand"))
                     .label("this operand is not possible")
                     .help("remove the operand, or end the statement before it"),
@@ -87,7 +88,7 @@ impl Binder<'_> {
         if matches!(insn, StlInsn::EdgePositive | StlInsn::EdgeNegative)
             && matches!(bound, Operand::Memory { place: Place::L { .. }, .. })
         {
-            self.report.push(
+            self.program.report.push(
                 Diagnostic::new(
                     Code::EdgeBitLocal,
                     operand.span,
@@ -105,8 +106,8 @@ impl Binder<'_> {
             return Some(Operand::None);
         }
         let (does, help) = wanted(class);
-        let name = self.text(mnemonic);
-        self.report.push(
+        let name = self.program.text(mnemonic);
+        self.program.report.push(
             Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{name}` {does} and needs an operand"))
                 .label("the operand is missing")
                 .help(help),
@@ -117,7 +118,7 @@ impl Binder<'_> {
     /// Reports an operand that does not fit its instruction.
     fn unfit<T>(&mut self, class: OperandClass, mnemonic: Span, span: Span, settled: &Settled) -> Option<T> {
         let (does, help) = wanted(class);
-        let (name, text) = (self.text(mnemonic), self.text(span));
+        let (name, text) = (self.program.text(mnemonic), self.program.text(span));
         let (code, is) = match settled {
             // The declared type does not fit; the address alone would be fine.
             Settled::Memory { ty: Some(ty), .. } => (Code::WidthMismatch, format!("is of type {}", ty.name())),
@@ -143,7 +144,7 @@ impl Binder<'_> {
             Settled::Special(_) | Settled::Register(_) => (Code::OperandKind, "is a register of the CPU".to_string()),
             Settled::Label => (Code::OperandKind, "is a label".to_string()),
         };
-        self.report.push(
+        self.program.report.push(
             Diagnostic::new(code, span, format!("`{name}` {does}, but `{text}` {is}"))
                 .label(is)
                 .also(mnemonic, does)
@@ -163,8 +164,8 @@ impl Binder<'_> {
         use OperandClass as Class;
         match (class, settled) {
             (Class::Bit | Class::BitOrNone, Settled::Memory { place: Place::Pq { .. }, width: Width::Bit, .. }) => {
-                let text = self.text(span);
-                self.report.push(
+                let text = self.program.text(span);
+                self.program.report.push(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be read"))
                         .label("this is a peripheral output")
                         .help("read the process image, without `:P`"),
@@ -175,8 +176,8 @@ impl Binder<'_> {
                 Class::BitWrite | Class::BitWriteOrCounter | Class::BitWriteOrCell,
                 Settled::Memory { place: Place::Pi { .. }, width: Width::Bit, .. },
             ) => {
-                let text = self.text(span);
-                self.report.push(
+                let text = self.program.text(span);
+                self.program.report.push(
                     Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
                         .label("this is a peripheral input")
                         .help("only outputs can be written"),
@@ -202,8 +203,8 @@ impl Binder<'_> {
                 if !matches!(width, Width::Bit | Width::Lword) =>
             {
                 if is_peripheral(&place, Area::Pq) {
-                    let text = self.text(span);
-                    self.report.push(
+                    let text = self.program.text(span);
+                    self.program.report.push(
                         Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be read"))
                             .label("this is a peripheral output")
                             .help("read the process image, e.g. `QW 4`"),
@@ -224,8 +225,8 @@ impl Binder<'_> {
                 if !matches!(width, Width::Bit | Width::Lword) =>
             {
                 if is_peripheral(&place, Area::Pi) {
-                    let text = self.text(span);
-                    self.report.push(
+                    let text = self.program.text(span);
+                    self.program.report.push(
                         Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
                             .label("this is a peripheral input")
                             .help("write a peripheral output: `PQW`"),
@@ -241,8 +242,8 @@ impl Binder<'_> {
                 Class::TransferTarget | Class::BitWrite,
                 Settled::Literal(_) | Settled::Pointer(_) | Settled::ParameterPointer(_),
             ) => {
-                let text = self.text(span);
-                self.report.push(
+                let text = self.program.text(span);
+                self.program.report.push(
                     Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
                         .label("a constant")
                         .help("name an address or a variable"),
@@ -262,7 +263,7 @@ impl Binder<'_> {
             }
             (Class::PointerOrNone, Settled::Literal(&Literal::Pointer(value))) => {
                 if value > OFFSET_MAX {
-                    self.report.push(
+                    self.program.report.push(
                         Diagnostic::new(Code::AddressRange, span, "this offset is too large")
                             .label("P#0.0 to P#4095.7"),
                     );
@@ -276,7 +277,7 @@ impl Binder<'_> {
                     Some(Operand::Const { value: value.min(255), wide: false })
                 }
                 Some(_) => {
-                    self.report.push(
+                    self.program.report.push(
                         Diagnostic::new(Code::LiteralRange, span, "this number is too large")
                             .label("0 to 255 are possible"),
                     );
@@ -312,8 +313,8 @@ impl Binder<'_> {
                 match byte_constant(literal) {
                     Some(value) if value <= most => Some(Operand::Const { value, wide: false }),
                     Some(_) => {
-                        let name = self.text(mnemonic);
-                        self.report.push(
+                        let name = self.program.text(mnemonic);
+                        self.program.report.push(
                             Diagnostic::new(Code::ShiftCount, span, format!("`{name}` cannot shift by that many bits"))
                                 .label(format!("0 to {most} are possible"))
                                 .help("for a larger count, use ACCU2-LL and no operand"),
@@ -329,7 +330,7 @@ impl Binder<'_> {
             },
             (Class::DataBlock, Settled::Block { prefix: prefix @ (BlockPrefix::Db | BlockPrefix::Di), number }) => {
                 if let Number::Known(number) = number {
-                    self.use_db(number, span);
+                    self.program.use_db(number, span);
                 }
                 Some(Operand::Db { di: prefix == BlockPrefix::Di, number })
             }
@@ -352,7 +353,7 @@ impl Binder<'_> {
                         (Code::OperandKind, "this constant cannot be loaded", "`L` accepts constants of up to 32 bits")
                     }
                 };
-                self.report.push(Diagnostic::new(code, span, title).label(why).help(help));
+                self.program.report.push(Diagnostic::new(code, span, title).label(why).help(help));
                 None
             }
         }
@@ -361,12 +362,12 @@ impl Binder<'_> {
     /// A block called by UC or CC, which pass no parameters.
     fn called(&mut self, kind: BlockKind, number: Number, mnemonic: Span, span: Span) -> Option<Operand> {
         if let Number::Known(known) = number {
-            let bound = self.interface(BlockKey { kind, number: known }, span)?;
+            let bound = self.program.interface(BlockKey { kind, number: known }, span)?;
             if matches!(kind, BlockKind::Fc | BlockKind::Sfc) && !bound.interface.parameters.is_empty() {
-                let name = self.text(mnemonic);
+                let name = self.program.text(mnemonic);
                 let parameters: Vec<&str> =
                     bound.interface.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-                self.report.push(
+                self.program.report.push(
                     Diagnostic::new(Code::MissingParameter, span, format!("`{name}` cannot pass parameters"))
                         .label(format!("this block has the parameters {}", parameters.join(", ")))
                         .help("use CALL"),

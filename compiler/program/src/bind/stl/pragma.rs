@@ -3,8 +3,9 @@
 use plcc_diag::Span;
 use plcc_syntax::ast::{self, Pragma, Width};
 
+use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::Settled;
-use crate::bind::{Binder, Ctx};
 use plcc_binding::assertion::{self, Literal, Side, Type, What};
 use plcc_binding::constant::Constant;
 use plcc_binding::pragma::{bad_pragma, file_pragma, split, unknown_pragma};
@@ -12,10 +13,23 @@ use plcc_binding::value;
 use plcc_model::types::{DTL, DataType};
 use plcc_model::{Assert, AssertSide, ComparedValue, Operand, Place, StlStatementKind, TestSettings};
 
-impl Binder<'_> {
+impl StlBinder<'_, '_> {
+    /// The settings of all files for tests.
+    pub fn file_pragmas(&mut self) -> TestSettings {
+        let mut settings = TestSettings::default();
+        if self.program.input.pragmas {
+            for (_, unit) in self.program.input.units {
+                for pragma in &unit.pragmas {
+                    self.file_pragma(pragma, &mut settings);
+                }
+            }
+        }
+        settings
+    }
+
     /// A pragma between statements.
-    pub fn statement_pragma(&mut self, ctx: &mut Ctx, pragma: &Pragma) -> Option<StlStatementKind> {
-        if !self.input.pragmas {
+    pub fn statement_pragma(&mut self, ctx: &mut CurrentBlock, pragma: &Pragma) -> Option<StlStatementKind> {
+        if !self.program.input.pragmas {
             return None;
         }
         let (word, rest) = split(&pragma.text);
@@ -40,18 +54,18 @@ impl Binder<'_> {
 
     /// A pragma of the whole file.
     pub fn file_pragma(&mut self, pragma: &Pragma, settings: &mut TestSettings) {
-        file_pragma(&mut self.report, pragma, settings);
+        file_pragma(&mut self.program.report, pragma, settings);
     }
 
     fn unknown_pragma(&mut self, pragma: &Pragma) {
-        unknown_pragma(&mut self.report, pragma);
+        unknown_pragma(&mut self.program.report, pragma);
     }
 
     fn bad_pragma(&mut self, span: Span, title: &str, help: &str) {
-        bad_pragma(&mut self.report, span, title, help);
+        bad_pragma(&mut self.program.report, span, title, help);
     }
 
-    fn assert(&mut self, ctx: &mut Ctx, pragma: &Pragma) -> Option<StlStatementKind> {
+    fn assert(&mut self, ctx: &mut CurrentBlock, pragma: &Pragma) -> Option<StlStatementKind> {
         // One that is not a valid assertion was reported by the parser.
         let written = pragma.assert.as_ref()?;
         let mut comparisons = Vec::new();
@@ -62,7 +76,7 @@ impl Binder<'_> {
             match assertion::compare(assertion::op(comparison.op), left, right) {
                 Ok(comparison) => comparisons.push(comparison),
                 Err(mismatch) => {
-                    self.report.push(mismatch.message());
+                    self.program.report.push(mismatch.message());
                     return None;
                 }
             }
@@ -72,7 +86,11 @@ impl Binder<'_> {
         Some(StlStatementKind::Assert(Assert { condition, comparisons, trap, text: pragma.text.clone() }))
     }
 
-    fn assert_side(&mut self, ctx: &mut Ctx, written: &ast::Side<ast::AssertSide>) -> Option<Side<AssertSide>> {
+    fn assert_side(
+        &mut self,
+        ctx: &mut CurrentBlock,
+        written: &ast::Side<ast::AssertSide>,
+    ) -> Option<Side<AssertSide>> {
         let span = written.span;
         let ty = match &written.ty {
             Some((word, at)) => match Type::from_word(word) {
@@ -92,7 +110,7 @@ impl Binder<'_> {
         let operand = match &written.value {
             ast::AssertSide::Register(register) => {
                 if let ast::AssertRegister::Accu(number @ (3 | 4)) = register
-                    && self.input.profile.accumulators < 4
+                    && self.program.input.profile.accumulators < 4
                 {
                     self.bad_pragma(
                         span,
@@ -147,8 +165,12 @@ impl Binder<'_> {
                 match own {
                     Some(own) if ty.is_some_and(|(ty, _)| ty != own) => {
                         let (ty, at) = ty?;
-                        let title =
-                            format!("`{}` is of type {}, not {}", self.text(operand.span), own.name(), ty.name());
+                        let title = format!(
+                            "`{}` is of type {}, not {}",
+                            self.program.text(operand.span),
+                            own.name(),
+                            ty.name()
+                        );
                         self.bad_pragma(at, &title, "omit the type, or compare a part of it");
                         None
                     }
@@ -192,7 +214,7 @@ impl Binder<'_> {
         match assertion::typed_literal(&literal, ty, span) {
             Ok(side) => Some(side),
             Err(mismatch) => {
-                self.report.push(mismatch.message());
+                self.program.report.push(mismatch.message());
                 None
             }
         }
@@ -206,7 +228,7 @@ impl Binder<'_> {
     }
 
     fn not_comparable<T>(&mut self, operand: &ast::Operand) -> Option<T> {
-        let text = self.text(operand.span);
+        let text = self.program.text(operand.span);
         self.bad_pragma(
             operand.span,
             &format!("`{text}` has no value to compare"),

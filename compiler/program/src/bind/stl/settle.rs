@@ -7,9 +7,10 @@ use plcc_syntax::ast::{
 };
 use plcc_syntax::literal::Literal;
 
+use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::path::{Base, Resolved, Variable};
 use crate::bind::declarations::types::is_complex;
-use crate::bind::{Binder, Ctx};
+use crate::bind::stl::StlBinder;
 use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, ParameterType};
 use plcc_model::{Number, Place};
@@ -47,18 +48,18 @@ pub enum Settled<'o> {
     Label,
 }
 
-impl Binder<'_> {
+impl StlBinder<'_, '_> {
     /// Determines what an operand is; `None` after a message, or if it is not known.
-    pub fn settle<'o>(&mut self, ctx: &mut Ctx, operand: &'o ast::Operand) -> Option<Settled<'o>> {
+    pub fn settle<'o>(&mut self, ctx: &mut CurrentBlock, operand: &'o ast::Operand) -> Option<Settled<'o>> {
         let span = operand.span;
         match &operand.kind {
             OperandKind::Absolute { area, width, byte, bit } => {
-                self.check_address(ctx, *area, *width, *byte, span)?;
+                self.program.check_address(ctx, *area, *width, *byte, span)?;
                 let place = Base::of_area(*area).at(*byte, *bit);
                 Some(Settled::Memory { place, width: *width, ty: None })
             }
             OperandKind::Cell { kind, number } => {
-                let number = Number::Known(self.check_cell(*kind, *number, span)?);
+                let number = Number::Known(self.program.check_cell(*kind, *number, span)?);
                 Some(Settled::Cell { kind: *kind, number })
             }
             OperandKind::DbAbsolute { db, width, byte, bit } => self.db_absolute(ctx, db, *width, *byte, *bit, span),
@@ -77,7 +78,7 @@ impl Binder<'_> {
             }
             OperandKind::RegisterIndirect { area, width, register, offset } => {
                 if *offset > OFFSET_MAX {
-                    self.report.push(
+                    self.program.report.push(
                         Diagnostic::new(Code::AddressRange, span, "this offset is too large")
                             .label("P#0.0 to P#4095.7"),
                     );
@@ -87,7 +88,7 @@ impl Binder<'_> {
                 Some(Settled::Memory { place, width: *width, ty: None })
             }
             OperandKind::Block(name) => {
-                let (prefix, number) = self.block_number(name)?;
+                let (prefix, number) = self.program.block_number(name)?;
                 Some(Settled::Block { prefix, number: Number::Known(number) })
             }
             OperandKind::Path(path) => self.settle_path(ctx, path),
@@ -104,39 +105,39 @@ impl Binder<'_> {
 
     fn db_absolute(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut CurrentBlock,
         db: &BlockName,
         width: Width,
         byte: u32,
         bit: u8,
         span: Span,
     ) -> Option<Settled<'static>> {
-        let (prefix, number) = self.block_number(db)?;
+        let (prefix, number) = self.program.block_number(db)?;
         if prefix != BlockPrefix::Db {
-            self.report.push(
+            self.program.report.push(
                 Diagnostic::new(Code::OperandKind, db.span(), "this is not a data block")
                     .label("a data block is expected before the point"),
             );
             return None;
         }
-        self.check_address(ctx, Area::Db, width, byte, span)?;
-        self.use_db(number, span);
-        self.check_db_end(number, byte + width.bytes(), span);
+        self.program.check_address(ctx, Area::Db, width, byte, span)?;
+        self.program.use_db(number, span);
+        self.program.check_db_end(number, byte + width.bytes(), span);
         Some(Settled::Memory { place: Place::Db { number, byte, bit }, width, ty: None })
     }
 
     /// The word or double word in the brackets of an indirect address.
-    fn pointer_place(&mut self, ctx: &mut Ctx, pointer: &ast::Operand, width: Width) -> Option<Place> {
+    fn pointer_place(&mut self, ctx: &mut CurrentBlock, pointer: &ast::Operand, width: Width) -> Option<Place> {
         let settled = self.settle(ctx, pointer)?;
         match settled {
             Settled::Memory { place, width: found, .. } if found == width && holds_pointer(&place) => Some(place),
             _ => {
-                let text = self.text(pointer.span);
+                let text = self.program.text(pointer.span);
                 let (what, example) = match width {
                     Width::Dword => ("a double word", "`[MD 10]`"),
                     Width::Bit | Width::Byte | Width::Word | Width::Lword => ("a word", "`[MW 10]`"),
                 };
-                self.report.push(
+                self.program.report.push(
                     Diagnostic::new(Code::OperandKind, pointer.span, format!("`{text}` cannot hold this address"))
                         .label(format!("{what} of M, L, DB or DI is expected here"))
                         .help(format!("write for example {example}, or name a variable of this width")),
@@ -147,8 +148,8 @@ impl Binder<'_> {
     }
 
     /// `"sym":P`: the input or output itself, past the process image.
-    fn peripheral(&mut self, ctx: &mut Ctx, path: &Path, span: Span) -> Option<Settled<'static>> {
-        let settled = match self.resolve(ctx, path)? {
+    fn peripheral(&mut self, ctx: &mut CurrentBlock, path: &Path, span: Span) -> Option<Settled<'static>> {
+        let settled = match self.program.resolve(ctx, path)? {
             Resolved::Variable(variable) => match variable.base {
                 Base::I => Some(Variable { base: Base::Pi, ..variable }),
                 Base::Q => Some(Variable { base: Base::Pq, ..variable }),
@@ -159,8 +160,8 @@ impl Binder<'_> {
         match settled {
             Some(variable) => self.settle_variable(ctx, variable),
             None => {
-                let text = self.text(span);
-                self.report.push(
+                let text = self.program.text(span);
+                self.program.report.push(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` is neither an input nor an output"))
                         .label("`:P` reads an input or writes an output past the process image")
                         .help("remove `:P`"),
@@ -170,10 +171,10 @@ impl Binder<'_> {
         }
     }
 
-    fn settle_path(&mut self, ctx: &mut Ctx, path: &Path) -> Option<Settled<'static>> {
-        match self.resolve(ctx, path)? {
+    fn settle_path(&mut self, ctx: &mut CurrentBlock, path: &Path) -> Option<Settled<'static>> {
+        match self.program.resolve(ctx, path)? {
             Resolved::Cell { kind, number } => {
-                let number = Number::Known(self.check_cell(kind, number, path.span)?);
+                let number = Number::Known(self.program.check_cell(kind, number, path.span)?);
                 Some(Settled::Cell { kind, number })
             }
             Resolved::Block { prefix, number } => Some(Settled::Block { prefix, number: Number::Known(number) }),
@@ -181,7 +182,7 @@ impl Binder<'_> {
         }
     }
 
-    fn settle_variable(&mut self, ctx: &mut Ctx, variable: Variable) -> Option<Settled<'static>> {
+    fn settle_variable(&mut self, ctx: &mut CurrentBlock, variable: Variable) -> Option<Settled<'static>> {
         let number = || match variable.base {
             Base::Parameter(parameter) => Number::Parameter(parameter),
             base => Number::Word(Box::new(base.at(variable.byte, variable.bit))),
@@ -216,9 +217,9 @@ impl Binder<'_> {
     /// TEMP: a pointer into L. FB: the offset in the instance as a pointer into DI, without AR2. FC: for complex, POINTER and ANY
     /// parameters the place of the POINTER or ANY, for elementary ones the area pointer of the actual. Source: STL reference, access to
     /// formal parameters.
-    fn address_of(&mut self, ctx: &mut Ctx, path: &Path, span: Span) -> Option<Settled<'static>> {
-        let Resolved::Variable(variable) = self.resolve(ctx, path)? else {
-            self.report.push(
+    fn address_of(&mut self, ctx: &mut CurrentBlock, path: &Path, span: Span) -> Option<Settled<'static>> {
+        let Resolved::Variable(variable) = self.program.resolve(ctx, path)? else {
+            self.program.report.push(
                 Diagnostic::new(Code::OperandKind, span, "`P##` needs a variable of this block")
                     .label("this is not a variable of this block"),
             );
@@ -245,9 +246,9 @@ impl Binder<'_> {
             // Its type is not defined, which is already reported.
             Base::Parameter(_) if variable.ty == DataType::Void => None,
             Base::Parameter(_) | Base::ThroughPointer(_) => {
-                let text = self.text(span);
+                let text = self.program.text(span);
                 let name = layout::type_name(&variable.ty);
-                self.report.push(
+                self.program.report.push(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` has no address in this block"))
                         .label(format!("a parameter of type {name}, which is in the caller's memory"))
                         .help(
@@ -258,14 +259,14 @@ impl Binder<'_> {
             }
             base => {
                 let place = base.at(variable.byte, variable.bit);
-                let text = self.text(span);
+                let text = self.program.text(span);
                 let help = match place {
                     Place::I { byte, bit } => format!("write `P#I {byte}.{bit}`"),
                     Place::Q { byte, bit } => format!("write `P#Q {byte}.{bit}`"),
                     Place::M { byte, bit } => format!("write `P#M {byte}.{bit}`"),
                     _ => "write a pointer constant such as `P#DBX 4.0`".to_string(),
                 };
-                self.report.push(
+                self.program.report.push(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` is not a variable of this block"))
                         .label("`P##` needs a parameter, static or temporary data")
                         .help(help),

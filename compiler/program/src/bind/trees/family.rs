@@ -7,8 +7,8 @@ use plcc_diag::FileId;
 use plcc_syntax::ast::{self, SourceUnit};
 use plcc_syntax::scl::ast::ExprKind;
 
-use super::declarations::hardware;
-use super::mentions;
+use crate::bind::declarations::hardware;
+use crate::bind::trees::mentions;
 
 /// Names of the CPU's objects of an S7-1200.
 const OF_S7_1200: [&str; 2] = ["local~hsc_", "local~pulse_"];

@@ -11,7 +11,7 @@ use plcc_syntax::scl;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal};
 use rustc_hash::FxHashSet;
 
-use crate::bind::SYSTEM_FILE;
+use crate::bind::trees::SYSTEM_FILE;
 use parameters::OPERATING_BITS;
 use plcc_binding::fold;
 
