@@ -15,7 +15,7 @@ use plcc_syntax::network::elements::ELEMENTS;
 use plcc_syntax::s7200::{Compare, Insn};
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::{Elementary, ParseOptions};
-use plcc_tests::{expect_file, files, plan, root, shown, tests_folder};
+use plcc_tests::{expect_file, files, plan, reference, root, shown, tests_folder};
 
 #[test]
 fn the_instruction_reference_is_current() {
@@ -44,7 +44,7 @@ fn the_reference_of_graph_is_current() {
 
 #[test]
 fn the_reference_of_the_standard_library_is_current() {
-    expect_file(&root().join("docs/reference/stdlib.md"), &plcc_program::standard_library()).unwrap();
+    expect_file(&root().join("docs/reference/stdlib.md"), &reference::standard_library()).unwrap();
 }
 
 #[test]

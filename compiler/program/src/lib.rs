@@ -8,6 +8,6 @@
 mod bind;
 
 pub use bind::{
-    bind, complete, graph_reference, has_free_obs, implied_family, is_about_drafts, lad_fbd_reference, scl_functions,
-    scl_reference, standard_library,
+    bind, complete, graph_reference, has_free_obs, implied_family, is_about_drafts, lad_fbd_reference,
+    library_interface, scl_functions, scl_reference,
 };

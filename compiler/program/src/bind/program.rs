@@ -1,10 +1,12 @@
 //! The whole program: declarations first, then the blocks, each by the binder of its language.
 
+use crate::bind::trees::blocks;
 use std::rc::Rc;
 
-use plcc_abi::image::{BlockKind, Config};
+use plcc_abi::image::{BlockKind, Config, Family};
 use plcc_abi::ob::ObClass;
-use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
+use plcc_stdlib::SystemBlock;
 use plcc_syntax::ast;
 
 use super::chart::ChartBinder;
@@ -16,7 +18,7 @@ use super::scl::SclBinder;
 use super::stl::StlBinder;
 use super::trees::SYSTEM_FILE;
 use plcc_binding::{BindInput, Bound};
-use plcc_model::{BlockKey, Body, CodeBlock, Program};
+use plcc_model::{BlockKey, Body, CodeBlock, Interface, Program, profile};
 
 /// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
 pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
@@ -41,10 +43,10 @@ pub fn bind_all(input: &BindInput) -> Bound {
         no_main_block(&mut program);
     }
     let test = StlBinder::new(&mut program).file_pragmas();
-    let mut dbs = std::mem::take(&mut program.dbs);
+    let mut dbs = std::mem::take(&mut program.data.blocks);
     let mut dbs: Vec<_> = dbs.drain().map(|(_, db)| db.block).collect();
     dbs.sort_by_key(|db| db.number);
-    let symbols = program.symbol_entries();
+    let symbols = program.names.entries();
     let notices = std::mem::take(&mut program.notices);
     let (mut diagnostics, missing) = program.report.finish();
     // A message inside a system block has no file to show.
@@ -69,6 +71,34 @@ pub fn bind_all(input: &BindInput) -> Bound {
     Bound { program: bound, diagnostics, missing }
 }
 
+/// The interface of a block of the library, in an empty program; `None` if it is only known by name.
+pub fn library_interface(block: &SystemBlock) -> Option<Interface> {
+    let mut sources = SourceMap::default();
+    let file = sources.add(SourceFile::new("", ""));
+    let input = empty(&sources);
+    let mut program = Declarations::new(&input);
+    let key = program.library.key_of(block);
+    let bound = program.interface(key, Span { file, start: 0, end: 0 })?;
+    Some(bound.interface.clone())
+}
+
+/// A program without blocks.
+pub fn empty(sources: &SourceMap) -> BindInput<'_> {
+    BindInput {
+        name: String::new(),
+        sources,
+        units: &[],
+        tables: &[],
+        profile: profile::generic(Family::S7300),
+        config: Config::default(),
+        partial: false,
+        stand_ins: None,
+        pragmas: false,
+        require_main: false,
+        safety_as_standard: false,
+    }
+}
+
 /// True of the block that the CPU calls in each cycle.
 pub fn is_main(input: &BindInput, config: &Config, block: &CodeBlock) -> bool {
     match block.kind {
@@ -81,6 +111,7 @@ pub fn is_main(input: &BindInput, config: &Config, block: &CodeBlock) -> bool {
 
 fn bind_user_blocks(program: &mut Declarations) -> Vec<CodeBlock> {
     let mut keys: Vec<BlockKey> = program
+        .sources
         .code
         .iter()
         .filter(|(_, source)| !matches!(source, CodeSource::System(_)))
@@ -88,7 +119,7 @@ fn bind_user_blocks(program: &mut Declarations) -> Vec<CodeBlock> {
         .collect();
     keys.sort_unstable();
     for &key in &keys {
-        let span = program.code[&key].block().name.span();
+        let span = program.sources.code[&key].block().name.span();
         program.interface(key, span);
     }
     keys.into_iter().filter_map(|key| bind_block(program, key, None, false)).collect()
@@ -97,7 +128,7 @@ fn bind_user_blocks(program: &mut Declarations) -> Vec<CodeBlock> {
 /// System blocks that are used, and those that they use.
 pub fn bind_system_blocks(program: &mut Declarations, blocks: &mut Vec<CodeBlock>) {
     let mut next = 0;
-    while let Some(used) = program.system.get(next) {
+    while let Some(used) = program.library.used.get(next) {
         let (key, span, runtime) = (used.key, used.span, used.runtime);
         next += 1;
         blocks.extend(bind_block(program, key, Some(span), runtime));
@@ -105,15 +136,15 @@ pub fn bind_system_blocks(program: &mut Declarations, blocks: &mut Vec<CodeBlock
 }
 
 fn bind_block(program: &mut Declarations, key: BlockKey, fixed_span: Option<Span>, runtime: bool) -> Option<CodeBlock> {
-    let source = program.code.get(&key)?.clone();
+    let source = program.sources.code.get(&key)?.clone();
     let block = source.block();
     let span = block.name.span();
     let bound = program.interface(key, fixed_span.unwrap_or(span))?;
     let mut current = CurrentBlock::new(key, Rc::clone(&bound));
-    current.fragment = fixed_span.is_none() && names::is_fragment(block);
+    current.fragment = fixed_span.is_none() && blocks::is_fragment(block);
     current.fixed_span = fixed_span;
     let body = if runtime { Body::Runtime } else { bind_code(program, &mut current, block) };
-    let name = match program.block_name(names::kind_prefix(key.kind), key.number) {
+    let name = match program.names.block_name(names::kind_prefix(key.kind), key.number) {
         name if name.is_empty() => match &block.header.name {
             Some(name) if fixed_span.is_some() => name.trim().to_string(),
             _ => String::new(),

@@ -141,7 +141,7 @@ impl ChartBinder<'_, '_> {
         let folded = fold(text);
         *form == NameForm::Bare
             && !ctx.block.bound.locals.contains_key(&folded)
-            && !self.program.globals.contains_key(&folded)
+            && !self.program.names.globals.contains_key(&folded)
             && plcc_syntax::scl::absolute(text).is_none()
     }
 

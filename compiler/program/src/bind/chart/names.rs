@@ -229,7 +229,7 @@ impl Names<'_, '_> {
     /// Data of the step or transition before a point; none if it is something else.
     fn data(&mut self, owner: &Name, component: &Name) -> Option<Expr> {
         let text = &owner.text;
-        let global = owner.form == NameForm::Quoted && self.program.globals.contains_key(&fold(text));
+        let global = owner.form == NameForm::Quoted && self.program.names.globals.contains_key(&fold(text));
         if global || self.declared.contains(&fold(text)) {
             return None;
         }
@@ -243,7 +243,7 @@ impl Names<'_, '_> {
         }
         let looks_so = owner.form == NameForm::Bare
             && (is_numbered(text, 'S') && is(&OF_STEPS) || is_numbered(text, 'T') && is(&OF_TRANSITIONS));
-        if looks_so && !self.program.globals.contains_key(&fold(text)) {
+        if looks_so && !self.program.names.globals.contains_key(&fold(text)) {
             let what = if is_numbered(text, 'S') { "step" } else { "transition" };
             self.program.report.push(
                 Diagnostic::new(Code::UnknownStep, owner.span, format!("the chart has no {what} `{text}`"))

@@ -53,7 +53,7 @@ pub fn in_block<T>(
     program.bind_types();
     program.bind_data();
     let key = BlockKey { kind: BlockKind::Fb, number: 1 };
-    let source = program.code[&key].clone();
+    let source = program.sources.code[&key].clone();
     let block = source.block();
     let ast::Code::Scl(code) = &block.code else { panic!("the test is SCL") };
     let bound = program.interface(key, block.name.span()).expect("the interface is good");

@@ -2,10 +2,21 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{Area, CellKind, Width};
+use rustc_hash::FxHashSet;
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::trees::SYSTEM_FILE;
+
+/// What is only reported once.
+#[derive(Default)]
+pub struct Told {
+    /// Addresses beyond the CPU's limits.
+    pub addresses: FxHashSet<(Area, u32)>,
+    pub cells: FxHashSet<(CellKind, u32)>,
+    /// Tags of the system memory that nothing sets, folded.
+    pub system_tags: FxHashSet<String>,
+}
 
 impl Declarations<'_> {
     /// Text of the source at `span`, on one line.
@@ -67,7 +78,7 @@ impl Declarations<'_> {
         }
         let profile = &self.input.profile;
         let hard = end > u64::from(space) || profile.limits_checked;
-        if !hard && !self.limits_told.insert(told) {
+        if !hard && !self.told.addresses.insert(told) {
             return Some(());
         }
         let limit = limit.min(space);
@@ -94,7 +105,7 @@ impl Declarations<'_> {
             return Some(number as u16);
         }
         let hard = number >= TIMERS_MAX || profile.limits_checked;
-        if hard || self.cells_told.insert((kind, number)) {
+        if hard || self.told.cells.insert((kind, number)) {
             let code = if hard { Code::AddressRange } else { Code::CpuLimit };
             let (title, label) = match limit {
                 0 => (format!("the CPU has no {name}"), format!("the profile {} has IEC {name} only", profile.name)),

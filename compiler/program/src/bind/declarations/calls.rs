@@ -1,6 +1,7 @@
 //! What calls of all languages check and note: instances, names of parameters, pointers that instances keep.
 
 use plcc_diag::{Code, Diagnostic, Span};
+use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::types::BoundInterface;
@@ -28,10 +29,44 @@ pub struct PointerUse {
     bytes: u32,
 }
 
+/// Pointer parameters of instances: whether some call supplies them, and a call that does not.
+#[derive(Default)]
+pub struct InstancePointers(FxHashMap<(InstanceId, usize), PointerUse>);
+
+impl InstancePointers {
+    /// Notes which pointer parameters the call of an instance supplies.
+    pub fn note(&mut self, id: InstanceId, key: BlockKey, bound: &BoundInterface, supplied: &[usize], span: Span) {
+        for (index, parameter) in bound.interface.parameters.iter().enumerate() {
+            let points = match parameter.passing {
+                Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant => true,
+                Passing::Complex { .. } => parameter.direction == Direction::InOut,
+                Passing::Elementary(_) | Passing::OpenArray { .. } => false,
+            };
+            if !points {
+                continue;
+            }
+            let supplied = supplied.contains(&index);
+            let entry = self.0.entry((id, index)).or_insert_with(|| PointerUse {
+                supplied,
+                span,
+                block: key,
+                parameter: parameter.name.clone(),
+                byte: parameter.byte,
+                bytes: match parameter.passing {
+                    Passing::Number => 2,
+                    Passing::Any => 10,
+                    _ => 6,
+                },
+            });
+            entry.supplied |= supplied;
+        }
+    }
+}
+
 impl Declarations<'_> {
     /// Checks that a data block is an instance of a function block.
     pub fn check_instance_db(&mut self, key: BlockKey, number: u16, span: Span) -> Option<()> {
-        let Some(db) = self.dbs.get(&number) else {
+        let Some(db) = self.data.blocks.get(&number) else {
             // The DB has its own error.
             return None;
         };
@@ -79,46 +114,11 @@ impl Declarations<'_> {
         meant.map(str::to_owned)
     }
 
-    /// Notes which pointer parameters the call of an instance supplies.
-    pub fn note_pointers(
-        &mut self,
-        id: InstanceId,
-        key: BlockKey,
-        bound: &BoundInterface,
-        supplied: &[usize],
-        span: Span,
-    ) {
-        for (index, parameter) in bound.interface.parameters.iter().enumerate() {
-            let points = match parameter.passing {
-                Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant => true,
-                Passing::Complex { .. } => parameter.direction == Direction::InOut,
-                Passing::Elementary(_) | Passing::OpenArray { .. } => false,
-            };
-            if !points {
-                continue;
-            }
-            let supplied = supplied.contains(&index);
-            let entry = self.pointers.entry((id, index)).or_insert_with(|| PointerUse {
-                supplied,
-                span,
-                block: key,
-                parameter: parameter.name.clone(),
-                byte: parameter.byte,
-                bytes: match parameter.passing {
-                    Passing::Number => 2,
-                    Passing::Any => 10,
-                    _ => 6,
-                },
-            });
-            entry.supplied |= supplied;
-        }
-    }
-
     /// Whether the data block gives the parameter a start value.
     fn has_start_value(&self, id: InstanceId, pointer: &PointerUse) -> bool {
         let InstanceId::Db(number) = id else { return false };
         let range = pointer.byte as usize..(pointer.byte + pointer.bytes) as usize;
-        let data = self.dbs.get(&number).and_then(|db| db.block.data.get(range));
+        let data = self.data.blocks.get(&number).and_then(|db| db.block.data.get(range));
         // `P#P 0.0 VOID 0`, as STEP 7 writes it, points nowhere.
         data.is_some_and(|bytes| {
             !matches!(bytes, [0x10, 0, ..] | [0, 0, 0x80, 0, 0, 0]) && bytes.iter().any(|byte| *byte != 0)
@@ -127,7 +127,7 @@ impl Declarations<'_> {
 
     /// Warns of pointer parameters that no call of an instance supplies.
     pub fn check_pointers(&mut self) {
-        let mut uses: Vec<PointerUse> = std::mem::take(&mut self.pointers)
+        let mut uses: Vec<PointerUse> = std::mem::take(&mut self.pointers.0)
             .into_iter()
             .filter(|((id, _), pointer)| !pointer.supplied && !self.has_start_value(*id, pointer))
             .map(|(_, pointer)| pointer)

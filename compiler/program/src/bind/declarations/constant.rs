@@ -85,7 +85,7 @@ impl Declarations<'_> {
 
     fn named_constant(&mut self, constants: &Constants, name: &Name) -> Option<Constant> {
         let folded = plcc_binding::fold(&name.text);
-        if let Some(constant) = constants.get(&folded).or_else(|| self.global_constants.get(&folded)) {
+        if let Some(constant) = constants.get(&folded).or_else(|| self.names.constants.get(&folded)) {
             return Some(constant.clone());
         }
         self.unknown_constant(&name.text, name.form == NameForm::Local, name.span);
@@ -94,7 +94,7 @@ impl Declarations<'_> {
 
     /// A name that is not a constant. It may be undefined (`local`: only the block itself could define it), or mean something else.
     fn unknown_constant(&mut self, name: &str, local: bool, span: Span) {
-        if local || self.globals.contains_key(&plcc_binding::fold(name)) {
+        if local || self.names.globals.contains_key(&plcc_binding::fold(name)) {
             self.report.push(
                 Diagnostic::new(Code::ConstantRequired, span, format!("`{name}` is not a constant of this block"))
                     .label("a value that is known at compile time is expected here")
@@ -157,11 +157,11 @@ impl Declarations<'_> {
             }
             Bound::Name(name, span) => {
                 let folded = plcc_binding::fold(name);
-                let constant = self.scope.constants.get(&folded).or_else(|| self.global_constants.get(&folded));
+                let constant = self.types.scope.constants.get(&folded).or_else(|| self.names.constants.get(&folded));
                 if let Some(number) = constant.and_then(Constant::integer) {
                     return i64::try_from(number).ok();
                 }
-                if self.scope.scl || self.input.partial {
+                if self.types.scope.scl || self.input.partial {
                     self.unknown_constant(name, false, *span);
                     return None;
                 }
@@ -177,9 +177,9 @@ impl Declarations<'_> {
 
     /// A constant expression among the declarations of a block.
     pub fn scope_constant(&mut self, value: &Expr) -> Option<Constant> {
-        let constants = std::mem::take(&mut self.scope.constants);
+        let constants = std::mem::take(&mut self.types.scope.constants);
         let constant = self.constant(&constants, value);
-        self.scope.constants = constants;
+        self.types.scope.constants = constants;
         constant
     }
 

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, DataContent, OperandKind, PathPart, PathRoot, TypeKind};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::{Base, Variable};
@@ -35,18 +36,35 @@ pub struct BoundDb {
     pub ty: Rc<StructType>,
 }
 
+/// The data blocks with their layout.
+#[derive(Default)]
+pub struct DataBlocks {
+    pub blocks: FxHashMap<u16, BoundDb>,
+    /// Size of all so far.
+    pub bytes: u64,
+    /// Data blocks that calls name as instances of undefined blocks: nothing is known of them.
+    pub unknown_instances: FxHashSet<u16>,
+}
+
+impl DataBlocks {
+    /// Layout of DB `number`, if known.
+    pub fn db_type(&self, number: u16) -> Option<Rc<StructType>> {
+        self.blocks.get(&number).map(|db| Rc::clone(&db.ty))
+    }
+}
+
 impl Declarations<'_> {
     pub fn bind_data(&mut self) {
-        let mut numbers: Vec<u16> = self.data.keys().copied().collect();
+        let mut numbers: Vec<u16> = self.sources.data.keys().copied().collect();
         numbers.sort_unstable();
-        self.scope = self.data_scope();
+        self.types.scope = self.data_scope();
         for number in numbers {
-            let source = self.data[&number];
+            let source = self.sources.data[&number];
             if let Some((typed, instance_of)) = self.db_content(source)
                 && self.fits_with_others(typed.ty.bytes, source.name.span())
             {
                 let db = self.make_db(number, source, typed, instance_of);
-                self.dbs.insert(number, db);
+                self.data.blocks.insert(number, db);
             }
         }
         self.generate_instances();
@@ -54,22 +72,22 @@ impl Declarations<'_> {
 
     /// Adds a data block; false if all of them together are too large, which is reported once.
     fn fits_with_others(&mut self, bytes: u32, span: Span) -> bool {
-        let before = self.db_bytes;
-        self.db_bytes += u64::from(bytes);
-        if before <= ALL_BYTES_MAX && self.db_bytes > ALL_BYTES_MAX {
+        let before = self.data.bytes;
+        self.data.bytes += u64::from(bytes);
+        if before <= ALL_BYTES_MAX && self.data.bytes > ALL_BYTES_MAX {
             self.report.push(
                 Diagnostic::new(Code::LayoutTooLarge, span, "the data blocks are too large together")
                     .label(format!("with this one they exceed {ALL_BYTES_MAX} bytes")),
             );
         }
-        self.db_bytes <= ALL_BYTES_MAX
+        self.data.bytes <= ALL_BYTES_MAX
     }
 
     /// Notes the use of a DB by number; a missing DB is a warning.
     pub fn use_db(&mut self, number: u16, span: Span) {
-        let known = self.dbs.contains_key(&number)
-            || self.data.contains_key(&number)
-            || self.unknown_instances.contains(&number);
+        let known = self.data.blocks.contains_key(&number)
+            || self.sources.data.contains_key(&number)
+            || self.data.unknown_instances.contains(&number);
         if number != 0 && !known {
             self.report.missing_db(number, span);
         }
@@ -77,7 +95,7 @@ impl Declarations<'_> {
 
     /// Reports an address beyond the end of its data block, up to byte `end`.
     pub fn check_db_end(&mut self, number: u16, end: u32, span: Span) {
-        if let Some(db) = self.dbs.get(&number) {
+        if let Some(db) = self.data.blocks.get(&number) {
             let length = db.block.data.len() as u32;
             if end > length {
                 let defined = db.block.span;
@@ -89,11 +107,6 @@ impl Declarations<'_> {
                 );
             }
         }
-    }
-
-    /// Layout of DB `number`, if known.
-    pub fn db_type(&self, number: u16) -> Option<Rc<StructType>> {
-        self.dbs.get(&number).map(|db| Rc::clone(&db.ty))
     }
 
     fn db_content(&mut self, source: &ast::DataBlock) -> Option<(TypedStruct, Option<BlockKey>)> {
@@ -168,7 +181,7 @@ impl Declarations<'_> {
         let (prefix, number) = match name {
             BlockName::Symbol { name, .. } => match self.type_block(name) {
                 Some(block) => block,
-                None if self.globals.contains_key(&fold(name)) => self.named_block(name, span)?,
+                None if self.names.globals.contains_key(&fold(name)) => self.named_block(name, span)?,
                 None => {
                     if let Some(typed) = self.predefined(name, span) {
                         return Some((self.as_structure(typed, span)?, None));
@@ -228,7 +241,7 @@ impl Declarations<'_> {
         self.check_db_size(number, data.len() as u32, source.name.span());
         let block = DataBlock {
             number,
-            name: self.block_name(BlockPrefix::Db, number),
+            name: self.names.block_name(BlockPrefix::Db, number),
             span: source.name.span(),
             data: at_least_a_word(data),
             members: typed.ty.members.clone(),
@@ -246,7 +259,7 @@ impl Declarations<'_> {
         }
         let block = DataBlock {
             number,
-            name: self.block_name(BlockPrefix::Db, number),
+            name: self.names.block_name(BlockPrefix::Db, number),
             span,
             data: at_least_a_word(typed.image.to_vec()),
             members: typed.ty.members.clone(),
@@ -254,7 +267,7 @@ impl Declarations<'_> {
             read_only: true,
             unlinked: false,
         };
-        self.dbs.insert(number, BoundDb { block, ty: typed.ty });
+        self.data.blocks.insert(number, BoundDb { block, ty: typed.ty });
     }
 
     fn check_db_size(&mut self, number: u16, bytes: u32, span: Span) {
@@ -273,7 +286,7 @@ impl Declarations<'_> {
     fn generate_instances(&mut self) {
         for call in self.instance_calls() {
             let InstanceCall { target, target_span, instance, span } = call;
-            if instance == 0 || self.data.contains_key(&instance) || self.dbs.contains_key(&instance) {
+            if instance == 0 || self.sources.data.contains_key(&instance) || self.data.blocks.contains_key(&instance) {
                 continue;
             }
             let (kind, fb) = match target {
@@ -281,16 +294,16 @@ impl Declarations<'_> {
                 Some((BlockPrefix::Sfb, fb)) => (BlockKind::Sfb, fb),
                 Some(_) => continue,
                 None => {
-                    self.unknown_instances.insert(instance);
+                    self.data.unknown_instances.insert(instance);
                     continue;
                 }
             };
             let key = BlockKey { kind, number: fb };
-            let known = self.code.contains_key(&key) || self.in_library(key);
+            let known = self.sources.code.contains_key(&key) || self.in_library(key);
             let Some(typed) =
                 known.then(|| self.interface(key, target_span)).flatten().and_then(|bound| bound.instance.clone())
             else {
-                self.unknown_instances.insert(instance);
+                self.data.unknown_instances.insert(instance);
                 continue;
             };
             if !self.fits_with_others(typed.ty.bytes, span) {
@@ -298,7 +311,7 @@ impl Declarations<'_> {
             }
             let block = DataBlock {
                 number: instance,
-                name: self.block_name(BlockPrefix::Db, instance),
+                name: self.names.block_name(BlockPrefix::Db, instance),
                 span,
                 data: at_least_a_word(typed.image.to_vec()),
                 members: typed.ty.members.clone(),
@@ -306,7 +319,7 @@ impl Declarations<'_> {
                 read_only: false,
                 unlinked: false,
             };
-            self.dbs.insert(instance, BoundDb { block, ty: typed.ty });
+            self.data.blocks.insert(instance, BoundDb { block, ty: typed.ty });
         }
     }
 

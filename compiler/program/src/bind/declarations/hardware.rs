@@ -4,6 +4,7 @@
 //!
 //! Source: LAD/FBD reference for S7-1200, data types HW_*, EVENT_* and OB_*; optimised and standard access.
 
+use crate::bind::trees::blocks::is_optimized;
 use plcc_abi::technology::{EVENT_ID, HSC_ID, PULSE_ID};
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockPrefix};
@@ -14,17 +15,6 @@ use plcc_binding::fold;
 use plcc_model::profile;
 use plcc_model::types::Elementary;
 use plcc_syntax::symbols::SymbolTarget;
-
-/// Attributes that state whether a block has optimised access: in sources, in SD documents.
-const OPTIMIZED_ATTRIBUTES: [&str; 2] = ["S7_Optimized_Access", "S7_Optimized"];
-
-/// The block has optimised access by its attributes.
-pub fn is_optimized(header: &ast::Header) -> bool {
-    header.attributes.iter().any(|(name, value)| {
-        OPTIMIZED_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name))
-            && value.trim().trim_matches(['\'', '"']).eq_ignore_ascii_case("TRUE")
-    })
-}
 
 impl Declarations<'_> {
     /// Reports the name of a fast counter or pulse generator that the CPU does not have; false: the name means something else.
@@ -53,7 +43,7 @@ impl Declarations<'_> {
 
     /// Reports an address in a data block with optimised access; `None`: no optimised access.
     pub fn check_absolute_access(&mut self, number: u16, span: Span) -> Option<()> {
-        let Some(data) = self.data.get(&number).copied() else { return Some(()) };
+        let Some(data) = self.sources.data.get(&number).copied() else { return Some(()) };
         if !self.input.profile.family.is_portal() || !is_optimized(&data.header) {
             return Some(());
         }
@@ -109,7 +99,7 @@ impl Declarations<'_> {
             let bits = u64::from(EVENT_ID) + index as u64 + 1;
             return Some(Constant::Typed { ty: Elementary::Dword, bits });
         }
-        match self.globals.get(name.strip_prefix("ob_")?)?.target {
+        match self.names.globals.get(name.strip_prefix("ob_")?)?.target {
             SymbolTarget::Block { prefix: BlockPrefix::Ob, number } => {
                 Some(Constant::Typed { ty: Elementary::Int, bits: u64::from(number) })
             }

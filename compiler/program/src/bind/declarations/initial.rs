@@ -336,7 +336,7 @@ impl Declarations<'_> {
     ) -> Option<()> {
         for (at, (name, value)) in fields.iter().enumerate() {
             let member = match name {
-                Some(name) => match self.member(structure, &name.text) {
+                Some(name) => match self.types.member(structure, &name.text) {
                     Some(member) => member,
                     None => {
                         self.unknown_member(structure, &name.text, name.span);

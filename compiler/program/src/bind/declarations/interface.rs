@@ -1,5 +1,6 @@
 //! Interfaces of blocks: parameters, static and temporary data with their addresses.
 
+use crate::bind::trees::blocks;
 use std::rc::Rc;
 
 use plcc_abi::image::BlockKind;
@@ -12,7 +13,9 @@ use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::Base;
 use crate::bind::declarations::sources::CodeSource;
 use crate::bind::declarations::sources::State;
-use crate::bind::declarations::types::{self, BoundInterface, Local, Scope, StructBuilder, Typed, Use, is_complex};
+use crate::bind::declarations::types::{
+    self, BoundInterface, DeclarationScope, Local, StructBuilder, Typed, Use, is_complex,
+};
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::layout::{self, Placer};
@@ -45,35 +48,35 @@ impl<'a> Declarations<'a> {
         if self.in_library(key) && !self.use_system(key, span) {
             return None;
         }
-        if !self.code.contains_key(&key) {
+        if !self.sources.code.contains_key(&key) {
             self.unknown_block(crate::bind::declarations::names::kind_prefix(key.kind), key.number, span);
             return None;
         }
-        self.code.get(&key).cloned()
+        self.sources.code.get(&key).cloned()
     }
 
     fn bind_interface(&mut self, key: BlockKey, block: &ast::CodeBlock) -> Option<BoundInterface> {
         let scope = self.block_scope(key, block);
-        let outer = std::mem::replace(&mut self.scope, scope);
+        let outer = std::mem::replace(&mut self.types.scope, scope);
         let mut bound = self.bind_declarations(key, block);
-        let scope = std::mem::replace(&mut self.scope, outer);
+        let scope = std::mem::replace(&mut self.types.scope, outer);
         if let Some(bound) = &mut bound {
             bound.constants = scope.constants;
         }
         bound
     }
 
-    fn block_scope(&self, key: BlockKey, block: &ast::CodeBlock) -> Scope {
-        let tia = match types::dialect(block) {
+    fn block_scope(&self, key: BlockKey, block: &ast::CodeBlock) -> DeclarationScope {
+        let tia = match blocks::dialect(block) {
             Some(Dialect::Tia) => true,
             Some(Dialect::Classic) => false,
             Some(Dialect::Either) | None => types::portal_cpu(self.input),
         };
-        Scope {
+        DeclarationScope {
             scl: !matches!(block.code, ast::Code::Stl(_)),
             tia,
             instance: matches!(key.kind, BlockKind::Fb | BlockKind::Sfb),
-            ..Scope::default()
+            ..DeclarationScope::default()
         }
     }
 
@@ -104,11 +107,11 @@ impl<'a> Declarations<'a> {
             let value = match (&constant.ty, value) {
                 (None, value) => value.and_then(|(value, _)| value),
                 (Some(ty), value) => {
-                    let outer = std::mem::replace(&mut self.scope.variable, constant.name.clone());
+                    let outer = std::mem::replace(&mut self.types.scope.variable, constant.name.clone());
                     let ty = self.resolve_type(ty, Use::Component);
-                    self.scope.variable = outer;
+                    self.types.scope.variable = outer;
                     match (ty, value) {
-                        (Some(ty), None) if is_composite(&ty.ty) && self.scope.scl => {
+                        (Some(ty), None) if is_composite(&ty.ty) && self.types.scope.scl => {
                             self.constant_data(constant, ty, bound, &mut data);
                             None
                         }
@@ -119,7 +122,7 @@ impl<'a> Declarations<'a> {
                 }
             };
             if let Some(value) = value {
-                self.scope.constants.entry(fold(&constant.name)).or_insert(value);
+                self.types.scope.constants.entry(fold(&constant.name)).or_insert(value);
             }
         }
         self.constant_block(block, bound, data);
@@ -149,7 +152,7 @@ impl<'a> Declarations<'a> {
         if bound.locals.is_empty() {
             return;
         }
-        let free = |number: &u16| !self.data.contains_key(number) && !self.dbs.contains_key(number);
+        let free = |number: &u16| !self.sources.data.contains_key(number) && !self.data.blocks.contains_key(number);
         let number = (1..=u16::MAX).rev().find(free);
         let (Some(number), Some(typed)) = (number, self.finish_structure(data, String::new(), None, span)) else {
             return;
@@ -301,7 +304,7 @@ impl<'a> Declarations<'a> {
             }
         }
         let prefix = crate::bind::declarations::names::kind_prefix(key.kind);
-        let name = match self.block_name(prefix, key.number) {
+        let name = match self.names.block_name(prefix, key.number) {
             name if name.is_empty() => key.to_string(),
             name => name,
         };
@@ -465,7 +468,7 @@ impl Declarations<'_> {
     /// TEMP has no initial values; sources of the TIA Portal may have some, which have no effect.
     fn no_temporary_initial(&mut self, variable: &ast::Variable) {
         let why = "temporary data starts again with each call";
-        if self.scope.tia { self.ignored_initial(variable, why) } else { self.no_initial(variable, why) }
+        if self.types.scope.tia { self.ignored_initial(variable, why) } else { self.no_initial(variable, why) }
     }
 
     /// An initial value without effect, as programs that run on CPUs may have it.

@@ -31,6 +31,34 @@ pub struct SystemUse {
     pub runtime: bool,
 }
 
+/// Which blocks of the library the program uses, and which numbers they have in it.
+#[derive(Default)]
+pub struct Library {
+    pub used: Vec<SystemUse>,
+    /// Keys of `used`.
+    pub known: FxHashSet<BlockKey>,
+    /// Blocks whose numbers the program uses for its own, by their new numbers.
+    pub moved: FxHashMap<BlockKey, &'static SystemBlock>,
+    /// Blocks whose numbers or names mean missing blocks of the program: their calls have other parameters.
+    pub foreign: FxHashSet<(BlockClass, u16)>,
+}
+
+impl Library {
+    /// Whether the program means its own block with the name and number of this one: see [`Declarations::find_foreign`].
+    pub fn is_foreign(&self, block: &SystemBlock) -> bool {
+        self.foreign.contains(&(block.class, block.number))
+    }
+
+    /// Kind and number of a library block in this program.
+    pub fn key_of(&self, block: &SystemBlock) -> BlockKey {
+        let moved = self.moved.iter().find(|(_, other)| (other.class, other.number) == (block.class, block.number));
+        match moved {
+            Some((key, _)) => *key,
+            None => BlockKey { kind: kind_of(block.class), number: block.number },
+        }
+    }
+}
+
 const fn class_of(kind: BlockKind) -> Option<BlockClass> {
     match kind {
         BlockKind::Fc => Some(BlockClass::Fc),
@@ -57,9 +85,10 @@ impl Declarations<'_> {
         for block in plcc_stdlib::blocks() {
             let kind = kind_of(block.class);
             let prefix = kind_prefix(kind);
-            let taken = self.defined.contains_key(&(prefix, block.number))
+            let taken = self.names.defined.contains_key(&(prefix, block.number))
                 || self
-                    .block_names
+                    .names
+                    .blocks
                     .get(&(prefix, block.number))
                     .is_some_and(|name| fold(plcc_stdlib::standard_name(name)) != fold(block.name));
             if matches!(block.class, BlockClass::Sfc | BlockClass::Sfb) || !taken {
@@ -68,7 +97,7 @@ impl Declarations<'_> {
             while used.contains(&(prefix, free)) && free > 0 {
                 free -= 1;
             }
-            self.moved.insert(BlockKey { kind, number: free as u16 }, block);
+            self.library.moved.insert(BlockKey { kind, number: free as u16 }, block);
             free = free.saturating_sub(1);
         }
     }
@@ -121,38 +150,24 @@ impl Declarations<'_> {
                 && !call.by_place
                 && formals.iter().any(|(formal, input)| *input && !given(formal));
             if lacks || !call.formals.iter().all(fits) {
-                self.foreign.insert((block.class, block.number));
+                self.library.foreign.insert((block.class, block.number));
             }
-        }
-    }
-
-    /// Whether the program means its own block with the name and number of this one: see [`Self::find_foreign`].
-    pub fn is_foreign(&self, block: &SystemBlock) -> bool {
-        self.foreign.contains(&(block.class, block.number))
-    }
-
-    /// Kind and number of a library block in this program.
-    pub fn library_key(&self, block: &SystemBlock) -> BlockKey {
-        let moved = self.moved.iter().find(|(_, other)| (other.class, other.number) == (block.class, block.number));
-        match moved {
-            Some((key, _)) => *key,
-            None => BlockKey { kind: kind_of(block.class), number: block.number },
         }
     }
 
     /// The library block for `key`, if the program itself does not define it.
     pub fn library_block(&self, key: BlockKey) -> Option<&'static SystemBlock> {
         let class = class_of(key.kind)?;
-        if self.foreign.contains(&(class, key.number)) {
+        if self.library.foreign.contains(&(class, key.number)) {
             return None;
         }
-        if matches!(self.code.get(&key), Some(CodeSource::User(_) | CodeSource::Expanded(_))) {
+        if matches!(self.sources.code.get(&key), Some(CodeSource::User(_) | CodeSource::Expanded(_))) {
             return None;
         }
-        if let Some(block) = self.moved.get(&key) {
+        if let Some(block) = self.library.moved.get(&key) {
             return Some(block);
         }
-        let name = self.block_name(kind_prefix(key.kind), key.number);
+        let name = self.names.block_name(kind_prefix(key.kind), key.number);
         match class {
             BlockClass::Fc | BlockClass::Fb if !name.is_empty() => plcc_stdlib::blocks().iter().find(|block| {
                 block.class == class && block.name.eq_ignore_ascii_case(plcc_stdlib::standard_name(&name))
@@ -179,7 +194,7 @@ impl Declarations<'_> {
             BlockPrefix::Fb if span.file == SYSTEM_FILE => BlockClass::Fb,
             _ => return Some((prefix, number)),
         };
-        let number = plcc_stdlib::find(class, number).map_or(number, |block| self.library_key(block).number);
+        let number = plcc_stdlib::find(class, number).map_or(number, |block| self.library.key_of(block).number);
         Some((prefix, number))
     }
 
@@ -227,7 +242,7 @@ impl Declarations<'_> {
 
     /// Notes the use of a library block; false if it does not exist, which is reported.
     pub fn use_system(&mut self, key: BlockKey, span: Span) -> bool {
-        if self.system_used.contains(&key) {
+        if self.library.known.contains(&key) {
             return true;
         }
         let prefix = kind_prefix(key.kind);
@@ -241,13 +256,13 @@ impl Declarations<'_> {
         }
         let code = parsed(block);
         // Blocks that a library block uses also have a position in the program.
-        let span = match self.system.last() {
+        let span = match self.library.used.last() {
             Some(last) if span.file == SYSTEM_FILE => last.span,
             _ => span,
         };
-        self.system_used.insert(key);
-        self.code.insert(key, CodeSource::System(Rc::new(code)));
-        self.system.push(SystemUse { key, span, runtime: block.form == Form::Runtime });
+        self.library.known.insert(key);
+        self.sources.code.insert(key, CodeSource::System(Rc::new(code)));
+        self.library.used.push(SystemUse { key, span, runtime: block.form == Form::Runtime });
         true
     }
 }

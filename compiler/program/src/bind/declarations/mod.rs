@@ -1,8 +1,19 @@
-//! What the sources, the tables and the library declare.
+//! What the sources, the tables and the library declare. Statements of all languages are bound over it.
+//!
+//! Values: [`names`], [`sources`] (the syntax trees), [`library`], [`types`], interfaces, [`data`] blocks, pointers of instances ([`calls`]),
+//! and the report. Names, types and interfaces are made when first needed, since declarations may be in any order:
+//!
+//! - [`collect`] reads the tables and numbers the blocks; [`ob`] finds out what starts organization blocks.
+//! - [`types`] resolves data types, [`predefined`] those of the language and the CPU; [`constant`] computes constants of all languages,
+//!   [`initial`] encodes start values. [`interface`] lays out the interface of a block, [`data`] makes the data blocks.
+//! - [`path`] turns names into places; [`addresses`] checks addresses against the CPU, [`hardware`] and [`system_memory`] its constants and
+//!   its tags; [`pointer`] has the bytes of pointers.
+//! - [`block`] is the block whose statements are bound, [`rules`] the rules of its source and CPU.
 
 pub mod addresses;
 pub mod block;
 pub mod calls;
+pub mod collect;
 pub mod constant;
 pub mod data;
 pub mod hardware;
@@ -22,70 +33,35 @@ pub mod types;
 use std::rc::Rc;
 
 use plcc_abi::image::Config;
-use plcc_diag::Span;
-use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
-use library::SystemUse;
-use names::Global;
+use addresses::Told;
+use calls::InstancePointers;
+use data::DataBlocks;
+use library::Library;
+use names::Names;
 use plcc_binding::BindInput;
-use plcc_binding::constant::Constants;
 use plcc_binding::report::Report;
 use plcc_model::BlockKey;
-use plcc_model::types::StructType;
-use sources::{CodeSource, State};
-use types::{BoundInterface, Scope, Typed, TypedStruct};
+use sources::{Sources, State};
+use types::{BoundInterface, Types};
 
+/// What the program declares, and what has been reported about it.
 pub struct Declarations<'a> {
     pub input: &'a BindInput<'a>,
     /// As in the input, with the information from the blocks.
     pub config: Config,
     pub report: Report,
-    pub globals: FxHashMap<String, Global>,
-    /// Numbers of the program's data types, by folded name.
-    pub type_names: FxHashMap<String, u16>,
-    /// User constants of tag tables, by folded name.
-    pub global_constants: Constants,
-    pub block_names: FxHashMap<(BlockPrefix, u16), String>,
-    /// Where each block of the sources is defined.
-    pub defined: FxHashMap<(BlockPrefix, u16), Span>,
-    pub code: FxHashMap<BlockKey, CodeSource<'a>>,
-    pub data: FxHashMap<u16, &'a ast::DataBlock>,
-    pub type_blocks: FxHashMap<u16, &'a ast::TypeBlock>,
-    pub udts: FxHashMap<u16, State<Option<Typed>>>,
-    /// DTL and other predefined structures.
-    pub predefined: FxHashMap<&'static str, TypedStruct>,
-    /// Where the declarations are that are currently bound.
-    pub scope: Scope,
-    /// A block of the TIA Portal is among the sources, or the CPU only exists there.
-    pub tia_sources: bool,
-    pub interfaces: FxHashMap<BlockKey, State<Option<Rc<BoundInterface>>>>,
-    pub dbs: FxHashMap<u16, data::BoundDb>,
-    /// Size of all data blocks so far, in bytes.
-    pub db_bytes: u64,
-    /// Current depth of nested types.
-    pub depth: u32,
-    /// Components by folded name; the structure is kept so that no other gets its address.
-    pub member_index: FxHashMap<*const StructType, (Rc<StructType>, FxHashMap<String, usize>)>,
-    pub system: Vec<SystemUse>,
-    /// Library blocks whose numbers the program uses for its own, by their new numbers.
-    pub moved: FxHashMap<BlockKey, &'static plcc_stdlib::SystemBlock>,
-    pub system_used: FxHashSet<BlockKey>,
-    /// Library blocks whose numbers or names mean missing blocks of the program: their calls have other parameters.
-    pub foreign: FxHashSet<(plcc_stdlib::BlockClass, u16)>,
-    /// Addresses beyond the CPU's limits that have been reported.
-    pub limits_told: FxHashSet<(Area, u32)>,
-    pub cells_told: FxHashSet<(CellKind, u32)>,
-    /// Pointer parameters of instances: whether some call supplies them, and a call that does not.
-    pub pointers: FxHashMap<(calls::InstanceId, usize), calls::PointerUse>,
-    /// Data blocks that calls name as instances of undefined blocks: nothing is known of them.
-    pub unknown_instances: FxHashSet<u16>,
+    pub told: Told,
     /// Lines that every run of the program prints at its start.
     pub notices: Vec<String>,
-    /// It has been reported that REF_TO is not supported.
-    pub references_refused: bool,
-    /// Tags of the system memory that nothing sets, as reported; folded.
-    pub system_tags_told: FxHashSet<String>,
+    pub names: Names,
+    pub sources: Sources<'a>,
+    pub library: Library,
+    pub types: Types,
+    pub interfaces: FxHashMap<BlockKey, State<Option<Rc<BoundInterface>>>>,
+    pub data: DataBlocks,
+    pub pointers: InstancePointers,
 }
 
 impl<'a> Declarations<'a> {
@@ -94,34 +70,20 @@ impl<'a> Declarations<'a> {
             input,
             config: input.config.clone(),
             report: Report::new(input.partial),
-            globals: FxHashMap::default(),
-            type_names: FxHashMap::default(),
-            global_constants: Constants::default(),
-            block_names: FxHashMap::default(),
-            defined: FxHashMap::default(),
-            code: FxHashMap::default(),
-            data: FxHashMap::default(),
-            type_blocks: FxHashMap::default(),
-            udts: FxHashMap::default(),
-            predefined: FxHashMap::default(),
-            scope: Scope::default(),
-            tia_sources: types::is_tia(input),
-            interfaces: FxHashMap::default(),
-            dbs: FxHashMap::default(),
-            db_bytes: 0,
-            depth: 0,
-            member_index: FxHashMap::default(),
-            system: Vec::new(),
-            moved: FxHashMap::default(),
-            system_used: FxHashSet::default(),
-            foreign: FxHashSet::default(),
-            limits_told: FxHashSet::default(),
-            cells_told: FxHashSet::default(),
-            pointers: FxHashMap::default(),
-            unknown_instances: FxHashSet::default(),
+            told: Told::default(),
             notices: Vec::new(),
-            references_refused: false,
-            system_tags_told: FxHashSet::default(),
+            names: Names::default(),
+            sources: Sources {
+                code: FxHashMap::default(),
+                data: FxHashMap::default(),
+                types: FxHashMap::default(),
+                tia: types::is_tia(input),
+            },
+            library: Library::default(),
+            types: Types::default(),
+            interfaces: FxHashMap::default(),
+            data: DataBlocks::default(),
+            pointers: InstancePointers::default(),
         }
     }
 }

@@ -1,19 +1,29 @@
 //! Which names and numbers the program defines: symbol tables, blocks of the sources, blocks of the system.
 
 use plcc_abi::image::{BlockKind, SymbolEntry};
-use plcc_abi::ob::{OB_FREE, ObClass};
-use plcc_diag::{Code, Diagnostic, Severity, Span};
-use plcc_syntax::ast::{self, Area, BlockName, BlockPrefix, CellKind, CodeKind, Width};
-use plcc_syntax::scl::ast::{self as scl, Dialect};
-use rustc_hash::{FxHashMap, FxHashSet};
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{Area, BlockName, BlockPrefix, CellKind, Width};
+use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::Declarations;
-use crate::bind::trees::mentions;
-use plcc_binding::constant::{Constant, Constants};
+use plcc_binding::constant::Constants;
 use plcc_binding::fold;
-use plcc_model::BlockKey;
 use plcc_model::types::Elementary;
-use plcc_syntax::symbols::{SymbolTarget, parse_address};
+use plcc_syntax::symbols::SymbolTarget;
+
+/// Names and numbers that tables and sources define.
+#[derive(Default)]
+pub struct Names {
+    /// By folded name.
+    pub globals: FxHashMap<String, Global>,
+    /// Numbers of the program's data types, by folded name.
+    pub types: FxHashMap<String, u16>,
+    /// User constants of tag tables, by folded name.
+    pub constants: Constants,
+    pub blocks: FxHashMap<(BlockPrefix, u16), String>,
+    /// Where each block of the sources is defined.
+    pub defined: FxHashMap<(BlockPrefix, u16), Span>,
+}
 
 /// A global name.
 #[derive(Clone, Debug)]
@@ -52,16 +62,6 @@ pub const fn kind_prefix(kind: BlockKind) -> BlockPrefix {
     }
 }
 
-const fn source_prefix(kind: CodeKind) -> BlockPrefix {
-    match kind {
-        CodeKind::Ob => BlockPrefix::Ob,
-        CodeKind::Fc => BlockPrefix::Fc,
-        CodeKind::Fb => BlockPrefix::Fb,
-        CodeKind::Sfc => BlockPrefix::Sfc,
-        CodeKind::Sfb => BlockPrefix::Sfb,
-    }
-}
-
 /// The name in STEP 7 of a timer's data type of newer tools.
 fn classic_name(name: &str) -> &str {
     match name.to_ascii_uppercase().as_str() {
@@ -72,614 +72,34 @@ fn classic_name(name: &str) -> &str {
     }
 }
 
-/// Prefix, number and name of a block of the sources.
-fn frame(block: &ast::Block) -> (BlockPrefix, &BlockName) {
-    match block {
-        ast::Block::Code(code) => (source_prefix(code.kind), &code.name),
-        ast::Block::Data(data) => (BlockPrefix::Db, &data.name),
-        ast::Block::Type(ty) => (BlockPrefix::Udt, &ty.name),
+impl Names {
+    /// Symbol of a block, empty if it has none.
+    pub fn block_name(&self, prefix: BlockPrefix, number: u16) -> String {
+        self.blocks.get(&(prefix, number)).cloned().unwrap_or_default()
     }
-}
 
-/// Whether a block is a list of statements without a header, which is OB 1 unless its file is named otherwise.
-pub fn is_fragment(block: &ast::CodeBlock) -> bool {
-    let span = block.name.span();
-    matches!(block.name, BlockName::Numbered { .. })
-        && span.start == span.end
-        && matches!(block.code, ast::Code::Stl(_))
-}
-
-/// The block that a file's name states: `FC19_Name`, `OB1_MAIN`, `FB 3`.
-fn block_of_file(stem: &str) -> Option<(BlockPrefix, u32)> {
-    let stem = stem.trim();
-    let letters = stem.get(..2)?;
-    let prefix = [BlockPrefix::Ob, BlockPrefix::Fc, BlockPrefix::Fb]
-        .into_iter()
-        .find(|prefix| prefix.letters().eq_ignore_ascii_case(letters))?;
-    let rest = stem[2..].trim_start_matches([' ', '_', '-']);
-    let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
-    if rest[digits..].starts_with(char::is_alphanumeric) {
-        return None;
-    }
-    Some((prefix, rest[..digits].parse().ok()?))
-}
-
-/// Names that STEP 7 and the TIA Portal give to organization blocks, and their numbers: the first one, and how many there are. Further
-/// ones are called `_1`, `_2`; in STEP 7 they are counted from 0, `Cyclic Interrupt 5`, `CYC_INT5`.
-#[rustfmt::skip]
-const OB_NAMES: &[(&str, u32, u32)] = &[
-    ("Cycle Execution", 1, 1), ("CYCL_EXC", 1, 1), ("TOD_INT", 10, 8), ("Time of Day Interrupt", 10, 8), ("DEL_INT", 20, 4),
-    ("CYC_INT", 30, 9), ("HW_INT", 40, 8), ("MP_INT", 60, 1), ("Multicomputing Interrupt", 60, 1), ("Multiprocessing Interrupt", 60, 1),
-    ("I/O Redundancy Error", 70, 1), ("CPU Redundancy Error", 72, 1), ("Communication Redundancy Error", 73, 1),
-    ("CYCL_FLT", 80, 1), ("Cycle Time Fault", 80, 1), ("Time Error", 80, 1), ("PS_FLT", 81, 1), ("Power Supply Fault", 81, 1),
-    ("I/O_FLT1", 82, 1), ("I/O Point Fault 1", 82, 1), ("I/O_FLT2", 83, 1), ("I/O Point Fault 2", 83, 1), ("CPU_FLT", 84, 1),
-    ("CPU Fault", 84, 1), ("OBNL_FLT", 85, 1), ("OB Not Loaded Fault", 85, 1), ("RACK_FLT", 86, 1), ("Loss of Rack Fault", 86, 1),
-    ("COMM_FLT", 87, 1), ("Communication Fault", 87, 1), ("BACKGRND", 90, 1), ("Background Cycle", 90, 1), ("Background", 90, 1),
-    ("Complete Restart", 100, 1), ("Warm Restart", 100, 1), ("Restart", 101, 1), ("Hot Restart", 101, 1),
-    ("Cold Restart", 102, 1), ("PROG_ERR", 121, 1), ("MOD_ERR", 122, 1), ("Module Access Error", 122, 1),
-    ("Main", 1, 1), ("Startup", 100, 1), ("Cyclic interrupt", 30, 9), ("Time of day", 10, 8),
-    ("Time delay interrupt", 20, 4), ("Hardware interrupt", 40, 8), ("Status", 55, 1), ("Update", 56, 1), ("Profile", 57, 1),
-    ("Time error interrupt", 80, 1), ("Diagnostic error interrupt", 82, 1), ("Pull or plug of modules", 83, 1),
-    ("Rack or station failure", 86, 1), ("Programming error", 121, 1), ("IO access error", 122, 1),
-];
-
-/// The number of an organization block by its usual name.
-fn ob_number(name: &str) -> Option<u32> {
-    let name = name.trim();
-    let row = |base: &str| OB_NAMES.iter().find(|(usual, ..)| usual.eq_ignore_ascii_case(base));
-    if let Some((_, first, _)) = row(name) {
-        return Some(*first);
-    }
-    let base = name.trim_end_matches(|c: char| c.is_ascii_digit());
-    let index: u32 = name[base.len()..].parse().ok()?;
-    let (_, first, count) = row(base.trim_end_matches(['_', ' ']))?;
-    (index < *count).then_some(first + index)
-}
-
-/// The number of an organization block by the names of its start information: `OB35_EV_CLASS`.
-fn number_of_start_information(block: &ast::Block) -> Option<u32> {
-    let ast::Block::Code(code) = block else { return None };
-    let temporary = code.sections.iter().find(|section| section.kind == ast::SectionKind::Temp)?;
-    let name = &temporary.variables.first()?.name;
-    let digits = name.get(..2).filter(|letters| letters.eq_ignore_ascii_case("OB")).and_then(|_| name.get(2..))?;
-    digits.split_once('_')?.0.parse().ok()
-}
-
-/// What starts an OB, if its attributes state it.
-fn block_class(block: &ast::Block) -> Option<ObClass> {
-    match block {
-        ast::Block::Code(code) if code.kind == CodeKind::Ob => {
-            crate::bind::declarations::ob::class_attribute(&code.header)?.0
-        }
-        ast::Block::Code(_) | ast::Block::Data(_) | ast::Block::Type(_) => None,
-    }
-}
-
-/// A block that is written with a name and without a number.
-struct Unnumbered<'a> {
-    block: &'a ast::Block,
-    prefix: BlockPrefix,
-    name: String,
-    span: Span,
-    /// OB: what starts it.
-    class: Option<ObClass>,
-}
-
-/// Attributes with the number of a block that is written with a name.
-const NUMBER_ATTRIBUTES: [&str; 2] = ["S7_BlockNumber", "BlockNumber"];
-
-/// A global symbol of the block's kind. A data type may have the name of a block of another kind.
-fn own_global<'g>(globals: &'g FxHashMap<String, Global>, prefix: BlockPrefix, name: &str) -> Option<&'g Global> {
-    let global = globals.get(&fold(name))?;
-    match global.target {
-        SymbolTarget::Block { prefix: named, .. } if share_name(prefix, named) => None,
-        _ => Some(global),
-    }
-}
-
-/// Whether blocks of these kinds may share a name, because the context distinguishes them: a data type and a block that is not one.
-fn share_name(one: BlockPrefix, other: BlockPrefix) -> bool {
-    let is_type = |prefix| matches!(prefix, BlockPrefix::Udt | BlockPrefix::Fb | BlockPrefix::Sfb);
-    one != other && (one == BlockPrefix::Udt) != (other == BlockPrefix::Udt) && !(is_type(one) && is_type(other))
-}
-
-/// The name of a block with its number, if the text states it: `FC10` in one word, a number next to the name, the attribute `S7_BlockNumber`, an OB by its usual
-/// name. A symbol table has priority. Also whether the number may change if a block already has it.
-fn numbered(
-    block: &ast::Block,
-    prefix: BlockPrefix,
-    name: &BlockName,
-    globals: &FxHashMap<String, Global>,
-) -> (BlockName, bool) {
-    let BlockName::Symbol { name: text, span } = name else { return (name.clone(), false) };
-    if own_global(globals, prefix, text).is_some() {
-        return (name.clone(), false);
-    }
-    let header = header_of(block);
-    let written = match parse_address(text) {
-        Some(SymbolTarget::Block { prefix: named, number }) if named == prefix => Some(number),
-        _ => None,
-    };
-    let attribute = header
-        .attributes
-        .iter()
-        .find(|(name, _)| NUMBER_ATTRIBUTES.iter().any(|number| number.eq_ignore_ascii_case(name)))
-        .and_then(|(_, value)| value.trim().trim_matches(['\'', '"']).parse().ok());
-    let usual = || match prefix {
-        BlockPrefix::Ob => ob_number(text).or_else(|| number_of_start_information(block)),
-        _ => None,
-    };
-    let said = written.or(header.number).or(attribute);
-    let movable = header.auto_number || said.is_none();
-    match said.or_else(usual) {
-        Some(number) => (BlockName::Numbered { prefix, number, span: *span }, movable),
-        None => (name.clone(), false),
-    }
-}
-
-fn header_of(block: &ast::Block) -> &ast::Header {
-    match block {
-        ast::Block::Code(code) => &code.header,
-        ast::Block::Data(data) => &data.header,
-        ast::Block::Type(ty) => &ty.header,
-    }
-}
-
-/// Whether the sources contain organization blocks that only CPUs of the TIA Portal have: from OB 123 on, by their numbers, or because there are
-/// more of a class than it has numbers.
-pub fn has_free_obs(units: &[(plcc_diag::FileId, ast::SourceUnit)]) -> bool {
-    let none = FxHashMap::default();
-    let mut classes: FxHashMap<ObClass, u16> = FxHashMap::default();
-    let blocks = units.iter().flat_map(|(_, unit)| &unit.blocks);
-    for block in blocks.filter(|block| !is_forward(block)) {
-        let ast::Block::Code(code) = block else { continue };
-        let tia = crate::bind::declarations::types::dialect(code) == Some(Dialect::Tia) || code.header.auto_number;
-        if code.kind != CodeKind::Ob || !tia {
-            continue;
-        }
-        let class = match numbered(block, BlockPrefix::Ob, &code.name, &none).0 {
-            BlockName::Numbered { number, .. } if number >= u32::from(OB_FREE) => return true,
-            BlockName::Numbered { number, .. } => ObClass::of_number(number as u16),
-            BlockName::Symbol { .. } => block_class(block).or(Some(ObClass::ProgramCycle)),
-        };
-        if let Some(class) = class {
-            let count = classes.entry(class).or_insert(0);
-            *count += 1;
-            let (first, last) = class.row().numbers;
-            let places = if class == ObClass::Startup { 1 } else { last - first + 1 };
-            if *count > places {
-                return true;
-            }
-        }
-    }
-    false
-}
-
-/// Attributes with the language of a block in exports and SD documents.
-const LANGUAGE_ATTRIBUTES: [&str; 3] = ["ProgrammingLanguage", "S7_PreferredLanguage", "S7_Language"];
-
-/// The language is one for safety programs: F_LAD, F_FBD, F_DB.
-fn is_safety(header: &ast::Header) -> bool {
-    header.attributes.iter().any(|(name, value)| {
-        let value = value.trim().trim_matches(['\'', '"']);
-        let language = LANGUAGE_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name));
-        language && value.starts_with("F_")
-            || name.eq_ignore_ascii_case("S7_Safety") && value.eq_ignore_ascii_case("TRUE")
-    })
-}
-
-/// A code block without content: a declaration before its definition, as generators of sources write it.
-fn is_forward(block: &ast::Block) -> bool {
-    let ast::Block::Code(code) = block else { return false };
-    match &code.code {
-        ast::Code::Scl(body) => body.statements.iter().all(|statement| statement.kind == scl::StatementKind::Empty),
-        ast::Code::Stl(networks) => networks
-            .iter()
-            .all(|network| network.statements.iter().all(|statement| statement.kind == ast::StatementKind::Empty)),
-        ast::Code::Graphic(_) | ast::Code::Chart(_) => false,
-    }
-}
-
-impl<'a> Declarations<'a> {
-    /// Reads the symbol tables and assigns a number to every block of the sources.
-    pub fn collect(&mut self) {
-        self.collect_tables();
-        self.collect_constants();
-        let blocks = self.without_forwards();
-        self.safety_blocks(&blocks);
-        let mut used: FxHashSet<(BlockPrefix, u32)> = FxHashSet::default();
-        for global in self.globals.values() {
-            if let SymbolTarget::Block { prefix, number } = global.target {
-                used.insert((prefix, number));
-            }
-        }
-        let mut unnumbered = Vec::new();
-        // Blocks whose numbers may change get the free ones.
-        for movable in [false, true] {
-            for &block in &blocks {
-                let (prefix, name) = frame(block);
-                let (prefix, (numbered, is_movable)) = match self.named_by_file(block) {
-                    Some((prefix, number)) => {
-                        (prefix, (BlockName::Numbered { prefix, number, span: name.span() }, false))
-                    }
-                    None => (prefix, numbered(block, prefix, name, &self.globals)),
+    /// Named addresses of memory, timers, counters and DBs.
+    pub fn entries(&self) -> Vec<SymbolEntry> {
+        let mut entries: Vec<SymbolEntry> = self
+            .globals
+            .values()
+            .filter_map(|global| {
+                let address = match global.target {
+                    SymbolTarget::Memory { area, width, byte, bit } => address_text(area, width, byte, bit),
+                    SymbolTarget::Cell { kind: CellKind::Timer, number } => format!("T{number}"),
+                    SymbolTarget::Cell { kind: CellKind::Counter, number } => format!("C{number}"),
+                    SymbolTarget::Block { prefix: BlockPrefix::Db, number } => format!("DB{number}"),
+                    SymbolTarget::Block { .. } => return None,
                 };
-                if is_movable == movable {
-                    self.place(block, (prefix, numbered), movable, &mut used, &mut unnumbered);
-                }
-            }
-        }
-        if !unnumbered.is_empty() {
-            used.extend(blocks.iter().flat_map(|block| mentions::numbers(block)));
-        }
-        let lonely = blocks.iter().filter(|block| frame(block).0 == BlockPrefix::Ob).count() == 1;
-        let mut next: FxHashMap<BlockPrefix, u32> = FxHashMap::default();
-        for Unnumbered { block, prefix, name, span, class } in unnumbered {
-            if prefix == BlockPrefix::Db {
-                self.report.unnumbered_dbs.push(name.clone());
-            }
-            let class = match class {
-                None if prefix == BlockPrefix::Ob && (!lonely || used.contains(&(BlockPrefix::Ob, 1))) => {
-                    match self.unsaid_class(block, &name, span) {
-                        Some(class) => Some(class),
-                        None => continue,
-                    }
-                }
-                class => class,
-            };
-            if let Some(global) = own_global(&self.globals, prefix, &name) {
-                // Two blocks with one name: the second would replace the first.
-                let first = global.span;
-                let help = self.choice(first, span, "give one of them another name");
-                self.report.push(
-                    Diagnostic::new(Code::DuplicateBlock, span, format!("`{name}` is defined twice"))
-                        .label("the second definition")
-                        .also(first, "the first definition")
-                        .help(help),
-                );
-                continue;
-            }
-            let number = next.entry(prefix).or_insert(1);
-            // An OB with only a known class: the usual number of the class, otherwise a free one.
-            if let Some(class) = class {
-                let (first, last) = class.row().numbers;
-                // OB 101 and 102 start differently.
-                let last = if class == ObClass::Startup { first } else { last };
-                let usual = (first..=last).map(u32::from).find(|number| !used.contains(&(prefix, *number)));
-                *number = usual.unwrap_or(u32::from(OB_FREE));
-            }
-            while used.contains(&(prefix, *number)) {
-                *number += 1;
-            }
-            if *number > 65_535 {
-                continue;
-            }
-            let number = *number;
-            used.insert((prefix, number));
-            if let Some(class) = class
-                && number >= u32::from(OB_FREE)
-                && block_class(block).is_none()
-            {
-                self.config.ob_classes.push((number as u16, class));
-            }
-            self.name_block(&name, prefix, number, span);
-            self.define(block, prefix, number as u16, span);
-        }
-        for global in self.globals.values() {
-            if let SymbolTarget::Block { prefix, number } = global.target
-                && number <= 65_535
-            {
-                self.block_names.insert((prefix, number as u16), global.name.clone());
-            }
-        }
-        self.find_foreign();
-        self.move_library(&used);
+                Some(SymbolEntry { name: global.name.clone(), address })
+            })
+            .collect();
+        entries.sort_by(|a, b| a.name.cmp(&b.name));
+        entries
     }
+}
 
-    /// The blocks of the sources; a block without a body that has one elsewhere is dropped.
-    fn without_forwards(&mut self) -> Vec<&'a ast::Block> {
-        let blocks: Vec<&'a ast::Block> = self.input.units.iter().flat_map(|(_, unit)| &unit.blocks).collect();
-        let key = |block: &ast::Block| {
-            let (prefix, name) = frame(block);
-            match name {
-                BlockName::Numbered { number, .. } => (prefix, Some(*number), String::new()),
-                BlockName::Symbol { name, .. } => (prefix, None, fold(name)),
-            }
-        };
-        let mut bodies: FxHashMap<_, Span> = FxHashMap::default();
-        for block in blocks.iter().filter(|block| !is_forward(block)) {
-            bodies.entry(key(block)).or_insert(frame(block).1.span());
-        }
-        let mut kept = Vec::with_capacity(blocks.len());
-        for block in blocks {
-            match bodies.get(&key(block)).filter(|_| is_forward(block)) {
-                Some(body) => {
-                    let span = frame(block).1.span();
-                    let name = self.text(span);
-                    let mut message = Diagnostic::new(Code::DuplicateBlock, span, format!("{name} has no body here"))
-                        .label("this one is dropped")
-                        .also(*body, "the definition that is used")
-                        .help("remove the empty one");
-                    message.severity = Severity::Warning;
-                    self.report.push(message);
-                }
-                None => kept.push(block),
-            }
-        }
-        kept
-    }
-
-    /// Blocks of a safety program: refused, or compiled as standard blocks if requested.
-    fn safety_blocks(&mut self, blocks: &[&ast::Block]) {
-        let names = blocks.iter().filter(|block| is_safety(header_of(block))).map(|block| frame(block).1);
-        let spans: Vec<Span> = names.map(BlockName::span).collect();
-        let Some(&first) = spans.first() else { return };
-        let name = self.text(first);
-        let name = name.trim_matches('"');
-        let count = spans.len();
-        let what = match count {
-            1 => format!("`{name}` is a block of a safety program"),
-            _ => format!("{count} blocks belong to a safety program, the first is `{name}`"),
-        };
-        if !self.input.safety_as_standard {
-            self.report.push(
-                Diagnostic::new(Code::SafetyBlock, first, what)
-                    .label("plcc has none of the measures that make a block fail-safe")
-                    .help("to test its logic as a standard block, compile with `--safety-as-standard`, or set `safety_as_standard = true` in plc.toml"),
-            );
-            return;
-        }
-        let mut message = Diagnostic::new(Code::SafetyBlock, first, what)
-            .label("compiled as a standard block: nothing about it is fail-safe");
-        message.severity = Severity::Warning;
-        self.report.push(message);
-        let list: Vec<String> = spans.iter().map(|span| self.text(*span).trim_matches('"').to_string()).collect();
-        self.notices.push(format!("not fail-safe: compiled as standard blocks: {}", list.join(", ")));
-    }
-
-    /// Defines a block by its number, or notes that it has none.
-    fn place(
-        &mut self,
-        block: &'a ast::Block,
-        (prefix, numbered): (BlockPrefix, BlockName),
-        movable: bool,
-        used: &mut FxHashSet<(BlockPrefix, u32)>,
-        unnumbered: &mut Vec<Unnumbered<'a>>,
-    ) {
-        let (_, name) = frame(block);
-        if matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb) {
-            self.report.push(
-                Diagnostic::new(Code::BlockFrame, name.span(), "system blocks belong to the CPU")
-                    .label("a program cannot define this block")
-                    .help("make it an FC or FB"),
-            );
-            return;
-        }
-        let class = block_class(block);
-        match numbered {
-            BlockName::Numbered { number, span, .. } => {
-                let limit = match prefix {
-                    BlockPrefix::Ob if self.tia_sources => u32::from(plcc_abi::ob::OB_NUMBER_MAX),
-                    BlockPrefix::Ob => 255,
-                    _ => 65_535,
-                };
-                if number > limit || (prefix == BlockPrefix::Db && number == 0) {
-                    self.report.push(
-                        Diagnostic::new(
-                            Code::AddressRange,
-                            span,
-                            format!("{} {number} is not a block number", prefix.letters()),
-                        )
-                        .label(format!("numbers go up to {limit}"))
-                        .help("use another number; DB 0 is reserved"),
-                    );
-                    return;
-                }
-                let symbol = match name {
-                    BlockName::Symbol { name, .. } => Some(name),
-                    BlockName::Numbered { .. } => None,
-                };
-                if movable
-                    && used.contains(&(prefix, number))
-                    && let Some(name) = symbol
-                {
-                    let class =
-                        class.or_else(|| ObClass::of_number(number as u16)).filter(|_| prefix == BlockPrefix::Ob);
-                    unnumbered.push(Unnumbered { block, prefix, name: name.clone(), span, class });
-                    return;
-                }
-                used.insert((prefix, number));
-                self.define(block, prefix, number as u16, span);
-                if let Some(name) = symbol {
-                    self.name_block(name, prefix, number, span);
-                }
-            }
-            BlockName::Symbol { name, span } => match own_global(&self.globals, prefix, &name) {
-                None => unnumbered.push(Unnumbered { block, prefix, name, span, class }),
-                Some(&Global { target: SymbolTarget::Block { prefix: named, number }, .. })
-                    if named == prefix && number <= 65_535 =>
-                {
-                    if prefix == BlockPrefix::Udt {
-                        self.type_names.insert(fold(&name), number as u16);
-                    }
-                    self.define(block, prefix, number as u16, span);
-                }
-                Some(global) => {
-                    let row = global.span;
-                    self.report.push(
-                        Diagnostic::new(
-                            Code::DuplicateName,
-                            span,
-                            format!("`{name}` is not a {} in the symbol table", prefix.letters()),
-                        )
-                        .label(format!("a {} with this name", prefix.letters()))
-                        .also(row, "the symbol"),
-                    );
-                }
-            },
-        }
-    }
-
-    /// Notes the name of a block. If a data type has the same name, it means the type where types are expected, and the block elsewhere.
-    fn name_block(&mut self, name: &str, prefix: BlockPrefix, number: u32, span: Span) {
-        let target = SymbolTarget::Block { prefix, number };
-        let global = Global { name: name.trim().to_string(), target, ty: None, structure: None, span };
-        if prefix == BlockPrefix::Udt {
-            self.type_names.entry(fold(name)).or_insert(number as u16);
-            self.block_names.insert((prefix, number as u16), name.trim().to_string());
-            self.globals.entry(fold(name)).or_insert(global);
-        } else if own_global(&self.globals, prefix, name).is_none() {
-            self.globals.insert(fold(name), global);
-        }
-    }
-
-    /// What starts an OB that does not state it: the TIA Portal makes it a program cycle OB. None in other sources, where the number
-    /// is unknown; that is reported.
-    fn unsaid_class(&mut self, block: &ast::Block, name: &str, span: Span) -> Option<ObClass> {
-        let message = Diagnostic::new(
-            Code::BlockFrame,
-            span,
-            format!("the number of the organization block `{name}` is unknown"),
-        )
-        .help("write `ORGANIZATION_BLOCK OB 35`, or give the name its number in the symbol table");
-        let tia = match block {
-            ast::Block::Code(code) => {
-                crate::bind::declarations::types::dialect(code).map_or(self.tia_sources, |of| of == Dialect::Tia)
-            }
-            ast::Block::Data(_) | ast::Block::Type(_) => false,
-        };
-        if !tia && self.input.partial {
-            self.report.push(
-                Diagnostic::new(Code::LeftOut, span, format!("the organization block `{name}` is left out"))
-                    .label("the CPU finds an organization block by its number, which no source states")
-                    .help("give the name its number in a symbol table, or write `ORGANIZATION_BLOCK OB 35`"),
-            );
-            return None;
-        }
-        if !tia {
-            self.report.push(message.label("the CPU finds an organization block by its number"));
-            return None;
-        }
-        let mut message = message.label("treated as a program cycle OB, as the TIA Portal does").help(
-            "state what starts it: `{ S7_EventClass := 'CyclicInterrupt' }`, or give its number in the symbol table",
-        );
-        message.severity = Severity::Warning;
-        self.report.push(message);
-        Some(ObClass::ProgramCycle)
-    }
-
-    /// Kind and number of statements without a header, if the name of their file states them.
-    fn named_by_file(&self, block: &ast::Block) -> Option<(BlockPrefix, u32)> {
-        let ast::Block::Code(code) = block else { return None };
-        if !is_fragment(code) {
-            return None;
-        }
-        let (_, source) = self.input.sources.files().nth(code.span.file.0 as usize)?;
-        let stem = std::path::Path::new(&source.name).file_stem()?.to_string_lossy();
-        block_of_file(&stem)
-    }
-
-    fn collect_tables(&mut self) {
-        let rows: usize = self.input.tables.iter().map(|table| table.symbols.len()).sum();
-        self.globals.reserve(rows);
-        for symbol in self.input.tables.iter().flat_map(|table| &table.symbols) {
-            let ty = Elementary::from_word(&symbol.ty.to_ascii_uppercase());
-            let structure = ty.is_none().then(|| symbol.ty.trim().trim_matches('"').to_string());
-            let structure = structure.filter(|name| !name.is_empty());
-            let global = Global { name: symbol.name.clone(), target: symbol.target, ty, structure, span: symbol.span };
-            match self.globals.entry(fold(&symbol.name)) {
-                std::collections::hash_map::Entry::Vacant(entry) => {
-                    entry.insert(global);
-                }
-                std::collections::hash_map::Entry::Occupied(entry) => {
-                    if entry.get().target != symbol.target {
-                        let first = entry.get().span;
-                        self.report.push(
-                            Diagnostic::new(
-                                Code::DuplicateName,
-                                symbol.span,
-                                format!("the symbol `{}` has two addresses", symbol.name),
-                            )
-                            .label("the second address")
-                            .also(first, "the first address, which is used")
-                            .help("remove one of the two rows"),
-                        );
-                    }
-                }
-            }
-        }
-    }
-
-    /// User constants of tag tables, with their types.
-    fn collect_constants(&mut self) {
-        let input = self.input;
-        for constant in input.tables.iter().flat_map(|table| &table.constants) {
-            let Some(value) = self.constant(&Constants::default(), &constant.value) else { continue };
-            let value = match Elementary::from_word(&constant.ty.to_ascii_uppercase()) {
-                Some(ty) => match self.constant_bits(&value, ty, constant.value.span) {
-                    Some(bits) => Constant::Typed { ty, bits },
-                    None => continue,
-                },
-                None => value,
-            };
-            self.global_constants.entry(fold(&constant.name)).or_insert(value);
-        }
-    }
-
-    /// The advice about two definitions: plcc does not guess which version of a block counts.
-    fn choice(&self, first: Span, second: Span, same_file: &str) -> String {
-        let name =
-            |span: Span| self.input.sources.files().nth(span.file.0 as usize).map(|(_, file)| file.name.as_str());
-        match (name(first), name(second)) {
-            (Some(first), Some(second)) if first != second => format!(
-                "choose one: specify only the files of one CPU and one version, or name them as `sources` in plc.toml. The files are \
-                 `{first}` and `{second}`"
-            ),
-            _ => same_file.to_string(),
-        }
-    }
-
-    fn define(&mut self, block: &'a ast::Block, prefix: BlockPrefix, number: u16, span: Span) {
-        if let Some(first) = self.defined.insert((prefix, number), span) {
-            self.defined.insert((prefix, number), first);
-            let title = format!("{} {number} is defined twice", prefix.letters());
-            let help = self.choice(first, span, "give one of them another number");
-            self.report.push(
-                Diagnostic::new(Code::DuplicateBlock, span, title)
-                    .label("the second definition")
-                    .also(first, "the first definition")
-                    .help(help),
-            );
-            return;
-        }
-        match block {
-            ast::Block::Code(code) => {
-                if let Some(kind) = code_kind(prefix) {
-                    let source = match &code.code {
-                        ast::Code::Stl(_) if prefix != source_prefix(code.kind) => {
-                            let mut code = code.clone();
-                            code.kind = if prefix == BlockPrefix::Fb { CodeKind::Fb } else { CodeKind::Fc };
-                            crate::bind::declarations::sources::CodeSource::Expanded(std::rc::Rc::new(code))
-                        }
-                        ast::Code::Chart(chart) => crate::bind::declarations::sources::CodeSource::Expanded(
-                            std::rc::Rc::new(crate::bind::trees::chart_data::expanded(code, chart)),
-                        ),
-                        ast::Code::Stl(_) | ast::Code::Scl(_) | ast::Code::Graphic(_) => {
-                            crate::bind::declarations::sources::CodeSource::User(code)
-                        }
-                    };
-                    self.code.insert(BlockKey { kind, number }, source);
-                }
-            }
-            ast::Block::Data(data) => {
-                self.data.insert(number, data);
-            }
-            ast::Block::Type(ty) => {
-                self.type_blocks.insert(number, ty);
-            }
-        }
-    }
-
+impl Declarations<'_> {
     /// The block that a name means; reports a name that is defined nowhere. A system block is found by its standard name.
     pub fn block_number(&mut self, name: &BlockName) -> Option<(BlockPrefix, u16)> {
         match name {
@@ -732,27 +152,22 @@ impl<'a> Declarations<'a> {
 
     /// What a global name means: a row of a table, a block of the sources, or a system block with this standard name.
     pub fn global(&self, name: &str) -> Option<SymbolTarget> {
-        if let Some(global) = self.globals.get(&fold(name)) {
+        if let Some(global) = self.names.globals.get(&fold(name)) {
             return Some(global.target);
         }
         let name = classic_name(name.trim());
         let block = plcc_stdlib::find_name(name).or_else(|| plcc_stdlib::find_tia(name))?;
-        if self.is_foreign(block) {
+        if self.library.is_foreign(block) {
             return None;
         }
-        let key = self.library_key(block);
+        let key = self.library.key_of(block);
         Some(SymbolTarget::Block { prefix: kind_prefix(key.kind), number: u32::from(key.number) })
-    }
-
-    /// Symbol of a block, empty if it has none.
-    pub fn block_name(&self, prefix: BlockPrefix, number: u16) -> String {
-        self.block_names.get(&(prefix, number)).cloned().unwrap_or_default()
     }
 
     /// Reports a code block that nothing defines, and whether only plcc lacks it.
     pub fn unknown_block(&mut self, prefix: BlockPrefix, number: u16, span: Span) {
         let fb = prefix == BlockPrefix::Fb;
-        let name = self.block_name(prefix, number);
+        let name = self.names.block_name(prefix, number);
         let library = plcc_stdlib::LIBRARY
             .iter()
             .find(|block| block.number == number && block.fb == fb && block.name.eq_ignore_ascii_case(&name));
@@ -762,26 +177,6 @@ impl<'a> Declarations<'a> {
             }
             _ => self.report.missing_block(prefix, number, span),
         }
-    }
-
-    /// Named addresses of memory, timers, counters and DBs.
-    pub fn symbol_entries(&self) -> Vec<SymbolEntry> {
-        let mut entries: Vec<SymbolEntry> = self
-            .globals
-            .values()
-            .filter_map(|global| {
-                let address = match global.target {
-                    SymbolTarget::Memory { area, width, byte, bit } => address_text(area, width, byte, bit),
-                    SymbolTarget::Cell { kind: CellKind::Timer, number } => format!("T{number}"),
-                    SymbolTarget::Cell { kind: CellKind::Counter, number } => format!("C{number}"),
-                    SymbolTarget::Block { prefix: BlockPrefix::Db, number } => format!("DB{number}"),
-                    SymbolTarget::Block { .. } => return None,
-                };
-                Some(SymbolEntry { name: global.name.clone(), address })
-            })
-            .collect();
-        entries.sort_by(|a, b| a.name.cmp(&b.name));
-        entries
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Source: LAD/FBD reference for S7-1200, organization blocks.
 
+use crate::bind::trees::blocks;
 use plcc_abi::image::BlockKind;
 use plcc_abi::ob::{OB_CLASSES, OB_FREE, ObClass, START_VALUES, StartInput, same_start_value};
 use plcc_diag::{Code, Diagnostic, Severity, Span};
@@ -34,6 +35,7 @@ impl Declarations<'_> {
     /// The classes of the program's OBs: from plc.toml, otherwise from their attributes.
     pub fn ob_classes(&mut self) {
         let mut obs: Vec<(u16, &ast::CodeBlock)> = self
+            .sources
             .code
             .iter()
             .filter(|(key, _)| key.kind == BlockKind::Ob)
@@ -112,7 +114,7 @@ impl Declarations<'_> {
 
     /// OBs of the TIA Portal may have input parameters.
     pub fn has_start_inputs(&self, block: &ast::CodeBlock) -> bool {
-        match types::dialect(block) {
+        match blocks::dialect(block) {
             Some(dialect) => !crate::bind::declarations::rules::Rules::of(self.input, dialect).is_300(),
             None => types::portal_cpu(self.input),
         }

@@ -4,7 +4,6 @@ use std::rc::Rc;
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Path, PathPart, PathRoot, Width};
-use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
@@ -12,7 +11,7 @@ use plcc_binding::report::MissingKey;
 use plcc_binding::{fold, similar};
 use plcc_model::Place;
 use plcc_model::layout;
-use plcc_model::types::{DataType, Elementary, Member, StructType};
+use plcc_model::types::{DataType, Elementary, StructType};
 use plcc_syntax::symbols::SymbolTarget;
 
 /// Maximum and actual length, before the characters.
@@ -114,7 +113,7 @@ impl Declarations<'_> {
             PathRoot::Local { name, span } => match self.local(ctx, name) {
                 Some(variable) => Resolved::Variable(variable),
                 // As STEP 7 does: a `#` before a name that the block does not declare is ignored.
-                None if self.globals.contains_key(&fold(name)) => self.resolve_global(ctx, name, *span)?,
+                None if self.names.globals.contains_key(&fold(name)) => self.resolve_global(ctx, name, *span)?,
                 None => {
                     self.undeclared(ctx, name, *span, Code::UnknownSymbol);
                     return None;
@@ -136,8 +135,8 @@ impl Declarations<'_> {
         let variable = match start {
             Resolved::Variable(variable) => variable,
             Resolved::Block { prefix: BlockPrefix::Db, number } => {
-                let Some(ty) = self.db_type(number) else {
-                    if !self.data.contains_key(&number) && !self.unknown_instances.contains(&number) {
+                let Some(ty) = self.data.db_type(number) else {
+                    if !self.sources.data.contains_key(&number) && !self.data.unknown_instances.contains(&number) {
                         self.report.missing_db_layout(number, path.span);
                     }
                     return None;
@@ -198,7 +197,7 @@ impl Declarations<'_> {
             return None;
         };
         self.check_system_tag(name, target, span);
-        let ty = self.globals.get(&fold(name)).and_then(|global| global.ty);
+        let ty = self.names.globals.get(&fold(name)).and_then(|global| global.ty);
         Some(match target {
             SymbolTarget::Memory { area, width, byte, bit } => {
                 if let Some(variable) = self.stand_in(name, span) {
@@ -229,12 +228,14 @@ impl Declarations<'_> {
 
     /// A tag that stands in for a missing one: of any type, in memory that the CPU does not have.
     fn stand_in(&mut self, name: &str, span: Span) -> Option<Variable> {
-        let global = self.globals.get(&fold(name)).filter(|global| Some(global.span.file) == self.input.stand_ins)?;
+        let global =
+            self.names.globals.get(&fold(name)).filter(|global| Some(global.span.file) == self.input.stand_ins)?;
         let SymbolTarget::Memory { area, byte, bit, .. } = global.target else { return None };
         let ty = match (global.ty, global.structure.clone()) {
             (Some(ty), _) => DataType::Elementary(ty),
             (None, Some(alias)) => {
-                let SymbolTarget::Block { prefix: BlockPrefix::Udt, number } = self.globals.get(&fold(&alias))?.target
+                let SymbolTarget::Block { prefix: BlockPrefix::Udt, number } =
+                    self.names.globals.get(&fold(&alias))?.target
                 else {
                     return None;
                 };
@@ -247,7 +248,7 @@ impl Declarations<'_> {
 
     /// The structure of a tag whose type in the tag table is one of the program.
     fn structure_of_tag(&mut self, name: &str, span: Span) -> Option<Rc<StructType>> {
-        let ty = self.globals.get(&fold(name))?.structure.clone()?;
+        let ty = self.names.globals.get(&fold(name))?.structure.clone()?;
         let (BlockPrefix::Udt, number) = self.type_block(&ty)? else { return None };
         match self.udt(number, span)?.ty {
             DataType::Struct(structure) => Some(structure),
@@ -262,7 +263,7 @@ impl Declarations<'_> {
                 (_, DataType::Void) => return None,
                 (PathPart::Member { name, span }, DataType::Struct(structure)) => {
                     let structure = Rc::clone(structure);
-                    let Some(member) = self.member(&structure, name) else {
+                    let Some(member) = self.types.member(&structure, name) else {
                         self.unknown_member(&structure, name, *span);
                         return None;
                     };
@@ -356,25 +357,6 @@ impl Declarations<'_> {
                 .label(format!("the STRING has the characters 1 to {length}")),
         );
         None
-    }
-
-    /// The component of a structure with this name. Large structures are indexed once.
-    pub fn member(&mut self, structure: &Rc<StructType>, name: &str) -> Option<Member> {
-        const INDEXED: usize = 12;
-        let folded = match plcc_stdlib::own_member(structure.instance_of, name) {
-            Some(own) => fold(own),
-            None => fold(name),
-        };
-        if structure.members.len() < INDEXED {
-            return structure.members.iter().find(|member| fold(&member.name) == folded).cloned();
-        }
-        let key = Rc::as_ptr(structure);
-        let (_, index) = self.member_index.entry(key).or_insert_with(|| {
-            let index: FxHashMap<String, usize> =
-                structure.members.iter().enumerate().rev().map(|(at, member)| (fold(&member.name), at)).collect();
-            (Rc::clone(structure), index)
-        });
-        index.get(&folded).map(|&at| structure.members[at].clone())
     }
 
     pub fn unknown_member(&mut self, structure: &StructType, name: &str, span: Span) {

@@ -143,10 +143,10 @@ const INSTANCES: &[(&str, &[&str])] = &[
 impl Declarations<'_> {
     /// The block that a data type's name means: one of the sources, `FB10`, or one of the library; no message.
     pub fn type_block(&self, name: &str) -> Option<(BlockPrefix, u16)> {
-        if let Some(number) = self.type_names.get(&plcc_binding::fold(name)) {
+        if let Some(number) = self.names.types.get(&plcc_binding::fold(name)) {
             return Some((BlockPrefix::Udt, *number));
         }
-        if self.globals.contains_key(&plcc_binding::fold(name)) {
+        if self.names.globals.contains_key(&plcc_binding::fold(name)) {
             return match self.global(name) {
                 Some(SymbolTarget::Block { prefix, number }) => Some((prefix, u16::try_from(number).ok()?)),
                 Some(SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. }) | None => None,
@@ -163,8 +163,8 @@ impl Declarations<'_> {
         let is_type = |block: &&plcc_stdlib::SystemBlock| matches!(block.class, BlockClass::Fb | BlockClass::Sfb);
         let tia = || candidates.iter().find_map(|name| plcc_stdlib::find_tia(name).filter(is_type));
         let classic = || candidates.iter().find_map(|name| plcc_stdlib::find_name(name).filter(is_type));
-        let block = if self.scope.tia { tia().or_else(classic) } else { classic().or_else(tia) }?;
-        let key = self.library_key(block);
+        let block = if self.types.scope.tia { tia().or_else(classic) } else { classic().or_else(tia) }?;
+        let key = self.library.key_of(block);
         Some((names::kind_prefix(key.kind), key.number))
     }
 
@@ -179,11 +179,11 @@ impl Declarations<'_> {
             return self.resolve_type(&TypeRef { kind, span }, Use::Component);
         }
         let structure = STRUCTURES.iter().find(|structure| structure.name.eq_ignore_ascii_case(name))?;
-        let typed = match self.predefined.get(structure.name) {
+        let typed = match self.types.predefined.get(structure.name) {
             Some(typed) => typed.clone(),
             None => {
                 let typed = self.predefined_structure(structure, span)?;
-                self.predefined.insert(structure.name, typed.clone());
+                self.types.predefined.insert(structure.name, typed.clone());
                 typed
             }
         };

@@ -2,7 +2,18 @@
 
 use std::rc::Rc;
 
+use plcc_model::BlockKey;
 use plcc_syntax::ast;
+use rustc_hash::FxHashMap;
+
+/// The syntax trees of all blocks, by their numbers.
+pub struct Sources<'a> {
+    pub code: FxHashMap<BlockKey, CodeSource<'a>>,
+    pub data: FxHashMap<u16, &'a ast::DataBlock>,
+    pub types: FxHashMap<u16, &'a ast::TypeBlock>,
+    /// A block of the TIA Portal is among the sources, or the CPU only exists there.
+    pub tia: bool,
+}
 
 /// A value that is made when first needed.
 pub enum State<T> {

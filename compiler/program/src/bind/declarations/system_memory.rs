@@ -59,7 +59,7 @@ impl Declarations<'_> {
                 Memory::System => self.config.system_memory_byte,
             };
             // S7-300/400 have no system memory.
-            if configured.is_some() || memory == Memory::System && !self.tia_sources {
+            if configured.is_some() || memory == Memory::System && !self.sources.tia {
                 continue;
             }
             let symbols = self.input.tables.iter().flat_map(|table| &table.symbols);
@@ -108,8 +108,8 @@ impl Declarations<'_> {
         let is_memory = matches!(target, SymbolTarget::Memory { .. });
         if !is_memory
             || configured.is_some() && own == configured
-            || memory == Memory::System && !self.tia_sources
-            || !self.system_tags_told.insert(fold(name))
+            || memory == Memory::System && !self.sources.tia
+            || !self.told.system_tags.insert(fold(name))
         {
             return;
         }

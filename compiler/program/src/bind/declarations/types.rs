@@ -1,5 +1,6 @@
 //! Data types of declarations, with the start values of their variables.
 
+use crate::bind::trees::blocks::dialect;
 use std::rc::Rc;
 
 use plcc_abi::image::{BlockKind, Family};
@@ -49,7 +50,7 @@ pub struct Local {
 
 /// Where declarations are.
 #[derive(Debug, Default)]
-pub struct Scope {
+pub struct DeclarationScope {
     /// Those of the block so far.
     pub constants: Constants,
     /// A block in SCL.
@@ -98,28 +99,65 @@ impl Use {
     }
 }
 
+/// The types of the program that have been needed so far, and where declarations are bound.
+#[derive(Default)]
+pub struct Types {
+    pub udts: FxHashMap<u16, State<Option<Typed>>>,
+    /// DTL and other predefined structures.
+    pub predefined: FxHashMap<&'static str, TypedStruct>,
+    /// Where the declarations are that are currently bound.
+    pub scope: DeclarationScope,
+    /// Current depth of nested types.
+    pub depth: u32,
+    /// Components by folded name; the structure is kept so that no other gets its address.
+    pub member_index: FxHashMap<*const StructType, (Rc<StructType>, FxHashMap<String, usize>)>,
+    /// It has been reported that REF_TO is not supported.
+    pub references_refused: bool,
+}
+
+impl Types {
+    /// The component of a structure with this name. Large structures are indexed once.
+    pub fn member(&mut self, structure: &Rc<StructType>, name: &str) -> Option<Member> {
+        const INDEXED: usize = 12;
+        let folded = match plcc_stdlib::own_member(structure.instance_of, name) {
+            Some(own) => fold(own),
+            None => fold(name),
+        };
+        if structure.members.len() < INDEXED {
+            return structure.members.iter().find(|member| fold(&member.name) == folded).cloned();
+        }
+        let key = Rc::as_ptr(structure);
+        let (_, index) = self.member_index.entry(key).or_insert_with(|| {
+            let index: FxHashMap<String, usize> =
+                structure.members.iter().enumerate().rev().map(|(at, member)| (fold(&member.name), at)).collect();
+            (Rc::clone(structure), index)
+        });
+        index.get(&folded).map(|&at| structure.members[at].clone())
+    }
+}
+
 impl<'a> Declarations<'a> {
     /// Every UDT, so that unused ones are checked, too.
     pub fn bind_types(&mut self) {
-        let mut numbers: Vec<u16> = self.type_blocks.keys().copied().collect();
+        let mut numbers: Vec<u16> = self.sources.types.keys().copied().collect();
         numbers.sort_unstable();
         for number in numbers {
-            let span = self.type_blocks[&number].name.span();
+            let span = self.sources.types[&number].name.span();
             self.udt(number, span);
         }
     }
 
     /// The type of a variable; `None` if it is not known, which is reported.
     pub fn variable_type(&mut self, variable: &ast::Variable, used: Use) -> Option<Typed> {
-        let outer = std::mem::replace(&mut self.scope.variable, variable.name.clone());
+        let outer = std::mem::replace(&mut self.types.scope.variable, variable.name.clone());
         let typed = self.resolve_type(&variable.ty, used);
-        self.scope.variable = outer;
+        self.types.scope.variable = outer;
         typed
     }
 
     /// Determines a type; `None` if it is not known, which is reported.
     pub fn resolve_type(&mut self, ty: &TypeRef, used: Use) -> Option<Typed> {
-        if self.depth >= DEPTH_MAX {
+        if self.types.depth >= DEPTH_MAX {
             self.report.push(
                 Diagnostic::new(Code::LayoutTooLarge, ty.span, "types are nested too deep")
                     .label(format!("more than {DEPTH_MAX} nested types"))
@@ -127,9 +165,9 @@ impl<'a> Declarations<'a> {
             );
             return None;
         }
-        self.depth += 1;
+        self.types.depth += 1;
         let result = self.resolve_type_inner(ty, used);
-        self.depth -= 1;
+        self.types.depth -= 1;
         result
     }
 
@@ -155,13 +193,13 @@ impl<'a> Declarations<'a> {
             TypeKind::Array { bounds, element } => self.array_type(bounds, element, ty.span, used),
             TypeKind::OpenArray { dimensions, element } => self.open_array(*dimensions, element, ty.span, used),
             TypeKind::Struct(variables) => {
-                let typed = self.structure(String::new(), variables, ty.span, used.inside(self.scope.scl))?;
+                let typed = self.structure(String::new(), variables, ty.span, used.inside(self.types.scope.scl))?;
                 Some(Typed { ty: DataType::Struct(typed.ty), image: typed.image })
             }
             TypeKind::Block(name) => self.block_type(name, used),
             TypeKind::Reference(_) => {
-                self.references_refused = true;
-                let title = format!("`{}` is a reference, which is not supported", self.scope.variable);
+                self.types.references_refused = true;
+                let title = format!("`{}` is a reference, which is not supported", self.types.scope.variable);
                 self.report.push(
                     Diagnostic::new(Code::DeclarationSyntax, ty.span, title)
                         .label("REF_TO is not possible here")
@@ -180,7 +218,7 @@ impl<'a> Declarations<'a> {
     fn open_array(&mut self, dimensions: u8, element: &TypeRef, span: Span, used: Use) -> Option<Typed> {
         let allowed = match used {
             Use::Parameter(SectionKind::InOut) => true,
-            Use::Parameter(SectionKind::Input | SectionKind::Output) => !self.scope.instance,
+            Use::Parameter(SectionKind::Input | SectionKind::Output) => !self.types.scope.instance,
             _ => false,
         };
         if !allowed {
@@ -263,7 +301,7 @@ impl<'a> Declarations<'a> {
             );
             return None;
         }
-        let element = self.resolve_type(element, used.inside(self.scope.scl))?;
+        let element = self.resolve_type(element, used.inside(self.types.scope.scl))?;
         let bytes = layout::array_bytes(&limits, &element.ty);
         let count = layout::element_count(&limits);
         if bytes > BYTES_MAX || count > 8 * BYTES_MAX {
@@ -293,7 +331,7 @@ impl<'a> Declarations<'a> {
         let (prefix, number) = match name {
             BlockName::Symbol { name, .. } => match self.type_block(name) {
                 Some(block) => block,
-                None if self.globals.contains_key(&fold(name)) => self.named_block(name, span)?,
+                None if self.names.globals.contains_key(&fold(name)) => self.named_block(name, span)?,
                 None => {
                     let typed = self.predefined(name, span);
                     if typed.is_none() {
@@ -311,7 +349,7 @@ impl<'a> Declarations<'a> {
                 let key = BlockKey { kind, number };
                 let possible = match used {
                     Use::Static => true,
-                    Use::Parameter(section) => section == SectionKind::InOut && self.scope.scl,
+                    Use::Parameter(section) => section == SectionKind::InOut && self.types.scope.scl,
                     Use::Component => predefined::is_component(kind),
                     Use::Temp | Use::Result => false,
                 };
@@ -357,7 +395,7 @@ impl<'a> Declarations<'a> {
 
     /// A block in GRAPH of the TIA Portal. Source: GRAPH reference, chapter 0.
     fn is_portal_chart(&self, key: BlockKey) -> bool {
-        match self.code.get(&key).map(|source| &source.block().code) {
+        match self.sources.code.get(&key).map(|source| &source.block().code) {
             Some(ast::Code::Chart(body)) => body.dialect == chart::Dialect::Tia,
             Some(ast::Code::Stl(_) | ast::Code::Scl(_) | ast::Code::Graphic(_)) | None => false,
         }
@@ -365,7 +403,7 @@ impl<'a> Declarations<'a> {
 
     /// The type of UDT `number`.
     pub fn udt(&mut self, number: u16, span: Span) -> Option<Typed> {
-        match self.udts.get(&number) {
+        match self.types.udts.get(&number) {
             Some(State::Done(done)) => return done.clone(),
             Some(State::Running) => {
                 self.recursive(&format!("UDT {number}"), span);
@@ -373,31 +411,31 @@ impl<'a> Declarations<'a> {
             }
             None => {}
         }
-        let Some(&block) = self.type_blocks.get(&number) else {
+        let Some(&block) = self.sources.types.get(&number) else {
             self.report.missing_type(&format!("UDT {number}"), span);
             return None;
         };
-        self.udts.insert(number, State::Running);
-        let name = match self.block_name(BlockPrefix::Udt, number) {
+        self.types.udts.insert(number, State::Running);
+        let name = match self.names.block_name(BlockPrefix::Udt, number) {
             name if name.is_empty() => format!("UDT {number}"),
             name => name,
         };
         let scope = self.data_scope();
-        let outer = std::mem::replace(&mut self.scope, scope);
+        let outer = std::mem::replace(&mut self.types.scope, scope);
         let typed = match &block.alias {
             Some(ty) => self.resolve_type(ty, Use::Component),
             None => self
                 .structure(name, &block.members, block.name.span(), Use::Component)
                 .map(|typed| Typed { ty: DataType::Struct(typed.ty), image: typed.image }),
         };
-        self.scope = outer;
-        self.udts.insert(number, State::Done(typed.clone()));
+        self.types.scope = outer;
+        self.types.udts.insert(number, State::Done(typed.clone()));
         typed
     }
 
     /// Where components of data blocks and UDTs are.
-    pub fn data_scope(&self) -> Scope {
-        Scope { tia: self.tia_sources, ..Scope::default() }
+    pub fn data_scope(&self) -> DeclarationScope {
+        DeclarationScope { tia: self.sources.tia, ..DeclarationScope::default() }
     }
 
     pub fn recursive(&mut self, name: &str, span: Span) {
@@ -584,20 +622,6 @@ pub fn is_tia(input: &plcc_binding::BindInput) -> bool {
             ast::Block::Code(code) => dialect(code) == Some(Dialect::Tia),
             ast::Block::Data(_) | ast::Block::Type(_) => false,
         })
-}
-
-/// The form of SCL that a block has; none for other languages.
-pub fn dialect(block: &ast::CodeBlock) -> Option<Dialect> {
-    match &block.code {
-        ast::Code::Scl(body) => Some(body.dialect),
-        // Files that contain networks are those of the TIA Portal, and of later tools.
-        ast::Code::Graphic(_) => Some(Dialect::Tia),
-        ast::Code::Chart(body) => Some(match body.dialect {
-            chart::Dialect::Classic => Dialect::Classic,
-            chart::Dialect::Tia | chart::Dialect::Sfc => Dialect::Tia,
-        }),
-        ast::Code::Stl(_) => None,
-    }
 }
 
 /// Only the TIA Portal can program this CPU.

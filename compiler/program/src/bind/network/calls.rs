@@ -81,7 +81,7 @@ impl NetworkBinder<'_, '_> {
     fn other_component(&mut self, ctx: &mut SclBlock, callee: &Node, output: &str) -> Option<String> {
         let Some(Callee::Block { key, instance: Some(instance) }) = self.scl().callee(ctx, callee) else { return None };
         let data = match instance {
-            Instance::Db(number) => self.program.db_type(number)?,
+            Instance::Db(number) => self.program.data.db_type(number)?,
             Instance::Variable(access) => match access.ty {
                 DataType::Struct(data) => data,
                 _ => return None,
@@ -186,14 +186,14 @@ impl NetworkBinder<'_, '_> {
     fn instance_callee(&self, callee: &Node, instance: &Node) -> Node {
         match (&callee.kind, &instance.kind) {
             (NodeKind::Name(block), NodeKind::Name(name))
-                if name.form != NameForm::Local && self.program.globals.contains_key(&fold(&block.text)) =>
+                if name.form != NameForm::Local && self.program.names.globals.contains_key(&fold(&block.text)) =>
             {
                 let kind = NodeKind::Member { base: Box::new(callee.clone()), name: name.clone() };
                 Node { kind, span: callee.span }
             }
             // Neither is defined: report the block as missing.
             (NodeKind::Name(_), NodeKind::Name(name))
-                if name.form != NameForm::Local && !self.program.globals.contains_key(&fold(&name.text)) =>
+                if name.form != NameForm::Local && !self.program.names.globals.contains_key(&fold(&name.text)) =>
             {
                 callee.clone()
             }

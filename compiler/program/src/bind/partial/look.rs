@@ -187,8 +187,8 @@ impl<'a> Look<'_, 'a> {
     pub fn note(&mut self, ctx: &SclBlock, start: &Start, steps: &[Step], span: Span, hint: Option<&Hint>) {
         // A tag may have the name of a function of the library, which has no value without a call.
         if let Start::Global(name) = start
-            && !self.program.globals.contains_key(&fold(name))
-            && !self.program.global_constants.contains_key(&fold(name))
+            && !self.program.names.globals.contains_key(&fold(name))
+            && !self.program.names.constants.contains_key(&fold(name))
         {
             return descend(self.found.of(Missing::name(name), name, span), steps, &mut |shape| shape.learn(hint));
         }
@@ -215,7 +215,7 @@ impl<'a> Look<'_, 'a> {
                     _ if self.found.things.contains_key(&missing) => {
                         descend(self.found.of(missing, name, span), steps, teach)
                     }
-                    None if self.program.global_constants.contains_key(&fold(name)) => {}
+                    None if self.program.names.constants.contains_key(&fold(name)) => {}
                     None => descend(self.found.of(missing, name, span), steps, teach),
                     Some(SymbolTarget::Block { prefix: BlockPrefix::Db, number }) => {
                         self.inside_db(number, name, steps, span, teach);
@@ -225,7 +225,7 @@ impl<'a> Look<'_, 'a> {
                     }
                     Some(SymbolTarget::Memory { .. }) => {
                         let structure =
-                            self.program.globals.get(&fold(name)).and_then(|global| global.structure.clone());
+                            self.program.names.globals.get(&fold(name)).and_then(|global| global.structure.clone());
                         if let Some(name) = structure {
                             let name = BlockName::Symbol { name, span };
                             self.inside_type(&TypeRef { kind: TypeKind::Block(name), span }, steps, span, teach, 0);
@@ -261,13 +261,13 @@ impl<'a> Look<'_, 'a> {
     /// True if a source or the library defines the block.
     pub fn is_block(&mut self, prefix: BlockPrefix, number: u32) -> bool {
         let Ok(number) = u16::try_from(number) else { return true };
-        if self.program.defined.contains_key(&(prefix, number)) {
+        if self.program.names.defined.contains_key(&(prefix, number)) {
             return true;
         }
         match crate::bind::declarations::names::code_kind(prefix) {
             Some(kind) => {
                 let key = BlockKey { kind, number };
-                self.program.code.contains_key(&key) || self.program.in_library(key)
+                self.program.sources.code.contains_key(&key) || self.program.in_library(key)
             }
             None => false,
         }
@@ -276,13 +276,13 @@ impl<'a> Look<'_, 'a> {
     fn inside_db(&mut self, number: u32, name: &str, steps: &[Step], span: Span, teach: &mut dyn FnMut(&mut Shape)) {
         let Ok(narrow) = u16::try_from(number) else { return };
         let Some(missing) = Missing::block(BlockPrefix::Db, number) else { return };
-        let source = self.program.data.get(&narrow).copied();
+        let source = self.program.sources.data.get(&narrow).copied();
         match source {
             _ if self.found.things.contains_key(&missing) => {
                 descend(self.found.of(missing, name, span), steps, teach);
             }
             // A symbol table names it, but no source defines it.
-            None if !self.program.dbs.contains_key(&narrow) && number != 0 => {
+            None if !self.program.data.blocks.contains_key(&narrow) && number != 0 => {
                 descend(self.found.of(missing, name, span), steps, teach);
             }
             None => {}
@@ -310,7 +310,7 @@ impl<'a> Look<'_, 'a> {
 
     /// The type in the declaration of a variable of a block.
     fn declared_type(&self, key: BlockKey, name: &str) -> Option<TypeRef> {
-        let source = self.program.code.get(&key)?;
+        let source = self.program.sources.code.get(&key)?;
         let block = source.block();
         let mut variables = block.sections.iter().flat_map(|section| &section.variables);
         let variable = variables.find(|variable| fold(&variable.name) == fold(name));
@@ -414,7 +414,7 @@ impl<'a> Look<'_, 'a> {
         let Ok(number) = u16::try_from(number) else { return };
         match prefix {
             BlockPrefix::Udt => {
-                let Some(&block) = self.program.type_blocks.get(&number) else { return };
+                let Some(&block) = self.program.sources.types.get(&number) else { return };
                 match &block.alias {
                     Some(ty) => self.inside_type(ty, steps, span, teach, depth + 1),
                     None => self.inside_members(&block.members, steps, span, teach, depth + 1),
@@ -595,7 +595,7 @@ impl<'a> Look<'_, 'a> {
     fn missing_constant(&mut self, name: &str, span: Span, hint: Option<&Hint>) {
         let folded = fold(name);
         // Constants of blocks are looked up in their own lists first.
-        let own = self.program.scope.constants.contains_key(&folded)
+        let own = self.program.types.scope.constants.contains_key(&folded)
             || self.program.input.units.iter().flat_map(|(_, unit)| &unit.blocks).any(|block| match block {
                 ast::Block::Code(code) if code.span.file == span.file => {
                     code.constants.iter().any(|constant| fold(&constant.name) == folded)
@@ -604,7 +604,7 @@ impl<'a> Look<'_, 'a> {
             });
         let missing = Missing::name(name);
         let known = own
-            || self.program.global_constants.contains_key(&folded)
+            || self.program.names.constants.contains_key(&folded)
             || self.program.global(name).is_some()
             || absolute(name).is_some();
         if !known || self.found.things.contains_key(&missing) {

@@ -16,6 +16,7 @@ mod scl;
 mod stl;
 mod write;
 
+use crate::bind::trees::blocks;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind, SourceUnit};
 use plcc_syntax::scl::ast::Dialect;
@@ -227,15 +228,21 @@ fn look_at(program: &mut Declarations, evidence: &mut Evidence, file: FileId) {
 impl Look<'_, '_> {
     fn block(&mut self, code: &ast::CodeBlock) {
         let span = code.name.span();
-        let key = self.program.code.iter().find(|(_, source)| source.block().name.span() == span).map(|(key, _)| *key);
+        let key = self
+            .program
+            .sources
+            .code
+            .iter()
+            .find(|(_, source)| source.block().name.span() == span)
+            .map(|(key, _)| *key);
         // A second definition of a block does not count.
         let Some(key) = key else { return };
         let bound = self
             .quietly(|program| program.interface(key, span))
             .unwrap_or_else(|| std::rc::Rc::new(BoundInterface::default()));
-        let dialect = super::declarations::types::dialect(code).unwrap_or_default();
+        let dialect = blocks::dialect(code).unwrap_or_default();
         let mut block = CurrentBlock::new(key, bound);
-        block.fragment = super::declarations::names::is_fragment(code);
+        block.fragment = blocks::is_fragment(code);
         let mut ctx = SclBlock { block: &mut block, scope: Scope::new(self.program.input, &code.header, dialect) };
         self.code(&mut ctx, &code.code);
     }

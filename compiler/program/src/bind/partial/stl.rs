@@ -231,7 +231,7 @@ impl Look<'_, '_> {
     fn is_known_start(&mut self, _ctx: &SclBlock, start: &Start) -> bool {
         match start {
             Start::Block(BlockPrefix::Db | BlockPrefix::Di, number) => {
-                u16::try_from(*number).is_ok_and(|number| number == 0 || self.program.dbs.contains_key(&number))
+                u16::try_from(*number).is_ok_and(|number| number == 0 || self.program.data.blocks.contains_key(&number))
             }
             _ => true,
         }

@@ -153,7 +153,7 @@ impl SclBinder<'_, '_> {
         if let Some(variable) = ctx.scope.hidden.get(text) {
             return Some(Thing::Spot(Spot::fixed(variable.clone())));
         }
-        let global = self.program.globals.contains_key(&fold(text));
+        let global = self.program.names.globals.contains_key(&fold(text));
         let elsewhere = global && name.form == NameForm::Quoted || self.is_unknown_global(ctx, name);
         if elsewhere
             && !global
@@ -189,7 +189,7 @@ impl SclBinder<'_, '_> {
         {
             return self.peripheral_tag(ctx, tag, name.span);
         }
-        if !global && let Some(constant) = self.program.global_constants.get(&fold(text)) {
+        if !global && let Some(constant) = self.program.names.constants.get(&fold(text)) {
             return Some(Thing::Constant(constant.clone()));
         }
         if !global && name.form == NameForm::Quoted {
@@ -209,7 +209,7 @@ impl SclBinder<'_, '_> {
 
     /// `"tag":P`: the input or output itself, past the process image.
     fn peripheral_tag(&mut self, ctx: &mut SclBlock, tag: &str, span: Span) -> Option<Thing> {
-        let Some(global) = self.program.globals.get(&fold(tag)) else {
+        let Some(global) = self.program.names.globals.get(&fold(tag)) else {
             self.program.unknown_name(tag, span);
             return None;
         };
@@ -265,11 +265,12 @@ impl SclBinder<'_, '_> {
         }
         let wanted = fold(&name.text);
         let prefix = crate::bind::declarations::names::kind_prefix(ctx.block.key.kind);
-        fold(&self.program.block_name(prefix, ctx.block.key.number)) == wanted
+        fold(&self.program.names.block_name(prefix, ctx.block.key.number)) == wanted
             || wanted.split_whitespace().collect::<String>() == format!("fc{}", ctx.block.key.number)
             || (ctx.block.key.number >= 1000 || ctx.block.key.kind == BlockKind::Sfc)
                 && self
                     .program
+                    .sources
                     .code
                     .get(&ctx.block.key)
                     .is_some_and(|source| source.block().header.name.as_deref().is_some_and(|own| fold(own) == wanted))
@@ -379,8 +380,8 @@ impl SclBinder<'_, '_> {
             Thing::Spot(spot) => self.component(spot, name).map(Thing::Spot),
             Thing::Db { db, .. } => {
                 if let Db::Known(number) = db
-                    && let Some(ty) = self.program.db_type(number)
-                    && let Some(member) = self.program.member(&ty, &name.text)
+                    && let Some(ty) = self.program.data.db_type(number)
+                    && let Some(member) = self.program.types.member(&ty, &name.text)
                 {
                     let base = path::Base::Db(number);
                     let (byte, bit, ty) = (member.byte, member.bit, member.ty);
@@ -429,8 +430,10 @@ impl SclBinder<'_, '_> {
 
     /// A data block as one structure.
     pub(super) fn whole_db(&mut self, number: u16, span: Span) -> Option<Variable> {
-        let Some(ty) = self.program.db_type(number) else {
-            if !self.program.data.contains_key(&number) && !self.program.unknown_instances.contains(&number) {
+        let Some(ty) = self.program.data.db_type(number) else {
+            if !self.program.sources.data.contains_key(&number)
+                && !self.program.data.unknown_instances.contains(&number)
+            {
                 self.program.report.missing_db_layout(number, span);
             }
             return None;
@@ -449,7 +452,7 @@ impl SclBinder<'_, '_> {
             return None;
         };
         let structure = Rc::clone(structure);
-        let Some(member) = self.program.member(&structure, &name.text) else {
+        let Some(member) = self.program.types.member(&structure, &name.text) else {
             self.program.unknown_member(&structure, &name.text, name.span);
             return None;
         };

@@ -71,7 +71,7 @@ impl SclBinder<'_, '_> {
             && let Some(id) = instance_id(ctx, instance)
         {
             let supplied: Vec<usize> = list.arguments.iter().map(|argument| argument.parameter).collect();
-            self.program.note_pointers(id, key, &bound, &supplied, span);
+            self.program.pointers.note(id, key, &bound, &supplied, span);
         }
         Some(Call { target: key, instance, arguments: list.arguments, enable: list.enable, eno: list.eno, span })
     }
@@ -158,7 +158,7 @@ impl SclBinder<'_, '_> {
             return self.block_callee(prefix, number, node.span);
         }
         let rules = ctx.scope.rules;
-        if let Some(global) = self.program.globals.get(&fold(&name.text)) {
+        if let Some(global) = self.program.names.globals.get(&fold(&name.text)) {
             let target = global.target;
             if name.form != NameForm::Bare || self.is_called(target) || !self.is_function(rules, &name.text) {
                 return match target {
@@ -189,7 +189,7 @@ impl SclBinder<'_, '_> {
         match target {
             SymbolTarget::Block { prefix: BlockPrefix::Db | BlockPrefix::Di, number } => u16::try_from(number)
                 .ok()
-                .and_then(|number| self.program.dbs.get(&number))
+                .and_then(|number| self.program.data.blocks.get(&number))
                 .is_none_or(|db| db.block.instance_of.is_some()),
             SymbolTarget::Block { .. } => true,
             SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => false,
@@ -212,13 +212,15 @@ impl SclBinder<'_, '_> {
         ctx.block.bound.locals.contains_key(&folded)
             && match name.form {
                 NameForm::Bare | NameForm::Local => true,
-                NameForm::Quoted => !self.program.globals.contains_key(&folded),
+                NameForm::Quoted => !self.program.names.globals.contains_key(&folded),
             }
     }
 
     /// True if a name in quotes means something global that nothing defines: where locals are written with `#`, a local of that name is another.
     pub(super) fn is_unknown_global(&self, ctx: &SclBlock, name: &Name) -> bool {
-        name.form == NameForm::Quoted && ctx.scope.marks_locals && !self.program.globals.contains_key(&fold(&name.text))
+        name.form == NameForm::Quoted
+            && ctx.scope.marks_locals
+            && !self.program.names.globals.contains_key(&fold(&name.text))
     }
 
     /// The library block with the name of a function. One name can mean different blocks in STEP 7 V5 and in the TIA Portal.
@@ -236,7 +238,7 @@ impl SclBinder<'_, '_> {
             Rules::Classic => classic().or_else(tia),
             Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500 => tia().or_else(classic),
         };
-        block.filter(|block| !self.program.is_foreign(block)).map(|block| self.program.library_key(block))
+        block.filter(|block| !self.program.library.is_foreign(block)).map(|block| self.program.library.key_of(block))
     }
 
     /// A block alone: a function, or a data block that is an instance.
@@ -255,8 +257,10 @@ impl SclBinder<'_, '_> {
                 None
             }
             BlockPrefix::Db | BlockPrefix::Di => {
-                let Some(db) = self.program.dbs.get(&number) else {
-                    if !self.program.data.contains_key(&number) && !self.program.unknown_instances.contains(&number) {
+                let Some(db) = self.program.data.blocks.get(&number) else {
+                    if !self.program.sources.data.contains_key(&number)
+                        && !self.program.data.unknown_instances.contains(&number)
+                    {
                         self.program.report.missing_block(prefix, number, span);
                     }
                     return None;
@@ -286,10 +290,12 @@ impl SclBinder<'_, '_> {
                 let key = BlockKey { kind: code_kind(prefix)?, number };
                 return self.instance_db(key, name);
             }
-            Some((BlockPrefix::Db, number)) => match self.program.db_type(number) {
+            Some((BlockPrefix::Db, number)) => match self.program.data.db_type(number) {
                 Some(ty) => (ty, Instance::Db(number)),
                 None => {
-                    if !self.program.data.contains_key(&number) && !self.program.unknown_instances.contains(&number) {
+                    if !self.program.sources.data.contains_key(&number)
+                        && !self.program.data.unknown_instances.contains(&number)
+                    {
                         self.program.report.missing_db_layout(number, base.span);
                     }
                     return None;
@@ -325,7 +331,7 @@ impl SclBinder<'_, '_> {
         span: Span,
     ) -> Option<BlockKey> {
         let own = match instance {
-            Instance::Db(number) => self.program.dbs.get(number)?.block.instance_of,
+            Instance::Db(number) => self.program.data.blocks.get(number)?.block.instance_of,
             Instance::Variable(_) => instance_key(ty),
         };
         if let Some(key) = own
@@ -353,7 +359,7 @@ impl SclBinder<'_, '_> {
 
     fn wrong_instruction(&mut self, ty: &StructType, instance: &Instance, name: &Name) -> Option<Callee> {
         let own = match instance {
-            Instance::Db(number) => self.program.dbs.get(number).and_then(|db| db.block.instance_of),
+            Instance::Db(number) => self.program.data.blocks.get(number).and_then(|db| db.block.instance_of),
             Instance::Variable(_) => instance_key(ty),
         };
         let what = match ty.name.as_str() {
@@ -460,7 +466,8 @@ impl SclBinder<'_, '_> {
             self.program.unknown_name(&name.text, name.span);
             return;
         }
-        let own = self.program.globals.values().filter(|global| matches!(global.target, SymbolTarget::Block { .. }));
+        let own =
+            self.program.names.globals.values().filter(|global| matches!(global.target, SymbolTarget::Block { .. }));
         let own: Vec<&str> = own.map(|global| global.name.as_str()).collect();
         let shipped = plcc_stdlib::blocks().iter().map(|block| block.name);
         let meant = similar(&name.text, own.into_iter())

@@ -43,7 +43,7 @@ impl SclBinder<'_, '_> {
 
     /// `REF_TO` and its operators; reported once, at the first use.
     pub(super) fn no_references(&mut self, span: Span) {
-        if std::mem::replace(&mut self.program.references_refused, true) {
+        if std::mem::replace(&mut self.program.types.references_refused, true) {
             return;
         }
         self.refuse(

@@ -66,7 +66,7 @@ impl SclBinder<'_, '_> {
         match &callee.kind {
             NodeKind::Name(name) => {
                 !self.is_instance(ctx, name)
-                    && !self.program.globals.contains_key(&fold(&name.text))
+                    && !self.program.names.globals.contains_key(&fold(&name.text))
                     && Named::find(&name.text).is_some()
             }
             _ => false,

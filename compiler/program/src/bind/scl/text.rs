@@ -243,7 +243,7 @@ impl SclBinder<'_, '_> {
             "Chars_TO_Strg" => Overload::Text(text_argument(given)),
             _ => Overload::Text(deciding),
         };
-        if self.is_instance(ctx, name) || self.program.globals.contains_key(&fold(own)) {
+        if self.is_instance(ctx, name) || self.program.names.globals.contains_key(&fold(own)) {
             return None;
         }
         let suffix = match kind {
@@ -260,7 +260,7 @@ impl SclBinder<'_, '_> {
                 "WSTRING"
             }
         };
-        plcc_stdlib::find_tia(&format!("{own}_{suffix}")).map(|block| self.program.library_key(block))
+        plcc_stdlib::find_tia(&format!("{own}_{suffix}")).map(|block| self.program.library.key_of(block))
     }
 
     /// The type of an expression; reports no mistakes in it.

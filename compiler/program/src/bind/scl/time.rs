@@ -200,7 +200,7 @@ impl SclBinder<'_, '_> {
         let NodeKind::Name(name) = &callee.kind else { return None };
         let Named::Row { row, suffix: None } = Named::find(&name.text)? else { return None };
         let own = matches!(row.name, "T_CONV" | "T_DIFF") && !ctx.scope.rules.is_300();
-        if !own || self.is_instance(ctx, name) || self.program.globals.contains_key(&fold(&name.text)) {
+        if !own || self.is_instance(ctx, name) || self.program.names.globals.contains_key(&fold(&name.text)) {
             return None;
         }
         let (told, reads) = (self.program.report.diagnostics.len(), ctx.scope.temp_reads.len());
@@ -330,7 +330,7 @@ impl SclBinder<'_, '_> {
         inputs: Vec<Value>,
         span: Span,
     ) -> Option<Value> {
-        let key = self.program.library_key(plcc_stdlib::find_tia(name)?);
+        let key = self.program.library.key_of(plcc_stdlib::find_tia(name)?);
         self.library_call(ctx, key, inputs, span, span)
     }
 
@@ -386,7 +386,7 @@ impl SclBinder<'_, '_> {
 
     /// The value of a function of the standard library, called with all its parameters in order.
     pub(super) fn library_value(&mut self, number: u16, actuals: Vec<Actual>, span: Span) -> Option<Value> {
-        let target = self.program.library_key(plcc_stdlib::find(plcc_stdlib::BlockClass::Fc, number)?);
+        let target = self.program.library.key_of(plcc_stdlib::find(plcc_stdlib::BlockClass::Fc, number)?);
         let bound = self.program.interface(target, span)?;
         let result = bound.interface.parameters.iter().find(|formal| formal.name == "RET_VAL");
         let Some(result) = result.filter(|_| bound.interface.parameters.len() == actuals.len() + 1) else {

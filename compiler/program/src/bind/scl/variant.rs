@@ -100,7 +100,7 @@ impl SclBinder<'_, '_> {
         let NodeKind::Call { callee, .. } = &node.kind else { return false };
         let NodeKind::Name(name) = &callee.kind else { return false };
         let asks = |row: &super::function::Row| matches!(row.kind, Kind::Type(Question::Type | Question::ElementType));
-        !self.program.globals.contains_key(&fold(&name.text))
+        !self.program.names.globals.contains_key(&fold(&name.text))
             && matches!(Named::find(&name.text), Some(Named::Row { row, .. }) if asks(row))
     }
 

@@ -37,7 +37,7 @@ impl StlBinder<'_, '_> {
                 Instance::Multi { byte } => InstanceId::Multi(ctx.key, *byte),
             };
             let supplied: Vec<usize> = arguments.iter().map(|argument| argument.parameter).collect();
-            self.program.note_pointers(id, key, &bound, &supplied, span);
+            self.program.pointers.note(id, key, &bound, &supplied, span);
         }
         Some(Call { target: key, instance, arguments })
     }

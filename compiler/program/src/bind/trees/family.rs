@@ -7,7 +7,7 @@ use plcc_diag::FileId;
 use plcc_syntax::ast::{self, SourceUnit};
 use plcc_syntax::scl::ast::ExprKind;
 
-use crate::bind::declarations::hardware;
+use crate::bind::trees::blocks;
 use crate::bind::trees::mentions;
 
 /// Names of the CPU's objects of an S7-1200.
@@ -42,6 +42,6 @@ pub fn implied_family(units: &[(FileId, SourceUnit)]) -> Option<Family> {
         ast::Block::Data(data) => &data.header,
         ast::Block::Type(ty) => &ty.header,
     });
-    let mut optimized = optimized.filter(|header| hardware::is_optimized(header));
+    let mut optimized = optimized.filter(|header| blocks::is_optimized(header));
     optimized.next().map(|_| Family::S71500)
 }

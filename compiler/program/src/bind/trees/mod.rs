@@ -2,6 +2,7 @@
 
 use plcc_diag::FileId;
 
+pub mod blocks;
 pub mod chart_data;
 pub mod family;
 pub mod mentions;

@@ -163,7 +163,7 @@ impl ChartBinder<'_, '_> {
     /// A function with a name of STL, unless the program defines one with this name.
     fn called_mnemonic(&self, callee: &Node) -> Option<Mnemonic> {
         let NodeKind::Name(Name { text, form: NameForm::Bare, .. }) = &callee.kind else { return None };
-        if self.program.globals.contains_key(&fold(text)) {
+        if self.program.names.globals.contains_key(&fold(text)) {
             return None;
         }
         mnemonic(text)

@@ -131,7 +131,7 @@ impl ChartBinder<'_, '_> {
             return is_block(block(base)?, key).then(|| self.program.type_block(&name.text).and_then(is_db))?;
         }
         let number = is_db(block(callee)?)?;
-        (self.program.dbs.get(&number)?.block.instance_of == Some(key)).then_some(number)
+        (self.program.data.blocks.get(&number)?.block.instance_of == Some(key)).then_some(number)
     }
 }
 

@@ -2,12 +2,17 @@
 //!
 //! The files of `tests/check/` test the texts of messages.
 
+mod declarations;
+mod layers;
+mod library;
+mod partial;
+
 use plcc_abi::image::{AssertKind, BlockKind, Config, Family};
 use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap};
 use plcc_readers::ReadOptions;
 use plcc_stdlib::BlockClass;
 
-use super::bind;
+use crate::bind::bind;
 use plcc_binding::BindInput;
 use plcc_model::profile;
 use plcc_model::types::{DataType, StructType};

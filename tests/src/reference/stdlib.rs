@@ -84,7 +84,7 @@ fn describe(page: &mut String, block: &SystemBlock) {
     for line in block.comment.lines().take_while(told_below) {
         let _ = writeln!(page, "{}", line.trim_start_matches("//").trim());
     }
-    if let Some(interface) = interface_of(block) {
+    if let Some(interface) = library_interface(block) {
         table(page, block, &interface);
     }
     let language = match (block.form, block.language) {
@@ -167,62 +167,4 @@ fn declaration(source: &'static str, name: &str) -> Option<&'static str> {
         })
         .min_by_key(|(indent, _)| *indent)
         .map(|(_, rest)| rest)
-}
-
-/// The interface of a block in an empty program.
-fn interface_of(block: &SystemBlock) -> Option<Interface> {
-    let mut sources = SourceMap::default();
-    let file = sources.add(SourceFile::new("", ""));
-    let input = empty(&sources);
-    let mut binder = Declarations::new(&input);
-    let key = binder.library_key(block);
-    let bound = binder.interface(key, Span { file, start: 0, end: 0 })?;
-    Some(bound.interface.clone())
-}
-
-fn empty(sources: &SourceMap) -> BindInput<'_> {
-    BindInput {
-        name: String::new(),
-        sources,
-        units: &[],
-        tables: &[],
-        profile: profile::generic(Family::S7300),
-        config: Config::default(),
-        partial: false,
-        stand_ins: None,
-        pragmas: false,
-        require_main: false,
-        safety_as_standard: false,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Each block of the library, in any language, binds without a message, and so do the blocks that it uses.
-    #[test]
-    fn every_block_binds() {
-        for block in plcc_stdlib::blocks().iter().filter(|block| block.form != Form::NotShipped) {
-            let mut sources = SourceMap::default();
-            let file = sources.add(SourceFile::new("", ""));
-            let input = empty(&sources);
-            let mut binder = Declarations::new(&input);
-            let key = binder.library_key(block);
-            assert!(binder.interface(key, Span { file, start: 0, end: 0 }).is_some(), "{}", block.name);
-            let mut bound = Vec::new();
-            crate::bind::program::bind_system_blocks(&mut binder, &mut bound);
-            let (messages, _) = binder.report.finish();
-            assert!(messages.is_empty(), "{}: {messages:#?}", block.name);
-            assert!(bound.iter().any(|other| other.key() == key), "{}", block.name);
-        }
-    }
-
-    #[test]
-    fn every_block_is_described() {
-        for block in plcc_stdlib::blocks().iter().filter(|block| block.form != Form::NotShipped) {
-            assert!(!block.comment.is_empty(), "{} has no comment above it", block.name);
-            assert!(!block.origin.is_empty(), "the file of {} does not name a source", block.name);
-        }
-    }
 }

@@ -4,7 +4,7 @@ use plcc_abi::image::{BlockKind, Config, Family};
 use plcc_diag::{Diagnostic, FileId, Severity, SourceFile, SourceMap};
 use plcc_syntax::ParseOptions;
 
-use super::bind;
+use crate::bind::bind;
 use plcc_binding::BindInput;
 use plcc_model::profile;
 use plcc_model::types::DataType;

@@ -5,7 +5,7 @@ use plcc_diag::{SourceFile, SourceMap};
 use plcc_readers::ReadOptions;
 use plcc_syntax::Language;
 
-use super::bind;
+use crate::bind::bind;
 use plcc_binding::BindInput;
 use plcc_model::profile;
 
