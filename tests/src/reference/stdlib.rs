@@ -2,15 +2,11 @@
 
 use std::fmt::Write as _;
 
-use plcc_abi::image::{Config, Family};
-use plcc_diag::{SourceFile, SourceMap, Span};
 use plcc_stdlib::{BlockClass, Form, Language, SystemBlock};
 
-use crate::bind::declarations::Declarations;
-use plcc_binding::BindInput;
 use plcc_model::layout;
-use plcc_model::profile;
 use plcc_model::{Direction, Interface};
+use plcc_program::library_interface;
 
 /// Chapters of the page, and the blocks of each.
 const CHAPTERS: [(&str, BlockClass, bool); 6] = [

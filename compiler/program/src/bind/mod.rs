@@ -6,13 +6,15 @@
 //! 2. [`declarations`]: names, types, interfaces, data blocks and the library.
 //! 3. [`stl`], [`scl`], [`network`] (LAD and FBD) and [`chart`] (GRAPH) bind statements over them, each by a type of its own. Networks
 //!    become the typed tree of SCL, and charts use SCL and networks.
-//! 4. [`program`](mod@program) binds a whole program, each block in its language.
-//! 5. [`partial`] binds a program in which parts may be missing, by binding it several times.
+//! 4. [`cpu`]: the CPU that sources imply.
+//! 5. [`program`](mod@program) binds a whole program, each block in its language.
+//! 6. [`partial`] binds a program in which parts may be missing, by binding it several times.
 //!
 //! With errors the program is incomplete and must not be lowered; the same applies to `partial` runs with warnings about
 //! undefined names.
 
 mod chart;
+mod cpu;
 mod declarations;
 mod network;
 mod partial;
@@ -28,9 +30,8 @@ mod notation;
 mod tests;
 
 pub use chart::reference as graph_reference;
-pub use declarations::collect::has_free_obs;
+pub use cpu::{implied_profile, is_s7200, runs};
 pub use network::{is_about_drafts, reference as lad_fbd_reference};
 pub use partial::complete;
 pub use program::{bind, library_interface};
 pub use scl::{functions as scl_functions, reference as scl_reference};
-pub use trees::family::implied_family;

@@ -4,7 +4,6 @@ use plcc_diag::FileId;
 
 pub mod blocks;
 pub mod chart_data;
-pub mod family;
 pub mod mentions;
 
 /// File of the sources of the system blocks; no user file has this number.

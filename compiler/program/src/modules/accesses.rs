@@ -5,7 +5,7 @@ use plcc_model::scl::{
 };
 
 /// Calls `visit` for each access of the block.
-pub(super) fn of_body(body: &Body, visit: &mut dyn FnMut(&Access)) {
+pub fn of_body(body: &Body, visit: &mut dyn FnMut(&Access)) {
     of_statements(&body.statements, visit);
 }
 

@@ -2,14 +2,14 @@
 //!
 //! Only addresses in the text of the program are checked here; pointers are checked at run time (OB 122).
 
+mod accesses;
+
 use std::collections::BTreeMap;
 
 use plcc_abi::image::Module;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::{Base, StatementKind};
 use plcc_model::{Actual, Body, Operand, Place, Program, StlStatement, StlStatementKind, Width};
-
-use super::scl_accesses;
 
 /// The four kinds of addresses.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -39,16 +39,16 @@ impl Area {
     }
 }
 
-/// Messages about the uses of a program with a station: a warning for each range of bytes that no module has, an error for a
+/// Messages about the uses of a program with modules: a warning for each range of bytes that no module has, an error for a
 /// peripheral access of the wrong direction or width.
-pub fn check_program(program: &Program) -> Vec<Diagnostic> {
+pub fn check_modules(program: &Program) -> Vec<Diagnostic> {
     let Some(modules) = &program.config.modules else { return Vec::new() };
     let mut uses = Uses { modules, missing: BTreeMap::new(), diagnostics: Vec::new() };
     for block in &program.blocks {
         match &block.body {
             Body::Stl(statements) => statements.iter().for_each(|statement| uses.stl_statement(program, statement)),
             Body::Scl(body) => {
-                scl_accesses::of_body(body, &mut |access| {
+                accesses::of_body(body, &mut |access| {
                     if let (Base::Place(place), Some(ty)) = (&access.base, access.elementary()) {
                         uses.place(place, ty.bits().div_ceil(8), access.span);
                     }
