@@ -10,8 +10,5 @@
 mod bind;
 mod modules;
 
-pub use bind::{
-    bind, complete, graph_reference, implied_profile, is_about_drafts, is_s7200, lad_fbd_reference, library_interface,
-    runs, scl_functions, scl_reference,
-};
+pub use bind::{bind, complete, implied_profile, is_about_drafts, is_s7200, library_interface, runs, tables};
 pub use modules::check_modules;

@@ -1,5 +1,15 @@
-//! The pages in `docs/reference/`, printed from the tables of the compiler.
+//! The pages in `docs/reference/`, printed from the tables of the compiler. That of STL is printed in `plcc_syntax`, that of diagnostics
+//! in `plcc_diag`.
 
+mod graph;
+mod lad_fbd;
+mod s7200;
+mod s7200_instructions;
+mod scl;
 mod stdlib;
 
+pub use graph::reference as graph;
+pub use lad_fbd::reference as lad_fbd;
+pub use s7200::reference as s7200;
+pub use scl::reference as scl;
 pub use stdlib::standard_library;

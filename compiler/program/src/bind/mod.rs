@@ -29,9 +29,23 @@ mod notation;
 #[cfg(test)]
 mod tests;
 
-pub use chart::reference as graph_reference;
 pub use cpu::{implied_profile, is_s7200, runs};
-pub use network::{is_about_drafts, reference as lad_fbd_reference};
+pub use network::is_about_drafts;
 pub use partial::complete;
 pub use program::{bind, library_interface};
-pub use scl::{functions as scl_functions, reference as scl_reference};
+
+/// Tables of the languages, from which their reference pages are printed.
+pub mod tables {
+    /// Functions and conversions of SCL.
+    pub mod scl {
+        pub use crate::bind::declarations::rules::Rules;
+        pub use crate::bind::scl::convert::{Implicit, implicit, on_300};
+        pub use crate::bind::scl::function::{FUNCTIONS, Kind, Row, TextNumber};
+        pub use crate::bind::scl::variant::Question;
+    }
+
+    /// Operating parameters of charts, and their bits.
+    pub mod chart {
+        pub use crate::bind::trees::chart_data::parameters::{Effect, OPERATING_BITS, PARAMETERS, Parameter, Set};
+    }
+}

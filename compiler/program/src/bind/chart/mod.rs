@@ -7,7 +7,6 @@
 //!   `leaving`: statements that are not possible in them.
 //! - `assemble`: the code of steps and transitions, put into the placeholders.
 //! - `analysis`: which charts are valid.
-//! - `reference`: the page about GRAPH.
 //!
 //! Source: GRAPH reference, chapters D to G.
 
@@ -22,12 +21,9 @@ mod index;
 mod leaving;
 mod names;
 mod permanent;
-mod reference;
 mod template;
 #[cfg(test)]
 mod testing;
-
-pub use reference::reference;
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;

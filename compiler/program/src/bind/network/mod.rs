@@ -6,7 +6,6 @@
 //! - `bits`, `compare`, `math`, `moves`, `convert`, `calls`, `control`, `classic`: the elements, by the kinds of the table.
 //! - `stl`: networks in STL between the others.
 //! - `legality`: which networks are valid.
-//! - `reference`: the page about all elements.
 //!
 //! Source: LAD/FBD reference, chapters A.11, C and E.2.
 
@@ -21,12 +20,10 @@ mod math;
 mod moves;
 mod order;
 mod pins;
-mod reference;
 mod sheet;
 mod stl;
 
 pub use pins::{and, inverted, no, yes};
-pub use reference::reference;
 pub use sheet::Hidden;
 
 use crate::bind::declarations::Declarations;

@@ -109,7 +109,7 @@ const fn typed(name: &'static str, pins: &'static str, kind: Kind) -> Row {
 const TIMER: &str = "T_NO ?S ?TV ?R ?>Q ?>BI";
 
 /// The functions that are computed in place.
-pub const ROWS: &[Row] = &[
+pub const FUNCTIONS: &[Row] = &[
     typed("ABS", "IN", Kind::Absolute),
     typed("SQR", "IN", Kind::Float(Function::Sqr)),
     typed("SQRT", "IN", Kind::Float(Function::Sqrt)),
@@ -239,12 +239,12 @@ impl Named {
 }
 
 fn find_row(upper: &str) -> Option<&'static Row> {
-    ROWS.iter().find(|row| row.name.eq_ignore_ascii_case(upper))
+    FUNCTIONS.iter().find(|row| row.name.eq_ignore_ascii_case(upper))
 }
 
 /// Names of the functions, for messages.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    ROWS.iter().map(|row| row.name)
+    FUNCTIONS.iter().map(|row| row.name)
 }
 
 impl SclBinder<'_, '_> {

@@ -9,7 +9,6 @@
 //!   what they compute.
 //! - `variant`: queries of a VARIANT.
 //! - `value`: what an expression is before its context decides on its type; `message`: messages that several of these report.
-//! - `reference`: the reference page, docs/reference/scl.md.
 
 mod access;
 mod actual;
@@ -36,7 +35,6 @@ pub(in crate::bind) mod numeric;
 mod pins;
 pub(in crate::bind) mod place;
 mod pointer;
-mod reference;
 mod result;
 mod scatter;
 pub(in crate::bind) mod scope;
@@ -47,7 +45,7 @@ mod text_number;
 mod time;
 mod timer;
 pub(in crate::bind) mod value;
-mod variant;
+pub(in crate::bind) mod variant;
 
 #[cfg(test)]
 mod call_tests;
@@ -62,7 +60,6 @@ use plcc_syntax::scl::ast::{Body as Tree, Dialect, ExprKind, NameForm};
 
 pub use crate::bind::declarations::rules::Rules;
 use plcc_model::scl::Body;
-pub use reference::{effect, functions, reference};
 pub use scope::Scope;
 
 /// The purpose of an access.

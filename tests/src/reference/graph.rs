@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use plcc_syntax::ast::SectionKind;
 
-use crate::bind::trees::chart_data::parameters::{Effect, OPERATING_BITS, PARAMETERS, Parameter, Set};
+use plcc_program::tables::chart::{Effect, OPERATING_BITS, PARAMETERS, Parameter, Set};
 
 /// The page without its tables.
-const TEXT: &str = include_str!("reference.md");
+const TEXT: &str = include_str!("graph.md");
 
 /// Bits of MOP that no parameter sets as a request, with their meaning; all others are requests. In order of the bits.
 const LASTING: [(&str, &str); 18] = [

@@ -2,9 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::aliases::{ALIASES, BOXES};
-use super::{Acts, Compare, CompareKind, Contact, Insn, OperandClass, Relation};
-use crate::stl::Mnemonics;
+use plcc_syntax::s7200::{ALIASES, Acts, BOXES, Compare, CompareKind, Contact, Insn, OperandClass, Relation};
+use plcc_syntax::stl::Mnemonics;
 
 /// A family of instructions: heading, section of the manual, first and last row.
 ///

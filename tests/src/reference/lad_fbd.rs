@@ -6,10 +6,10 @@ use plcc_syntax::network::elements::{
     CounterCoil, ELEMENTS, EnoRule, Flag, Gate, Kind, Mcr, PinDirection, PinRow, ReturnValue, Row,
 };
 
-use crate::bind::scl;
+use super::scl;
 
 /// The page without its tables.
-const TEXT: &str = include_str!("reference.md");
+const TEXT: &str = include_str!("lad_fbd.md");
 
 /// Chapters of the table: title, chapters of the LAD/FBD reference, name of the first element.
 const CHAPTERS: [(&str, &str, &str); 10] = [

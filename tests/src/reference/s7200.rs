@@ -7,7 +7,7 @@ use plcc_abi::s7200::event::{self, Group};
 use plcc_abi::s7200::image::CpuRow;
 use plcc_abi::s7200::{ACCUMULATORS, HIGH_SPEED_COUNTERS, error, fatal};
 
-use super::all;
+use plcc_model::profile::s7200::all;
 
 /// Special memory. Source: S7-200 system manual, special memory bits.
 const SPECIAL_MEMORY: &[(&str, &str)] = &[
@@ -64,7 +64,7 @@ const COMPILE_ERRORS: &[(u16, &str)] = &[
 
 /// The page in Markdown: `docs/reference/s7-200.md`.
 pub fn reference() -> String {
-    let mut page = plcc_syntax::s7200::reference();
+    let mut page = super::s7200_instructions::reference();
     write_cpus(&mut page);
     write_events(&mut page);
     write_special_memory(&mut page);

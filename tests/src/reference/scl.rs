@@ -4,16 +4,12 @@ use std::fmt::Write as _;
 
 use plcc_syntax::Elementary;
 
-use super::Rules;
-use super::convert::{Implicit, implicit, on_300};
+use plcc_model::scl::{BinaryOp, Function, TimerKind};
+use plcc_program::tables::scl::{FUNCTIONS, Implicit, Kind, Question, Row, Rules, implicit, on_300};
 use plcc_stdlib::NOT_SUPPORTED;
 
-use super::function::{Kind, ROWS, Row};
-use super::variant::Question;
-use plcc_model::scl::{BinaryOp, Function, TimerKind};
-
 /// The page without its tables.
-const TEXT: &str = include_str!("reference.md");
+const TEXT: &str = include_str!("scl.md");
 
 /// The page in Markdown: `docs/reference/scl.md`.
 pub fn reference() -> String {
@@ -95,7 +91,7 @@ fn function_tables() -> String {
     for (index, group) in GROUPS.iter().enumerate() {
         let gap = if index == 0 { "" } else { "\n" };
         let _ = write!(tables, "{gap}### {group}\n\n| Function | Gives |\n| --- | --- |\n");
-        for row in ROWS {
+        for row in FUNCTIONS {
             let (of, effect) = described(row);
             if of == index {
                 let _ = writeln!(tables, "| `{}` | {effect} |", signature(row));
@@ -128,7 +124,7 @@ fn pin(word: &str) -> String {
 
 /// The value of the function with this name.
 pub fn effect(name: &str) -> Option<&'static str> {
-    ROWS.iter().find(|row| row.name.eq_ignore_ascii_case(name)).map(|row| described(row).1)
+    FUNCTIONS.iter().find(|row| row.name.eq_ignore_ascii_case(name)).map(|row| described(row).1)
 }
 
 /// Group and effect of a function.
@@ -240,8 +236,4 @@ const fn timer(kind: TimerKind) -> &'static str {
         TimerKind::RetentiveOnDelay => "S5 timer, retentive on delay",
         TimerKind::OffDelay => "S5 timer, off delay",
     }
-}
-/// Names of the functions of the language, without the types that some names end with.
-pub fn functions() -> impl Iterator<Item = &'static str> {
-    ROWS.iter().map(|row| row.name)
 }
